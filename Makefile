@@ -11,7 +11,7 @@ TESTS = -n 2 --dist loadscope --no-skips  # or --skipped for --no-skips: what ma
 
 # of the oldest and newest versions: what a change of a library breaks first; its deprecations are for others to read
 SHORT = tests/test_brake.py tests/test_files.py tests/test_fem.py tests/test_laws_examples.py tests/test_page.py \
-  tests/test_cli.py tests/test_bad_input.py
+  tests/test_cli.py tests/test_faults.py
 # what the libraries are for, at length: the main study with its field picture, a Dask scheduler, the manual
 WHOLE = tests/test_study_double_shoe.py tests/test_sweep_stopped.py::test_a_dask_worker_is_killed \
   tests/test_manual.py::test_the_manual_is_built_whole_and_stands_alone

@@ -1,7 +1,7 @@
 """Endings of a command that the judge of broken inputs must refuse, and what was given."""
 
 from drumlin_studies.fuzzing.endings import Ending
-from drumlin_studies.fuzzing.faults import Input
+from drumlin_studies.fuzzing.inputs import Input
 
 GIVEN = Input("x", {"b.toml": b"title"}, ["solve", "b.toml"])
 GOOD = Ending(0, "torque 3 N m\n", "", {"r.json": b'{"p": 1.0}', "r.csv": b"shoe,p\nleft,1\n"}, 0.1)

@@ -72,7 +72,7 @@ TUNED: dict[str, dict[str, Guard]] = {
         ("UNFELT", "SEEN", "FEW", "SHORTER", "DIGITS"), JUDGED
     ),
     "fem/hp/shoe.py": dict.fromkeys(("LEFT",), JUDGED),
-    "fem/preparation/assembly.py": {
+    "fem/preparation/meshes.py": {
         "ELEMENTS": Guard("down", ("tests/test_mesh.py::test_a_mesh_is_as_exact_as_is_said",)),
     },
     "fem/analysis/holding.py": {

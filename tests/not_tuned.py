@@ -39,7 +39,8 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "MOST_PASSES": PASSES,
         "SLACK": ROUND_OFF,
     },
-    "fem/preparation/assembly.py": {"MOST_ELEMENTS": MEMORY, "ROOM": MEMORY},
+    "fem/preparation/cache.py": {"ROOM": MEMORY},
+    "fem/preparation/meshes.py": {"MOST_ELEMENTS": MEMORY},
     "fem/substructure/body.py": {"FRAME": DEFINITION},
     "fem/substructure/elimination.py": {"LEAF": SPEED},
     "fem/preparation/finite_width.py": {
@@ -69,7 +70,7 @@ NOT_TUNED: dict[str, dict[str, str]] = {
     "fem/hp/element.py": {"CHUNK": SPEED},
     "fem/error_control/levels.py": {"DEG": DEFINITION, "LEVELS": DEFINITION, "MOST_PASSES": PASSES},
     "fem/hp/ring.py": {"TURN": DEFINITION, "CLOSE": ROUND_OFF},
-    "fem/preparation/scene.py": {"MOST_NODES": MEMORY},
+    "fem/preparation/columns.py": {"MOST_NODES": MEMORY},
     "fem/mesh/abaqus.py": {"NODES": FORMAT, "MOST_MEMBERS": MEMORY, "PER_LINE": FORMAT},
     "fem/mesh/check.py": dict.fromkeys(
         ("ARC_SLACK", "APART", "MOST_PAIRS", "LARGEST", "BENT", "OFF", "DEEP", "STEEP", "UPRIGHT"),

@@ -16,7 +16,7 @@ from drumlin.brake.elasticity import ElasticLayer
 from drumlin.brake.fields import Material
 from drumlin.brake.file import vary
 from drumlin.fem.mesh.arc import shoe_mesh
-from drumlin.fem.preparation.assembly import prepare
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.substructure.body import FRAME, condense, scalar_basis, stiffness, tie
 from drumlin.fem.substructure.elasticity import layers_of
 from drumlin.fem.substructure.elimination import dissection, eliminate
@@ -170,7 +170,7 @@ def full_system(brake, elements=12):
 def test_condensed_displacements_equal_those_of_the_whole_system(brake):
     basis, K, line, rigid, ties, loads = full_system(brake)
     n = 2 * len(line.nodes)
-    condensed = condense(K, ties, ties.matrix.T @ loads, n)
+    condensed = condense(K, ties, {"actuation": ties.matrix.T @ loads}, n)
     rng = np.random.default_rng(0)
     nodal = rng.normal(size=n) * 1e3
     forces = np.zeros(2 * basis.N)

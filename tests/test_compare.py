@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drumlin.brake.file import vary
-from drumlin.comparison import Column, as_csv, compare, extrapolate
+from drumlin.comparison import TableColumn, as_csv, compare, extrapolate
 from drumlin.laws import sine
 from drumlin.response.norms import pressure_distance, vector_distance
 
@@ -53,7 +53,7 @@ def test_a_failed_model_stays_in_the_table(brake):
 
 
 def test_cells_for_people():
-    column = Column("x", "peak", "MPa", 1e-6, ".3g")
+    column = TableColumn("x", "peak", "MPa", 1e-6, ".3g")
     assert column.title == "peak [MPa]"
     assert column.text({"x": 1.23456e6}) == "1.23"
     assert column.text({}) == column.text({"x": math.nan}) == "–"

@@ -25,8 +25,8 @@ from drumlin.explore.page import reply
 from drumlin.explore.picture import numbers_of, picture_of, scale_of
 from drumlin.fem.model import respond
 from drumlin.laws import sine
+from drumlin.lining_wear.worn_in import worn_in
 from drumlin.response.resultants import integrate
-from drumlin.wear.worn_in import worn_in
 from shared_forces import cam_brake, servo
 
 pytestmark = pytest.mark.slow

@@ -2,60 +2,61 @@
 which can say no.
 """
 
+import math
 import random
 import time
 import zlib
+from types import SimpleNamespace
 
 import pytest
 
+from conftest import ROOT
+from drumlin import solve
 from drumlin.base.errors import BadInput
+from drumlin.brake.plane_brake import read_any
 from drumlin.fem.mesh import vtu
 from drumlin.fem.mesh.abaqus import read_inp
-from drumlin_studies.fuzzing import endings, trials
+from drumlin_studies.fuzzing import endings, soundness, trials
+from drumlin_studies.fuzzing.broken_meshes import MESH_SUFFIXES, mesh_files, meshed
 from drumlin_studies.fuzzing.endings import fault_of, in_process, in_subprocess
-from drumlin_studies.fuzzing.faults import (
-    MAKERS,
-    Input,
-    brake_text,
-    make,
-    mesh_files,
-    reference_text,
-    result_text,
-    shown,
-)
+from drumlin_studies.fuzzing.faults import reference_text, result_text, shown
+from drumlin_studies.fuzzing.inputs import Input, brake_text
 from judged_endings import BAD, GIVEN, GOOD, REFUSED
 
 SECONDS = 15.0
+FIRST = {"changed sweeps": 100, "impossible meshes": 100, "structure": 60, "journals": 8}
+"""Inputs of a generator that each run of the tests tries. Impossible inputs and changed sweeps end in
+some 20 ms; each journal takes a sweep.
+"""
+
+
+@pytest.mark.parametrize("generator", trials.GENERATORS)
+def test_the_first_inputs_of_a_generator_end_as_promised(generator):
+    verdicts = [trials.tried(generator, number) for number in range(FIRST.get(generator, 25))]
+    assert [verdict.fault for verdict in verdicts if verdict.fault] == []
 
 
 @pytest.mark.slow
 def test_no_broken_input_ends_in_a_fault():
-    """As many as fit; the same ones in the same order every time."""
-    start, number, kinds, faults = time.monotonic(), 0, set(), []
-    while number < 60 or (time.monotonic() - start < SECONDS and number < 2000):
-        given = make(number)
-        fault = fault_of(given, in_process(given))
-        if fault:
-            faults.append(f"{number}: {shown(given)}: {fault}")
-        kinds.add(given.kind.split(":")[0])
+    """As many of each generator as fit; the same ones in the same order every time."""
+    start, number, faults = time.monotonic(), 25, []
+    while number < 30 or (time.monotonic() - start < SECONDS and number < 300):
+        faults += [trials.tried(generator, number).fault for generator in trials.GENERATORS]
         number += 1
-    assert not faults, "\n".join(faults)
-    assert {"brake file", "command line", "mesh"} <= kinds
+    assert not any(faults), "\n".join(filter(None, faults))
 
 
 def test_each_generator_repeats_itself_and_varies():
-    for maker in MAKERS:
+    for maker, _ in trials.GENERATORS.values():
         assert maker(random.Random(1)) == maker(random.Random(1))
         assert len({repr(maker(random.Random(i))) for i in range(8)}) > 4
 
 
-def test_a_process_of_its_own_ends_alike():
-    for number in (0, 3):
-        given = make(number)
-        if not all(map(trials.passes, given.words)):
-            continue
-        one, other = in_process(given), in_subprocess(given)
-        assert (one.status, one.err) == (other.status, other.err)
+@pytest.mark.parametrize("generator", ["sizes", "tables"])
+def test_a_process_of_its_own_ends_alike(generator):
+    given = trials.made(generator, 0)
+    one, other = in_process(given), in_subprocess(given)
+    assert (one.status, one.err) == (other.status, other.err)
 
 
 def test_words_that_no_process_can_be_given_are_tried_in_this_one():
@@ -77,6 +78,51 @@ def test_what_waits_without_end_is_found(monkeypatch):
     monkeypatch.setattr(endings, "LONGEST_WAIT", 0.05)
     monkeypatch.setattr(process, "run", lambda words: threading.Event().wait(60))
     assert "Late" in fault_of(GIVEN, in_process(GIVEN))
+
+
+def test_a_warning_and_a_run_that_works_without_end_are_found(monkeypatch):
+    import warnings
+
+    from drumlin.cli import process
+
+    monkeypatch.setattr(process, "run", lambda words: warnings.warn("x", stacklevel=1) or 0)
+    assert "UserWarning" in fault_of(GIVEN, in_process(GIVEN))
+
+    def slow(words):
+        while True:
+            pass
+
+    monkeypatch.setattr(endings, "LONGEST", 0.2)
+    monkeypatch.setattr(process, "run", slow)
+    assert "took" in fault_of(GIVEN, in_process(GIVEN))
+
+
+def test_a_sound_mesh_is_answered_and_that_of_an_impossible_one_is_a_fault(monkeypatch):
+    """Impossible meshes are made from meshes that drumlin takes: else their refusal would prove
+    nothing.
+    """
+    for suffix in MESH_SUFFIXES:
+        sound = meshed("sound", mesh_files()[suffix], suffix, must_fail=False)
+        end = in_process(sound)
+        assert end.status == 0 and fault_of(sound, end) == ""
+        assert "has none" in fault_of(sound._replace(must_fail=True), end)
+
+
+def test_an_answer_that_cannot_be_true_is_found(monkeypatch):
+    brake = read_any(ROOT / "studies" / f"{BRAKE}.toml")
+    answer = solve(brake, "fem", elements=6)
+    assert soundness.unsound(brake, answer) == ""
+
+    def seen(**changed):
+        parts = {name: getattr(answer, name) for name in ("torque", "balance", "shoes", "model")}
+        return soundness.unsound(brake, SimpleNamespace(**parts | changed))
+
+    assert seen(torque=math.nan) == "not finite"
+    assert "negative" in seen(torque=-answer.torque)
+    assert "out of balance" in seen(balance=SimpleNamespace(force=1e-3, moment=0.0))
+    no_moment = SimpleNamespace(moment=0.0)
+    monkeypatch.setattr(soundness, "contact_resultant", lambda *_: no_moment)
+    assert "of its pressure" in seen()
 
 
 @pytest.mark.parametrize("case", BAD)

@@ -17,7 +17,7 @@ from drumlin.contact import active_set
 from drumlin.fem.analysis.fields import fields, write_vtu
 from drumlin.fem.equilibrium.group import ShoeGroup
 from drumlin.fem.model import respond
-from drumlin.fem.preparation.assembly import prepare
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin.laws import locking_friction, sine
 from drumlin.response.norms import pressure_distance

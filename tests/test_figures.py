@@ -9,7 +9,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from drumlin.brake import read_any
-from drumlin.models import solve
+from drumlin.door import solve
 from drumlin.report import figures
 from drumlin.report.drawing import draw_brake
 from drumlin.report.palette import CATEGORIES, GRADES, LOOKS

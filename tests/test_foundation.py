@@ -20,9 +20,9 @@ from drumlin.foundation import ring
 from drumlin.foundation.model import system
 from drumlin.foundation.post import post, stations
 from drumlin.laws import locking_friction, sine
+from drumlin.lining_wear.worn_in import worn_in_foundation
 from drumlin.models import MODELS, applicable
 from drumlin.response.merit import barecki_shoe_factor
-from drumlin.wear.worn_in import worn_in_foundation
 from drumlin_studies.barecki_iteration import iterate
 
 POST = read_brake(ROOT / "studies" / "post_brake" / "brake.toml")

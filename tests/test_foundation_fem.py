@@ -13,7 +13,7 @@ from drumlin.base.errors import BadInput
 from drumlin.brake.file import read_brake, vary
 from drumlin.fem.analysis.deflection import beam_deflection, rim_displacement
 from drumlin.fem.model import respond
-from drumlin.fem.preparation.assembly import prepare
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin.fem.substructure.body import scalar_basis
 from drumlin.foundation.ring import flexibility

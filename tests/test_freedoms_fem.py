@@ -95,11 +95,11 @@ def test_the_whole_system_refined_is_the_same_answer() -> None:
     from drumlin.fem.equilibrium.group import groups_of
     from drumlin.fem.error_control.levels import LEVELS
     from drumlin.fem.model import refined_group
-    from drumlin.fem.preparation.scene import scene
+    from drumlin.fem.preparation.prepare import prepare
 
     for kind in KINDS:
         brake = brake_of(kind, 1, body=BODY)
-        (group,) = groups_of(scene(brake, LEVELS[1]), brake, 1e6)
+        (group,) = groups_of(prepare(brake, LEVELS[1]), brake, 1e6)
         group, found = group.settled()
         for order in ("COLAMD", "MMD_AT_PLUS_A"):
             refined = refined_group(group, found.active, order)

@@ -10,7 +10,7 @@ from drumlin.fem.analysis.at_rest import Feet, holding_problem
 from drumlin.fem.analysis.holding import full_slip_rotation, hold
 from drumlin.fem.equilibrium.group import grouped
 from drumlin.fem.model import respond
-from drumlin.fem.preparation.assembly import prepare
+from drumlin.fem.preparation.prepare import prepare
 from held_shoes import BODY, brake_of
 from shared_forces import cam_brake, servo
 

@@ -8,10 +8,10 @@ import pytest
 import drumlin
 from drumlin.brake.file import vary
 from drumlin.brake.plane_brake import FlatBrake
-from drumlin.fem.preparation.assembly import prepare
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.laws import law
-from drumlin.wear.linings import fem_setup
-from drumlin.wear.run_in import checks, run_in, target
+from drumlin.lining_wear.linings import fem_setup
+from drumlin.lining_wear.run_in import checks, run_in, target
 from flat_pads import pad
 from held_shoes import BODY, brake_of
 from shared_forces import cam_brake, servo
@@ -61,4 +61,4 @@ def test_running_in_ends_at_the_law(name: str) -> None:
     assert goal.torque == pytest.approx(law(brake).torque, rel=2e-4)
     assert states[-1].torque == pytest.approx(goal.torque, rel=2e-3)
     assert abs(states[0].torque / goal.torque - 1) > 3e-3
-    assert checks(setup, states, drumlin.wear.archard.WearLaw(1e-14)).volume < 1e-9
+    assert checks(setup, states, drumlin.lining_wear.archard.WearLaw(1e-14)).volume < 1e-9

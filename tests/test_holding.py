@@ -19,7 +19,7 @@ from drumlin.fem.analysis.holding import full_slip_rotation, hold
 from drumlin.fem.analysis.self_locking import limits
 from drumlin.fem.equilibrium.group import grouped
 from drumlin.fem.model import respond
-from drumlin.fem.preparation.assembly import prepare
+from drumlin.fem.preparation.prepare import prepare
 from drumlin_studies.random_brake import random_brake
 from drumlin_studies.random_kinds import random_kind
 from drumlin_studies.standing_off import standing_off

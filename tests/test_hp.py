@@ -32,16 +32,16 @@ from drumlin.fem.hp.division import Kind, divide, graded
 from drumlin.fem.hp.element import condensed_elements, element, shape_functions, stiffness
 from drumlin.fem.hp.shoe import distinct, nodes_of, rigid
 from drumlin.fem.model import PENALTY, refined_group, respond
-from drumlin.fem.preparation.assembly import Cache, prepare
-from drumlin.fem.preparation.scene import scene
+from drumlin.fem.preparation.cache import Cache
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import scene_of, solve
 from drumlin.fem.substructure.body import FRAME, condense
 from drumlin.fem.substructure.elasticity import layers_of
 from drumlin.laws import sine
+from drumlin.lining_wear.worn_in import solve as solve_worn_in
 from drumlin.response.norms import pressure_distance
 from drumlin.response.resultants import Inside, largest, lobatto
-from drumlin.sweeps.cases import Case, solved
-from drumlin.wear.worn_in import solve as solve_worn_in
+from drumlin.sweeps.cases import SweepCase, solved
 from drumlin_studies.random_brake import random_brake
 
 STEEL = Material(E=210e9, nu=0.3)
@@ -200,7 +200,7 @@ def every_unknown_at_once(K, p):
 
 
 def body_and_parts(brake, index=0, level=LEVELS[1]):
-    made = scene(brake, level)
+    made = prepare(brake, level)
     return brake.shoes[index], made.bodies[index]
 
 
@@ -220,7 +220,9 @@ def test_a_condensed_shoe_is_what_one_sparse_factorisation_leaves(brake, case):
     """
     shoe, body = body_and_parts(vary(brake, CASES[case]))
     _, ties, loads = body.condensed.inside()
-    other = condense(body.basis.stiffness(layers_of(shoe)), ties, loads, 2 * len(body.line.nodes))
+    other = condense(
+        body.basis.stiffness(layers_of(shoe)), ties, {"actuation": loads}, 2 * len(body.line.nodes)
+    )
     S, T = (c.L_cc @ c.L_cc.T for c in (body.condensed, other))
     assert pytest.approx(T, abs=1e-9 * np.abs(T).max()) == S
     for name in ("load_c", "load_f", "load_work"):
@@ -237,7 +239,9 @@ def test_a_post_is_what_one_sparse_factorisation_leaves():
     post = read_brake(Path(__file__).parents[1] / "studies" / "post_brake" / "brake.toml")
     shoe, body = body_and_parts(vary(post, {"drum.ring": None}))
     _, ties, loads = body.condensed.inside()
-    other = condense(body.basis.stiffness(layers_of(shoe)), ties, loads, 2 * len(body.line.nodes))
+    other = condense(
+        body.basis.stiffness(layers_of(shoe)), ties, {"actuation": loads}, 2 * len(body.line.nodes)
+    )
     S, T = (c.L_cc @ c.L_cc.T for c in (body.condensed, other))
     assert pytest.approx(T, abs=1e-9 * np.abs(T).max()) == S
     assert body.condensed.load_f == pytest.approx(other.load_f, abs=1e-8)
@@ -296,7 +300,7 @@ def test_a_ring_under_even_pressure_grows_as_lame_says(brake, support):
         "shoe[1].lining.start": "90 deg", "shoe[1].lining.end": "270 deg",
         "shoe[0].hinge": {"x": 0.0, "y": -0.125}, "shoe[1].hinge": {"x": 0.0, "y": -0.125},
     }  # fmt: skip
-    made = scene(vary(brake, halves), LEVELS[2])
+    made = prepare(vary(brake, halves), LEVELS[2])
     p = [np.full(len(body.line.phi), 1e6) for body in made.bodies]
     opened = sum(made.ring.pressed[j] @ p[j] for j in range(2))
     gap = np.linalg.solve(made.bodies[0].coupling.M, made.ring.pressed[0].T @ opened)
@@ -318,7 +322,7 @@ def test_rings_of_columns_and_of_a_mesh_answer_alike(brake, support):
     }
     ringed = vary(brake, {"drum.ring": ring})
     theirs = respond(prepare(ringed, elements=120), ringed)
-    mine = respond(scene(ringed, LEVELS[2], places_of(ringed, theirs)), ringed)
+    mine = respond(prepare(ringed, LEVELS[2], places_of(ringed, theirs)), ringed)
     assert mine.torque == pytest.approx(theirs.torque, rel=2e-5)
     assert pressure_distance(mine.shoes[0], theirs.shoes[0]) < 5e-3
 
@@ -388,7 +392,9 @@ def test_a_small_smooth_contact_is_that_of_hertz(brake):
 def test_a_short_contact_is_found_in_few_passes(monkeypatch):
     """A third more are needed where its ends are taken beside the few nodes that press."""
     made = []
-    monkeypatch.setattr(levels, "scene", lambda *args: made.append(scene(*args)) or made[-1])
+    monkeypatch.setattr(
+        levels, "prepare", lambda *args, **more: made.append(prepare(*args, **more)) or made[-1]
+    )
 
     def passes(seed, few):
         monkeypatch.setattr(places, "FEW", few)
@@ -454,7 +460,7 @@ def test_corners_beyond_a_short_contact_cost_little_and_change_nothing(monkeypat
     )  # the same ends of the contact: where they are rounded to moves p by more
     for rule in (division.faded, lambda part, distance, *, fades: part):
         monkeypatch.setattr(division, "faded", rule)
-        made = scene(brake, LEVELS[2], places)
+        made = prepare(brake, LEVELS[2], places)
         found.append((made.bodies[0].unknowns, respond(made, brake)))
     (unknowns, last), (more, fine) = found
     assert unknowns < 0.85 * more
@@ -490,7 +496,7 @@ def test_a_short_contact_is_graded_faster():
     places = places_of(brake, true)
 
     def solved(level):
-        made = scene(brake, level, places)
+        made = prepare(brake, level, places)
         found = respond(made, brake).shoes[0]
         return made.bodies[0].unknowns, pressure_distance(found, true.shoes[0])
 
@@ -664,7 +670,7 @@ def test_an_opening_that_is_nothing_beside_its_contact_is_no_place(brake):
 def test_a_level_with_more_contact_nodes_than_memory_can_take_is_said_to_miss_the_tolerance(
     brake, monkeypatch
 ):
-    monkeypatch.setattr("drumlin.fem.preparation.scene.MOST_NODES", 110)
+    monkeypatch.setattr("drumlin.fem.preparation.columns.MOST_NODES", 110)
     with pytest.raises(
         NoAnswer, match=r"not reached, the next level: its \d+ contact nodes are more than the 110"
     ):
@@ -679,13 +685,13 @@ def test_nodes_that_meet_through_a_ring_are_counted_together(brake, monkeypatch)
         "support": "fixed",
     }
     ringed = vary(brake, {"drum.ring": ring})
-    nodes = sum(len(body.line.nodes) for body in scene(ringed, LEVELS[0]).bodies)
-    monkeypatch.setattr("drumlin.fem.preparation.scene.MOST_NODES", nodes - 1)
+    nodes = sum(len(body.line.nodes) for body in prepare(ringed, LEVELS[0]).bodies)
+    monkeypatch.setattr("drumlin.fem.preparation.columns.MOST_NODES", nodes - 1)
     with pytest.raises(
         NoAnswer, match=f"its {nodes} contact nodes are more than the {nodes - 1} that"
     ):
-        scene(ringed, LEVELS[0])
-    scene(brake, LEVELS[0])
+        prepare(ringed, LEVELS[0])
+    prepare(brake, LEVELS[0])
 
 
 def test_shoes_of_either_hand_are_divided_alike(brake):
@@ -709,13 +715,13 @@ def test_fields_recovered_on_a_grid_are_in_balance(brake):
     these forces back.
     """
     response = solve(brake)
-    made = scene(brake, LEVELS[1], places_of(brake, response))
+    made = prepare(brake, LEVELS[1], places_of(brake, response))
     found = respond(made, brake)
     shoe, body = brake.shoes[0], made.bodies[0]
     p = found.shoes[0].pressure[:: shoe.frame.sense]
     drag = brake.friction * brake.spin * shoe.frame.sense
     nodal = drag * (body.coupling.T.T @ p) - body.coupling.N.T @ p
-    from drumlin.fem.preparation.assembly import actuation
+    from drumlin.fem.preparation.bodies import actuation
 
     u = body.condensed.displacement(
         nodal, np.zeros(FRAME), shoe.actuation.force * actuation(body, shoe)[0]
@@ -726,7 +732,7 @@ def test_fields_recovered_on_a_grid_are_in_balance(brake):
 
 
 def test_gradients_at_the_nodes_of_a_grid_are_those_of_a_linear_field_and_its_cells_fill_it(brake):
-    grid = scene(brake, LEVELS[0]).bodies[0].mesh
+    grid = prepare(brake, LEVELS[0]).bodies[0].mesh
     elements = np.arange(grid.element_dofs.shape[1])
     u = np.array([[1.0, 2.0], [-3.0, 0.5]]) @ grid.doflocs
     found = np.einsum("ian,ajnq->ijnq", u[:, grid.element_dofs], grid.gradients(elements))
@@ -782,7 +788,7 @@ def test_holding_wear_and_slopes_start_from_the_division_that_solve_ends_on(brak
 
 
 def test_cases_of_a_sweep_state_their_errors_and_share_divisions(brake):
-    cases = [Case(brake, {"friction": mu}) for mu in (0.3, 0.3001, 0.3002)]
+    cases = [SweepCase(brake, {"friction": mu}) for mu in (0.3, 0.3001, 0.3002)]
     rows = [solved(case, cache) for cache in [Cache()] for case in cases]
     assert all(
         0 < row["error_pressure"] <= DEFAULT.pressure and row["error_torque"] <= DEFAULT.torque
@@ -820,7 +826,7 @@ def test_what_is_kept_is_never_that_of_another_brake_or_division(brake):
     ]
     for changes, where in cases:
         own = vary(ringed, changes)
-        kept, anew = (scene(own, LEVELS[0], where, which) for which in (cache, None))
+        kept, anew = (prepare(own, LEVELS[0], where, cache=which) for which in (cache, None))
         for a, b in zip(kept.bodies, anew.bodies, strict=True):
             for name in (
                 "closing_pressed",
@@ -852,7 +858,7 @@ def test_columns_with_a_ring_are_refined_to_the_answer_of_their_condensed_bodies
         "support": support,
     }
     whole = vary(brake, {"drum.ring": ring})
-    (group,) = groups_of(scene(whole, LEVELS[0]), whole)
+    (group,) = groups_of(prepare(whole, LEVELS[0]), whole)
     found = group.answer()
     refined = refined_group(group, found.active)
     assert refined.correction < 1e-10

@@ -9,7 +9,7 @@ import skfem
 from drumlin.brake.file import vary
 from drumlin.brake.surface import DRUM
 from drumlin.contact import active_set
-from drumlin.fem.preparation.assembly import prepare
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.substructure.body import scalar_basis
 from drumlin.fem.substructure.interface import ContactLine, contact_line, couple, radial
 from drumlin.fem.substructure.ring import couple_ring

@@ -20,17 +20,17 @@ from drumlin.fem.analysis.holding import full_slip_rotation, hold
 from drumlin.fem.analysis.sensitivity import sensitivity
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.mesh.file import write_mesh
-from drumlin.fem.preparation.assembly import prepare
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.laws import law
+from drumlin.lining_wear.archard import WearLaw
+from drumlin.lining_wear.linings import fem_setup
+from drumlin.lining_wear.run_in import COEFFICIENT, checks, run_in, unit_distance
 from drumlin.models import pick
 from drumlin.response.balance import loaded
 from drumlin.verification import triangles
 from drumlin.verification.check import check, read_curves, within
 from drumlin.verification.reference import Refinement, reference, responses
 from drumlin.verification.reference_file import as_dict, read_reference, write_values
-from drumlin.wear.archard import WearLaw
-from drumlin.wear.linings import fem_setup
-from drumlin.wear.run_in import COEFFICIENT, checks, run_in, unit_distance
 
 FILES = {path.stem: path for path in sorted((ROOT / "studies" / "brakes").glob("*.toml"))}
 FILES["pad"] = ROOT / "studies" / "laws" / "pad.toml"

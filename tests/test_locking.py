@@ -17,8 +17,7 @@ from drumlin.fem.analysis.self_locking import limits, torques
 from drumlin.fem.equilibrium.group import ShoeGroup, groups_of
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import respond
-from drumlin.fem.preparation import scene as hp
-from drumlin.fem.preparation.assembly import prepare
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin.laws import locking_friction, rigid
 from drumlin_studies.random_brake import random_brake
@@ -160,7 +159,7 @@ def test_where_the_answer_turns_back_those_beyond_stand_apart_and_are_refused():
     friction that would leap too.
     """
     brake = random_brake(37, "locking")
-    scenes = prepare(brake, elements=16), hp.scene(brake, LEVELS[2]), prepare(brake, elements=64)
+    scenes = prepare(brake, elements=16), prepare(brake, LEVELS[2]), prepare(brake, elements=64)
     ends = []
     for scene in scenes:
         problems = ShoeGroup(scene, brake, (0,)).sliding

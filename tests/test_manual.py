@@ -3,6 +3,7 @@ and links hold.
 """
 
 import ast
+import importlib
 import inspect
 import re
 from html.parser import HTMLParser
@@ -21,6 +22,8 @@ from drumlin.studies import load
 
 manual = load("manual")[0]
 listing, keys = manual.listing, manual.listing.keys
+solve_path = importlib.import_module("studies.manual.solve_path")
+QUOTED = importlib.import_module("studies.manual.values").QUOTED
 PAGES = ROOT / "studies" / "manual" / "pages"
 NOTEBOOKS = sorted((ROOT / "studies" / "notebooks").glob("*.ipynb"))
 
@@ -280,3 +283,156 @@ def test_the_manual_is_built_whole_and_stands_alone(tmp_path, monkeypatch):
     index = (site / "searchindex.js").read_text(encoding="utf-8")
     assert '"lock' in index or "lock:" in index
     assert not list(site.rglob("*.pickle"))
+
+
+# values that pages quote
+
+
+def test_every_value_is_quoted_and_every_quote_has_a_value():
+    known = manual.values()
+    quoted = set()
+    for page in PAGES.rglob("*.md"):
+        quoted |= set(QUOTED.findall(page.read_text(encoding="utf-8")))
+    assert quoted == set(known)
+    assert known["penalty"] == "1e8"
+    assert manual.filled("with {{ penalty }}", known) == "with 1e8"
+    # The braces of an f-string in an example are no quote.
+    assert manual.filled("{{ from = 0.1 }}", known) == "{{ from = 0.1 }}"
+    with pytest.raises(NoAnswer, match="no value is called 'nonsense'"):
+        manual.filled("{{ nonsense }}", known)
+
+
+# the architecture page
+
+ARCHITECTURE = (PAGES / "researcher" / "architecture.md").read_text(encoding="utf-8")
+MOST_FILES = 5  # source files that a change touches, but for friction that depends on pressure
+
+
+def test_the_architecture_page_has_every_room():
+    source = ROOT / "src" / "drumlin"
+    rooms = {path.parent.relative_to(source) for path in source.rglob("__init__.py")}
+    for room in rooms:
+        # The two rooms of rooms, fem and verification, list what is in them; the others stand alone.
+        if room.parts and (len(room.parts) == 1 or room.parts[0] == "fem"):
+            name = ".".join(("drumlin", *room.parts))
+            assert f"`{name}`" in ARCHITECTURE, name
+    for name in solve_path.rooms():
+        importlib.import_module(name)
+
+
+def test_the_ten_changes_name_files_that_exist_and_touch_few():
+    rows = [line.split("|")[1:3] for line in ARCHITECTURE.splitlines() if line.startswith("| ")]
+    changes = {what.strip(): re.findall(r"`([\w/.]+)`", files) for what, files in rows[1:]}
+    assert len(changes) == 10
+    for what, files in changes.items():
+        assert files, what
+        for file in files:
+            assert (ROOT / "src" / "drumlin" / file).exists(), f"{what}: {file}"
+        assert len(files) <= MOST_FILES or "μ(p)" in what, what
+
+
+# names that texts mention
+
+DOTTED = re.compile(r"`((?:[a-z_]\w*\.)+\w+)(?:\(.*?\))?`")
+"""A dotted name in single back quotes, such as `drumlin.brake.surface` or `adapt.SHORTEST`."""
+FILE = re.compile(r"(?<![\w./{])((?:[a-z_]\w*/)*[a-z_]\w*\.py)\b")
+"""The path of a Python file in a text."""
+NOT_OURS = (
+    "brake.toml",
+    "make.",
+    "np.",
+    "numpy.",
+    "scipy.",
+    "math.",
+    "matplotlib.",
+    "shoe.",
+    "drum.",
+)
+"""First words of names in back quotes that are files, other libraries or keys of a brake file."""
+
+
+def modules():
+    """The modules of both packages by each ending of their names: `adapt`, `error_control.adapt`."""
+    found = {}
+    for package in ("drumlin", "drumlin_studies"):
+        for path in (ROOT / "src" / package).rglob("*.py"):
+            # Texts must not use the old name of a module that has moved.
+            if "__getattr__ = moved(" in path.read_text(encoding="utf-8"):
+                continue
+            parts = path.relative_to(ROOT / "src").with_suffix("").parts
+            parts = parts[:-1] if parts[-1] == "__init__" else parts
+            for start in range(len(parts)):
+                found.setdefault(".".join(parts[start:]), []).append(".".join(parts))
+    return found
+
+
+MODULES = modules()
+
+
+def is_there(name):
+    """Whether a dotted name is a module, or a name in a module or in a class of a module."""
+    parts = name.split(".")
+    for end in range(len(parts), 0, -1):
+        for module in MODULES.get(".".join(parts[:end]), ()):
+            value: object = importlib.import_module(module)
+            for part in parts[end:]:
+                fields = getattr(value, "__annotations__", {})
+                value = getattr(value, part, fields.get(part))
+            if value is not None:
+                return True
+    return False
+
+
+def mentioned():
+    """Place and dotted name of each mention in a page of the manual or in a docstring."""
+    for page in [*PAGES.rglob("*.md"), ROOT / "README.md", ROOT / "CONTRIBUTING.md"]:
+        prose = re.sub(r"```.*?```", "", page.read_text(encoding="utf-8"), flags=re.S)
+        yield from ((page.name, name) for name in DOTTED.findall(prose))
+    for path in sorted((ROOT / "src").rglob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
+                text = node.value.value
+                if isinstance(text, str):
+                    yield from ((path.name, name) for name in DOTTED.findall(text))
+
+
+def test_dotted_names_in_docstrings_and_pages_exist():
+    """A name that begins with drumlin or with one of its modules must exist.
+
+    Other dotted names are files, keys of a brake file, or attributes of an object in a sentence.
+    """
+    missing, seen = [], 0
+    for place, name in mentioned():
+        first = name.split(".")[0]
+        if name.endswith((".py", ".md", ".toml", ".json", ".jsonl", ".csv", ".vtu")):
+            continue
+        if first.startswith("drumlin") or (first in MODULES and not name.startswith(NOT_OURS)):
+            seen += 1
+            if not is_there(name):
+                missing.append(f"{place}: {name}")
+    assert not missing
+    assert seen > 50
+
+
+def test_files_that_texts_mention_exist():
+    """A path such as fem/model.py, in a docstring, a comment or a page, is the end of a file's."""
+    ends = set()
+    for folder in ("src", "studies", "tests", "meshes"):
+        for path in (ROOT / folder).rglob("*.py"):
+            parts = path.relative_to(ROOT).parts
+            ends |= {"/".join(parts[start:]) for start in range(len(parts))}
+    texts = [*(ROOT / "src").rglob("*.py"), *PAGES.rglob("*.md"), ROOT / "README.md"]
+    missing = []
+    for text in texts:
+        for name in re.findall(FILE, text.read_text(encoding="utf-8")):
+            if name not in ends and name != "setup.py":
+                missing.append(f"{text.name}: {name}")
+    assert not missing
+
+
+def test_a_name_that_is_gone_is_noticed():
+    assert is_there("drumlin.fem.error_control.adapt")
+    assert is_there("adapt.DEFAULT")
+    assert is_there("drumlin.door.WearRun") or is_there("drumlin.lining_wear.whole_brake.WearRun")
+    assert not is_there("drumlin.misfit")
+    assert not is_there("assembly.coupled")

@@ -13,7 +13,7 @@ from drumlin.fem.mesh.arc import shoe_mesh
 from drumlin.fem.mesh.file import read_mesh, write_mesh
 from drumlin.fem.mesh.grading import graded
 from drumlin.fem.model import respond
-from drumlin.fem.preparation.assembly import prepare
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin_studies.stated_true import errors
 

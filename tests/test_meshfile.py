@@ -18,7 +18,7 @@ from drumlin.brake.file import read_brake, vary
 from drumlin.fem.mesh.abaqus import read_inp
 from drumlin.fem.mesh.arc import KINDS, shoe_mesh
 from drumlin.fem.mesh.file import read_mesh, write_mesh
-from drumlin.fem.preparation.assembly import prepare
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import check_divided, solve
 from drumlin.models import pick
 from drumlin.response.norms import pressure_distance

@@ -14,14 +14,14 @@ from drumlin.brake import clearance, off_circle
 from drumlin.brake.fields import Point
 from drumlin.brake.file import brake_from, read_brake, vary
 from drumlin.fem.model import respond
-from drumlin.fem.preparation.assembly import prepare
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin.foundation import model as foundation
 from drumlin.laws import sine
+from drumlin.lining_wear import run_in
+from drumlin.lining_wear.linings import fem_setup
+from drumlin.lining_wear.worn_in import worn_in
 from drumlin.response.norms import pressure_distance
-from drumlin.wear import run_in
-from drumlin.wear.linings import fem_setup
-from drumlin.wear.worn_in import worn_in
 
 R = 0.15
 TEXT = (STUDY / "brake.toml").read_text()

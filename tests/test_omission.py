@@ -14,7 +14,7 @@ from drumlin.brake.components import Ring
 from drumlin.brake.file import read_brake, vary
 from drumlin.fem.error_control.adapt import Tolerance, adapt
 from drumlin.fem.model import respond
-from drumlin.fem.preparation.assembly import prepare
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin.response.norms import pressure_distance
 from drumlin_studies.omission import change, predict, scene_without, simplified

@@ -27,8 +27,8 @@ from drumlin.fem.analysis.sensitivity import as_text, sensitivity
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.hp.corner import corner_power, orthotropic_corner_power, powers_of
 from drumlin.fem.model import respond
-from drumlin.fem.preparation import scene as hp
-from drumlin.fem.preparation.assembly import Cache
+from drumlin.fem.preparation.cache import Cache
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import scene_of, solve
 from drumlin.fem.substructure.body import scalar_basis, stiffness
 from drumlin.models import MODELS, applicable, pick, refusals
@@ -511,7 +511,7 @@ def test_stresses_are_those_of_the_layers_directions():
     brake = with_lining(
         vary(MAIN, {"shoe.body": None, "friction": 0.0, "shoe.lining.thickness": 0.004})
     )
-    for scene in (hp.scene(brake, LEVELS[2]), scene_of(brake, elements=60)):
+    for scene in (prepare(brake, LEVELS[2]), scene_of(brake, elements=60)):
         response = respond(scene, brake)
         found = fields(scene, brake, response, index=1)
         angle = np.degrees(np.arctan2(found.points[:, 1], found.points[:, 0])) % 360
@@ -589,7 +589,7 @@ def test_getfem_agrees(name):
 
 def test_a_pad_on_a_plane_has_straight_layers():
     clamp = orthotropic(read_any(ROOT / "studies/brakes/rail_clamp.toml"), 2)
-    scenes = hp.scene(clamp, LEVELS[2]), scene_of(clamp, elements=60)
+    scenes = prepare(clamp, LEVELS[2]), scene_of(clamp, elements=60)
     by_columns, by_mesh = (respond(scene, clamp) for scene in scenes)
     for a, b in zip(by_columns.shoes, by_mesh.shoes, strict=True):
         assert b.normal_force == pytest.approx(a.normal_force, rel=1e-4)
@@ -623,7 +623,7 @@ def test_a_pressed_corner_has_the_power_of_p_of_its_material(stiffer):
     """
     changes = {"shoe.lining.material.E_along": 3e8 * stiffer, "friction": 0.3}
     brake = vary(pad(0.02, LINING), changes)
-    (found,) = respond(hp.scene(brake, LEVELS[5]), brake).shoes
+    (found,) = respond(prepare(brake, LEVELS[5]), brake).shoes
     (lower, _) = sorted(powers_of(brake, 0))
     r = np.geomspace(2e-6, 4e-5, 12)
     power = np.polyfit(np.log(r), np.log(found.pressure_at(r)), 1)[0]

@@ -16,13 +16,12 @@ from drumlin.cli.commands import app
 from drumlin.fem.analysis.fields import fields
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import respond
-from drumlin.fem.preparation.assembly import prepare
-from drumlin.fem.preparation.scene import scene
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import scene_of
 from drumlin.laws import law
-from drumlin.wear.archard import WearLaw
-from drumlin.wear.linings import fem_setup
-from drumlin.wear.run_in import COEFFICIENT, run_in, unit_distance, worn
+from drumlin.lining_wear.archard import WearLaw
+from drumlin.lining_wear.linings import fem_setup
+from drumlin.lining_wear.run_in import COEFFICIENT, run_in, unit_distance, worn
 from drumlin_studies.ladder_pads import guided
 from drumlin_studies.random_kinds import placed
 from flat_pads import BODY, KINDS, LINING, pad
@@ -121,7 +120,7 @@ def test_the_pressure_at_the_edge_has_the_exponent_of_a_quarter_plane(
     material = {"E": 3e8, "nu": 0.3}
     lining = LINING | {"start": 0.06, "end": 0.18, "thickness": 0.02, "material": material}
     brake = pad("guide", mu=mu, lining=lining)
-    found = respond(scene(brake, LEVELS[5]), brake).shoes[0]
+    found = respond(prepare(brake, LEVELS[5]), brake).shoes[0]
     r = np.geomspace(2e-6, 4e-5, 12)
     p = found.pressure_at(0.06 + r)
     slope = np.polyfit(np.log(r), np.log(p), 1)[0]

@@ -23,7 +23,7 @@ from drumlin.comparison import compare
 from drumlin.fem.mesh.arc import shoe_mesh
 from drumlin.fem.mesh.file import read_mesh, write_mesh
 from drumlin.fem.mesh.grading import divide
-from drumlin.fem.preparation.assembly import prepare
+from drumlin.fem.preparation.prepare import prepare
 from drumlin_studies.random_kinds import placed
 from flat_pads import BODY, KINDS, pad
 

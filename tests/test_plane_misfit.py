@@ -20,7 +20,7 @@ from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.error_control.places import places_of
 from drumlin.fem.hp.division import Kind
 from drumlin.fem.model import respond
-from drumlin.fem.preparation.scene import scene
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.laws import law
 from drumlin.response.response import ShoeResponse
 from drumlin_studies.random_kinds import placed, scaled
@@ -155,7 +155,7 @@ def test_a_pad_in_blocks_bears_by_those_that_do_not_stand_back() -> None:
     assert 0.02 < second[0] < 0.02 + step
     brake = pad("hinge", body=BODY)  # under which only the far end bears
     stepped = vary(brake, {MISFIT: {"blocks": [[0.1, 1e-3], [0.14, 0.0]]}})
-    (places,) = places_of(stepped, respond(scene(brake, LEVELS[1]), brake)).values()
+    (places,) = places_of(stepped, respond(prepare(brake, LEVELS[1]), brake)).values()
     assert sum(kind in {Kind.STEP, Kind.OPEN_STEP} for *_, kind in places) == 4
     a, b = pressed(brake), pressed(stepped)
     assert b.contact_arcs[0] == pytest.approx(a.contact_arcs[0], rel=1e-3)

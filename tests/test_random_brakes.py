@@ -17,7 +17,7 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.file import brake_from
 from drumlin.fem.equilibrium.group import ShoeGroup
 from drumlin.fem.model import respond
-from drumlin.fem.preparation.assembly import prepare
+from drumlin.fem.preparation.prepare import prepare
 
 UNIQUE = 0.6  # friction up to which any start must lead to the same answer
 ROTATIONS = ("counter-clockwise", "clockwise")

@@ -10,7 +10,7 @@ from drumlin.base.errors import BadInput
 from drumlin.brake.file import read_brake, vary
 from drumlin.fem.analysis.fields import fields, ring_fields
 from drumlin.fem.model import respond
-from drumlin.fem.preparation.assembly import prepare
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin.fem.substructure.ring import ring_mesh
 

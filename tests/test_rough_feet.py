@@ -22,7 +22,7 @@ from drumlin.fem.analysis.holding import full_slip_rotation, hold
 from drumlin.fem.analysis.self_locking import limits, torques
 from drumlin.fem.equilibrium.group import groups_of
 from drumlin.fem.model import PENALTY, respond
-from drumlin.fem.preparation.assembly import prepare
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.laws import rigid
 from drumlin_studies.consistency_hold import checks
 from drumlin_studies.random_kinds import random_kind

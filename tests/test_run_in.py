@@ -10,12 +10,11 @@ from conftest import ROOT
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.file import read_brake, vary
 from drumlin.fem.model import respond
-from drumlin.fem.preparation.assembly import prepare
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.laws import hinged, rigid
-from drumlin.response.norms import pressure_distance
-from drumlin.wear.archard import WearLaw, ripple, run_on
-from drumlin.wear.linings import fem_setup, foundation_setup, guided
-from drumlin.wear.run_in import (
+from drumlin.lining_wear.archard import WearLaw, ripple, run_on
+from drumlin.lining_wear.linings import fem_setup, foundation_setup, guided
+from drumlin.lining_wear.run_in import (
     COEFFICIENT,
     checks,
     distance,
@@ -25,6 +24,7 @@ from drumlin.wear.run_in import (
     unit_distance,
     worn,
 )
+from drumlin.response.norms import pressure_distance
 
 LAW = WearLaw(COEFFICIENT)
 

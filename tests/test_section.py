@@ -21,8 +21,8 @@ from drumlin.brake.plane_brake import FlatBrake
 from drumlin.brake.writing import brake_text
 from drumlin.fem.analysis.sensitivity import sensitivity
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.preparation import scene as hp
-from drumlin.fem.preparation.assembly import Scene, prepare
+from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.scene import Scene
 from drumlin.fem.solid.mesh import solid_mesh
 from drumlin.verification.triangles.outline import outline
 from drumlin_studies.reduced import sketcher
@@ -71,7 +71,7 @@ def bar(**body: Any) -> Brake:
 
 
 def scenes(brake: Brake) -> list[Scene]:
-    return [prepare(brake, elements=10), hp.scene(brake, LEVELS[0])]
+    return [prepare(brake, elements=10), prepare(brake, LEVELS[0])]
 
 
 @pytest.mark.parametrize(

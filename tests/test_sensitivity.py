@@ -16,7 +16,7 @@ from drumlin.brake.file import vary
 from drumlin.cli import commands as cli
 from drumlin.fem.analysis.sensitivity import against_differences, sensitivity
 from drumlin.fem.model import respond
-from drumlin.fem.preparation.assembly import prepare
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin_studies.random_brake import random_brake
 

@@ -12,8 +12,7 @@ from drumlin.brake.file import vary
 from drumlin.fem.equilibrium.group import groups_of
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import respond
-from drumlin.fem.preparation.assembly import prepare
-from drumlin.fem.preparation.scene import scene as hp_scene
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.laws import law
 from drumlin.response.balance import loaded
 from drumlin.response.merit import brake_factor
@@ -64,7 +63,7 @@ def test_a_cam_feels_the_corners_of_the_loaded_ends() -> None:
         body=0.02, thickness=0.012, web=0.002, table={"thickness": 0.004, "width": 0.04}
     )
     (true,) = triangles.sequence(brake, triangles.LEVELS[:1])
-    found = respond(hp_scene(brake, LEVELS[1]), brake, penalty=math.inf)
+    found = respond(prepare(brake, LEVELS[1]), brake, penalty=math.inf)
     for a, b in zip(found.shoes, true, strict=True):
         assert a.hinge_reaction == pytest.approx(
             b.hinge_reaction, abs=1e-5 * np.linalg.norm(b.hinge_reaction)
@@ -98,7 +97,7 @@ def test_the_tip_moves_as_the_energy_says() -> None:
 
 
 def _load(group: Any) -> Any:
-    from drumlin.fem.preparation.assembly import actuation
+    from drumlin.fem.preparation.bodies import actuation
 
     return actuation(group.bodies[0], group.shoes[0])[0]
 

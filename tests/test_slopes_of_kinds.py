@@ -11,7 +11,7 @@ from conftest import ROOT, partly
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import values_of, vary
 from drumlin.fem.analysis.sensitivity import Sensitivity, as_text, sensitivity
-from drumlin.fem.preparation.assembly import prepare
+from drumlin.fem.preparation.prepare import prepare
 from flat_pads import pad
 from held_shoes import BODY, brake_of
 from shared_forces import cam_brake, servo

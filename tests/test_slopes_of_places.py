@@ -27,8 +27,7 @@ from drumlin.fem.hp.grid import Grid
 from drumlin.fem.mesh.arc import shoe_mesh
 from drumlin.fem.mesh.file import write_mesh
 from drumlin.fem.model import respond
-from drumlin.fem.preparation import scene as hp
-from drumlin.fem.preparation.assembly import prepare
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import scene_of, solve
 from drumlin.fem.substructure.body import FRAME, scalar_basis, stiffness
 from drumlin_studies import consistency_slopes
@@ -96,7 +95,7 @@ def on_mesh(brake: Brake) -> Any:
 
 
 def on_columns(brake: Brake) -> Any:
-    return hp.scene(brake, LEVELS[0])
+    return prepare(brake, LEVELS[0])
 
 
 def central(

@@ -19,7 +19,7 @@ from drumlin.base.errors import BadInput
 from drumlin.brake.fields import Material
 from drumlin.brake.file import read_brake, vary
 from drumlin.fem.model import respond
-from drumlin.fem.preparation.assembly import prepare
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solid import model
 from drumlin.fem.solid.body import face_of
 from drumlin.fem.solid.face import width_matrix

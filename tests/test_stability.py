@@ -20,7 +20,7 @@ from drumlin.fem.error_control.adapt import Tolerance, adapt
 from drumlin.fem.error_control.estimate import ROUND_OFF
 from drumlin.fem.error_control.levels import steps
 from drumlin.fem.model import LARGEST_LOSS, MOST_LOSS, REFINED, refined_group, respond
-from drumlin.fem.preparation.assembly import prepare
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin.fem.substructure.body import stiffness
 from drumlin.fem.substructure.elasticity import layers_of

@@ -12,7 +12,7 @@ from drumlin.contact import active_set
 from drumlin.contact.equations import Problem
 from drumlin.fem.analysis.self_locking import limits
 from drumlin.fem.error_control.levels import EVEN, LEVELS, steps
-from drumlin.fem.preparation.assembly import prepare
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin.laws import law
 from drumlin_studies import consistency_refused

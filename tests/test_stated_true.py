@@ -16,7 +16,7 @@ from drumlin.fem.error_control.estimate import FACTORS, ROUND_OFF, SOFTER, Error
 from drumlin.fem.error_control.levels import LEVELS as COLUMNS
 from drumlin.fem.error_control.levels import Step, steps
 from drumlin.fem.model import respond
-from drumlin.fem.preparation.scene import scene
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin.response.norms import pressure_distance
 from drumlin.response.response import NONE, Change, reaction_size
@@ -145,7 +145,7 @@ def test_an_estimate_is_a_factor_of_the_last_step_and_what_lies_beside_it(brake)
 
 @pytest.fixture(scope="module")
 def level(brake):
-    return respond(scene(brake, COLUMNS[0]), brake, penalty=math.inf)
+    return respond(prepare(brake, COLUMNS[0]), brake, penalty=math.inf)
 
 
 def shifted(response, by):
@@ -211,7 +211,7 @@ def test_a_peak_that_agrees_by_chance_is_as_uncertain_as_the_pressure_near_it(br
 
 def test_the_shortest_contact_of_a_shoe_counts(brake):
     """Of two levels whose one torque moves by 1e-3; one contact of two is a nanometre long."""
-    made = scene(brake, COLUMNS[0])
+    made = prepare(brake, COLUMNS[0])
     found = respond(made, brake, penalty=math.inf)
     one, other = found.shoes
     before = replace(found, shoes=(replace(one, torque=1.001 * one.torque), other))
@@ -273,7 +273,7 @@ def test_what_a_soft_contact_changes_is_stated(brake, penalty):
     """Down to one a thousand times as soft as the lining, whose pressure hardly hangs on it any
     more.
     """
-    level = scene(brake, COLUMNS[2])
+    level = prepare(brake, COLUMNS[2])
     firm, soft = (respond(level, brake, penalty=each).shoes for each in (math.inf, penalty))
     for a, b in zip(soft, firm, strict=True):
         reaction = float(
@@ -288,7 +288,7 @@ def test_what_a_soft_contact_changes_is_stated(brake, penalty):
 def test_what_a_soft_contact_changes_of_a_post_is_stated_too():
     """Of its pressure it changes a third more than to first order."""
     brake = random_brake(300_501, "post")
-    level = scene(brake, COLUMNS[1])
+    level = prepare(brake, COLUMNS[1])
     firm, soft = (respond(level, brake, penalty=each) for each in (math.inf, 10.0))
     true = pressure_distance(soft.shoes[0], firm.shoes[0])
     assert true > 1e-2

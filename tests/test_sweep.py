@@ -14,11 +14,11 @@ from conftest import ROOT, STUDY
 from drumlin.base.errors import BadInput
 from drumlin.base.journal import Journal
 from drumlin.brake.file import read_brake, unit_of, vary
-from drumlin.fem.preparation import assembly
-from drumlin.fem.preparation.assembly import Cache
+from drumlin.fem.preparation import meshes
+from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.solve import solve
 from drumlin.sweeps import file as sweep_file
-from drumlin.sweeps.cases import Case, run, solved
+from drumlin.sweeps.cases import SweepCase, run, solved
 from drumlin.sweeps.file import read_sweep, sweep_from
 from drumlin.sweeps.table import table, write_table
 
@@ -185,7 +185,7 @@ def test_units_of_keys(brake):
 
 
 def test_a_failed_case_is_a_row_with_its_reason(brake, monkeypatch):
-    cases = [Case(brake, {"friction": mu}, "sine") for mu in (0.3, 0.9, -1.0)]
+    cases = [SweepCase(brake, {"friction": mu}, "sine") for mu in (0.3, 0.9, -1.0)]
     good, locked, bad = run(cases)
     assert good["status"] == "solved" and good["torque"] > 0
     assert (
@@ -199,18 +199,18 @@ def test_a_failed_case_is_a_row_with_its_reason(brake, monkeypatch):
 
 def test_bodies_are_condensed_once_for_all_loads(brake, monkeypatch):
     made = []
-    assemble = assembly.assemble
-    monkeypatch.setattr(assembly, "assemble", lambda *a: made.append(1) or assemble(*a))
+    assemble = meshes.assemble
+    monkeypatch.setattr(meshes, "assemble", lambda *a: made.append(1) or assemble(*a))
     loads = [
         {"friction": 0.2},
         {"rotation": "clockwise", "shoe[0].actuation.force": 500.0},
         {"shoe[1].lining.clearance": 1e-4, "shoe.actuation.direction": 0.1},
         {"shoe[0].actuation.point.y": 0.09},
     ]
-    run([Case(brake, change, "fem", {"elements": 10}) for change in loads])
+    run([SweepCase(brake, change, "fem", {"elements": 10}) for change in loads])
     assert len(made) == 1  # both shoes share it
     softer = [{"shoe[0].lining.material.E": 2e8, "friction": mu} for mu in (0.2, 0.3)]
-    run([Case(brake, change, "fem", {"elements": 10}) for change in softer])
+    run([SweepCase(brake, change, "fem", {"elements": 10}) for change in softer])
     assert len(made) == 3
 
 
@@ -225,7 +225,7 @@ def test_shared_bodies_change_no_digit(brake, flexible):
     changes += [{"drum.ring": ring}]
     changes += [{"rotation": "clockwise", "shoe.lining.clearance": 1e-4}]
     cases = [
-        Case(base, change, "fem", {"elements": 8})
+        SweepCase(base, change, "fem", {"elements": 8})
         for change in changes
         for base in (brake, flexible)
     ]
@@ -253,7 +253,7 @@ def test_room_for_bodies_is_kept_to():
 
 @pytest.mark.parametrize("count", [1, 7])
 def test_any_executor_gives_the_same_rows(brake, count, tmp_path):
-    cases = [Case(brake, {"friction": mu}, "sine") for mu in np.linspace(0.1, 0.9, 41)]
+    cases = [SweepCase(brake, {"friction": mu}, "sine") for mu in np.linspace(0.1, 0.9, 41)]
     told = []
     with ThreadPoolExecutor(count) as executor, Journal(tmp_path / "journal") as journal:
         rows = run(
@@ -265,7 +265,9 @@ def test_any_executor_gives_the_same_rows(brake, count, tmp_path):
         )
     assert rows == run(cases) and told == [(n, 41) for n in range(42)]
     with Journal(tmp_path / "journal") as journal:  # all are there, four more are asked for
-        more = cases + [Case(brake, {"friction": mu}, "sine") for mu in (0.11, 0.12, 0.13, 0.11)]
+        more = cases + [
+            SweepCase(brake, {"friction": mu}, "sine") for mu in (0.11, 0.12, 0.13, 0.11)
+        ]
         run(more, journal=journal, done=lambda *at: told.append(at))
         assert told[42] == (42, 45)  # the doubled one is not solved twice
         assert told[-1] == (45, 45) and len(journal) == 44
@@ -273,11 +275,11 @@ def test_any_executor_gives_the_same_rows(brake, count, tmp_path):
 
 def test_tables(brake, tmp_path):
     cases = [
-        Case(brake, {"shoe.lining.clearance": c, "friction": mu}, "sine")
+        SweepCase(brake, {"shoe.lining.clearance": c, "friction": mu}, "sine")
         for c, mu in ((0.0, 0.3), (0.0, 0.9))
     ]
     cases.append(
-        Case(
+        SweepCase(
             brake,
             {"shoe.lining.clearance": [["-70 deg", "0 mm"], ["55 deg", "0 mm"]], "friction": 0.3},
             "sine",

@@ -14,10 +14,10 @@ from conftest import ROOT, STUDY
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.base.journal import Journal
 from drumlin.brake.file import read_brake
-from drumlin.fem.preparation.assembly import Cache
+from drumlin.fem.preparation.cache import Cache
 from drumlin.sweeps import cases as sweeps
 from drumlin.sweeps import workers
-from drumlin.sweeps.cases import Case, keys_of, run, solve_chunk, solved
+from drumlin.sweeps.cases import SweepCase, keys_of, run, solve_chunk, solved
 from drumlin.sweeps.file import read_sweep
 from drumlin.sweeps.table import table
 
@@ -66,7 +66,7 @@ def caused(kind, cause):
 def test_only_answers_and_refusals_of_the_case_itself_are_kept(
     brake, tmp_path, monkeypatch, error, tries, kept
 ):
-    cases = [Case(brake, {"friction": mu}, "sine") for mu in (0.2, 0.3, 0.4)]
+    cases = [SweepCase(brake, {"friction": mu}, "sine") for mu in (0.2, 0.3, 0.4)]
     with monkeypatch.context() as patched, Journal(tmp_path / "j", "a") as journal:
         tried = failing(patched, error, 9)
         told = []
@@ -87,7 +87,7 @@ def test_only_answers_and_refusals_of_the_case_itself_are_kept(
 
 
 def test_a_passing_failure_is_tried_again(brake, monkeypatch):
-    cases = [Case(brake, {"friction": mu}, "sine") for mu in (0.2, 0.3, 0.4)]
+    cases = [SweepCase(brake, {"friction": mu}, "sine") for mu in (0.2, 0.3, 0.4)]
     expected = run(cases)
     failing(monkeypatch, MemoryError(), 2)
     assert run(cases) == expected
@@ -126,7 +126,7 @@ def test_what_is_in_a_mesh_file_tells_cases_apart_not_its_name(meshed):
     assert again["changes"] == second["changes"] != first["changes"]
     brake = read_brake(STUDY / "brake.toml")
     shoes = (brake.shoes[0].model_copy(update={"mesh": mesh}), brake.shoes[1])
-    based = [Case(brake.model_copy(update={"shoes": shoes}), {})]
+    based = [SweepCase(brake.model_copy(update={"shoes": shoes}), {})]
     before = list(keys_of(based))
     mesh.write_text(mesh.read_text() + "\n")
     assert list(keys_of(based)) != before
@@ -137,7 +137,7 @@ def test_bodies_in_the_cache_follow_their_mesh_file(tmp_path):
     mesh = tmp_path / "left.msh"
     left = next(i for i, shoe in enumerate(brake.shoes) if shoe.name == "left")
     shutil.copy(brake.shoes[left].mesh, mesh)
-    case = Case(brake, {f"shoe[{left}].mesh": str(mesh)})
+    case = SweepCase(brake, {f"shoe[{left}].mesh": str(mesh)})
     cache = Cache()
     assert solved(case, cache)["status"] == "solved"
     mesh.write_text("no mesh")
@@ -177,7 +177,7 @@ class Deadly(Executor):
 
 
 def test_a_case_that_kills_its_workers_is_a_failed_row_and_the_rest_goes_on(brake, tmp_path):
-    cases = [Case(brake, {"friction": mu}, "sine") for mu in (0.1, 0.2, 0.3, 0.4, 0.5)]
+    cases = [SweepCase(brake, {"friction": mu}, "sine") for mu in (0.1, 0.2, 0.3, 0.4, 0.5)]
     expected = run(cases)
     deadly = Deadly()
     with Journal(tmp_path / "j", "a") as journal:
@@ -241,7 +241,7 @@ def test_jobs_have_bounds(jobs):
 
 
 def test_waiting_is_said_once(brake, monkeypatch):
-    monkeypatch.setattr(sweeps, "QUIET", 0.05)
+    monkeypatch.setattr(sweeps, "QUIET_SECONDS", 0.05)
 
     class Slow(Executor):
         def submit(self, fn, /, cases, **_):
@@ -252,7 +252,7 @@ def test_waiting_is_said_once(brake, monkeypatch):
             return future
 
     said = []
-    run([Case(brake, {"friction": 0.3}, "sine")], executor=Slow(), say=said.append)
+    run([SweepCase(brake, {"friction": 0.3}, "sine")], executor=Slow(), say=said.append)
     assert len(said) == 1 and said[0].startswith("waiting for workers since ")
 
 

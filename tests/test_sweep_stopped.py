@@ -207,7 +207,8 @@ def test_a_dask_worker_is_killed(sweep_file, undisturbed, tmp_path, cluster):
 
 IMPATIENT = """
 import drumlin.sweeps.cases, drumlin.sweeps.workers as workers
-workers.ANSWER, workers.HEARD, workers.FIRST, drumlin.sweeps.cases.QUIET = 4.0, 6.0, 4.0, 1.0
+workers.ANSWER_SECONDS, workers.HEARTBEAT_SECONDS, workers.FIRST_WORKER_SECONDS = 4.0, 6.0, 4.0
+drumlin.sweeps.cases.QUIET_SECONDS = 1.0
 from drumlin.cli import main
 main()
 """

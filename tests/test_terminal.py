@@ -13,7 +13,7 @@ from command_line import drumlin
 from conftest import STUDY
 from drumlin.brake.file import vary
 from drumlin.brake.plane_brake import read_any
-from drumlin.models import solve
+from drumlin.door import solve
 from drumlin.response.merit import brake_factor
 from drumlin.response.response import Place, edge_zone, peak_place
 

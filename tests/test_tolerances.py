@@ -10,7 +10,7 @@ from drumlin.brake.file import value_of, vary
 from drumlin.laws import sine
 from drumlin.sweeps import cases as sweep
 from drumlin.sweeps.tolerances import (
-    Tolerance,
+    ManufacturingTolerance,
     between,
     cases,
     draw,
@@ -21,10 +21,10 @@ from drumlin.sweeps.tolerances import (
 )
 
 TOLERANCES = (
-    Tolerance("friction", within(0.006), {"friction": 1.0}),
-    Tolerance("force", within(0.03), {"shoe.actuation.force": 2e3}),
-    Tolerance("line of force", within(1e-3), {"shoe.actuation.point.y": 1.0}),
-    Tolerance("modulus", within(0.2), {"shoe.lining.material.E": 3e8}),
+    ManufacturingTolerance("friction", within(0.006), {"friction": 1.0}),
+    ManufacturingTolerance("force", within(0.03), {"shoe.actuation.force": 2e3}),
+    ManufacturingTolerance("line of force", within(1e-3), {"shoe.actuation.point.y": 1.0}),
+    ManufacturingTolerance("modulus", within(0.2), {"shoe.lining.material.E": 3e8}),
 )
 
 
@@ -59,7 +59,7 @@ def test_the_shares_of_the_sine_laws_torque_are_those_of_its_derivatives(brake):
 
 def test_shares_of_a_product_with_interaction():
     """f = x (1 + y) of two even deviates on (-1, 1): first 3/4 and 0, total 1 and 1/4."""
-    tolerances = [Tolerance(name, between(-1, 1), {}) for name in "xy"]
+    tolerances = [ManufacturingTolerance(name, between(-1, 1), {}) for name in "xy"]
     deviates = draw(tolerances, 1024, seed=1)
     found = shares(tolerances, deviates[..., 0] * (1 + deviates[..., 1]), seed=2)
     for share, first, total in zip(found, (0.75, 0.0), (1.0, 0.25), strict=True):
@@ -71,7 +71,10 @@ def test_shares_of_a_product_with_interaction():
 
 
 def test_draws_are_what_saltelli_asks_for():
-    tolerances = [Tolerance("a", within(2.0), {}), Tolerance("b", between(3, 5), {})]
+    tolerances = [
+        ManufacturingTolerance("a", within(2.0), {}),
+        ManufacturingTolerance("b", between(3, 5), {}),
+    ]
     x = draw(tolerances, 64, seed=1)
     assert x.shape == (4, 64, 2)
     assert (x[2, :, 0] == x[1, :, 0]).all() and (x[2, :, 1] == x[0, :, 1]).all()
@@ -84,16 +87,16 @@ def test_draws_are_what_saltelli_asks_for():
 
 def test_deviates_add_up_on_the_keys_that_they_share(brake):
     tolerances = [
-        Tolerance("one", within(1), {"drum.angle": 1.0}),
-        Tolerance("two", within(1), {"drum.angle": -2.0}),
+        ManufacturingTolerance("one", within(1), {"drum.angle": 1.0}),
+        ManufacturingTolerance("two", within(1), {"drum.angle": -2.0}),
     ]
     (case,) = cases(brake, tolerances, np.array([[0.5, 0.1]]), elements=40)
     assert case.changes == {"drum.angle": pytest.approx(0.3)} and case.options == {"elements": 40}
     assert value_of(brake, "shoe.lining.thickness") == pytest.approx(8e-3)
     with pytest.raises(BadInput, match="name each"):
         clash = [
-            Tolerance("all", within(1), {"shoe.width": 1.0}),
-            Tolerance("one", within(1), {"shoe[0].width": 1.0}),
+            ManufacturingTolerance("all", within(1), {"shoe.width": 1.0}),
+            ManufacturingTolerance("one", within(1), {"shoe[0].width": 1.0}),
         ]
         cases(brake, clash, np.zeros((1, 2)))
     for key, words in (
@@ -106,7 +109,7 @@ def test_deviates_add_up_on_the_keys_that_they_share(brake):
 
 
 def test_shares_need_an_answer_of_every_case(brake):
-    tolerances = [Tolerance("friction", between(0.2, 1.2), {"friction": 1.0})]
+    tolerances = [ManufacturingTolerance("friction", between(0.2, 1.2), {"friction": 1.0})]
     rows = sweep.run(cases(brake, tolerances, draw(tolerances, 8, seed=1), "sine"))
     assert any(row["status"] == "solved" for row in rows)
     with pytest.raises(

@@ -17,7 +17,7 @@ from drumlin.response.norms import pressure_distance
 from drumlin.response.response import Balance, Response, ShoeResponse
 from drumlin.response.resultants import Inside, cross, edge_left_out, lobatto
 from drumlin_studies.fuzzing.endings import fault_of, in_process
-from drumlin_studies.fuzzing.faults import Input, brake_text
+from drumlin_studies.fuzzing.inputs import Input, brake_text
 from drumlin_studies.textbook_brakes import hinged
 
 
@@ -353,7 +353,7 @@ def test_a_lining_pressed_in_too_far_is_said_and_then_refused():
 def _meshed(tmp_path, change):
     """The right shoe of the main brake with a mesh of its own, whose groups or nodes are changed."""
     from drumlin.fem.mesh.file import write_mesh
-    from drumlin.fem.preparation.assembly import prepare
+    from drumlin.fem.preparation.prepare import prepare
 
     brake = drumlin.read_brake("studies/double_shoe/brake.toml")
     brake = brake.model_copy(update={"shoes": brake.shoes[:1]})

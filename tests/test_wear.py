@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from drumlin.base.errors import BadInput, NoAnswer
-from drumlin.wear.archard import (
+from drumlin.lining_wear.archard import (
     WearLaw,
     WearState,
     _eroded,
@@ -272,7 +272,7 @@ def test_explicit_steps_add_up_what_they_wear():
 
 def test_what_never_settles_or_locks_is_given_up(monkeypatch):
     interface, _ = winkler(lambda phi: 2e-6 * np.cos(3 * phi), elements=8)
-    monkeypatch.setattr("drumlin.wear.archard.MOST_STEPS", 5)
+    monkeypatch.setattr("drumlin.lining_wear.archard.MAX_WEAR_STEPS", 5)
     with pytest.raises(NoAnswer, match="not settled after 5 steps"):
         run([interface], LAW, tolerance=1e-4)
     C = -interface.problem.C

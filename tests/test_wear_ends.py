@@ -10,12 +10,12 @@ from conftest import ROOT, partly
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake, vary
 from drumlin.fem.model import respond
-from drumlin.fem.preparation.assembly import prepare
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import scene_of
 from drumlin.laws import law
-from drumlin.wear.archard import WearLaw, run, run_on, steady
-from drumlin.wear.linings import fem_setup
-from drumlin.wear.run_in import (
+from drumlin.lining_wear.archard import WearLaw, run, run_on, steady
+from drumlin.lining_wear.linings import fem_setup
+from drumlin.lining_wear.run_in import (
     COEFFICIENT,
     discrete_end,
     distance,
@@ -24,7 +24,7 @@ from drumlin.wear.run_in import (
     target,
     worn,
 )
-from drumlin.wear.worn_in import worn_in
+from drumlin.lining_wear.worn_in import worn_in
 from drumlin_studies import consistency_wear
 from drumlin_studies.random_kinds import random_kind
 from winkler_lining import FORCE, LAW, MU, PIN, RADIUS, UNIT, WIDTH, winkler

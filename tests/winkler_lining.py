@@ -4,7 +4,7 @@ import numpy as np
 
 from drumlin.contact.equations import Problem
 from drumlin.fem.substructure.interface import ContactLine, couple, radial
-from drumlin.wear.archard import (
+from drumlin.lining_wear.archard import (
     WearInterface,
     WearLaw,
 )

@@ -12,14 +12,14 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.surface import DRUM, PLANE
 from drumlin.comparison import Outcome, edge_of, run
 from drumlin.fem.analysis.self_locking import limits
-from drumlin.fem.preparation.assembly import prepare
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin.laws import law
+from drumlin.lining_wear import worn_in
 from drumlin.models import MODELS, applicable
 from drumlin.response.merit import brake_factor
 from drumlin.response.norms import pressure_distance, relative
 from drumlin.response.response import Response
-from drumlin.wear import worn_in
 
 TRUSTED = 0.05
 """Relative error up to which a law can be trusted."""

@@ -14,8 +14,8 @@ from drumlin.brake.brake import Brake
 from drumlin.fem.analysis.holding import TWO_ANSWERS, Hold, full_slip_rotation, hold
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import respond
-from drumlin.fem.preparation import scene as hp
-from drumlin.fem.preparation.assembly import Scene, prepare
+from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.scene import Scene
 from drumlin_studies import random_brake, random_kinds
 from drumlin_studies.consistency import Check
 
@@ -49,7 +49,7 @@ def checks(seed: int) -> list[Check]:
     if brake.friction == 0:
         return []
     on_hp_elements = seed // len(kinds) % 2 == 1
-    scene = hp.scene(brake, LEVELS[1]) if on_hp_elements else prepare(brake, elements=MESH_ELEMENTS)
+    scene = prepare(brake, LEVELS[1]) if on_hp_elements else prepare(brake, elements=MESH_ELEMENTS)
     return [_check(f"{kind} {seed}", scene, brake)]
 
 

@@ -23,8 +23,9 @@ from drumlin.brake.file import vary
 from drumlin.fem.analysis.sensitivity import Sensitivity, ShoeSensitivity, sensitivity
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import respond
-from drumlin.fem.preparation import scene as hp
-from drumlin.fem.preparation.assembly import Cache, Scene, prepare
+from drumlin.fem.preparation.cache import Cache
+from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.scene import Scene
 from drumlin_studies import random_brake, random_kinds
 from drumlin_studies.consistency import Check
 
@@ -125,7 +126,7 @@ class Divided:
     def scene(self, own: Brake) -> Scene:
         """The prepared model of a brake."""
         if self.elements is None:
-            return hp.scene(own, SLOPE_LEVEL, cache=self.cache)
+            return prepare(own, SLOPE_LEVEL, cache=self.cache)
         return prepare(own, elements=self.elements, cache=self.cache)
 
     def solved(self, brake: Brake) -> "TorqueOnDivision":

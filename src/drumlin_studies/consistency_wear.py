@@ -18,13 +18,21 @@ from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.fem.error_control.adapt import DEFAULT, adapt
 from drumlin.fem.model import REFINED, respond
-from drumlin.fem.preparation.assembly import Scene, prepare
+from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.scene import Scene
 from drumlin.fem.solve import scene_of
+from drumlin.lining_wear.archard import WearLaw, WearState, run_on
+from drumlin.lining_wear.linings import WearSetup, fem_setup
+from drumlin.lining_wear.run_in import (
+    COEFFICIENT,
+    WEAR_SETTLED,
+    apart,
+    run_in,
+    target,
+    worn,
+)
+from drumlin.lining_wear.worn_in import worn_in
 from drumlin.response import Response
-from drumlin.wear.archard import WearLaw, WearState, run_on
-from drumlin.wear.linings import WearSetup, fem_setup
-from drumlin.wear.run_in import COEFFICIENT, SETTLED, apart, run_in, target, worn
-from drumlin.wear.worn_in import worn_in
 from drumlin_studies import random_brake, random_kinds
 from drumlin_studies.consistency import Check
 
@@ -48,10 +56,10 @@ LAW_PRESSURE = 0.02
 
 The pressure of the law has a kink at the end of its contact, within an element.
 """
-END_REACHED = 1.1 * SETTLED
+END_REACHED = 1.1 * WEAR_SETTLED
 """Allowed difference of torque and pressure at the end of wear from its limit.
 
-Wear ends at a difference of SETTLED. The factor allows for the mesh and the penalty.
+Wear ends at a difference of WEAR_SETTLED. The factor allows for the mesh and the penalty.
 """
 
 TRUE_REASONS = ("small displacements hold up to", "without its ever touching", "lost digits")

@@ -29,8 +29,8 @@ from drumlin.fem.substructure.interface import (
 )
 from drumlin.laws import sine
 from drumlin.laws.simscape import DoubleShoe
+from drumlin.lining_wear.archard import WearInterface, WearLaw, WearState, run
 from drumlin.response.response import Response
-from drumlin.wear.archard import WearInterface, WearLaw, WearState, run
 from drumlin_studies import closed_forms
 from drumlin_studies.ladder_case import DISCRETE, EXACT, MODEL, PRINTED, KnownAnswer
 from drumlin_studies.ladder_contact import GAP_RADIUS, HALF_WIDTH, half_plane

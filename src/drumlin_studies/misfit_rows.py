@@ -14,7 +14,7 @@ from drumlin.brake.file import vary
 from drumlin.response.norms import relative
 from drumlin.response.response import Response
 from drumlin.sweeps.cases import Row, row_of
-from drumlin.sweeps.tolerances import PERCENTILES, Shares, Tolerance, numbers, spread
+from drumlin.sweeps.tolerances import PERCENTILES, ManufacturingTolerance, Shares, numbers, spread
 
 DRAWN_QUANTITIES = {
     "torque": "torque [N m]",
@@ -223,7 +223,8 @@ def spread_rows(drawn: DrawnBrakes) -> list[dict[str, Any]]:
 
 
 def share_rows(
-    tolerances: Sequence[Tolerance], shares: Mapping[str, Mapping[str, Sequence[Shares]]]
+    tolerances: Sequence[ManufacturingTolerance],
+    shares: Mapping[str, Mapping[str, Sequence[Shares]]],
 ) -> list[dict[str, Any]]:
     """A row for each tolerance with its total Sobol indices.
 

@@ -20,8 +20,9 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Bar, Beam
 from drumlin.fem.error_control.levels import Respond
 from drumlin.fem.mesh.arc import shoe_mesh
-from drumlin.fem.preparation import assembly
-from drumlin.fem.preparation.assembly import Scene
+from drumlin.fem.preparation.bodies import Body
+from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.scene import Scene
 from drumlin.response.norms import pressure_distance
 from drumlin.response.response import Response
 from drumlin_studies.reduced import sketcher
@@ -137,9 +138,7 @@ def simplified(brake: Brake, names: Iterable[str]) -> Brake:
     return left.model_copy(update={"shoes": shoes})
 
 
-def scene_without(
-    brake: Brake, names: Iterable[str], make: Make = assembly.prepare
-) -> tuple[Scene, Brake]:
+def scene_without(brake: Brake, names: Iterable[str], make: Make = prepare) -> tuple[Scene, Brake]:
     """The scene that `make` makes of a brake without `names`, and what is left of the brake to
     `respond` for.
 
@@ -156,7 +155,7 @@ def scene_without(
 
 def _undragged(scene: Scene, brake: Brake) -> Scene:
     """A scene prepared for mu = 0, for a brake with friction: under drag nothing gives way."""
-    made: dict[int, assembly.Body] = {}
+    made: dict[int, Body] = {}
     for body, shoe in zip(scene.bodies, brake.shoes, strict=True):
         if id(body) not in made:
             x, y = body.line.xy - shoe.own_pin[:, None]
@@ -190,7 +189,7 @@ def prepare_straight(brake: Brake, *, elements: int) -> Scene:
         straight = skfem.MeshQuad2.from_mesh(corners)
         return replace(straight, _subdomains=mesh.subdomains, _boundaries=mesh.boundaries)
 
-    return assembly.prepare(brake, elements=elements, mesher=mesher)
+    return prepare(brake, elements=elements, mesher=mesher)
 
 
 def predict(

@@ -20,7 +20,10 @@ from drumlin.brake.file import vary
 from drumlin.fem.analysis.fields import fields
 from drumlin.fem.mesh.grading import divide
 from drumlin.fem.model import respond
-from drumlin.fem.preparation.assembly import ELEMENTS, Scene, prepare, shape_of
+from drumlin.fem.preparation.cache import shape_of
+from drumlin.fem.preparation.meshes import ELEMENTS
+from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.scene import Scene
 from drumlin.response.response import Response
 from drumlin_studies.omission import (
     OMISSIONS,
@@ -57,7 +60,7 @@ def omissions(
     these together.
 
     Changes are relative, between both solutions on `elements` along each lining, as in
-    `omission.Change`; what was predicted has the same keys after "predicted_". `seconds` and
+    `omission.OmissionChange`; what was predicted has the same keys after "predicted_". `seconds` and
     `memory`: shares of the whole solve's saved, medians of `repeats` taken in turn; 0 repeats leave
     them out. A case without an answer stays as a row.
     """
@@ -84,7 +87,7 @@ def omissions(
 
 
 def prediction_ratios(rows: Sequence[Mapping[str, Any]], key: str) -> list[float]:
-    """Predicted over true change `key` (as in `omission.Change`) where the true one lies between
+    """Predicted over true change `key` (as in `omission.OmissionChange`) where the true one lies between
     0.01 % and 30 %.
 
     Not of what is left out exactly, nor of curvature.

@@ -16,7 +16,7 @@ from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.error_control.places import places_of
 from drumlin.fem.hp.division import Level
 from drumlin.fem.model import respond
-from drumlin.fem.preparation.scene import scene
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin.laws import sine
 from drumlin.response.norms import pressure_distance, relative
@@ -100,7 +100,7 @@ def level_rows(brake: Brake, refinement: Refinement = LEVEL_REFERENCE) -> list[R
     floor = 2 * distance(reference.before, true)
     rows = []
     for level in (COARSE_LEVEL, *LEVELS):
-        made = scene(brake, level, places)
+        made = prepare(brake, level, places)
         response = respond(made, brake, penalty=math.inf, start=true)
         unknowns = max(body.unknowns for body in made.bodies)
         error = distance(response, true)

@@ -17,17 +17,17 @@ from drumlin.base.texts import formatted
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
 from drumlin.fem.model import respond
-from drumlin.fem.preparation import assembly
 from drumlin.fem.preparation.finite_width import finite_width
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solid import model as solid
 from drumlin.fem.solid.face import ContactFace
 from drumlin.fem.solve import solve as by_elements
 from drumlin.foundation import model as foundation
 from drumlin.laws import LAWS, hinged, sine
+from drumlin.lining_wear.archard import WearLaw, run_on
+from drumlin.lining_wear.linings import fem_setup
 from drumlin.response.norms import pressure_distance, relative, vector_distance
 from drumlin.response.response import Response, ShoeResponse, Surface, edge_zone
-from drumlin.wear.archard import WearLaw, run_on
-from drumlin.wear.linings import fem_setup
 from drumlin_studies.uncertainty import Index, Validation, grid_convergence, validate
 
 WIDTH_QUANTITIES = {
@@ -375,7 +375,7 @@ def _largest_error(
 
 
 def _plane(brake: Brake, elements: int) -> Response:
-    return respond(assembly.prepare(brake, elements=elements), brake)
+    return respond(prepare(brake, elements=elements), brake)
 
 
 def _solid(brake: Brake, elements: int, across: int | None = None) -> Response:

@@ -24,18 +24,12 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.fem.equilibrium.group import gap_at
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
-from drumlin.fem.preparation.assembly import (
-    ELEMENTS,
-    Assembled,
-    Mesher,
-    Seconds,
-    actuation,
-    assemble,
-    clock,
-    contact_stiffness,
-)
+from drumlin.fem.preparation.bodies import actuation, contact_stiffness
+from drumlin.fem.preparation.meshes import ELEMENTS, Assembled, Mesher, assemble
+from drumlin.fem.preparation.scene import Seconds, clock
 from drumlin.fem.substructure.body import FRAME
 from drumlin.fem.substructure.interface import edge_points, radial
+from drumlin.fem.substructure.loads import ACTUATION
 from drumlin.response.balance import relative_balance, worst
 from drumlin.response.response import Balance, Response, ShoeResponse, pressed_shoe, untouched
 from drumlin.response.resultants import cross
@@ -149,7 +143,7 @@ def _shoe(
             return PointwiseAnswer(untouched(shoe, -shoe.actuation.vector), Balance(0.0, 0.0), 0)
         # The pin holds both displacements of the shoe's frame.
         free = np.delete(np.arange(A.shape[0]), [-FRAME, 1 - FRAME])
-        load = force * (parts.loads @ unit)
+        load = force * (parts.loads[ACTUATION] @ parts.columns.part(ACTUATION, unit))
         stiffness = contact_stiffness(shoe, penalty)
         contact_state = _newton(A, load, points, stiffness, free, shoe.name)
         u, on = contact_state.u, contact_state.touching
@@ -157,7 +151,7 @@ def _shoe(
         nodal = points.pushing.T @ (points.weight * p)
         reaction = (A @ u - load - nodal)[-FRAME : 1 - FRAME + 1]
     contact = nodal[2 * -len(parts.line.nodes) - FRAME : -FRAME].reshape(-1, 2)
-    given = force * unit
+    given = force * parts.columns.part(ACTUATION, unit)
     frame = shoe.frame
     balance = relative_balance(
         [contact.sum(axis=0), reaction, given[:2]],

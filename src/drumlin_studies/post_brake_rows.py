@@ -21,13 +21,13 @@ from drumlin.brake.file import vary
 from drumlin.comparison import run as timed
 from drumlin.fem.analysis.deflection import beam_deflection, rim_displacement
 from drumlin.fem.model import respond
-from drumlin.fem.preparation.assembly import Scene
+from drumlin.fem.preparation.scene import Scene
 from drumlin.fem.solve import solve
 from drumlin.laws import sine
+from drumlin.lining_wear.worn_in import worn_in_foundation
 from drumlin.response.merit import with_merits
 from drumlin.response.norms import relative
 from drumlin.response.response import Merit, Response
-from drumlin.wear.worn_in import worn_in_foundation
 
 ALL_LIFTS = ("all",)
 """The option that lifts all simplifications of the foundation model."""

@@ -31,7 +31,10 @@ from drumlin.brake.components import Backing, Bar, Beam, Lining, Ring, Section, 
 from drumlin.brake.fields import Material
 from drumlin.brake.orthotropic import isotropic_only
 from drumlin.fem.mesh.arc import DEFAULT_KIND
-from drumlin.fem.preparation import assembly
+from drumlin.fem.preparation.bodies import Body
+from drumlin.fem.preparation.cache import shape_of
+from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.scene import Scene, why_not
 from drumlin.fem.substructure.interface import edge_points
 from drumlin.fem.substructure.ring import RingBody
 
@@ -61,21 +64,21 @@ STIFF = 1e5
 SHEAR = 6 / 5  # kappa of a rectangular section
 
 
-def sketcher(elements: int = ELEMENTS) -> Callable[[Brake], assembly.Scene]:
+def sketcher(elements: int = ELEMENTS) -> Callable[[Brake], Scene]:
     """A function that makes the sketch of a brake, a scene to `respond` on; it meshes equal linings
     once.
 
     It raises BadInput for what finite elements do not cover.
     """
-    meshed: dict[Brake, assembly.Scene] = {}
+    meshed: dict[Brake, Scene] = {}
 
-    def sketch(brake: Brake) -> assembly.Scene:
-        reason = assembly.why_not(brake) or isotropic_only(brake, "a sketch")
+    def sketch(brake: Brake) -> Scene:
+        reason = why_not(brake) or isotropic_only(brake, "a sketch")
         if reason is not None:
             raise BadInput(f"fem does not apply to this brake: {reason}")
         bare = _rigid(brake)
         if bare not in meshed:
-            meshed[bare] = assembly.prepare(bare, elements=elements, kind=DEFAULT_KIND)
+            meshed[bare] = prepare(bare, elements=elements, kind=DEFAULT_KIND)
         return _with_closed_forms(
             meshed[bare], brake, min(end - start for start, end in (s.arc for s in brake.shoes))
         )
@@ -83,17 +86,17 @@ def sketcher(elements: int = ELEMENTS) -> Callable[[Brake], assembly.Scene]:
     return sketch
 
 
-def _with_closed_forms(scene: assembly.Scene, brake: Brake, shortest: float) -> assembly.Scene:
+def _with_closed_forms(scene: Scene, brake: Brake, shortest: float) -> Scene:
     """A scene of rigid shoes on a rigid drum with the flexibilities added that `brake` has and its
     own has not.
 
     shortest [rad]: contact that the ring's waves are to resolve. Raises NoAnswer where that takes
     too many.
     """
-    made: dict[tuple[object, ...], assembly.Body] = {}
+    made: dict[tuple[object, ...], Body] = {}
     bodies = []
     for body, shoe, bare in zip(scene.bodies, brake.shoes, scene.brake.shoes, strict=True):
-        key = assembly.shape_of(brake, shoe)
+        key = shape_of(brake, shoe)
         if key not in made:
             made[key] = body if shoe.body == bare.body else _flexible(body, shoe, brake.size)
         bodies.append(made[key])
@@ -129,7 +132,7 @@ def _rigid(brake: Brake) -> Brake:
     )
 
 
-def _flexible(body: assembly.Body, shoe: Shoe, radius: float) -> assembly.Body:
+def _flexible(body: Body, shoe: Shoe, radius: float) -> Body:
     """The body of a rigid shoe with the shoe's own flexibility added."""
     bar, coupling = _bar(shoe, radius), body.coupling
     nodal = bar.half(body.line.xy)
@@ -227,7 +230,7 @@ def _layer(shoe: Shoe, layer: Lining | Backing) -> Section:
     return Section(layer.thickness, shoe.lining.width, layer.material)
 
 
-def _ring(brake: Brake, ring: Ring, bodies: tuple[assembly.Body, ...], count: int) -> RingBody:
+def _ring(brake: Brake, ring: Ring, bodies: tuple[Body, ...], count: int) -> RingBody:
     """The ring under the linings of all shoes: half flexibilities (2 count + 2, n) of each."""
     sign, radius, section = brake.shoes[0].sign, brake.size, ring.section
     assert section is not None  # why_not
@@ -244,7 +247,7 @@ def _ring(brake: Brake, ring: Ring, bodies: tuple[assembly.Body, ...], count: in
     return RingBody(None, None, bodies[0].line, None, tuple(pressed), tuple(dragged), (), k, None)  # type: ignore[arg-type]
 
 
-def _waves(body: assembly.Body, shoe: Shoe, k: Ints) -> tuple[Floats, Floats]:
+def _waves(body: Body, shoe: Shoe, k: Ints) -> tuple[Floats, Floats]:
     """b Int psi_i cos k theta ds and that with sin, of the brake's angle theta: two arrays (modes,
     n) [m^2].
     """

@@ -23,14 +23,14 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.fem.analysis.fields import Fields, fields
 from drumlin.fem.model import respond
-from drumlin.fem.preparation.assembly import Scene, prepare, why_not
+from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.scene import Scene, why_not
 from drumlin.laws import hinged, law
-from drumlin.response.norms import relative
-from drumlin.wear.archard import TOLERANCE, WearLaw, WearState, at, explicit, ripple, run_on
-from drumlin.wear.linings import WearSetup, fem_setup, foundation_setup, guided
-from drumlin.wear.run_in import (
+from drumlin.lining_wear.archard import TOLERANCE, WearLaw, WearState, at, explicit, ripple, run_on
+from drumlin.lining_wear.linings import WearSetup, fem_setup, foundation_setup, guided
+from drumlin.lining_wear.run_in import (
     COEFFICIENT,
-    Target,
+    WearTarget,
     checks,
     distance,
     life,
@@ -40,6 +40,7 @@ from drumlin.wear.run_in import (
     unit_distance,
     worn,
 )
+from drumlin.response.norms import relative
 
 ARCHARD = WearLaw(COEFFICIENT)
 """Archard's law, by which all brakes wear unless an exponent is given."""
@@ -72,7 +73,7 @@ class Run:
     name: str
     setup: WearSetup
     states: list[WearState]
-    goal: Target
+    goal: WearTarget
     unit: float
 
     def distances(self) -> list[float]:

@@ -14,7 +14,8 @@ from drumlin.fem.analysis.self_locking import limits, torques
 from drumlin.fem.analysis.sensitivity import against_differences
 from drumlin.fem.equilibrium.group import ShoeGroup
 from drumlin.fem.model import respond
-from drumlin.fem.preparation.assembly import Scene, prepare
+from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.scene import Scene
 from drumlin.laws import locking_friction, sine
 from drumlin_studies.random_brake import random_brake
 

@@ -155,7 +155,7 @@ def point_contact(
     held = np.unique(edge_nodes(solid.plane, groups["hinge"]))
     ties = tie(solid, face.nodes, solid.node[held].ravel(), np.zeros(2), bonded=True)
     K = stiffness(solid.basis, {PART: ElasticLayer(solid_elasticity_matrix(material), HALVES)})
-    body = condense(K, ties, np.zeros((ties.matrix.shape[1], 0)), 2 * len(face.nodes))
+    body = condense(K, ties, {}, 2 * len(face.nodes))
     coupling = face.couple(0.0, _upwards)
     half = body.half(coupling.N.T)
     r = np.hypot(face.xy[0], np.tile(face.z, len(face.line.nodes)))

@@ -16,7 +16,7 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.base.journal import Journal
-from drumlin.sweeps.cases import Case, Row, run
+from drumlin.sweeps.cases import Row, SweepCase, run
 from drumlin.sweeps.workers import Workers, executor
 
 KEEP = {"MALLOC_TRIM_THRESHOLD_": str(2**28), "MALLOC_MMAP_THRESHOLD_": str(2**25)}
@@ -60,7 +60,7 @@ class Throughput(NamedTuple):
         return self.cases / self.seconds
 
 
-def processes(cases: Sequence[Case], workers: int) -> Throughput:
+def processes(cases: Sequence[SweepCase], workers: int) -> Throughput:
     """The time of the cases by processes of this machine."""
     start, before = time.perf_counter(), _processor()
     with executor(workers) as found:
@@ -68,12 +68,12 @@ def processes(cases: Sequence[Case], workers: int) -> Throughput:
     return made._replace(processor=_processor() - before)
 
 
-def dask(cases: Sequence[Case], workers: int) -> Throughput:
+def dask(cases: Sequence[SweepCase], workers: int) -> Throughput:
     """The time of the cases by Dask workers, processes of one thread on the loopback interface."""
     return _dask("Dask workers", cases, workers, {})
 
 
-def dask_keeping(cases: Sequence[Case], workers: int) -> Throughput:
+def dask_keeping(cases: Sequence[SweepCase], workers: int) -> Throughput:
     """The time of the cases by Dask workers that keep freed memory.
 
     By default a Dask worker returns freed memory to the system at once.
@@ -81,7 +81,9 @@ def dask_keeping(cases: Sequence[Case], workers: int) -> Throughput:
     return _dask("Dask workers that keep memory", cases, workers, KEEP)
 
 
-def _dask(by: str, cases: Sequence[Case], workers: int, environment: dict[str, str]) -> Throughput:
+def _dask(
+    by: str, cases: Sequence[SweepCase], workers: int, environment: dict[str, str]
+) -> Throughput:
     distributed: Any = importlib.import_module("distributed")
     start, before = time.perf_counter(), _processor()
     with (
@@ -120,7 +122,7 @@ def _processor() -> float:
     return sum(os.times()[:4])
 
 
-def _timed(by: str, cases: Sequence[Case], found: Workers, start: float) -> Throughput:
+def _timed(by: str, cases: Sequence[SweepCase], found: Workers, start: float) -> Throughput:
     """The time of the cases by workers that are started already.
 
     The sine law solves some cases first, so that all workers are awake. The condensation of shared
@@ -130,7 +132,7 @@ def _timed(by: str, cases: Sequence[Case], found: Workers, start: float) -> Thro
     ----------
     by : str
         What kind of workers.
-    cases : sequence of Case
+    cases : sequence of SweepCase
         The cases.
     found : Workers
         The workers.
@@ -160,12 +162,12 @@ def torques(rows: Sequence[Row]) -> Floats:
     return np.array([row["torque"] for row in rows if row["status"] == "solved"])
 
 
-def coarser(cases: Sequence[Case], elements: Sequence[int | None], fine: int) -> list[Row]:
+def coarser(cases: Sequence[SweepCase], elements: Sequence[int | None], fine: int) -> list[Row]:
     """Time and error of coarser meshes, a row for each number of elements.
 
     Parameters
     ----------
-    cases : sequence of Case
+    cases : sequence of SweepCase
         The cases, whose largest error counts.
     elements : sequence of int or None
         Elements along each lining; None for the default solve.
@@ -215,7 +217,7 @@ class Kill(NamedTuple):
 
 
 def killed(
-    cases: Sequence[Case],
+    cases: Sequence[SweepCase],
     path: Path,
     kills: int,
     seed: int,
@@ -227,7 +229,7 @@ def killed(
 
     Parameters
     ----------
-    cases : sequence of Case
+    cases : sequence of SweepCase
         The cases of the sweep.
     path : Path
         The journal that all runs share.
@@ -276,7 +278,7 @@ def _process(process: Any) -> Iterator[Any]:
         process.join()
 
 
-def _run(cases: Sequence[Case], path: Path) -> None:
+def _run(cases: Sequence[SweepCase], path: Path) -> None:
     with Journal(path) as journal:
         run(cases, journal=journal)
 

@@ -21,7 +21,8 @@ from drumlin.contact.equations import condition
 from drumlin.fem.equilibrium.group import ShoeGroup, groups_of
 from drumlin.fem.error_control.refinement import EPSILON
 from drumlin.fem.model import REFINED, refined_group, respond
-from drumlin.fem.preparation.assembly import Scene, prepare
+from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.scene import Scene
 from drumlin.response.response import Response
 from drumlin_studies import pointwise
 from drumlin_studies.extreme_cases import KnobCase

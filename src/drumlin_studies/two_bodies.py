@@ -100,9 +100,7 @@ def body(mesh: Any, material: Material, width: float = 1.0, middle: float = 0.0)
     line = contact_line(basis, mesh.boundaries["contact"], middle)
     ties = tie(basis, line.nodes, basis.get_dofs(mesh.boundaries["support"]).flatten(), np.zeros(2))
     K = stiffness(basis, {"body": ElasticLayer.of(material, width)})
-    return ContactBody(
-        basis, line, condense(K, ties, np.zeros((ties.matrix.shape[1], 0)), 2 * len(line.nodes))
-    )
+    return ContactBody(basis, line, condense(K, ties, {}, 2 * len(line.nodes)))
 
 
 @dataclass(frozen=True)

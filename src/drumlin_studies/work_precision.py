@@ -30,7 +30,8 @@ from drumlin.fem.error_control.levels import LEVELS, steps
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
 from drumlin.fem.mesh.grading import EDGE_SIZE, Division, graded, inner_steps, lining_layers
 from drumlin.fem.model import respond
-from drumlin.fem.preparation.assembly import Scene, prepare
+from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.scene import Scene
 from drumlin.models import pick
 from drumlin.response.norms import pressure_distance, relative, vector_distance
 from drumlin.response.response import Response, edge_zone

@@ -18,9 +18,9 @@ from drumlin.report.palette import (
     GREY,
     INK,
     OCHRE,
-    PALE,
     PURPLE,
     RED,
+    SHADE,
     SKY,
 )
 from drumlin_studies.work_precision import series
@@ -92,7 +92,7 @@ def work_precision(
         if any("lower" in row for row in rows):
             words = "bars: quartiles of the repeats"
             handles.append(mpl.lines.Line2D([], [], color=FAINT, marker="|", ms=7, label=words))
-        handles.append(mpl.patches.Patch(color=PALE, label="below what the reference knows"))
+        handles.append(mpl.patches.Patch(color=SHADE, label="below what the reference knows"))
         figure.legend(handles=handles, loc="outside right upper", fontsize=8.5)
     return figure
 
@@ -138,7 +138,7 @@ def _panel(axes: Any, rows: Sequence[Mapping[str, Any]], key: str, floor: float)
     axes.set_yscale("log")
     top = max(100 * row[key] for row in rows if row["status"] == "converged")
     axes.set_ylim(smallest * 0.8, 2.0 * max(top, lowest))
-    axes.axhspan(smallest * 0.8, lowest, color=PALE, alpha=0.7, lw=0)
+    axes.axhspan(smallest * 0.8, lowest, color=SHADE, alpha=0.7, lw=0)
     axes.xaxis.set_major_formatter("{x:g}")
     axes.minorticks_off()
 

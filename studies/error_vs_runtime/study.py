@@ -17,7 +17,7 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake
 from drumlin.comparison import as_csv
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.preparation.assembly import ELEMENTS
+from drumlin.fem.preparation.meshes import ELEMENTS
 from drumlin.fem.solve import solve
 from drumlin.report.figures import save
 from drumlin.report.page import fill, versions

@@ -19,7 +19,8 @@ from typing import Any
 from studies.faults.study import INPUTS, UNKNOWN
 
 from drumlin.studies import REPOSITORY
-from drumlin_studies.fuzzing import broken_sweeps, endings, faults, trials
+from drumlin_studies.fuzzing import broken_sweeps, endings, trials
+from drumlin_studies.fuzzing.inputs import BRAKES, Input
 
 PROGRAM = r"""
 import contextlib, io, json, os, resource, signal, sys, traceback
@@ -95,7 +96,7 @@ class Earlier:
                 "-P",
                 "-c",
                 PROGRAM,
-                REPOSITORY / "studies" / f"{faults.BRAKES[0]}.toml",
+                REPOSITORY / "studies" / f"{BRAKES[0]}.toml",
             ],
             env=env,
             stdin=subprocess.PIPE,
@@ -103,7 +104,7 @@ class Earlier:
             text=True,
         )
 
-    def end(self, given: faults.Input) -> endings.Ending:
+    def end(self, given: Input) -> endings.Ending:
         """How it ends on an input."""
         assert self._process.stdin is not None and self._process.stdout is not None
         with tempfile.TemporaryDirectory() as name, tempfile.TemporaryDirectory() as beside:
@@ -135,9 +136,7 @@ def main(checkout: Path, share: float = 1.0) -> dict[str, Any]:
     generator.
     """
     earlier = Earlier(checkout)
-    end = earlier.end(
-        faults.Input("sweep", broken_sweeps.sound_files(), broken_sweeps.WORDS_OF_A_SWEEP)
-    )
+    end = earlier.end(Input("sweep", broken_sweeps.sound_files(), broken_sweeps.WORDS_OF_A_SWEEP))
     if end.status:
         sys.exit(end.err or end.out)
     table, kept = end.written[broken_sweeps.TABLE], end.written[broken_sweeps.JOURNAL]

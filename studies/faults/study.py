@@ -16,10 +16,14 @@ INPUTS = {
     "bytes": 1000,
     "schema": 2000,
     "sizes": 1500,
+    "structure": 500,
+    "huge": 100,
     "meshes": 1500,
+    "impossible meshes": 1500,
     "references": 700,
     "tables": 700,
     "sweeps": 1000,
+    "changed sweeps": 500,
     "journals": 400,
     "command lines": 1200,
     "words": 300,
@@ -69,6 +73,7 @@ def report(result: Result, folder: Path) -> Path:
         before=before
         | {"rows": [_before(row, result.within[row["generator"]]) for row in before["rows"]]},
         killed=kills.table(result.killed),
+        refusal_lines=trials.refusal_lines(result.within),
         faults=[
             v.fault
             for of in (result.within, result.apart)

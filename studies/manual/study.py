@@ -1,8 +1,8 @@
-"""The manual: written pages, executed examples, and a reference that is read off the program, as a
-site to search.
+"""The manual: written pages, executed examples and a reference read off the program, as a site.
 
-`study` writes the reference's pages as texts; `report` builds the site by Sphinx, which runs every
-example: a broken example, formula or link is an error.
+`study` writes the reference's pages as texts. `report` puts the values that pages quote in place
+and builds the site by Sphinx, which runs every example. A broken example, formula or link, and a
+value that does not exist, are errors.
 """
 
 import os
@@ -15,6 +15,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from studies.manual import listing
+from studies.manual.values import filled, values
 
 from drumlin.base.errors import NoAnswer
 
@@ -47,6 +48,9 @@ def report(result: Mapping[str, str], folder: Path) -> Path:
         source = Path(place) / "pages"
         shutil.copytree(HERE / "pages", source)
         shutil.copytree(NOTEBOOKS, source / "notebooks")
+        known = values()
+        for page in source.rglob("*.md"):
+            page.write_text(filled(page.read_text(encoding="utf-8"), known), encoding="utf-8")
         for name, text in result.items():
             page = source / name
             page.write_text(

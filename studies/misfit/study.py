@@ -21,18 +21,26 @@ from drumlin.brake.clearance import ground_to, set_off
 from drumlin.brake.file import read_brake, vary
 from drumlin.comparison import as_csv
 from drumlin.fem.model import respond
-from drumlin.fem.preparation.assembly import prepare
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.laws import sine
+from drumlin.lining_wear.run_in import COEFFICIENT
+from drumlin.lining_wear.worn_in import worn_in
 from drumlin.report import figures as drawing
 from drumlin.report.page import fill
 from drumlin.response.response import Response
 from drumlin.sweeps import cases as sweep
-from drumlin.sweeps.cases import Case, Row
+from drumlin.sweeps.cases import Row, SweepCase
 from drumlin.sweeps.table import table, write_table
-from drumlin.sweeps.tolerances import Shares, Tolerance, cases, draw, healing, numbers, shares
+from drumlin.sweeps.tolerances import (
+    ManufacturingTolerance,
+    Shares,
+    cases,
+    draw,
+    healing,
+    numbers,
+    shares,
+)
 from drumlin.sweeps.workers import executor
-from drumlin.wear.run_in import COEFFICIENT
-from drumlin.wear.worn_in import worn_in
 from drumlin_studies import misfit_rows
 from drumlin_studies.misfit_rows import DRAWN_QUANTITIES, STATES, DrawnBrakes
 
@@ -90,7 +98,7 @@ class Result:
     ratios: dict[str, Floats]
     angles: Floats
     turns: dict[str, dict[str, Floats]]
-    tolerances: tuple[Tolerance, ...]
+    tolerances: tuple[ManufacturingTolerance, ...]
     deviates: Floats
     rows: dict[str, list[Row]]
     shares: dict[str, dict[str, list[Shares]]]
@@ -134,7 +142,7 @@ def study(
     deviates = draw(tolerances, n, SEED)
     with executor(setting.jobs) as (pool, workers):
 
-        def solve(what: str, several: Sequence[Case]) -> list[Row]:
+        def solve(what: str, several: Sequence[SweepCase]) -> list[Row]:
             return sweep.run(
                 several,
                 executor=pool,
@@ -150,7 +158,7 @@ def study(
         grid = [ground_to(brake, dr) | set_off(brake, dc) for dc in sides[1] for dr in sides[0]]
         found = solve(
             "radius and offset",
-            [Case(brake, changes, options={"elements": elements}) for changes in grid],
+            [SweepCase(brake, changes, options={"elements": elements}) for changes in grid],
         )
         rows = {
             "new": solve("new brakes", cases(brake, tolerances, deviates, elements=elements)),
@@ -166,7 +174,7 @@ def study(
     for i, case in enumerate(cases(brake, tolerances, deviates[0, : setting.healed])):
         say(f"run-in: {i} of {setting.healed}")
 
-        def wear(case: Case = case) -> dict[str, Any]:
+        def wear(case: SweepCase = case) -> dict[str, Any]:
             return healing(
                 vary(brake, case.changes), [s * unit for s in DISTANCES], elements=elements
             )

@@ -6,7 +6,7 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.clearance import along_hinge, ground_to
 from drumlin.brake.file import vary
 from drumlin.laws import sine
-from drumlin.sweeps.tolerances import Tolerance, between, within
+from drumlin.sweeps.tolerances import ManufacturingTolerance, between, within
 
 
 def nominal(brake: Brake) -> Brake:
@@ -17,7 +17,7 @@ def nominal(brake: Brake) -> Brake:
     return vary(brake, {"shoe.lining.misfit.radius": brake.size, "drum.out_of_round": oval})
 
 
-def assumed(brake: Brake) -> tuple[Tolerance, ...]:
+def assumed(brake: Brake) -> tuple[ManufacturingTolerance, ...]:
     """The tolerances: limits are two standard deviations of a normal distribution cut there.
 
     Drums and linings are turned and ground to some hundredths of a millimetre of their radius, pins
@@ -26,27 +26,31 @@ def assumed(brake: Brake) -> tuple[Tolerance, ...]:
     """
     leading = 0 if sine(brake).shoes[0].self_energising else 1
     found = [
-        Tolerance("friction ±0.03", within(0.03), {"friction": 1.0}),
-        Tolerance(
+        ManufacturingTolerance("friction ±0.03", within(0.03), {"friction": 1.0}),
+        ManufacturingTolerance(
             "lining's modulus ±20 %",
             within(0.2),
             {"shoe.lining.material.E": brake.shoes[0].lining.material.E_through},
         ),
-        Tolerance("lining's thickness ±0.2 mm", within(0.2e-3), {"shoe.lining.thickness": 1.0}),
-        Tolerance(
+        ManufacturingTolerance(
+            "lining's thickness ±0.2 mm", within(0.2e-3), {"shoe.lining.thickness": 1.0}
+        ),
+        ManufacturingTolerance(
             "drum's radius ±50 µm", within(50e-6), {key: -1.0 for key in ground_to(brake, 0.0)}
         ),
     ]
     for name, i in (("leading", leading), ("trailing", 1 - leading)):
         own = f"shoe[{i}].lining.misfit"
         found += [
-            Tolerance(f"lining's radius ±50 µm, {name}", within(50e-6), {f"{own}.radius": 1.0}),
-            Tolerance(
+            ManufacturingTolerance(
+                f"lining's radius ±50 µm, {name}", within(50e-6), {f"{own}.radius": 1.0}
+            ),
+            ManufacturingTolerance(
                 f"centre of lining ±50 µm, {name}",
                 within(50e-6),
                 along_hinge(brake, i, "lining.misfit.offset"),
             ),
-            Tolerance(f"taper ±50 µm, {name}", within(50e-6), {f"{own}.taper": 1.0}),
+            ManufacturingTolerance(f"taper ±50 µm, {name}", within(50e-6), {f"{own}.taper": 1.0}),
         ]
     pins = {
         key: slope
@@ -55,15 +59,19 @@ def assumed(brake: Brake) -> tuple[Tolerance, ...]:
     }
     return (
         *found,
-        Tolerance("pins' distance ±0.2 mm", within(0.2e-3), pins),
-        Tolerance(
+        ManufacturingTolerance("pins' distance ±0.2 mm", within(0.2e-3), pins),
+        ManufacturingTolerance(
             "force ±3 %", within(0.03), {"shoe.actuation.force": brake.shoes[0].actuation.force}
         ),
-        Tolerance("line of force ±0.5 mm", within(0.5e-3), {"shoe.actuation.point.y": 1.0}),
-        Tolerance(
+        ManufacturingTolerance(
+            "line of force ±0.5 mm", within(0.5e-3), {"shoe.actuation.point.y": 1.0}
+        ),
+        ManufacturingTolerance(
             "ovality of drum 0 to 30 µm",
             between(0.0, 30e-6),
             {"drum.out_of_round[0].amplitude": 1.0},
         ),
-        Tolerance("where the oval drum stands", between(0.0, 2 * math.pi), {"drum.angle": 1.0}),
+        ManufacturingTolerance(
+            "where the oval drum stands", between(0.0, 2 * math.pi), {"drum.angle": 1.0}
+        ),
     )

@@ -20,7 +20,7 @@ from drumlin.comparison import as_csv
 from drumlin.fem.analysis.fields import write_vtu
 from drumlin.fem.model import respond
 from drumlin.fem.preparation import finite_width
-from drumlin.fem.preparation.assembly import prepare
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solid import model as solid
 from drumlin.fem.solid.fields import recover
 from drumlin.report import figures as drawing

@@ -18,7 +18,7 @@ from drumlin.base.files import write_text
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake
 from drumlin.comparison import COLUMNS, Comparison, as_csv, run
-from drumlin.fem.preparation.assembly import prepare
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin.report import figures as drawing
 from drumlin.report.comparison import draw_fields, panels, results_json

@@ -10,11 +10,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from drumlin.lining_wear.archard import at
+from drumlin.lining_wear.linings import WornLining
+from drumlin.lining_wear.run_in import peak
 from drumlin.report.figures import STYLE, key, mark_cut
 from drumlin.report.palette import BLUE, INK, RED
-from drumlin.wear.archard import at
-from drumlin.wear.linings import Surface
-from drumlin.wear.run_in import peak
 from drumlin_studies.run_in_limits import Board, Reversals, Run
 
 NEW, LATE, LAW = BLUE, INK, RED
@@ -70,7 +70,7 @@ def pressures(one: Run, curves: Sequence[float]) -> Figure:
     return figure
 
 
-def _over_distance(axes: Axes, one: Run, surface: Surface, top: float) -> None:
+def _over_distance(axes: Axes, one: Run, surface: WornLining, top: float) -> None:
     """p over theta and the logarithm of the distance, contact's ends as the border of the colour."""
     end = one.states[-1].s / one.unit
     levels = np.geomspace(end * 1e-4, end, 240)
@@ -187,7 +187,7 @@ def profiles(one: Run, curves: Sequence[float]) -> Figure:
     return figure
 
 
-def checkerboard(surface: Surface, boards: Sequence[Board]) -> Figure:
+def checkerboard(surface: WornLining, boards: Sequence[Board]) -> Figure:
     """Nodal p(theta) over the most loaded third of one lining by several ways to step; titles carry
     the ripple.
     """

@@ -15,9 +15,9 @@ from PIL import Image
 from studies.run_in.figures import DISTANCE, LATE, LAW, NEW
 
 from drumlin.base.files import replacing
+from drumlin.lining_wear.linings import WearSetup
+from drumlin.lining_wear.run_in import peak
 from drumlin.report.figures import STYLE
-from drumlin.wear.linings import WearSetup
-from drumlin.wear.run_in import peak
 from drumlin_studies.run_in_limits import Run, RunFrame
 
 

@@ -15,11 +15,11 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake
 from drumlin.brake.plane_brake import read_any
 from drumlin.comparison import as_csv
-from drumlin.fem.preparation.assembly import prepare
+from drumlin.fem.preparation.prepare import prepare
+from drumlin.lining_wear.linings import fem_setup
+from drumlin.lining_wear.run_in import distance
 from drumlin.report import figures as drawing
 from drumlin.report.page import fill
-from drumlin.wear.linings import fem_setup
-from drumlin.wear.run_in import distance
 from drumlin_studies import run_in_limits as limits
 from drumlin_studies.run_in_limits import Board, Reversals, Run, RunFrame
 

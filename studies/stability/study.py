@@ -18,8 +18,7 @@ from drumlin.base.journal import Journal
 from drumlin.comparison import as_csv
 from drumlin.report.figures import save
 from drumlin.report.page import fill
-from drumlin_studies import bad_input, consistency, self_locking
-from drumlin_studies.broken_files import Sound
+from drumlin_studies import consistency, self_locking
 from drumlin_studies.extreme_cases import cases
 from drumlin_studies.outcomes import (
     POINTWISE_OUTCOMES,
@@ -42,7 +41,6 @@ from drumlin_studies.trial import (
 
 HERE = Path(__file__).parent
 WORKERS = 2
-INPUTS = 5000  # bad ones
 GRIDS = {  # knob -> of x and y, with their labels
     "shoe × friction": (
         "shoe",
@@ -60,14 +58,13 @@ Row = dict[str, Any]
 
 
 class Result(NamedTuple):
-    """A row for each case; self-locking; comparisons of two ways to one quantity; what became of
-    each bad input; `seconds` of this run.
+    """A row for each case; self-locking; comparisons of two ways to one quantity; `seconds`
+    of this run.
     """
 
     rows: list[Row]
     locked: locking.Result
     compared: list[consistency.Check]
-    verdicts: list[bad_input.Verdict]
     seconds: float
 
 
@@ -95,24 +92,12 @@ def study(
                     say(f"{done} of {len(left)} cases")
     locked = locking.study(journal, short=short, say=say)
     compared = ways.study(journal, short=short, say=say)
-    say("bad input")
-    count, processes = (40, 0) if short else (INPUTS, WORKERS)
-    verdicts = bad_input.judge_all(count, sound(), journal, say, processes)
     return Result(
         [journal[key] for key in keys.values()],
         locked,
         compared,
-        verdicts,
         time.perf_counter() - start,
     )
-
-
-def sound() -> Sound:
-    """What is broken: the brake files of all studies, and the double-shoe brake, whose right shoe
-    is meshed.
-    """
-    texts = [path.read_bytes() for path in sorted(HERE.parent.glob("*/*.toml"))]
-    return Sound(tuple(text for text in texts if b"[[shoe]]" in text), locking.FILE.read_bytes())
 
 
 def report(result: Result, folder: Path) -> Path:
@@ -173,12 +158,6 @@ def report(result: Result, folder: Path) -> Path:
         limits=self_locking,
         ways_counted=[count._asdict() for count in consistency.counted(result.compared)],
         ways_differing=[row for row in compared if row["outcome"] == "differs"],
-        kinds=bad_input.count_kinds(result.verdicts),
-        input_faults=[
-            verdict for verdict in result.verdicts if verdict.outcome in bad_input.FAULTS
-        ],
-        longest=bad_input.LONGEST,
-        refusal_lines=bad_input.refusal_lines(result.verdicts),
     )
 
 

@@ -206,6 +206,23 @@ def write_text(path: Path, text: str) -> None:
         partial.write_text(text, encoding="utf-8", errors="replace")
 
 
+def write_new(path: Path, text: str) -> None:
+    """Write a text file in UTF-8 where no file stands yet, whole or not at all.
+
+    Raises BadInput for a file that is there already, or a path that cannot be written.
+    """
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with path.open("x", encoding="utf-8", errors="replace") as file:
+            try:
+                file.write(text)
+            except OSError:
+                path.unlink(missing_ok=True)
+                raise
+    except (OSError, ValueError) as error:
+        raise file_fault(path, "written", error) from error
+
+
 def write_json(path: Path, data: object) -> None:
     """Write a JSON file whole or not at all. Raises ValueError for numbers that are not finite."""
     write_text(path, json.dumps(data, indent=1, allow_nan=False) + "\n")

@@ -187,8 +187,9 @@ straight chamfer, carry a pressure without bound, and no mesh would settle.
 
 
 class Misfit(Part):
-    """How a lining's surface is off the drum's circle, besides its clearance; `drumlin.misfit` says
-    by how much.
+    """How a lining's surface differs from the drum's circle, besides its clearance.
+
+    `drumlin.brake.off_circle` computes the gap that results.
 
     `radius` [m] of the lining's own circle, by default the drum's: the circle meets the drum's in
     the lining's middle, and is moved from there by `offset` [m]. `taper` [m]: how much farther the

@@ -126,22 +126,29 @@ def read_brake(path: Path, text: str | None = None) -> Brake:
 
 
 def vary(brake: P, changes: Mapping[str, Any]) -> P:
-    """The brake with some keys changed, validated anew.
+    """A brake in which some keys have other values, checked as a brake file is.
 
     Parameters
     ----------
-    brake : as `read_brake` gives it changes : new values by key. A key is written as in the file's
-    error lines, "shoe[0].lining.thickness";
-        "shoe.lining.thickness" changes every shoe. Values: SI numbers, or texts with units
+    brake : as `read_brake` gives it
+    changes : new values by key, in SI or as texts with a unit; a key is written as in the file's
+        error lines, "shoe[0].lining.thickness", and "shoe.lining.thickness" changes every shoe
 
     Returns
     -------
-    another brake; the given one stays as it is
+    Brake
+        another brake; the given one stays as it is
 
     Raises
     ------
     BadInput
-        for a key that there is not, and a brake that does not fit together, in one line
+        for a key that does not exist, or a brake that does not fit together, in one line
+
+    Examples
+    --------
+    >>> brake = drumlin.example("double_shoe")
+    >>> drumlin.vary(brake, {"friction": 0.4, "drum.radius": "150 mm"}).friction
+    0.4
     """
     data = brake.model_dump(by_alias=True)
     for key, value in changes.items():

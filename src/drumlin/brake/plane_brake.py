@@ -286,22 +286,28 @@ def any_from(
 
 
 def read_any(path: Path | str, text: str | None = None) -> Brake:
-    """The brake described by a TOML file: with [plane] one on a plane, else one on a drum.
+    """Read a brake from a TOML file: with the table [plane] a brake on a plane, else on a drum.
 
     Parameters
     ----------
     path : path of the file, every quantity in it with its unit
-    text : what the file holds, if known
+    text : the text of the file where it was read before
 
     Returns
     -------
-    the brake as frozen, validated data in SI units
+    Brake
+        frozen data in SI units, checked key by key
 
     Raises
     ------
     BadInput
         for a file that cannot be read or is no brake: one line that names the key, the value and
         what is allowed
+
+    Examples
+    --------
+    >>> drumlin.read_brake("brake.toml").friction
+    0.3
     """
     path = Path(path)
     data = read_toml(path) if text is None else toml_data(text, path)

@@ -1,18 +1,17 @@
-"""The command line: `process` runs it, `commands` names them all, `terminal` is what a person at it
-sees.
-"""
+"""The command line: `process` runs it, `commands` lists its commands, `terminal` prints."""
 
 import os
 
-# The dense systems are many and small: more BLAS threads make them slower, by far where processes
-# share the cores. Set before numpy is loaded, in this process alone; your own number overrules it.
+# A solve factorises many small dense matrices, and several BLAS threads make each of them slower,
+# most of all where processes share the cores. The number must be set before numpy is loaded. It
+# holds for this process alone, and a number that you set yourself stays.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-# Nor does pydantic look through all that is installed for plugins, which takes it 30 ms.
+# Without this setting pydantic searches all installed packages for plugins, which takes 30 ms.
 os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
 
 
 def main() -> None:
-    """Run the command line of this process, and end it."""
+    """Run the command line of this process, and end the process with its exit status."""
     from drumlin.cli import process
 
     process.main()

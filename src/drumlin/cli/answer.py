@@ -1,135 +1,160 @@
-"""A response as a person at the terminal reads it: the answer as a small table, then what to know
-about it.
-"""
+"""Printing of a response: warnings that matter most, a small table, the estimated errors."""
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from drumlin.cli.terminal import Column, print_columns, tell
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from drumlin.brake.brake import Brake
     from drumlin.response.response import FlatMerit, Merit, Response
 
 LEAST = ["shoe_factor", "reaction", "normal_force", "at"]
+"""Columns of the shoes' table that are left out on a narrow terminal, the first of them first."""
 
 
 def print_response(brake: "Brake", response: "Response", *, verbose: bool = False) -> None:
-    """Torque and brake factor, a row a shoe, warnings, how bodies are held; shoes that do not touch
-    are said first.
+    """Print torque and brake factor, a row a shoe, warnings and the estimated errors.
 
-    verbose: figures of merit, how it was found, how long that took and what is left out, too.
+    Shoes that do not touch come first. verbose: whether figures of merit, steps, times and what is
+    neglected follow.
     """
-    from drumlin.response.merit import brake_factor
-
-    surface = brake.surface
-    what = surface.effect
+    notes = _Notes.of(response)
     tell(f"{brake.title}: {response.model}, {brake.motion}, mu = {brake.friction:g}")
-    apart = {line for line in response.notes if ": no contact" in line}
-    warned = [line for line in response.notes if line.startswith("warning:")]
-    held = [line for line in response.notes if line.startswith("held:")]
-    for line in response.notes:
-        if line in apart:
-            tell(line)
-    factor = brake_factor(brake, response)
-    said = (
-        ""
-        if factor is None
-        else f", brake factor {factor:.4g} = {surface.factor}, F the mean actuation force"
-    )
-    tell(f"{what} {response.effect:.6g} {surface.effect_unit}{said}")
-    if not response.converged:
-        tell("not converged")
+    for line in notes.apart:
+        tell(line)
+    _print_effect(brake, response)
     _print_shoes(brake, response)
     energised = [shoe.name for shoe in response.shoes if shoe.self_energising]
     if energised:
         tell(f"self-energising: {', '.join(energised)}")
-    for line in warned:
+    for line in notes.warnings:
         tell(line)
     if response.error is not None:
-        more = {"torque": what, "peak": "peak pressure", "reaction": "hinge reaction"}
-        errors = [
-            f", {name} {response.error[key]:.1e}"
-            for key, name in more.items()
-            if key in response.error
-        ]
-        tell(
-            f"estimated error: p {response.error['pressure']:.1e} (L2, worst shoe){''.join(errors)}"
-        )
-    for line in held:
+        tell(_error_text(brake.surface.effect, response.error))
+    for line in notes.held:
         tell(line)
     if verbose:
-        _print_more(response, apart.union(warned, held))
+        _print_more(response, notes.others)
+
+
+class _Notes(NamedTuple):
+    """The notes of a response by where they are printed.
+
+    `apart`: shoes without contact. `warnings`. `held`: the supports of each body. `others`: what is
+    printed with --verbose only.
+    """
+
+    apart: list[str]
+    warnings: list[str]
+    held: list[str]
+    others: list[str]
+
+    @classmethod
+    def of(cls, response: "Response") -> "_Notes":
+        """Sort the notes of a response."""
+        notes = cls([], [], [], [])
+        for line in response.notes:
+            if ": no contact" in line:
+                notes.apart.append(line)
+            elif line.startswith("warning:"):
+                notes.warnings.append(line)
+            elif line.startswith("held:"):
+                notes.held.append(line)
+            else:
+                notes.others.append(line)
+        return notes
+
+
+def _print_effect(brake: "Brake", response: "Response") -> None:
+    """Print the torque, on a plane the braking force, and the brake factor where there is one."""
+    from drumlin.response.merit import brake_factor
+
+    surface = brake.surface
+    factor = brake_factor(brake, response)
+    line = f"{surface.effect} {response.effect:.6g} {surface.effect_unit}"
+    if factor is not None:
+        line += f", brake factor {factor:.4g} = {surface.factor}, F the mean actuation force"
+    tell(line)
+    if not response.converged:
+        tell("not converged")
+
+
+def _error_text(effect: str, error: "Mapping[str, float]") -> str:
+    """The estimated relative errors of a response as a line."""
+    line = f"estimated error: p {error['pressure']:.1e} (L2, worst shoe)"
+    names = {"torque": effect, "peak": "peak pressure", "reaction": "hinge reaction"}
+    for key, name in names.items():
+        if key in error:
+            line += f", {name} {error[key]:.1e}"
+    return line
 
 
 def _print_shoes(brake: "Brake", response: "Response") -> None:
+    """Print a row a shoe, and a line on where its peak pressure is looked for."""
     from drumlin.response.response import peak_place
-    from drumlin.response.show import arcs_text
 
-    surface = brake.surface
-    unit = surface.shown_unit
     places = [peak_place(brake, i, shoe) for i, shoe in enumerate(response.shoes)]
-    at = ["" if place is None else f"{place.at * surface.shown + 0.0:.1f}" for place in places]
-    effects = response.effects
-    forces = [abs(shoe.actuation.force) * brake.scale_factor for shoe in brake.shoes]
-    columns = {
-        "shoe": Column("shoe", "shoe\n", [shoe.name for shoe in response.shoes], left=True),
-        "effect": Column("torque", surface.heading, [f"{value:.6g}" for value in effects]),
-        "normal_force": Column(
-            "normal force",
-            "normal\nforce [N]",
-            [f"{shoe.normal_force:.6g}" for shoe in response.shoes],
-        ),
-        "peak": Column(
-            "peak pressure",
-            "peak p\n[MPa]",
-            [f"{shoe.peak_pressure * 1e-6:.4g}" for shoe in response.shoes],
-        ),
-        "at": Column("where the pressure peaks", f"at\n[{unit}]", at),
-        "contact": Column(
-            "contact",
-            f"contact\n[{unit}]",
-            [arcs_text(shoe, surface).replace(", ", "\n") for shoe in response.shoes],
-        ),
-        "reaction": Column(
-            "hinge reaction",
-            "reaction\n[N]",
-            [f"{math.hypot(*shoe.hinge_reaction):.6g}" for shoe in response.shoes],
-        ),
-        "shoe_factor": Column(
-            "shoe factor",
-            f"{surface.factor}\n",
-            [
-                f"{value / force:.3f}" if force else ""
-                for value, force in zip(effects, forces, strict=True)
-            ],
-        ),
-    }
-    print_columns(columns, LEAST)
+    shown = brake.surface.shown
+    # Adding 0.0 turns a negative zero into a zero without sign.
+    at = ["" if place is None else f"{place.at * shown + 0.0:.1f}" for place in places]
+    print_columns(_shoes_table(brake, response, at), LEAST)
     if any(place is not None and place.zone for place in places):
         tell("peak p: the largest, half a lining's thickness at each end left out")
 
 
-def _print_more(response: "Response", told: set[str]) -> None:
+def _shoes_table(brake: "Brake", response: "Response", at: list[str]) -> dict[str, Column]:
+    """The columns of the shoes' table; `at`: where each pressure peaks, as a text."""
+    from drumlin.response.show import arcs_text
+
+    surface, shoes, effects = brake.surface, response.shoes, response.effects
+    unit = surface.shown_unit
+    forces = [abs(shoe.actuation.force) * brake.scale_factor for shoe in brake.shoes]
+    factors = [
+        f"{effect / force:.3f}" if force else ""
+        for effect, force in zip(effects, forces, strict=True)
+    ]
+    normal = [f"{shoe.normal_force:.6g}" for shoe in shoes]
+    peaks = [f"{shoe.peak_pressure * 1e-6:.4g}" for shoe in shoes]
+    arcs = [arcs_text(shoe, surface).replace(", ", "\n") for shoe in shoes]
+    reactions = [f"{math.hypot(*shoe.hinge_reaction):.6g}" for shoe in shoes]
+    return {
+        "shoe": Column("shoe", "shoe\n", [shoe.name for shoe in shoes], left=True),
+        "effect": Column("torque", surface.heading, [f"{value:.6g}" for value in effects]),
+        "normal_force": Column("normal force", "normal\nforce [N]", normal),
+        "peak": Column("peak pressure", "peak p\n[MPa]", peaks),
+        "at": Column("where the pressure peaks", f"at\n[{unit}]", at),
+        "contact": Column("contact", f"contact\n[{unit}]", arcs),
+        "reaction": Column("hinge reaction", "reaction\n[N]", reactions),
+        "shoe_factor": Column("shoe factor", f"{surface.factor}\n", factors),
+    }
+
+
+def _print_more(response: "Response", notes: list[str]) -> None:
+    """Print reactions, figures of merit, steps, balance, times, notes and what is neglected."""
     for shoe, merit in zip(response.shoes, response.merits, strict=True):
         x, y = shoe.hinge_reaction
         tell(f"shoe {shoe.name!r}: hinge reaction ({x:.6g}, {y:.6g}) N; {_merit_text(merit)}")
-    spent = ", ".join(f"{phase} {seconds * 1e3:.1f}" for phase, seconds in response.seconds.items())
-    if spent:
-        tell(f"{response.iterations} active-set steps; balance: force {response.balance.force:.1e}, "
-             f"moment {response.balance.moment:.1e}; ms: {spent}")  # fmt: skip
-    for line in response.notes:
-        if line not in told:
-            tell(line)
+    times = [f"{phase} {seconds * 1e3:.1f}" for phase, seconds in response.seconds.items()]
+    if times:
+        balance = response.balance
+        tell(
+            f"{response.iterations} active-set steps; balance: force {balance.force:.1e}, "
+            f"moment {balance.moment:.1e}; ms: {', '.join(times)}"
+        )
+    for line in notes:
+        tell(line)
     for line in response.left_out:
         tell(f"left out: {line}")
 
 
 def _merit_text(merit: "Merit | FlatMerit") -> str:
-    """Figures of merit for people: names as in the JSON, the angle in degrees; without those that
-    are None.
-    """
+    """The figures of merit that are known, as a line: names as in the JSON, the angle in degrees."""
     values = {key: value for key, value in merit._asdict().items() if value is not None}
     angle = values.pop("resultant_angle", None)
-    said = [] if angle is None else [f"resultant at {round(math.degrees(angle), 3) + 0.0:g} deg"]
-    return ", ".join(said + [f"{key} {value:.5g}" for key, value in values.items()])
+    # Adding 0.0 turns a negative zero into a zero without sign.
+    parts = [] if angle is None else [f"resultant at {round(math.degrees(angle), 3) + 0.0:g} deg"]
+    parts += [f"{key} {value:.5g}" for key, value in values.items()]
+    return ", ".join(parts)

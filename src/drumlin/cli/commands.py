@@ -1,4 +1,4 @@
-"""All commands, in the order of the help."""
+"""The application with all its commands, in the order of the help."""
 
 from typing import Annotated
 
@@ -17,6 +17,7 @@ app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
 
 
 def _version(asked: bool) -> None:
+    """Print the version and end, where --version is given."""
     if asked:
         tell(f"drumlin {__version__}")
         raise typer.Exit
@@ -31,9 +32,7 @@ def _all(
         ),
     ] = False,
 ) -> None:
-    """Shoe brakes by their pressure laws and by finite elements in frictional contact, side by
-    side.
-    """
+    """Shoe brakes by pressure laws and by finite elements in frictional contact, side by side."""
 
 
 for command in (

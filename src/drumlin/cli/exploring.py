@@ -1,9 +1,10 @@
-"""The command that lets people play with a brake."""
+"""The command that serves a page with sliders for a brake."""
 
 from typing import Annotated
 
 import typer
 
+import drumlin
 from drumlin.cli.options import BrakeFile
 from drumlin.cli.terminal import note, tell
 
@@ -15,15 +16,16 @@ def explore(
         bool, typer.Option("--browser/--no-browser", help="open the page in a browser")
     ] = True,
 ) -> None:
-    """Play with a brake: a page of this machine with sliders, pressure and torque at once. Ctrl-C
-    ends it.
+    """Serve a page of this machine with sliders for a brake, its pressure and its torque.
+
+    Ctrl-C ends it.
     """
-    from drumlin.brake import read_any
     from drumlin.explore.serve import serve
 
-    brake = read_any(brake_file)
+    brake = drumlin.read_brake(brake_file)
 
     def ready(address: str) -> None:
+        """Print the address of the page and open a browser, once the server listens."""
         tell(f"{brake.title}: {address}", at_once=True)
         note("Ctrl-C ends it")
         if browser:

@@ -1,22 +1,29 @@
-"""Arguments and options that several commands share."""
+"""Arguments and options that several commands share, and those with long words of help."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
 from drumlin.base.errors import BadInput
 
-if TYPE_CHECKING:
-    from drumlin.brake.brake import Brake
-
 BrakeFiles = Annotated[
     list[Path], typer.Argument(metavar="BRAKE.toml...", help="one brake file or more")
 ]
 BrakeFile = Annotated[Path, typer.Argument(metavar="BRAKE.toml", help="the brake file")]
+
+# options of the finite elements
+
 Elements = Annotated[int | None, typer.Option(help="finite elements along each lining")]
 Kind = Annotated[
     str | None, typer.Option(metavar="quad2|quad1|tri2|tri1", help="kind of the parametric mesh")
+]
+Penalty = Annotated[
+    str | None, typer.Option(metavar="ALPHA|inf", help="contact stiffness as a multiple of E/t")
+]
+Tolerance = Annotated[
+    float | None,
+    typer.Option(help="refine until the estimated errors of p (L2) and torque are below it"),
 ]
 FiniteWidth = Annotated[
     bool,
@@ -24,39 +31,90 @@ FiniteWidth = Annotated[
         "--finite-width", help="correct plane stress for the width; torque within 1.5 % of a solid"
     ),
 ]
-Penalty = Annotated[
-    str | None, typer.Option(metavar="ALPHA|inf", help="contact stiffness as a multiple of E/t")
+
+# options of the other models
+
+Sections = Annotated[int | None, typer.Option(help="sections of each beam of the foundation model")]
+Lift = Annotated[
+    list[str] | None,
+    typer.Option(metavar="NAME|all", help="simplification of the foundation model to lift"),
+]
+Across = Annotated[int | None, typer.Option(help="elements over half the width of a solid lining")]
+FieldsFile = Annotated[
+    Path | None,
+    typer.Option(metavar="FILE.vtu", help="write p, displacements, stresses of the solid shoes"),
+]
+WearingModel = Annotated[
+    str, typer.Option(metavar="fem|foundation", help="the elastic model that is worn in")
 ]
 
+# options of single commands
 
-def fem_options(
-    elements: int | None, *, kind: str | None = None, penalty: str | None = None
-) -> dict[str, Any]:
-    """The options of the finite elements that were given. Raises BadInput for what they cannot be."""
-    if elements is not None:
-        from drumlin.fem.preparation.assembly import MOST_ELEMENTS
+ResponseJson = Annotated[
+    Path | None,
+    typer.Option(
+        "--json", metavar="FILE", help="write the response as JSON; of several brakes as a list"
+    ),
+]
+StatesJson = Annotated[
+    Path | None, typer.Option("--json", metavar="FILE", help="write all states as JSON")
+]
+SlopesJson = Annotated[
+    Path | None, typer.Option("--json", metavar="FILE", help="write them as JSON")
+]
+PressureFile = Annotated[
+    Path | None,
+    typer.Option(metavar="FILE", help="write the pressures as CSV, a table that check takes"),
+]
+Verbose = Annotated[
+    bool,
+    typer.Option("--verbose", "-v", help="figures of merit, how it was solved, what is left out"),
+]
+Rotation = Annotated[
+    str | None,
+    typer.Option(
+        metavar="ANGLE",
+        help='how far the drum is turned, such as "0.02 deg", on a plane the body slid; '
+        "default: to full slip",
+    ),
+]
+Distance = Annotated[
+    str | None,
+    typer.Option(
+        help='sliding distance, such as "20 km", or a number of 1/(k K), K = E/t; '
+        "default: until settled"
+    ),
+]
+Coefficient = Annotated[
+    str | None,
+    typer.Option(
+        metavar="K", help='of wear, such as "1e-5 mm^3/(N m)"; with an exponent: at 1 MPa'
+    ),
+]
+HeldTorque = Annotated[
+    str | None, typer.Option(help="hold this torque by the force, not the force")
+]
+Reverse = Annotated[str | None, typer.Option(help="the drum turns back after every such distance")]
+Guided = Annotated[
+    bool, typer.Option("--guided", help="rigid shoes moving along their middle radius")
+]
+ReportFolder = Annotated[Path | None, typer.Option(metavar="DIR", help="folder of the report")]
 
-        if not 1 <= elements <= MOST_ELEMENTS:
-            raise BadInput(f"--elements = {elements}: must be from 1 to {MOST_ELEMENTS}")
-    given = {"elements": elements, "kind": kind}
-    options: dict[str, Any] = {key: value for key, value in given.items() if value is not None}
-    if penalty is not None:
-        try:
-            options["penalty"] = float(penalty)
-        except ValueError as error:
-            raise BadInput(
-                f"--penalty = {penalty!r}: must be a number greater than 0, or inf"
-            ) from error
-    return options
+
+def given(**options: Any) -> dict[str, Any]:
+    """The options that were given. Raises BadInput for a number of elements out of range."""
+    from drumlin.models import given_options
+
+    return given_options(**options)
 
 
-def for_width(brake: "Brake", wanted: bool) -> tuple["Brake", list[str]]:
-    """The brake, where it is `wanted` corrected for the widths of its shoes, and a line that says
-    so.
-    """
-    if not wanted:
-        return brake, []
-    from drumlin.fem.preparation.finite_width import finite_width, said
-
-    other = finite_width(brake)
-    return other, [said(brake, other)]
+def penalty_number(penalty: str | None) -> float | None:
+    """The word of --penalty as a number. Raises BadInput where it is no number."""
+    if penalty is None:
+        return None
+    try:
+        return float(penalty)
+    except ValueError as error:
+        raise BadInput(
+            f"--penalty = {penalty!r}: must be a number greater than 0, or inf"
+        ) from error

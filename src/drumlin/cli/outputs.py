@@ -1,12 +1,13 @@
-"""Commands that write a brake in another form: a picture, meshes, input decks."""
+"""Commands that write a brake as a picture, as meshes, or as input decks of another program."""
 
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+import drumlin
 from drumlin.base.errors import BadInput
-from drumlin.cli.options import BrakeFile, Elements, Kind, fem_options
+from drumlin.cli.options import BrakeFile, Elements, Kind, given
 from drumlin.cli.terminal import busy, tell
 
 
@@ -20,17 +21,16 @@ def view(
 ) -> None:
     """Draw a brake and its mesh."""
     from drumlin.base.files import check_outputs
-    from drumlin.brake.plane_brake import read_any
     from drumlin.report.figures import save
     from drumlin.report.view import draw
 
-    brake = read_any(brake_file)
+    brake = drumlin.read_brake(brake_file)
     picture = output or Path(f"{brake_file.stem}.png")
     if picture.suffix not in {".png", ".svg"}:
         raise BadInput(f"--output = {str(picture)!r}: must end in .png or .svg")
     check_outputs(picture)
     with busy("drawing"):
-        save(draw(brake, **fem_options(elements, kind=kind)), picture)
+        save(draw(brake, **given(elements=elements, kind=kind)), picture)
     tell(f"picture: {picture}")
 
 
@@ -51,16 +51,15 @@ def mesh(
 ) -> None:
     """Write the mesh of each shoe as a file with named groups, to look at or to change."""
     from drumlin.base.files import check_outputs
-    from drumlin.brake.plane_brake import read_any
     from drumlin.fem.mesh.file import write_mesh
-    from drumlin.fem.preparation.assembly import prepare
+    from drumlin.fem.preparation.prepare import prepare
     from drumlin.fem.solve import check_divided
 
     if name is not None and Path(name).name != name:
         raise BadInput(
             f"--name = {name!r}: must be a word without folders; --output names the folder"
         )
-    brake, options = read_any(brake_file), fem_options(elements, kind=kind)
+    brake, options = drumlin.read_brake(brake_file), given(elements=elements, kind=kind)
     brake.check_meshable()
     check_divided(brake, **options)
     paths = [output / f"{name or brake_file.stem}_{shoe.name}.{suffix}" for shoe in brake.shoes]
@@ -96,7 +95,7 @@ def export(
         raise BadInput("--kind belongs to --model fem; solid shoes are of hexahedra")
     if to != "calculix":
         raise BadInput(f"--to = {to!r}: unknown program; allowed: calculix")
-    brake, options = read_drum(brake_file, "export"), fem_options(elements, kind=kind)
+    brake, options = read_drum(brake_file, "export"), given(elements=elements, kind=kind)
     check_divided(brake, **options)
     check_folder(output)
     with busy("writing"):

@@ -1,8 +1,8 @@
-"""The command line. Exit status: 0 an answer, 2 bad input, 3 no answer; one plain line in the last
-two cases.
+"""The process of the command line: signals, streams, the command itself and the exit status.
 
-A signal ends it with 128 and its number, 1 is a fault of drumlin itself. Nothing heavy is imported
-before `main` runs, so that even what goes wrong in an import is said in one line.
+Exit status 0 means an answer, 2 bad input and 3 no answer; in the last two cases one plain line
+says why. A signal ends the process with 128 plus its number. Status 1 is a fault of drumlin itself.
+Heavy modules are imported after `main` has started, so that a fault in an import is one line too.
 """
 
 import gc
@@ -18,45 +18,59 @@ from typing import Any, NoReturn
 from drumlin.base.errors import BadInput, NoAnswer, Stopped, ended, file_fault
 
 COMPLETING = "_DRUMLIN_COMPLETE"
+"""Environment variable by which a shell asks click for the words that may come next."""
+GARBAGE_THRESHOLD = 20_000
+"""Objects that may be created before Python looks for garbage; its default is 700.
+
+Imported modules stay until the end. With the default, Python searches them again and again, which
+takes 3 % of a solve.
+"""
 
 
 def main() -> NoReturn:
-    """Run the command line of this process, and end it."""
+    """Run the command line of this process, and end the process with its exit status."""
     sys.exit(ended(_main))
 
 
 def _main() -> int:
-    for name in ("SIGTERM", "SIGHUP"):
-        if (
-            hasattr(signal, name) and signal.getsignal(getattr(signal, name)) != signal.SIG_IGN
-        ):  # as under nohup
-            signal.signal(getattr(signal, name), _stop)
+    """Prepare the process and run its command line; returns the exit status."""
+    _catch_signals()
     _settle_streams()
     _settle_imports()
-    gc.set_threshold(
-        20_000
-    )  # what is imported stays: to look for garbage in it as often as by default is 3 % of a solve
+    gc.set_threshold(GARBAGE_THRESHOLD)
+    # Warnings are for those who write programs; python -W default shows them.
     if not sys.warnoptions:
-        warnings.simplefilter(
-            "ignore"
-        )  # they are for those who write the program; -W default shows them
+        warnings.simplefilter("ignore")
     try:
         return run(sys.argv[1:])
     finally:
-        try:
-            sys.stdout.flush()
-        except OSError as error:
-            os.dup2(
-                os.open(os.devnull, os.O_WRONLY), 1
-            )  # or else the interpreter's own flush fails once more
-            if isinstance(error, BrokenPipeError):
-                raise
-            raise file_fault("standard output", "written", error) from error
+        _flush_output()
+
+
+def _catch_signals() -> None:
+    """Let SIGTERM and SIGHUP raise Stopped, except where they are ignored, as under nohup."""
+    for name in ("SIGTERM", "SIGHUP"):
+        number = getattr(signal, name, None)
+        if number is not None and signal.getsignal(number) != signal.SIG_IGN:
+            signal.signal(number, _stop)
+
+
+def _flush_output() -> None:
+    """Write out what is printed. Raises DrumlinError where standard output takes no more."""
+    try:
+        sys.stdout.flush()
+    except OSError as error:
+        # The interpreter flushes the stream once more at its end. That flush must not fail too.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+        if isinstance(error, BrokenPipeError):
+            raise
+        raise file_fault("standard output", "written", error) from error
 
 
 def run(words: Sequence[str]) -> int:
-    """Run a command line in this process; returns its exit status. Raises DrumlinError and whatever
-    else goes wrong.
+    """Run a command line in this process; returns its exit status.
+
+    Raises DrumlinError for bad input and for no answer; other exceptions are faults of drumlin.
     """
     import typer
 
@@ -64,7 +78,8 @@ def run(words: Sequence[str]) -> int:
     from drumlin.cli.commands import app
 
     command = typer.main.get_command(app)
-    if COMPLETING in os.environ:  # a shell asks what may come next
+    # A shell asks for the words that may come next; click answers and ends the process.
+    if COMPLETING in os.environ:
         command(list(words), prog_name="drumlin")
     with inputs_kept():
         try:
@@ -73,15 +88,18 @@ def run(words: Sequence[str]) -> int:
         except typer.Exit as end:
             return end.exit_code if words else 2
         except Exception as error:
+            # Usage errors have this method, in click and in the copy of click that typer carries.
             if not hasattr(error, "format_message"):
                 raise
-            raise BadInput(_refused(error)) from error  # a usage error, of typer's click or another
+            raise BadInput(_refused(error)) from error
     return 0
 
 
 def _refused(error: Any) -> str:
-    """A usage error in a line; where the word of an option is no number, with that word: older
-    typers name it.
+    """A usage error as one line.
+
+    Where the word of an option is no number, the line names the option and the word: newer versions
+    of typer leave the word out.
     """
     from drumlin.brake.file import ALLOWED
 
@@ -93,14 +111,16 @@ def _refused(error: Any) -> str:
 
 
 def _stop(number: int, _: object) -> None:
-    signal.signal(
-        number, signal.SIG_IGN
-    )  # once is enough: what is cleaned up now is not to be stopped
+    """Raise Stopped, and ignore the signal from now on, so that nothing stops the cleaning up."""
+    signal.signal(number, signal.SIG_IGN)
     raise Stopped(number)
 
 
 def _settle_streams() -> None:
-    """Both streams open, and with a ? for a letter such as θ or µ that the terminal does not know."""
+    """Make both output streams usable. Raises NoAnswer where standard output is closed.
+
+    A letter that the terminal does not know, such as θ or µ, is printed as a question mark.
+    """
     if sys.stderr is None:
         sys.stderr = Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115  (until the end)
     if sys.stdout is None:
@@ -111,21 +131,24 @@ def _settle_streams() -> None:
 
 
 def _settle_imports() -> None:
-    """Nothing is imported from the current folder, here or in processes that this one starts, and
-    no window opened.
+    """Keep Python from importing files of the current folder, and matplotlib from opening windows.
+
+    Both settings also hold for processes that this process starts.
     """
     os.environ["PYTHONSAFEPATH"] = "1"
     os.environ["MPLBACKEND"] = "agg"
     if not sys.flags.safe_path and _from_here(sys.path[:1]):
         del sys.path[0]
+        # Without its first place, a drumlin that is run in its source folder does not find itself.
         root = str(Path(__file__).parents[2])
         if root not in sys.path:
-            sys.path.append(root)  # drumlin itself, run in the folder of its source
+            sys.path.append(root)
 
 
 def _from_here(first: Sequence[str]) -> bool:
-    """Whether the first place of imports is the current folder, as with python -m and -c."""
+    """Whether Python looks for imports in the current folder first, as python -m and -c do."""
     try:
         return list(first) in ([""], [str(Path.cwd())])
     except OSError:
-        return False  # the folder has been removed
+        # The current folder has been removed.
+        return False

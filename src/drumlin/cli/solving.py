@@ -1,129 +1,157 @@
-"""Commands that answer for a brake. Each reads, calls and prints; most of its lines are its
-options.
-"""
+"""Commands that answer for a brake: each reads its options, calls `drumlin`, and prints."""
 
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
+import drumlin
 from drumlin.base.errors import BadInput, NoAnswer
+from drumlin.cli import options as of
 from drumlin.cli.answer import print_response
-from drumlin.cli.options import (
-    BrakeFile,
-    BrakeFiles,
-    Elements,
-    FiniteWidth,
-    Kind,
-    Penalty,
-    fem_options,
-    for_width,
-)
+from drumlin.cli.options import BrakeFile, Elements, FiniteWidth, Kind, Penalty
 from drumlin.cli.terminal import Column, busy, note, print_columns, print_table, tell
 
-OPTIONS = {  # model -> its own options
-    "fem": ("elements", "kind", "penalty", "tolerance", "finite-width"),
-    "solid": ("elements", "across", "penalty", "fields"),
-    "foundation": ("sections", "lift"),
-}
+if TYPE_CHECKING:
+    from drumlin.brake.brake import Brake
+    from drumlin.door import HoldingRun
+    from drumlin.response.response import Response
 
 
 def solve(
-    brake_files: BrakeFiles,
+    brake_files: of.BrakeFiles,
     model: Annotated[str, typer.Option(help="which model answers")] = "fem",
-    json_file: Annotated[
-        Path | None,
-        typer.Option(
-            "--json", metavar="FILE", help="write the response as JSON; of several brakes as a list"
-        ),
-    ] = None,
-    pressure: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="write the pressures as CSV, a table that check takes"),
-    ] = None,
+    json_file: of.ResponseJson = None,
+    pressure: of.PressureFile = None,
     elements: Elements = None,
     kind: Kind = None,
     penalty: Penalty = None,
-    tolerance: Annotated[
-        float | None,
-        typer.Option(help="refine until the estimated errors of p (L2) and torque are below it"),
-    ] = None,
-    sections: Annotated[
-        int | None, typer.Option(help="sections of each beam of the foundation model")
-    ] = None,
-    lift: Annotated[
-        list[str] | None,
-        typer.Option(metavar="NAME|all", help="simplification of the foundation model to lift"),
-    ] = None,
+    tolerance: of.Tolerance = None,
+    sections: of.Sections = None,
+    lift: of.Lift = None,
     finite_width: FiniteWidth = False,
-    across: Annotated[
-        int | None, typer.Option(help="elements over half the width of a solid lining")
-    ] = None,
-    fields: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FILE.vtu", help="write p, displacements, stresses of the solid shoes"
-        ),
-    ] = None,
-    verbose: Annotated[
-        bool,
-        typer.Option(
-            "--verbose", "-v", help="figures of merit, how it was solved, what is left out"
-        ),
-    ] = False,
+    across: of.Across = None,
+    fields: of.FieldsFile = None,
+    verbose: of.Verbose = False,
 ) -> None:
     """Solve a brake, or several, by one model."""
-    from drumlin.base.files import check_outputs, write_json, write_text
-    from drumlin.brake.plane_brake import read_any
-    from drumlin.models import pick
+    from drumlin.base.files import check_outputs
 
-    brakes = [read_any(brake_file) for brake_file in brake_files]
+    brakes = [drumlin.read_brake(brake_file) for brake_file in brake_files]
     check_outputs(json_file, pressure, fields)
-    options = fem_options(elements, kind=kind, penalty=penalty) | (
-        {} if tolerance is None else {"tolerance": tolerance}
+    options = of.given(
+        elements=elements,
+        kind=kind,
+        penalty=of.penalty_number(penalty),
+        tolerance=tolerance,
+        sections=sections,
+        lift=lift,
+        finite_width=finite_width,
+        across=across,
+        fields=fields,
     )
-    chosen = [pick(model, brake) for brake in brakes]
-    more = (("sections", sections), ("lift", lift), ("across", across), ("fields", fields))
-    options |= {name: value for name, value in more if value is not None}
-    options |= {"finite_width": True} if finite_width else {}
-    for owner, names in OPTIONS.items():
-        others = [f"--{name}" for name in names if name not in OPTIONS.get(model, ())]
-        if model != owner and any(option[2:].replace("-", "_") in options for option in others):
-            *some, last = others
-            said = f"{', '.join(some)} and {last} belong" if some else f"{last} belongs"
-            raise BadInput(f"{said} to --model {owner}, not to {model!r}")
-    for option, path in (("--pressure", pressure), ("--fields", fields)):
+    _check_solvable(brakes, model, options)
+    _check_one_brake(brakes, {"--pressure": pressure, "--fields": fields})
+    answers: list[_Answer] = []
+    for answer in _answers(brake_files, brakes, model, options):
+        separated = any(earlier.response is not None for earlier in answers)
+        _print_answer(answer, pressure, separated=separated, verbose=verbose)
+        answers.append(answer)
+    _finish(answers, json_file)
+
+
+class _Answer(NamedTuple):
+    """A brake file and its response, or why there is none."""
+
+    brake_file: Path
+    brake: "Brake"
+    response: "Response | None"
+    failure: NoAnswer | None
+
+    def as_dict(self) -> dict[str, Any]:
+        """The answer as plain data for JSON."""
+        name = {"brake_file": str(self.brake_file)}
+        if self.response is None:
+            return name | {"failure": str(self.failure)}
+        return name | self.response.as_dict()
+
+
+def _check_solvable(brakes: "list[Brake]", model: str, options: dict[str, Any]) -> None:
+    """Raise BadInput, before any brake is solved, where the model or an option does not fit."""
+    from drumlin.models import check_options, pick
+
+    for brake in brakes:
+        pick(model, brake)
+    check_options(model, options)
+
+
+def _check_one_brake(brakes: "list[Brake]", outputs: dict[str, Path | None]) -> None:
+    """Raise BadInput where an output of one brake is asked for of several."""
+    for option, path in outputs.items():
         if path is not None and len(brakes) > 1:
             raise BadInput(f"{option} writes the file of one brake; give one brake file")
-    failed, found = 0, list[dict[str, Any]]()
-    for i, (brake_file, brake, one) in enumerate(zip(brake_files, brakes, chosen, strict=True)):
+
+
+def _answers(
+    brake_files: list[Path], brakes: "list[Brake]", model: str, options: dict[str, Any]
+) -> Iterator[_Answer]:
+    """Solve brakes one after the other.
+
+    Of several brakes a refusal (NoAnswer) is an answer as well; of a single brake it is raised.
+    """
+    for brake_file, brake in zip(brake_files, brakes, strict=True):
         try:
             with busy(f"solving by {model}"):
-                response = one.solve(brake, **options)
+                response = drumlin.solve(brake, model, **options)
         except NoAnswer as error:
             if len(brakes) == 1:
                 raise
-            failed += 1
-            found.append({"brake_file": str(brake_file), "failure": str(error)})
-            note(f"{brake_file}: {error}")
-            continue
-        found.append({"brake_file": str(brake_file), **response.as_dict()})
-        if pressure is not None:
-            from drumlin.verification.check import curves_text
+            yield _Answer(brake_file, brake, None, error)
+        else:
+            yield _Answer(brake_file, brake, response, None)
 
-            write_text(pressure, curves_text(response, brake.surface))
-        if i > failed:
-            tell("")
-        print_response(brake, response, verbose=verbose)
+
+def _print_answer(
+    answer: _Answer, pressure: Path | None, *, separated: bool, verbose: bool
+) -> None:
+    """Print an answer and write its pressures, or note why there is none.
+
+    Parameters
+    ----------
+    answer : the answer
+    pressure : CSV file of the pressures; None: no file
+    separated : whether an empty line stands above the answer
+    verbose : whether figures of merit and more are printed
+    """
+    if answer.response is None:
+        note(f"{answer.brake_file}: {answer.failure}")
+        return
+    if pressure is not None:
+        from drumlin.base.files import write_text
+        from drumlin.verification.check import curves_text
+
+        write_text(pressure, curves_text(answer.response, answer.brake.surface))
+    if separated:
+        tell("")
+    print_response(answer.brake, answer.response, verbose=verbose)
+
+
+def _finish(answers: list[_Answer], json_file: Path | None) -> None:
+    """Write all answers as JSON. Raises NoAnswer where brakes have no answer."""
+    from drumlin.base.files import write_json
+
     if json_file is not None:
-        write_json(json_file, found[0] if len(brakes) == 1 else found)
+        data = [answer.as_dict() for answer in answers]
+        write_json(json_file, data[0] if len(data) == 1 else data)
+    failed = sum(answer.response is None for answer in answers)
     if failed:
-        raise NoAnswer(f"{failed} of {len(brakes)} brakes have no answer")
+        raise NoAnswer(f"{failed} of {len(answers)} brakes have no answer")
 
 
 def compare(
     brake_file: BrakeFile,
-    output: Annotated[Path | None, typer.Option(metavar="DIR", help="folder of the report")] = None,
+    output: of.ReportFolder = None,
     elements: Elements = None,
     kind: Kind = None,
     penalty: Penalty = None,
@@ -132,18 +160,20 @@ def compare(
     """Solve a brake by all models that apply, side by side, and write one report."""
     from drumlin.base.files import check_folder
     from drumlin.brake.file import toml_text
-    from drumlin.brake.plane_brake import read_any
     from drumlin.report.comparison import write_comparison
 
     text = toml_text(brake_file)
-    brake = read_any(brake_file, text)
+    brake = drumlin.read_brake(brake_file, text)
     folder = output or Path("reports") / brake_file.stem
     check_folder(folder)
+    options = of.given(
+        elements=elements,
+        kind=kind,
+        penalty=of.penalty_number(penalty),
+        finite_width=finite_width,
+    )
     with busy("comparing the models"):
-        options = fem_options(elements, kind=kind, penalty=penalty)
-        result = write_comparison(
-            brake, text, folder, options | ({"finite_width": True} if finite_width else {})
-        )
+        result = write_comparison(brake, text, folder, options)
     tell(f"{brake.title}: {brake.motion}, mu = {brake.friction:g}")
     print_table(result.table, result.columns)
     for line in result.notes:
@@ -153,93 +183,72 @@ def compare(
 
 def hold(
     brake_file: BrakeFile,
-    rotation: Annotated[
-        str | None,
-        typer.Option(
-            metavar="ANGLE",
-            help='how far the drum is turned, such as "0.02 deg", on a plane the body slid; default: to full slip',
-        ),
-    ] = None,
+    rotation: of.Rotation = None,
     steps: Annotated[int, typer.Option(help="increments of the rotation")] = 20,
-    json_file: Annotated[
-        Path | None, typer.Option("--json", metavar="FILE", help="write all states as JSON")
-    ] = None,
+    json_file: of.StatesJson = None,
     elements: Elements = None,
     kind: Kind = None,
     penalty: Penalty = None,
     finite_width: FiniteWidth = False,
 ) -> None:
-    """Hold the drum: from rest through partial slip to full slip, as it is turned against the
-    shoes.
-    """
-    import numpy as np
-
+    """Turn the drum against its shoes, from rest through partial slip to full slip."""
     from drumlin.base.files import check_outputs, write_json
-    from drumlin.base.texts import formatted
-    from drumlin.brake.plane_brake import read_any
-    from drumlin.brake.units import quantity
-    from drumlin.fem.analysis.holding import as_dict, full_slip_rotation
-    from drumlin.fem.analysis.holding import hold as turn
-    from drumlin.fem.solve import scene_of
 
-    brake, wide = for_width(read_any(brake_file), finite_width)
-    brake.check_meshable()
-    surface = brake.surface
+    brake = drumlin.read_brake(brake_file)
     check_outputs(json_file)
-    if not 1 <= steps <= 10_000:
-        raise BadInput(f"--steps = {steps}: must be from 1 to 10000")
-    options, stiffness = fem_options(elements, kind=kind), fem_options(None, penalty=penalty)
-    end = None if rotation is None else quantity("--rotation", rotation, surface.unit)
     with busy("holding") as say:
-        scene = scene_of(brake, **options)
-        end = full_slip_rotation(scene, brake, **stiffness) if end is None else end
-        states = turn(scene, brake, np.linspace(0.0, end, steps + 1), say=say, **stiffness)
+        run = drumlin.hold(
+            brake,
+            rotation=rotation,
+            steps=steps,
+            elements=elements,
+            kind=kind,
+            penalty=of.penalty_number(penalty),
+            finite_width=finite_width,
+            say=say,
+        )
     if json_file is not None:
-        write_json(json_file, as_dict(states))
-    for line in wide:
+        write_json(json_file, run.as_dict())
+    for line in run.notes:
         tell(line)
-    way = f"{surface.moved} [{surface.shown_unit}]"
-    moment = f"{surface.held} [{surface.effect_unit}]"
-    turned = [at.rotation * surface.shown for at in states]
-    columns = {
-        "way": Column("way", way, [f"{each:.6f}" for each in turned]),
-        "moment": Column("moment", moment, [formatted(at.torque, ".4f") for at in states]),
-        "sticking": Column(
-            "sticking", "sticking [%]", [f"{100 * at.sticking:.1f}" for at in states]
-        ),
-        "dissipated": Column(
-            "dissipated", "dissipated [J]", [f"{at.dissipated:.5g}" for at in states]
-        ),
+    print_columns(_states_table(run), [])
+    for line in run.states[-1].notes:
+        tell(line)
+
+
+def _states_table(run: "HoldingRun") -> dict[str, Column]:
+    """The states of a holding brake as columns for people."""
+    from drumlin.base.texts import formatted
+
+    surface, states = run.brake.surface, run.states
+    turned = [f"{at.rotation * surface.shown:.6f}" for at in states]
+    moments = [formatted(at.torque, ".4f") for at in states]
+    sticking = [f"{100 * at.sticking:.1f}" for at in states]
+    dissipated = [f"{at.dissipated:.5g}" for at in states]
+    return {
+        "way": Column("way", f"{surface.moved} [{surface.shown_unit}]", turned),
+        "moment": Column("moment", f"{surface.held} [{surface.effect_unit}]", moments),
+        "sticking": Column("sticking", "sticking [%]", sticking),
+        "dissipated": Column("dissipated", "dissipated [J]", dissipated),
     }
-    print_columns(columns, [])
-    for line in states[-1].notes:
-        tell(line)
 
 
 def sensitivity(
     brake_file: BrakeFile,
-    json_file: Annotated[
-        Path | None, typer.Option("--json", metavar="FILE", help="write them as JSON")
-    ] = None,
+    json_file: of.SlopesJson = None,
     elements: Elements = None,
     kind: Kind = None,
     penalty: Penalty = None,
 ) -> None:
-    """What the torque feels of friction, force, moduli, clearance and hinge, exactly: slopes of the
-    elastic brake.
-    """
+    """How the torque changes with friction, force, moduli, clearance and hinge: exact slopes."""
     from drumlin.base.files import check_outputs, write_json
-    from drumlin.brake.plane_brake import read_any
     from drumlin.fem.analysis.sensitivity import as_text
-    from drumlin.fem.analysis.sensitivity import sensitivity as slopes
-    from drumlin.fem.solve import scene_of
 
-    brake = read_any(brake_file)
+    brake = drumlin.read_brake(brake_file)
     check_outputs(json_file)
-    options, stiffness = fem_options(elements, kind=kind), fem_options(None, penalty=penalty)
+    stiffness = of.penalty_number(penalty)
     with busy("sensitivity"):
-        brake.check_meshable()
-        found = slopes(scene_of(brake, **options), brake, **stiffness)
+        found = drumlin.sensitivity(brake, elements=elements, kind=kind, penalty=stiffness)
     if json_file is not None:
         write_json(json_file, found.as_dict())
     tell(f"{brake.title}: fem, {brake.motion}, mu = {brake.friction:g}")
@@ -249,113 +258,45 @@ def sensitivity(
 
 def wear(
     brake_file: BrakeFile,
-    model: Annotated[
-        str, typer.Option(metavar="fem|foundation", help="the elastic model that is worn in")
-    ] = "fem",
-    distance: Annotated[
-        str | None,
-        typer.Option(
-            help='sliding distance, such as "20 km", or a number of 1/(k K), K = E/t; default: until settled'
-        ),
-    ] = None,
-    coefficient: Annotated[
-        str | None,
-        typer.Option(
-            metavar="K", help='of wear, such as "1e-5 mm^3/(N m)"; with an exponent: at 1 MPa'
-        ),
-    ] = None,
+    model: of.WearingModel = "fem",
+    distance: of.Distance = None,
+    coefficient: of.Coefficient = None,
     exponent: Annotated[float, typer.Option(help="of the pressure in the rate of wear")] = 1.0,
-    torque: Annotated[
-        str | None, typer.Option(help="hold this torque by the force, not the force")
-    ] = None,
-    reverse: Annotated[
-        str | None, typer.Option(help="the drum turns back after every such distance")
-    ] = None,
-    guided: Annotated[
-        bool, typer.Option("--guided", help="rigid shoes moving along their middle radius")
-    ] = False,
+    torque: of.HeldTorque = None,
+    reverse: of.Reverse = None,
+    guided: of.Guided = False,
     tolerance: Annotated[float | None, typer.Option(help="relative error of p (L2) a step")] = None,
-    json_file: Annotated[
-        Path | None, typer.Option("--json", metavar="FILE", help="write all states as JSON")
-    ] = None,
+    json_file: of.StatesJson = None,
     elements: Elements = None,
     kind: Kind = None,
-    sections: Annotated[
-        int | None, typer.Option(help="sections of each beam of the foundation model")
-    ] = None,
-    lift: Annotated[
-        list[str] | None,
-        typer.Option(metavar="NAME|all", help="simplification of the foundation model to lift"),
-    ] = None,
+    sections: of.Sections = None,
+    lift: of.Lift = None,
     finite_width: FiniteWidth = False,
 ) -> None:
-    """Run the linings in: wear them by Archard's law until the pressure is that of the rigid-shoe
-    law.
-    """
+    """Wear the linings by Archard's law until the pressure is that of the rigid-shoe law."""
     from drumlin.base.files import check_outputs, write_json
-    from drumlin.brake.plane_brake import read_any
-    from drumlin.brake.units import quantity
-    from drumlin.wear.archard import WearLaw
-    from drumlin.wear.linings import WearSetup, fem_setup, foundation_setup
-    from drumlin.wear.linings import guided as on_guides
-    from drumlin.wear.run_in import COEFFICIENT, as_dict, check_depth, report_lines, run_in, target
-    from drumlin.wear.run_in import unit_distance as unit_of
 
-    brake, wide = for_width(read_any(brake_file), finite_width and model == "fem")
-    brake = on_guides(brake) if guided else brake
-    brake.check_meshable()
+    brake = drumlin.read_brake(brake_file)
     check_outputs(json_file)
-    if model not in {"fem", "foundation"}:
-        raise BadInput(f"--model = {model!r}: does not wear; allowed: fem, foundation")
-    meshing = fem_options(elements, kind=kind)
-    solving: dict[str, Any] = {
-        name: value for name, value in (("sections", sections), ("lift", lift)) if value is not None
-    }
-    if solving if model == "fem" else (meshing or guided or finite_width):
-        raise BadInput(
-            "--elements, --kind, --guided and --finite-width belong to --model fem, --sections and --lift to foundation"
-        )
-    law = WearLaw(
-        COEFFICIENT if coefficient is None else quantity("--coefficient", coefficient, "1/Pa"),
-        exponent,
-    )
-    options: dict[str, Any] = {} if tolerance is None else {"tolerance": tolerance}
-    if torque is not None:
-        options["torque"] = quantity("--torque", torque, brake.surface.effect_unit)
-
-    def length(key: str, text: str, setup: WearSetup) -> float:
-        try:
-            number = float(text)
-        except ValueError:
-            return quantity(key, text, "m")
-        return number * unit_of(setup, law)
-
     with busy("running in") as say:
-        if model == "fem":
-            from drumlin.fem.solve import scene_of
-
-            scene = scene_of(brake, **meshing)
-
-            def setup_of(turning: Any) -> WearSetup:
-                return fem_setup(scene, turning)
-        else:
-
-            def setup_of(turning: Any) -> WearSetup:
-                return foundation_setup(turning, **solving)
-
-        setup = setup_of(brake)
-        if reverse is not None:
-            options |= {
-                "backward": setup_of(brake.reversed()),
-                "reverse": length("--reverse", reverse, setup),
-            }
-        if distance is not None:
-            options["distance"] = length("--distance", distance, setup)
-        say("wearing")
-        states = run_in(setup, law, **options)
-    check_depth(setup, states)
-    goal = target(setup, law, options.get("torque"))
+        run = drumlin.wear(
+            brake,
+            model,
+            distance=distance,
+            coefficient=coefficient,
+            exponent=exponent,
+            torque=torque,
+            reverse=reverse,
+            guided=guided,
+            tolerance=tolerance,
+            elements=elements,
+            kind=kind,
+            sections=sections,
+            lift=lift,
+            finite_width=finite_width,
+            say=say,
+        )
     if json_file is not None:
-        write_json(json_file, as_dict(setup, states, goal, law))
-    for line in (*wide, *report_lines(setup, states, goal, law)):
+        write_json(json_file, run.as_dict())
+    for line in run.lines():
         tell(line)

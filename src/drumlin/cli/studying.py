@@ -1,12 +1,18 @@
-"""Commands that solve many brakes: studies and sweeps."""
+"""Commands that solve many brakes: a study writes a report, a sweep a table."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from drumlin.base.errors import NoAnswer, Stopped
+from drumlin.base.errors import NoAnswer
 from drumlin.cli.terminal import busy, note, progress, progress_if_long, tell
+
+if TYPE_CHECKING:
+    from drumlin.sweeps.cases import Row
+
+MOST_REASONS = 3
+"""Reasons of failed cases that are printed, the most frequent ones; the table has them all."""
 
 
 def study(
@@ -35,44 +41,37 @@ def sweep(
         typer.Option(metavar="ADDRESS", help="a Dask scheduler, in place of this machine's cores"),
     ] = None,
 ) -> None:
-    """Solve a brake with any of its keys varied: one table, a row a case. Stopped, it goes on with
-    what is missing.
-    """
-    from collections import Counter
+    """Solve a brake for many values of its keys, as one table with a row a case.
 
+    After a stop the same command goes on with the missing cases.
+    """
     from drumlin.base.files import check_outputs
-    from drumlin.base.journal import Journal, source_stamp
-    from drumlin.sweeps.cases import run
     from drumlin.sweeps.file import read_sweep
-    from drumlin.sweeps.table import check_output, table, write_table
-    from drumlin.sweeps.workers import executor
+    from drumlin.sweeps.run import kept_rows, table_rows
+    from drumlin.sweeps.table import check_output, write_table
 
     with progress_if_long(f"reading {sweep_file.name}") as judged:
         made = read_sweep(sweep_file, judged)
     table_file = output or Path(f"{sweep_file.stem}.csv")
     check_output(table_file)
     check_outputs(table_file)
-    with Journal(table_file.with_name(table_file.name + ".journal"), source_stamp()) as journal:
-        kept = f"finished cases are kept in {journal.path}; the same command goes on"
-        for line in journal.notes:
-            note(line)
-        try:
-            with executor(jobs, scheduler, note) as (pool, workers), progress(made.title) as done:
-                rows = run(
-                    made.cases, executor=pool, workers=workers, journal=journal, done=done, say=note
-                )
-        except NoAnswer as error:
-            raise NoAnswer(f"{error}; {len(journal)} {kept}") from error
-        except (KeyboardInterrupt, Stopped) as stop:
-            stop.add_note(f"{len(journal)} {kept}")
-            raise
+    rows = kept_rows(made, table_file, jobs=jobs, scheduler=scheduler, progress=progress, say=note)
     with busy(f"writing {table_file.name}"):
-        write_table(table(made.cases, rows, sweep_file.parent.resolve(), made.pressure), table_file)
-    failed = Counter(
-        row["status"].removeprefix("failed: ") for row in rows if row["status"] != "solved"
-    )
+        write_table(table_rows(made, rows, sweep_file), table_file)
+    _tell_outcome(rows, table_file)
+
+
+def _tell_outcome(rows: "list[Row]", table_file: Path) -> None:
+    """Print how many cases have failed and the most frequent reasons, then the table's path.
+
+    Raises NoAnswer where every case has failed.
+    """
+    from collections import Counter
+
+    statuses = [row["status"] for row in rows]
+    failed = Counter(status.removeprefix("failed: ") for status in statuses if status != "solved")
     tell(f"{len(rows)} cases: {len(rows) - failed.total()} solved, {failed.total()} failed")
-    for reason, count in failed.most_common(3):
+    for reason, count in failed.most_common(MOST_REASONS):
         tell(f"  failed, {count}: {reason}")
     tell(f"table: {table_file}")
     if failed.total() == len(rows):

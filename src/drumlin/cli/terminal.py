@@ -1,4 +1,4 @@
-"""What a person at the terminal sees: progress while something runs, a response, a table."""
+"""Printing for a person at the terminal: lines of an answer, progress, tables."""
 
 import shutil
 import sys
@@ -12,9 +12,10 @@ from drumlin.base.errors import file_fault
 from drumlin.base.texts import one_line
 
 if TYPE_CHECKING:
-    from drumlin.comparison import Column as TableColumn
+    from drumlin.comparison import TableColumn
 
-SAME = ("case", "rotation")  # columns that are the same in all rows of one brake
+SAME = ("case", "rotation")
+"""Columns of a comparison that are the same in all rows of one brake; they are not printed."""
 LEAST = [
     "self_energising",
     "contact",
@@ -24,17 +25,25 @@ LEAST = [
     "peak_pressure",
     "seconds",
 ]
-WIDTH = 200  # characters of a wide table, where the output is no terminal
-STATUS_WIDTH = 10  # a status is folded
-LONGEST = 10_000  # characters of a line
+"""Columns of a comparison that are left out on a narrow terminal, the first of them first."""
+WIDTH = 200
+"""Characters of a line of a comparison where the output is no terminal but a file or a pipe."""
+STATUS_WIDTH = 10
+"""Characters that the column of statuses has at least; a longer status is folded into lines."""
+LONGEST = 10_000
+"""Characters of a printed line; a longer line is cut, since a text from a file may have any length.
+"""
 
 
 def tell(line: str, *, at_once: bool = False) -> None:
-    """Print a line of an answer, broken between words; what is not printable in it, as in a file's
-    name, is escaped.
+    """Print a line of an answer, folded between words to the width of the terminal.
+
+    Characters that cannot be printed, as in the name of a file, are escaped. at_once: whether the
+    line is written out before more lines follow.
     """
     line, width = one_line(line, LONGEST), shutil.get_terminal_size().columns
-    if len(line) > width and len(line.split()) > 2:  # a word and a path stay together
+    # A line of two words is a word and a path, which stay together.
+    if len(line) > width and len(line.split()) > 2:
         line = _folded(line, width, more=" " * (len(line) - len(line.lstrip()) + 2))
     with _printing():
         print(line, flush=at_once)
@@ -47,21 +56,23 @@ def write(text: str) -> None:
 
 
 def _folded(text: str, width: int, more: str = "") -> str:
-    """The text in lines of `width` characters, those after the first led by `more`; no word is
-    broken.
+    """The text folded into lines of `width` characters; further lines begin with `more`.
+
+    No word is broken.
     """
     return fill(text, width, break_long_words=False, break_on_hyphens=False, subsequent_indent=more)
 
 
 def note(line: str) -> None:
-    """A line beside the output."""
+    """Print a line to standard error, beside the answer on standard output."""
     print(f"drumlin: {one_line(line)}", file=sys.stderr)
 
 
 @contextmanager
 def _printing() -> Iterator[None]:
-    """Raise DrumlinError where standard output takes no more; that its reader has seen enough is no
-    fault.
+    """Raise DrumlinError where standard output takes no more.
+
+    A reader that has closed its pipe is no fault: BrokenPipeError goes on, and ends the process.
     """
     try:
         yield
@@ -72,17 +83,18 @@ def _printing() -> Iterator[None]:
 
 
 LONG = 2.0
-"""Seconds after which work that is mostly done at once shows its progress."""
+"""Seconds after which `progress_if_long` shows a bar; most work of that kind is done before."""
 
 
 @contextmanager
 def progress_if_long(words: str) -> Iterator[Callable[[int, int], None]]:
-    """As `progress`, the bar from LONG seconds on."""
+    """Show progress as `progress` does, from LONG seconds on."""
     start = time.monotonic()
     with ExitStack() as shown:
         bars: list[Callable[[int, int], None]] = []
 
         def done(finished: int, of: int) -> None:
+            """Move the bar, and show it first where it is time to."""
             if not bars and time.monotonic() - start > LONG:
                 bars.append(shown.enter_context(progress(words)))
             for bar in bars:
@@ -93,8 +105,9 @@ def progress_if_long(words: str) -> Iterator[Callable[[int, int], None]]:
 
 @contextmanager
 def progress(words: str) -> Iterator[Callable[[int, int], None]]:
-    """A bar with the time left, on a terminal; to be told how many cases have finished, and of how
-    many.
+    """Show a bar with the time left, on a terminal.
+
+    The context is a function, to be called with the number of finished cases and of all cases.
     """
     if not sys.stderr.isatty():
         yield lambda finished, of: None
@@ -121,7 +134,10 @@ def progress(words: str) -> Iterator[Callable[[int, int], None]]:
 
 @contextmanager
 def busy(words: str) -> Iterator[Callable[[str], None]]:
-    """A spinner on a terminal; to be told other words. Silent where no one watches."""
+    """Show a spinner with some words, on a terminal; elsewhere nothing.
+
+    The context is a function, to be called with other words.
+    """
     if not sys.stderr.isatty():
         yield lambda words: None
         return
@@ -133,7 +149,11 @@ def busy(words: str) -> Iterator[Callable[[str], None]]:
 
 
 class Column(NamedTuple):
-    """A column for people: its name, its head of one line or more, its cells (of lines as well)."""
+    """A column of a printed table.
+
+    `title`: its name in a sentence. `head`: its heading, of one line or more. `cells`: its texts,
+    of one line or more. `left`: whether it is aligned to the left.
+    """
 
     title: str
     head: str
@@ -142,17 +162,22 @@ class Column(NamedTuple):
 
     @property
     def width(self) -> int:
-        """Characters of its widest line."""
+        """Number of characters of its widest line."""
         return max(len(line) for cell in (self.head, *self.cells) for line in cell.split("\n"))
 
 
 def print_columns(
     columns: Mapping[str, Column], least: Sequence[str], width: int | None = None
 ) -> None:
-    """A table. No number is cut: where it is too wide the columns that matter `least` are left out,
-    by name.
+    """Print a table; on a narrow terminal without its least important columns.
 
-    width: characters; by default those of the terminal.
+    No number is cut. A line below the table names the columns that are left out.
+
+    Parameters
+    ----------
+    columns : the columns by a key
+    least : keys of the columns that are left out first
+    width : characters of a line; None: those of the terminal
     """
     width = width or shutil.get_terminal_size().columns
     shown, cut = dict(columns), []
@@ -166,7 +191,7 @@ def print_columns(
 
 
 def _lines(columns: Collection[Column]) -> list[str]:
-    """The lines of a table without rules, its columns two characters apart."""
+    """The lines of a table without rules, with two spaces between its columns."""
     from rich.console import Console
     from rich.table import Table
     from rich.text import Text
@@ -185,7 +210,7 @@ def _lines(columns: Collection[Column]) -> list[str]:
 
 
 def print_table(table: Sequence[dict[str, Any]], shown: "Sequence[TableColumn]") -> None:
-    """Rows of a comparison for people, in the columns `shown`."""
+    """Print the rows of a comparison in the columns `shown`, without columns that are empty."""
     width = shutil.get_terminal_size().columns if sys.stdout.isatty() else WIDTH
     columns = {}
     for c in shown:

@@ -1,6 +1,4 @@
-"""What can be turned on the page: knobs with ranges, a setting of them, the brake and the link that
-belong to it.
-"""
+"""The knobs of the page, their setting, and the brake and the link that belong to a setting."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -18,20 +16,45 @@ from drumlin.brake.drive import Drive
 from drumlin.models import applicable
 
 Changes = dict[str, Any]
-LARGEST_WEAR = 50.0  # of 1/(k K); a stiff brake is worn in after some 46
+"""New values by key of the brake file, as `vary` takes them."""
+
+LARGEST_WEAR = 50.0
+"""Upper end of the knob of wear, in units 1/(k K) of the sliding distance. A stiff brake is worn in
+after some 46."""
+
+LONGEST_LINK = 2000
+"""Characters of a link's query that are read. A setting of all knobs takes some 170."""
+
+
+class _DriveKnob(NamedTuple):
+    """The label of a common actuation, its unit on the page, and this unit in SI."""
+
+    label: str
+    unit: str
+    factor: float
+
+
 DRIVES = {
-    "pressure": ("pressure of the cylinder", "MPa", 1e6),
-    "force": ("force of the cam", "kN", 1e3),
-    "torque": ("torque of the cam", "N m", 1.0),
+    "pressure": _DriveKnob("pressure of the cylinder", "MPa", 1e6),
+    "force": _DriveKnob("force of the cam", "kN", 1e3),
+    "torque": _DriveKnob("torque of the cam", "N m", 1.0),
 }
-LONGEST_LINK = 2000  # characters of a link's query that are read
+"""The knob of a common actuation by the key that the brake file gives."""
 
 
 class Knob(NamedTuple):
-    """A slider: its name in the link, words, unit, and range in that unit; `log`: moved by factors.
+    """A slider.
 
-    `start`: where the brake file stands; `changes`: what a value [unit] changes, as `vary` takes
-    it.
+    Attributes
+    ----------
+    name : in the link
+    label : on the page
+    unit : of its values
+    low, high : ends of its range [unit]
+    step : smallest change [unit]
+    start : value of the brake file [unit]
+    changes : keys of the brake file that a value [unit] changes
+    log : whether equal distances are equal factors
     """
 
     name: str
@@ -46,7 +69,7 @@ class Knob(NamedTuple):
 
     @property
     def title(self) -> str:
-        """The words with their unit."""
+        """The label with its unit."""
         return f"{self.label} [{self.unit}]" if self.unit else self.label
 
     def clamped(self, value: float) -> float:
@@ -54,15 +77,28 @@ class Knob(NamedTuple):
         return min(max(value, self.low), self.high)
 
 
-WEAR = Knob(
-    "wear", "wear: sliding distance", "1/(k K)", 0.0, LARGEST_WEAR, 0.25, 0.0, lambda value: {}
+WEAR_KNOB = Knob(
+    name="wear",
+    label="wear: sliding distance",
+    unit="1/(k K)",
+    low=0.0,
+    high=LARGEST_WEAR,
+    step=0.25,
+    start=0.0,
+    changes=lambda value: {},
 )
+"""The knob of wear. It changes no key: the wear is computed from the other knobs' brake."""
 
 
 @dataclass(frozen=True)
-class Setting:
-    """Where the knobs stand: values by name, of those that are away from the brake file; `sense` of
-    the motion, one of `Brake.directions`; the law beside.
+class KnobSetting:
+    """The positions of the knobs.
+
+    Attributes
+    ----------
+    sense : of the motion, one of `Brake.directions`
+    law : name of the law beside the finite elements
+    values : by name, of those knobs that are away from the brake file
     """
 
     sense: str
@@ -73,8 +109,8 @@ class Setting:
         """The value of a knob [its unit]."""
         return self.values.get(knob.name, knob.start)
 
-    def turned(self, knob: Knob, value: float) -> "Setting":
-        """The setting with one knob turned."""
+    def turned(self, knob: Knob, value: float) -> "KnobSetting":
+        """The setting with one knob turned to a value [its unit]."""
         values = {name: old for name, old in self.values.items() if name != knob.name}
         if abs(value - knob.start) > 1e-9 * abs(knob.start or knob.high):
             values[knob.name] = value
@@ -82,43 +118,42 @@ class Setting:
 
 
 def motion_of(brake: Brake) -> str:
-    """What a file calls the direction of the motion."""
+    """The name that a brake file gives the direction of the motion."""
     return brake.direction_key.rpartition(".")[2]
 
 
 def laws_of(brake: Brake) -> tuple[str, ...]:
-    """Names of the models that can stand beside the finite elements."""
+    """The names of the models that can stand beside the finite elements."""
     return tuple(model.name for model in applicable(brake) if model.name != "fem")
 
 
-def start_of(brake: Brake) -> Setting:
+def start_of(brake: Brake) -> KnobSetting:
     """The setting that is the brake file itself."""
-    return Setting(brake.direction, next(iter(laws_of(brake)), None))
+    return KnobSetting(brake.direction, next(iter(laws_of(brake)), None))
 
 
 def knobs_of(brake: Brake) -> tuple[Knob, ...]:
-    """The knobs that a brake has, in the page's order.
+    """The knobs of a brake, in the page's order.
 
-    A quantity that differs from shoe to shoe is shown as that of the shoe with the largest; the
-    others go in proportion (forces, moduli) or by the same difference (clearance, misfit).
+    Where a quantity differs between the shoes, its knob shows the largest value. The other values
+    change in proportion (forces, moduli) or by the same difference (clearance, misfit).
     """
-    R = brake.size * 1e3
+    R = brake.size * 1e3  # mm
     fine = nice(R * 1e-5)
-    flat = brake.surface.straight  # where a lining that fits has no radius
-    found = [
-        Knob("friction", "friction µ", "", 0.0, max(1.0, 2 * brake.friction), 0.005, brake.friction, _friction),
+    is_flat = brake.surface.straight
+    knobs = [
+        _friction(brake),
         _force(brake),
-        Knob("shift", "line of action, moved out", "mm", -nice(R / 5), nice(R / 5), nice(R / 400), 0.0,
-             lambda value: _shifted(brake, value * 1e-3)),
-        Knob("turn", "line of action, turned", "deg", -30.0, 30.0, 0.5, 0.0,
-             lambda value: _turned(brake, math.radians(value))),
+        _shift(brake, R),
+        _turn(brake),
         _clearance(brake, fine),
-        None if flat else _misfit(brake, fine),
-        None if flat else WEAR,
+        # A lining that fits a plane has no radius, and its wear has no unit of distance.
+        None if is_flat else _misfit(brake, fine),
+        None if is_flat else WEAR_KNOB,
         _modulus(brake, "lining", "lining modulus", "MPa", 1e6),
         _modulus(brake, "shoe", "shoe modulus", "GPa", 1e9),
-    ]  # fmt: skip
-    return tuple(knob for knob in found if knob is not None)
+    ]
+    return tuple(knob for knob in knobs if knob is not None)
 
 
 def nice(value: float) -> float:
@@ -127,11 +162,22 @@ def nice(value: float) -> float:
     return float(min((1, 2, 5, 10), key=lambda digit: abs(math.log(value / power / digit))) * power)
 
 
-def _friction(value: float) -> Changes:
-    return {"friction": value}
+def _friction(brake: Brake) -> Knob:
+    """The knob of the friction coefficient."""
+    return Knob(
+        name="friction",
+        label="friction µ",
+        unit="",
+        low=0.0,
+        high=max(1.0, 2 * brake.friction),
+        step=0.005,
+        start=brake.friction,
+        changes=lambda value: {"friction": value},
+    )
 
 
 def _force(brake: Brake) -> Knob | None:
+    """The knob of the force, pressure or torque that pushes the shoes; None where it is 0."""
     if brake.actuation is not None:
         return _drive(brake.actuation)
     forces = [shoe.actuation.force for shoe in brake.shoes]
@@ -139,48 +185,78 @@ def _force(brake: Brake) -> Knob | None:
     if largest == 0:
         return None
     low, high = sorted([0.0, 3 * largest * 1e-3])
-    differ = len(set(forces)) > 1
 
     def changes(value: float) -> Changes:
+        """All forces in proportion, the largest at a value [kN]."""
         shares = (force / largest for force in forces)
         return {f"shoe[{i}].actuation.force": value * 1e3 * share for i, share in enumerate(shares)}
 
-    label = "largest force" if differ else "force on each shoe" if len(forces) > 1 else "force"
-    return Knob("force", label, "kN", low, high, nice(abs(largest) * 1e-5), largest * 1e-3, changes)
+    label = "force on each shoe" if len(forces) > 1 else "force"
+    if len(set(forces)) > 1:
+        label = "largest force"
+    step = nice(abs(largest) * 1e-5)
+    return Knob("force", label, "kN", low, high, step, largest * 1e-3, changes)
 
 
 def _drive(drive: Drive) -> Knob:
-    """What pushes all shoes at once: the pressure of a cylinder, the force or the torque of a cam."""
-    given = {key: value for key in DRIVES if (value := getattr(drive, key)) is not None}
+    """The knob of a common actuation: pressure of a cylinder, force or torque of a cam."""
+    given = {key: getattr(drive, key) for key in DRIVES if getattr(drive, key) is not None}
     key, value = next(iter(given.items()))
     label, unit, factor = DRIVES[key]
     start = value / factor
+    # A brake file refuses a cylinder without pressure.
     low, high = sorted([0.0 if key != "pressure" else 0.01 * start, 3 * start])
 
     def changes(value: float) -> Changes:
+        """The key of the actuation at a value [its unit]."""
         return {f"actuation.{key}": value * factor}
 
     return Knob("force", label, unit, low, high, nice(abs(start) * 1e-2), start, changes)
 
 
+def _shift(brake: Brake, R: float) -> Knob:
+    """The knob that moves the lines of action, in mm; R [mm] is the size of the brake."""
+    return Knob(
+        name="shift",
+        label="line of action, moved out",
+        unit="mm",
+        low=-nice(R / 5),
+        high=nice(R / 5),
+        step=nice(R / 400),
+        start=0.0,
+        changes=lambda value: _shifted(brake, value * 1e-3),
+    )
+
+
 def _shifted(brake: Brake, by: float) -> Changes:
-    """Every line of action moved by a length [m] across itself, away from its hinge for a positive
-    one.
-    """
+    """Every line of action moved across itself by a length [m], away from the hinge if positive."""
     changes: Changes = {}
     for i, shoe in enumerate(brake.shoes):
         along, point = shoe.actuation.direction_vector, shoe.actuation.point
         arm = point.xy - shoe.pin.xy
-        outwards = math.copysign(by, float(arm[0] * along[1] - arm[1] * along[0])) * np.array(
-            [along[1], -along[0]]
-        )
-        moved = point.xy + outwards
+        # The sign of the moment about the hinge tells the side on which the hinge lies.
+        moment = float(arm[0] * along[1] - arm[1] * along[0])
+        moved = point.xy + math.copysign(by, moment) * np.array([along[1], -along[0]])
         changes[f"shoe[{i}].actuation.point"] = {"x": float(moved[0]), "y": float(moved[1])}
     return changes
 
 
+def _turn(brake: Brake) -> Knob:
+    """The knob that turns the lines of action, in degrees."""
+    return Knob(
+        name="turn",
+        label="line of action, turned",
+        unit="deg",
+        low=-30.0,
+        high=30.0,
+        step=0.5,
+        start=0.0,
+        changes=lambda value: _turned(brake, math.radians(value)),
+    )
+
+
 def _turned(brake: Brake, by: float) -> Changes:
-    """Every force turned by an angle [rad], mirrored on shoes that are."""
+    """Every force turned by an angle [rad]; on mirrored shoes the other way."""
     return {
         f"shoe[{i}].actuation.direction": shoe.actuation.direction + shoe.frame.sense * by
         for i, shoe in enumerate(brake.shoes)
@@ -188,19 +264,25 @@ def _turned(brake: Brake, by: float) -> Changes:
 
 
 def _clearance(brake: Brake, step: float) -> Knob:
-    """One clearance; where the file has tables, or values that differ, what is added to them."""
+    """The knob of the clearance, with a step [mm].
+
+    Where the file has tables, or clearances that differ, its value is added to them.
+    """
     given = [shoe.lining.clearance for shoe in brake.shoes]
     same = len(set(given)) == 1 and isinstance(given[0], float | int)
     start = float(given[0]) * 1e3 if same and not isinstance(given[0], tuple) else 0.0
 
     def changes(value: float) -> Changes:
+        """All clearances with the same length added, the common one at a value [mm]."""
         more = (value - start) * 1e-3
-        return {
-            f"shoe[{i}].lining.clearance": [[at, c + more] for at, c in old]
-            if isinstance(old, tuple)
-            else old + more
-            for i, old in enumerate(given)
-        }
+        made: Changes = {}
+        for i, old in enumerate(given):
+            key = f"shoe[{i}].lining.clearance"
+            if isinstance(old, tuple):
+                made[key] = [[place, gap + more] for place, gap in old]
+            else:
+                made[key] = old + more
+        return made
 
     reach = max(100 * step, 2 * abs(start))
     label = "clearance" if same else "clearance, added to the file's"
@@ -208,16 +290,20 @@ def _clearance(brake: Brake, step: float) -> Knob:
 
 
 def _misfit(brake: Brake, step: float) -> Knob:
-    """The linings' radius over the drum's; where they differ, what is added to them."""
+    """The knob of the linings' radius over the drum's, with a step [mm].
+
+    Where the radii differ, its value is added to them.
+    """
     R = brake.size
-    given = [
-        0.0 if shoe.lining.misfit.radius is None else shoe.lining.misfit.radius - R
-        for shoe in brake.shoes
-    ]
+    given = []
+    for shoe in brake.shoes:
+        radius = shoe.lining.misfit.radius
+        given.append(0.0 if radius is None else radius - R)
     same = len(set(given)) == 1
     start = given[0] * 1e3 if same else 0.0
 
     def changes(value: float) -> Changes:
+        """All radii with the same length added, the common one at a value [mm]."""
         more = (value - start) * 1e-3
         return {f"shoe[{i}].lining.misfit.radius": R + old + more for i, old in enumerate(given)}
 
@@ -227,68 +313,80 @@ def _misfit(brake: Brake, step: float) -> Knob:
 
 
 def _modulus(brake: Brake, part: str, label: str, unit: str, factor: float) -> Knob | None:
-    """Young's modulus of the linings or the shoes, from a hundredth to a hundred times that of the
-    file.
+    """The knob of Young's modulus of the linings or the shoes; None where the file has no modulus.
 
-    All moduli of an orthotropic material go in proportion.
+    It reaches from a hundredth to a hundred times the file's modulus. All moduli of an orthotropic
+    material change in proportion.
+
+    Parameters
+    ----------
+    brake : the brake
+    part : "lining" or "shoe"
+    label : on the page
+    unit : of the knob
+    factor : this unit in Pa
     """
-    moduli = {i: E for i, shoe in enumerate(brake.shoes) if (E := _E(shoe, part)) is not None}
+    moduli: dict[int, float] = {}
+    for i, shoe in enumerate(brake.shoes):
+        modulus = _shown_modulus(shoe, part)
+        if modulus is not None:
+            moduli[i] = modulus
     if not moduli:
         return None
     largest = max(moduli.values())
 
     def changes(value: float) -> Changes:
+        """All moduli of the part in proportion, the largest at a value [unit]."""
         times = value * factor / largest
-        return {
-            key: new
-            for i in moduli
-            for key, new in _stiffer(brake.shoes[i], i, part, times).items()
-        }
+        made: Changes = {}
+        for i in moduli:
+            made |= _stiffer(brake.shoes[i], i, part, times)
+        return made
 
     start = largest / factor
     label += "" if len(set(moduli.values())) == 1 else ", the largest"
     return Knob(part, label, unit, start / 100, start * 100, 0.01, start, changes, log=True)
 
 
-def _E(shoe: Shoe, part: str) -> float | None:
-    """The modulus that a part answers the contact with: through a lining, along a body."""
+def _shown_modulus(shoe: Shoe, part: str) -> float | None:
+    """The modulus [Pa] that matters to the contact: through a lining, along a body."""
     if part == "lining":
         return None if shoe.lining.material is None else shoe.lining.material.E_through
-    return (
-        shoe.body.material.E_along
-        if shoe.body is not None and shoe.body.material is not None
-        else None
-    )
+    if shoe.body is None or shoe.body.material is None:
+        return None
+    return shoe.body.material.E_along
 
 
 def _stiffer(shoe: Shoe, i: int, part: str, times: float) -> Changes:
-    """All moduli of a part, and its bending stiffness, so many times as large."""
-    material = (
-        shoe.lining.material
-        if part == "lining"
-        else None
-        if shoe.body is None
-        else shoe.body.material
-    )
-    assert material is not None  # _modulus
+    """All moduli of a part and its bending stiffness multiplied by a factor.
+
+    Parameters
+    ----------
+    shoe : the shoe
+    i : its position in the brake
+    part : "lining" or "shoe"
+    times : the factor
+    """
+    owner = shoe.lining if part == "lining" else shoe.body
     key = "lining" if part == "lining" else "body"
+    # Parts without a material have no knob.
+    assert owner is not None and owner.material is not None
+    material = owner.material
     changes: Changes = {
         f"shoe[{i}].{key}.material.{name}": E * times for name, E in material.moduli.items()
     }
-    if part == "lining":
+    if part == "lining" or not isinstance(shoe.body, Beam):
         return changes
-    if (
-        isinstance(shoe.body, Beam) and shoe.body.bending_stiffness is not None
-    ):  # it overrules that of the section
-        EI = shoe.body.bending_stiffness
-        changes[f"shoe[{i}].body.bending_stiffness"] = (
-            [[at, value * times] for at, value in EI] if isinstance(EI, tuple) else EI * times
-        )
+    # A bending stiffness that the file gives overrules that of the section.
+    EI = shoe.body.bending_stiffness
+    if EI is not None:
+        stiffer = EI * times if not isinstance(EI, tuple) else [[at, v * times] for at, v in EI]
+        changes[f"shoe[{i}].body.bending_stiffness"] = stiffer
     return changes
 
 
-def brake_of(brake: Brake, knobs: Sequence[Knob], setting: Setting) -> Brake:
-    """The brake at a setting, unworn; raises BadInput where its parts do not fit together."""
+def brake_of(brake: Brake, knobs: Sequence[Knob], setting: KnobSetting) -> Brake:
+    """The unworn brake at a setting. Raises BadInput where its parts do not fit together."""
     changes: Changes = {}
     if setting.sense != brake.direction:
         changes[brake.direction_key] = setting.sense
@@ -298,34 +396,30 @@ def brake_of(brake: Brake, knobs: Sequence[Knob], setting: Setting) -> Brake:
     return vary(brake, changes) if changes else brake
 
 
-def link_of(knobs: Sequence[Knob], brake: Brake, setting: Setting) -> str:
-    """The query of the page's address that stands for a setting: what is away from the brake file."""
+def link_of(knobs: Sequence[Knob], brake: Brake, setting: KnobSetting) -> str:
+    """The query of the page's address for a setting: all that is away from the brake file."""
     start = start_of(brake)
-    said = {
-        knob.name: f"{setting.values[knob.name]:.12g}"
-        for knob in knobs
-        if knob.name in setting.values
-    }
+    query = {}
+    for knob in knobs:
+        if knob.name in setting.values:
+            query[knob.name] = f"{setting.values[knob.name]:.12g}"
     if setting.sense != start.sense:
-        said[motion_of(brake)] = setting.sense
+        query[motion_of(brake)] = setting.sense
     if setting.law is not None and setting.law != start.law:
-        said["law"] = setting.law
-    return urlencode(said)
+        query["law"] = setting.law
+    return urlencode(query)
 
 
 def setting_from(
     knobs: Sequence[Knob], brake: Brake, query: Mapping[str, str]
-) -> tuple[Setting, tuple[str, ...]]:
-    """The setting of a link, and a line for each part of it that was refused or moved into its
-    range.
-    """
+) -> tuple[KnobSetting, tuple[str, ...]]:
+    """The setting of a link, and a line for each part that was refused or moved into its range."""
     setting, lines = start_of(brake), list[str]()
-    known = {knob.name: knob for knob in knobs}
-    motion = motion_of(brake)
-    words = {motion: brake.directions, "law": laws_of(brake)}
+    knob_of = {knob.name: knob for knob in knobs}
+    words = {motion_of(brake): brake.directions, "law": laws_of(brake)}
     for name, text in query.items():
-        if name in known:
-            setting, line = _read(known[name], text, setting)
+        if name in knob_of:
+            setting, line = _read(knob_of[name], text, setting)
             lines += [line] if line else []
         elif name in words and text in words[name]:
             setting = replace(setting, law=text) if name == "law" else replace(setting, sense=text)
@@ -333,15 +427,13 @@ def setting_from(
             allowed = ", ".join(words[name]) or "none"
             lines.append(one_line(f"link: {name} = {text!r}: left out; allowed: {allowed}", 200))
         else:
-            lines.append(
-                one_line(
-                    f"link: unknown name {name!r}; allowed: {', '.join([*known, *words])}", 300
-                )
-            )
+            allowed = ", ".join([*knob_of, *words])
+            lines.append(one_line(f"link: unknown name {name!r}; allowed: {allowed}", 300))
     return setting, tuple(lines)
 
 
-def _read(knob: Knob, text: str, setting: Setting) -> tuple[Setting, str]:
+def _read(knob: Knob, text: str, setting: KnobSetting) -> tuple[KnobSetting, str]:
+    """The setting with a knob turned to a text of the link, and a line if the text is refused."""
     try:
         value = float(text[:LONGEST_LINK])
     except ValueError:
@@ -349,5 +441,8 @@ def _read(knob: Knob, text: str, setting: Setting) -> tuple[Setting, str]:
     if not math.isfinite(value):
         return setting, one_line(f"link: {knob.name} = {text!r}: left out; must be a number", 200)
     inside = knob.clamped(value)
-    moved = f"link: {knob.name} = {value:g}: moved to {inside:g}; allowed: {knob.low:g} to {knob.high:g} {knob.unit}"
+    moved = (
+        f"link: {knob.name} = {value:g}: moved to {inside:g}; "
+        f"allowed: {knob.low:g} to {knob.high:g} {knob.unit}"
+    )
     return setting.turned(knob, inside), "" if inside == value else moved.rstrip()

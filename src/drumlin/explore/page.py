@@ -1,6 +1,4 @@
-"""The page's addresses and what they answer: the page itself, pictures, the limit of self-locking,
-the brake file.
-"""
+"""The page's addresses and their replies: page, pictures, limit of self-locking, brake file."""
 
 import json
 import math
@@ -20,7 +18,7 @@ from drumlin.explore.answers import Explorer
 from drumlin.explore.knobs import (
     LONGEST_LINK,
     Knob,
-    Setting,
+    KnobSetting,
     laws_of,
     link_of,
     motion_of,
@@ -28,8 +26,8 @@ from drumlin.explore.knobs import (
 )
 from drumlin.explore.picture import (
     PETAL,
-    PLACE,
-    PRESSURE,
+    PLACE_STEP,
+    PRESSURE_STEP,
     brake_extent,
     centre_of,
     drawing_of,
@@ -45,13 +43,25 @@ from drumlin.explore.picture import (
 from drumlin.report.figures import name_of
 from drumlin.report.palette import color_of
 
-NO_NAMES = frozenset('/\\:*?"<>|')
-"""Letters that no file's name can have on one system or another."""
+FORBIDDEN_LETTERS = frozenset('/\\:*?"<>|')
+"""Letters that no file name can have on one operating system or another."""
+
 HTML, JSON, TOML = "text/html; charset=utf-8", "application/json", "application/toml; charset=utf-8"
+
+MOST_TICKS = 9
+"""Largest number of steps between the ticks of an axis; more of their numbers would overlap."""
 
 
 class Reply(NamedTuple):
-    """What is sent: HTTP status, media type, text, and the name of a file that is saved ("": none)."""
+    """A reply to a browser.
+
+    Attributes
+    ----------
+    status : of HTTP
+    media : type of the text
+    text : the reply itself
+    file : name under which the browser saves the text; "": it shows the text
+    """
 
     status: int
     media: str
@@ -59,20 +69,39 @@ class Reply(NamedTuple):
     file: str = ""
 
 
+class _Request(NamedTuple):
+    """A request of the page.
+
+    Attributes
+    ----------
+    explorer : who answers
+    setting : of the knobs
+    lines : about parts of the link that were refused
+    name : first words of a file that the browser saves
+    """
+
+    explorer: Explorer
+    setting: KnobSetting
+    lines: tuple[str, ...]
+    name: str
+
+
 def reply(explorer: Explorer, address: str, name: str) -> Reply:
-    """The reply to an address, path and query. `name`: first words of a file that is saved. Raises
-    nothing for any address: what cannot be read of it is left out and said.
+    """The reply to an address, its path and query.
+
+    It raises nothing for any address: unreadable parts are left out, and the reply says so. `name`
+    is the first words of a file that the browser saves.
     """
     path, query = split(address)
     setting, lines = setting_from(explorer.knobs, explorer.brake, query)
-    found = PATHS.get(path)
-    if found is None:
-        return Reply(404, HTML, f"no such page; there are {', '.join(PATHS)}")
-    return found(explorer, setting, lines, name)
+    make = PAGE_PATHS.get(path)
+    if make is None:
+        return Reply(404, HTML, f"no such page; there are {', '.join(PAGE_PATHS)}")
+    return make(_Request(explorer, setting, lines, name))
 
 
 def split(address: str) -> tuple[str, dict[str, str]]:
-    """Path and query of an address; of a name that occurs twice the last value."""
+    """Path and query of an address; of a name that occurs twice, the last value."""
     try:
         parts = urlsplit(address[: 2 * LONGEST_LINK])
         return parts.path, dict(parse_qsl(parts.query, keep_blank_values=True, max_num_fields=100))
@@ -80,28 +109,31 @@ def split(address: str) -> tuple[str, dict[str, str]]:
         return "", {}
 
 
-def _page(explorer: Explorer, setting: Setting, lines: tuple[str, ...], name: str) -> Reply:
-    brake = explorer.brake
+def _page(request: _Request) -> Reply:
+    """The page itself, with its sliders and all that does not move."""
+    setting, brake = request.setting, request.explorer.brake
     low, high = brake_extent(brake)
-    motion, size, flat = motion_of(brake), brake.size * 1e3, brake.surface.straight
+    is_flat, size = brake.surface.straight, brake.size * 1e3
+    # The dashed lines up to which the full scale of pressure reaches.
     signs = {shoe.sign for shoe in brake.shoes}
+    rings = [-PETAL * size] if is_flat else sorted(size * (1 + sign * PETAL) for sign in signs)
     text = _template().render(
         title=brake.title,
-        lines=lines,
-        knobs=[_slider(knob, setting) for knob in explorer.knobs],
-        motion=motion,
+        lines=request.lines,
+        knobs=[_slider(knob, setting) for knob in request.explorer.knobs],
+        motion=motion_of(brake),
         senses=brake.directions,
         laws={law: name_of(law) for law in laws_of(brake)},
         setting=setting,
         colors={model: color_of(model) for model in ("fem", *laws_of(brake))},
-        fixed={key: path_of(found) for key, found in drawing_of(brake).items()},
+        fixed={key: path_of(lines) for key, lines in drawing_of(brake).items()},
         reach=reach_of(brake),
         centre=centre_of(brake),
-        flat=flat,
+        flat=is_flat,
         size=size,
         petal=PETAL,
-        units=(PLACE, PRESSURE),
-        rings=[-PETAL * size] if flat else sorted(size * (1 + sign * PETAL) for sign in signs),
+        units=(PLACE_STEP, PRESSURE_STEP),
+        rings=rings,
         place=brake.surface.page_axis,
         low=low,
         high=high,
@@ -112,56 +144,60 @@ def _page(explorer: Explorer, setting: Setting, lines: tuple[str, ...], name: st
 
 def _ticks(low: float, high: float, unit: str) -> list[float]:
     """Round places between two others."""
-    power = 10.0 ** math.floor(math.log10((high - low) / 9))
-    steps = (
-        (5, 10, 15, 30, 45, 60, 90) if unit == "deg" else [digit * power for digit in (1, 2, 5, 10)]
-    )
-    every = next(step for step in steps if (high - low) / step <= 9)
+    power = 10.0 ** math.floor(math.log10((high - low) / MOST_TICKS))
+    steps: list[float] = [5, 10, 15, 30, 45, 60, 90]
+    if unit != "deg":
+        steps = [digit * power for digit in (1, 2, 5, 10)]
+    every = next(step for step in steps if (high - low) / step <= MOST_TICKS)
     return [every * k for k in range(math.ceil(low / every), math.floor(high / every) + 1)]
 
 
 def _template() -> jinja2.Template:
-    loader = jinja2.PackageLoader("drumlin", "explore")
-    return jinja2.Environment(
-        loader=loader, autoescape=True, undefined=jinja2.StrictUndefined
-    ).get_template("page.html")
-
-
-def _slider(knob: Knob, setting: Setting) -> dict[str, Any]:
-    """A slider as the page makes it: places are logarithms where it moves by factors."""
-    value = setting.value(knob)
-    low, high, start, now = (
-        math.log10(x) if knob.log else x for x in (knob.low, knob.high, knob.start, value)
+    """The template of the page."""
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("drumlin", "explore"),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
     )
-    place = {
-        "low": low,
-        "high": high,
-        "step": knob.step,
-        "start": start,
-        "place": now,
-        "log": knob.log,
-    }
+    return environment.get_template("page.html")
+
+
+def _slider(knob: Knob, setting: KnobSetting) -> dict[str, Any]:
+    """A slider as the page makes it: places are logarithms where the knob moves by factors."""
+
+    def place(value: float) -> float:
+        """The place of a value on the slider."""
+        return math.log10(value) if knob.log else value
+
+    value = setting.value(knob)
     return {
         "name": knob.name,
         "title": knob.title,
         "value": value,
         "changed": knob.name in setting.values,
-        **place,
+        "low": place(knob.low),
+        "high": place(knob.high),
+        "step": knob.step,
+        "start": place(knob.start),
+        "place": place(value),
+        "log": knob.log,
     }
 
 
-def _picture(explorer: Explorer, setting: Setting, lines: tuple[str, ...], name: str) -> Reply:
-    answer = explorer.answer(setting)
+def _picture(request: _Request) -> Reply:
+    """The answer for a setting: curves, contact, forces and words."""
+    explorer = request.explorer
+    answer = explorer.answer(request.setting)
     picture = picture_of(answer, explorer.brake)
     known = explorer.known_locking(answer.brake) if answer.brake is not None else None
     data = {
         "fem": [numbers_of(curve, picture.scale) for curve in picture.fem],
         "law": [numbers_of(curve, picture.scale) for curve in picture.law],
-        "arcs": [[round(end / PLACE) for end in arc] for arc in picture.arcs],
+        "arcs": [[round(end / PLACE_STEP) for end in arc] for arc in picture.arcs],
         "forces": path_of(picture.forces),
         "scale": picture.scale,
         "motion": picture.motion,
-        "head": head_html(picture, lines),
+        "head": head_html(picture, request.lines),
         "table": table_html(picture.rows),
         "locking": locking_html(answer, known),
         "error": error_html(answer, None, asked=False),
@@ -170,56 +206,62 @@ def _picture(explorer: Explorer, setting: Setting, lines: tuple[str, ...], name:
     return Reply(200, JSON, json.dumps(data, allow_nan=False))
 
 
-def _locking(explorer: Explorer, setting: Setting, lines: tuple[str, ...], name: str) -> Reply:
-    answer = explorer.answer(setting)
-    found = explorer.locking(answer.brake) if answer.brake is not None else None
+def _locking(request: _Request) -> Reply:
+    """The slow words, asked for when the sliders rest: self-locking, errors and the link."""
+    explorer = request.explorer
+    answer = explorer.answer(request.setting)
+    locking = explorer.locking(answer.brake) if answer.brake is not None else None
     data = {
-        "locking": locking_html(answer, found),
+        "locking": locking_html(answer, locking),
         "error": error_html(answer, explorer.stated(answer), asked=True),
-        "link": link_of(explorer.knobs, explorer.brake, setting),
+        "link": link_of(explorer.knobs, explorer.brake, request.setting),
     }
     return Reply(200, JSON, json.dumps(data, allow_nan=False))
 
 
-def _brake(explorer: Explorer, setting: Setting, lines: tuple[str, ...], name: str) -> Reply:
-    """The brake as it is solved, with the clearance of worn linings."""
-    answer = explorer.answer(setting)
+def _brake(request: _Request) -> Reply:
+    """The brake file of a setting, with the clearance of worn linings."""
+    explorer, name = request.explorer, request.name
+    answer = explorer.answer(request.setting)
     if answer.brake is None or answer.failure:
         return Reply(422, HTML, escape(answer.failure))
-    said = f"# {one_line(name)}, explored: {link_of(explorer.knobs, explorer.brake, setting) or 'as it is'}\n"
+    link = link_of(explorer.knobs, explorer.brake, request.setting)
+    head = f"# {one_line(name)}, explored: {link or 'as it is'}\n"
     if answer.distance:
-        said += "# Its clearances are tables of what wear has left.\n"
+        head += "# Its clearances are tables of what wear has left.\n"
     try:
         text = brake_text(_found_from_anywhere(answer.brake))
     except BadInput as error:
         return Reply(422, HTML, escape(str(error)))
-    return Reply(200, TOML, said + text, f"{_file_name(name)}_explored.toml")
+    return Reply(200, TOML, head + text, f"{_file_name(name)}_explored.toml")
 
 
 def _found_from_anywhere(brake: Brake) -> Brake:
-    """The brake with absolute paths of its mesh files: the browser chooses the folder that the file
-    is saved in.
+    """The brake with absolute paths of its mesh files.
+
+    The browser chooses the folder of the saved file, so that relative paths would lead nowhere.
     """
-    meshes = {
-        f"shoe[{i}].mesh": shoe.mesh.absolute()
-        for i, shoe in enumerate(brake.shoes)
-        if shoe.mesh is not None
-    }
+    meshes = {}
+    for i, shoe in enumerate(brake.shoes):
+        if shoe.mesh is not None:
+            meshes[f"shoe[{i}].mesh"] = shoe.mesh.absolute()
     return vary(brake, meshes) if meshes else brake
 
 
 def _file_name(name: str) -> str:
-    """A name that every file system takes: what is not printable, or parts folders or options, is
-    written as "_".
-    """
-    return "".join(
-        "_" if letter in NO_NAMES or not letter.isprintable() else letter for letter in name
-    )
+    """A name that every file system takes, with "_" for all letters that it may not have."""
+
+    def allowed(letter: str) -> bool:
+        """Whether a file name can have the letter."""
+        return letter not in FORBIDDEN_LETTERS and letter.isprintable()
+
+    return "".join(letter if allowed(letter) else "_" for letter in name)
 
 
-PATHS: Mapping[str, Callable[[Explorer, Setting, tuple[str, ...], str], Reply]] = {
+PAGE_PATHS: Mapping[str, Callable[[_Request], Reply]] = {
     "/": _page,
     "/picture": _picture,
     "/locking": _locking,
     "/brake.toml": _brake,
 }
+"""The function that replies to each path."""

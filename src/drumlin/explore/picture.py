@@ -1,5 +1,6 @@
-"""An answer as plain data to draw: pressures over the angle on a drum [deg] or the place on a plane
-[mm], a table.
+"""An answer as plain data to draw: pressures over the place, forces, and a table.
+
+A place is an angle [deg] on a drum and a length [mm] on a plane.
 """
 
 import math
@@ -14,7 +15,13 @@ from drumlin.base.arrays import Floats
 from drumlin.base.texts import formatted
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Bar, Beam
-from drumlin.explore.answers import HIGHEST, WEAR_TOLERANCE, Answer, Stated
+from drumlin.explore.answers import (
+    HIGHEST_FRICTION,
+    WEAR_TOLERANCE,
+    ExploredAnswer,
+    LockingFriction,
+    StatedError,
+)
 from drumlin.report.figures import name_of, smooth
 from drumlin.response import Response
 from drumlin.response.balance import loaded
@@ -22,19 +29,34 @@ from drumlin.response.merit import brake_factor
 from drumlin.response.show import arcs_text
 
 MM, MPA = 1e3, 1e-6
-POINTS = 160  # of a curve
-ARROW = 0.45  # of the drum's radius: the largest force
-PETAL = 0.45  # of the drum's radius: how far the full scale stands off the drum
-ROUNDING = 1e-12  # relative, below which an error is that of the arithmetic
-PLACE, PRESSURE = (
-    1e-3,
-    1e-4,
-)  # what curves count in on their way to the page: deg or mm, parts of the full scale
+
+CURVE_POINTS = 160
+"""Points of a curve: its segments are then some 3 pixels long on the page."""
+
+ARROW = 0.45
+"""Length of the arrow of the largest force, relative to the size of the brake."""
+
+PETAL = 0.45
+"""Distance from the drum at which the full scale of pressure is drawn, relative to its radius."""
+
+ROUNDING = 1e-12
+"""Relative error below which an error is that of the arithmetic, and the page says so."""
+
+PLACE_STEP = 1e-3
+"""Unit [deg or mm] in which the places of a curve are sent to the page as whole numbers."""
+
+PRESSURE_STEP = 1e-4
+"""Unit, relative to the full scale, in which pressures are sent to the page as whole numbers."""
 
 
-class Curve(NamedTuple):
-    """The pressure of a shoe: places `at` (n,) [deg], on a plane [mm], `p` (n,) [MPa], the shoe's
-    `sign`: +1 inside.
+class PressureCurve(NamedTuple):
+    """The pressure of a shoe.
+
+    Attributes
+    ----------
+    at : places (n,) [deg], on a plane [mm]
+    p : (n,) [MPa]
+    sign : of the shoe, +1 inside the drum
     """
 
     at: Floats
@@ -43,24 +65,37 @@ class Curve(NamedTuple):
 
 
 class Lines(NamedTuple):
-    """Lines or areas: lists of x and of y, one of each a line."""
+    """Lines or areas: the x and the y of each."""
 
     xs: list[Floats]
     ys: list[Floats]
 
 
+class LayerOutline(NamedTuple):
+    """The x and y (n,) [mm] of an outline."""
+
+    x: Floats
+    y: Floats
+
+
 @dataclass(frozen=True)
 class Picture:
-    """What the page shows of an answer.
+    """The parts of an answer that the page shows.
 
-    `fem`, `law`: curves of the shoes that touch; `arcs`: contact of the finite elements, as places.
-    `forces`: arrows [mm], tail to tip. `scale` [MPa]: the full one. `motion`: of drum or body, as a
-    sign. `head`: the answer in a line, `rows` the table with its head; `failures`: why there is no
-    answer, or none by the law.
+    Attributes
+    ----------
+    fem, law : curves of the shoes that touch
+    arcs : contact by the finite elements, as two places each
+    forces : arrows [mm]
+    scale : full scale of pressure [MPa]
+    motion : of drum or body, as a sign
+    head : the answer in a line
+    rows : of the table, its head first
+    failures : why there is no answer, or none by the law
     """
 
-    fem: tuple[Curve, ...]
-    law: tuple[Curve, ...]
+    fem: tuple[PressureCurve, ...]
+    law: tuple[PressureCurve, ...]
     arcs: tuple[tuple[float, float], ...]
     forces: Lines
     scale: float
@@ -70,19 +105,26 @@ class Picture:
     failures: tuple[str, ...]
 
 
-def picture_of(answer: Answer, brake: Brake) -> Picture:
-    """The picture of an answer; `brake`: that of the file, where the setting's is none."""
+def picture_of(answer: ExploredAnswer, brake: Brake) -> Picture:
+    """The picture of an answer.
+
+    The `brake` of the file is drawn where the parts of the setting's brake do not fit together.
+    """
     shown = answer.brake or brake
-    peaks = [
-        shoe.peak_pressure for r in (answer.found, answer.law) if r is not None for shoe in r.shoes
-    ]
-    arcs = [arc for shoe in answer.found.shoes for arc in shoe.contact_arcs] if answer.found else []
     unit = shown.surface.shown
+    peaks = []
+    for response in (answer.found, answer.law):
+        if response is not None:
+            peaks += [shoe.peak_pressure for shoe in response.shoes]
+    arcs: list[tuple[float, float]] = []
+    if answer.found:
+        for shoe in answer.found.shoes:
+            arcs += [(start * unit, end * unit) for start, end in shoe.contact_arcs]
     failures = (answer.failure, answer.law_failure)
     return Picture(
         fem=_curves(answer.found, shown),
         law=_curves(answer.law, shown),
-        arcs=tuple((a * unit, b * unit) for a, b in arcs),
+        arcs=tuple(arcs),
         forces=_forces(shown if answer.found is None else loaded(shown, answer.found)),
         scale=scale_of(max(peaks, default=0.0) * MPA),
         motion=_motion(shown),
@@ -93,21 +135,25 @@ def picture_of(answer: Answer, brake: Brake) -> Picture:
 
 
 def _motion(brake: Brake) -> str:
-    """Of the drum, or of the body that slides."""
+    """The sign for the motion of the drum, or of the body that slides."""
     if brake.surface.straight:
         return "→" if brake.spin > 0 else "←"
     return "↺" if brake.spin > 0 else "↻"
 
 
-def numbers_of(curve: Curve, scale: float) -> dict[str, Any]:
-    """A curve as whole numbers, of which a page draws its paths: short to send and fast to read."""
-    at, p = np.rint(curve.at / PLACE), np.rint(curve.p / scale / PRESSURE)
+def numbers_of(curve: PressureCurve, scale: float) -> dict[str, Any]:
+    """A curve as whole numbers, which are short to send and fast to read.
+
+    They are in the units PLACE_STEP and PRESSURE_STEP; `scale` [MPa] is the full one.
+    """
+    at, p = np.rint(curve.at / PLACE_STEP), np.rint(curve.p / scale / PRESSURE_STEP)
     return {"at": at.astype(int).tolist(), "p": p.astype(int).tolist(), "sign": curve.sign}
 
 
 def scale_of(peak: float) -> float:
-    """The full scale [MPa] for a peak [MPa]: the next of 1, 2, 5 times a power of ten, so that it
-    seldom changes.
+    """The full scale [MPa] for a peak [MPa]: the next of 1, 2, 5 times a power of ten.
+
+    So the scale seldom changes as a slider moves.
     """
     if not peak > 0:
         return 1.0
@@ -115,123 +161,136 @@ def scale_of(peak: float) -> float:
     return float(next(digit for digit in (1, 2, 5, 10) if digit * power >= peak)) * power
 
 
-def _curves(response: Response | None, brake: Brake) -> tuple[Curve, ...]:
-    """Of each shoe that touches."""
+def _curves(response: Response | None, brake: Brake) -> tuple[PressureCurve, ...]:
+    """The pressure of each shoe that touches."""
     if response is None:
         return ()
-    unit, found = brake.surface.shown, []
+    unit, curves = brake.surface.shown, []
     for shoe, part in zip(response.shoes, brake.shoes, strict=True):
         if shoe.contact_arcs:
-            theta, p = smooth(shoe, POINTS)
-            found.append(Curve(theta * unit, p * MPA, part.sign))
-    return tuple(found)
+            theta, p = smooth(shoe, CURVE_POINTS)
+            curves.append(PressureCurve(theta * unit, p * MPA, part.sign))
+    return tuple(curves)
 
 
 def _forces(brake: Brake) -> Lines:
-    """An arrow for each force: its shaft, tail to tip, and its head."""
-    found = []
+    """An arrow [mm] for each force: its shaft from tail to tip, and its head."""
+    lines = []
     for shoe in brake.shoes:
-        tail, tip = _arrow(brake, shoe)
-        along = tip - tail
-        barbs = [
-            tip + 0.25 * (turn * np.array([-along[1], along[0]]) - along) for turn in (0.5, -0.5)
-        ]
-        found += [np.array([tail, tip]).T * MM, np.array([barbs[0], tip, barbs[1]]).T * MM]
-    return Lines([xy[0] for xy in found], [xy[1] for xy in found])
+        arrow = _arrow(brake, shoe)
+        along = arrow.tip - arrow.tail
+        across = np.array([-along[1], along[0]])
+        left, right = (arrow.tip + 0.25 * (turn * across - along) for turn in (0.5, -0.5))
+        shaft, head = np.array([arrow.tail, arrow.tip]), np.array([left, arrow.tip, right])
+        lines += [shaft.T * MM, head.T * MM]
+    return Lines([xy[0] for xy in lines], [xy[1] for xy in lines])
 
 
-def _arrow(brake: Brake, shoe: Shoe) -> tuple[Floats, Floats]:
-    """Tail and tip (2,) [m] of a force; the largest one is as long as ARROW of the drum's radius."""
+class _Arrow(NamedTuple):
+    """Tail and tip (2,) [m] of an arrow."""
+
+    tail: Floats
+    tip: Floats
+
+
+def _arrow(brake: Brake, shoe: Shoe) -> _Arrow:
+    """The arrow of a force; that of the largest force has the length ARROW."""
     largest = max(abs(shoe.actuation.force) for shoe in brake.shoes) or 1.0
     tip = _loaded(shoe)
-    return tip - ARROW * brake.size * shoe.actuation.vector / largest, tip
+    return _Arrow(tip - ARROW * brake.size * shoe.actuation.vector / largest, tip)
 
 
 def _loaded(shoe: Shoe) -> Floats:
-    """Where a force is drawn (2,) [m]: on its line of action, nearest to the end of the lining away
+    """The point (2,) [m] where a force is drawn.
+
+    Inside a drum it is the place of the line of action that is nearest to the lining's end away
     from the hinge.
     """
     along, point = shoe.actuation.direction_vector, shoe.actuation.point.xy
     if shoe.flat or shoe.sign < 0:
         return point
     size = float(np.linalg.norm(point))
-    ends = [
-        size * np.array([math.cos(a), math.sin(a)]) for a in (shoe.lining.start, shoe.lining.end)
-    ]
+    angles = shoe.lining.start, shoe.lining.end
+    ends = [size * np.array([math.cos(angle), math.sin(angle)]) for angle in angles]
     far = max(ends, key=lambda end: float(np.linalg.norm(end - shoe.pin.xy)))
     return np.asarray(point + ((far - point) @ along) * along)
 
 
-# in words
+# Words.
 
 
-def head_of(answer: Answer) -> str:
+def head_of(answer: ExploredAnswer) -> str:
     """Torque, brake factor and law in a line of HTML."""
     if answer.found is None or answer.brake is None:
         return "no answer"
     surface = answer.brake.surface
     unit = surface.effect_unit
-    found, factor = answer.found.effect, brake_factor(answer.brake, answer.found)
-    said = [f"{surface.effect} <b>{found:.6g} {unit}</b>"]
-    said += [] if factor is None else [f"brake factor {surface.factor} <b>{factor:.4g}</b>"]
+    effect, factor = answer.found.effect, brake_factor(answer.brake, answer.found)
+    words = [f"{surface.effect} <b>{effect:.6g} {unit}</b>"]
+    if factor is not None:
+        words.append(f"brake factor {surface.factor} <b>{factor:.4g}</b>")
     if answer.law is not None:
         by_law = answer.law.effect
-        off = f" ({formatted(by_law / found - 1, '+.1%')})" if found else ""
-        said.append(f"{escape(name_of(answer.law.model))} {by_law:.6g} {unit}{off}")
+        off = f" ({formatted(by_law / effect - 1, '+.1%')})" if effect else ""
+        words.append(f"{escape(name_of(answer.law.model))} {by_law:.6g} {unit}{off}")
     if answer.distance:
-        said.append(f"worn over {answer.distance * 1e-3:.4g} km at k = 1e-5 mm³/(N m)")
-    return " · ".join(said)
+        words.append(f"worn over {answer.distance * 1e-3:.4g} km at k = 1e-5 mm³/(N m)")
+    return " · ".join(words)
 
 
 def head_html(picture: Picture, refused: Sequence[str] = ()) -> str:
-    """The answer, and what was refused or has no answer, a line each."""
+    """The answer as HTML, and a line for each part that was refused or has no answer."""
     lines = [f'<p class="refused">{escape(line)}</p>' for line in (*refused, *picture.failures)]
     return f'<p class="answer">{picture.head}</p>' + "".join(lines)
 
 
-def locking_html(answer: Answer, locking: Mapping[tuple[int, ...], float] | None) -> str:
-    """How far the friction is from self-locking; `locking`: mu_lock by finite elements of each
-    group, if known.
+def locking_html(answer: ExploredAnswer, locking: LockingFriction | None) -> str:
+    """The distance of the friction from self-locking in words.
+
+    `locking` is mu_lock of each group of shoes by finite elements; None where it is not known yet.
     """
     if answer.brake is None:
         return ""
-    friction, said = answer.brake.friction, "…"
+    friction, words = answer.brake.friction, "…"
     if locking is not None:
         limit = min(locking.values(), default=math.inf)
-        far = f"<b>{limit:.4g}</b>, {limit - friction:+.4g} from {friction:.4g}"
-        said = f"none up to friction {HIGHEST:g}" if math.isinf(limit) else f"at friction {far}"
+        words = f"at friction <b>{limit:.4g}</b>, {limit - friction:+.4g} from {friction:.4g}"
+        if math.isinf(limit):
+            words = f"none up to friction {HIGHEST_FRICTION:g}"
     law = answer.law_locking
     if law is not None:
-        by = escape(name_of(answer.law_name or ""))
-        said += f"; by the {by} " + ("never" if math.isinf(law) else f"at {law:.4g}")
-    return f"<p>self-locking {said}</p>"
+        name = escape(name_of(answer.law_name or ""))
+        words += f"; by the {name} " + ("never" if math.isinf(law) else f"at {law:.4g}")
+    return f"<p>self-locking {words}</p>"
 
 
-def error_html(answer: Answer, stated: Stated | None, *, asked: bool) -> str:
-    """How exact an answer is; `asked`: whether it was held against `solve`."""
+def error_html(answer: ExploredAnswer, stated: StatedError | None, *, asked: bool) -> str:
+    """The error of an answer in words; `asked`: whether `solve` was asked for it."""
     if answer.found is None or answer.brake is None or (asked and stated is None):
         return ""
-    said = "finite elements on a fixed division; their error is found out when the sliders rest"
+    words = "finite elements on a fixed division; their error is found out when the sliders rest"
     if stated is not None:
         own = "which states no error of its own, as it is one mesh"
         if stated.own is not None:
-            own = f"whose own errors are estimated as {stated.own['torque']:.1e} and {stated.own['pressure']:.1e}"
-        said = (
-            f"error of the finite elements on this fixed division: {answer.brake.surface.effect} "
-            f"{_small(stated.torque)}, p {_small(stated.pressure)} (L2, worst shoe) from drumlin solve, {own}"
+            torque, pressure = stated.own["torque"], stated.own["pressure"]
+            own = f"whose own errors are estimated as {torque:.1e} and {pressure:.1e}"
+        words = (
+            "error of the finite elements on this fixed division: "
+            f"{answer.brake.surface.effect} {_small(stated.torque)}, "
+            f"p {_small(stated.pressure)} (L2, worst shoe) from drumlin solve, {own}"
         )
     worn = f"; wear in steps of {WEAR_TOLERANCE:g} of p" if answer.distance else ""
-    return f"<p>{said}{worn}</p>"
+    return f"<p>{words}{worn}</p>"
 
 
 def _small(error: float) -> str:
+    """A relative error in words."""
     return f"{error:.1e}" if error > ROUNDING else "only rounding"
 
 
-def rows_of(answer: Answer, brake: Brake) -> tuple[tuple[str, ...], ...]:
-    """The table: its head, a row a shoe and model."""
+def rows_of(answer: ExploredAnswer, brake: Brake) -> tuple[tuple[str, ...], ...]:
+    """The table: its head, then a row for each shoe and model."""
     surface = brake.surface
-    responses = [r for r in (answer.found, answer.law) if r is not None]
     head = (
         "shoe",
         "by",
@@ -241,19 +300,24 @@ def rows_of(answer: Answer, brake: Brake) -> tuple[tuple[str, ...], ...]:
         f"contact [{brake.surface.shown_unit}]",
         "self-energising",
     )
-    rows = [_row(brake, response, i) for i in range(len(brake.shoes)) for response in responses]
+    responses = [response for response in (answer.found, answer.law) if response is not None]
+    rows = []
+    for i in range(len(brake.shoes)):
+        rows += [_row(brake, response, i) for response in responses]
     return (head, *rows)
 
 
 def _row(brake: Brake, response: Response, i: int) -> tuple[str, ...]:
-    shoe, made = response.shoes[i], response.effects[i]
+    """The row of shoe `i` by one model."""
+    shoe, effect = response.shoes[i], response.effects[i]
+    # The torque of the force at the size of the brake; on a plane the force.
     force = abs(loaded(brake, response).shoes[i].actuation.force)
     force *= brake.scale_factor
     return (
         shoe.name,
         name_of(response.model),
-        f"{made:.6g}",
-        f"{made / force:.4g}" if force else "–",
+        f"{effect:.6g}",
+        f"{effect / force:.4g}" if force else "–",
         f"{shoe.peak_pressure * MPA:.4g}",
         arcs_text(shoe, brake.surface),
         "yes" if shoe.self_energising else "no",
@@ -267,21 +331,19 @@ def table_html(rows: Sequence[Sequence[str]]) -> str:
     return f"<table><tr>{head}</tr>" + "".join(f"<tr>{line}</tr>" for line in lines) + "</table>"
 
 
-# what does not change with the knobs
+# The drawing, which does not change with the knobs.
 
 
-def drawing_of(brake: Brake) -> dict[str, Lines]:
-    """Circle of the drum, or the plane, linings and shoe bodies as areas, and hinges as points
-    [mm].
-    """
+def drawing_of(brake: Brake) -> Mapping[str, Lines]:
+    """The drum or plane as a line, linings and bodies as areas, hinges as points, all in mm."""
     linings, bodies = [], []
     for shoe in brake.shoes:
-        lining, behind = shoe.lining, shoe.lining.thickness or 0.0
-        linings.append(_layer(shoe, brake.size, (lining.start, lining.end), (0.0, behind)))
+        lining, depth = shoe.lining, shoe.lining.thickness or 0.0
+        linings.append(_layer(shoe, brake.size, (lining.start, lining.end), (0.0, depth)))
         if shoe.mesh is None and isinstance(shoe.body, Bar):
-            behind += shoe.backing.thickness if shoe.backing else 0.0
-            over = shoe.body.start, shoe.body.end
-            bodies.append(_layer(shoe, brake.size, over, (behind, behind + shoe.body.depth)))
+            depth += shoe.backing.thickness if shoe.backing else 0.0
+            ends = shoe.body.start, shoe.body.end
+            bodies.append(_layer(shoe, brake.size, ends, (depth, depth + shoe.body.depth)))
         if isinstance(shoe.body, Beam):
             bodies.append(_beam(shoe, brake.size))
     held = [shoe.pin.xy * MM for shoe in brake.shoes if shoe.guide is None]
@@ -294,7 +356,7 @@ def drawing_of(brake: Brake) -> dict[str, Lines]:
 
 
 def _surface(brake: Brake) -> Lines:
-    """The friction surface [mm]."""
+    """The friction surface as a line [mm]."""
     if brake.surface.straight:
         (x, _), reach = centre_of(brake), reach_of(brake)
         return Lines([np.array([x - reach, x + reach])], [np.zeros(2)])
@@ -302,90 +364,103 @@ def _surface(brake: Brake) -> Lines:
     return Lines([R * np.cos(circle)], [R * np.sin(circle)])
 
 
-def _lines(curves: Sequence[tuple[Floats, Floats]]) -> Lines:
-    return Lines([x for x, _ in curves], [y for _, y in curves])
+def _lines(outlines: Sequence[LayerOutline]) -> Lines:
+    """Several outlines together."""
+    return Lines([outline.x for outline in outlines], [outline.y for outline in outlines])
 
 
 def path_of(lines: Lines) -> str:
     """Lines as the path of an SVG."""
-    pairs = zip(lines.xs, lines.ys, strict=True)
-    return "".join(
-        "M" + "L".join(f"{a:.5g},{b:.5g}" for a, b in zip(x.tolist(), y.tolist(), strict=True))
-        for x, y in pairs
-    )
+    path = ""
+    for x, y in zip(lines.xs, lines.ys, strict=True):
+        points = zip(x.tolist(), y.tolist(), strict=True)
+        path += "M" + "L".join(f"{a:.5g},{b:.5g}" for a, b in points)
+    return path
+
+
+def _lining_ends(brake: Brake) -> list[float]:
+    """The places of the ends of all linings [rad, on a plane m]."""
+    ends: list[float] = []
+    for shoe in brake.shoes:
+        ends += [shoe.lining.start, shoe.lining.end]
+    return ends
 
 
 def brake_extent(brake: Brake) -> tuple[float, float]:
     """The places [deg], on a plane [mm], between which all linings lie, with some room."""
-    unit = brake.surface.shown
-    ends = [place * unit for shoe in brake.shoes for place in (shoe.lining.start, shoe.lining.end)]
+    ends = [place * brake.surface.shown for place in _lining_ends(brake)]
     room = 0.04 * brake.size * MM if brake.surface.straight else 5.0
     return min(ends) - room, max(ends) + room
 
 
 def centre_of(brake: Brake) -> tuple[float, float]:
-    """The middle (x, y) [mm] of the picture: the drum's, on a plane that of what is drawn."""
+    """The middle (x, y) [mm] of the picture: the drum's centre, on a plane that of all parts."""
     if not brake.surface.straight:
         return 0.0, 0.0
-    xy = _places(brake)
+    xy = _places_on_plane(brake)
     x, y = 0.5 * (xy.min(axis=0) + xy.max(axis=0)) * MM
     return float(x), float(y)
 
 
-def _places(brake: Brake) -> Floats:
+def _pins_and_arrows(brake: Brake) -> list[Floats]:
+    """The points (2,) [m] of all pins and of the ends of all arrows."""
+    points: list[Floats] = []
+    for shoe in brake.shoes:
+        points += [shoe.pin.xy, *_arrow(brake, shoe)]
+    return points
+
+
+def _places_on_plane(brake: Brake) -> Floats:
     """Points (n, 2) [m] that must be in the picture of a brake on a plane."""
-    found = [
-        (place, -1.2 * PETAL * brake.size)
-        for shoe in brake.shoes
-        for place in (shoe.lining.start, shoe.lining.end)
-    ]
-    return np.array(
-        [*found, *(point for shoe in brake.shoes for point in (shoe.pin.xy, *_arrow(brake, shoe)))]
-    )
+    below = -1.2 * PETAL * brake.size
+    ends = [(place, below) for place in _lining_ends(brake)]
+    return np.array([*ends, *_pins_and_arrows(brake)])
 
 
 def reach_of(brake: Brake) -> float:
-    """Half the side [mm] of a square about `centre_of` that holds shoes, hinges, pressures and
-    forces.
+    """Half the side [mm] of the picture, a square about `centre_of`.
+
+    It holds shoes, hinges, pressures and forces.
     """
     if brake.surface.straight:
-        xy = _places(brake)
+        xy = _places_on_plane(brake)
         return float(0.55 * np.ptp(xy, axis=0).max()) * MM
     R = brake.size
-    room = [
-        1.12 * (1 + PETAL) * R if shoe.sign > 0 else 1.05 * R + shoe.depth for shoe in brake.shoes
-    ]
-    places = [place for shoe in brake.shoes for place in (shoe.pin.xy, *_arrow(brake, shoe))]
-    room += [float(np.abs(place).max()) + 0.1 * R for place in places]
+    room = []
+    for shoe in brake.shoes:
+        # Pressures of internal shoes are drawn outside the drum.
+        room.append(1.12 * (1 + PETAL) * R if shoe.sign > 0 else 1.05 * R + shoe.depth)
+    room += [float(np.abs(place).max()) + 0.1 * R for place in _pins_and_arrows(brake)]
     return max(room) * MM
 
 
 def _layer(
-    shoe: Shoe, size: float, over: tuple[float, float], depths: tuple[float, float]
-) -> tuple[Floats, Floats]:
-    """x and y [mm] of the outline of a layer of a shoe, over two places and between two depths [m]."""
-    there = np.linspace(*over, 2 if shoe.flat else 90)
-    places = np.concatenate([there, there[::-1], there[:1]])
-    near, far = depths
-    at = np.repeat([near, far, near], [len(there), len(there), 1])
-    x, y = shoe.points(shoe.at(at, shoe.frame.phi(places), size)) * MM
-    return x, y
+    shoe: Shoe, size: float, ends: tuple[float, float], depths: tuple[float, float]
+) -> LayerOutline:
+    """The outline of a layer of a shoe.
 
-
-def _beam(shoe: Shoe, R: float) -> tuple[Floats, Floats]:
-    """x and y [mm] of a straight beam; where the file has no thickness, a tenth of the drum's
-    radius stands for it.
+    Parameters
+    ----------
+    shoe : the shoe
+    size : of the brake [m]
+    ends : places of its two ends [rad, on a plane m]
+    depths : from the friction surface to its front and to its back [m]
     """
+    # Along the front, back along the back, and to the first point again.
+    there = np.linspace(*ends, 2 if shoe.flat else 90)
+    places = np.concatenate([there, there[::-1], there[:1]])
+    front, back = depths
+    at = np.repeat([front, back, front], [len(there), len(there), 1])
+    x, y = shoe.points(shoe.at(at, shoe.frame.phi(places), size)) * MM
+    return LayerOutline(x, y)
+
+
+def _beam(shoe: Shoe, R: float) -> LayerOutline:
+    """The outline of a straight beam; without a thickness, a tenth of R [m] stands for it."""
     assert isinstance(shoe.body, Beam)
     hinge, along = shoe.pin.xy, shoe.actuation.point.xy - shoe.pin.xy
-    across = (
-        0.5
-        * (shoe.body.thickness or 0.1 * R)
-        * np.array([-along[1], along[0]])
-        / np.linalg.norm(along)
-    )
-    xy = (
-        np.array([hinge - across, hinge + along - across, hinge + along + across, hinge + across])
-        * MM
-    )
-    return xy[:, 0], xy[:, 1]
+    half = 0.5 * (shoe.body.thickness or 0.1 * R)
+    across = half * np.array([-along[1], along[0]]) / np.linalg.norm(along)
+    end = hinge + along
+    xy = np.array([hinge - across, end - across, end + across, hinge + across]) * MM
+    return LayerOutline(xy[:, 0], xy[:, 1])

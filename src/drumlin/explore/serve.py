@@ -14,12 +14,19 @@ from drumlin.explore.answers import Explorer
 from drumlin.explore.page import reply
 
 ADDRESS = "127.0.0.1"
-OWN = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; connect-src 'self'; img-src data:"
+"""The address of this machine for itself: no other machine reaches the server."""
+
+CONTENT_POLICY = (
+    "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
+    "connect-src 'self'; img-src data:"
+)
+"""The page may run its own script and ask its own server, and loads nothing from elsewhere."""
 
 
 class _Server(ThreadingHTTPServer):
-    """Threads for connections that browsers keep open; one answer at a time, since answers share
-    their bodies.
+    """A server with a thread for each connection that a browser keeps open.
+
+    It gives one answer at a time, since the answers share their bodies.
     """
 
     daemon_threads = True
@@ -30,21 +37,23 @@ class _Server(ThreadingHTTPServer):
         self.hosts = {f"{host}:{self.server_port}" for host in ("localhost", ADDRESS)}
 
     def handle_error(self, request: Any, client_address: Any) -> None:
-        """Silent where a browser has gone before its answer."""
+        """Stay silent where a browser has gone before its answer."""
         if not isinstance(sys.exception(), ConnectionError):
             super().handle_error(request, client_address)
 
 
 class _Handler(BaseHTTPRequestHandler):
+    """The replies to a browser."""
+
     protocol_version = "HTTP/1.1"
     disable_nagle_algorithm = True
-    timeout = 600
+    timeout = 600  # s
     server: _Server
 
     def do_GET(self) -> None:
-        if (
-            self.headers.get("Host") not in self.server.hosts
-        ):  # another name that leads here: a page of someone else
+        """Reply to a request for an address."""
+        # Another name that leads here belongs to a page of somebody else.
+        if self.headers.get("Host") not in self.server.hosts:
             self.send_error(403)
             return
         with self.server.answering:
@@ -53,25 +62,32 @@ class _Handler(BaseHTTPRequestHandler):
         self.send_response(found.status)
         self.send_header("Content-Type", found.media)
         self.send_header("Content-Length", str(len(data)))
-        self.send_header("Content-Security-Policy", OWN)
+        self.send_header("Content-Security-Policy", CONTENT_POLICY)
         self.send_header("Cache-Control", "no-store")
         if found.file:
-            self.send_header(
-                "Content-Disposition", f"attachment; filename*=UTF-8''{quote(found.file)}"
-            )
+            name = f"attachment; filename*=UTF-8''{quote(found.file)}"
+            self.send_header("Content-Disposition", name)
         self.end_headers()
         self.wfile.write(data)
 
     def log_message(self, format: str, *args: object) -> None:
-        """Say nothing: a line a picture would bury the address."""
+        """Say nothing: a line for each picture would bury the address of the page."""
 
 
 def serve(brake: Brake, name: str, port: int, ready: Callable[[str], None]) -> None:
-    """Serve a brake's page until the process is interrupted; `ready` is told its address once it
-    can be opened.
+    """Serve a brake's page until the process is interrupted.
 
-    name: first words of the file that the page saves; port: 0 for any free one. Raises BadInput for
-    a port that cannot be had, and for a brake that finite elements do not cover.
+    Parameters
+    ----------
+    brake : the brake
+    name : first words of the file that the page saves
+    port : 0 for any free one
+    ready : told the address of the page once it can be opened
+
+    Raises
+    ------
+    BadInput
+        for a port that cannot be had, and for a brake that finite elements do not cover
     """
     explorer = Explorer(brake)
     if not 0 <= port <= 65535:

@@ -1,5 +1,5 @@
-"""The old name of drumlin.fem.preparation.assembly."""
+"""The old name of drumlin.fem.preparation.prepare."""
 
 from drumlin.base.moved import moved
 
-__getattr__ = moved(__name__, "drumlin.fem.preparation.assembly")
+__getattr__ = moved(__name__, "drumlin.fem.preparation.prepare")

@@ -19,7 +19,10 @@ from drumlin.brake.units import mm
 from drumlin.contact.active_set import Contact
 from drumlin.fem.equilibrium.group import ShoeGroup, groups_of
 from drumlin.fem.equilibrium.sharing import PULLED, WOULD_PULL
-from drumlin.fem.preparation.assembly import Scene, clock, held, shape_of
+from drumlin.fem.preparation.bodies import held
+from drumlin.fem.preparation.cache import shape_of
+from drumlin.fem.preparation.scene import Scene, clock
+from drumlin.fem.substructure.loads import ACTUATION
 from drumlin.laws.rigid import cam_notes
 from drumlin.response.balance import borne, relative_balance, worst
 from drumlin.response.response import (
@@ -276,6 +279,7 @@ def _answer(
     if group.sharing is not None and force < PULLED * group.unit_force:
         raise NoAnswer(f"shoe {shoe.name!r}: {WOULD_PULL}")
     load, moment = abs(force) * load, abs(force) * moment
+    push = body.columns.part(ACTUATION, load)[:2]
     drag = brake.drag_on(shoe)
     normal, dragged = body.forces @ p
     whole = drag * dragged - normal  # on the lining: force [N], and moment about the centre [N m]
@@ -284,17 +288,17 @@ def _answer(
         reaction = held(body, p, drag, load)
     else:  # by equilibrium, of which moments or work are left to check: a refined pressure has more digits than the
         # strains where the frame is held
-        reaction = -np.append(whole[:2] + load[:2], whole[2] + moment - cross(pin, whole[:2]))
+        reaction = -np.append(whole[:2] + push, whole[2] + moment - cross(pin, whole[:2]))
     reaction, twist = reaction[:2], float(reaction[2]) if shoe.guide is not None else 0.0
     # Two parts of the actuation's moment about the centre: where mu = 0 and it aims there, all
     # others vanish.
-    moments = [float(whole[2]), float(cross(pin, reaction)), moment, float(cross(pin, load[:2]))]
+    moments = [float(whole[2]), float(cross(pin, reaction)), moment, float(cross(pin, push))]
     if shoe.guide is not None:
         moments += [
             twist,
             *borne(force, brake.scale_factor * (shoe.lining.end - shoe.lining.start)),
         ]
-    balance = relative_balance([whole[:2], reaction, load[:2]], moments)
+    balance = relative_balance([whole[:2], reaction, push], moments)
     if shoe.held_by != "hinge":
         nodal, work = drag * (coupling.T.T @ p) - coupling.N.T @ p, abs(force) * motions.work
         acting = nodal[:, None] * motions.tested
@@ -383,7 +387,7 @@ def _changed(
     weight = np.where((phi > start + zone) & (phi < end - zone), area, 0.0)
     if weight @ p < 0.5 * (area @ p):
         weight = area
-    held_by = held(body, changes.T, group.brake.drag_on(shoe), np.zeros((3, 1)))
+    held_by = held(body, changes.T, group.brake.drag_on(shoe), np.zeros((body.columns.count, 1)))
     top = float(p[weight > 0].max(initial=0.0))
     highest = np.abs(changes[:, (weight > 0) & (p == top)]).max(axis=1, initial=0.0)
     parts = np.array(

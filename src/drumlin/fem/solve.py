@@ -11,10 +11,12 @@ from drumlin.fem.error_control.adapt import DEFAULT, Tolerance, adapt, check_tol
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.model import PENALTY, check_penalty, respond
-from drumlin.fem.preparation import scene as hp
-from drumlin.fem.preparation.assembly import ELEMENTS, Cache, Scene, prepare
+from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.preparation.finite_width import finite_width as corrected
 from drumlin.fem.preparation.finite_width import said
+from drumlin.fem.preparation.meshes import ELEMENTS
+from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.scene import Scene
 from drumlin.response.balance import loaded, shoe_balance, worst
 from drumlin.response.merit import with_merits
 from drumlin.response.response import Response
@@ -88,7 +90,7 @@ def scene_of(
     try:
         return adapt(brake, DEFAULT, respond, must=False, cache=cache).scene
     except NoAnswer:
-        return hp.scene(brake, LEVELS[1], cache=cache)
+        return prepare(brake, LEVELS[1], cache=cache)
 
 
 def check_divided(brake: Brake, *, elements: int | None = None, kind: str | None = None) -> None:

@@ -1,1 +1,1 @@
-"""What people look at: figures, field pictures and the HTML page. Heavy imports stay in here."""
+"""Figures, field pictures and HTML pages. The imports of heavy libraries stay in this package."""

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 from drumlin.base.errors import NoAnswer
 from drumlin.base.files import write_text
 from drumlin.brake.brake import Brake
-from drumlin.comparison import Column, Comparison, as_csv, columns_of, compare
+from drumlin.comparison import Comparison, Outcome, TableColumn, as_csv, columns_of, compare
 from drumlin.fem.preparation.finite_width import finite_width
 from drumlin.models import refusals
 from drumlin.report import figures
@@ -18,112 +18,128 @@ from drumlin.response.response import Response
 
 
 class Written(NamedTuple):
-    """What a comparison left: its table, lines for people, and the page."""
+    """The results of a comparison whose report is written.
+
+    Attributes
+    ----------
+    table : one row a model
+    notes : lines for people
+    page : path of the HTML page
+    columns : of the table
+    """
 
     table: list[dict[str, Any]]
     notes: list[str]
     page: Path
-    columns: tuple[Column, ...]
+    columns: tuple[TableColumn, ...]
 
 
 def panels(comparison: Comparison[Any]) -> list[tuple[str, dict[str, Any]]]:
-    """A panel of pressures for each shoe: every model that answered."""
+    """A panel of pressures for each shoe: a title, and the responses by model."""
     brake = comparison.brake
     made = []
     for i, shoe in enumerate(brake.shoes):
         responses = {model: response.shoes[i] for model, response in comparison.responses.items()}
         if responses:
             helps = any(response.self_energising for response in responses.values())
-            made.append(
-                (
-                    f"{shoe.name}, {brake.sense}: friction {'assists' if helps else 'opposes'}",
-                    responses,
-                )
-            )
+            verb = "assists" if helps else "opposes"
+            made.append((f"{shoe.name}, {brake.sense}: friction {verb}", responses))
     return made
 
 
 def draw_fields(
     brake: Brake, response: Response, folder: Path, name: str, **options: Any
 ) -> str | None:
-    """Write name.vtu and, where off-screen rendering works, name.png; says why there is no picture,
-    None if there is.
+    """Write the fields of a response as name.vtu and their picture as name.png.
 
-    `options`: those of the scene. A page shows what came of it by the macro `fields`.
+    A page shows both by the macro `fields`.
+
+    Parameters
+    ----------
+    brake : the brake
+    response : of finite elements
+    folder : where the files are written
+    name : of the files, without ending
+    options : those of the prepared model (elements, kind)
+
+    Returns
+    -------
+    None, or the reason why there is no picture, such as a machine without off-screen rendering
     """
-    from drumlin.fem.analysis.fields import fields, ring_fields, write_vtu  # noqa: PLC0415  (only where a picture is asked for)
+    # These imports are heavy, and most commands draw no fields.
+    from drumlin.fem.analysis.fields import all_fields, write_vtu  # noqa: PLC0415
     from drumlin.fem.solve import scene_of  # noqa: PLC0415
     from drumlin.report.render import render  # noqa: PLC0415
 
     brake.check_meshable()
     scene = scene_of(brake, **options)
-    parts = [fields(scene, brake, response, i) for i in range(len(brake.shoes))]
-    if scene.ring is not None:
-        parts.append(ring_fields(scene, brake, response))
-    write_vtu(folder / f"{name}.vtu", parts)
+    write_vtu(folder / f"{name}.vtu", all_fields(scene, brake, response))
     title = f"{brake.title}, {brake.motion}"
     return render(folder / f"{name}.vtu", folder / f"{name}.png", loaded(brake, response), title)
 
 
 def results_json(comparisons: Sequence[Comparison[Any]], **more: Any) -> str:
-    """Every number of some comparisons as JSON text, with versions; seconds of each model are
-    medians.
+    """Every number of some comparisons as JSON text, with versions.
+
+    The seconds of each model are medians. Further keys come from `more`.
     """
-    cases = [
-        {
-            "case": c.case,
-            "rotation": c.brake.sense,
-            "friction": c.brake.friction,
-            "models": [
-                {
-                    **(
-                        o.response.as_dict()
-                        if o.response
-                        else {"model": o.model, "failed": o.failure}
-                    ),
-                    "run_time": o.seconds,
-                    "repeats": o.repeats,
-                }
-                for o in c.outcomes
-            ],
-        }
-        for c in comparisons
-    ]
+    cases = [_case_data(comparison) for comparison in comparisons]
     return json.dumps({"versions": versions(), "cases": cases, **more}, indent=1) + "\n"
 
 
-def write_comparison(brake: Brake, source: str, folder: Path, options: dict[str, Any]) -> Written:
-    """Compare all models that apply to a brake and write page, CSV, JSON, figure, fields into
-    `folder`.
+def _case_data(comparison: Comparison[Any]) -> dict[str, Any]:
+    """One comparison as plain data for JSON."""
+    return {
+        "case": comparison.case,
+        "rotation": comparison.brake.sense,
+        "friction": comparison.brake.friction,
+        "models": [_model_data(outcome) for outcome in comparison.outcomes],
+    }
 
-    Raises NoAnswer, and writes nothing, where no model has an answer.
+
+def _model_data(outcome: Outcome) -> dict[str, Any]:
+    """The answer of one model, or its failure, as plain data for JSON."""
+    answer = {"model": outcome.model, "failed": outcome.failure}
+    if outcome.response:
+        answer = outcome.response.as_dict()
+    return {**answer, "run_time": outcome.seconds, "repeats": outcome.repeats}
+
+
+def write_comparison(brake: Brake, source: str, folder: Path, options: dict[str, Any]) -> Written:
+    """Compare all models that apply to a brake, and write a page with its data.
+
+    The page, CSV, JSON, figure and fields are written into `folder`.
+
+    Parameters
+    ----------
+    brake : the brake
+    source : text of the brake file, which the page shows
+    folder : where the files are written
+    options : of `compare`
+
+    Raises
+    ------
+    NoAnswer
+        where no model has an answer; then nothing is written
     """
     comparison = compare(brake, repeats=3, **options)
     if not comparison.responses:
-        raise NoAnswer("; ".join(f"{o.model}: {o.failure}" for o in comparison.outcomes))
+        failures = [f"{outcome.model}: {outcome.failure}" for outcome in comparison.outcomes]
+        raise NoAnswer("; ".join(failures))
     table = comparison.rows
     write_text(folder / "results.csv", as_csv(table))
     write_text(folder / "results.json", results_json([comparison]))
-    figures.save(
-        figures.pressures(panels(comparison), surface=brake.surface), folder / "pressure.svg"
-    )
+    pressure_figure = figures.pressures(panels(comparison), surface=brake.surface)
+    figures.save(pressure_figure, folder / "pressure.svg")
+    # The fields of the finite elements, where a shoe touches.
     fem = comparison.responses.get("fem")
     drawn, not_drawn = False, None
     if fem is not None and any(shoe.contact_arcs for shoe in fem.shoes):
         drawn = True
-        chosen = {k: v for k, v in options.items() if k in {"elements", "kind"}}
-        drawn_as = finite_width(brake) if options.get("finite_width") else brake
-        not_drawn = draw_fields(drawn_as, fem, folder, "fields", **chosen)
-    notes = [
-        f"{o.model}: {line}" for o in comparison.outcomes if o.response for line in o.response.notes
-    ]
-    notes += [f"{name}: does not apply: {reason}" for name, reason in refusals(brake).items()]
-    left = [
-        f"{o.model} left out {line}"
-        for o in comparison.outcomes
-        if o.response
-        for line in o.response.left_out
-    ]
+        mesh_options = {k: v for k, v in options.items() if k in {"elements", "kind"}}
+        solved_brake = finite_width(brake) if options.get("finite_width") else brake
+        not_drawn = draw_fields(solved_brake, fem, folder, "fields", **mesh_options)
+    notes = _notes(brake, comparison)
     page = fill(
         Path(__file__).with_name("comparison.html"),
         folder / "index.html",
@@ -132,7 +148,26 @@ def write_comparison(brake: Brake, source: str, folder: Path, options: dict[str,
         columns=columns_of(brake),
         drawn=drawn,
         not_drawn=not_drawn,
-        notes=notes + left,
+        notes=notes + _neglected(comparison),
         source_text=source,
     )
     return Written(table, notes, page, columns_of(brake))
+
+
+def _notes(brake: Brake, comparison: Comparison[Any]) -> list[str]:
+    """The notes of the models that answered, and why the other models do not apply."""
+    notes = []
+    for outcome in comparison.outcomes:
+        if outcome.response:
+            notes += [f"{outcome.model}: {line}" for line in outcome.response.notes]
+    notes += [f"{name}: does not apply: {reason}" for name, reason in refusals(brake).items()]
+    return notes
+
+
+def _neglected(comparison: Comparison[Any]) -> list[str]:
+    """What each model neglects, in lines."""
+    lines = []
+    for outcome in comparison.outcomes:
+        if outcome.response:
+            lines += [f"{outcome.model} left out {line}" for line in outcome.response.left_out]
+    return lines

@@ -1,12 +1,12 @@
 """A brake as a drawing by matplotlib: drum, shoes, pins and forces to scale, axes in mm.
 
-What a brake file leaves out is drawn as a sign, not to scale: a rigid shoe as a grey stroke, a
-force as an arrow of fixed length.
+Parts that a brake file leaves out are drawn as signs, not to scale: a rigid shoe as a grey stroke,
+a force as an arrow of fixed length.
 """
 
 import math
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -17,16 +17,15 @@ from drumlin.base.arrays import Floats
 from drumlin.brake.beam_axis import axis_of
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Actuation, Bar, Beam
+from drumlin.report.palette import FAINT, INK
 from drumlin.report.signs import (
-    BLOCK,
-    BODY,
-    DRUM,
-    FAINT,
-    FORCE,
-    INK,
-    LINING,
-    MM,
-    MOTION,
+    BLOCK_COLOR,
+    BODY_COLOR,
+    DRUM_COLOR,
+    FORCE_COLOR,
+    LINING_COLOR,
+    MM_PER_M,
+    MOTION_COLOR,
     arms,
     between,
     held,
@@ -34,7 +33,7 @@ from drumlin.report.signs import (
 
 
 def draw_brake(axes: Axes, brake: Brake) -> None:
-    """Draw a brake of either kind into `axes`, which become mm at equal scale."""
+    """Draw a brake on a drum or a plane into `axes`, which become mm at equal scale."""
     if brake.surface.straight:
         _draw_flat(axes, brake)
     else:
@@ -45,199 +44,256 @@ def draw_brake(axes: Axes, brake: Brake) -> None:
     axes.set_ylabel("y [mm]")
 
 
-# on a drum
+def _unit_vector(angle: float) -> Floats:
+    """The unit vector (2,) at an angle [rad]."""
+    return np.array([math.cos(angle), math.sin(angle)])
+
+
+# Brakes on a drum. R is the drum's radius [mm], unit the size of the signs [mm].
 
 
 def _draw_drum_brake(axes: Axes, brake: Brake) -> None:
-    R = brake.size * MM
-    unit = R / 10  # of signs that have no size of their own
-    _drum(axes, brake, unit)
+    """Draw a brake on a drum."""
+    R = brake.size * MM_PER_M
+    unit = R / 10
+    _drum(axes, brake, R, unit)
     struts = {link.source for link in brake.links}
     for shoe in brake.shoes:
         _shoe(axes, shoe, R, unit, on_strut=shoe.name in struts)
     loaded = {shoe.name: _loaded_point(shoe, R) for shoe in brake.shoes}
     between(axes, brake, loaded, unit)
-    _forces(axes, brake, {shoe.name: _tip(shoe, R, unit) for shoe in brake.shoes}, unit)
+    tips = {shoe.name: _tip(shoe, R, unit) for shoe in brake.shoes}
+    _forces(axes, brake, tips, unit)
     corners = np.array([[-1.0, -1.0], [1.0, 1.0]]) * _outermost(brake)
     points = [corners, *(_places(shoe, R, unit) for shoe in brake.shoes)]
     _frame(axes, np.concatenate(points), 1.8 * unit)
 
 
 def _outermost(brake: Brake) -> float:
-    """Radius [mm] of everything round in the brake."""
+    """The radius [mm] of a circle around the drum, its ring and the shoes."""
     ring = _ring_depth(brake)
     outside = any(shoe.side == "internal" for shoe in brake.shoes) and ring
     depth = max((shoe.depth for shoe in brake.shoes if shoe.side == "external"), default=0.0)
-    return (brake.size + max(outside, depth)) * MM
+    return (brake.size + max(outside, depth)) * MM_PER_M
 
 
 def _ring_depth(brake: Brake) -> float:
-    """Thickness [m] of the ring; without one, or where the file does not say, a tenth of the
-    radius.
-    """
+    """The thickness [m] of the ring; a tenth of the radius where the file gives none."""
     ring = brake.ring
     return ring.thickness if ring and ring.thickness else 0.1 * brake.size
 
 
-def _drum(axes: Axes, brake: Brake, unit: float) -> None:
-    R = brake.size * MM
-    ring = _ring_depth(brake) * MM
+def _drum(axes: Axes, brake: Brake, R: float, unit: float) -> None:
+    """Draw the drum with its ring, its centre, its radius and the arrow of its motion."""
+    ring = _ring_depth(brake) * MM_PER_M
+    look = {"facecolor": DRUM_COLOR, "edgecolor": "none"}
     if brake.shoes[0].side == "internal":
-        axes.add_patch(
-            Wedge((0, 0), R + ring, 0, 360, width=ring, facecolor=DRUM, edgecolor="none")
-        )
+        axes.add_patch(Wedge((0, 0), R + ring, 0, 360, width=ring, **look))
     elif brake.ring:
-        axes.add_patch(Wedge((0, 0), R, 0, 360, width=ring, facecolor=DRUM, edgecolor="none"))
+        axes.add_patch(Wedge((0, 0), R, 0, 360, width=ring, **look))
     else:
-        axes.add_patch(Circle((0, 0), R, facecolor=DRUM, edgecolor="none"))
+        axes.add_patch(Circle((0, 0), R, **look))
     axes.add_patch(Circle((0, 0), R, facecolor="none", edgecolor=INK, lw=1.6))
+    # The cross at the centre.
     cross = np.array([-0.35, 0.35]) * unit
     axes.plot(cross, [0, 0], color=INK, lw=0.8)
     axes.plot([0, 0], cross, color=INK, lw=0.8)
-    free = _free_angle(brake, unit)
-    axes.plot([0, R * math.cos(free)], [0, R * math.sin(free)], color=FAINT, lw=0.7)
-    _label(axes, 0.5 * R * np.array([math.cos(free), math.sin(free)]), f"R = {R:.5g} mm")
-    turn, reach = 2.6 * unit, math.radians(220)
-    start = math.pi / 2 - brake.spin * reach / 2
-    angles = start + brake.spin * np.linspace(0, reach, 60)
+    # The radius with its size.
+    direction = _unit_vector(_free_angle(brake, R, unit))
+    axes.plot([0, R * direction[0]], [0, R * direction[1]], color=FAINT, lw=0.7)
+    _label(axes, 0.5 * R * direction, f"R = {R:.5g} mm")
+    _rotation_arrow(axes, brake.spin, 2.6 * unit)
+
+
+def _rotation_arrow(axes: Axes, spin: int, radius: float) -> None:
+    """Draw an arrow over 220 degrees about the drum's centre, with a radius [mm]."""
+    reach = math.radians(220)
+    start = math.pi / 2 - spin * reach / 2
+    angles = start + spin * np.linspace(0, reach, 60)
+    # The line ends within the arrow's head.
+    line = angles[:-3]
     axes.plot(
-        turn * np.cos(angles[:-3]),
-        turn * np.sin(angles[:-3]),
-        color=MOTION,
+        radius * np.cos(line),
+        radius * np.sin(line),
+        color=MOTION_COLOR,
         lw=2,
         solid_capstyle="round",
     )
-    tip, back = (turn * np.array([math.cos(a), math.sin(a)]) for a in (angles[-1], angles[-8]))
-    _arrow(axes, back, tip, MOTION, width=0.1)
+    tip, back = radius * _unit_vector(angles[-1]), radius * _unit_vector(angles[-8])
+    _arrow(axes, back, tip, MOTION_COLOR, width=0.1)
 
 
-def _free_angle(brake: Brake, unit: float) -> float:
-    """An angle [rad] for the drum's radius that keeps away from the shoes' names, ends and forces."""
+def _free_angle(brake: Brake, R: float, unit: float) -> float:
+    """An angle [rad] for the drawn radius that keeps away from shoes, their names and forces."""
     taken = []
     for shoe in brake.shoes:
-        tip = _loaded_point(shoe, brake.size * MM)
-        tail = tip - _tail(shoe.actuation, unit)
+        tip = _loaded_point(shoe, R)
+        tail = tip - _arrow_vector(shoe.actuation, unit)
         taken += [shoe.lining.start, shoe.lining.end, 0.5 * (shoe.lining.start + shoe.lining.end)]
         taken += [math.atan2(y, x) for x, y in (tip, tail)]
     candidates = np.radians(np.arange(-60, 300, 5) + 2.0)
-    away = [min(abs(math.remainder(c - e, 2 * math.pi)) for e in taken) for c in candidates]
+    away = []
+    for candidate in candidates:
+        away.append(min(abs(math.remainder(candidate - t, 2 * math.pi)) for t in taken))
     return float(candidates[int(np.argmax(away))])
 
 
 def _shoe(axes: Axes, shoe: Shoe, R: float, unit: float, *, on_strut: bool) -> None:
-    start, end = (math.degrees(angle) for angle in (shoe.lining.start, shoe.lining.end))
+    """Draw a shoe with its layers, its name and what holds it.
+
+    Parameters
+    ----------
+    axes : of the drawing
+    shoe : the shoe
+    R : radius of the drum [mm]
+    unit : size of the signs [mm]
+    on_strut : whether its abutment is the end of a strut
+    """
     if shoe.body is None:
-        for stroke in _strokes(shoe, R):
-            axes.plot(
-                *stroke.T,
-                color=BODY,
-                lw=7,
-                solid_capstyle="round",
-                solid_joinstyle="round",
-                zorder=2,
-            )
-    lining = shoe.lining.thickness * MM
-    _layer(axes, shoe, R, 0.0, lining, (start, end), LINING)
-    own = shoe.mesh is not None  # then only the mesh knows what is behind the lining
-    if isinstance(shoe.body, Beam) and not own:
-        _beam(axes, shoe, R, unit)
-    elif shoe.backing is not None and not own:
-        _layer(axes, shoe, R, lining, shoe.backing.thickness * MM, (start, end), BLOCK)
-        lining += shoe.backing.thickness * MM
-    if isinstance(shoe.body, Bar) and not own:
-        arc = math.degrees(shoe.body.start), math.degrees(shoe.body.end)
-        for plate in shoe.body.plates.values():
-            _layer(axes, shoe, R, lining, plate.thickness * MM, arc, BODY)
-            lining += plate.thickness * MM
+        _rigid_body(axes, shoe, R)
+    arc = math.degrees(shoe.lining.start), math.degrees(shoe.lining.end)
+    depth = shoe.lining.thickness * MM_PER_M
+    _layer(axes, shoe, R, _Layer(0.0, depth, arc, LINING_COLOR))
+    # Only a mesh of its own knows what is behind the lining.
+    if shoe.mesh is None:
+        if isinstance(shoe.body, Beam):
+            _beam(axes, shoe, R, unit)
+        elif shoe.backing is not None:
+            backing = shoe.backing.thickness * MM_PER_M
+            _layer(axes, shoe, R, _Layer(depth, backing, arc, BLOCK_COLOR))
+            depth += backing
+        if isinstance(shoe.body, Bar):
+            body_arc = math.degrees(shoe.body.start), math.degrees(shoe.body.end)
+            for plate in shoe.body.plates.values():
+                thickness = plate.thickness * MM_PER_M
+                _layer(axes, shoe, R, _Layer(depth, thickness, body_arc, BODY_COLOR))
+                depth += thickness
     held(axes, shoe, unit, on_strut=on_strut)
-    arms(axes, shoe, R / MM, _loaded_point(shoe, R), unit)
+    arms(axes, shoe, R / MM_PER_M, _loaded_point(shoe, R), unit)
+    # The name stands inside the drum, below the shoe where the shoe is inside, too.
     middle = 0.5 * (shoe.lining.start + shoe.lining.end)
-    inside = R - 1.8 * unit - (shoe.depth * MM if shoe.sign > 0 else 0.0)
-    _label(axes, inside * np.array([math.cos(middle), math.sin(middle)]), shoe.name)
+    inside = R - 1.8 * unit - (shoe.depth * MM_PER_M if shoe.sign > 0 else 0.0)
+    _label(axes, inside * _unit_vector(middle), shoe.name)
+
+
+def _rigid_body(axes: Axes, shoe: Shoe, R: float) -> None:
+    """Draw the strokes of a rigid shoe."""
+    for stroke in _strokes(shoe, R):
+        axes.plot(
+            *stroke.T,
+            color=BODY_COLOR,
+            lw=7,
+            solid_capstyle="round",
+            solid_joinstyle="round",
+            zorder=2,
+        )
 
 
 def _beam(axes: Axes, shoe: Shoe, R: float, unit: float) -> None:
-    """A straight beam, and the block that fills the space up to the lining's back."""
+    """Draw a straight beam, and the block that fills the space up to the lining's back."""
     assert isinstance(shoe.body, Beam)
-    axis = axis_of(shoe.pin.xy * MM, shoe.actuation.point.xy * MM)
-    half = 0.5 * (shoe.body.thickness * MM if shoe.body.thickness else unit)
+    axis = axis_of(shoe.pin.xy * MM_PER_M, shoe.actuation.point.xy * MM_PER_M)
+    half = 0.5 * (shoe.body.thickness * MM_PER_M if shoe.body.thickness else unit)
     if shoe.backing is not None:
         angle = axis.angle(np.linspace(shoe.lining.start, shoe.lining.end, 60))
-        back = R + shoe.lining.thickness * MM
+        back = R + shoe.lining.thickness * MM_PER_M
         x, y = axis.foot + back * np.sin(angle), axis.distance - back * np.cos(angle)
         block = axis.to_brake(np.append(x, x[[-1, 0]]), np.append(y, [half, half]))
-        axes.fill(*block.T, facecolor=BLOCK, edgecolor=INK, lw=0.8, zorder=2)
+        axes.fill(*block.T, facecolor=BLOCK_COLOR, edgecolor=INK, lw=0.8, zorder=2)
     corners = axis.to_brake(np.array([0, 1, 1, 0]) * axis.length, np.array([-1, -1, 1, 1]) * half)
-    axes.fill(*corners.T, facecolor=BODY, edgecolor=INK, lw=0.8, zorder=2)
+    axes.fill(*corners.T, facecolor=BODY_COLOR, edgecolor=INK, lw=0.8, zorder=2)
 
 
-def _layer(
-    axes: Axes,
-    shoe: Shoe,
-    R: float,
-    depth: float,
-    thickness: float,
-    arc: tuple[float, float],
-    color: str,
-) -> None:
-    """A layer of a shoe, from `depth` to `depth + thickness` [mm] behind the friction surface, over
-    an arc [deg].
+class _Layer(NamedTuple):
+    """A layer of a shoe.
+
+    Attributes
+    ----------
+    depth : from the friction surface to the layer [mm]
+    thickness : [mm]
+    arc : its two ends [deg]
+    color : of the layer
     """
-    outer = R - depth if shoe.sign > 0 else R + depth + thickness
-    axes.add_patch(
-        Wedge(
-            (0, 0), outer, *arc, width=thickness, facecolor=color, edgecolor=INK, lw=0.8, zorder=3
-        )
+
+    depth: float
+    thickness: float
+    arc: tuple[float, float]
+    color: str
+
+
+def _layer(axes: Axes, shoe: Shoe, R: float, layer: _Layer) -> None:
+    """Draw a layer of a shoe."""
+    outer = R - layer.depth if shoe.sign > 0 else R + layer.depth + layer.thickness
+    wedge = Wedge(
+        (0, 0),
+        outer,
+        *layer.arc,
+        width=layer.thickness,
+        facecolor=layer.color,
+        edgecolor=INK,
+        lw=0.8,
+        zorder=3,
     )
+    axes.add_patch(wedge)
 
 
 def _back(shoe: Shoe, R: float) -> float:
-    """Radius [mm] of the stroke behind the lining."""
-    return R - shoe.sign * (shoe.lining.thickness * MM + 0.035 * R)
+    """The radius [mm] of the stroke behind the lining of a rigid shoe."""
+    return R - shoe.sign * (shoe.lining.thickness * MM_PER_M + 0.035 * R)
 
 
 def _strokes(shoe: Shoe, R: float) -> list[Floats]:
-    """Lines (n, 2) [mm] that stand for a rigid shoe: its back, to the hinge, to the force; or its
-    lever.
+    """The lines (n, 2) [mm] that stand for a rigid shoe.
+
+    They are its back, the way to the hinge and the way to the force, or its lever.
     """
     angles = np.linspace(shoe.lining.start, shoe.lining.end, 80)
     back = _back(shoe, R) * np.column_stack([np.cos(angles), np.sin(angles)])
-    hinge, load = shoe.pin.xy * MM, _loaded_point(shoe, R)
+    middle = back[40]
+    hinge, load = shoe.pin.xy * MM_PER_M, _loaded_point(shoe, R)
     if shoe.pivot is not None:
-        pivot = shoe.pivot.xy * MM
-        return [back, np.array([back[40], pivot]), np.array([hinge, pivot, load])]
-    lever = load - hinge
-    along = (
-        float(np.clip((back[40] - hinge) @ lever / (lever @ lever), 0.0, 1.0))
-        if lever.any()
-        else 0.0
-    )
-    foot = hinge + along * lever
+        pivot = shoe.pivot.xy * MM_PER_M
+        return [back, np.array([middle, pivot]), np.array([hinge, pivot, load])]
+    # An external shoe may have a straight lever outside the drum.
     clear = np.linalg.norm(np.linspace(hinge, load, 50), axis=1)
-    if np.all(clear > R) and shoe.sign < 0:  # a straight lever outside the drum
-        return [back, np.array([hinge, load]), np.array([back[40], foot])]
-    near, far = (back, back[::-1])[
-        int(np.linalg.norm(back[0] - hinge) > np.linalg.norm(back[-1] - hinge))
-    ][[0, -1]]
+    if np.all(clear > R) and shoe.sign < 0:
+        foot = _nearest_on_lever(hinge, load, middle)
+        return [back, np.array([hinge, load]), np.array([middle, foot])]
+    # Otherwise the end of the back that is nearer to the hinge is joined to it.
+    near, far = back[0], back[-1]
+    if np.linalg.norm(back[0] - hinge) > np.linalg.norm(back[-1] - hinge):
+        near, far = far, near
     return [back, np.array([hinge, near]), np.array([far, load])]
 
 
-def _loaded_point(shoe: Shoe, R: float) -> Floats:
-    """Where the force is drawn (2,) [mm].
+def _nearest_on_lever(hinge: Floats, load: Floats, point: Floats) -> Floats:
+    """The place (2,) on the lever from hinge to load that is nearest to a point (2,), all in mm."""
+    lever = load - hinge
+    along = 0.0
+    if lever.any():
+        along = float(np.clip((point - hinge) @ lever / (lever @ lever), 0.0, 1.0))
+    return hinge + along * lever
 
-    At its point if that lies outside the drum beside an external shoe, else where its line of
-    action comes to the shoe's end: from outside onto its back, from inside nearest to it.
+
+def _loaded_point(shoe: Shoe, R: float) -> Floats:
+    """The point (2,) [mm] where the force on a shoe is drawn.
+
+    It is the force's own point if this lies outside the drum beside an external shoe. Otherwise it
+    is on the line of action at the shoe's end: for a rigid external shoe on its back, for other
+    shoes at the place nearest to the end.
     """
-    point = shoe.actuation.point.xy * MM
+    point = shoe.actuation.point.xy * MM_PER_M
     if shoe.sign < 0 and np.linalg.norm(point) > R:
         return point
+    # The end of the shoe, in the middle of its body, that is farther from the pin.
     half = 0.5 * shoe.body.depth if isinstance(shoe.body, Bar) else 0.0
-    depth = R - shoe.sign * (shoe.depth - half) * MM
+    radius = R - shoe.sign * (shoe.depth - half) * MM_PER_M
     arc = shoe.body if isinstance(shoe.body, Bar) else shoe.lining
-    ends = [depth * np.array([math.cos(angle), math.sin(angle)]) for angle in (arc.start, arc.end)]
-    far = max(ends, key=lambda end: float(np.linalg.norm(end - shoe.pin.xy * MM)))
-    along = np.array([math.cos(shoe.actuation.direction), math.sin(shoe.actuation.direction)])
+    ends = [radius * _unit_vector(angle) for angle in (arc.start, arc.end)]
+    far = max(ends, key=lambda end: float(np.linalg.norm(end - shoe.pin.xy * MM_PER_M)))
+    along = _unit_vector(shoe.actuation.direction)
     nearest = point + ((far - point) @ along) * along
+    # Half the chord that the line of action cuts from the circle of the back, squared.
     middle = point - (point @ along) * along
     reach = _back(shoe, R) ** 2 - middle @ middle
     if shoe.sign > 0 or shoe.body or reach < 0:
@@ -246,199 +302,243 @@ def _loaded_point(shoe: Shoe, R: float) -> Floats:
 
 
 def _tip(shoe: Shoe, R: float, unit: float) -> Floats:
-    """The tip (2,) [mm] of the force's arrow; of one that pulls an external shoe its tail is where
-    it acts.
+    """The tip (2,) [mm] of the force's arrow.
+
+    An arrow that pulls an external shoe has its tail where the force acts.
     """
-    load, tail = _loaded_point(shoe, R), _tail(shoe.actuation, unit)
-    middle = R * np.array([math.cos(shoe.lining.middle), math.sin(shoe.lining.middle)])
-    return load + tail if shoe.sign < 0 and (load - middle) @ tail > 0 else load
+    load, arrow = _loaded_point(shoe, R), _arrow_vector(shoe.actuation, unit)
+    middle = R * _unit_vector(shoe.lining.middle)
+    return load + arrow if shoe.sign < 0 and (load - middle) @ arrow > 0 else load
 
 
 def _places(shoe: Shoe, R: float, unit: float) -> Floats:
-    """Points (n, 2) [mm] that must be in the picture."""
-    load = _tip(shoe, R, unit)
-    hinge = shoe.pin.xy * MM
-    size = np.array([[-1.2, -1.6], [1.2, 1.6]]) * unit
-    return np.concatenate([_room(shoe.actuation, load, unit), hinge + size])
+    """Points (n, 2) [mm] of a shoe that must be in the picture."""
+    return np.concatenate([_room(shoe.actuation, _tip(shoe, R, unit), unit), _pin_box(shoe, unit)])
 
 
-# on a plane
+def _pin_box(shoe: Shoe, unit: float) -> Floats:
+    """Two corners (2, 2) [mm] of the box around the sign of a shoe's pin."""
+    return shoe.pin.xy * MM_PER_M + np.array([[-1.2, -1.6], [1.2, 1.6]]) * unit
+
+
+# Brakes on a plane.
 
 
 def _draw_flat(axes: Axes, brake: Brake) -> None:
-    pins = [x for shoe in brake.shoes for x in (shoe.pin.x, shoe.actuation.point.x)]
-    ends = [x for shoe in brake.shoes for x in (shoe.lining.start, shoe.lining.end)]
-    left, right = min(pins + ends) * MM, max(pins + ends) * MM
+    """Draw a brake on a plane."""
+    ends: list[float] = []
+    for shoe in brake.shoes:
+        ends += [shoe.pin.x, shoe.actuation.point.x, shoe.lining.start, shoe.lining.end]
+    left, right = min(ends) * MM_PER_M, max(ends) * MM_PER_M
     unit = (right - left) / 20
     left, right = left - 2 * unit, right + 2 * unit
-    axes.add_patch(
-        Rectangle((left, -2 * unit), right - left, 2 * unit, facecolor=DRUM, edgecolor="none")
-    )
-    axes.plot([left, right], [0, 0], color=INK, lw=1.6)
-    middle = 0.5 * (left + right)
-    half = 2.2 * unit * brake.spin
-    _arrow(
-        axes, np.array([middle - half, -unit]), np.array([middle + half, -unit]), MOTION, width=0.14
-    )
-    places = [np.array([[left, -2 * unit], [right, 0]])]
-    elastic = brake.unmeshable() is None
+    _plane(axes, (left, right), brake.spin, unit)
     struts = {link.source for link in brake.links}
-    _forces(axes, brake, {shoe.name: shoe.actuation.point.xy * MM for shoe in brake.shoes}, unit)
+    loads = {shoe.name: shoe.actuation.point.xy * MM_PER_M for shoe in brake.shoes}
+    _forces(axes, brake, loads, unit)
+    is_elastic = brake.unmeshable() is None
+    places = [np.array([[left, -2 * unit], [right, 0]])]
     for shoe in brake.shoes:
+        load = loads[shoe.name]
         _flat_shoe(axes, shoe, unit, on_strut=shoe.name in struts)
-        if elastic:
-            arms(axes, shoe, brake.size, shoe.actuation.point.xy * MM, unit)
-        load = shoe.actuation.point.xy * MM
-        pin = shoe.pin.xy * MM + np.array([[-1.2, -1.6], [1.2, 1.6]]) * unit
-        places.append(np.concatenate([_room(shoe.actuation, load, unit), pin]))
+        if is_elastic:
+            arms(axes, shoe, brake.size, load, unit)
+        places += [_room(shoe.actuation, load, unit), _pin_box(shoe, unit)]
     _frame(axes, np.concatenate(places), 2 * unit)
 
 
+def _plane(axes: Axes, ends: tuple[float, float], spin: int, unit: float) -> None:
+    """Draw the plane between two ends [mm], and the arrow of its motion."""
+    left, right = ends
+    depth = 2 * unit
+    ground = Rectangle((left, -depth), right - left, depth, facecolor=DRUM_COLOR, edgecolor="none")
+    axes.add_patch(ground)
+    axes.plot([left, right], [0, 0], color=INK, lw=1.6)
+    middle, half = 0.5 * (left + right), 2.2 * unit * spin
+    tail, tip = np.array([middle - half, -unit]), np.array([middle + half, -unit])
+    _arrow(axes, tail, tip, MOTION_COLOR, width=0.14)
+
+
 def _flat_shoe(axes: Axes, shoe: Shoe, unit: float, *, on_strut: bool) -> None:
-    start, end = shoe.lining.start * MM, shoe.lining.end * MM
+    """Draw a shoe on a plane with its layers, its name, what holds it, and its hinge's height."""
     if isinstance(shoe.body, Bar) and shoe.lining.thickness is not None:
-        layers = [(start, end, shoe.lining.thickness, LINING)]
-        if shoe.mesh is None:  # else only the mesh knows what is behind the lining
-            layers += [(start, end, shoe.backing.thickness, BLOCK)] if shoe.backing else []
-            body = shoe.body.start * MM, shoe.body.end * MM
-            layers += [(*body, plate.thickness, BODY) for plate in shoe.body.plates.values()]
-        top = 0.0
-        for left, right, thickness, color in layers:
-            box = Rectangle(
-                (left, top),
-                right - left,
-                thickness * MM,
-                facecolor=color,
-                edgecolor=INK,
-                lw=0.8,
-                zorder=3,
-            )
-            axes.add_patch(box)
-            top += thickness * MM
+        _flat_layers(axes, shoe, shoe.body)
     else:
         _flat_sign(axes, shoe, unit)
     held(axes, shoe, unit, on_strut=on_strut)
+    end = shoe.lining.end * MM_PER_M
     _label(axes, np.array([end + 1.2 * unit, 1.0 * unit]), shoe.name, ha="left")
     if shoe.hinge is not None and shoe.pivot is None:
-        x, h = shoe.hinge.xy * MM
-        axes.annotate(
-            "",
-            (x, 0),
-            (x, h),
-            arrowprops={"arrowstyle": "<->", "color": FAINT, "lw": 0.8},
-            zorder=4,
+        x, height = shoe.hinge.xy * MM_PER_M
+        arrow = {"arrowstyle": "<->", "color": FAINT, "lw": 0.8}
+        axes.annotate("", (x, 0), (x, height), arrowprops=arrow, zorder=4)
+        _label(axes, np.array([x - 1.6 * unit, 0.4 * height]), f"h = {height:.4g} mm")
+
+
+def _flat_layers(axes: Axes, shoe: Shoe, body: Bar) -> None:
+    """Draw the layers of a shoe on a plane: lining, block and plates of the body."""
+    lining = shoe.lining.start * MM_PER_M, shoe.lining.end * MM_PER_M
+    layers = [_Layer(0.0, shoe.lining.thickness * MM_PER_M, lining, LINING_COLOR)]
+    # Only a mesh of its own knows what is behind the lining.
+    if shoe.mesh is None:
+        top = layers[0].thickness
+        if shoe.backing:
+            layers.append(_Layer(top, shoe.backing.thickness * MM_PER_M, lining, BLOCK_COLOR))
+            top += layers[-1].thickness
+        ends = body.start * MM_PER_M, body.end * MM_PER_M
+        for plate in body.plates.values():
+            layers.append(_Layer(top, plate.thickness * MM_PER_M, ends, BODY_COLOR))
+            top += layers[-1].thickness
+    for layer in layers:
+        left, right = layer.arc
+        box = Rectangle(
+            (left, layer.depth),
+            right - left,
+            layer.thickness,
+            facecolor=layer.color,
+            edgecolor=INK,
+            lw=0.8,
+            zorder=3,
         )
-        _label(axes, np.array([x - 1.6 * unit, 0.4 * h]), f"h = {h:.4g} mm")
+        axes.add_patch(box)
 
 
 def _flat_sign(axes: Axes, shoe: Shoe, unit: float) -> None:
-    """A rigid shoe: its lining, and a block up to the lever."""
-    start, end, top = shoe.lining.start * MM, shoe.lining.end * MM, 0.8 * unit
-    pin, load = shoe.pin.xy * MM, shoe.actuation.point.xy * MM
-    axes.add_patch(
-        Rectangle((start, 0), end - start, top, facecolor=LINING, edgecolor=INK, lw=0.8, zorder=3)
+    """Draw a rigid shoe: its lining, and a block up to the lever."""
+    start, end = shoe.lining.start * MM_PER_M, shoe.lining.end * MM_PER_M
+    top = 0.8 * unit
+    pin, load = shoe.pin.xy * MM_PER_M, shoe.actuation.point.xy * MM_PER_M
+    lining = Rectangle(
+        (start, 0), end - start, top, facecolor=LINING_COLOR, edgecolor=INK, lw=0.8, zorder=3
     )
+    axes.add_patch(lining)
+    # The block reaches from the lining's ends to the places of the lever above them.
     lever = load - pin
-    share = np.clip((np.array([start, end]) - pin[0]) / lever[0], 0, 1) if lever[0] else np.zeros(2)
+    share = np.zeros(2)
+    if lever[0]:
+        share = np.clip((np.array([start, end]) - pin[0]) / lever[0], 0, 1)
     feet = pin + share[:, None] * lever
     block = [(start, top), *feet.tolist(), (end, top)]
-    axes.add_patch(
-        PathPatch(Outline(np.array([*block, block[0]])), facecolor=BODY, edgecolor="none", zorder=2)
-    )
-    axes.plot(*np.array([pin, load]).T, color=BODY, lw=7, solid_capstyle="round", zorder=2)
+    outline = Outline(np.array([*block, block[0]]))
+    axes.add_patch(PathPatch(outline, facecolor=BODY_COLOR, edgecolor="none", zorder=2))
+    line = np.array([pin, load])
+    axes.plot(*line.T, color=BODY_COLOR, lw=7, solid_capstyle="round", zorder=2)
 
 
-# signs
+# Forces and words.
 
 
-def _tail(actuation: Actuation, unit: float) -> Floats:
-    """From an arrow's tail to its tip (2,) [mm]."""
+def _arrow_vector(actuation: Actuation, unit: float) -> Floats:
+    """The vector (2,) [mm] from the tail of a force's arrow to its tip."""
     sense = -1.0 if actuation.force < 0 else 1.0
-    return (
-        4 * unit * sense * np.array([math.cos(actuation.direction), math.sin(actuation.direction)])
-    )
+    return 4 * unit * sense * _unit_vector(actuation.direction)
 
 
-def _beside(
-    actuation: Actuation, tip: Floats, unit: float, *, inside: bool = False
-) -> tuple[Floats, str]:
-    """Where the words of an arrow stand (2,) [mm]: above it, or to its right, inside a drum towards
-    the centre; and their alignment.
+class _ForceLabel(NamedTuple):
+    """Words beside an arrow: their place (2,) [mm], text, and matplotlib's alignment."""
+
+    place: Floats
+    text: str
+    alignment: str
+
+
+def _beside(actuation: Actuation, tip: Floats, unit: float, *, inside: bool = False) -> _ForceLabel:
+    """The size of a force, placed above its arrow or to the right of the arrow.
+
+    Parameters
+    ----------
+    actuation : the force
+    tip : of its arrow (2,) [mm]
+    unit : size of the signs [mm]
+    inside : whether the words stand on the side of the drum's centre
     """
-    along = _tail(actuation, unit)
+    along = _arrow_vector(actuation, unit)
     left = np.array([-along[1], along[0]]) / np.linalg.norm(along)
-    up = left if left[1] > 1e-9 or (abs(left[1]) <= 1e-9 and left[0] > 0) else -left
+    is_up = left[1] > 1e-9 or (abs(left[1]) <= 1e-9 and left[0] > 0)
+    up = left if is_up else -left
     if inside and up @ tip > 0:
         up = -up
-    return tip - 0.75 * along + 0.95 * unit * up, "left" if abs(up[1]) < 0.5 else "center"
+    place = tip - 0.75 * along + 0.95 * unit * up
+    alignment = "left" if abs(up[1]) < 0.5 else "center"
+    return _ForceLabel(place, _size(actuation.force), alignment)
 
 
 def _forces(axes: Axes, brake: Brake, tips: Mapping[str, Floats], unit: float) -> None:
-    """The forces on the shoes with their sizes, of a cam their sum; equal ones beside each other
-    have their size once.
+    """Draw the forces on the shoes with their sizes; the force of a strut is drawn with the strut.
 
-    That of a strut is drawn with it.
+    A cam has one label with the sum of its forces. Equal forces beside each other have one label.
+
+    Parameters
+    ----------
+    axes : of the drawing
+    brake : the brake
+    tips : of the arrows (2,) [mm], by the name of the shoe
+    unit : size of the signs [mm]
     """
     pushed = [shoe for shoe in brake.shoes if shoe.actuation.force]
     if brake.actuation is not None and brake.actuation.is_cam:
         middle = 0.5 * sum(tips[shoe.name] for shoe in pushed)
-        _label(
-            axes,
-            middle - np.array([0.0, 1.6 * unit]),
-            f"{_size(brake.actuation.total)} in all",
-            color=FORCE,
-        )
+        text = f"{_size(brake.actuation.total)} in all"
+        _label(axes, middle - np.array([0.0, 1.6 * unit]), text, color=FORCE_COLOR)
         return
     inside = not brake.surface.straight and brake.shoes[0].sign > 0
-    labels: list[tuple[Floats, str, str]] = []
+    labels: list[_ForceLabel] = []
     for shoe in pushed:
         tip = tips[shoe.name]
-        _arrow(axes, tip - _tail(shoe.actuation, unit), tip, FORCE, width=0.12)
-        place, alignment = _beside(shoe.actuation, tip, unit, inside=inside)
-        text = _size(shoe.actuation.force)
-        k = next(
-            (
-                k
-                for k, one in enumerate(labels)
-                if one[1] == text and math.dist(one[0], place) < 5 * unit
-            ),
-            None,
-        )
-        if k is None:
-            labels.append((place, text, alignment))
-        else:
-            labels[k] = 0.5 * (labels[k][0] + place), f"{text} each", alignment
-    for place, text, alignment in labels:
-        _label(axes, place, text, color=FORCE, ha=alignment)
+        tail = tip - _arrow_vector(shoe.actuation, unit)
+        _arrow(axes, tail, tip, FORCE_COLOR, width=0.12)
+        _add_label(labels, _beside(shoe.actuation, tip, unit, inside=inside), 5 * unit)
+    for label in labels:
+        _label(axes, label.place, label.text, color=FORCE_COLOR, ha=label.alignment)
+
+
+def _add_label(labels: list[_ForceLabel], new: _ForceLabel, reach: float) -> None:
+    """Add a label, or merge it with an equal label that is nearer than `reach` [mm]."""
+    for k, label in enumerate(labels):
+        if label.text == new.text and math.dist(label.place, new.place) < reach:
+            place = 0.5 * (label.place + new.place)
+            labels[k] = _ForceLabel(place, f"{new.text} each", new.alignment)
+            return
+    labels.append(new)
 
 
 def _size(force: float) -> str:
+    """The size of a force in N or kN."""
     return f"{abs(force) / 1e3:.4g} kN" if abs(force) >= 1e3 else f"{abs(force):.4g} N"
 
 
 def _room(actuation: Actuation, tip: Floats, unit: float) -> Floats:
     """Points (3, 2) [mm] that an arrow and its words need in the picture."""
-    place, alignment = _beside(actuation, tip, unit)
-    words = np.array([3 * unit if alignment == "left" else 0.0, 0.0])
-    return np.array([tip, tip - _tail(actuation, unit), place + words])
+    label = _beside(actuation, tip, unit)
+    words = np.array([3 * unit if label.alignment == "left" else 0.0, 0.0])
+    return np.array([tip, tip - _arrow_vector(actuation, unit), label.place + words])
 
 
 def _arrow(axes: Axes, tail: Floats, tip: Floats, color: str, width: float) -> None:
-    axes.add_patch(
-        FancyArrowPatch(
-            tuple(tail), tuple(tip), arrowstyle="-|>,head_length=0.45,head_width=0.22", mutation_scale=22,
-            color=color, lw=20 * width, shrinkA=0, shrinkB=0, zorder=6,
-        )
-    )  # fmt: skip
+    """Draw an arrow from tail to tip (2,) [mm]; `width` is relative to 20 points."""
+    arrow = FancyArrowPatch(
+        tuple(tail),
+        tuple(tip),
+        arrowstyle="-|>,head_length=0.45,head_width=0.22",
+        mutation_scale=22,
+        color=color,
+        lw=20 * width,
+        shrinkA=0,
+        shrinkB=0,
+        zorder=6,
+    )
+    axes.add_patch(arrow)
 
 
 def _label(axes: Axes, place: Floats, text: str, color: str = INK, **style: Any) -> None:
+    """Write a text at a place (2,) [mm], on a pale box; `style` is matplotlib's."""
     style = {"ha": "center", "va": "center"} | style
     box = {"boxstyle": "round,pad=0.15", "facecolor": "white", "edgecolor": "none", "alpha": 0.75}
     axes.text(place[0], place[1], text, color=color, fontsize=8.5, bbox=box, zorder=7, **style)
 
 
 def _frame(axes: Axes, points: Floats, margin: float) -> None:
+    """Set the limits of the axes so that all points (n, 2) [mm] have a margin [mm]."""
     low, high = points.min(axis=0) - margin, points.max(axis=0) + margin
     axes.set_xlim(low[0], high[0])
     axes.set_ylim(low[1], high[1])

@@ -1,12 +1,13 @@
-"""Figures by matplotlib: pressures over the lining, convergence. Each function returns a figure to
-save.
+"""Figures by matplotlib: pressures over the lining, and convergence.
+
+Each function returns a figure, which `save` writes.
 """
 
 import math
 import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import matplotlib as mpl
 import numpy as np
@@ -33,7 +34,9 @@ STYLE = {
     "svg.hashsalt": "drumlin",
     "svg.fonttype": "path",
 }
-NAMES = {
+"""Matplotlib's settings for all figures. The salt makes equal figures equal files."""
+
+MODEL_TITLES = {
     "fem": "finite elements",
     "sine": "sine law",
     "cosine": "cosine law",
@@ -47,83 +50,111 @@ NAMES = {
     "foundation": "elastic foundation",
     "lifted": "foundation, all lifted",
 }
+"""The name of a model in figures, by its name in files."""
+
+BOX_HALF_WIDTH = 0.11
+"""Half the width that a curve's name takes, relative to the width of the axes."""
+
+BOX_HALF_HEIGHT = 0.05
+"""Half the height that a curve's name takes, relative to the height of the axes."""
+
+Panel = tuple[str, Mapping[str, ShoeResponse]]
+"""A title, and the responses of a shoe by model."""
 
 
 def save(figure: Figure, path: Path) -> Path:
-    """Write a figure whole or not at all, the same bits for the same figure; the ending says the
-    format.
+    """Write a figure whole or not at all; returns `path`, whose ending gives the format.
 
-    Returns `path`. A letter that the font lacks is drawn as a box.
+    Equal figures become equal files. A letter that the font lacks is drawn as a box.
     """
+    metadata = {"Date": None} if path.suffix == ".svg" else None
     with mpl.rc_context(STYLE), replacing(path) as partial, warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Glyph .* missing from")
-        figure.savefig(partial, dpi=160, metadata={"Date": None} if path.suffix == ".svg" else None)
+        figure.savefig(partial, dpi=160, metadata=metadata)
     return path
 
 
 def name_of(model: str) -> str:
     """A model's name for people."""
-    return NAMES.get(model, model)
+    return MODEL_TITLES.get(model, model)
 
 
 def key(figure: Figure, axes: Axes, **more: Any) -> None:
-    """The key of some axes below the whole figure, where it covers no data; of what has a label
-    twice, once.
+    """Draw the key of some axes below the whole figure, where it covers no data.
+
+    A label that several curves have appears once. `more` are options of matplotlib's legend.
     """
     handles, labels = axes.get_legend_handles_labels()
-    once = dict(zip(labels, handles, strict=True))
-    columns = min(len(once), max(2, int(figure.get_figwidth() / 2.2)))
-    figure.legend(
-        once.values(),
-        once.keys(),
-        **{"loc": "outside lower center", "ncols": columns, "fontsize": 9} | more,
-    )
-
-
-BOX = 0.11, 0.05  # half the width and height of a curve's name, of the axes
+    handle_of = dict(zip(labels, handles, strict=True))
+    columns = min(len(handle_of), max(2, int(figure.get_figwidth() / 2.2)))
+    options = {"loc": "outside lower center", "ncols": columns, "fontsize": 9} | more
+    figure.legend(handle_of.values(), handle_of.keys(), **options)
 
 
 def name_curve(
     axes: Axes, x: Floats, curves: Sequence[Floats], which: int, words: str, color: str
 ) -> None:
-    """Write a name beside curve `which` of some over x (n,), in its colour, where it lies on none;
-    else nowhere.
+    """Write a name beside one of several curves, where the name lies on no curve; else nowhere.
+
+    Parameters
+    ----------
+    axes : with the curves in them
+    x : (n,), common to all curves
+    curves : values (n,) of each
+    which : the curve to be named
+    words : its name
+    color : of the name
     """
     low, high = axes.get_ylim()
-    seen = np.clip((np.array(curves) - low) / (high - low), 0, 1)
-    n = len(x)
-    half = int(BOX[0] * n)
-    best = 0.0, 0, 0.0
+    # Heights of the curves relative to the axes.
+    heights = np.clip((np.array(curves) - low) / (high - low), 0, 1)
+    place = _free_place(heights, which)
+    if place is None:
+        return
+    y = low + place.height * (high - low)
+    axes.text(float(x[place.point]), y, words, color=color, fontsize=9, ha="center", va="center")
+
+
+class _FreePlace(NamedTuple):
+    """A place for a curve's name: its point of the curve, and its height relative to the axes."""
+
+    point: int
+    height: float
+
+
+def _free_place(heights: Floats, which: int) -> _FreePlace | None:
+    """The place above or below a curve that is farthest from all other curves, if there is any.
+
+    `heights` (curves, n) are relative to the axes.
+    """
+    n = heights.shape[1]
+    half = int(BOX_HALF_WIDTH * n)
+    best, farthest = None, 0.0
     for i in range(half, n - half):
         for side in (1, -1):
-            y = seen[which, i] + side * 1.5 * BOX[1]
-            free = np.abs(seen[:, i - half : i + half + 1] - y).min(axis=1) - BOX[1]
+            y = heights[which, i] + side * 1.5 * BOX_HALF_HEIGHT
+            # Distance of each curve from the box of the name.
+            around = heights[:, i - half : i + half + 1]
+            free = np.abs(around - y).min(axis=1) - BOX_HALF_HEIGHT
             others = np.delete(free, which).min(initial=1.0)
-            if free[which] > 0 and others > best[0] and BOX[1] < y < 1 - BOX[1]:
-                best = float(others), i, y
-    if best[0]:
-        axes.text(
-            float(x[best[1]]),
-            low + best[2] * (high - low),
-            words,
-            color=color,
-            fontsize=9,
-            ha="center",
-            va="center",
-        )
+            is_inside = BOX_HALF_HEIGHT < y < 1 - BOX_HALF_HEIGHT
+            if free[which] > 0 and others > farthest and is_inside:
+                best, farthest = _FreePlace(i, y), float(others)
+    return best
 
 
 def mark_cut(axes: Axes, x: Floats, y: Floats, color: Any) -> None:
-    """Mark where a curve leaves the axes at their top, as at a sharp edge, where the pressure has
-    no bound.
+    """Mark where a curve (n,) over x (n,) leaves the axes at their top.
+
+    A pressure does so at a sharp edge, where it has no bound.
     """
     top = axes.get_ylim()[1]
-    beyond = y > top
-    starts = np.flatnonzero(np.diff(np.concatenate([[0], beyond.astype(int), [0]])))
-    for a, b in starts.reshape(-1, 2):
-        at = a + int(np.argmax(y[a:b]))
+    is_beyond = (y > top).astype(int)
+    changes = np.flatnonzero(np.diff(np.concatenate([[0], is_beyond, [0]])))
+    for start, end in changes.reshape(-1, 2):
+        highest = start + int(np.argmax(y[start:end]))
         axes.plot(
-            [x[at]],
+            [x[highest]],
             [top],
             "^",
             color=color,
@@ -135,96 +166,114 @@ def mark_cut(axes: Axes, x: Floats, y: Floats, color: Any) -> None:
 
 
 def smooth(shoe: ShoeResponse, points: int = 300) -> tuple[Floats, Floats]:
-    """Angles [rad] and pressure [Pa] of a response for drawing: evenly spread, and its own nodes
-    near the ends.
+    """Angles [rad] and pressure [Pa] of a response as a smooth line.
+
+    The angles are evenly spread, with the nodes of the response near the ends.
     """
     even = np.linspace(shoe.theta[0], shoe.theta[-1], points)
-    near = np.minimum(shoe.theta - shoe.theta[0], shoe.theta[-1] - shoe.theta) < 3 * (
-        even[1] - even[0]
-    )
+    spacing = even[1] - even[0]
+    from_end = np.minimum(shoe.theta - shoe.theta[0], shoe.theta[-1] - shoe.theta)
+    near = from_end < 3 * spacing
     theta = np.unique(np.concatenate([shoe.theta[near], even]))
     return theta, np.maximum(shoe.pressure_at(theta), 0.0)
 
 
 def pressures(
-    panels: Sequence[tuple[str, Mapping[str, ShoeResponse]]],
-    columns: int = 2,
-    *,
-    surface: FrictionSurface = DRUM,
+    panels: Sequence[Panel], columns: int = 2, *, surface: FrictionSurface = DRUM
 ) -> Figure:
-    """Pressure over the place on a surface: a panel (title, {model: response}) each.
+    """Draw the pressure over the place on a surface, in a panel for each shoe.
 
-    One pressure scale for all.
+    All panels have one scale of pressure. A singular edge is cut off above the largest pressure
+    away from the edges, and marked. Two curves have their names beside them, more curves have a
+    key below.
 
-    A singular edge is cut off above the largest pressure away from the edges, and marked. Two
-    curves have their names beside them, more a key below.
+    Parameters
+    ----------
+    panels : a title and the responses by model
+    columns : of panels
+    surface : drum or plane
     """
     with mpl.rc_context(STYLE):
         columns = min(columns, len(panels))
-        rows, few = (
-            math.ceil(len(panels) / columns),
-            max(len(responses) for _, responses in panels) <= 2,
-        )
+        rows = math.ceil(len(panels) / columns)
         figure = Figure(figsize=(5.2 * columns, 3.1 * rows), layout="constrained")
         grid = figure.subplots(rows, columns, squeeze=False, sharey=True)
-        unit = surface.shown
-        highest = max(shoe.peak_pressure for _, responses in panels for shoe in responses.values())
-        for axes, (title, responses) in zip(grid.flat, panels, strict=False):
-            axes.set_title(title)
-            axes.set_xlabel(surface.figure_axis)
-            axes.set_ylim(0, 1.12 * highest * 1e-6 if highest > 0 else 1)
-            drawn = {model: smooth(shoe) for model, shoe in responses.items()}
-            for model, (theta, p) in drawn.items():
-                axes.plot(theta * unit, p * 1e-6, **look_of(model), lw=1.8, label=name_of(model))
-                mark_cut(axes, theta * unit, p * 1e-6, color_of(model))
-                if model == "fem":
-                    axes.fill_between(
-                        theta * unit, p * 1e-6, color=color_of(model), alpha=0.12, lw=0
-                    )
-            axes.set_xlim(theta[0] * unit - 3, theta[-1] * unit + 3)
+        few = max(len(responses) for _, responses in panels) <= 2
+        top = _top(panels)
+        for axes, panel in zip(grid.flat, panels, strict=False):
+            axes.set_ylim(0, top)
+            _draw_panel(axes, panel, surface, named=few)
             axes.tick_params(labelleft=axes in grid[:, 0])
-            if few:
-                even = np.linspace(theta[0], theta[-1], 200)
-                lines = [np.interp(even, *curve) * 1e-6 for curve in drawn.values()]
-                for i, model in enumerate(drawn):
-                    name_curve(axes, even * unit, lines, i, name_of(model), color_of(model))
         for axes in grid[:, 0]:
             axes.set_ylabel("pressure p [MPa]")
-        for k in range(columns):
-            below = list(grid.flat)[k : len(panels) : columns]
-            if (
-                len({axes.get_xlim() for axes in below}) == 1
-            ):  # then the lowest one says the angle for all
-                for axes in below[:-1]:
-                    axes.set_xlabel("")
-                    axes.tick_params(labelbottom=False)
+        used = list(grid.flat)[: len(panels)]
+        for column in range(columns):
+            _label_lowest(used[column::columns])
         for axes in grid.flat[len(panels) :]:
             axes.set_visible(False)
-        key(
-            figure,
-            max(
-                grid.flat[: len(panels)],
-                key=lambda axes: len(set(axes.get_legend_handles_labels()[1])),
-            ),
-        )
+        # The panel with the most labels has the key for all.
+        key(figure, max(used, key=lambda axes: len(set(axes.get_legend_handles_labels()[1]))))
     return figure
 
 
+def _top(panels: Sequence[Panel]) -> float:
+    """The top of the scale of pressure [MPa]: 12 % above the largest peak."""
+    peaks: list[float] = []
+    for _, responses in panels:
+        peaks += [shoe.peak_pressure for shoe in responses.values()]
+    highest = max(peaks)
+    return 1.12 * highest * 1e-6 if highest > 0 else 1
+
+
+def _draw_panel(axes: Axes, panel: Panel, surface: FrictionSurface, *, named: bool) -> None:
+    """Draw the pressures of one panel; `named`: with the names beside the curves."""
+    title, responses = panel
+    unit = surface.shown
+    axes.set_title(title)
+    axes.set_xlabel(surface.figure_axis)
+    curves = {model: smooth(shoe) for model, shoe in responses.items()}
+    for model, (theta, p) in curves.items():
+        x, y = theta * unit, p * 1e-6
+        axes.plot(x, y, **look_of(model), lw=1.8, label=name_of(model))
+        mark_cut(axes, x, y, color_of(model))
+        if model == "fem":
+            axes.fill_between(x, y, color=color_of(model), alpha=0.12, lw=0)
+    axes.set_xlim(theta[0] * unit - 3, theta[-1] * unit + 3)
+    if not named:
+        return
+    even = np.linspace(theta[0], theta[-1], 200)
+    lines = [np.interp(even, *curve) * 1e-6 for curve in curves.values()]
+    for i, model in enumerate(curves):
+        name_curve(axes, even * unit, lines, i, name_of(model), color_of(model))
+
+
+def _label_lowest(column: Sequence[Axes]) -> None:
+    """Leave the labels of the angle to the lowest panel, where all of a column show one range."""
+    if len({axes.get_xlim() for axes in column}) != 1:
+        return
+    for axes in column[:-1]:
+        axes.set_xlabel("")
+        axes.tick_params(labelbottom=False)
+
+
 def convergence(series: Mapping[str, Sequence[tuple[int, float]]], ylabel: str) -> Figure:
-    """Errors (as fractions) over the number of elements along the lining, log-log, a line for each
-    name.
+    """Draw errors over the number of elements along the lining, both on logarithmic scales.
+
+    `series` holds the numbers and the errors, as fractions, by the name of each line.
     """
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(6.2, 3.8), layout="constrained")
         axes = figure.subplots()
-        for (name, values), marker, color in zip(
-            series.items(), "osD^v<>", CATEGORIES, strict=False
-        ):
+        looks = zip("osD^v<>", CATEGORIES, strict=False)
+        elements: set[int] = set()
+        for (name, values), (marker, color) in zip(series.items(), looks, strict=False):
             n, e = zip(*values, strict=True)
             axes.loglog(n, np.array(e) * 100, marker=marker, color=color, ms=5, lw=1.4, label=name)
+        for values in series.values():
+            elements |= {n for n, _ in values}
         axes.set_xlabel("elements along the lining")
         axes.set_ylabel(f"{ylabel} [%]")
-        axes.set_xticks(sorted({n for values in series.values() for n, _ in values}))
+        axes.set_xticks(sorted(elements))
         axes.xaxis.set_major_formatter("{x:.0f}")
         axes.minorticks_off()
         key(figure, axes, ncols=1)

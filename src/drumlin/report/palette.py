@@ -1,16 +1,27 @@
-"""The colours of all figures: nine that deuteranopes and protanopes tell apart, too, and line
-styles as second code.
+"""The colours of all figures.
+
+Deuteranopes and protanopes tell the nine colours of curves apart, too. Line styles tell the models
+apart a second time.
 """
 
 from typing import Any
 
 BLUE, RED, GREEN, OCHRE, PURPLE = "#0072b2", "#d55e00", "#00c663", "#feaa00", "#7d1fce"
 SKY, GREY, BROWN, INK = "#77bbe2", "#828890", "#473815", "#1d2733"
-CATEGORIES = (BLUE, RED, GREEN, OCHRE, PURPLE, SKY, GREY, BROWN, INK)
-FAINT, PALE = "#5b6875", "#e9d8c3"  # of axes and notes, of shaded ground: no categories
-GRADES = ("#2166ac", "#92c5de", "#f7e3b0", "#d6604d")  # from good to bad
 
-LOOKS: dict[str, tuple[str, Any]] = {  # of a model: colour, line style
+CATEGORIES = (BLUE, RED, GREEN, OCHRE, PURPLE, SKY, GREY, BROWN, INK)
+"""The colours of curves, in the order in which a figure takes them."""
+
+FAINT = "#5b6875"
+"""The colour of axes and notes; not of curves."""
+
+SHADE = "#e9d8c3"
+"""The colour of shaded ground; not of curves."""
+
+GRADES = ("#2166ac", "#92c5de", "#f7e3b0", "#d6604d")
+"""Colours from good to bad."""
+
+LOOKS: dict[str, tuple[str, Any]] = {
     "fem": (BLUE, "-"),
     "sine": (RED, "--"),
     "cosine": (PURPLE, "-."),
@@ -25,6 +36,7 @@ LOOKS: dict[str, tuple[str, Any]] = {  # of a model: colour, line style
     "foundation": (GREEN, (0, (6, 2))),
     "lifted": (OCHRE, ":"),
 }
+"""Colour and line style of each model."""
 
 
 def color_of(model: str) -> str:

@@ -1,9 +1,11 @@
-"""Signs for how shoes are held and pushed: pin, lever's pivot, abutment, guide, grip, strut, cam,
-rigid arm.
+"""Signs for how shoes are held and pushed.
+
+They are pin, lever's pivot, abutment, guide, grip, strut, cam and rigid arm.
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -13,112 +15,158 @@ from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Bar
 from drumlin.brake.fields import Point
-from drumlin.report.palette import BLUE, RED
+from drumlin.report.palette import BLUE, FAINT, INK, RED
 
-MM = 1e3
-INK, FAINT, DRUM, BODY, BLOCK, LINING, FORCE, MOTION = (
-    "#1d2733", "#5b6875", "#e6ebf0", "#aab6c2", "#e3cfa4", "#c89b6a", RED, BLUE,
-)  # fmt: skip
+MM_PER_M = 1e3
+"""Millimetres in a metre: drawings have their axes in mm."""
+
+DRUM_COLOR = "#e6ebf0"
+BODY_COLOR = "#aab6c2"
+BLOCK_COLOR = "#e3cfa4"
+LINING_COLOR = "#c89b6a"
+FORCE_COLOR = RED
+MOTION_COLOR = BLUE
 
 
 def held(axes: Axes, shoe: Shoe, unit: float, *, on_strut: bool = False) -> None:
-    """What holds a shoe; on_strut: its abutment is a strut's end."""
+    """Draw what holds a shoe.
+
+    Parameters
+    ----------
+    axes : of the drawing
+    shoe : the shoe
+    unit : size of the signs [mm]
+    on_strut : whether its abutment is the end of a strut
+    """
     if shoe.hinge is not None:
         pin(axes, shoe.hinge, unit, fixed=True)
     if shoe.pivot is not None:
-        if shoe.hinge is not None:  # the lever
-            lever = [shoe.hinge.xy, shoe.pivot.xy, shoe.actuation.point.xy]
-            axes.plot(*np.array(lever).T * MM, color=FAINT, lw=3, alpha=0.5, zorder=2)
+        if shoe.hinge is not None:
+            lever = np.array([shoe.hinge.xy, shoe.pivot.xy, shoe.actuation.point.xy])
+            axes.plot(*lever.T * MM_PER_M, color=FAINT, lw=3, alpha=0.5, zorder=2)
         pin(axes, shoe.pivot, unit, fixed=False)
     if shoe.abutment is not None:
-        face(axes, shoe.abutment.point.xy * MM, shoe.abutment.direction, unit, ground=not on_strut)
+        point = shoe.abutment.point.xy * MM_PER_M
+        face(axes, point, shoe.abutment.direction, unit, ground=not on_strut)
     if shoe.guide is not None:
-        for side in (-1.0, 1.0):
-            along = np.array([math.cos(shoe.guide.direction), math.sin(shoe.guide.direction)])
-            across = side * 0.6 * unit * np.array([-along[1], along[0]])
-            ends = shoe.pin.xy * MM + across + np.outer([-1.2 * unit, 1.2 * unit], along)
-            axes.plot(*ends.T, color=INK, lw=2.5, zorder=5)
+        _guide(axes, shoe.pin.xy * MM_PER_M, shoe.guide.direction, unit)
+
+
+def _guide(axes: Axes, at: Floats, direction: float, unit: float) -> None:
+    """Draw a guide: two lines along its direction [rad], beside a point (2,) [mm]."""
+    along = np.array([math.cos(direction), math.sin(direction)])
+    for side in (-1.0, 1.0):
+        across = side * 0.6 * unit * np.array([-along[1], along[0]])
+        ends = at + across + np.outer([-1.2 * unit, 1.2 * unit], along)
+        axes.plot(*ends.T, color=INK, lw=2.5, zorder=5)
 
 
 def face(axes: Axes, at: Floats, direction: float, unit: float, *, ground: bool) -> None:
-    """The face of an abutment at a point [mm], its normal in the direction [rad]: a line, hatched
-    behind on ground.
+    """Draw the face of an abutment as a line.
+
+    Parameters
+    ----------
+    axes : of the drawing
+    at : point of the face (2,) [mm]
+    direction : of its normal [rad]
+    unit : size of the signs [mm]
+    ground : whether the face is fixed, which hatching behind the line shows
     """
-    n = np.array([math.cos(direction), math.sin(direction)])
-    t = np.array([-n[1], n[0]])
-    axes.plot(*(at + np.outer([-unit, unit], t)).T, color=INK, lw=2.5, zorder=5)
+    normal = np.array([math.cos(direction), math.sin(direction)])
+    tangent = np.array([-normal[1], normal[0]])
+    line = at + np.outer([-unit, unit], tangent)
+    axes.plot(*line.T, color=INK, lw=2.5, zorder=5)
     for place in np.linspace(-0.9, 0.9, 6 if ground else 0):
-        foot = at + place * unit * t
-        axes.plot(*np.array([foot, foot - 0.45 * unit * (n + t)]).T, color=FAINT, lw=0.8, zorder=4)
+        foot = at + place * unit * tangent
+        hatch = np.array([foot, foot - 0.45 * unit * (normal + tangent)])
+        axes.plot(*hatch.T, color=FAINT, lw=0.8, zorder=4)
+
+
+class _Arm(NamedTuple):
+    """A rigid arm from a point in the shoe's own coordinates (2,) [m] to a point (2,) [mm]."""
+
+    middle: Floats
+    end: Floats
 
 
 def arms(axes: Axes, shoe: Shoe, radius: float, force: Floats, unit: float) -> None:
-    """Rigid arms, dashed, where what holds or pushes an elastic shoe stands off its body, and what
-    a pivot or guide grips of its back, as a line; radius [m], the size of the brake; the force's
-    point (2,) [mm].
+    """Draw the rigid arms of an elastic shoe, dashed, and the stretch of its back that is gripped.
+
+    A rigid arm joins the body to a hinge, pivot or force that stands off the body.
+
+    Parameters
+    ----------
+    axes : of the drawing
+    shoe : the shoe
+    radius : size of the brake [m]
+    force : point of the force (2,) [mm]
+    unit : size of the signs [mm]
     """
     if not isinstance(shoe.body, Bar) or shoe.mesh is not None:
         return
     grip = shoe.grip(radius)
+    depth = np.array(shoe.depth)
+    pin_at = shoe.pin.xy * MM_PER_M
+    drawn: Sequence[_Arm]
     if grip is None:
-        faces = [shoe.end_face(radius), shoe.end_face(radius, loaded=True)]
-        ends = zip(faces, (shoe.pin.xy * MM, force), strict=True)
+        held_face = shoe.end_face(radius)
+        loaded_face = shoe.end_face(radius, loaded=True)
+        drawn = [_Arm(held_face, pin_at), _Arm(loaded_face, force)]
     else:
-        back = shoe.points(shoe.at(np.array(shoe.depth), np.linspace(*grip, 20), radius)) * MM
+        back = shoe.points(shoe.at(depth, np.linspace(*grip, 20), radius)) * MM_PER_M
         axes.plot(*back, color=INK, lw=3, solid_capstyle="butt", zorder=4)
-        held_at = [shoe.pin.xy * MM, force] if shoe.pivot is None else [shoe.pivot.xy * MM]
-        ends = zip(
-            [shoe.at(np.array(shoe.depth), np.array(0.5 * sum(grip)), radius)] * 2,
-            held_at,
-            strict=False,
-        )
-    for middle, to in ends:
-        line = np.array([shoe.points(middle[:, None])[:, 0] * MM, to])
+        middle = shoe.at(depth, np.array(0.5 * sum(grip)), radius)
+        drawn = [_Arm(middle, pin_at), _Arm(middle, force)]
+        if shoe.pivot is not None:
+            drawn = [_Arm(middle, shoe.pivot.xy * MM_PER_M)]
+    for arm in drawn:
+        start = shoe.points(arm.middle[:, None])[:, 0] * MM_PER_M
+        line = np.array([start, arm.end])
         if float(np.linalg.norm(line[1] - line[0])) > 0.2 * unit:
             axes.plot(*line.T, color=INK, lw=1.6, ls="--", zorder=4)
 
 
 def between(axes: Axes, brake: Brake, loaded: Mapping[str, Floats], unit: float) -> None:
-    """What shoes share: a strut from one to the other, a cam between their tips; `loaded`: where
-    each is pushed.
+    """Draw what shoes share: struts from one shoe to another, a cam between their tips.
+
+    Parameters
+    ----------
+    axes : of the drawing
+    brake : the brake
+    loaded : point (2,) [mm] where each shoe is pushed, by its name
+    unit : size of the signs [mm]
     """
     shoes = {shoe.name: shoe for shoe in brake.shoes}
     for link in brake.links:
         source = shoes[link.source]
         assert source.abutment is not None
-        ends = np.array([source.abutment.point.xy * MM, loaded[link.to]])
+        ends = np.array([source.abutment.point.xy * MM_PER_M, loaded[link.to]])
         axes.plot(*ends.T, color=INK, lw=5, solid_capstyle="butt", zorder=4)
     if brake.actuation is not None and brake.actuation.is_cam:
         tips = [loaded[shoe.name] for shoe in brake.shoes if shoe.actuation.force]
-        middle, size = 0.5 * (tips[0] + tips[1]), brake.actuation.radius or 0.0
         axes.plot(*np.array(tips).T, color=INK, lw=5, solid_capstyle="butt", zorder=4)
-        axes.add_patch(
-            Circle(
-                tuple(middle), max(size * MM, 0.5 * unit), facecolor=BODY, edgecolor=INK, zorder=5
-            )
-        )
+        middle = tuple(0.5 * (tips[0] + tips[1]))
+        radius = max((brake.actuation.radius or 0.0) * MM_PER_M, 0.5 * unit)
+        axes.add_patch(Circle(middle, radius, facecolor=BODY_COLOR, edgecolor=INK, zorder=5))
 
 
 def pin(axes: Axes, point: Point, unit: float, *, fixed: bool) -> None:
-    """A pin: on hatched ground, or on the lever."""
-    x, y = point.xy * MM
+    """Draw a pin: on hatched ground if it is fixed, or on a lever."""
+    x, y = point.xy * MM_PER_M
     if fixed:
-        foot = np.array(
-            [[x, y], [x - 0.7 * unit, y - 1.1 * unit], [x + 0.7 * unit, y - 1.1 * unit], [x, y]]
-        )
+        left, right, base = x - 0.7 * unit, x + 0.7 * unit, y - 1.1 * unit
+        foot = np.array([[x, y], [left, base], [right, base], [x, y]])
         axes.fill(*foot.T, facecolor="white", edgecolor=INK, lw=1, zorder=4)
-        ground = (x - unit, y - 1.45 * unit)
-        axes.add_patch(
-            Rectangle(
-                ground,
-                2 * unit,
-                0.35 * unit,
-                facecolor="none",
-                edgecolor=FAINT,
-                hatch="////",
-                lw=0,
-                zorder=4,
-            )
+        ground = Rectangle(
+            (x - unit, y - 1.45 * unit),
+            2 * unit,
+            0.35 * unit,
+            facecolor="none",
+            edgecolor=FAINT,
+            hatch="////",
+            lw=0,
+            zorder=4,
         )
-        axes.plot([x - unit, x + unit], [y - 1.1 * unit] * 2, color=INK, lw=1, zorder=4)
+        axes.add_patch(ground)
+        axes.plot([x - unit, x + unit], [base] * 2, color=INK, lw=1, zorder=4)
     axes.add_patch(Circle((x, y), 0.32 * unit, facecolor="white", edgecolor=INK, lw=1.4, zorder=5))

@@ -1,53 +1,66 @@
-"""A picture of solid shoes, rendered off-screen by pyvista in a process of its own: see render.py."""
+"""A picture of solid shoes, which pyvista renders off-screen in a process of its own.
+
+`render` says why the process is needed.
+"""
 
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from drumlin.base.errors import ended
-from drumlin.report.render import picture_by
+from drumlin.report.render import STRESS_TITLE, picture_by
 
-SCALAR = "von Mises stress [MPa]"
-MOST = 0.05  # of the drum's radius, which the largest displacement is drawn as
+LARGEST_DISPLACEMENT = 0.05
+"""Length of the largest displacement in the picture, relative to the drum's radius. Longer ones
+hide the shape of the shoes, shorter ones the deformation."""
 
 
 def render(fields: Path, picture: Path, title: str) -> str | None:
-    """Draw the .vtu file of solid shoes into a .png; returns None, or one line that says why there
-    is no picture.
-    """
+    """Draw the .vtu file of solid shoes into a .png; returns None, or why there is no picture."""
     return picture_by(__name__, fields, picture, title)
 
 
 def draw(fields: Path, picture: Path, title: str) -> None:
-    """Render in this process: von Mises stress on the deformed solids, both halves of each, the
-    section in front.
+    """Render in this process: von Mises stress on the deformed solids.
+
+    The file holds the half of each shoe on one side of its middle plane. The picture shows both
+    halves.
     """
     import pyvista as pv  # noqa: PLC0415  (only in the process that draws)
 
     grid = pv.read(fields)
-    grid.point_data[SCALAR] = np.asarray(grid.point_data["von Mises [Pa]"]) * 1e-6
-    u = np.asarray(grid.point_data["displacement [m]"])
-    radius = float(np.linalg.norm(np.asarray(grid.points)[:, :2], axis=1).max())
-    size = MOST * radius / (float(np.linalg.norm(u, axis=1).max()) or 1.0)
-    power = 10.0 ** np.floor(np.log10(size))
-    factor = max(step * power for step in (1, 2, 5) if step * power <= size)
+    grid.point_data[STRESS_TITLE] = np.asarray(grid.point_data["von Mises [Pa]"]) * 1e-6
+    factor = _displacement_factor(grid)
     halves = []
     for side in (1.0, -1.0):
         half = grid.copy()
+        u = np.asarray(grid.point_data["displacement [m]"])
         half.points = (np.asarray(grid.points) + factor * u) * np.array([1.0, 1.0, side])
         halves.append(half.extract_surface(algorithm="dataset_surface", nonlinear_subdivision=2))
-    top = float(np.percentile(grid.point_data[SCALAR], 98.0))  # loaded ends are cut off
+    # The stresses at loaded ends are far above all others: the colours cut them off.
+    top = float(np.percentile(grid.point_data[STRESS_TITLE], 98.0))
     plotter = pv.Plotter(off_screen=True, window_size=(1600, 1250))
     plotter.set_background("white")
-    bar = {"title": SCALAR + "\n", "color": "black", "vertical": True, "position_x": 0.88, "position_y": 0.2,
-           "height": 0.55, "width": 0.05, "label_font_size": 22, "title_font_size": 20, "fmt": "%.3g"}  # fmt: skip
+    bar = {
+        "title": STRESS_TITLE + "\n", "color": "black", "vertical": True,
+        "position_x": 0.88, "position_y": 0.2, "height": 0.55, "width": 0.05,
+        "label_font_size": 22, "title_font_size": 20, "fmt": "%.3g",
+    }  # fmt: skip
     for i, half in enumerate(halves):
-        plotter.add_mesh(half, scalars=SCALAR, cmap="viridis", clim=(0, top), scalar_bar_args=bar,
-                         show_scalar_bar=i == 0, smooth_shading=False, ambient=0.35)  # fmt: skip
-    plotter.add_text(
-        f"{title}\nDisplacements x {factor:g}.", position="upper_left", font_size=13, color="black"
-    )
+        plotter.add_mesh(
+            half,
+            scalars=STRESS_TITLE,
+            cmap="viridis",
+            clim=(0, top),
+            scalar_bar_args=bar,
+            show_scalar_bar=i == 0,
+            smooth_shading=False,
+            ambient=0.35,
+        )
+    text = f"{title}\nDisplacements x {factor:g}."
+    plotter.add_text(text, position="upper_left", font_size=13, color="black")
     plotter.view_vector((0.35, 0.55, 1.0), viewup=(0, 1, 0))
     plotter.enable_parallel_projection()
     plotter.reset_camera()
@@ -55,10 +68,21 @@ def draw(fields: Path, picture: Path, title: str) -> None:
     plotter.screenshot(str(picture))
 
 
+def _displacement_factor(grid: Any) -> float:
+    """The factor on the displacements: 1, 2 or 5 times a power of ten, see LARGEST_DISPLACEMENT."""
+    u = np.asarray(grid.point_data["displacement [m]"])
+    radius = float(np.linalg.norm(np.asarray(grid.points)[:, :2], axis=1).max())
+    largest = float(np.linalg.norm(u, axis=1).max()) or 1.0
+    limit = LARGEST_DISPLACEMENT * radius / largest
+    power = 10.0 ** np.floor(np.log10(limit))
+    return max(step * power for step in (1, 2, 5) if step * power <= limit)
+
+
 def main() -> int:
     """Draw, in a process of its own, by its arguments; returns its exit status."""
 
     def drew() -> int:
+        """Draw the picture that the arguments name."""
         draw(Path(sys.argv[1]), Path(sys.argv[2]), sys.argv[3])
         return 0
 

@@ -8,17 +8,20 @@ from matplotlib.figure import Figure
 from drumlin.base.arrays import Ints
 from drumlin.brake.brake import Brake
 from drumlin.fem.hp.grid import Grid
-from drumlin.fem.preparation.assembly import Body
+from drumlin.fem.preparation.bodies import Body
 from drumlin.fem.solve import scene_of
 from drumlin.models import refusals
 from drumlin.report.drawing import draw_brake
 
-PARTS = {"shoe": "#c9d3dc", "table": "#b3c0cc", "backing": "#d9c39a", "lining": "#b98b6b"}
+MESH_COLORS = {"shoe": "#c9d3dc", "table": "#b3c0cc", "backing": "#d9c39a", "lining": "#b98b6b"}
+"""Colour of the elements of each part of a shoe."""
 
 
 def draw(brake: Brake, **options: Any) -> Figure:
-    """The brake with drum, pins, forces and what moves, and over it the meshes of its shoes, if it
-    can be meshed.
+    """Draw a brake with drum, pins and forces, and over it the meshes of its shoes.
+
+    A brake that cannot be meshed is drawn without meshes. `options` are those of the prepared
+    model.
     """
     figure = Figure(figsize=(7.5, 7.5), layout="constrained")
     axes = figure.subplots()
@@ -27,27 +30,28 @@ def draw(brake: Brake, **options: Any) -> Figure:
     if "fem" in refusals(brake):
         return figure
     for shoe, body in zip(brake.shoes, scene_of(brake, **options).bodies, strict=True):
-        xy = shoe.points(body.basis.doflocs).T * 1e3
+        xy = shoe.points(body.basis.doflocs).T * 1e3  # mm
         around = body.mesh.outline if isinstance(body.mesh, Grid) else _around(body)
         for name, elements in body.mesh.subdomains.items():
-            axes.add_collection(
-                PolyCollection(
-                    list(xy[around[:, elements].T]),
-                    facecolor=PARTS[name],
-                    edgecolor="#40505f",
-                    lw=0.25,
-                    zorder=3.5,
-                )
+            polygons = PolyCollection(
+                list(xy[around[:, elements].T]),
+                facecolor=MESH_COLORS[name],
+                edgecolor="#40505f",
+                lw=0.25,
+                zorder=3.5,
             )
+            axes.add_collection(polygons)
     return figure
 
 
 def _around(body: Body) -> Ints:
-    """Nodes around each element of a mesh, corners and the middles of quadratic edges (k,
-    elements).
+    """The nodes around each element of a mesh (k, elements): corners and middles of edges.
+
+    Linear elements have no nodes in the middles of their edges.
     """
     corners = len(body.mesh.t)
     around = body.basis.element_dofs[: 2 * corners]
     if len(around) == 2 * corners:
+        # Corners and middles stand one after the other; around the element they alternate.
         around = around.reshape(2, corners, -1).swapaxes(0, 1).reshape(2 * corners, -1)
     return around

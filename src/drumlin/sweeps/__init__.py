@@ -1,5 +1,5 @@
-"""Sweeps: many cases of one brake as a table, their file, tolerances and whose share they are, and
-who solves them.
+"""Sweeps: many cases of one brake as a table, their file, their workers, and tolerances.
 
-Stands on the models; whatever a case is solved by, the table is the same.
+This package stands on the models. The table is the same whatever process or cluster solved the
+cases.
 """

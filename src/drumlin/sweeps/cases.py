@@ -1,7 +1,8 @@
-"""Sweeps: many cases, solved by whatever executor there is, each kept in a journal as it finishes.
+"""Many cases of a brake, solved in this process or by workers, each kept in a journal.
 
-A row depends on its case alone: not on who solved it, nor on what was solved before, so that a
-sweep that was stopped and went on ends with the same rows as one that was not.
+The row of a case depends on the case alone. It depends neither on the worker that solved the case
+nor on the cases that the worker solved before. A sweep that was stopped and goes on therefore ends
+with the same rows as a sweep that was never stopped.
 """
 
 import hashlib
@@ -22,19 +23,35 @@ from drumlin.base.journal import Journal, key_of, source_stamp
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.fem.mesh.content import content_digest
-from drumlin.fem.preparation.assembly import Cache
+from drumlin.fem.preparation.cache import Cache
 from drumlin.models import pick
 from drumlin.response.merit import brake_factor
-from drumlin.response.response import Response
+from drumlin.response.response import Response, ShoeResponse
 from drumlin.sweeps.workers import Say, waiting_since
 
 Row = dict[str, Any]
+"""The numbers of a case by name, or its failure under "status"; see `row_of`."""
 
-QUIET = 20.0  # s without an answer, then it is said that workers are waited for
-CHUNK_SECONDS = 0.1  # of work sent to a worker at a time: what a kill can lose of it
-MOST_IN_CHUNK = 64
-OTHER = "executor: its workers run another drumlin, or other libraries, than this one; install the same there"
-LOADS = (
+QUIET_SECONDS = 20.0
+"""Seconds without an answer after which a line tells that the sweep waits for workers. A judgement:
+most cases take far less."""
+
+CHUNK_SECONDS = 0.1
+"""Seconds of work that a worker gets at a time. Longer chunks lose more work when the sweep is
+killed; shorter ones cost more messages between the processes."""
+
+MAX_CASES_PER_CHUNK = 64
+"""Largest number of cases in a chunk, however fast the cases are solved."""
+
+FURTHER_ATTEMPTS = 2
+"""How often a case that failed for a passing reason (no memory, a dead worker) is tried again."""
+
+OTHER_DRUMLIN = (
+    "executor: its workers run another drumlin, or other libraries, than this one; "
+    "install the same there"
+)
+
+LOAD_KEYS = (
     "title",
     "rotation",
     "friction",
@@ -46,14 +63,19 @@ LOADS = (
     "direction",
     "point",
 )
-"""Keys that leave the bodies as they are: cases that differ in others are solved one group after
-the other.
-"""
+"""Keys of a brake file that leave the stiffness of the bodies as it is. Cases that differ in these
+keys alone are solved one after the other and share their bodies."""
 
 
-class Case(NamedTuple):
-    """A brake with some keys changed (as `vary` takes them), the model that answers and its
-    options.
+class SweepCase(NamedTuple):
+    """A brake with some of its keys changed, and the model that solves it.
+
+    Attributes
+    ----------
+    brake : the base brake
+    changes : new values by key, as `vary` takes them
+    model : name of the model
+    options : options of the model
     """
 
     brake: Brake
@@ -62,11 +84,26 @@ class Case(NamedTuple):
     options: Mapping[str, Any] = {}
 
 
-def respond(case: Case, cache: Cache | None = None) -> tuple[Brake, Response]:
-    """The brake of a case and its response; elements and solids take bodies from the cache and put
-    theirs there.
+class CaseAnswer(NamedTuple):
+    """The row of a case after one attempt at it.
 
-    Raises BadInput, NoAnswer.
+    Attributes
+    ----------
+    row : numbers of the case, or why it has none
+    lasting : whether the row belongs to the case, so that the journal keeps it
+    again : whether a further attempt may change a row that is not lasting
+    """
+
+    row: Row
+    lasting: bool = True
+    again: bool = False
+
+
+def respond(case: SweepCase, cache: Cache | None = None) -> tuple[Brake, Response]:
+    """Solve a case: its brake, with the changes, and the response.
+
+    The models "fem" and "solid" take condensed bodies from the cache and put theirs into it. Raises
+    BadInput and NoAnswer as the model does.
     """
     brake = vary(case.brake, case.changes) if case.changes else case.brake
     options = dict(case.options)
@@ -75,48 +112,37 @@ def respond(case: Case, cache: Cache | None = None) -> tuple[Brake, Response]:
     return brake, pick(case.model, brake).solve(brake, **options)
 
 
-class Answer(NamedTuple):
-    """A row, whether it is the case's own (kept in a journal), and else whether a further attempt
-    may change it.
-    """
-
-    row: Row
-    lasting: bool = True
-    again: bool = False
-
-
-def solved(case: Case, cache: Cache | None = None) -> Row:
+def solved(case: SweepCase, cache: Cache | None = None) -> Row:
     """The row of a case: its numbers by name (see `row_of`), or why it has none. Never raises."""
     return attempt(case, cache).row
 
 
-def attempt(case: Case, cache: Cache | None = None) -> Answer:
-    """The answer to a case. Never raises.
+def attempt(case: SweepCase, cache: Cache | None = None) -> CaseAnswer:
+    """Solve a case and tell whether its row may be kept. Never raises.
 
-    Answers and refusals of physics and input last; want of memory, files and workers passes; faults
-    of drumlin neither.
+    Answers are lasting, and so are refusals of the input or the physics. Failures for want of
+    memory, files or workers may pass. Faults of drumlin are neither lasting nor tried again.
     """
     try:
-        return Answer(row_of(*respond(case, cache)))
-    except (
-        Exception
-    ) as error:  # a fault of one case must not cost the others; its row says what it was
-        said = (
-            str(error)
-            if isinstance(error, DrumlinError)
-            else f"unexpected {type(error).__name__}: {error}"
-        )
-        passing, files = _passing(error), mesh_files(case.brake, case.changes)
-        lasting = (
-            isinstance(error, DrumlinError)
-            and not passing
-            and "none" not in map(content_digest, files)
-        )
-        return Answer({"status": f"failed: {' '.join(said.split())}"}, lasting, passing)
+        return CaseAnswer(row_of(*respond(case, cache)))
+    # A fault of one case must not cost the others. The row of the case tells the fault.
+    except Exception as error:
+        return _failure(case, error)
 
 
-def _passing(error: BaseException | None) -> bool:
-    """Whether memory or the system, not the case, made an error."""
+def _failure(case: SweepCase, error: Exception) -> CaseAnswer:
+    """The answer to a case that an error ended."""
+    known = isinstance(error, DrumlinError)
+    text = str(error) if known else f"unexpected {type(error).__name__}: {error}"
+    passing = _is_passing(error)
+    # A mesh file that cannot be read has the digest "none". The file may be back next time.
+    readable = "none" not in map(content_digest, mesh_files(case.brake, case.changes))
+    row = {"status": f"failed: {' '.join(text.split())}"}
+    return CaseAnswer(row, lasting=known and not passing and readable, again=passing)
+
+
+def _is_passing(error: BaseException | None) -> bool:
+    """Whether memory or the system, not the case, caused an error."""
     while error is not None:
         if isinstance(error, MemoryError | OSError):
             return True
@@ -125,47 +151,63 @@ def _passing(error: BaseException | None) -> bool:
 
 
 def row_of(brake: Brake, response: Response) -> Row:
-    """What a row says of a response, in SI; of shoe NAME as "NAME.torque" and so on.
+    """The numbers of a response by name, in SI; those of shoe NAME as "NAME.torque" and so on.
 
-    "torque" [N m] of the whole brake (on a plane: "braking_force" [N]), "brake_factor" T/(F R) with
-    the mean force F of its actuation (on a plane: braking force / F), "peak_pressure" [Pa] the
-    largest of its shoes, "balance" the worse of forces and moments; where they are estimated, the
-    relative errors "error_pressure", "error_torque", "error_peak" and "error_reaction" (see
-    `Response.error`). Of each shoe: torque, peak_pressure, shoe_factor T/(F R), hinge_reaction [N],
-    contact_start and contact_end [rad; on a plane m] from where to where it touches, contact_arcs
-    how many arcs that is.
+    Of the brake: "torque" [N m], on a plane "braking_force" [N]; "brake_factor" T/(F R) with the
+    mean force F of the actuation, on a plane braking force / F; "peak_pressure" [Pa], the largest
+    of all shoes; "balance", the larger one of the relative imbalances of forces and of moments. A
+    response that estimates its errors adds the relative errors "error_pressure", "error_torque",
+    "error_peak" and "error_reaction" (see `Response.error`).
+
+    Of each shoe: torque, peak_pressure, shoe_factor T/(F R) and hinge_reaction [N]; contact_start
+    and contact_end, the ends of the contact [rad; on a plane m]; contact_arcs, the number of
+    separate arcs in contact.
     """
-    name = brake.surface.key
     row: Row = {
         "status": "solved" if response.converged else "failed: not converged",
-        name: response.effect,
+        brake.surface.key: response.effect,
         "brake_factor": brake_factor(brake, response),
         "peak_pressure": max(shoe.peak_pressure for shoe in response.shoes),
         "balance": max(response.balance.force, response.balance.moment),
-        **{f"error_{name}": value for name, value in (response.error or {}).items()},
     }
+    for name, value in (response.error or {}).items():
+        row[f"error_{name}"] = value
     for i, shoe in enumerate(response.shoes):
-        own, load = response.effects[i], abs(brake.shoes[i].actuation.force)
-        row |= {
-            f"{shoe.name}.{key}": value
-            for key, value in {
-                name: own,
-                "peak_pressure": shoe.peak_pressure,
-                "shoe_factor": own / (load * brake.scale_factor) if load else None,
-                "hinge_reaction": float(np.linalg.norm(shoe.hinge_reaction)),
-                "contact_start": shoe.contact_arcs[0][0] if shoe.contact_arcs else None,
-                "contact_end": shoe.contact_arcs[-1][1] if shoe.contact_arcs else None,
-                "contact_arcs": len(shoe.contact_arcs),
-            }.items()
-        }
+        numbers = _shoe_row(brake, i, response.effects[i], shoe)
+        row |= {f"{shoe.name}.{name}": value for name, value in numbers.items()}
+    return {name: _plain(value) for name, value in row.items()}
+
+
+def _shoe_row(brake: Brake, number: int, effect: float, shoe: ShoeResponse) -> Row:
+    """The numbers of one shoe by name.
+
+    Parameters
+    ----------
+    brake : the brake
+    number : position of the shoe in the brake
+    effect : torque of the shoe [N m], on a plane its braking force [N]
+    shoe : response of the shoe
+    """
+    load = abs(brake.shoes[number].actuation.force)
+    arcs = shoe.contact_arcs
     return {
-        key: value if value is None or isinstance(value, str | int) else float(value)
-        for key, value in row.items()
+        brake.surface.key: effect,
+        "peak_pressure": shoe.peak_pressure,
+        "shoe_factor": effect / (load * brake.scale_factor) if load else None,
+        "hinge_reaction": float(np.linalg.norm(shoe.hinge_reaction)),
+        "contact_start": arcs[0][0] if arcs else None,
+        "contact_end": arcs[-1][1] if arcs else None,
+        "contact_arcs": len(arcs),
     }
+
+
+def _plain(value: Any) -> Any:
+    """A value of a row as plain Python: numbers of numpy as floats."""
+    return value if value is None or isinstance(value, str | int) else float(value)
 
 
 def run(
-    cases: Sequence[Case],
+    cases: Sequence[SweepCase],
     *,
     executor: Executor | None = None,
     workers: int = 1,
@@ -173,34 +215,42 @@ def run(
     done: Callable[[int, int], None] = lambda finished, of: None,
     say: Say = lambda words: None,
 ) -> list[Row]:
-    """The rows of the cases, in their order.
+    """Solve cases; returns their rows in the order of the cases.
 
-    executor: who solves, in chunks, at most a few for each of its `workers` at a time; None: this
-    process. journal: where each row is kept as it comes; cases that it has are not solved again.
-    done: told how many cases have finished. say: told in a line when workers are waited for. What
-    fails for a passing reason (no memory, a dead worker) is tried twice more, alone; if it fails
-    still, its row says why and is not kept.
+    A case that fails for a passing reason (no memory, a dead worker) is tried twice more, alone. If
+    it still fails, its row tells why, and the journal does not keep the row.
 
-    Raises NoAnswer where no workers are left (what has finished is in the journal), BadInput where
-    they run another drumlin.
+    Parameters
+    ----------
+    cases : the cases
+    executor : who solves the cases, in chunks; None: this process
+    workers : number of the executor's workers, each of which gets a few chunks at a time
+    journal : where each row is kept as it comes; cases that are in it are not solved again
+    done : told how many cases have finished, and of how many
+    say : told in a line when the sweep waits for workers
+
+    Raises
+    ------
+    NoAnswer
+        where no workers are left; what has finished is in the journal
+    BadInput
+        where the workers run another drumlin
     """
     journal = Journal() if journal is None else journal
     keys = list(keys_of(cases))
-    missing = list(
-        {json.dumps(key): i for i, key in enumerate(keys) if key not in journal}.values()
-    )
-    missing.sort(key=lambda i: (cases[i].model, body_key(cases[i]), i))
+    missing = _missing(cases, keys, journal)
     finished = len(cases) - len(missing)
     done(finished, len(cases))
+    # Rows that the journal does not keep, by the key of their case.
     passing: dict[str, Row] = {}
-    for further in (2, 1, 0):
+    for further in reversed(range(FURTHER_ATTEMPTS + 1)):
         again = []
-        found = (
-            _in_process(cases, missing)
-            if executor is None
-            else _by(executor, workers, cases, missing, further < 2, say)
-        )
-        for i, answer in found:
+        if executor is None:
+            answers = _in_process(cases, missing)
+        else:
+            alone = further < FURTHER_ATTEMPTS
+            answers = _by_workers(_Dispatch(executor, workers, cases, missing, alone), say)
+        for i, answer in answers:
             if answer.lasting:
                 journal.add(keys[i], answer.row)
                 passing.pop(key_of(keys[i]), None)
@@ -215,30 +265,40 @@ def run(
     return [passing.get(key_of(key)) or journal[key] for key in keys]
 
 
-def keys_of(cases: Iterable[Case]) -> Iterator[dict[str, Any]]:
-    """What tells each case from others in a journal: its brake by a digest, its changes, model and
-    options.
+def _missing(
+    cases: Sequence[SweepCase], keys: Sequence[dict[str, Any]], journal: Journal
+) -> list[int]:
+    """Positions of the cases that the journal has not, equal cases once, sorted by their bodies."""
+    unsolved = [i for i, key in enumerate(keys) if key not in journal]
+    distinct = {json.dumps(keys[i]): i for i in unsolved}
+    return sorted(distinct.values(), key=lambda i: (cases[i].model, body_key(cases[i]), i))
+
+
+def keys_of(cases: Iterable[SweepCase]) -> Iterator[dict[str, Any]]:
+    """The journal key of each case: a digest of its brake, its changes, model and options.
+
+    Mesh files among the changes stand by a digest of their content.
     """
-    digests: dict[int, str] = {}
-    content = cache(content_digest)
+    brake_digests: dict[int, str] = {}
+    file_digest = cache(content_digest)
     for case in cases:
-        if id(case.brake) not in digests:
-            digests[id(case.brake)] = digest_of(case.brake)
+        # Thousands of cases share one brake object: it is digested once.
+        if id(case.brake) not in brake_digests:
+            brake_digests[id(case.brake)] = digest_of(case.brake)
+        changes = dict(case.changes)
+        for key, value in changes.items():
+            if names_mesh(key) and isinstance(value, str | Path):
+                changes[key] = file_digest(Path(value))
         yield {
-            "brake": digests[id(case.brake)],
-            "changes": {
-                key: content(Path(value))
-                if names_mesh(key) and isinstance(value, str | Path)
-                else value
-                for key, value in case.changes.items()
-            },
+            "brake": brake_digests[id(case.brake)],
+            "changes": changes,
             "model": case.model,
             "options": dict(case.options),
         }
 
 
 def digest_of(brake: Brake) -> str:
-    """A digest of all that a brake is, of its mesh files what is in them, not their names."""
+    """A digest of all data of a brake; mesh files count by their content, not by their names."""
     data = brake.model_dump(mode="json")
     for shoe in data["shoes"]:
         if shoe.get("mesh") is not None:
@@ -252,131 +312,180 @@ def names_mesh(key: str) -> bool:
 
 
 def mesh_files(brake: Brake, changes: Mapping[str, Any]) -> list[Path]:
-    """The mesh files of a brake and of what is changed."""
+    """The mesh files of a brake and those among its changes."""
     named = [shoe.mesh for shoe in brake.shoes]
     named += [value for key, value in changes.items() if names_mesh(key)]
     return [Path(path) for path in named if isinstance(path, str | Path)]
 
 
-def body_key(case: Case) -> str:
-    """Equal for cases that share their bodies: what is changed besides loads, friction, rotation
-    and clearance.
+def body_key(case: SweepCase) -> str:
+    """A text that is equal for cases with the same bodies.
+
+    It holds the model's options and all changes but those of LOAD_KEYS.
     """
-    others = {
-        k: v
-        for k, v in case.changes.items()
-        if not set(k.replace("[", ".").split(".")) & set(LOADS)
-    }
-    return json.dumps([others, dict(case.options)], sort_keys=True, default=str)
+    changes_of_bodies = {}
+    for key, value in case.changes.items():
+        words = set(key.replace("[", ".").split("."))
+        if not words & set(LOAD_KEYS):
+            changes_of_bodies[key] = value
+    return json.dumps([changes_of_bodies, dict(case.options)], sort_keys=True, default=str)
 
 
-def _in_process(cases: Sequence[Case], missing: Sequence[int]) -> Iterator[tuple[int, Answer]]:
+def _in_process(
+    cases: Sequence[SweepCase], missing: Sequence[int]
+) -> Iterator[tuple[int, CaseAnswer]]:
+    """Positions of the missing cases, each with its answer, which this process finds."""
     bodies = Cache()
     for i in missing:
         yield i, attempt(cases[i], bodies)
 
 
-class _Chunk(NamedTuple):
-    """What a worker answers: the answers, the seconds that they took, and its drumlin's source."""
+class _ChunkAnswer(NamedTuple):
+    """What a worker returns: the answers, the seconds they took, and the stamp of its drumlin."""
 
-    answers: list[Answer]
+    answers: list[CaseAnswer]
     seconds: float
     stamp: str
 
 
-_own = (
-    threading.local()
-)  # the bodies that a worker keeps; a worker with threads keeps some for each
+_worker_bodies = threading.local()
+"""The condensed bodies that a worker keeps. A worker with threads keeps some for each thread."""
 
 
-def solve_chunk(cases: Sequence[Case]) -> _Chunk:
+def solve_chunk(cases: Sequence[SweepCase]) -> _ChunkAnswer:
     """Solve some cases in a worker."""
-    if not hasattr(_own, "cache"):
-        _own.cache = Cache()
+    if not hasattr(_worker_bodies, "cache"):
+        _worker_bodies.cache = Cache()
     start = time.perf_counter()
-    answers = [attempt(case, _own.cache) for case in cases]
-    return _Chunk(answers, time.perf_counter() - start, _stamp())
+    answers = [attempt(case, _worker_bodies.cache) for case in cases]
+    return _ChunkAnswer(answers, time.perf_counter() - start, _stamp())
 
 
 @cache
 def _stamp() -> str:
+    """The stamp of this process's drumlin and libraries."""
     return source_stamp()
 
 
-def _by(
-    executor: Executor,
-    workers: int,
-    cases: Sequence[Case],
-    missing: Sequence[int],
-    alone: bool,
-    say: Say,
-) -> Iterator[tuple[int, Answer]]:
-    """Answers as they come from an executor; chunks grow until each takes CHUNK_SECONDS. `alone`:
-    one case at a time.
-
-    What a worker takes with it as it dies fails for a passing reason.
-    """
-    size, most, at_a_time = (1, 1, 1) if alone else (1, MOST_IN_CHUNK, 2 * workers + 1)
-    waiting = _Chunks(cases, missing)
-    sent: dict[Future[_Chunk], list[int]] = {}
-    heard, said = time.time(), False
+def _by_workers(dispatch: "_Dispatch", say: Say) -> Iterator[tuple[int, CaseAnswer]]:
+    """Positions of cases with their answers, as the answers come from an executor."""
+    last_answer, told = time.time(), False
     try:
-        while waiting.left or sent:
-            while waiting.left and len(sent) < at_a_time:
-                part = waiting.take(size)
-                sent[executor.submit(solve_chunk, [cases[i] for i in part])] = part
-            come = wait(sent, timeout=QUIET, return_when=FIRST_COMPLETED).done
-            if not come and not said:
-                say(waiting_since(heard))
-            heard, said = (time.time(), False) if come else (heard, True)
-            for future in come:
-                part, answers = sent.pop(future), []
-                try:
-                    answer = future.result()
-                    if answer.stamp != _stamp():
-                        raise BadInput(OTHER)
-                    answers = answer.answers
-                    size = round(CHUNK_SECONDS * len(part) / max(answer.seconds, 1e-6))
-                    size = min(max(size, 1), most)
-                except DrumlinError:
-                    raise
-                except ImportError as error:
-                    raise BadInput(f"{OTHER} ({error})") from error
-                except Exception as error:
-                    row = {
-                        "status": f"failed: its worker was lost ({type(error).__name__}: {error})"
-                    }
-                    answers = [Answer(row, False, True)] * len(part)
-                yield from zip(part, answers, strict=True)
+        while dispatch.is_busy:
+            dispatch.send()
+            finished = wait(dispatch.sent, timeout=QUIET_SECONDS, return_when=FIRST_COMPLETED).done
+            if finished:
+                last_answer, told = time.time(), False
+            elif not told:
+                say(waiting_since(last_answer))
+                told = True
+            for future in finished:
+                yield from dispatch.answers(future)
     except BrokenExecutor as error:
         raise NoAnswer(
             f"sweep: the workers died ({error}); what has finished is kept, the same run goes on"
         ) from error
     finally:
-        for future in sent:
+        dispatch.cancel()
+
+
+class _Dispatch:
+    """Chunks of cases on their way to the workers of an executor and back.
+
+    The chunks grow until each takes CHUNK_SECONDS. Cases that are tried again go alone, one at a
+    time, so that a case that kills its worker takes no other case with it.
+
+    Parameters
+    ----------
+    executor : who solves the chunks
+    workers : number of its workers
+    cases : all cases
+    missing : positions of the cases to solve
+    alone : whether each case goes alone
+    """
+
+    def __init__(
+        self,
+        executor: Executor,
+        workers: int,
+        cases: Sequence[SweepCase],
+        missing: Sequence[int],
+        alone: bool,
+    ) -> None:
+        self.sent: dict[Future[_ChunkAnswer], list[int]] = {}
+        self._executor, self._cases = executor, cases
+        self._waiting = _Chunks(cases, missing)
+        self._size = 1
+        self._max_size = 1 if alone else MAX_CASES_PER_CHUNK
+        # Each worker has one chunk at work and one in its queue.
+        self._max_sent = 1 if alone else 2 * workers + 1
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether cases wait or are with a worker."""
+        return self._waiting.left or bool(self.sent)
+
+    def send(self) -> None:
+        """Send chunks until the workers have enough."""
+        while self._waiting.left and len(self.sent) < self._max_sent:
+            positions = self._waiting.take(self._size)
+            chunk = [self._cases[i] for i in positions]
+            self.sent[self._executor.submit(solve_chunk, chunk)] = positions
+
+    def answers(self, future: "Future[_ChunkAnswer]") -> Iterator[tuple[int, CaseAnswer]]:
+        """The answers of a chunk that has come back. Raises BadInput for another drumlin.
+
+        The cases of a worker that died fail for a passing reason.
+        """
+        positions = self.sent.pop(future)
+        try:
+            chunk = future.result()
+            if chunk.stamp != _stamp():
+                raise BadInput(OTHER_DRUMLIN)
+            answers = chunk.answers
+            size = round(CHUNK_SECONDS * len(positions) / max(chunk.seconds, 1e-6))
+            self._size = min(max(size, 1), self._max_size)
+        except DrumlinError:
+            raise
+        except ImportError as error:
+            raise BadInput(f"{OTHER_DRUMLIN} ({error})") from error
+        except Exception as error:
+            status = f"failed: its worker was lost ({type(error).__name__}: {error})"
+            lost = CaseAnswer({"status": status}, lasting=False, again=True)
+            answers = [lost] * len(positions)
+        yield from zip(positions, answers, strict=True)
+
+    def cancel(self) -> None:
+        """Take back all chunks that no worker has begun."""
+        for future in self.sent:
             future.cancel()
 
 
 class _Chunks:
-    """Cases by the bodies that they share; a chunk takes a few of one group, or small groups whole."""
+    """Cases grouped by the bodies they share.
 
-    def __init__(self, cases: Sequence[Case], missing: Sequence[int]) -> None:
-        self._groups = [list(group) for _, group in groupby(missing, lambda i: body_key(cases[i]))][
-            ::-1
-        ]
+    A chunk is a part of one large group, or some small groups as a whole.
+    """
+
+    def __init__(self, cases: Sequence[SweepCase], missing: Sequence[int]) -> None:
+        groups = groupby(missing, lambda i: body_key(cases[i]))
+        # The first group stands last, where a list gives it up at once.
+        self._groups = [list(group) for _, group in groups][::-1]
 
     @property
     def left(self) -> bool:
+        """Whether cases are left."""
         return bool(self._groups)
 
     def take(self, size: int) -> list[int]:
-        """About `size` cases."""
-        part: list[int] = []
-        while self._groups and len(part) < size:
+        """Positions of about `size` cases, which leave the groups."""
+        taken: list[int] = []
+        while self._groups and len(taken) < size:
             group = self._groups.pop()
-            room = max(size - len(part), 1)
+            room = max(size - len(taken), 1)
+            # A group that hardly exceeds the room goes as a whole and keeps its bodies together.
             if len(group) > 2 * room:
                 self._groups.append(group[room:])
                 group = group[:room]
-            part += group
-        return part
+            taken += group
+        return taken

@@ -1,9 +1,8 @@
-"""Sweep files: TOML that says which keys of a brake file take which values, and which models
-answer.
+"""Sweep files: TOML that says which keys of a brake file vary and which models answer.
 
-Listed values and ranges are combined; distributions are drawn, `cases` times for each combination.
-The draws of a key depend on `seed` and the key alone: another key more, or more cases, leaves the
-draws there were as they are.
+Listed values and ranges are combined with one another. Distributions are drawn, `cases` times for
+each combination. The draws of a key depend on `seed` and on the key alone: a further key, or more
+cases, leaves the earlier draws as they are.
 """
 
 import hashlib
@@ -27,11 +26,18 @@ from drumlin.brake.units import to_si
 from drumlin.fem.mesh.content import mesh_bytes
 from drumlin.foundation.model import lifted
 from drumlin.models import MODELS
-from drumlin.sweeps.cases import Case, mesh_files, names_mesh
-from drumlin.sweeps.options import OPTIONS
+from drumlin.sweeps.cases import SweepCase, mesh_files, names_mesh
+from drumlin.sweeps.options import MODEL_OPTIONS
 
-DEEPEST = 50  # tables and lists in one another; a sweep file has some six
-MOST_CASES = 1_000_000  # a million rows fill some 2 GB
+MAX_FILE_NESTING = 50
+"""Largest depth of tables and lists in one another that is read. A sweep file needs some six; a
+file beyond the limit is refused, since copying it would exhaust Python's recursion."""
+
+MOST_CASES = 1_000_000
+"""Largest number of cases in a sweep. A million rows fill some 2 GB of memory."""
+
+VALUES_PER_REPORT = 256
+"""Listed values that are judged between two reports of progress: some 0.1 s of work."""
 
 
 class Range(Part):
@@ -44,28 +50,29 @@ class Range(Part):
 
 
 class Distribution(Part):
-    """What is common to all: the name, and whether each shoe draws its own value."""
+    """The keys of every distribution: its name, and whether each shoe draws a value of its own."""
 
     distribution: str
     each_shoe: bool = False
 
 
 class Uniform(Distribution):
-    """Between `from` and `to`."""
+    """Values between `from` and `to`, all equally likely."""
 
     start: Annotated[float | str, Field(alias="from")]
     to: float | str
 
 
 class Triangular(Uniform):
-    """Between `from` and `to`, most often `mode`; default: the brake file's value."""
+    """Values between `from` and `to`, most often `mode`; by default the brake file's value."""
 
     mode: float | str | None = None
 
 
 class Normal(Distribution):
-    """`mean`, by default the brake file's value, and standard `deviation`, which may be in % of the
-    mean.
+    """Values about `mean`, by default the brake file's value, with the standard `deviation`.
+
+    The deviation may be in % of the mean.
     """
 
     mean: float | str | None = None
@@ -73,7 +80,7 @@ class Normal(Distribution):
 
 
 class TruncatedNormal(Normal):
-    """The same, cut off below `from` and above `to`."""
+    """A normal distribution that is cut off below `from` and above `to`."""
 
     start: Annotated[float | str, Field(alias="from")] = -math.inf
     to: float | str = math.inf
@@ -86,6 +93,7 @@ DISTRIBUTIONS: Mapping[str, type[Distribution]] = {
     "triangular": Triangular,
     "truncated-normal": TruncatedNormal,
 }
+"""The class that reads a distribution, by the name that a sweep file gives it."""
 
 
 class SweepFile(Part):
@@ -104,25 +112,33 @@ class SweepFile(Part):
 
 
 class Sweep(NamedTuple):
-    """A sweep made ready: title, base brake, SI unit of each varied key (None: words), cases, unit
-    of its stresses.
+    """A sweep ready to be solved.
+
+    Attributes
+    ----------
+    title : of the sweep file, or else of its brake
+    brake : the base brake
+    units : SI unit of each varied key; None where the key takes words
+    cases : all cases, in the order of the table
+    pressure : unit of the table's stresses, "Pa" or "MPa"
     """
 
     title: str
     brake: Brake
     units: dict[str, str | None]
-    cases: list[Case]
+    cases: list[SweepCase]
     pressure: str = "Pa"
 
 
 Done = Callable[[int, int], None]
+"""Told how many values have been judged, and of how many."""
 
 
 def read_sweep(path: Path, done: Done = lambda judged, of: None) -> Sweep:
-    """The sweep described by the TOML file `path`.
+    """Read the sweep that the TOML file `path` describes.
 
-    done: told how many values have been judged, and of how many. Raises BadInput with one line that
-    names the key, the value and what is allowed.
+    `done` is told how many values have been judged, and of how many. Raises BadInput with one line
+    that names the key, the value and what is allowed.
     """
     try:
         data = read_toml(path)
@@ -136,82 +152,56 @@ def read_sweep(path: Path, done: Done = lambda judged, of: None) -> Sweep:
 
 
 def _check_size(data: Any, depth: int = 0) -> None:
-    """Raise ValueError for integers and nesting beyond what TOML promises and what can be copied."""
-    if depth > DEEPEST:
-        raise ValueError(f"nested deeper than {DEEPEST}")
+    """Raise ValueError for integers beyond TOML's range and for nesting too deep to be copied."""
+    if depth > MAX_FILE_NESTING:
+        raise ValueError(f"nested deeper than {MAX_FILE_NESTING}")
     if isinstance(data, int) and not -(2**63) <= data < 2**63:
         raise ValueError("an integer beyond 64 bits")
-    for item in data.values() if isinstance(data, dict) else data if isinstance(data, list) else ():
-        _check_size(item, depth + 1)
+    items = list(data.values()) if isinstance(data, dict) else data
+    if isinstance(items, list):
+        for item in items:
+            _check_size(item, depth + 1)
 
 
 def sweep_from(
     data: Mapping[str, Any], base: Path = Path(), done: Done = lambda judged, of: None
 ) -> Sweep:
-    """A sweep from nested data as a sweep file has it; `base`: folder that the paths of brake and
-    meshes start from.
+    """Make a sweep from nested data as a sweep file holds them.
 
-    done: as of `read_sweep`. Raises BadInput with one line.
+    Parameters
+    ----------
+    data : tables and values by key
+    base : folder from which the paths of the brake file and of meshes start
+    done : told how many values have been judged, and of how many
+
+    Raises
+    ------
+    BadInput
+        in one line that names the key, the value and what is allowed
     """
     file = validated(SweepFile, data)
     brake = _base_brake(file.brake, base)
     models = _models(file.model, brake)
-    specs = {
-        key: spec
-        for name, value in file.vary.items()
-        for key, spec in _specs(brake, name, value, base).items()
-    }
-    drawn = [key for key, spec in specs.items() if file.combine == "random" or spec.values is None]
-    if drawn and file.cases is None:
-        raise BadInput(f"cases: is missing: how many times {drawn[0]} is drawn, such as 1000")
-    if not drawn and file.cases is not None:
-        raise BadInput(
-            f'cases = {file.cases}: only for distributions and combine = "random"; nothing is drawn here'
-        )
-    listed = {
-        key: spec.values
-        for key, spec in specs.items()
-        if key not in drawn and spec.values is not None
-    }
-    draws, repeats = (
-        {key: _draw(specs[key], key, file.seed, file.cases or 1) for key in drawn},
-        file.cases or 1,
-    )
-    lengths = [len(values) for values in listed.values()]
-    count = math.prod(lengths) if file.combine == "grid" else max(lengths, default=1)
-    if count * repeats * len(models) > MOST_CASES:
-        raise BadInput(f"vary: makes {count * repeats * len(models)} cases; allowed: {MOST_CASES}")
-    changes = [
-        {key: point[key] if key in point else draws[key][i] for key in specs}
-        for point in _combined(file.combine, listed)
-        for i in range(repeats)
-    ]
-    middle = {key: spec.at(np.array([0.5]))[0] for key, spec in specs.items() if key not in listed}
-    # Distributions are judged by their medians. A draw that is no brake becomes a failed case of
-    # the table.
-    vary(brake, middle)
-    steps = _steps(file.combine, lengths, repeats)
-    for (key, values), step in zip(listed.items(), steps, strict=True):
-        _check(brake, key, values, changes[::step], middle, done)
+    specs: dict[str, _KeySpec] = {}
+    for name, given in file.vary.items():
+        specs |= _specs(brake, name, given, base)
+    plan = _plan(file, specs)
+    changes = _changes(file, specs, plan, len(models))
+    _check_values(brake, file.combine, specs, plan, changes, done)
     for name in models:
         reason = MODELS[name].why_not(brake)
         if reason is not None:
             raise BadInput(f"model.{name}: does not apply to this brake: {reason}")
-    cases = [
-        Case(brake, change, name, options) for change in changes for name, options in models.items()
-    ]
-    named = [value for key, spec in specs.items() if names_mesh(key) for value in spec.values or ()]
-    meshes = {*mesh_files(brake, {}), *(Path(value) for value in named if isinstance(value, str))}
-    for path in sorted(meshes):
-        try:
-            mesh_bytes(path)
-        except DrumlinError as error:
-            raise type(error)(f"mesh = {error}") from error
+    _check_meshes(brake, specs)
+    cases = []
+    for change in changes:
+        cases += [SweepCase(brake, change, name, options) for name, options in models.items()]
     units = {key: unit_of(brake, key) for key in specs}
     return Sweep(file.title or brake.title, brake, units, cases, file.pressure)
 
 
 def _base_brake(brake: str | dict[str, Any], base: Path) -> Brake:
+    """The brake that a sweep file names by its path or holds as a table."""
     if isinstance(brake, str):
         return read_any(base / brake)
     try:
@@ -221,285 +211,546 @@ def _base_brake(brake: str | dict[str, Any], base: Path) -> Brake:
 
 
 def _models(given: Mapping[str, Mapping[str, Any]], brake: Brake) -> dict[str, dict[str, Any]]:
-    """The options of each model, checked."""
+    """The checked options of each model that the sweep file names."""
     models = {}
     for name, options in given.items():
         if name not in MODELS:
             raise BadInput(f"model.{name}: unknown model; allowed: {', '.join(MODELS)}")
-        models[name] = _part(f"model.{name}", OPTIONS.get(name, Part), options).model_dump(
-            exclude_none=True
-        )
+        checked = _part(f"model.{name}", MODEL_OPTIONS.get(name, Part), options)
+        models[name] = checked.model_dump(exclude_none=True)
+        # The foundation model refuses a brake on a plane altogether, as its `why_not` says later.
         if "lift" in models[name] and not brake.surface.straight:
             lifted(brake, models[name]["lift"])
     return models
 
 
-class _Spec(NamedTuple):
-    """What a key takes: `values` one by one (None: only draws), and `at`: its values for u (n,)
-    even in (0, 1).
+class _KeySpec(NamedTuple):
+    """The values that a varied key takes.
+
+    Attributes
+    ----------
+    values : the listed values; None where the key is only drawn
+    at : values (n,) of the key for numbers u (n,) in (0, 1), which a draw spreads evenly
     """
 
     values: list[Any] | None
     at: Callable[[Floats], list[Any]]
 
 
-def _specs(brake: Brake, name: str, given: Any, base: Path) -> dict[str, _Spec]:
-    """What [vary] says under a name: by key, where each shoe draws its own."""
-    said = f"vary.{name if name.isidentifier() else json.dumps(name, ensure_ascii=False)}"
+class _Plan(NamedTuple):
+    """How the varied keys make cases.
+
+    Attributes
+    ----------
+    listed : the values of each key that are taken one by one
+    drawn : the keys that are drawn
+    repeats : number of draws for each combination of the listed values
+    """
+
+    listed: dict[str, list[Any]]
+    drawn: list[str]
+    repeats: int
+
+
+def _plan(file: SweepFile, specs: Mapping[str, _KeySpec]) -> _Plan:
+    """Decide which keys are drawn and which are listed. Raises BadInput for a wrong `cases`."""
+    everything = file.combine == "random"
+    drawn = [key for key, spec in specs.items() if everything or spec.values is None]
+    if drawn and file.cases is None:
+        raise BadInput(f"cases: is missing: how many times {drawn[0]} is drawn, such as 1000")
+    if not drawn and file.cases is not None:
+        raise BadInput(
+            f"cases = {file.cases}: "
+            'only for distributions and combine = "random"; nothing is drawn here'
+        )
+    listed = {}
+    for key, spec in specs.items():
+        if key not in drawn and spec.values is not None:
+            listed[key] = spec.values
+    return _Plan(listed, drawn, file.cases or 1)
+
+
+def _changes(
+    file: SweepFile, specs: Mapping[str, _KeySpec], plan: _Plan, models: int
+) -> list[dict[str, Any]]:
+    """The changed keys of each case.
+
+    Parameters
+    ----------
+    file : the sweep file
+    specs : values of each varied key; the changes keep the order of its keys
+    plan : how the keys make cases
+    models : number of models that solve each of these cases
+
+    Raises
+    ------
+    BadInput
+        for more than MOST_CASES cases, and for lists of unequal lengths that are paired
+    """
+    draws = {key: _draw(specs[key], key, file.seed, plan.repeats) for key in plan.drawn}
+    lengths = [len(values) for values in plan.listed.values()]
+    combinations = math.prod(lengths) if file.combine == "grid" else max(lengths, default=1)
+    count = combinations * plan.repeats * models
+    if count > MOST_CASES:
+        raise BadInput(f"vary: makes {count} cases; allowed: {MOST_CASES}")
+    changes = []
+    for point in _combined(file.combine, plan.listed):
+        for i in range(plan.repeats):
+            changes.append({key: point[key] if key in point else draws[key][i] for key in specs})
+    return changes
+
+
+def _check_values(
+    brake: Brake,
+    combine: str,
+    specs: Mapping[str, _KeySpec],
+    plan: _Plan,
+    changes: Sequence[Mapping[str, Any]],
+    done: Done,
+) -> None:
+    """Raise BadInput for medians and listed values that no brake can have.
+
+    A distribution is judged by its median alone. A draw that makes no brake becomes a failed case
+    of the table.
+
+    Parameters
+    ----------
+    brake : the base brake
+    combine : how the listed values are combined: "grid", "zip" or "random"
+    specs : values of each varied key
+    plan : how the keys make cases
+    changes : the changed keys of each case
+    done : told how many values have been judged, and of how many
+    """
+    half = np.array([0.5])
+    medians = {key: spec.at(half)[0] for key, spec in specs.items() if key not in plan.listed}
+    vary(brake, medians)
+    lengths = [len(values) for values in plan.listed.values()]
+    steps = _steps(combine, lengths, plan.repeats)
+    for (key, values), step in zip(plan.listed.items(), steps, strict=True):
+        _check_key(brake, _ListedKey(key, values, changes[::step]), medians, done)
+
+
+def _check_meshes(brake: Brake, specs: Mapping[str, _KeySpec]) -> None:
+    """Raise BadInput or NoAnswer for a mesh file of the sweep that cannot be read."""
+    meshes = set(mesh_files(brake, {}))
+    for key, spec in specs.items():
+        if names_mesh(key):
+            meshes |= {Path(value) for value in spec.values or () if isinstance(value, str)}
+    for path in sorted(meshes):
+        try:
+            mesh_bytes(path)
+        except DrumlinError as error:
+            raise type(error)(f"mesh = {error}") from error
+
+
+def _specs(brake: Brake, name: str, given: Any, base: Path) -> dict[str, _KeySpec]:
+    """The values that one line of [vary] gives, by key.
+
+    A distribution of which each shoe draws its own value has a key for each shoe.
+
+    Parameters
+    ----------
+    brake : the base brake
+    name : the key as the sweep file writes it
+    given : what the file says under this key: a list, or a table of a range or distribution
+    base : folder from which the paths of meshes start
+    """
+    where = f"vary.{name if name.isidentifier() else json.dumps(name, ensure_ascii=False)}"
     try:
         unit = unit_of(brake, name)
     except BadInput as error:
-        raise BadInput(f"{said}: {str(error).removeprefix(f'{name}: ')}") from error
+        raise BadInput(f"{where}: {str(error).removeprefix(f'{name}: ')}") from error
     if isinstance(given, list):
-        if not given:
-            raise BadInput(f"{said}: the list is empty; needs at least one value")
-        values = [_value(said, value, unit) for value in given]
-        if names_mesh(name):
-            values = [str(base / value) if isinstance(value, str) else value for value in values]
-        return {name: _Spec(values, lambda u: [values[i] for i in (u * len(values)).astype(int)])}
+        return {name: _listed(where, name, given, unit, base)}
     if not isinstance(given, dict):
         raise BadInput(
-            f"{said} = {given!r}: must be a list of values, {{ from, to, count }} or {{ distribution, ... }}"
+            f"{where} = {given!r}: "
+            "must be a list of values, { from, to, count } or { distribution, ... }"
         )
     if unit is None:
-        raise BadInput(f"{said}: takes words, not numbers; must be a list of values")
-    if "distribution" not in given:
-        span = _part(said, Range, given)
-        ends = [_number(f"{said}.from", span.start, unit), _number(f"{said}.to", span.to, unit)]
-        return {name: _range(said, ends, span)}
+        raise BadInput(f"{where}: takes words, not numbers; must be a list of values")
+    if "distribution" in given:
+        return _distributed(brake, where, name, given, unit)
+    span = _part(where, Range, given)
+    start = _number(f"{where}.from", span.start, unit)
+    end = _number(f"{where}.to", span.to, unit)
+    return {name: _range(where, start, end, span)}
+
+
+def _listed(where: str, name: str, given: list[Any], unit: str | None, base: Path) -> _KeySpec:
+    """The values of a list.
+
+    Parameters
+    ----------
+    where : place in the sweep file, for messages
+    name : the varied key
+    given : the list
+    unit : SI unit of the key; None for words
+    base : folder from which the paths of meshes start
+    """
+    if not given:
+        raise BadInput(f"{where}: the list is empty; needs at least one value")
+    values = [_value(where, value, unit) for value in given]
+    if names_mesh(name):
+        values = [str(base / value) if isinstance(value, str) else value for value in values]
+
+    def at(u: Floats) -> list[Any]:
+        """The values whose equal shares of (0, 1) the numbers u (n,) lie in."""
+        return [values[i] for i in (u * len(values)).astype(int)]
+
+    return _KeySpec(values, at)
+
+
+def _distributed(
+    brake: Brake, where: str, name: str, given: Mapping[str, Any], unit: str
+) -> dict[str, _KeySpec]:
+    """The values of a distribution, by key.
+
+    Parameters
+    ----------
+    brake : the base brake
+    where : place in the sweep file, for messages
+    name : the varied key
+    given : the table of the distribution
+    unit : SI unit of the key
+    """
     kind = given["distribution"]
     if not isinstance(kind, str) or kind not in DISTRIBUTIONS:
         raise BadInput(
-            f"{said}.distribution = {kind!r}: unknown; allowed: {', '.join(DISTRIBUTIONS)}"
+            f"{where}.distribution = {kind!r}: unknown; allowed: {', '.join(DISTRIBUTIONS)}"
         )
-    law = _part(said, DISTRIBUTIONS[kind], given)
-    if not law.each_shoe:
-        return {name: _Spec(None, _law(said, law, unit, values_of(brake, name)))}
-    if not name.startswith("shoe."):
-        raise BadInput(
-            f"{said}.each_shoe = true: only for a key of every shoe, such as shoe.lining.thickness"
-        )
-    keys = [f"shoe[{i}]{name.removeprefix('shoe')}" for i in range(len(brake.shoes))]
-    return {key: _Spec(None, _law(said, law, unit, values_of(brake, key))) for key in keys}
+    distribution = _part(where, DISTRIBUTIONS[kind], given)
+    keys = [name]
+    if distribution.each_shoe:
+        if not name.startswith("shoe."):
+            raise BadInput(
+                f"{where}.each_shoe = true: "
+                "only for a key of every shoe, such as shoe.lining.thickness"
+            )
+        keys = [f"shoe[{i}]{name.removeprefix('shoe')}" for i in range(len(brake.shoes))]
+    specs = {}
+    for key in keys:
+        nominal = values_of(brake, key)
+        specs[key] = _KeySpec(None, _draws_of(where, distribution, unit, nominal))
+    return specs
 
 
-K = TypeVar("K", bound=Part)
+PartKind = TypeVar("PartKind", bound=Part)
 
 
-def _part(said: str, kind: type[K], data: Mapping[str, Any]) -> K:
+def _part(where: str, kind: type[PartKind], data: Mapping[str, Any]) -> PartKind:
+    """A table of the sweep file as a `kind`. Raises BadInput that names the place of the table."""
     try:
         return validated(kind, data)
     except BadInput as error:
-        raise BadInput(f"{said}: {error}") from error
+        raise BadInput(f"{where}: {error}") from error
 
 
-def _value(said: str, value: Any, unit: str | None) -> Any:
+def _value(where: str, value: Any, unit: str | None) -> Any:
     """One listed value: a quantity in SI, a word, or a table with its units."""
     if unit is None:
         return value
     if isinstance(value, list):
-        if unit and not all(
-            isinstance(leaf, str)
-            for row in value
-            for leaf in (row if isinstance(row, list) else [row])
-        ):
-            raise BadInput(f"{said}: {value}: every number of a table needs its unit")
+        if unit and not _has_units(value):
+            raise BadInput(f"{where}: {value}: every number of a table needs its unit")
         return value
-    return _number(said, value, unit)
+    return _number(where, value, unit)
 
 
-def _number(said: str, value: Any, unit: str) -> float:
+def _has_units(rows: list[Any]) -> bool:
+    """Whether every entry of a table is a text, as a number with its unit is."""
+    for row in rows:
+        entries = row if isinstance(row, list) else [row]
+        if not all(isinstance(entry, str) for entry in entries):
+            return False
+    return True
+
+
+def _number(where: str, value: Any, unit: str) -> float:
     """A quantity in SI; a plain number where the key has no unit."""
     if unit:
         try:
             return to_si(value, unit, unit_required=True)
         except ValueError as error:
-            raise BadInput(f"{said} = {value!r}: {error}") from error
+            raise BadInput(f"{where} = {value!r}: {error}") from error
     if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise BadInput(f"{said} = {value!r}: must be a number, without unit")
+        raise BadInput(f"{where} = {value!r}: must be a number, without unit")
     return float(value)
 
 
-def _range(said: str, ends: list[float], span: Range) -> _Spec:
-    a, b = ends
+def _range(where: str, start: float, end: float, span: Range) -> _KeySpec:
+    """The values of a range between two ends in SI."""
     if span.scale == "linear":
-        return _Spec(np.linspace(a, b, span.count).tolist(), lambda u: (a + u * (b - a)).tolist())
-    if not min(ends) > 0:
-        raise BadInput(f'{said}.scale = "log": needs from and to greater than 0')
-    return _Spec(np.geomspace(a, b, span.count).tolist(), lambda u: (a * (b / a) ** u).tolist())
+        return _KeySpec(
+            values=np.linspace(start, end, span.count).tolist(),
+            at=lambda u: (start + u * (end - start)).tolist(),
+        )
+    if not min(start, end) > 0:
+        raise BadInput(f'{where}.scale = "log": needs from and to greater than 0')
+    return _KeySpec(
+        values=np.geomspace(start, end, span.count).tolist(),
+        at=lambda u: (start * (end / start) ** u).tolist(),
+    )
 
 
-def _law(
-    said: str, law: Distribution, unit: str, nominal: Sequence[Any]
+def _draws_of(
+    where: str, distribution: Distribution, unit: str, nominal: Sequence[Any]
 ) -> Callable[[Floats], list[float]]:
-    """The inverse of a distribution's cumulative one: u (n,) in (0, 1) -> values."""
-    inverse = _inverse(said, law, unit, nominal)
+    """The inverse of a distribution's cumulative function, which returns lists; see `_inverse`."""
+    inverse = _inverse(where, distribution, unit, nominal)
     return lambda u: inverse(u).tolist()
 
 
 def _inverse(
-    said: str, law: Distribution, unit: str, nominal: Sequence[Any]
+    where: str, distribution: Distribution, unit: str, nominal: Sequence[Any]
 ) -> Callable[[Floats], Floats]:
-    """The same, arrays; without scipy.stats, which takes a second to load."""
+    """The inverse of a distribution's cumulative function: u (n,) in (0, 1) -> values (n,).
+
+    It does without scipy.stats, which takes a second to load.
+
+    Parameters
+    ----------
+    where : place in the sweep file, for messages
+    distribution : the distribution as the sweep file gives it
+    unit : SI unit of the key
+    nominal : the brake file's values of the key
+    """
+    if isinstance(distribution, Normal):
+        mean = _centre(f"{where}.mean", distribution.mean, unit, nominal)
+        deviation = _deviation(f"{where}.deviation", distribution.deviation, mean, unit)
+        if isinstance(distribution, TruncatedNormal):
+            return _truncated_normal(where, distribution, unit, mean, deviation)
+        if distribution.distribution == "lognormal":
+            return _lognormal(where, distribution, mean, deviation)
+        return _normal(mean, deviation)
+    assert isinstance(distribution, Uniform)
+    start = _end(f"{where}.from", distribution.start, unit)
+    end = _end(f"{where}.to", distribution.to, unit)
+    if not start < end:
+        raise BadInput(
+            f"{where}.to = {distribution.to!r}: must be greater than from = {distribution.start!r}"
+        )
+    if not isinstance(distribution, Triangular):
+        return lambda u: start + (end - start) * u
+    mode = _centre(f"{where}.mode", distribution.mode, unit, nominal)
+    if not start <= mode <= end:
+        raise BadInput(f"{where}.mode = {mode:g}: must be from {start:g} to {end:g}")
+    return _triangular(start, mode, end)
+
+
+def _centre(where: str, given: float | str | None, unit: str, nominal: Sequence[Any]) -> float:
+    """The mean or mode that is given, or else the brake file's own value.
+
+    Parameters
+    ----------
+    where : place in the sweep file, for messages
+    given : value in the sweep file
+    unit : SI unit of the key
+    nominal : the brake file's values of the key
+    """
+    if given is not None:
+        return _number(where, given, unit)
+    if len(set(nominal)) > 1 or not isinstance(nominal[0], float):
+        raise BadInput(f"{where}: is missing, and the brake file has no single number there")
+    return float(nominal[0])
+
+
+def _end(where: str, given: float | str, unit: str) -> float:
+    """An end of a distribution in SI; infinite ends stay."""
+    if isinstance(given, float) and math.isinf(given):
+        return given
+    return _number(where, given, unit)
+
+
+def _normal(mean: float, deviation: float) -> Callable[[Floats], Floats]:
+    """The inverse of a normal distribution."""
     from scipy.special import ndtri  # noqa: PLC0415  (0.1 s)
 
-    def middle(name: str, given: float | str | None) -> float:
-        """What is given, or else the brake file's own value."""
-        if given is not None:
-            return _number(f"{said}.{name}", given, unit)
-        if len(set(nominal)) > 1 or not isinstance(nominal[0], float):
-            raise BadInput(
-                f"{said}.{name}: is missing, and the brake file has no single number there"
-            )
-        return float(nominal[0])
+    return lambda u: mean + deviation * ndtri(u)
 
-    def end(name: str, given: float | str) -> float:
-        return given if given in (-math.inf, math.inf) else _number(f"{said}.{name}", given, unit)
 
-    if isinstance(law, Normal):
-        mean = middle("mean", law.mean)
-        deviation = _deviation(f"{said}.deviation", law.deviation, mean, unit)
-        if isinstance(law, TruncatedNormal):
-            low, high = (
-                (end(*pair) - mean) / deviation for pair in (("from", law.start), ("to", law.to))
-            )
-            if not low < high:
-                raise BadInput(f"{said}.to = {law.to!r}: must be greater than from = {law.start!r}")
-            return lambda u: mean + deviation * _cut_normal(u, low, high)
-        if law.distribution == "lognormal":
-            if not mean > 0:
-                raise BadInput(f"{said}.mean = {law.mean!r}: must be greater than 0")
-            spread = math.sqrt(math.log1p((deviation / mean) ** 2))
-            median = mean * math.exp(-(spread**2) / 2)
-            return lambda u: median * np.exp(spread * ndtri(u))
-        return lambda u: mean + deviation * ndtri(u)
-    assert isinstance(law, Uniform)
-    a, b = end("from", law.start), end("to", law.to)
-    if not a < b:
-        raise BadInput(f"{said}.to = {law.to!r}: must be greater than from = {law.start!r}")
-    if not isinstance(law, Triangular):
-        return lambda u: a + (b - a) * u
-    c = middle("mode", law.mode)
-    if not a <= c <= b:
-        raise BadInput(f"{said}.mode = {c:g}: must be from {a:g} to {b:g}")
-    top = (c - a) / (b - a)
-    return lambda u: (
-        a + (b - a) * np.where(u < top, np.sqrt(top * u), 1 - np.sqrt((1 - top) * (1 - u)))
-    )
+def _lognormal(
+    where: str, distribution: Normal, mean: float, deviation: float
+) -> Callable[[Floats], Floats]:
+    """The inverse of a lognormal distribution with a given mean and standard deviation.
+
+    Parameters
+    ----------
+    where : place in the sweep file, for messages
+    distribution : the distribution as the sweep file gives it
+    mean, deviation : of the values themselves, not of their logarithms
+    """
+    from scipy.special import ndtri  # noqa: PLC0415  (0.1 s)
+
+    if not mean > 0:
+        raise BadInput(f"{where}.mean = {distribution.mean!r}: must be greater than 0")
+    # The standard deviation of the logarithm, and the median that belongs to the mean.
+    spread = math.sqrt(math.log1p((deviation / mean) ** 2))
+    median = mean * math.exp(-(spread**2) / 2)
+    return lambda u: median * np.exp(spread * ndtri(u))
+
+
+def _truncated_normal(
+    where: str, distribution: TruncatedNormal, unit: str, mean: float, deviation: float
+) -> Callable[[Floats], Floats]:
+    """The inverse of a normal distribution that is cut off at both ends.
+
+    Parameters
+    ----------
+    where : place in the sweep file, for messages
+    distribution : the distribution as the sweep file gives it
+    unit : SI unit of the key
+    mean, deviation : of the distribution before it is cut off
+    """
+    low = (_end(f"{where}.from", distribution.start, unit) - mean) / deviation
+    high = (_end(f"{where}.to", distribution.to, unit) - mean) / deviation
+    if not low < high:
+        raise BadInput(
+            f"{where}.to = {distribution.to!r}: must be greater than from = {distribution.start!r}"
+        )
+    return lambda u: mean + deviation * _cut_normal(u, low, high)
+
+
+def _triangular(start: float, mode: float, end: float) -> Callable[[Floats], Floats]:
+    """The inverse of a triangular distribution."""
+    # The cumulative function at the mode: below it one parabola holds, above it another.
+    top = (mode - start) / (end - start)
+
+    def inverse(u: Floats) -> Floats:
+        rising = np.sqrt(top * u)
+        falling = 1 - np.sqrt((1 - top) * (1 - u))
+        values: Floats = start + (end - start) * np.where(u < top, rising, falling)
+        return values
+
+    return inverse
 
 
 def _cut_normal(u: Floats, low: float, high: float) -> Floats:
-    """The normal distribution's inverse between two ends, by the logarithms of the tail that is
-    nearer to them.
+    """Values (n,) of the standard normal distribution between two ends, for u (n,) in (0, 1).
+
+    The logarithms of the nearer tail keep the digits of ends far from the mean.
     """
     from scipy.special import log_ndtr, ndtri_exp  # noqa: PLC0415  (0.1 s)
 
     if low > 0:
         return -_cut_normal(1 - u, -high, -low)
     below, above = log_ndtr(low), log_ndtr(high)
-    found: Floats = ndtri_exp(
-        np.logaddexp(below, np.log(u) + above + np.log1p(-np.exp(below - above)))
-    )
-    return found
+    # log(u (P(high) - P(low))), from the logarithms of P.
+    log_inside = np.log(u) + above + np.log1p(-np.exp(below - above))
+    values: Floats = ndtri_exp(np.logaddexp(below, log_inside))
+    return values
 
 
-def _deviation(said: str, given: float | str, mean: float, unit: str) -> float:
-    """A standard deviation, absolute or in % of the mean."""
+def _deviation(where: str, given: float | str, mean: float, unit: str) -> float:
+    """A standard deviation, absolute or in % of the mean.
+
+    Parameters
+    ----------
+    where : place in the sweep file, for messages
+    given : value in the sweep file
+    mean : mean of the distribution, in SI
+    unit : SI unit of the key
+    """
     if isinstance(given, str) and given.strip().endswith("%"):
         try:
             value = float(given.strip()[:-1]) / 100 * abs(mean)
         except ValueError as error:
-            raise BadInput(f'{said} = {given!r}: must be such as "5 %" of the mean') from error
+            raise BadInput(f'{where} = {given!r}: must be such as "5 %" of the mean') from error
     else:
-        value = _number(said, given, unit)
+        value = _number(where, given, unit)
     if not 0 < value < math.inf:
-        raise BadInput(
-            f"{said} = {given!r}: must be greater than 0{' (the mean is 0)' if mean == 0 else ''}"
-        )
+        reason = " (the mean is 0)" if mean == 0 else ""
+        raise BadInput(f"{where} = {given!r}: must be greater than 0{reason}")
     return value
 
 
-def _draw(spec: _Spec, key: str, seed: int, count: int) -> list[Any]:
-    """The draws of a key, by its own stream of random numbers."""
-    stream = int.from_bytes(
-        hashlib.sha256(key.encode()).digest()[:8]
-    )  # in steps of 2^-53; 0 would be -infinity
-    return spec.at(np.maximum(np.random.default_rng([seed, stream]).random(count), 2.0**-54))
+def _draw(spec: _KeySpec, key: str, seed: int, count: int) -> list[Any]:
+    """Draw `count` values of a key, by a stream of random numbers that the key has for itself."""
+    stream = int.from_bytes(hashlib.sha256(key.encode()).digest()[:8])
+    u = np.random.default_rng([seed, stream]).random(count)
+    # Random numbers come in steps of 2^-53. A u of 0 would make a normal deviate -infinity.
+    return spec.at(np.maximum(u, 2.0**-54))
 
 
 def _combined(combine: str, listed: Mapping[str, list[Any]]) -> Iterator[dict[str, Any]]:
-    """The combinations of the listed values; of a grid the last key changes first."""
+    """The combinations of the listed values; in a grid the last key changes first."""
     lengths = {key: len(values) for key, values in listed.items()}
     if combine == "zip" and len(set(lengths.values())) > 1:
         raise BadInput(f'combine = "zip": needs as many values of each key; there are {lengths}')
-    rows = (
-        zip(*listed.values(), strict=True)
-        if combine == "zip" and listed
-        else itertools.product(*listed.values())
-    )
-    for row in rows:
+    paired = combine == "zip" and bool(listed)
+    columns = listed.values()
+    for row in zip(*columns, strict=True) if paired else itertools.product(*columns):
         yield dict(zip(listed, row, strict=True))
 
 
 def _steps(combine: str, lengths: Sequence[int], repeats: int) -> list[int]:
-    """Of each listed key how many cases lie between its values: the case with the value k, first of
-    all, is k times that many cases after the first one.
+    """For each listed key the number of cases from one of its values to the next.
+
+    The first case with value number k of a key stands k times this number after the first case.
+
+    Parameters
+    ----------
+    combine : how the listed values are combined
+    lengths : number of values of each listed key
+    repeats : number of draws for each combination
     """
     if combine != "grid":
         return [repeats] * len(lengths)
     return [repeats * math.prod(lengths[i + 1 :]) for i in range(len(lengths))]
 
 
-TOLD = 256
-"""Values that are judged before progress is told of again, which takes some 0.1 s."""
+class _ListedKey(NamedTuple):
+    """A key with its listed values, and the changes of the first case with each of the values.
+
+    There may be more changes than values; those beyond belong to no value.
+    """
+
+    key: str
+    values: Sequence[Any]
+    firsts: Sequence[Mapping[str, Any]]
 
 
-def _check(
-    brake: Brake,
-    key: str,
-    values: Sequence[Any],
-    firsts: Sequence[Mapping[str, Any]],
-    middle: Mapping[str, Any],
-    done: Done,
-) -> None:
-    """Raise BadInput for a listed value that no brake can have: neither the base brake nor the
-    first case with it.
+def _check_key(brake: Brake, listed: _ListedKey, medians: Mapping[str, Any], done: Done) -> None:
+    """Raise BadInput for a listed value that neither the base brake nor its first case can have.
 
-    Of many numbers the extremes alone are judged, where the key `is_interval` and the base brake
-    takes them.
+    Of many numbers only the extremes are judged, where the key allows an interval (`is_interval`)
+    and the base brake takes the extremes.
 
     Parameters
     ----------
     brake : the base brake
-    key, values : what is varied, as of `vary`, and its values
-    firsts : the changes of the first case with each of the values, in the order of the values
-    middle : the medians of what is drawn
+    listed : the key and its values
+    medians : the medians of the drawn keys
     done : told how many values have been judged, and of how many
     """
-    ends = _ends(values) if is_interval(brake, key) else []
-    places = [i for i, value in enumerate(values) if not (ends and isinstance(value, float))]
+    key, values, firsts = listed
+    extremes = _extremes(values) if is_interval(brake, key) else []
+    places = list(range(len(values)))
+    if extremes:
+        places = [i for i in places if not isinstance(values[i], float)]
     try:
-        for i in ends:
+        for i in extremes:
             vary(brake, {key: values[i]})
-    # The base brake does not take all values. Each may still fit together with values of the other
-    # keys.
+    # The base brake does not take all values. Each value may still fit together with values of the
+    # other keys.
     except BadInput:
-        places = list(dict.fromkeys([*ends, *range(len(values))]))
+        places = list(dict.fromkeys([*extremes, *range(len(values))]))
     for number, i in enumerate(places):
-        if number % TOLD == 0:
+        if number % VALUES_PER_REPORT == 0:
             done(number, len(places))
         try:
             vary(brake, {key: values[i]})
         except BadInput:
-            vary(brake, {**firsts[i], **middle})
+            vary(brake, {**firsts[i], **medians})
 
 
-def _ends(values: Sequence[Any]) -> list[int]:
-    """Where the least and the greatest number of each sign, and 0, stand among the values."""
+def _extremes(values: Sequence[Any]) -> list[int]:
+    """Positions of the least and the greatest negative number, of 0, and of the positive ones."""
     numbers = [i for i, value in enumerate(values) if isinstance(value, float)]
     found: set[int] = set()
     for sign in (-1, 0, 1):
-        own = [i for i in numbers if (values[i] > 0) - (values[i] < 0) == sign]
-        if own:
-            found |= {min(own, key=values.__getitem__), max(own, key=values.__getitem__)}
+        group = [i for i in numbers if (values[i] > 0) - (values[i] < 0) == sign]
+        if group:
+            found |= {min(group, key=values.__getitem__), max(group, key=values.__getitem__)}
     return sorted(found)

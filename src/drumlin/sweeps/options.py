@@ -7,12 +7,13 @@ from pydantic import Field, model_validator
 
 from drumlin.brake.fields import Part
 from drumlin.fem import solid
-from drumlin.fem.preparation.assembly import MOST_ELEMENTS
+from drumlin.fem.preparation.meshes import MOST_ELEMENTS
 
 
 class ContactOptions(Part):
-    """What all models with a contact's penalty take, as on the command line."""
+    """Options of every model whose contact has a penalty stiffness, as on the command line."""
 
+    # An infinite penalty asks for exact contact.
     model_config = Part.model_config | {"allow_inf_nan": True}
 
     penalty: Annotated[float, Field(gt=0)] | None = None
@@ -28,6 +29,7 @@ class FemOptions(ContactOptions):
 
     @model_validator(mode="after")
     def _divided_one_way(self) -> Self:
+        """Refuse elements or their kind beside the tolerance that chooses the elements."""
         if self.tolerance is not None and (self.elements is not None or self.kind is not None):
             raise ValueError("tolerance chooses the elements; leave out elements and kind")
         return self
@@ -47,8 +49,9 @@ class FoundationOptions(Part):
     lift: list[str] | None = None
 
 
-OPTIONS: Mapping[str, type[Part]] = {
+MODEL_OPTIONS: Mapping[str, type[Part]] = {
     "fem": FemOptions,
     "solid": SolidOptions,
     "foundation": FoundationOptions,
 }
+"""The class that reads the options of a model, by its name. Other models take no options."""

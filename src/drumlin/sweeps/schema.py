@@ -7,33 +7,49 @@ from pydantic import TypeAdapter
 from drumlin.brake.schema import DIALECT, UnitSchema, written
 from drumlin.models import MODELS
 from drumlin.sweeps.file import DISTRIBUTIONS, Range, SweepFile
-from drumlin.sweeps.options import OPTIONS
+from drumlin.sweeps.options import MODEL_OPTIONS
 
 
 def sweep_schema() -> dict[str, Any]:
-    """The schema of a sweep file: what is varied and how, which models answer by which options."""
-    made = TypeAdapter(SweepFile).json_schema(schema_generator=UnitSchema)
-    laws = {name: _of(kind) for name, kind in DISTRIBUTIONS.items()}
-    for name, law in laws.items():
-        law["properties"]["distribution"] = {"const": name}
+    """The schema of a sweep file: the keys that vary, the models and their options."""
+    schema = TypeAdapter(SweepFile).json_schema(schema_generator=UnitSchema)
+    schema["properties"]["vary"] = _vary_schema()
+    schema["properties"]["model"] = _model_schema()
+    return {"$schema": DIALECT, "title": "drumlin sweep file", **written(schema)}
+
+
+def _vary_schema() -> dict[str, Any]:
+    """The schema of [vary]: each key takes a list, a range or a distribution."""
     listed = {"type": "array", "minItems": 1, "description": "values, each with its unit, or words"}
-    properties = made["properties"]
-    properties["vary"] = {
-        "description": "keys of the brake file, such as friction or shoe.lining.thickness, and what they take",
+    distributions = []
+    for name, kind in DISTRIBUTIONS.items():
+        distribution = _schema_of(kind)
+        distribution["properties"]["distribution"] = {"const": name}
+        distributions.append(distribution)
+    return {
+        "description": (
+            "keys of the brake file, such as friction or shoe.lining.thickness, and what they take"
+        ),
         "type": "object",
         "minProperties": 1,
-        "additionalProperties": {"anyOf": [listed, _of(Range), *laws.values()]},
+        "additionalProperties": {"anyOf": [listed, _schema_of(Range), *distributions]},
     }
-    properties["model"] = {
+
+
+def _model_schema() -> dict[str, Any]:
+    """The schema of [model]: the options of each model by its name."""
+    options = {}
+    for name in MODELS:
+        kind = MODEL_OPTIONS.get(name)
+        options[name] = {"type": "object"} if kind is None else _schema_of(kind)
+    return {
         "description": "the models that answer, each with its options; default: fem",
         "type": "object",
-        "properties": {
-            name: _of(OPTIONS[name]) if name in OPTIONS else {"type": "object"} for name in MODELS
-        },
+        "properties": options,
         "additionalProperties": False,
     }
-    return {"$schema": DIALECT, "title": "drumlin sweep file", **written(made)}
 
 
-def _of(kind: type[Any]) -> dict[str, Any]:
+def _schema_of(kind: type[Any]) -> dict[str, Any]:
+    """The schema of one class."""
     return dict(TypeAdapter(kind).json_schema(schema_generator=UnitSchema))

@@ -1,4 +1,4 @@
-"""Cases and their rows as one table, and its file."""
+"""Cases and their rows as one table, and the file of the table."""
 
 import importlib
 import json
@@ -11,58 +11,83 @@ from drumlin.base.errors import BadInput
 from drumlin.base.files import replacing, write_text
 from drumlin.brake.file import unit_of
 from drumlin.comparison import as_csv
-from drumlin.sweeps.cases import Case, Row, names_mesh
+from drumlin.sweeps.cases import Row, SweepCase, names_mesh
 
-UNITS = {
+ROW_UNITS = {
     "torque": "N m",
     "braking_force": "N",
     "peak_pressure": "Pa",
     "hinge_reaction": "N",
 }
+"""Unit of a row's number, by the last part of its name. Other numbers have no unit; the ends of a
+contact have that of the friction surface."""
 
 
 def table(
-    cases: Sequence[Case], rows: Sequence[Row], base: Path | None = None, pressure: str = "Pa"
+    cases: Sequence[SweepCase],
+    rows: Sequence[Row],
+    base: Path | None = None,
+    pressure: str = "Pa",
 ) -> list[Row]:
-    """Cases and their rows as one table in SI, columns headed with name and unit:
-    "shoe.lining.thickness [m]".
+    """Cases and their rows as one table, headed with name and unit: "shoe.lining.thickness [m]".
 
-    A changed value that is a table itself stands as JSON, a mesh file by its path from the folder
-    `base`; stresses stand in the unit `pressure`, "Pa" or "MPa".
+    Parameters
+    ----------
+    cases : the cases
+    rows : numbers of each case, in SI
+    base : folder from which the paths of mesh files are written; None: the paths stay
+    pressure : unit of all stresses, "Pa" or "MPa"
+
+    Returns
+    -------
+    one line a case: its number, the changed values, model, status and the numbers of its row. A
+    changed value that is a table itself stands as JSON.
     """
-    units: dict[str, str] = {}
-    made = []
+    # Many cases change the same keys: each heading is made once.
+    headings: dict[str, str] = {}
+    lines = []
     for number, (case, row) in enumerate(zip(cases, rows, strict=True)):
         line: Row = {"case": number}
         for key, value in case.changes.items():
-            if key not in units:
-                units[key] = _headed(key, unit_of(case.brake, key))
-            if base is not None and names_mesh(key):
-                value = Path(os.path.relpath(value, base)).as_posix()  # noqa: PLW2901
-            line[units[key]] = json.dumps(value) if isinstance(value, list | tuple) else value
+            if key not in headings:
+                headings[key] = _headed(key, unit_of(case.brake, key))
+            line[headings[key]] = _changed_value(key, value, base)
         line |= {"model": case.model, "status": row["status"]}
         for name, value in row.items():
-            last = name.rpartition(".")[2]
-            unit = (
-                case.brake.surface.unit
-                if last in {"contact_start", "contact_end"}
-                else UNITS.get(last)
-            )
-            line[_headed(name, unit)] = value
-        made.append(line if pressure == "Pa" else _in_megapascal(line))
-    return made
+            line[_headed(name, _row_unit(case, name))] = value
+        lines.append(line if pressure == "Pa" else _in_megapascal(line))
+    return lines
+
+
+def _changed_value(key: str, value: Any, base: Path | None) -> Any:
+    """A changed value as it stands in the table."""
+    if base is not None and names_mesh(key):
+        return Path(os.path.relpath(value, base)).as_posix()
+    return json.dumps(value) if isinstance(value, list | tuple) else value
+
+
+def _row_unit(case: SweepCase, name: str) -> str | None:
+    """The unit of a number of a row, by its name."""
+    quantity = name.rpartition(".")[2]
+    if quantity in {"contact_start", "contact_end"}:
+        return case.brake.surface.unit
+    return ROW_UNITS.get(quantity)
 
 
 def _in_megapascal(line: Row) -> Row:
-    return {
-        f"{name.removesuffix(' [Pa]')} [MPa]" if name.endswith(" [Pa]") else name: value * 1e-6
-        if name.endswith(" [Pa]") and isinstance(value, float)
-        else value
-        for name, value in line.items()
-    }
+    """A line of the table with its stresses in MPa."""
+    converted: Row = {}
+    for name, value in line.items():
+        if not name.endswith(" [Pa]"):
+            converted[name] = value
+            continue
+        heading = f"{name.removesuffix(' [Pa]')} [MPa]"
+        converted[heading] = value * 1e-6 if isinstance(value, float) else value
+    return converted
 
 
 def _headed(name: str, unit: str | None) -> str:
+    """The heading of a column: the name and, if there is one, the unit."""
     return f"{name} [{unit}]" if unit else name
 
 
@@ -73,16 +98,20 @@ def write_table(lines: Sequence[Row], path: Path) -> None:
         return
     parquet = _parquet()
     arrow = importlib.import_module("pyarrow")
-    names = dict.fromkeys(name for line in lines for name in line)
+    names: dict[str, None] = {}
+    for line in lines:
+        names |= dict.fromkeys(line)
     columns = {name: [line.get(name) for line in lines] for name in names}
     for name, values in columns.items():
-        if any(isinstance(value, str) for value in values):  # numbers and tables under one key
+        # A column of Parquet has one type. Numbers beside words become words.
+        if any(isinstance(value, str) for value in values):
             columns[name] = [value if value is None else str(value) for value in values]
     with replacing(path) as partial:
         parquet.write_table(arrow.table(columns), partial)
 
 
 def _parquet() -> Any:
+    """The module that writes Parquet. Raises BadInput where it is not installed."""
     try:
         return importlib.import_module("pyarrow.parquet")
     except ImportError as error:
@@ -92,7 +121,7 @@ def _parquet() -> Any:
 
 
 def check_output(path: Path) -> None:
-    """Raise BadInput for a table that could not be written in the end, before anything is solved."""
+    """Raise BadInput for a table file that could not be written at the end of the sweep."""
     if path.suffix not in {".csv", ".parquet"}:
         raise BadInput(f"--output = {str(path)!r}: must end in .csv or .parquet")
     if path.suffix == ".parquet":

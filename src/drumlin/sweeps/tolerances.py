@@ -1,10 +1,9 @@
-"""Manufacturing tolerances: draws of a brake's keys, the distribution of what it does, and who is
-to blame.
+"""Manufacturing tolerances: random draws of a brake's keys and their shares in what it does.
 
 The draws are those of Saltelli et al. (2010), Comput. Phys. Commun. 181, 259: two independent
-samples A and B of n brakes, and for each tolerance i a sample AB_i that is A but for the deviate i,
-which is B's. Together the 2 n brakes of A and B are a Monte Carlo sample; with the AB_i they give
-the shares of the variance (Sobol indices).
+samples A and B of n brakes, and for each tolerance i a sample AB_i. The sample AB_i is A with the
+deviate i of B. Together the 2 n brakes of A and B are a Monte Carlo sample. With the samples AB_i
+they give the shares of the variance (Sobol indices).
 """
 
 import re
@@ -17,20 +16,25 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import value_of, vary
-from drumlin.fem.preparation.assembly import prepare
-from drumlin.sweeps.cases import Case, Row
-from drumlin.wear import archard, run_in
-from drumlin.wear.linings import fem_setup
+from drumlin.fem.preparation.prepare import prepare
+from drumlin.lining_wear import archard, run_in
+from drumlin.lining_wear.linings import fem_setup
+from drumlin.sweeps.cases import Row, SweepCase
 
 PERCENTILES = (1, 5, 50, 95, 99)
+"""The percentiles [%] by which a distribution is reported."""
 
 
-class Tolerance(NamedTuple):
-    """One deviate: its distribution (of scipy.stats, frozen), and what it adds to keys of the brake
-    file.
+class ManufacturingTolerance(NamedTuple):
+    """One random deviation of manufacture and the keys of the brake file that it moves.
 
-    moves: SI per unit of the deviate, by key. A deviate may move several keys: a pin along its
-    radius, both radii.
+    A deviation may move several keys: a pin along its radius, or both radii.
+
+    Attributes
+    ----------
+    name : of the tolerance, in tables
+    distribution : of the deviate, a frozen distribution of scipy.stats
+    moves : change of each key in SI per unit of the deviate
     """
 
     name: str
@@ -39,8 +43,9 @@ class Tolerance(NamedTuple):
 
 
 def within(limit: float) -> Any:
-    """A deviate that inspection keeps within +-limit: normal, two standard deviations = limit, cut
-    there.
+    """The distribution of a deviate that inspection keeps within +-limit.
+
+    It is normal with a standard deviation of limit/2, cut off at the limits.
     """
     from scipy.stats import truncnorm  # noqa: PLC0415  (0.5 s)
 
@@ -48,15 +53,24 @@ def within(limit: float) -> Any:
 
 
 def between(low: float, high: float) -> Any:
-    """A deviate that is anything from low to high."""
+    """The uniform distribution of a deviate from low to high."""
     from scipy.stats import uniform  # noqa: PLC0415  (0.5 s)
 
     return uniform(low, high - low)
 
 
-def draw(tolerances: Sequence[Tolerance], n: int, seed: int) -> Floats:
-    """Deviates (d + 2, n, d) of the samples A, B, AB_1 ... AB_d: scrambled Sobol' points; n a power
-    of 2.
+def draw(tolerances: Sequence[ManufacturingTolerance], n: int, seed: int) -> Floats:
+    """Draw the samples A, B, AB_1 ... AB_d of d deviates by scrambled Sobol' points.
+
+    Parameters
+    ----------
+    tolerances : the d tolerances
+    n : brakes in a sample, a power of 2
+    seed : of the scrambling
+
+    Returns
+    -------
+    the deviates (d + 2, n, d)
     """
     from scipy.stats import qmc  # noqa: PLC0415  (0.5 s)
 
@@ -64,9 +78,9 @@ def draw(tolerances: Sequence[Tolerance], n: int, seed: int) -> Floats:
         raise BadInput(f"n = {n}: must be a power of 2")
     d = len(tolerances)
     points = qmc.Sobol(2 * d, rng=np.random.default_rng(seed)).random(n)
-    values = np.column_stack(
-        [tolerances[i % d].distribution.ppf(points[:, i]) for i in range(2 * d)]
-    )
+    # The first d coordinates make sample A, the others sample B.
+    columns = [tolerances[i % d].distribution.ppf(points[:, i]) for i in range(2 * d)]
+    values = np.column_stack(columns)
     A, B = values[:, :d], values[:, d:]
     mixed = np.repeat(A[None], d, axis=0)
     for i in range(d):
@@ -76,38 +90,53 @@ def draw(tolerances: Sequence[Tolerance], n: int, seed: int) -> Floats:
 
 def cases(
     brake: Brake,
-    tolerances: Sequence[Tolerance],
+    tolerances: Sequence[ManufacturingTolerance],
     deviates: Floats,
     model: str = "fem",
     **options: Any,
-) -> list[Case]:
-    """The brake with the deviates (..., d) added to its keys, a case each, in their order.
+) -> list[SweepCase]:
+    """Make a case for each row of deviates: the brake with the deviates added to its keys.
 
-    Raises BadInput where a key of every shoe ("shoe.lining.thickness") would undo that of one
-    ("shoe[0].lining...").
+    Parameters
+    ----------
+    brake : the base brake
+    tolerances : the d tolerances
+    deviates : (..., d), as `draw` returns them
+    model, options : who solves the cases, and its options
+
+    Raises
+    ------
+    BadInput
+        where a key of every shoe ("shoe.lining.thickness") would undo one of a single shoe
+        ("shoe[0].lining.thickness")
     """
+    # A dict keeps the keys in the order in which the tolerances first move them.
+    nominal: dict[str, Any] = {}
     _check_keys({key for tolerance in tolerances for key in tolerance.moves})
-    keys = {key: value_of(brake, key) for tolerance in tolerances for key in tolerance.moves}
-    slopes = np.array([[tolerance.moves.get(key, 0.0) for key in keys] for tolerance in tolerances])
-    values = np.array([*keys.values()]) + deviates.reshape(-1, len(tolerances)) @ slopes
-    return [
-        Case(brake, dict(zip(keys, row, strict=True)), model, options) for row in values.tolist()
-    ]
+    for tolerance in tolerances:
+        nominal |= {key: value_of(brake, key) for key in tolerance.moves}
+    rows = [[tolerance.moves.get(key, 0.0) for key in nominal] for tolerance in tolerances]
+    slopes = np.array(rows)
+    values = np.array([*nominal.values()]) + deviates.reshape(-1, len(tolerances)) @ slopes
+    changes = [dict(zip(nominal, row, strict=True)) for row in values.tolist()]
+    return [SweepCase(brake, change, model, options) for change in changes]
 
 
 def _check_keys(keys: set[str]) -> None:
     """Raise BadInput where two keys mean the same number."""
-    whole = {key: re.sub(r"\[\d+\]", "", key) for key in keys}
-    for key, bare in whole.items():
-        if key == bare and list(whole.values()).count(bare) > 1:
+    without_numbers = {key: re.sub(r"\[\d+\]", "", key) for key in keys}
+    for key, bare in without_numbers.items():
+        if key == bare and list(without_numbers.values()).count(bare) > 1:
             raise BadInput(
-                f"tolerances: {key} means every one, and another tolerance moves one of them; name each"
+                f"tolerances: {key} means every one, and another tolerance moves one of them; "
+                "name each"
             )
 
 
 def numbers(rows: Sequence[Row], name: str) -> Floats:
-    """One number of every row, (rows,). Raises NoAnswer where a case has none: shares of a variance
-    need all.
+    """The number called `name` of every row, (rows,).
+
+    Raises NoAnswer where a case has no answer, since shares of a variance need all cases.
     """
     failed = [str(row["status"]) for row in rows if row["status"] != "solved"]
     if failed:
@@ -117,8 +146,11 @@ def numbers(rows: Sequence[Row], name: str) -> Floats:
     return np.array([row[name] for row in rows], dtype=float)
 
 
-class Spread(NamedTuple):
-    """A distribution: mean, standard deviation, both in the quantity's unit, and the PERCENTILES."""
+class SampleSpread(NamedTuple):
+    """Mean, standard deviation and percentiles of a sample, in the unit of its values.
+
+    The percentiles are those of PERCENTILES.
+    """
 
     mean: float
     deviation: float
@@ -130,17 +162,17 @@ class Spread(NamedTuple):
         return self.deviation / self.mean
 
 
-def spread(values: Floats) -> Spread:
-    """The distribution of values (n,)."""
-    return Spread(
-        float(values.mean()),
-        float(values.std(ddof=1)),
-        tuple(np.percentile(values, PERCENTILES).tolist()),
+def spread(values: Floats) -> SampleSpread:
+    """Mean, standard deviation and percentiles of values (n,)."""
+    return SampleSpread(
+        mean=float(values.mean()),
+        deviation=float(values.std(ddof=1)),
+        percentiles=tuple(np.percentile(values, PERCENTILES).tolist()),
     )
 
 
 class Share(NamedTuple):
-    """A Sobol index with its confidence interval."""
+    """A Sobol index (share of a variance) with its confidence interval from low to high."""
 
     value: float
     low: float
@@ -148,8 +180,13 @@ class Share(NamedTuple):
 
 
 class Shares(NamedTuple):
-    """What share of a variance a deviate has: alone (`first`), and with all that it does jointly
-    (`total`).
+    """The shares of one deviate in a variance.
+
+    Attributes
+    ----------
+    name : of the tolerance
+    first : share that the deviate has alone
+    total : share with all that the deviate does together with others
     """
 
     name: str
@@ -158,34 +195,46 @@ class Shares(NamedTuple):
 
 
 def shares(
-    tolerances: Sequence[Tolerance],
+    tolerances: Sequence[ManufacturingTolerance],
     values: Floats,
     *,
     seed: int,
     confidence: float = 0.95,
     resamples: int = 400,
 ) -> list[Shares]:
-    """Sobol indices of values (d + 2, n) on the draws of `draw`; confidence intervals by bootstrap
-    of the n.
+    """Sobol indices of each tolerance with confidence intervals.
 
-    The estimators of Saltelli et al. (2010), table 2 (b) and (f), of scipy.stats.sobol_indices.
+    The estimators are those of Saltelli et al. (2010), table 2 (b) and (f), as
+    scipy.stats.sobol_indices computes them. The intervals come from a bootstrap: the n brakes are
+    drawn again with replacement.
+
+    Parameters
+    ----------
+    tolerances : the d tolerances
+    values : (d + 2, n), a number of each brake that `draw` made
+    seed : of the bootstrap
+    confidence : of the intervals
+    resamples : number of samples of the bootstrap
     """
     rng = np.random.default_rng(seed)
     n = values.shape[1]
-    found = _indices(values)
-    again = np.array([_indices(values[:, rng.integers(n, size=n)]) for _ in range(resamples)])
-    low, high = np.quantile(again, [(1 - confidence) / 2, (1 + confidence) / 2], axis=0)
+    indices = _indices(values)
+    resampled = [_indices(values[:, rng.integers(n, size=n)]) for _ in range(resamples)]
+    tails = [(1 - confidence) / 2, (1 + confidence) / 2]
+    low, high = np.quantile(np.array(resampled), tails, axis=0)
+
+    def share(kind: int, i: int) -> Share:
+        """The first (kind 0) or total (kind 1) index of tolerance i."""
+        return Share(float(indices[kind, i]), float(low[kind, i]), float(high[kind, i]))
+
     return [
-        Shares(
-            tolerance.name,
-            *(Share(float(found[k, i]), float(low[k, i]), float(high[k, i])) for k in (0, 1)),
-        )
+        Shares(tolerance.name, first=share(0, i), total=share(1, i))
         for i, tolerance in enumerate(tolerances)
     ]
 
 
 def _indices(values: Floats) -> Floats:
-    """First and total indices (2, d)."""
+    """First-order and total Sobol indices (2, d) of values (d + 2, n)."""
     from scipy.stats import sobol_indices  # noqa: PLC0415  (0.5 s)
 
     A, B, AB = values[:1], values[1:2], values[2:, None]
@@ -196,18 +245,30 @@ def _indices(values: Floats) -> Floats:
 def healing(
     brake: Brake, distances: Sequence[float], *, elements: int, tolerance: float = 3e-3
 ) -> dict[str, Any]:
-    """Torque [N m] and peak pressure [Pa] of a new brake on a round drum as it runs in, at the
-    sliding distances [m].
+    """Torque and peak pressure of a new brake on a round drum as it runs in.
 
-    Archard's wear with the coefficient run_in.COEFFICIENT, until p and torque are settled; they
-    stay from there on.
+    Archard's wear with run_in.COEFFICIENT goes on until pressure and torque are settled. At greater
+    distances both stay as they then are.
+
+    Parameters
+    ----------
+    brake : the brake with new linings
+    distances : sliding distances [m]
+    elements : along each lining
+    tolerance : relative error of the pressure in each step of the wear
+
+    Returns
+    -------
+    "torque" [N m] and "peak_pressure" [Pa] at each distance; "worn_in", the torque [N m] of the law
+    that the wear tends to
     """
-    round_ = vary(brake, {"drum.out_of_round": []})
-    setup = fem_setup(prepare(round_, elements=elements), round_)
+    on_round_drum = vary(brake, {"drum.out_of_round": []})
+    setup = fem_setup(prepare(on_round_drum, elements=elements), on_round_drum)
     states = run_in.run_in(setup, tolerance=tolerance)
-    found = [archard.at(states, min(s, states[-1].s)) for s in distances]
+    settled_at = states[-1].s
+    states_at = [archard.at(states, min(s, settled_at)) for s in distances]
     return {
-        "torque": [state.torque for state in found],
-        "peak_pressure": [run_in.peak(setup, state) for state in found],
+        "torque": [state.torque for state in states_at],
+        "peak_pressure": [run_in.peak(setup, state) for state in states_at],
         "worn_in": run_in.target(setup).torque,
     }

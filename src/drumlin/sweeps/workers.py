@@ -1,7 +1,7 @@
 """Who solves the cases of a sweep: processes of this machine, or the workers of a Dask cluster.
 
-Loads no numpy: a worker limits its threads before it does. Workers that die, stop or never answer
-are replaced, or become one line within the limits below.
+The module loads no numpy, because a worker limits its threads before it loads numpy. Workers that
+die, stop or never answer are replaced, or the sweep ends with one line within the limits below.
 """
 
 import importlib
@@ -22,22 +22,37 @@ from drumlin.base.errors import BadInput, NoAnswer
 
 OLDEST_DASK = "2025.4"
 """The oldest Dask whose scheduler names all its workers when it is asked for them."""
-CONNECT = 5.0
-"""Seconds within which a scheduler must take a connection. One that is just starting is tried again
-until then.
-"""
-ANSWER = 30.0  # s within which a scheduler answers, and a process starts
-HEARD = 300.0  # s within which a Dask worker is heard of: a long factorisation can silence one for minutes
-FIRST = 60.0  # s to wait for a worker where there is none
-STARTS = 3  # times that a process is started anew before it is given up
-MAX_JOBS = 1000
-LOGGERS = ("distributed", "tornado", "asyncio")  # what they say of a lost cluster fills the screen
 
-# The dense systems are many and small: more BLAS threads make them slower, by far where processes
-# share the cores.
-THREADS = {"OPENBLAS_NUM_THREADS": "1"}
+CONNECT_SECONDS = 5.0
+"""Seconds within which a scheduler must take a connection. A scheduler that is just starting is
+tried again until then."""
+
+ANSWER_SECONDS = 30.0
+"""Seconds within which a scheduler must answer and a new process must start. Later they count as
+lost. A judgement: both take far less on a machine that is not overloaded."""
+
+HEARTBEAT_SECONDS = 300.0
+"""Seconds within which some Dask worker must be heard of. A long factorisation can silence a worker
+for minutes; after this limit all workers count as lost."""
+
+FIRST_WORKER_SECONDS = 60.0
+"""Seconds that a scheduler without workers has to find the first one."""
+
+MAX_PROCESS_STARTS = 3
+"""How often a process is started before the sweep gives up."""
+
+MAX_JOBS = 1000
+"""Largest number of processes that a user may ask for."""
+
+DASK_LOGGERS = ("distributed", "tornado", "asyncio")
+"""Loggers whose messages about a lost cluster would fill the screen; they are silenced."""
+
+WORKER_THREADS = {"OPENBLAS_NUM_THREADS": "1"}
+"""Environment of each worker. The dense systems are many and small, so that more BLAS threads make
+them slower, above all where processes share the cores."""
 
 Say = Callable[[str], None]
+"""Told a line for the user."""
 
 
 class Workers(NamedTuple):
@@ -51,19 +66,29 @@ class Workers(NamedTuple):
 def executor(
     jobs: int | None = None, scheduler: str | None = None, say: Say = lambda _: None
 ) -> Iterator[Workers]:
-    """Workers while a block runs: `jobs` processes, by default one a core, or those of a Dask
-    `scheduler`.
+    """Provide workers while a block runs.
 
-    say: told in a line where workers are waited for. Raises BadInput where they cannot be had,
-    NoAnswer where they are lost.
+    Parameters
+    ----------
+    jobs : number of processes; None: one a core
+    scheduler : address of a Dask scheduler whose workers solve the cases; None: processes do
+    say : told in a line when the block waits for workers
+
+    Raises
+    ------
+    BadInput
+        where the workers cannot be had
+    NoAnswer
+        where the workers are lost
     """
     if scheduler is not None:
         if jobs is not None:
             raise BadInput(
-                f"--jobs = {jobs}: the scheduler has its own workers; leave out --jobs or --scheduler"
+                f"--jobs = {jobs}: "
+                "the scheduler has its own workers; leave out --jobs or --scheduler"
             )
-        with _dask(scheduler, say) as found:
-            yield found
+        with _dask(scheduler, say) as workers:
+            yield workers
         return
     jobs = min(_cores(), MAX_JOBS) if jobs is None else jobs
     if not 1 <= jobs <= MAX_JOBS:
@@ -71,7 +96,7 @@ def executor(
     if jobs == 1:
         yield Workers(None, 1)
         return
-    pool = _Processes(jobs)
+    pool = _ProcessPool(jobs)
     try:
         yield Workers(pool, jobs)
     except BaseException:
@@ -81,20 +106,20 @@ def executor(
 
 
 def waiting_since(start: float) -> str:
-    """The line that says since when [time.time()] workers are waited for."""
+    """The line that says since when [time.time()] the sweep waits for workers."""
     return f"waiting for workers since {time.strftime('%H:%M:%S', time.localtime(start))}"
 
 
 def _cores() -> int:
-    """The cores that this process may use."""
+    """The number of cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-class _Processes(Executor):
-    """Processes, each asked by a thread of its own.
+class _ProcessPool(Executor):
+    """Processes, each with a thread of this process that gives it work.
 
-    A process that dies takes its own work with it alone, also where it dies while it sends its
-    answer, and is replaced.
+    A process that dies takes only its own work with it, even where it dies while it sends its
+    answer. Another process replaces it.
     """
 
     def __init__(self, number: int) -> None:
@@ -106,13 +131,13 @@ class _Processes(Executor):
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
         """Give work to the process that is free next.
 
-        The future raises NoAnswer where processes die as they start, BrokenExecutor where one dies
-        at its work.
+        The future raises NoAnswer where processes die as they start, BrokenExecutor where a process
+        dies at its work.
         """
         return self._threads.submit(self._ask, fn, args, kwargs)
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        """End the processes: once they are done, or at once."""
+        """End the processes: when they have finished their work, or at once without `wait`."""
         self._ended = not wait
         self._threads.shutdown(wait, cancel_futures=cancel_futures)
         for process in self._all:
@@ -122,30 +147,37 @@ class _Processes(Executor):
         """What a function returns in the process of this thread."""
         process = getattr(self._of_thread, "process", None) or self._started()
         try:
-            good, answer = process.ask(work)
+            outcome = process.ask(work)
         except Exception as error:
             process.kill()
             process = None
             raise BrokenExecutor(f"its process died ({type(error).__name__})") from error
         finally:
             self._of_thread.process = process
-        if not good:
-            raise answer
-        return answer
+        if not outcome.returned:
+            raise outcome.value
+        return outcome.value
 
     def _started(self) -> "_Process":
-        """A process that has answered. Raises NoAnswer."""
+        """A new process that has answered once. Raises NoAnswer where none starts."""
         reason = "stopped"
-        for _ in range(0 if self._ended else STARTS):
+        for _ in range(0 if self._ended else MAX_PROCESS_STARTS):
             try:
                 process = _Process()
                 self._all.append(process)
-                process.ask((os.getpid, (), {}), ANSWER)
+                process.ask((os.getpid, (), {}), ANSWER_SECONDS)
                 return process
             # A TimeoutError is an OSError.
             except (EOFError, OSError, MemoryError, RuntimeError) as error:
                 reason = " ".join(f"{type(error).__name__}: {error}".split())
         raise NoAnswer(f"sweep: worker processes cannot be started ({reason})")
+
+
+class _Outcome(NamedTuple):
+    """What came of a call: whether the function returned, and what it returned or raised."""
+
+    returned: bool
+    value: Any
 
 
 class _Process:
@@ -155,26 +187,24 @@ class _Process:
         spawn = multiprocessing.get_context("spawn")
         self._pipe, far_end = spawn.Pipe()
         self._process = spawn.Process(target=_serve, args=(far_end,), daemon=True)
-        with _environment():
+        with _worker_environment():
             self._process.start()
-        # The process has a copy of its own. With this one closed the pipe ends when the process
-        # dies.
+        # The process has its own copy of the far end. With this copy closed the pipe ends when the
+        # process dies.
         far_end.close()
 
-    def ask(self, work: Any, limit: float | None = None) -> tuple[bool, Any]:
-        """Whether a function has returned, and what it has returned or raised.
+    def ask(self, work: Any, limit: float | None = None) -> _Outcome:
+        """Call a function in the process; `limit` [s] bounds the time that it takes.
 
-        Any exception here says that the process died. `limit` is how long the function may take
-        [s].
+        Any exception that this method raises says that the process died.
         """
         self._pipe.send(work)
         if not self._pipe.poll(limit):
             raise TimeoutError(f"no answer within {limit:g} s")
-        answer: tuple[bool, Any] = self._pipe.recv()
-        return answer
+        return _Outcome(*self._pipe.recv())
 
     def kill(self) -> None:
-        """End the process whatever it does."""
+        """End the process, whatever it does."""
         self._process.kill()
         self._process.join()
 
@@ -196,10 +226,10 @@ _environment_lock = threading.Lock()
 
 
 @contextmanager
-def _environment() -> Iterator[None]:
-    """The environment that processes are started in, for one thread at a time."""
+def _worker_environment() -> Iterator[None]:
+    """Set the environment that processes are started in, for one thread at a time."""
     with _environment_lock:
-        added = {name: value for name, value in THREADS.items() if name not in os.environ}
+        added = {name: value for name, value in WORKER_THREADS.items() if name not in os.environ}
         os.environ.update(added)
         try:
             yield
@@ -209,11 +239,12 @@ def _environment() -> Iterator[None]:
 
 
 def _attach() -> None:
-    """In a worker: Ctrl-C is its parent's to answer, and without a parent it ends."""
+    """In a worker: leave Ctrl-C to the parent process, and end when the parent ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
 
     def follow() -> None:
+        """Wait for the end of the parent, then end this process."""
         if parent is not None:
             parent.join()
             os._exit(1)
@@ -223,6 +254,7 @@ def _attach() -> None:
 
 @contextmanager
 def _dask(address: str, say: Say) -> Iterator[Workers]:
+    """Provide the workers of the Dask scheduler at an address while a block runs."""
     try:
         distributed: Any = importlib.import_module("distributed")
     except ImportError as error:
@@ -231,83 +263,89 @@ def _dask(address: str, say: Say) -> Iterator[Workers]:
         client = _client(distributed, address)
         try:
             threads = _first_workers(client, address, say)
-            pool = _Dask(client, address, distributed)
+            pool = _DaskPool(client, address, distributed)
             try:
                 yield Workers(pool, threads)
             finally:
                 pool.shutdown()
         finally:
-            with suppress(Exception):  # of a cluster that is lost there is nothing to close
+            # A client of a lost cluster has nothing to close and may raise anything.
+            with suppress(Exception):
                 client.close(timeout=2)
 
 
 def _client(distributed: Any, address: str) -> Any:
-    """A client of the scheduler at an address. Raises BadInput where none answers within CONNECT
-    seconds.
+    """A client of the scheduler at an address.
+
+    Raises BadInput where no scheduler answers within CONNECT_SECONDS.
     """
-    found: Future[Any] = Future()
+    connected: Future[Any] = Future()
 
     class Client(distributed.Client):  # type: ignore[misc]
+        """A client that its user closes."""
+
         def __del__(self) -> None:
-            """Nothing: whoever has the client closes it. One that was never connected would be
-            waited for here.
-            """
+            """Do nothing: Dask would wait here for a client that was never connected."""
 
     def connect() -> None:
+        """Make the client, or keep the reason why there is none."""
         try:
-            found.set_result(Client(address, timeout=CONNECT, set_as_default=False))
+            client = Client(address, timeout=CONNECT_SECONDS, set_as_default=False)
+            connected.set_result(client)
         except BaseException as error:
-            found.set_exception(error)
+            connected.set_exception(error)
 
     start = time.monotonic()
-    threading.Thread(
-        target=connect, daemon=True
-    ).start()  # a port that accepts and is silent may hold it for ever
+    # A port that accepts a connection and stays silent may hold this thread for ever.
+    threading.Thread(target=connect, daemon=True).start()
     try:
-        return found.result(CONNECT)
+        return connected.result(CONNECT_SECONDS)
     except Exception as error:
-        found.add_done_callback(_close)
-        tried = time.monotonic() - start > 0.9 * CONNECT
-        why = (
-            f" (tried for {CONNECT:g} s)"
-            if tried
-            else f" ({error})"
-            if isinstance(error, ValueError)
-            else ""
-        )
+        connected.add_done_callback(_close)
+        reason = ""
+        if time.monotonic() - start > 0.9 * CONNECT_SECONDS:
+            reason = f" (tried for {CONNECT_SECONDS:g} s)"
+        elif isinstance(error, ValueError):
+            reason = f" ({error})"
         raise BadInput(
-            f"--scheduler = {address!r}: no Dask scheduler answers there{why}"
+            f"--scheduler = {address!r}: no Dask scheduler answers there{reason}"
         ) from error
 
 
-def _close(found: "Future[Any]") -> None:
-    """Close a client, also one that is connected too late. One that is lost has nothing to close."""
+def _close(connected: "Future[Any]") -> None:
+    """Close a client that was connected too late. A lost client has nothing to close."""
     with suppress(Exception):
-        found.result().close(timeout=2)
+        connected.result().close(timeout=2)
 
 
 def _first_workers(client: Any, address: str, say: Say) -> int:
-    """How many cases the workers solve at a time, once there are any. Raises NoAnswer."""
-    start, said = time.time(), False
+    """Wait for the first workers; returns how many cases the workers solve at a time.
+
+    Raises NoAnswer where no worker comes within FIRST_WORKER_SECONDS.
+    """
+    start, told = time.time(), False
     while True:
         threads = sum(worker["nthreads"] for worker in _ask(client, address).values())
         if threads:
             return threads
-        if time.time() - start > FIRST:
-            raise NoAnswer(f"--scheduler = {address!r}: it has had no workers for {FIRST:g} s")
-        if not said:
+        if time.time() - start > FIRST_WORKER_SECONDS:
+            raise NoAnswer(
+                f"--scheduler = {address!r}: it has had no workers for {FIRST_WORKER_SECONDS:g} s"
+            )
+        if not told:
             say(waiting_since(start))
-            said = True
-        time.sleep(min(1.0, FIRST / 4))
+            told = True
+        time.sleep(min(1.0, FIRST_WORKER_SECONDS / 4))
 
 
 def _ask(client: Any, address: str) -> dict[str, Any]:
-    """The scheduler's workers. Raises NoAnswer where it does not answer."""
+    """The scheduler's workers by name. Raises NoAnswer where the scheduler does not answer."""
     try:
-        known: dict[str, Any] = client.sync(
-            client.scheduler.identity, n_workers=-1, callback_timeout=ANSWER
-        )["workers"]
-    # An older scheduler answers that it does not know what it is asked.
+        identity = client.sync(
+            client.scheduler.identity, n_workers=-1, callback_timeout=ANSWER_SECONDS
+        )
+        workers: dict[str, Any] = identity["workers"]
+    # An older scheduler does not know the argument n_workers and answers with a TypeError.
     except TypeError as error:
         raise NoAnswer(
             f"--scheduler = {address!r}: is of a Dask older than {OLDEST_DASK} ({error})"
@@ -316,12 +354,13 @@ def _ask(client: Any, address: str) -> dict[str, Any]:
         raise NoAnswer(
             f"--scheduler = {address!r}: the scheduler was lost, or does not answer"
         ) from error
-    return known
+    return workers
 
 
-class _Dask(Executor):
-    """Work for a client's workers. What waits fails in one line once the scheduler or all workers
-    are lost.
+class _DaskPool(Executor):
+    """An executor on the workers of a Dask client.
+
+    Once the scheduler or all workers are lost, all waiting work fails with one line.
     """
 
     def __init__(self, client: Any, address: str, distributed: Any) -> None:
@@ -335,7 +374,8 @@ class _Dask(Executor):
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
         """Give work to a worker. Raises NoAnswer where the cluster is lost."""
         future: Future[Any] = Future()
-        future.set_running_or_notify_cancel()  # closing the client forgets what waits
+        # Nobody can cancel the work any more. Closing the client forgets what waits.
+        future.set_running_or_notify_cancel()
         with self._lock:
             if self._lost is not None:
                 raise self._lost
@@ -348,18 +388,19 @@ class _Dask(Executor):
         return future
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        """Watch no longer, and forget what waits."""
+        """Watch the cluster no longer, and forget what waits."""
         self._end.set()
         with self._lock:
             self._waiting.clear()
 
     def _loss(self) -> NoAnswer:
+        """The error that says that the scheduler was lost."""
         return NoAnswer(
             f"--scheduler = {self._address!r}: the scheduler was lost, or does not answer"
         )
 
     def _answer(self, future: "Future[Any]", inner: "Future[Any]") -> None:
-        """Pass on what came of some work."""
+        """Pass the result of Dask's future on to the future that the sweep waits for."""
         with self._lock:
             if future not in self._waiting:
                 return
@@ -376,36 +417,42 @@ class _Dask(Executor):
                 future.set_exception(error)
 
     def _watch(self) -> None:
-        """Once a second: is there a scheduler, and a worker that it has heard of lately?"""
-        seen: dict[str, Any] = {}
-        heard = time.monotonic()
-        while not self._end.wait(min(1.0, ANSWER / 4)):
+        """Ask about once a second whether the cluster lives; fail all work once it does not."""
+        last_seen: dict[str, Any] = {}
+        last_sign = time.monotonic()
+        while not self._end.wait(min(1.0, ANSWER_SECONDS / 4)):
             try:
                 workers = _ask(self._client, self._address)
-                now = {name: worker.get("last_seen") for name, worker in workers.items()}
-                if any(seen.get(name) != last for name, last in now.items()):
-                    heard = time.monotonic()
-                seen = now
-                limit = HEARD if workers else FIRST
-                if time.monotonic() - heard > limit:
+                seen = {name: worker.get("last_seen") for name, worker in workers.items()}
+                if any(last_seen.get(name) != moment for name, moment in seen.items()):
+                    last_sign = time.monotonic()
+                last_seen = seen
+                limit = HEARTBEAT_SECONDS if workers else FIRST_WORKER_SECONDS
+                if time.monotonic() - last_sign > limit:
                     raise NoAnswer(
-                        f"--scheduler = {self._address!r}: none of its workers is heard of for {limit:g} s"
+                        f"--scheduler = {self._address!r}: "
+                        f"none of its workers is heard of for {limit:g} s"
                     )
             except NoAnswer as error:
-                with self._lock:
-                    self._lost = error
-                    for future in self._waiting:
-                        future.set_exception(error)
-                    self._waiting.clear()
+                self._fail_all(error)
                 return
+
+    def _fail_all(self, error: NoAnswer) -> None:
+        """Fail all waiting work, and all work to come, with an error."""
+        with self._lock:
+            self._lost = error
+            for future in self._waiting:
+                future.set_exception(error)
+            self._waiting.clear()
 
 
 def call(work: bytes) -> Any:
-    """In a Dask worker: unpack a function and its arguments, which load numpy, once the threads are
-    limited.
+    """In a Dask worker: limit the threads, then unpack a function with its arguments and call it.
+
+    Unpacking loads numpy, which reads the limit as it is loaded.
     """
     if "numpy" not in sys.modules:
-        for name, value in THREADS.items():
+        for name, value in WORKER_THREADS.items():
             os.environ.setdefault(name, value)
     fn, args, kwargs = pickle.loads(work)
     return fn(*args, **kwargs)
@@ -413,13 +460,19 @@ def call(work: bytes) -> Any:
 
 @contextmanager
 def _silent() -> Iterator[None]:
-    """Without what Dask logs: a lost cluster is said in a line here, and its log ends where the
-    block ends well.
+    """Silence Dask's log while a block runs.
+
+    A lost cluster is told in one line by this module. The log stays silent where the block fails,
+    since Dask goes on writing about the loss.
     """
-    loggers = [logging.getLogger(name) for name in (*LOGGERS, *logging.root.manager.loggerDict)]
-    before = {logger: logger.level for logger in loggers if logger.name.split(".")[0] in LOGGERS}
-    for logger in before:
+    loggers = [
+        logging.getLogger(name) for name in (*DASK_LOGGERS, *logging.root.manager.loggerDict)
+    ]
+    levels = {
+        logger: logger.level for logger in loggers if logger.name.split(".")[0] in DASK_LOGGERS
+    }
+    for logger in levels:
         logger.setLevel(logging.CRITICAL + 1)
     yield
-    for logger, level in before.items():
+    for logger, level in levels.items():
         logger.setLevel(level)

@@ -17,13 +17,17 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.sparse.linalg import splu
 
+from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.fem.mesh.arc import shoe_mesh
 from drumlin.fem.mesh.grading import Division, divide
 from drumlin.fem.model import PENALTY, respond
-from drumlin.fem.preparation.assembly import Mesher, prepare
+from drumlin.fem.preparation.meshes import Mesher
+from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.solve import check_divided
 from drumlin.fem.substructure.body import scalar_basis, stiffness
 from drumlin.fem.substructure.elasticity import layers_of
+from drumlin.models import pick
 
 ELEMENTS = 140  # about 20 000 unknowns for a car's shoe
 REPEATS = 7
@@ -185,6 +189,39 @@ def _solid_cost(brake: Brake, elements: int) -> tuple[int, int, int, float, floa
         sum(len(body.line.nodes) for body in bodies),
     )
     return unknowns, nodes, memory, first, time.process_time() - start
+
+
+def cost_lines(
+    brake: Brake, model: str = "fem", *, by_size: bool = False, **options: Any
+) -> Iterator[str]:
+    """The cost of a brake as lines for people, as they come.
+
+    Parameters
+    ----------
+    brake : the brake
+    model : "fem", or "solid", which has a table only
+    by_size : whether the cost stands against the number of unknowns, in a table
+    options : `elements` and `penalty` of the finite elements; not with a table
+
+    Raises
+    ------
+    BadInput
+        for a model without cost, a brake that the model does not apply to, an option of no use
+    """
+    if model not in {"fem", "solid"}:
+        raise BadInput(f"--model = {model!r}: has no cost to print; allowed: fem, solid")
+    pick(model, brake)
+    brake.check_meshable()
+    check_divided(brake, elements=options.get("elements"))
+    if options and (by_size or model == "solid"):
+        chooses = "--table" if by_size else "--model solid"
+        raise BadInput(f"{chooses} chooses the elements itself; leave out --elements and --penalty")
+    if model == "solid":
+        yield from solid_table(brake)
+    elif by_size:
+        yield from table(brake)
+    else:
+        yield from measure(brake, **options)
 
 
 def measure(brake: Brake, **options: Any) -> list[str]:

@@ -24,7 +24,7 @@ from drumlin.fem.error_control.levels import steps
 from drumlin.fem.error_control.places import places_of
 from drumlin.fem.hp.division import Level
 from drumlin.fem.model import respond
-from drumlin.fem.preparation.scene import scene
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.response.balance import contact_resultant
 from drumlin.response.norms import pressure_distance
 from drumlin.response.response import Response, ShoeResponse, edge_zone, pressed_shoe
@@ -95,7 +95,7 @@ def responses(brake: Brake, refinement: Refinement = FINE) -> Trio:
     found = []
     for level in refinement.levels:
         last = respond_(
-            scene(brake, level, places_of(brake, last, error=level.error)), brake, start=last
+            prepare(brake, level, places_of(brake, last, error=level.error)), brake, start=last
         )
         found.append(last)
     before, value = found

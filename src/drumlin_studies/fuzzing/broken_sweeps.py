@@ -4,12 +4,14 @@ import contextlib
 import io
 import random
 import tempfile
+import tomllib
 from functools import cache
 from pathlib import Path
 from typing import Any
 
-from drumlin_studies.broken_files import noise, toml
-from drumlin_studies.fuzzing.faults import BRAKES, Input, brake_text
+from drumlin.studies import REPOSITORY
+from drumlin_studies.fuzzing.broken_meshes import mesh_files
+from drumlin_studies.fuzzing.inputs import BRAKES, FEW_ELEMENTS, Input, brake_text, noise, toml
 from drumlin_studies.fuzzing.wrong_values import NUMBERS, QUANTITIES, WORDS, anything
 
 TABLE = "t.csv"
@@ -75,6 +77,73 @@ def broken_sweep(rng: random.Random) -> Input:
             )
         text = toml(data)
     return Input("sweep file", {"b.toml": brake_text(BRAKES[0]), "s.toml": text}, WORDS_OF_A_SWEEP)
+
+
+def changed_sweep(rng: random.Random) -> Input:
+    """A sweep file of the studies, made small, with one to three values or keys changed anywhere."""
+    data = _small_sweep(rng)
+    for _ in range(rng.choice([1, 1, 2, 3])):
+        table = _some_table(rng, data)
+        kind = rng.random()
+        key = rng.choice([*table, "seed", "cases", "combine"])
+        if kind < 0.1:
+            table.pop(key, None)
+        elif kind < 0.5 and isinstance(data.get("vary"), dict):
+            data["vary"][rng.choice([*KEYS, *PLAIN])] = _varied(rng)
+        elif key in LENGTH_KEYS:
+            table[key] = rng.choice(WRONG_LENGTHS)
+        else:
+            table[key] = anything(rng)
+    files = {"b.toml": brake_text(BRAKES[0]), "m.msh": mesh_files()[".msh"], "s.toml": toml(data)}
+    return Input("sweep file of a study", files, WORDS_OF_A_SWEEP)
+
+
+LENGTH_KEYS = {"cases", "count", "elements"}
+"""Keys whose number says how long a sweep takes."""
+WRONG_LENGTHS: tuple[Any, ...] = (
+    0,
+    -1,
+    1,
+    2,
+    "3",
+    1.5,
+    True,
+    [],
+    {},
+    10**9,
+    10**30,
+    float("nan"),
+    float("inf"),
+)
+"""Values of these keys: few of anything, or more than is allowed."""
+
+
+def _small_sweep(rng: random.Random) -> dict[str, Any]:
+    """A sweep file of the studies with few cases on few elements, or a sweep over mesh files."""
+    paths = sorted((REPOSITORY / "studies" / "sweeps").glob("*.toml"))
+    path = rng.choice([*paths, None])
+    if path is None:
+        meshes = {"shoe.mesh": ["m.msh", "none.msh"], "shoe[0].mesh_unit": ["m", "mm"]}
+        data: dict[str, Any] = {"combine": "zip", "vary": meshes}
+    else:
+        data = tomllib.loads(path.read_text(encoding="utf-8"))
+    for spec in data["vary"].values():
+        if isinstance(spec, dict) and "count" in spec:
+            spec["count"] = 2
+    if "cases" in data:
+        data["cases"] = 3
+    return data | {"brake": "b.toml", "model": {"fem": {"elements": int(FEW_ELEMENTS)}, "sine": {}}}
+
+
+def _some_table(rng: random.Random, data: dict[str, Any]) -> dict[str, Any]:
+    """The sweep file itself or a table in it."""
+    table = data
+    while rng.random() < 0.7:
+        below = [item for item in table.values() if isinstance(item, dict)]
+        if not below:
+            break
+        table = rng.choice(below)
+    return table
 
 
 def _varied(rng: random.Random) -> Any:

@@ -25,7 +25,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from drumlin.base.errors import ended
-from drumlin_studies.fuzzing.faults import Input
+from drumlin_studies.fuzzing.inputs import Input
 
 LONGEST = 10.0  # s of processor time
 LONGEST_WAIT = 300.0  # s by the clock, on a busy machine
@@ -84,7 +84,7 @@ def in_process(given: Input) -> Ending:
             with (
                 contextlib.redirect_stdout(out), contextlib.redirect_stderr(err), warnings.catch_warnings(), _limited(),
             ):  # fmt: skip
-                warnings.simplefilter("ignore")
+                warnings.simplefilter("error")
                 status = ended(lambda: run(given.words))
         finally:
             os.chdir(before)
@@ -186,6 +186,8 @@ def _fault_of_refusal(end: Ending) -> str:
 def _fault_of_answer(given: Input, end: Ending) -> str:
     if not _NOTES.fullmatch(end.err):
         return f"an answer with {end.err[:200]!r} in stderr"
+    if given.must_fail:
+        return "an answer of an input that has none"
     names = _names(given)
     _, _, numbers = end.out.partition(", drum turns")  # before it the title, which may be any text
     numbers = reduce(lambda text, name: text.replace(name, "_"), names, numbers or end.out)

@@ -11,16 +11,15 @@ import random
 import re
 import string
 import tomllib
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from functools import cache
-from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import Any
 
 from drumlin.brake.brake import Brake
 from drumlin.brake.plane_brake import read_any
 from drumlin.studies import REPOSITORY
-from drumlin_studies import broken_meshes
-from drumlin_studies.broken_files import noise, toml
+from drumlin_studies.fuzzing.broken_meshes import mesh_files, with_mesh
+from drumlin_studies.fuzzing.inputs import BRAKES, FEW_ELEMENTS, Input, brake_text, noise, toml
 from drumlin_studies.fuzzing.wrong_values import (
     FLOATS,
     INTEGERS,
@@ -33,34 +32,7 @@ from drumlin_studies.fuzzing.wrong_values import (
     schema_places,
 )
 
-ELEMENTS = "6"
-BRAKES = (
-    "double_shoe/brake",
-    "post_brake/brake",
-    "laws/pad",
-    "laws/pivoted_block",
-    "laws/block",
-    "laws/shigley_16_2",
-)
 REFERENCE = "reports/reference/values/double_shoe_brake.json"
-
-
-class Input(NamedTuple):
-    """Files by name and the words of a command line that is run in their folder.
-
-    `right`: what files of an answer must hold, where that is known.
-    """
-
-    kind: str
-    files: dict[str, bytes]
-    words: list[str]
-    right: Mapping[str, bytes] = MappingProxyType({})
-
-
-@cache
-def brake_text(name: str) -> bytes:
-    """The text of a brake file of the studies."""
-    return (REPOSITORY / "studies" / f"{name}.toml").read_bytes()
 
 
 @cache
@@ -77,11 +49,6 @@ def result_text() -> bytes:
 
     brake = read_any(REPOSITORY / "studies" / f"{BRAKES[0]}.toml")
     return curves_text(MODELS["fem"].solve(brake, elements=12)).encode()
-
-
-def mesh_files() -> dict[str, bytes]:
-    """Small meshes of that brake's right shoe by suffix, and its "brake" file."""
-    return broken_meshes.mesh_files(brake_text(BRAKES[0]))
 
 
 def broken_bytes(rng: random.Random) -> Input:
@@ -150,7 +117,7 @@ def _solving(rng: random.Random) -> list[str]:
             ["sensitivity", "b.toml", "--json", "r.json"],
             ["mesh", "b.toml", "--output", "m"],
         ]
-        return [*rng.choice(commands), "--elements", ELEMENTS]
+        return [*rng.choice(commands), "--elements", FEW_ELEMENTS]
     return [*words, "--model", model]
 
 
@@ -182,7 +149,7 @@ def broken_mesh(rng: random.Random) -> Input:
         data += rng.choice(INP_ENDS)
     else:
         data = noise(rng, data, WORDS)
-    text = broken_meshes.with_mesh(files["brake"], f"m{suffix}")
+    text = with_mesh(files["brake"], f"m{suffix}")
     return Input(
         f"mesh: {suffix}",
         {"b.toml": text, f"m{suffix}": data},
@@ -282,7 +249,7 @@ def command_line(rng: random.Random) -> Input:
         else:
             chosen[option.name] = [option.opts[0], *([] if value is None else [value])]
     if name == "hold" or (name != "check" and rng.random() < 0.9):
-        chosen.setdefault("elements", ["--elements", ELEMENTS])
+        chosen.setdefault("elements", ["--elements", FEW_ELEMENTS])
         if chosen.get("model", ["", "fem"])[1] != "fem":
             del chosen["elements"]
     files = {
@@ -328,25 +295,6 @@ def wrong_words(rng: random.Random) -> Input:
     if name in SLOW:
         words += ["--nope"]
     return Input("command line: words", {"b.toml": brake_text(BRAKES[0])}, words)
-
-
-MAKERS: dict[Callable[[random.Random], Input], int] = {
-    broken_bytes: 5,
-    typed: 6,
-    scaled: 6,
-    broken_mesh: 4,
-    broken_reference: 2,
-    broken_table: 2,
-    command_line: 6,
-    wrong_words: 2,
-}
-
-
-def make(number: int) -> Input:
-    """Input `number`, the same every time."""
-    rng = random.Random(f"faults {number}")
-    (maker,) = rng.choices(list(MAKERS), list(MAKERS.values()))
-    return maker(rng)
 
 
 def shown(given: Input) -> str:

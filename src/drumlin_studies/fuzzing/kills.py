@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from drumlin.base.journal import Journal
-from drumlin_studies.fuzzing.faults import BRAKES, brake_text
+from drumlin_studies.fuzzing.inputs import BRAKES, brake_text
 
 CASES = 150
 LIMIT = 900.0  # s that a run may take on a busy machine

@@ -12,7 +12,7 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from drumlin_studies.broken_files import Raw
+from drumlin_studies.fuzzing.inputs import Raw
 
 WORDS = (
     "", " ", "0", "-0", "1", "2.5", "-1", "nan", "inf", "-inf", "1e999", "1e-320", "1_000", "٣", "²", "0x10", "true",

@@ -19,7 +19,7 @@ from drumlin.contact.stick_slip import Problem
 from drumlin.fem.equilibrium.group import ShoeGroup
 from drumlin.fem.equilibrium.sharing import Pushed, share
 from drumlin.fem.model import PENALTY
-from drumlin.fem.preparation.assembly import actuation, contact_stiffness
+from drumlin.fem.preparation.bodies import actuation, contact_stiffness
 
 
 def holding_problem(group: ShoeGroup) -> tuple[Problem, Floats]:

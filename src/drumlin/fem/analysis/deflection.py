@@ -7,7 +7,7 @@ from drumlin.base.errors import BadInput
 from drumlin.brake.beam_axis import axis_of
 from drumlin.brake.brake import Brake
 from drumlin.fem.analysis.fields import fields
-from drumlin.fem.preparation.assembly import Scene
+from drumlin.fem.preparation.scene import Scene
 from drumlin.response.response import Response
 
 

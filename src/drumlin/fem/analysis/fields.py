@@ -16,7 +16,8 @@ from drumlin.brake.brake import Brake, Frame, Shoe
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.fem.hp.grid import Grid
 from drumlin.fem.mesh.arc import kind_of
-from drumlin.fem.preparation.assembly import Body, Scene, actuation
+from drumlin.fem.preparation.bodies import Body, actuation
+from drumlin.fem.preparation.scene import Scene
 from drumlin.fem.substructure.elasticity import layers_of, ring_layers, stress
 from drumlin.fem.substructure.interface import Directions, radial, straight
 from drumlin.response.balance import loaded
@@ -75,6 +76,14 @@ def ring_fields(scene: Scene, brake: Brake, response: Response) -> Fields:
     u = ring.displacement(p, brake.drag)
     layers, pressure = ring_layers(section), np.zeros(ring.basis.N)
     return _fields(ring.mesh, ring.basis, u, layers, pressure, Frame(0.0, 1), np.asarray, radial(1))
+
+
+def all_fields(scene: Scene, brake: Brake, response: Response) -> list[Fields]:
+    """The fields of each shoe, and after them those of the drum ring where it is elastic."""
+    found = [fields(scene, brake, response, i) for i in range(len(brake.shoes))]
+    if scene.ring is not None:
+        found.append(ring_fields(scene, brake, response))
+    return found
 
 
 def _fields(

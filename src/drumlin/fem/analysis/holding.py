@@ -25,7 +25,7 @@ from drumlin.contact.stick_slip import BACKWARD, FORWARD, OPEN, STICK, History, 
 from drumlin.fem.analysis.at_rest import Feet, holding_problem
 from drumlin.fem.equilibrium.group import ShoeGroup, grouped, pressed_shoes
 from drumlin.fem.model import PENALTY, respond
-from drumlin.fem.preparation.assembly import Scene
+from drumlin.fem.preparation.scene import Scene
 
 HALVINGS = 8
 """Halvings of an increment that does not settle before the rotation is refused.

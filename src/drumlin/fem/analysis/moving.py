@@ -19,7 +19,8 @@ from drumlin.brake.beam_axis import axis_of
 from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Beam
 from drumlin.brake.fields import Point
-from drumlin.fem.preparation.assembly import Body, BodyNodes, Scene
+from drumlin.fem.preparation.bodies import Body, BodyNodes
+from drumlin.fem.preparation.scene import Scene
 from drumlin.fem.substructure.interface import ContactLine
 
 STEP = 1e-5

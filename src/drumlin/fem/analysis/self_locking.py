@@ -9,7 +9,7 @@ from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Brake
 from drumlin.contact.self_locking import LARGEST, Limit
 from drumlin.fem.equilibrium.group import groups_of
-from drumlin.fem.preparation.assembly import Scene
+from drumlin.fem.preparation.scene import Scene
 
 
 def limits(

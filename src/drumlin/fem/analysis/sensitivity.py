@@ -32,11 +32,14 @@ from drumlin.fem.analysis.moving import Moves, lines_at, moves_by
 from drumlin.fem.analysis.mutual_work import change_by_nodes, work_by_part
 from drumlin.fem.equilibrium.group import gap_at, groups_of
 from drumlin.fem.model import PENALTY, check_penalty
-from drumlin.fem.preparation.assembly import Body, Scene, coupling_of, prepare
+from drumlin.fem.preparation.bodies import Body, coupling_of
+from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.preparation.scene import Scene
 from drumlin.fem.solve import solve
 from drumlin.fem.substructure.body import FRAME
 from drumlin.fem.substructure.elasticity import layers_of
 from drumlin.fem.substructure.interface import ContactLine
+from drumlin.fem.substructure.loads import ACTUATION
 from drumlin.laws import law as rigid_law
 from drumlin.laws import sine
 from drumlin.laws.naming import name_of
@@ -397,7 +400,8 @@ def _add_line(found: dict[str, Floats], every: Adjoints, k: int) -> None:
         """Of a change of the unit force (2,) [1] and of its moment about the origin [m]; carried:
         the body's loaded end goes with the force, which then bends it by no couple."""
         couple = 0.0 if carried else shoe.frame.sense * (moment - float(cross(centre, force)))
-        load = np.array([*shoe.frame.to_shoe(force), couple])
+        pushing = np.array([*shoe.frame.to_shoe(force), couple])
+        load = body.columns.factors({ACTUATION: pushing})
         tested = own * worked * (free.tests @ np.array([*force, moment]))
         return at.F * float(at.a @ (body.closing_loaded @ load) - at.b @ tested)
 

@@ -24,7 +24,8 @@ from drumlin.contact.equations import Problem
 from drumlin.fem.equilibrium import reach
 from drumlin.fem.equilibrium.motions import Motions, motions_of
 from drumlin.fem.equilibrium.sharing import PULLED, WOULD_PULL, Pushed, Sharing, share
-from drumlin.fem.preparation.assembly import Body, Scene, actuation, contact_stiffness
+from drumlin.fem.preparation.bodies import Body, actuation, contact_stiffness
+from drumlin.fem.preparation.scene import Scene
 from drumlin.laws import rigid
 
 LEAVES = "no equilibrium, a foot leaves its abutment"
@@ -123,9 +124,7 @@ class ShoeGroup:
 
     @cached_property
     def loads(self) -> tuple[tuple[Floats, float], ...]:
-        """Factors (3,) of each body's unit actuations, and the moment about its pin, see
-        `actuation`.
-        """
+        """Factors (l,) of each body's load columns, and the moment about its pin, see `actuation`."""
         return tuple(
             actuation(body, shoe) for body, shoe in zip(self.bodies, self.shoes, strict=True)
         )

@@ -8,7 +8,7 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Shoe
 from drumlin.brake.support import moved
-from drumlin.fem.preparation.assembly import Body
+from drumlin.fem.preparation.bodies import Body
 
 
 class Motions(NamedTuple):

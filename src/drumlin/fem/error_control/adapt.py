@@ -15,7 +15,7 @@ from drumlin.fem.error_control.levels import Respond, Step, steps
 from drumlin.fem.error_control.places import pressed_arcs
 from drumlin.fem.hp.corner import AT_TIP, left_at_corners, left_under_tips, with_powers
 from drumlin.fem.hp.division import FINEST
-from drumlin.fem.preparation.assembly import Cache
+from drumlin.fem.preparation.cache import Cache
 from drumlin.response.response import NEAR_PEAK, Response, ShoeResponse, edge_zone
 from drumlin.response.resultants import edge_left_out, largest
 

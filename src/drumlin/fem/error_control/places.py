@@ -17,7 +17,7 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Lining
 from drumlin.fem.hp.corner import tip_rises
 from drumlin.fem.hp.division import Kind, Place
-from drumlin.fem.preparation import assembly
+from drumlin.fem.preparation.cache import alike as equal_shapes
 from drumlin.response.response import Response, ShoeResponse
 from drumlin.response.resultants import gauss_points
 
@@ -58,13 +58,11 @@ def places_of(
     these.
 
     Without a response, kinks of a table are no places yet: how much one matters depends on how hard
-    the lining bears. alike: as of `assembly.alike`, where it is known; error: that of the level,
+    the lining bears. alike: as of `cache.alike`, where it is known; error: that of the level,
     with 0 all kinks of a table are places where the lining presses.
     """
     found: dict[int, list[Place]] = {}
-    for i, (shoe, first) in enumerate(
-        zip(brake.shoes, alike or assembly.alike(brake), strict=True)
-    ):
+    for i, (shoe, first) in enumerate(zip(brake.shoes, alike or equal_shapes(brake), strict=True)):
         own = _places(
             shoe, None if response is None else response.shoes[i], brake.scale_factor, error
         )

@@ -34,7 +34,8 @@ from drumlin.brake.brake import Brake
 from drumlin.contact.active_set import SLACK
 from drumlin.fem.equilibrium.group import ShoeGroup
 from drumlin.fem.equilibrium.motions import Motions
-from drumlin.fem.preparation.assembly import Scene, actuation
+from drumlin.fem.preparation.bodies import actuation
+from drumlin.fem.preparation.scene import Scene
 from drumlin.fem.substructure.body import FRAME, stiffness
 from drumlin.fem.substructure.elasticity import layers_of, ring_layers
 

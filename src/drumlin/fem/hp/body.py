@@ -12,7 +12,7 @@ from drumlin.brake.brake import Shoe
 from drumlin.fem.hp import shoe as shoes
 from drumlin.fem.hp.division import Division
 from drumlin.fem.hp.grid import Block, Grid
-from drumlin.fem.hp.shoe import end_load, line_of
+from drumlin.fem.hp.shoe import EndLoads, LoadedEnd, line_of, unit_actuations
 from drumlin.fem.substructure.body import FRAME, Condensed, Inside, Ties, tie
 from drumlin.fem.substructure.elasticity import layers_of
 from drumlin.fem.substructure.elimination import SINGULAR
@@ -52,58 +52,96 @@ def grid_of(shoe: Shoe, radius: float, div: Division) -> Grid:
 
 
 def condensed(
-    shoe: Shoe, div: Division, found: shoes.Condensed, line: ContactLine, grid: Grid
+    shoe: Shoe,
+    div: Division,
+    found: shoes.Condensed,
+    line: ContactLine,
+    grid: Grid,
+    end_loads: EndLoads = unit_actuations,
 ) -> Condensed:
-    """What `shoe.condense` found, as the coupling needs it. Raises NoAnswer for a singular
-    stiffness.
+    """What `shoe.condense` found with these `end_loads`, as the coupling needs it. Raises NoAnswer
+    for a singular stiffness.
     """
     S, loads = found.S, found.loads
     L, info = dpotrf(S[FRAME:, FRAME:], lower=1)
     if info:
         raise NoAnswer(SINGULAR)
     L_fc = solve_lower(L, S[FRAME:, :FRAME]).T
-    inside, recover = partial(_inside, shoe, div, grid), partial(_recovered, shoe, div, grid)
+    inside = partial(_inside, shoe, div, grid, end_loads)
+    recover = partial(_recovered, shoe, div, grid, end_loads)
     moved = dtrtrs(L, solve_lower(L, found.missed), lower=1, trans=1)[0]
     return Condensed(
-        L, L_fc, loads[FRAME:], loads[:FRAME], found.work, inside, recover, found.lost, moved
+        L,
+        L_fc,
+        loads[FRAME:],
+        loads[:FRAME],
+        found.work,
+        inside,
+        recover,
+        found.columns,
+        found.lost,
+        moved,
     )
 
 
-def _inside(shoe: Shoe, div: Division, grid: Grid) -> Inside:
+def _inside(shoe: Shoe, div: Division, grid: Grid, end_loads: EndLoads) -> Inside:
     K = grid.stiffness(layers_of(shoe))
     ties = tie(grid, np.arange(div.contact_nodes), grid.sets["hinge"], shoe.own_pin)
-    return _reduced(K, ties, end_load_of(div, grid)[0] if "actuation" in grid.sets else None)
+    return _reduced(K, ties, _on_nodes(div, grid, end_loads))
 
 
 def _recovered(
-    shoe: Shoe, div: Division, grid: Grid, nodal: Floats, frame: Floats, loads: Floats
+    shoe: Shoe,
+    div: Division,
+    grid: Grid,
+    end_loads: EndLoads,
+    nodal: Floats,
+    frame: Floats,
+    loads: Floats,
 ) -> Floats:
     """What `Condensed.displacements` returns, with the elements' insides eliminated one by one."""
     layers, sides = layers_of(shoe), grid.skeleton
     ties = tie(
         sides, sides.place[: div.contact_nodes], sides.place[grid.sets["hinge"]], shoe.own_pin
     )
-    on_sides = end_load_of(div, grid)[0][sides.dofs] if "actuation" in grid.sets else None
-    inside = _reduced(sides.stiffness(layers), ties, on_sides)
+    load = _on_nodes(div, grid, end_loads)
+    inside = _reduced(sides.stiffness(layers), ties, None if load is None else load[sides.dofs])
     return sides.everywhere(layers, inside.displacements(nodal, frame, loads))
 
 
 def end_load_of(div: Division, grid: Grid) -> tuple[Floats, Floats]:
     """Nodal forces (2 N, 3) of the unit actuations on the loaded end, "actuation", and its centre
     (2,) [m]."""
-    full, nodes = np.zeros((grid.N, 2, FRAME)), grid.sets["actuation"]
-    f, centre = end_load(
-        grid.doflocs[:, nodes], line_of(div.depths[div.first :], div.degree), div.degree
-    )
-    full[nodes] = f.reshape(-1, 2, FRAME)
-    return full.reshape(-1, FRAME), centre
+    end = _loaded_end(div, grid, unit_actuations)
+    return _spread(grid, end.forces), end.centre
+
+
+def _loaded_end(div: Division, grid: Grid, end_loads: EndLoads) -> LoadedEnd:
+    """The unit loads on the nodes of the loaded end."""
+    depths = line_of(div.depths[div.first :], div.degree)
+    return end_loads(grid.doflocs[:, grid.sets["actuation"]], depths, div.degree)
+
+
+def _spread(grid: Grid, forces: Floats) -> Floats:
+    """Nodal forces (2 N, l) of the whole grid, from those (2n, l) on the loaded end."""
+    nodes, count = grid.sets["actuation"], forces.shape[1]
+    full = np.zeros((grid.N, 2, count))
+    full[nodes] = forces.reshape(-1, 2, count)
+    return full.reshape(-1, count)
+
+
+def _on_nodes(div: Division, grid: Grid, end_loads: EndLoads) -> Floats | None:
+    """Nodal forces (2 N, l) of all unit loads; None where they act on the frame."""
+    if "actuation" not in grid.sets:
+        return None
+    return _spread(grid, _loaded_end(div, grid, end_loads).forces)
 
 
 def _reduced(K: Any, ties: Ties, load: Floats | None) -> Inside:
-    """A stiffness `K` (2 nodes, 2 nodes) and the unit loads (2 nodes, 3) on the reduced
+    """A stiffness `K` (2 nodes, 2 nodes) and the unit loads (2 nodes, l) on the reduced
     unknowns."""
-    loads = np.zeros((ties.matrix.shape[1], FRAME))
     if load is None:
+        loads = np.zeros((ties.matrix.shape[1], FRAME))
         loads[-FRAME:] = np.eye(FRAME)
     else:
         loads = ties.matrix.T @ load

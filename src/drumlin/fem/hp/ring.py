@@ -22,6 +22,7 @@ from drumlin.fem.substructure.body import FRAME, Condensed, Inside, tie
 from drumlin.fem.substructure.elasticity import ring_layers, stacked
 from drumlin.fem.substructure.elimination import SINGULAR
 from drumlin.fem.substructure.interface import ContactLine
+from drumlin.fem.substructure.loads import LoadColumns
 from drumlin.fem.substructure.ring import Free, RingBody, coupled_ring, determinate
 from drumlin.response.resultants import WEIGHTS, at_gauss, lobatto
 
@@ -109,15 +110,13 @@ def ring_body(
         raise NoAnswer(SINGULAR)
     load = turned_rows(A[:extra, extra:], back).T
     work = -A[:extra, :extra]
-    rim = (
-        rim_of(radius + sign * ring.section.thickness, div, grid)
-        if free
-        else np.zeros((2 * grid.N, 0))
-    )
+    rim = np.zeros((2 * grid.N, 0))
+    if free:
+        rim = rim_of(radius + sign * ring.section.thickness, div, grid)
     inside, recover = partial(_inside, brake, grid, rim), partial(_recovered, brake, grid, rim)
-    condensed = Condensed(
-        L, np.zeros((FRAME, n)), -load, np.zeros((FRAME, extra)), work, inside, recover
-    )
+    to_frame, on_frame = np.zeros((FRAME, n)), np.zeros((FRAME, extra))
+    named = LoadColumns((("rim", extra),))
+    condensed = Condensed(L, to_frame, -load, on_frame, work, inside, recover, named)
     held = None
     if free:
         held = Free.of(grid, rim, condensed, contact)

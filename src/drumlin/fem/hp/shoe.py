@@ -17,6 +17,7 @@ from drumlin.fem.hp.division import Division
 from drumlin.fem.hp.element import condensed_elements, element, gauss_points
 from drumlin.fem.substructure.body import FRAME
 from drumlin.fem.substructure.elasticity import stacked
+from drumlin.fem.substructure.loads import ACTUATION, LoadColumns
 from drumlin.response.resultants import GAUSS, WEIGHTS, at_gauss, lobatto
 
 LEFT = 0.02
@@ -29,9 +30,58 @@ Map = Callable[
 ]  # depth, place along -> points (2, ...) [m] in the shoe's frame
 
 
+def end_load(xy: Floats, depths: Floats, p: int) -> tuple[Floats, Floats]:
+    """Nodal forces (2n, 3) [1, 1, 1/m] of unit force x, y and couple on the straight loaded end,
+    and its centre (2,) [m].
+
+    The force is spread evenly, the couple as a traction that grows linearly from the centre. xy (2,
+    n) [m]: nodes of the end at the `depths` (n,), which are in proportion to the distance along it.
+    """
+    ends = (depths[::p] - depths[0]) / (depths[-1] - depths[0]) - 0.5  # from -1/2 to 1/2
+    at = np.arange(len(ends) - 1)[:, None] * p + np.arange(p + 1)
+    (psi, _), half = at_gauss(p), 0.5 * (ends[1:] - ends[:-1])[:, None]
+    where = ends[:-1, None] + half * (1 + GAUSS)
+    even = np.bincount(at.ravel(), ((half * WEIGHTS) @ psi.T).ravel())
+    turning = np.bincount(at.ravel(), ((half * WEIGHTS * where) @ psi.T).ravel()) * 12
+    end, centre = xy[:, -1] - xy[:, 0], 0.5 * (xy[:, -1] + xy[:, 0])
+    load = np.zeros((xy.shape[1], 2, FRAME))
+    load[:, 0, 0] = load[:, 1, 1] = even
+    load[:, :, 2] = turning[:, None] * np.array([-end[1], end[0]]) / (end @ end)
+    return load.reshape(-1, FRAME), centre
+
+
+class LoadedEnd(NamedTuple):
+    """Unit loads on the loaded end: nodal `forces` (2n, l) by `columns`, the `centre` (2,) [m] of the
+    unit actuations, and the `moments` (3, l) of all loads: force x, y and couple about the centre.
+    """
+
+    forces: Floats
+    columns: LoadColumns
+    centre: Floats
+    moments: Floats
+
+    def resultants(self, pin: Floats) -> Floats:
+        """Force x, y and moment (3, l) about the `pin` (2,) [m]."""
+        arm = self.centre - pin
+        found = self.moments.copy()
+        found[2] += arm[0] * self.moments[1] - arm[1] * self.moments[0]
+        return found
+
+
+EndLoads = Callable[[Floats, Floats, int], LoadedEnd]
+"""Makes the loads of the loaded end from its nodes (2, n) [m], their depths (n,) and the degree."""
+
+
+def unit_actuations(xy: Floats, depths: Floats, p: int) -> LoadedEnd:
+    """The three unit actuations on the loaded end, see `end_load`."""
+    forces, centre = end_load(xy, depths, p)
+    return LoadedEnd(forces, LoadColumns(((ACTUATION, FRAME),)), centre, np.eye(FRAME))
+
+
 class Condensed(NamedTuple):
-    """Stiffness `S` (3 + 2n, 3 + 2n) on [frame | contact nodes x, y], unit actuations `loads` (3 +
-    2n, 3) on them, their `work` (3, 3) with both held, and the centre (2,) [m] that they act on.
+    """Stiffness `S` (3 + 2n, 3 + 2n) on [frame | contact nodes x, y], the unit `loads` (3 + 2n, l)
+    on them, named by `columns`, their `work` (l, l) with both held, and the centre (2,) [m] that
+    the unit actuations act about.
 
     What round-off left: about the forces `missed` (2n, 3) on the contact by rigid motions, which
     strain nothing; and `lost`, by how much a unit force was out of balance. Where the frame is the
@@ -44,6 +94,7 @@ class Condensed(NamedTuple):
     centre: Floats
     missed: Floats
     lost: float
+    columns: LoadColumns
 
 
 def map_of(shoe: Shoe, radius: float) -> Map:
@@ -190,10 +241,25 @@ def _angle_at(shoe: Shoe, phi: Floats) -> Floats:
 
 
 def condense(
-    shoe: Shoe, radius: float, div: Division, layers: dict[str, ElasticLayer]
+    shoe: Shoe,
+    radius: float,
+    div: Division,
+    layers: dict[str, ElasticLayer],
+    end_loads: EndLoads = unit_actuations,
 ) -> Condensed:
-    """The shoe on its frame and its contact nodes, by growing angle. Raises NoAnswer for a singular
-    stiffness.
+    """The shoe on its frame and its contact nodes, by growing angle.
+
+    Parameters
+    ----------
+    radius : of the drum [m]
+    layers : elasticity of the layers by name
+    end_loads : the unit loads on the loaded end; a shoe whose back is held has the three unit
+        actuations on its frame and no others
+
+    Raises
+    ------
+    NoAnswer
+        for a singular stiffness
     """
     p, place, pin = div.degree, map_of(shoe, radius), shoe.own_pin
     found, held = _columns(shoe, radius, div, layers), div.first == div.layers
@@ -204,27 +270,34 @@ def condense(
     ):  # its back is held, by a grip or as a rigid shoe, and the force acts on what holds it
         S = turned(_on_grip(found) if any(found.grip) else _between(found.under), back)
         none, still = np.zeros((FRAME, FRAME)), np.zeros((len(R), FRAME))
-        return Condensed(_balanced(S, R), np.vstack([np.eye(FRAME), still]), none, pin, still, 0.0)
+        on_frame = np.vstack([np.eye(FRAME), still])
+        named = LoadColumns(((ACTUATION, FRAME),))
+        return Condensed(_balanced(S, R), on_frame, none, pin, still, 0.0, named)
     d = line_of(div.depths[div.first :], p)
     near, far = div.before[-1], div.after[-1]
     held_line = _local(rigid(place(d, near), pin), _angle_at(shoe, near))
-    f, centre = end_load(place(d, far), d, p)
-    f = _local(f, _angle_at(shoe, far))
+    end = end_loads(place(d, far), d, p)
+    f = _local(end.forces, _angle_at(shoe, far))
     row = found.under.copy()
     row[0] = _held(row[0], found.before, held_line)
     row[-1] = closed(row[-1], _loaded(found.after, f), len(f), right=True)
     A = merged(row, 2).K
-    frame, contact, loads = slice(FRAME), slice(FRAME, -FRAME), slice(-FRAME, None)
+    extra = end.columns.count
+    frame, contact, loads = slice(FRAME), slice(FRAME, -extra), slice(-extra, None)
     S, load = turned(A[contact, contact], back), -turned_rows(A[loads, contact], back).T
-    arm = centre - pin
-    unit = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-arm[1], arm[0], 1.0]])
     on_frame = -A[frame, loads]
-    off = unit - on_frame - R.T @ load
+    off = end.resultants(pin) - on_frame - R.T @ load
     load += R @ np.linalg.solve(R.T @ R, off)
     S, missed = _still(S, R, turned_rows(A[frame, contact], back).T)
-    lost = float(np.abs(off[:2, :2]).max())
+    lost = float(np.abs(off[:2, end.columns.places[ACTUATION]][:, :2]).max())
     return Condensed(
-        _balanced(S, R), np.concatenate([on_frame, load]), -A[loads, loads], centre, missed, lost
+        _balanced(S, R),
+        np.concatenate([on_frame, load]),
+        -A[loads, loads],
+        end.centre,
+        missed,
+        lost,
+        end.columns,
     )
 
 
@@ -271,11 +344,11 @@ def _held(first: Piece, before: list[Piece], held: Floats) -> Piece:
 
 
 def _loaded(after: list[Piece], load: Floats) -> Floats:
-    """Stiffness on [line at the lining's end | loads] of the body behind the lining; load (n, 3):
+    """Stiffness on [line at the lining's end | loads] of the body behind the lining; load (n, l):
     unit loads on the line at its end.
     """
-    part = len(load)
-    end = np.zeros((part + FRAME, part + FRAME))
+    part, count = load.shape
+    end = np.zeros((part + count, part + count))
     end[:part, part:], end[part:, :part] = -load, -load.T
     if not after:
         return end
@@ -339,23 +412,3 @@ def _balanced(S: Floats, R: Floats) -> Floats:
 def _local(V: Floats, angle: Floats) -> Floats:
     """Vectors V (2n, m) in directions turned by one angle."""
     return turned_rows(V.T, np.reshape(angle, 1)).T
-
-
-def end_load(xy: Floats, depths: Floats, p: int) -> tuple[Floats, Floats]:
-    """Nodal forces (2n, 3) [1, 1, 1/m] of unit force x, y and couple on the straight loaded end,
-    and its centre (2,) [m].
-
-    The force is spread evenly, the couple as a traction that grows linearly from the centre. xy (2,
-    n) [m]: nodes of the end at the `depths` (n,), which are in proportion to the distance along it.
-    """
-    ends = (depths[::p] - depths[0]) / (depths[-1] - depths[0]) - 0.5  # from -1/2 to 1/2
-    at = np.arange(len(ends) - 1)[:, None] * p + np.arange(p + 1)
-    (psi, _), half = at_gauss(p), 0.5 * (ends[1:] - ends[:-1])[:, None]
-    where = ends[:-1, None] + half * (1 + GAUSS)
-    even = np.bincount(at.ravel(), ((half * WEIGHTS) @ psi.T).ravel())
-    turning = np.bincount(at.ravel(), ((half * WEIGHTS * where) @ psi.T).ravel()) * 12
-    end, centre = xy[:, -1] - xy[:, 0], 0.5 * (xy[:, -1] + xy[:, 0])
-    load = np.zeros((xy.shape[1], 2, FRAME))
-    load[:, 0, 0] = load[:, 1, 1] = even
-    load[:, :, 2] = turning[:, None] * np.array([-end[1], end[0]]) / (end @ end)
-    return load.reshape(-1, FRAME), centre

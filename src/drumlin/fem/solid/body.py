@@ -16,12 +16,15 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.elasticity import ElasticLayer, solid_elasticity_matrix
 from drumlin.brake.fields import Material
 from drumlin.fem.mesh.edges import edge_nodes
-from drumlin.fem.preparation.assembly import Body, Seconds, clock, coupled, line_of, materials_of
+from drumlin.fem.preparation.bodies import Body, coupled
+from drumlin.fem.preparation.meshes import line_of, materials_of
+from drumlin.fem.preparation.scene import Seconds, clock
 from drumlin.fem.solid.face import ContactFace, contact_face, width_matrix
 from drumlin.fem.solid.mesh import Solid, solid_mesh
 from drumlin.fem.substructure.body import FRAME, Ties, condense, stiffness
 from drumlin.fem.substructure.elimination import dissection
 from drumlin.fem.substructure.interface import end_loads
+from drumlin.fem.substructure.loads import ACTUATION
 
 HALVES = 2.0
 
@@ -108,16 +111,18 @@ def end_forces(solid: Solid) -> tuple[Floats, Floats]:
     return forces, centre
 
 
-def loads_on(solid: Solid, shoe: Shoe, ties: Ties) -> tuple[Floats, Floats]:
-    """Unit actuations (unknowns, 3) on the reduced unknowns, and the point (2,) they act at."""
+def loads_on(solid: Solid, shoe: Shoe, ties: Ties) -> tuple[dict[str, Floats], Floats]:
+    """Unit loads (unknowns, k) on the reduced unknowns by name, and the point (2,) that those of the
+    actuation act at.
+    """
     if (
         "actuation" not in solid.section.boundaries or shoe.gripped
     ):  # it acts on the rigid shoe, or on what holds it
         loads = np.zeros((ties.matrix.shape[1], 3))
         loads[-FRAME:] = np.eye(3)
-        return loads, shoe.own_pin
+        return {ACTUATION: loads}, shoe.own_pin
     forces, centre = end_forces(solid)
-    return np.asarray(ties.matrix.T @ forces.reshape(-1, 3)), centre
+    return {ACTUATION: np.asarray(ties.matrix.T @ forces.reshape(-1, 3))}, centre
 
 
 def solid_body(brake: Brake, shoe: Shoe, elements: int, across: int, seconds: Seconds) -> Body:

@@ -9,7 +9,7 @@ from drumlin.base.arrays import Floats, Ints
 from drumlin.brake.brake import Brake
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.fem.analysis.fields import displaced, mean_of
-from drumlin.fem.preparation.assembly import Scene
+from drumlin.fem.preparation.scene import Scene
 from drumlin.fem.solid.body import solid_layers
 from drumlin.response.balance import loaded
 from drumlin.response.response import Response

@@ -18,7 +18,7 @@ from drumlin.base.arrays import Floats, Ints
 from drumlin.brake.brake import Shoe
 from drumlin.fem.mesh.arc import shoe_mesh
 from drumlin.fem.mesh.grading import Division, graded
-from drumlin.fem.preparation.assembly import materials_of
+from drumlin.fem.preparation.meshes import materials_of
 from drumlin.fem.substructure.body import scalar_basis
 
 SIDE_SIZE = 1 / 8

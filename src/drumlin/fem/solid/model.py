@@ -8,17 +8,10 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.fields import Material
 from drumlin.brake.orthotropic import isotropic_only
 from drumlin.fem.model import PENALTY, check_penalty, respond
-from drumlin.fem.preparation.assembly import (
-    Body,
-    Cache,
-    Scene,
-    Seconds,
-    bare_shoe,
-    lacking,
-    shape_of,
-    size_of,
-)
-from drumlin.fem.preparation.assembly import why_not as plane_why_not
+from drumlin.fem.preparation.bodies import Body
+from drumlin.fem.preparation.cache import Cache, bare_shoe, shape_of, size_of
+from drumlin.fem.preparation.scene import Scene, Seconds, lacking
+from drumlin.fem.preparation.scene import why_not as plane_why_not
 from drumlin.fem.solid import MOST_ACROSS, MOST_ELEMENTS
 from drumlin.fem.solid.body import solid_body
 from drumlin.response.merit import with_merits

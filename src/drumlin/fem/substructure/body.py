@@ -20,6 +20,7 @@ from drumlin.brake.elasticity import ElasticLayer, has_directions
 from drumlin.fem.mesh.arc import kind_of
 from drumlin.fem.substructure.elasticity import across, split
 from drumlin.fem.substructure.elimination import SINGULAR, dissection, eliminate, solve
+from drumlin.fem.substructure.loads import LoadColumns, stacked_loads
 
 FRAME = 3  # unknowns of a rigid line: dx, dy, turn about the pin
 
@@ -54,7 +55,8 @@ class Condensed:
     """A body seen from its 2n contact displacements and its frame.
 
     `L_cc` (2n, 2n) lower triangular, `L_fc` (3, 2n): see above. `load_c` (2n, l) and `load_f` (3,
-    l): unit loads condensed to contact and frame; `load_work` (l, l): their work with both held.
+    l): unit loads condensed to contact and frame; `load_work` (l, l): their work with both held;
+    `columns`: which of the l columns is which load.
     `inside`: makes, where it is asked for, the whole system; `recover`: solves it, see
     `displacements`. `lost`: by how much round-off of the elimination puts a unit force out of
     balance, and `moved` (2n, 3): how far it moves the contact [m] as the frame moves by one; as far
@@ -68,6 +70,7 @@ class Condensed:
     load_work: Floats
     inside: Callable[[], Inside]
     recover: Callable[[Floats, Floats, Floats], Floats]
+    columns: LoadColumns
     lost: float = 0.0
     moved: Floats | None = None
 
@@ -248,19 +251,28 @@ def tie(basis: Any, contact: Ints, rigid: Ints, pin: Floats, alone: Ints | None 
     return Ties(sp.csc_matrix(entries, shape=(2 * basis.N, len(dofs) + FRAME)), region)
 
 
-def condense(K: Any, ties: Ties, loads: Floats, contact: int) -> Condensed:
+def condense(K: Any, ties: Ties, loads: Mapping[str, Floats], contact: int) -> Condensed:
     """Eliminate all but the last `contact` + 3 unknowns.
 
-    K (2 nodes, 2 nodes): stiffness; loads (unknowns, l): unit loads. Raises NoAnswer for a singular
-    stiffness.
+    Parameters
+    ----------
+    K : (2 nodes, 2 nodes) stiffness
+    loads : unit loads (unknowns, k) on the reduced unknowns, by name
+    contact : number of displacements of the contact nodes
+
+    Raises
+    ------
+    NoAnswer
+        for a singular stiffness
     """
     A = (ties.matrix.T @ K @ ties.matrix).tocsc()
-    S, left, work = eliminate(A, ties.region, loads)
+    all_loads = stacked_loads(loads, A.shape[0])
+    S, left, work = eliminate(A, ties.region, all_loads)
     L_cc, info = dpotrf(S[:contact, :contact], lower=1)
     if info:
         raise NoAnswer(SINGULAR)
     L_fc = solve_lower(L_cc, S[:contact, contact:]).T
-    inside = Inside(A, ties, loads)
+    inside = Inside(A, ties, all_loads)
     return Condensed(
         L_cc,
         L_fc,
@@ -269,4 +281,5 @@ def condense(K: Any, ties: Ties, loads: Floats, contact: int) -> Condensed:
         work,
         partial(Inside, *inside),
         inside.displacements,
+        LoadColumns.of(loads),
     )

@@ -141,12 +141,12 @@ def ring_body(brake: Brake, elements: int, linings: tuple[ContactLine, ...]) -> 
     support = basis.get_dofs(mesh.boundaries["support"]).flatten()
     if ring.support == "fixed":
         ties = tie(basis, line.nodes, support, np.zeros(2))
-        condensed = condense(K, ties, np.zeros((ties.matrix.shape[1], 0)), n)
+        condensed = condense(K, ties, {}, n)
         free = None
     else:
         ties = tie(basis, line.nodes, support[:0], np.zeros(2), determinate(basis, support))
         rim = rim_loads(basis, mesh.boundaries["support"])
-        condensed = condense(K, ties, ties.matrix.T @ rim, n)
+        condensed = condense(K, ties, {"rim": ties.matrix.T @ rim}, n)
         free = Free.of(basis, rim, condensed, line)
     return coupled_ring(brake, linings, mesh, basis, line, condensed, support, free)
 

@@ -16,16 +16,18 @@ import numpy as np
 
 from drumlin.brake.file import brake_from
 from drumlin.fem.mesh.file import FORMATS, write_mesh
-from drumlin.fem.preparation.assembly import prepare
-from drumlin_studies.broken_files import Input, Sound, noise, toml
+from drumlin.fem.preparation.prepare import prepare
+from drumlin_studies.fuzzing.inputs import BRAKES, Input, brake_text, toml
+
+MESH_SUFFIXES = (".msh", ".inp", ".vtu")
 
 
 @cache
-def mesh_files(brake_file: bytes) -> dict[str, bytes]:
-    """Small sound meshes of a brake's first shoe, by suffix, and the brake file that will name one
-    of them.
+def mesh_files() -> dict[str, bytes]:
+    """Small sound meshes of the double-shoe brake's right shoe, by suffix, and the "brake" file that
+    will name one of them.
     """
-    data = tomllib.loads(brake_file.decode())
+    data = tomllib.loads(brake_text(BRAKES[0]).decode())
     data["shoe"] = data["shoe"][:1]
     brake = brake_from(data, unit_required=True)
     mesh = prepare(brake, elements=6, kind="tri2").bodies[0].mesh
@@ -43,63 +45,53 @@ def with_mesh(brake_file: bytes, name: str) -> bytes:
     return toml(data)
 
 
-def meshed(kind: str, mesh: bytes, suffix: str, must_fail: bool, sound: Sound) -> Input:
-    """The brake file with this mesh, named with this suffix."""
-    text = with_mesh(mesh_files(sound.meshed)["brake"], f"shoe{suffix}")
-    return Input(kind, {"brake.toml": text, f"shoe{suffix}": mesh}, must_fail)
+def meshed(kind: str, mesh: bytes, suffix: str, *, must_fail: bool = True) -> Input:
+    """A solve of the brake with this mesh, named with this suffix."""
+    name = f"m{suffix}"
+    files = {"b.toml": with_mesh(mesh_files()["brake"], name), name: mesh}
+    words = ["solve", "b.toml", "--json", "r.json"]
+    return Input(kind, files, words, must_fail=must_fail)
 
 
-def cut_mesh(rng: random.Random, sound: Sound) -> Input:
+def impossible_mesh(rng: random.Random) -> Input:
+    """A mesh file that is cut off, of another format, with counts that lie, or of a shoe that cannot
+    be.
+    """
+    (maker,) = rng.choices([_cut, _mislabelled, _lying, _spoiled], [3, 1, 1, 6])
+    return maker(rng)
+
+
+def _cut(rng: random.Random) -> Input:
     """A mesh file of which less than three quarters are left."""
-    suffix = rng.choice([".msh", ".inp", ".vtu"])
-    text = mesh_files(sound.meshed)[suffix]
-    return meshed(
-        f"mesh {suffix}: cut off", text[: rng.randrange(3 * len(text) // 4)], suffix, True, sound
-    )
+    suffix = rng.choice(MESH_SUFFIXES)
+    text = mesh_files()[suffix]
+    left = text[: rng.randrange(3 * len(text) // 4)]
+    return meshed(f"mesh {suffix}: cut off", left, suffix)
 
 
-def noisy_mesh(rng: random.Random, sound: Sound) -> Input:
-    """A mesh file with bytes dropped, doubled, swapped or overwritten."""
-    suffix = rng.choice([".msh", ".inp", ".vtu"])
-    return meshed(
-        f"mesh {suffix}: bytes", noise(rng, mesh_files(sound.meshed)[suffix]), suffix, False, sound
-    )
+def _mislabelled(rng: random.Random) -> Input:
+    """A mesh under the suffix of another format, or a file that is no mesh at all."""
+    suffix, other = rng.sample(MESH_SUFFIXES, 2)
+    noise = bytes(rng.randrange(256) for _ in range(99))
+    text = rng.choice([mesh_files()[other], brake_text(rng.choice(BRAKES)), b"", noise])
+    return meshed(f"mesh {suffix}: another format", text, suffix)
 
 
-def mislabelled_mesh(rng: random.Random, sound: Sound) -> Input:
-    """A mesh under the suffix of another format, or something that is no mesh at all."""
-    suffix, other = rng.sample([".msh", ".inp", ".vtu"], 2)
-    text = rng.choice(
-        [
-            mesh_files(sound.meshed)[other],
-            rng.choice(sound.brakes),
-            b"",
-            bytes(rng.randrange(256) for _ in range(99)),
-        ]
-    )
-    return meshed(f"mesh {suffix}: another format", text, suffix, True, sound)
-
-
-def lying_mesh(rng: random.Random, sound: Sound) -> Input:
+def _lying(rng: random.Random) -> Input:
     """A mesh file whose counts promise more than there is, up to more than any memory holds."""
-    text = mesh_files(sound.meshed)[".msh"].decode()
+    text = mesh_files()[".msh"].decode()
     keyword = rng.choice(["$Nodes\n", "$Elements\n", "$PhysicalNames\n"])
     start = text.index(keyword) + len(keyword)
     count = rng.choice(["-1", "0", "1", "999999", "99999999999999", "1e9", "nan"])
-    return meshed(
-        "mesh .msh: false counts",
-        (text[:start] + count + text[text.index("\n", start) :]).encode(),
-        ".msh",
-        True,
-        sound,
-    )
+    false = text[:start] + count + text[text.index("\n", start) :]
+    return meshed("mesh .msh: false counts", false.encode(), ".msh")
 
 
-def wrong_mesh(rng: random.Random, sound: Sound) -> Input:
+def _spoiled(rng: random.Random) -> Input:
     """A well-formed mesh file of a shoe that cannot be: torn, folded, doubled, without its groups."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "shoe.vtu"
-        path.write_bytes(mesh_files(sound.meshed)[".vtu"])
+        path.write_bytes(mesh_files()[".vtu"])
         mesh = meshio.read(path)
         name, spoil = rng.choice(list(SPOILS.items()))
         points, cells = mesh.points.copy(), mesh.cells[0].data.copy()
@@ -112,7 +104,7 @@ def wrong_mesh(rng: random.Random, sound: Sound) -> Input:
             cell_data={key: [values] for key, values in cell_data.items()},
             point_data=point_data,
         ).write(path, file_format="vtu")
-        return meshed(f"mesh: {name}", path.read_bytes(), ".vtu", True, sound)
+        return meshed(f"mesh: {name}", path.read_bytes(), ".vtu")
 
 
 Spoiled = tuple[Any, Any, dict[str, Any], dict[str, Any]]

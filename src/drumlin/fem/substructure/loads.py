@@ -1,0 +1,62 @@
+"""The load columns of a body, by the names of its unit loads.
+
+A body is condensed once for all unit loads that its scene needs. Each load has a name and as many
+columns as it has components. The actuation has three: unit force x, unit force y and unit couple on
+the loaded end, or on the frame of a body whose back is held. A further force, or a strain without
+stress (heat), is one more name. Whoever combines the columns asks for the factors of all of them
+and names the loads that act.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from drumlin.base.arrays import Floats, in_turn
+
+ACTUATION = "actuation"
+"""The name of the unit loads by which a shoe's own force acts on its body: force x, y, couple."""
+
+
+@dataclass(frozen=True)
+class LoadColumns:
+    """The columns of the unit loads of a body: name and number of components of each load."""
+
+    sizes: tuple[tuple[str, int], ...] = ()
+
+    @classmethod
+    def of(cls, loads: Mapping[str, Floats]) -> "LoadColumns":
+        """The columns of loads (unknowns, k) by name."""
+        return cls(tuple((name, forces.shape[1]) for name, forces in loads.items()))
+
+    @cached_property
+    def places(self) -> dict[str, slice]:
+        """The place of each load among all columns."""
+        names = [name for name, _ in self.sizes]
+        return dict(zip(names, in_turn(size for _, size in self.sizes), strict=True))
+
+    @property
+    def count(self) -> int:
+        """Number of all columns."""
+        return sum(size for _, size in self.sizes)
+
+    def factors(self, acting: Mapping[str, Floats]) -> Floats:
+        """Factors (l,) of all columns, zero for the loads that do not act.
+
+        acting: the factors (k,) of each load that acts, by name. Raises KeyError for an unknown
+        name.
+        """
+        found = np.zeros(self.count)
+        for name, own in acting.items():
+            found[self.places[name]] = own
+        return found
+
+    def part(self, name: str, factors: Floats) -> Floats:
+        """The factors (k, ...) of one load among those of all columns (l, ...)."""
+        return factors[self.places[name]]
+
+
+def stacked_loads(loads: Mapping[str, Floats], unknowns: int) -> Floats:
+    """The columns (unknowns, l) of all loads, one after the other."""
+    return np.concatenate([np.zeros((unknowns, 0)), *loads.values()], axis=1)

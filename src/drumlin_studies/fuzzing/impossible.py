@@ -1,0 +1,91 @@
+"""Brake files that are broken whatever is drawn: no model may answer them."""
+
+import random
+import tomllib
+from collections.abc import Callable, Iterator
+from functools import cache
+from typing import Any
+
+from drumlin.brake.plane_brake import read_any
+from drumlin.models import applicable
+from drumlin.studies import REPOSITORY
+from drumlin_studies.fuzzing.inputs import BRAKES, FEW_ELEMENTS, Input, brake_text, toml
+
+WRONG_TYPES: tuple[Any, ...] = (
+    {"a": 1},
+    [],
+    [[1, 2], 3],
+    True,
+    "",
+    "12",
+    "3 mm mm",
+    "nan mm",
+    "NaN",
+    "1e999 m",
+)
+"""Values that no key of a brake file takes, titles and names aside."""
+
+
+def broken_structure(rng: random.Random) -> Input:
+    """A brake file with a key renamed or a value of another type: no brake any more."""
+    name = rng.choice(BRAKES)
+    data = tomllib.loads(brake_text(name).decode())
+    named = [
+        place
+        for place in _leaves(data)
+        if isinstance(place[-1], str) and place[-1] not in {"title", "name"}
+    ]
+    *parents, key = rng.choice(named)
+    owner = _get(data, tuple(parents))
+    if rng.random() < 0.5:
+        owner[key + rng.choice(["_", "x", " "])] = owner.pop(key)
+    else:
+        owner[key] = rng.choice(WRONG_TYPES)
+    return _unanswered(rng, "brake file: structure", name, toml(data))
+
+
+def huge_file(rng: random.Random) -> Input:
+    """A brake file that is deep, long or wide beyond sense."""
+    name = rng.choice(BRAKES)
+    text = brake_text(name).decode()
+    texts: list[Callable[[], str]] = [
+        lambda: text + "\nx = " + "[" * 50_000,
+        lambda: text + "\n# " + "x" * 2_000_000,
+        lambda: "[a." + ".".join("b" for _ in range(20_000)) + "]",
+        lambda: text.replace('width = "', 'width = "' + "9" * 5_000, 1),
+        lambda: "\0" * 900_000,
+        lambda: text.replace("[[shoe]]", "[[shoe]]\n" * 20_000, 1),
+    ]
+    return _unanswered(rng, "brake file: huge", name, rng.choice(texts)().encode())
+
+
+def _unanswered(rng: random.Random, kind: str, name: str, text: bytes) -> Input:
+    """A solve of a broken file by a model that would answer the sound brake `name`."""
+    words = ["solve", "b.toml", "--json", "r.json"]
+    model = rng.choice(_models(name))
+    words += ["--elements", FEW_ELEMENTS] if model == "fem" else ["--model", model]
+    return Input(kind, {"b.toml": text}, words, must_fail=True)
+
+
+@cache
+def _models(name: str) -> tuple[str, ...]:
+    """The names of the models that answer a sound brake."""
+    brake = read_any(REPOSITORY / "studies" / f"{name}.toml")
+    return tuple(model.name for model in applicable(brake))
+
+
+def _leaves(data: Any, place: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
+    if isinstance(data, dict):
+        for key, value in data.items():
+            yield from _leaves(value, (*place, key))
+    elif isinstance(data, list):
+        for i, value in enumerate(data):
+            yield from _leaves(value, (*place, i))
+    else:
+        yield place
+
+
+def _get(data: Any, place: tuple[Any, ...]) -> Any:
+    for step in place:
+        data = data[step]
+    return data

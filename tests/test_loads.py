@@ -1,0 +1,86 @@
+"""Load columns by name: a body takes further unit loads beside those of its actuation."""
+
+from functools import partial
+
+import numpy as np
+import pytest
+
+from drumlin.brake.file import read_brake
+from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.hp.shoe import LoadedEnd, unit_actuations
+from drumlin.fem.model import respond
+from drumlin.fem.preparation import columns as hp_path
+from drumlin.fem.preparation.bodies import actuation
+from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.substructure.body import condense
+from drumlin.fem.substructure.elasticity import layers_of
+from drumlin.fem.substructure.loads import ACTUATION, LoadColumns
+
+FURTHER = "further force"
+TWO = LoadColumns(((ACTUATION, 3), (FURTHER, 1)))
+
+
+@pytest.fixture
+def brake(root):
+    return read_brake(root / "studies" / "double_shoe" / "brake.toml")
+
+
+def with_further_force(xy, depths, p):
+    """The unit actuations, and a unit force along y on the first node of the loaded end."""
+    end = unit_actuations(xy, depths, p)
+    force = np.zeros((len(end.forces), 1))
+    force[1] = 1.0
+    moment = np.array([[0.0], [1.0], [xy[0, 0] - end.centre[0]]])
+    return LoadedEnd(
+        np.hstack([end.forces, force]), TWO, end.centre, np.hstack([end.moments, moment])
+    )
+
+
+@pytest.fixture
+def further(monkeypatch):
+    """Every body in hp elements has the further column."""
+    for name in ("condense", "condensed"):
+        made = partial(getattr(hp_path, name), end_loads=with_further_force)
+        monkeypatch.setattr(hp_path, name, made)
+
+
+def test_factors_name_the_loads_that_act():
+    assert TWO.count == 4
+    assert TWO.factors({FURTHER: np.array([2.0])}).tolist() == [0.0, 0.0, 0.0, 2.0]
+    factors = TWO.factors({ACTUATION: np.array([1.0, 2.0, 3.0])})
+    assert TWO.part(ACTUATION, factors).tolist() == [1.0, 2.0, 3.0]
+    assert TWO.part(FURTHER, factors).tolist() == [0.0]
+    assert LoadColumns().factors({}).shape == (0,)
+    with pytest.raises(KeyError):
+        TWO.factors({"heat": np.array([1.0])})
+
+
+def test_a_further_force_on_hp_elements_is_what_one_factorisation_leaves(brake, further):
+    shoe, body = brake.shoes[0], prepare(brake, LEVELS[1]).bodies[0]
+    assert body.columns == TWO
+    assert body.closing_loaded.shape == (len(body.line.nodes), 4)
+    assert body.tip_loaded.shape == (4, 4)
+    _, ties, loads = body.condensed.inside()
+    named = {ACTUATION: loads[:, :3], FURTHER: loads[:, 3:]}
+    other = condense(body.basis.stiffness(layers_of(shoe)), ties, named, 2 * len(body.line.nodes))
+    assert other.columns == TWO
+    for name in ("load_c", "load_f", "load_work"):
+        mine, theirs = getattr(body.condensed, name), getattr(other, name)
+        assert mine == pytest.approx(theirs, abs=1e-8 * np.abs(theirs).max())
+
+
+def test_the_frame_bears_a_further_force(brake, further):
+    """All of the force, and its moment about the pin, held where the contact is free."""
+    shoe, body = brake.shoes[0], prepare(brake, LEVELS[1]).bodies[0]
+    held = body.held_loaded @ TWO.factors({FURTHER: np.array([1.0])})
+    x = body.basis.doflocs[0, body.basis.sets["actuation"][0]]
+    assert held == pytest.approx([0.0, -1.0, -(x - shoe.own_pin[0])], abs=1e-8)
+
+
+def test_a_load_that_does_not_act_changes_no_answer(brake, further, monkeypatch):
+    scene = prepare(brake, LEVELS[1])
+    factors, _ = actuation(scene.bodies[0], brake.shoes[0])
+    assert factors.shape == (4,) and factors[3] == 0.0
+    found = respond(scene, brake)
+    monkeypatch.undo()
+    assert found.torque == pytest.approx(respond(prepare(brake, LEVELS[1]), brake).torque, rel=1e-9)
