@@ -11,8 +11,8 @@ unit loads the flexibility is
     F_ij = Int (m_i m_j/EI + n_i n_j/EA + kappa v_i v_j/GA) ds.
 
 Ring: plane stress in Fourier series around the drum, u_r = U(r) cos k theta, u_theta = V(r) sin k
-theta, polynomials of degree DEGREE through its thickness: exact for both supports, thick and thin
-(DEGREE is not seen in any digit that is used). Waves much shorter than the thickness meet a
+theta, polynomials of degree RING_DEGREE through its thickness: exact for both supports, thick and thin
+(RING_DEGREE is not seen in any digit that is used). Waves much shorter than the thickness meet a
 half-plane (Johnson, Contact Mechanics, section 13.2): to 1 %.
 """
 
@@ -38,33 +38,33 @@ from drumlin.fem.preparation.scene import Scene, why_not
 from drumlin.fem.substructure.interface import edge_points
 from drumlin.fem.substructure.ring import RingBody
 
-ELEMENTS = 24
+SKETCH_ELEMENTS = 24
 """Default number along a lining of a sketch, whose change is to be within a factor of two."""
-SECTIONS = 4 * ELEMENTS
+SKETCH_SECTIONS = 4 * SKETCH_ELEMENTS
 """Sections of a shoe: some a contact element, as the shoe is longer than its lining. Half of them
 is not noticed by any test of the predictions.
 """
-WAVES = 8
+CONTACT_WAVES = 8
 """Waves of the ring on the shortest contact: a pressure that rises and falls has few that are
 shorter.
 """
-MODES = 3 * ELEMENTS
+LEAST_RING_MODES = 3 * SKETCH_ELEMENTS
 """Least number of modes of the ring: as many as the nodes of a lining resolve over a third of the
 drum.
 """
-MOST_MODES = 4000
-DEGREE = 6
+MOST_RING_MODES = 4000
+RING_DEGREE = 6
 """Degree of a ring's displacement through its thickness: it is not seen in any digit that is used.
 """
-SHORT = 7.0
+HALF_PLANE_WAVE = 7.0
 """Radians of a wave through the ring's thickness from which on the wave meets a half-plane, to 1 %.
 """
-STIFF = 1e5
+RIGID_FACTOR = 1e5
 """Factor by which a sketched straight beam is meshed stiffer than it is: rigid, but for 1e-5."""
-SHEAR = 6 / 5  # kappa of a rectangular section
+SHEAR_FACTOR = 6 / 5  # kappa of a rectangular section
 
 
-def sketcher(elements: int = ELEMENTS) -> Callable[[Brake], Scene]:
+def sketcher(elements: int = SKETCH_ELEMENTS) -> Callable[[Brake], Scene]:
     """A function that makes the sketch of a brake, a scene to `respond` on; it meshes equal linings
     once.
 
@@ -102,8 +102,8 @@ def _with_closed_forms(scene: Scene, brake: Brake, shortest: float) -> Scene:
         bodies.append(made[key])
     ring = scene.ring
     if ring is None and brake.ring is not None:
-        count = max(MODES, math.ceil(2 * math.pi * WAVES / max(shortest, 1e-9)))
-        if count > MOST_MODES:
+        count = max(LEAST_RING_MODES, math.ceil(2 * math.pi * CONTACT_WAVES / max(shortest, 1e-9)))
+        if count > MOST_RING_MODES:
             raise NoAnswer(f"a contact of {shortest:.1e} rad is too short for the waves of a ring")
         ring = _ring(brake, brake.ring, tuple(bodies), count)
     return replace(scene, brake=brake, bodies=tuple(bodies), ring=ring)
@@ -120,7 +120,7 @@ def _rigid(brake: Brake) -> Brake:
         section = shoe.body.section
         assert section is not None  # why_not
         stiff = section.material.model_copy(
-            update={key: STIFF * E for key, E in section.material.moduli.items()}
+            update={key: RIGID_FACTOR * E for key, E in section.material.moduli.items()}
         )
         body = shoe.body.model_copy(
             update={"width": section.width, "material": stiff, "bending_stiffness": None}
@@ -193,7 +193,7 @@ def _bar(shoe: Shoe, radius: float) -> _Bar:
     body = shoe.body
     assert body is not None  # why_not
     plates = list(body.plates.values())[::-1]
-    middle = (np.arange(SECTIONS) + 0.5) / SECTIONS
+    middle = (np.arange(SKETCH_SECTIONS) + 0.5) / SKETCH_SECTIONS
     if isinstance(body, Bar):
         near, far = sorted(shoe.frame.phis((body.start, body.end)), key=abs)
         phi = near + (far - near) * middle
@@ -206,13 +206,13 @@ def _bar(shoe: Shoe, radius: float) -> _Bar:
         along, foot = np.abs(phi - near), np.array([near])
         at = (axis * np.array([np.cos(phi), np.sin(phi)])).T
         tangent = math.copysign(1.0, far - near) * np.column_stack([-np.sin(phi), np.cos(phi)])
-        ds = axis * abs(far - near) / SECTIONS
+        ds = axis * abs(far - near) / SKETCH_SECTIONS
     else:
         hinge, end_ = shoe.frame.to_shoe(shoe.pin.xy), shoe.frame.to_shoe(shoe.actuation.point.xy)
         line = axis_of(hinge, end_)
         along, foot = line.length * middle, hinge
-        at, tangent = hinge + along[:, None] * line.along, np.tile(line.along, (SECTIONS, 1))
-        ds = np.full(SECTIONS, line.length / SECTIONS)
+        at, tangent = hinge + along[:, None] * line.along, np.tile(line.along, (SKETCH_SECTIONS, 1))
+        ds = np.full(SKETCH_SECTIONS, line.length / SKETCH_SECTIONS)
         _, EI, EA, GA = np.array(bonded(plates))[:, None]
     return _Bar(
         at=at,
@@ -221,7 +221,7 @@ def _bar(shoe: Shoe, radius: float) -> _Bar:
         foot=foot,
         bending=np.sqrt(ds / EI),
         stretching=np.sqrt(ds / EA),
-        shearing=np.sqrt(SHEAR * ds / GA),
+        shearing=np.sqrt(SHEAR_FACTOR * ds / GA),
         round=isinstance(body, Bar),
     )
 
@@ -271,15 +271,15 @@ def ring_modes(ring: Ring, radius: float, sign: int, modes: Ints) -> tuple[Float
     assert section is not None  # why_not
     assert isinstance(section.material, Material)  # sketcher
     E, nu = section.material.E, section.material.nu
-    long = modes * section.thickness <= SHORT * radius
+    long = modes * section.thickness <= HALF_PLANE_WAVE * radius
     if not long.all():
         over = radius / (E * modes[~long])
         found = ring_modes(ring, radius, sign, modes[long])
         return np.append(found[0], 2 * over), np.append(found[1], (1 - nu) * over)
-    x = -np.cos(math.pi * np.arange(DEGREE + 1) / DEGREE)
-    V = np.linalg.inv(np.polynomial.legendre.legvander(x, DEGREE))
-    xi, w = np.polynomial.legendre.leggauss(DEGREE + 2)
-    psi = np.polynomial.legendre.legvander(xi, DEGREE) @ V
+    x = -np.cos(math.pi * np.arange(RING_DEGREE + 1) / RING_DEGREE)
+    V = np.linalg.inv(np.polynomial.legendre.legvander(x, RING_DEGREE))
+    xi, w = np.polynomial.legendre.leggauss(RING_DEGREE + 2)
+    psi = np.polynomial.legendre.legvander(xi, RING_DEGREE) @ V
     derivative = np.array(
         [np.polynomial.legendre.legval(xi, np.polynomial.legendre.legder(c)) for c in V.T]
     ).T
@@ -289,7 +289,7 @@ def ring_modes(ring: Ring, radius: float, sign: int, modes: Ints) -> tuple[Float
     zero = np.zeros_like(psi)
     n = modes[:, None, None]
     # strains (m, q, 2 nodes): radial, around, shear
-    e_r = np.broadcast_to(np.hstack([d, zero]), (len(modes), len(xi), 2 * (DEGREE + 1)))
+    e_r = np.broadcast_to(np.hstack([d, zero]), (len(modes), len(xi), 2 * (RING_DEGREE + 1)))
     e_t = np.concatenate([over + 0 * n, n * over], axis=2)
     g = np.concatenate([-n * over, d - over + 0 * n], axis=2)
     weight = (w * abs(half) * r)[:, None] * E / (1 - nu**2)
@@ -298,7 +298,7 @@ def ring_modes(ring: Ring, radius: float, sign: int, modes: Ints) -> tuple[Float
         return np.asarray(a.transpose(0, 2, 1) @ (weight * b))
 
     K = product(e_r, e_r + nu * e_t) + product(e_t, e_t + nu * e_r) + (1 - nu) / 2 * product(g, g)
-    size, rim = DEGREE + 1, DEGREE
+    size, rim = RING_DEGREE + 1, RING_DEGREE
     hold = np.zeros((len(modes), 2 * size, 2))
     if ring.support == "fixed":
         hold[:, rim, 0] = hold[:, size + rim, 1] = 1.0

@@ -20,7 +20,7 @@ from studies.faults.study import INPUTS, UNKNOWN
 
 from drumlin.studies import REPOSITORY
 from drumlin_studies.fuzzing import broken_sweeps, endings, trials
-from drumlin_studies.fuzzing.inputs import BRAKES, Input
+from drumlin_studies.fuzzing.inputs import SOUND_BRAKES, BrokenInput
 
 PROGRAM = r"""
 import contextlib, io, json, os, resource, signal, sys, traceback
@@ -96,7 +96,7 @@ class Earlier:
                 "-P",
                 "-c",
                 PROGRAM,
-                REPOSITORY / "studies" / f"{BRAKES[0]}.toml",
+                REPOSITORY / "studies" / f"{SOUND_BRAKES[0]}.toml",
             ],
             env=env,
             stdin=subprocess.PIPE,
@@ -104,7 +104,7 @@ class Earlier:
             text=True,
         )
 
-    def end(self, given: Input) -> endings.Ending:
+    def end(self, given: BrokenInput) -> endings.Ending:
         """How it ends on an input."""
         assert self._process.stdin is not None and self._process.stdout is not None
         with tempfile.TemporaryDirectory() as name, tempfile.TemporaryDirectory() as beside:
@@ -136,10 +136,10 @@ def main(checkout: Path, share: float = 1.0) -> dict[str, Any]:
     generator.
     """
     earlier = Earlier(checkout)
-    end = earlier.end(Input("sweep", broken_sweeps.sound_files(), broken_sweeps.WORDS_OF_A_SWEEP))
+    end = earlier.end(BrokenInput("sweep", broken_sweeps.sound_files(), broken_sweeps.SWEEP_WORDS))
     if end.status:
         sys.exit(end.err or end.out)
-    table, kept = end.written[broken_sweeps.TABLE], end.written[broken_sweeps.JOURNAL]
+    table, kept = end.written[broken_sweeps.SWEEP_TABLE], end.written[broken_sweeps.SWEEP_JOURNAL]
     rows = []
     for name, whole in INPUTS.items():
         count = round(share * whole)

@@ -38,8 +38,8 @@ class Result(NamedTuple):
     killed.
     """
 
-    within: dict[str, list[trials.Verdict]]
-    apart: dict[str, list[trials.Verdict]]
+    within: dict[str, list[trials.InputVerdict]]
+    apart: dict[str, list[trials.InputVerdict]]
     killed: list[dict[str, Any]]
 
 
@@ -83,11 +83,11 @@ def report(result: Result, folder: Path) -> Path:
         ]
         + [f"{row['way']}: {row['fault']}" for row in result.killed if row["fault"]],
         promises=promises.PROMISES,
-        statuses=promises.STATUSES,
+        statuses=promises.STATUS_MEANINGS,
     )
 
 
-def _before(row: dict[str, Any], now: list[trials.Verdict]) -> dict[str, Any]:
+def _before(row: dict[str, Any], now: list[trials.InputVerdict]) -> dict[str, Any]:
     """Faults of an earlier drumlin, in words, beside those of this one on the same inputs."""
     counts: dict[str, int] = row["faults"]
     later = counts.pop(UNKNOWN, 0)

@@ -17,7 +17,7 @@ import numpy as np
 from drumlin.brake.file import brake_from
 from drumlin.fem.mesh.file import FORMATS, write_mesh
 from drumlin.fem.preparation.prepare import prepare
-from drumlin_studies.fuzzing.inputs import BRAKES, Input, brake_text, toml
+from drumlin_studies.fuzzing.inputs import SOUND_BRAKES, BrokenInput, brake_text, toml
 
 MESH_SUFFIXES = (".msh", ".inp", ".vtu")
 
@@ -27,7 +27,7 @@ def mesh_files() -> dict[str, bytes]:
     """Small sound meshes of the double-shoe brake's right shoe, by suffix, and the "brake" file that
     will name one of them.
     """
-    data = tomllib.loads(brake_text(BRAKES[0]).decode())
+    data = tomllib.loads(brake_text(SOUND_BRAKES[0]).decode())
     data["shoe"] = data["shoe"][:1]
     brake = brake_from(data, unit_required=True)
     mesh = prepare(brake, elements=6, kind="tri2").bodies[0].mesh
@@ -45,15 +45,15 @@ def with_mesh(brake_file: bytes, name: str) -> bytes:
     return toml(data)
 
 
-def meshed(kind: str, mesh: bytes, suffix: str, *, must_fail: bool = True) -> Input:
+def meshed(kind: str, mesh: bytes, suffix: str, *, must_fail: bool = True) -> BrokenInput:
     """A solve of the brake with this mesh, named with this suffix."""
     name = f"m{suffix}"
     files = {"b.toml": with_mesh(mesh_files()["brake"], name), name: mesh}
     words = ["solve", "b.toml", "--json", "r.json"]
-    return Input(kind, files, words, must_fail=must_fail)
+    return BrokenInput(kind, files, words, must_fail=must_fail)
 
 
-def impossible_mesh(rng: random.Random) -> Input:
+def impossible_mesh(rng: random.Random) -> BrokenInput:
     """A mesh file that is cut off, of another format, with counts that lie, or of a shoe that cannot
     be.
     """
@@ -61,7 +61,7 @@ def impossible_mesh(rng: random.Random) -> Input:
     return maker(rng)
 
 
-def _cut(rng: random.Random) -> Input:
+def _cut(rng: random.Random) -> BrokenInput:
     """A mesh file of which less than three quarters are left."""
     suffix = rng.choice(MESH_SUFFIXES)
     text = mesh_files()[suffix]
@@ -69,15 +69,15 @@ def _cut(rng: random.Random) -> Input:
     return meshed(f"mesh {suffix}: cut off", left, suffix)
 
 
-def _mislabelled(rng: random.Random) -> Input:
+def _mislabelled(rng: random.Random) -> BrokenInput:
     """A mesh under the suffix of another format, or a file that is no mesh at all."""
     suffix, other = rng.sample(MESH_SUFFIXES, 2)
     noise = bytes(rng.randrange(256) for _ in range(99))
-    text = rng.choice([mesh_files()[other], brake_text(rng.choice(BRAKES)), b"", noise])
+    text = rng.choice([mesh_files()[other], brake_text(rng.choice(SOUND_BRAKES)), b"", noise])
     return meshed(f"mesh {suffix}: another format", text, suffix)
 
 
-def _lying(rng: random.Random) -> Input:
+def _lying(rng: random.Random) -> BrokenInput:
     """A mesh file whose counts promise more than there is, up to more than any memory holds."""
     text = mesh_files()[".msh"].decode()
     keyword = rng.choice(["$Nodes\n", "$Elements\n", "$PhysicalNames\n"])
@@ -87,7 +87,7 @@ def _lying(rng: random.Random) -> Input:
     return meshed("mesh .msh: false counts", false.encode(), ".msh")
 
 
-def _spoiled(rng: random.Random) -> Input:
+def _spoiled(rng: random.Random) -> BrokenInput:
     """A well-formed mesh file of a shoe that cannot be: torn, folded, doubled, without its groups."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "shoe.vtu"

@@ -2,7 +2,7 @@
 
 An input is sound if it ends with 0 and finite numbers, or with 2 or 3 and one line. A traceback, a
 second line, a control character on the screen, a number that is not finite, an input that is
-written over and a run of more than LONGEST seconds are faults.
+written over and a run of more than LONGEST_RUN seconds are faults.
 """
 
 import contextlib
@@ -25,9 +25,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from drumlin.base.errors import ended
-from drumlin_studies.fuzzing.inputs import Input
+from drumlin_studies.fuzzing.inputs import BrokenInput
 
-LONGEST = 10.0  # s of processor time
+LONGEST_RUN = 10.0  # s of processor time
 LONGEST_WAIT = 300.0  # s by the clock, on a busy machine
 
 
@@ -43,7 +43,7 @@ class Ending(NamedTuple):
     seconds: float
 
 
-def lay_out(given: Input, folder: Path) -> None:
+def lay_out(given: BrokenInput, folder: Path) -> None:
     """Write the files of an input, and beside them what paths may hit: a folder, links, a hard
     link.
     """
@@ -55,7 +55,7 @@ def lay_out(given: Input, folder: Path) -> None:
     (folder / "hard.json").hardlink_to(folder / "b.toml")
 
 
-def written(folder: Path, given: Input) -> dict[str, bytes]:
+def written(folder: Path, given: BrokenInput) -> dict[str, bytes]:
     """The files of a folder that are new or changed since `lay_out`."""
     found = {}
     for path in sorted(folder.rglob("*")):
@@ -67,7 +67,7 @@ def written(folder: Path, given: Input) -> dict[str, bytes]:
     return found
 
 
-def in_process(given: Input) -> Ending:
+def in_process(given: BrokenInput) -> Ending:
     """Run an input in this process; quick, but a hang inside a library is only found when it
     returns.
     """
@@ -104,7 +104,7 @@ def _limited() -> Iterator[None]:
         raise Late
 
     timers = (
-        (signal.ITIMER_PROF, signal.SIGPROF, 1.5 * LONGEST),
+        (signal.ITIMER_PROF, signal.SIGPROF, 1.5 * LONGEST_RUN),
         (signal.ITIMER_REAL, signal.SIGALRM, LONGEST_WAIT),
     )
     before = [(sign, signal.signal(sign, late)) for _, sign, _ in timers]
@@ -119,7 +119,7 @@ def _limited() -> Iterator[None]:
             signal.signal(sign, handler)
 
 
-def in_subprocess(given: Input, **more: Any) -> Ending:
+def in_subprocess(given: BrokenInput, **more: Any) -> Ending:
     """Run an input as a process of its own; `more` goes to subprocess.run."""
     command = [sys.executable, "-c", "from drumlin.cli import main; main()"]
     with tempfile.TemporaryDirectory() as name:
@@ -152,9 +152,9 @@ def _spent() -> float:
 _NOT_FINITE = re.compile(r"(?<![\w'\"/.-])[-+]?(?:nan|inf|NaN|Infinity)(?![\w'\"/.])")
 
 
-def fault_of(given: Input, end: Ending) -> str:
+def fault_of(given: BrokenInput, end: Ending) -> str:
     """What is wrong with how an input ended; empty where nothing is."""
-    if end.seconds > LONGEST:
+    if end.seconds > LONGEST_RUN:
         return f"took {end.seconds:.0f} s"
     if end.status not in {0, 2, 3}:
         return f"status {end.status}: {' '.join(end.err.split())[-300:]}"
@@ -165,7 +165,7 @@ def fault_of(given: Input, end: Ending) -> str:
     return _fault_of_refusal(end) if end.status else _fault_of_answer(given, end)
 
 
-KEPT = ("m/", "m.", "t.csv")
+KEPT_FILES = ("m/", "m.", "t.csv")
 """What a refused run may leave: meshes up to the one that failed, a sweep's table of failed cases
 and its journal.
 """
@@ -178,12 +178,12 @@ def _fault_of_refusal(end: Ending) -> str:
         said = end.err  # a journal that is refused is named like one that is repaired
     if said.count("\n") != 1 or not said.startswith("drumlin: "):
         return f"not one line: {end.err[:200]!r}"
-    if any(not name.startswith(KEPT) for name in end.written):
+    if any(not name.startswith(KEPT_FILES) for name in end.written):
         return f"files of a refused run: {', '.join(end.written)[:200]}"
     return ""
 
 
-def _fault_of_answer(given: Input, end: Ending) -> str:
+def _fault_of_answer(given: BrokenInput, end: Ending) -> str:
     if not _NOTES.fullmatch(end.err):
         return f"an answer with {end.err[:200]!r} in stderr"
     if given.must_fail:
@@ -202,7 +202,7 @@ def _fault_of_answer(given: Input, end: Ending) -> str:
     )
 
 
-def _names(given: Input) -> list[str]:
+def _names(given: BrokenInput) -> list[str]:
     """Names of shoes that read like what is no number: "nan mm" is a name."""
     try:
         shoes = tomllib.loads(given.files.get("b.toml", b"").decode()).get("shoe", [])

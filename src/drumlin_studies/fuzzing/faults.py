@@ -19,26 +19,33 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.plane_brake import read_any
 from drumlin.studies import REPOSITORY
 from drumlin_studies.fuzzing.broken_meshes import mesh_files, with_mesh
-from drumlin_studies.fuzzing.inputs import BRAKES, FEW_ELEMENTS, Input, brake_text, noise, toml
+from drumlin_studies.fuzzing.inputs import (
+    FEW_ELEMENTS,
+    SOUND_BRAKES,
+    BrokenInput,
+    brake_text,
+    noise,
+    toml,
+)
 from drumlin_studies.fuzzing.wrong_values import (
-    FLOATS,
-    INTEGERS,
-    NUMBERS,
-    PATHS,
-    TEXTS,
-    WORDS,
+    WRONG_FLOATS,
+    WRONG_INTEGERS,
+    WRONG_NUMBERS,
+    WRONG_PATHS,
+    WRONG_TEXTS,
+    WRONG_WORDS,
     anything,
     fitting,
     schema_places,
 )
 
-REFERENCE = "reports/reference/values/double_shoe_brake.json"
+REFERENCE_FILE = "reports/reference/values/double_shoe_brake.json"
 
 
 @cache
 def reference_text() -> bytes:
     """Reference values of the double-shoe brake."""
-    return (REPOSITORY / REFERENCE).read_bytes()
+    return (REPOSITORY / REFERENCE_FILE).read_bytes()
 
 
 @cache
@@ -47,21 +54,21 @@ def result_text() -> bytes:
     from drumlin.models import MODELS  # noqa: PLC0415
     from drumlin.verification.check import curves_text  # noqa: PLC0415
 
-    brake = read_any(REPOSITORY / "studies" / f"{BRAKES[0]}.toml")
+    brake = read_any(REPOSITORY / "studies" / f"{SOUND_BRAKES[0]}.toml")
     return curves_text(MODELS["fem"].solve(brake, elements=12)).encode()
 
 
-def broken_bytes(rng: random.Random) -> Input:
+def broken_bytes(rng: random.Random) -> BrokenInput:
     """A brake file with its bytes in disorder."""
-    text = noise(rng, brake_text(rng.choice(BRAKES)), WORDS)
-    return Input("brake file: bytes", {"b.toml": text}, _solving(rng))
+    text = noise(rng, brake_text(rng.choice(SOUND_BRAKES)), WRONG_WORDS)
+    return BrokenInput("brake file: bytes", {"b.toml": text}, _solving(rng))
 
 
-def scaled(rng: random.Random) -> Input:
+def scaled(rng: random.Random) -> BrokenInput:
     """A brake file with one to four quantities made larger or smaller: often still a brake, and an
     extreme one.
     """
-    text = brake_text(rng.choice(BRAKES)).decode()
+    text = brake_text(rng.choice(SOUND_BRAKES)).decode()
     places = list(
         re.finditer(r"(?<![\w.])(-?\d[\d.]*)(?= \w+\"|\s*(?:[,}#]|$))", text, re.MULTILINE)
     )
@@ -72,14 +79,14 @@ def scaled(rng: random.Random) -> Input:
         )
         value = float(place[1]) * size * rng.choice([1, 1, 1, -1])
         text = text[: place.start()] + f"{value:.9g}" + text[place.end() :]
-    return Input("brake file: sizes", {"b.toml": text.encode()}, _solving(rng))
+    return BrokenInput("brake file: sizes", {"b.toml": text.encode()}, _solving(rng))
 
 
-def typed(rng: random.Random) -> Input:
+def typed(rng: random.Random) -> BrokenInput:
     """A brake file with one to three keys of the schema, there or not yet, set to values near and
     far.
     """
-    data = tomllib.loads(brake_text(rng.choice(BRAKES)).decode())
+    data = tomllib.loads(brake_text(rng.choice(SOUND_BRAKES)).decode())
     for _ in range(rng.choice([1, 1, 2, 3])):
         places = list(schema_places(Brake.shape_of(data), data))
         table, key, annotation = rng.choice(places)
@@ -88,10 +95,10 @@ def typed(rng: random.Random) -> Input:
         if rng.random() < 0.08:
             table.pop(key, None)
         elif rng.random() < 0.05:
-            table[rng.choice([*WORDS, "shoe[²]", "lining"])] = anything(rng)
+            table[rng.choice([*WRONG_WORDS, "shoe[²]", "lining"])] = anything(rng)
         else:
             table[key] = fitting(rng, annotation, table.get(key))
-    return Input("brake file: schema", {"b.toml": toml(data)}, _solving(rng))
+    return BrokenInput("brake file: schema", {"b.toml": toml(data)}, _solving(rng))
 
 
 def _solving(rng: random.Random) -> list[str]:
@@ -121,7 +128,7 @@ def _solving(rng: random.Random) -> list[str]:
     return [*words, "--model", model]
 
 
-def broken_mesh(rng: random.Random) -> Input:
+def broken_mesh(rng: random.Random) -> BrokenInput:
     """A mesh file with its bytes in disorder, cut off, of another kind, or with sizes that lie."""
     files = mesh_files()
     suffix = rng.choice([".msh", ".inp", ".vtu"])
@@ -136,7 +143,7 @@ def broken_mesh(rng: random.Random) -> Input:
         at = rng.choice(numbers)
         data = (
             data[: at.start()]
-            + str(rng.choice([*NUMBERS, 3, 10**9, 2**31])).encode()
+            + str(rng.choice([*WRONG_NUMBERS, 3, 10**9, 2**31])).encode()
             + data[at.end() :]
         )
     elif what == 3:
@@ -148,9 +155,9 @@ def broken_mesh(rng: random.Random) -> Input:
     elif what == 4 and suffix == ".inp":
         data += rng.choice(INP_ENDS)
     else:
-        data = noise(rng, data, WORDS)
+        data = noise(rng, data, WRONG_WORDS)
     text = with_mesh(files["brake"], f"m{suffix}")
-    return Input(
+    return BrokenInput(
         f"mesh: {suffix}",
         {"b.toml": text, f"m{suffix}": data},
         ["solve", "b.toml", "--json", "r.json"],
@@ -168,26 +175,39 @@ INP_ENDS = (
 )
 
 
-def broken_reference(rng: random.Random) -> Input:
+def broken_reference(rng: random.Random) -> BrokenInput:
     """Reference values with values of other types and sizes, or their bytes in disorder."""
     text = reference_text()
     if rng.random() < 0.4:
-        text = noise(rng, text, WORDS)
+        text = noise(rng, text, WRONG_WORDS)
     else:
         data = json.loads(text)
         for _ in range(rng.choice([1, 1, 2])):
             places = list(_json_places(data))
             owner, key = rng.choice(places)
             value = rng.choice(
-                [*NUMBERS, *WORDS, None, True, [], {}, [[1]], [1.0, 2.0], {"value": 1}, "del"]
+                [
+                    *WRONG_NUMBERS,
+                    *WRONG_WORDS,
+                    None,
+                    True,
+                    [],
+                    {},
+                    [[1]],
+                    [1.0, 2.0],
+                    {"value": 1},
+                    "del",
+                ]
             )
             if value == "del":
                 del owner[key]
             else:
                 owner[key] = value
         text = json.dumps(data).encode()
-    files = {"b.toml": brake_text(BRAKES[0]), "ref.json": text, "r.csv": result_text()}
-    return Input("reference values", files, ["check", "b.toml", "r.csv", "--reference", "ref.json"])
+    files = {"b.toml": brake_text(SOUND_BRAKES[0]), "ref.json": text, "r.csv": result_text()}
+    return BrokenInput(
+        "reference values", files, ["check", "b.toml", "r.csv", "--reference", "ref.json"]
+    )
 
 
 def _json_places(data: Any) -> Iterator[tuple[Any, Any]]:
@@ -199,26 +219,28 @@ def _json_places(data: Any) -> Iterator[tuple[Any, Any]]:
             yield from list(_json_places(value))[:3]
 
 
-def broken_table(rng: random.Random) -> Input:
+def broken_table(rng: random.Random) -> BrokenInput:
     """A table of p(theta) with cells of all sorts, or its bytes in disorder."""
     text = result_text()
     if rng.random() < 0.5:
-        text = noise(rng, text, WORDS)
+        text = noise(rng, text, WRONG_WORDS)
     else:
         rows = list(csv.reader(io.StringIO(text.decode())))
         for _ in range(rng.choice([1, 1, 3])):
             row = rng.choice([rows[0], rng.choice(rows)])
             row[rng.randrange(len(row))] = rng.choice(
-                [*WORDS, *map(str, NUMBERS), "theta [deg]", "p [N]", "p [", "p"]
+                [*WRONG_WORDS, *map(str, WRONG_NUMBERS), "theta [deg]", "p [N]", "p [", "p"]
             )
         buffer = io.StringIO()
         csv.writer(buffer).writerows(rows)
         text = buffer.getvalue().encode(errors="replace")
-    files = {"b.toml": brake_text(BRAKES[0]), "ref.json": reference_text(), "r.csv": text}
-    return Input("result table", files, ["check", "b.toml", "r.csv", "--reference", "ref.json"])
+    files = {"b.toml": brake_text(SOUND_BRAKES[0]), "ref.json": reference_text(), "r.csv": text}
+    return BrokenInput(
+        "result table", files, ["check", "b.toml", "r.csv", "--reference", "ref.json"]
+    )
 
 
-SLOW = {"study", "sweep", "reference", "cost", "compare", "hold", "explore"}
+SLOW_COMMANDS = {"study", "sweep", "reference", "cost", "compare", "hold", "explore"}
 """Commands that take long, or serve until they are stopped: they only get options that are wrong,
 see `wrong_words`.
 """
@@ -233,10 +255,10 @@ def _commands() -> dict[str, Any]:
     return dict(vars(get_command(app))["commands"])
 
 
-def command_line(rng: random.Random) -> Input:
+def command_line(rng: random.Random) -> BrokenInput:
     """A command with options of all sorts."""
     commands = _commands()
-    name = rng.choice([name for name in commands if name not in SLOW - {"hold"}])
+    name = rng.choice([name for name in commands if name not in SLOW_COMMANDS - {"hold"}])
     words = [name, "b.toml"]
     chosen = {}
     for option in commands[name].params:
@@ -253,11 +275,11 @@ def command_line(rng: random.Random) -> Input:
         if chosen.get("model", ["", "fem"])[1] != "fem":
             del chosen["elements"]
     files = {
-        "b.toml": brake_text(rng.choice([BRAKES[0], BRAKES[0], *BRAKES])),
+        "b.toml": brake_text(rng.choice([SOUND_BRAKES[0], SOUND_BRAKES[0], *SOUND_BRAKES])),
         "r.csv": result_text(),
         "ref.json": reference_text(),
     }
-    return Input(
+    return BrokenInput(
         f"command line: {name}",
         files,
         words + [word for option in chosen.values() for word in option],
@@ -269,35 +291,35 @@ def _word_for(rng: random.Random, option: Any) -> str | None:
     if getattr(option, "is_flag", False) or getattr(option, "is_bool_flag", False):
         return None
     if option.name == "result":
-        return rng.choice(["r.csv", "r.csv", "ref.json", *PATHS])
+        return rng.choice(["r.csv", "r.csv", "ref.json", *WRONG_PATHS])
     if option.name == "known":
-        return rng.choice(["ref.json", "ref.json", "r.csv", *PATHS])
+        return rng.choice(["ref.json", "ref.json", "r.csv", *WRONG_PATHS])
     kind = str(getattr(option, "type", "")) + str(getattr(option, "type_descriptor", ""))
-    pool: Sequence[str] = WORDS
-    if option.name in TEXTS:
-        pool = TEXTS[option.name]
+    pool: Sequence[str] = WRONG_WORDS
+    if option.name in WRONG_TEXTS:
+        pool = WRONG_TEXTS[option.name]
     elif "Path" in kind or "path" in kind or option.name in {"output", "json_file", "pressure"}:
-        pool = PATHS
+        pool = WRONG_PATHS
     elif option.name in {"elements", "sections", "jobs"}:
-        pool = INTEGERS
+        pool = WRONG_INTEGERS
     elif option.name in {"tolerance", "exponent"}:
-        pool = FLOATS
-    return rng.choice(pool if rng.random() < 0.95 else WORDS)
+        pool = WRONG_FLOATS
+    return rng.choice(pool if rng.random() < 0.95 else WRONG_WORDS)
 
 
-def wrong_words(rng: random.Random) -> Input:
+def wrong_words(rng: random.Random) -> BrokenInput:
     """Words that are no command line."""
     name = rng.choice([*_commands(), "", "x", "--help", "--version", "-h", "--bad"])
     words = [name] + [
-        rng.choice([*WORDS, *PATHS, "--json", "--elements", "--bad"])
+        rng.choice([*WRONG_WORDS, *WRONG_PATHS, "--json", "--elements", "--bad"])
         for _ in range(rng.choice([0, 1, 2]))
     ]
-    if name in SLOW:
+    if name in SLOW_COMMANDS:
         words += ["--nope"]
-    return Input("command line: words", {"b.toml": brake_text(BRAKES[0])}, words)
+    return BrokenInput("command line: words", {"b.toml": brake_text(SOUND_BRAKES[0])}, words)
 
 
-def shown(given: Input) -> str:
+def shown(given: BrokenInput) -> str:
     """The command line of an input for people, long words cut."""
     safe = set(string.ascii_letters + string.digits + "-_./=")
     cut = [word if len(word) < 40 else word[:20] + f"...({len(word)})" for word in given.words]

@@ -9,7 +9,7 @@ from typing import Any
 from drumlin.brake.plane_brake import read_any
 from drumlin.models import applicable
 from drumlin.studies import REPOSITORY
-from drumlin_studies.fuzzing.inputs import BRAKES, FEW_ELEMENTS, Input, brake_text, toml
+from drumlin_studies.fuzzing.inputs import FEW_ELEMENTS, SOUND_BRAKES, BrokenInput, brake_text, toml
 
 WRONG_TYPES: tuple[Any, ...] = (
     {"a": 1},
@@ -26,9 +26,9 @@ WRONG_TYPES: tuple[Any, ...] = (
 """Values that no key of a brake file takes, titles and names aside."""
 
 
-def broken_structure(rng: random.Random) -> Input:
+def broken_structure(rng: random.Random) -> BrokenInput:
     """A brake file with a key renamed or a value of another type: no brake any more."""
-    name = rng.choice(BRAKES)
+    name = rng.choice(SOUND_BRAKES)
     data = tomllib.loads(brake_text(name).decode())
     named = [
         place
@@ -44,9 +44,9 @@ def broken_structure(rng: random.Random) -> Input:
     return _unanswered(rng, "brake file: structure", name, toml(data))
 
 
-def huge_file(rng: random.Random) -> Input:
+def huge_file(rng: random.Random) -> BrokenInput:
     """A brake file that is deep, long or wide beyond sense."""
-    name = rng.choice(BRAKES)
+    name = rng.choice(SOUND_BRAKES)
     text = brake_text(name).decode()
     texts: list[Callable[[], str]] = [
         lambda: text + "\nx = " + "[" * 50_000,
@@ -59,12 +59,12 @@ def huge_file(rng: random.Random) -> Input:
     return _unanswered(rng, "brake file: huge", name, rng.choice(texts)().encode())
 
 
-def _unanswered(rng: random.Random, kind: str, name: str, text: bytes) -> Input:
+def _unanswered(rng: random.Random, kind: str, name: str, text: bytes) -> BrokenInput:
     """A solve of a broken file by a model that would answer the sound brake `name`."""
     words = ["solve", "b.toml", "--json", "r.json"]
     model = rng.choice(_models(name))
     words += ["--elements", FEW_ELEMENTS] if model == "fem" else ["--model", model]
-    return Input(kind, {"b.toml": text}, words, must_fail=True)
+    return BrokenInput(kind, {"b.toml": text}, words, must_fail=True)
 
 
 @cache

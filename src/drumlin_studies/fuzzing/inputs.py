@@ -10,7 +10,7 @@ from drumlin.studies import REPOSITORY
 
 FEW_ELEMENTS = "6"
 """Number of elements along a lining in the commands of inputs, so that a solve takes some 20 ms."""
-BRAKES = (
+SOUND_BRAKES = (
     "double_shoe/brake",
     "post_brake/brake",
     "laws/pad",
@@ -21,7 +21,7 @@ BRAKES = (
 """The brake files that inputs are made of, in studies/ and without their suffix."""
 
 
-class Input(NamedTuple):
+class BrokenInput(NamedTuple):
     """Files by name and the words of a command line that is run in their folder.
 
     `right` is the content that files of an answer must have, where that content is known. An input

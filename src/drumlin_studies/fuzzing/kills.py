@@ -16,15 +16,15 @@ from pathlib import Path
 from typing import Any
 
 from drumlin.base.journal import Journal
-from drumlin_studies.fuzzing.inputs import BRAKES, brake_text
+from drumlin_studies.fuzzing.inputs import SOUND_BRAKES, brake_text
 
-CASES = 150
-LIMIT = 900.0  # s that a run may take on a busy machine
-WAYS = ("one job", "two jobs", "Dask")
-PROGRAM = "from drumlin.cli import main; main()"
-SWEEP = f"""
+KILLED_CASES = 150
+RUN_LIMIT = 900.0  # s that a run may take on a busy machine
+RUN_WAYS = ("one job", "two jobs", "Dask")
+DRUMLIN_PROGRAM = "from drumlin.cli import main; main()"
+KILLED_SWEEP = f"""
 brake = "b.toml"
-cases = {CASES}
+cases = {KILLED_CASES}
 [model.fem]
 elements = 24
 [vary]
@@ -34,17 +34,17 @@ friction = {{ distribution = "uniform", from = 0.2, to = 1.3 }}
 
 
 def killed(case: dict[str, Any]) -> dict[str, Any]:
-    """A sweep killed `kills` times in a way of WAYS, at moments of the random numbers of `seed`,
+    """A sweep killed `kills` times in a way of RUN_WAYS, at moments of the random numbers of `seed`,
     then let finish.
 
     The row says how many kills met a run at work, and what is wrong at the end (nothing: empty).
     """
     rng = random.Random(f"kills {case['seed']} {case['way']}")
-    moments = sorted(rng.sample(range(1, CASES - 10), case["kills"]))
+    moments = sorted(rng.sample(range(1, KILLED_CASES - 10), case["kills"]))
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        (folder / "b.toml").write_bytes(brake_text(BRAKES[0]))
-        (folder / "s.toml").write_text(SWEEP, encoding="utf-8")
+        (folder / "b.toml").write_bytes(brake_text(SOUND_BRAKES[0]))
+        (folder / "s.toml").write_text(KILLED_SWEEP, encoding="utf-8")
         whole = _finished(folder, "whole.csv", ["--jobs", "1"])
         with _way(case["way"], folder) as words:
             met = sum(_killed_at(moment, folder, words) for moment in moments)
@@ -55,7 +55,7 @@ def killed(case: dict[str, Any]) -> dict[str, Any]:
         for said, bad in (
             ("another table", table != whole),
             (f"{len(keys) - len(set(keys))} cases twice", len(keys) != len(set(keys))),
-            (f"{len(set(keys))} cases kept", len(set(keys)) != CASES),
+            (f"{len(set(keys))} cases kept", len(set(keys)) != KILLED_CASES),
         )
         if bad
     ]
@@ -77,7 +77,7 @@ def _way(way: str, folder: Path) -> Iterator[list[str]]:
     )
     started = [scheduler]
     try:
-        end = time.monotonic() + LIMIT
+        end = time.monotonic() + RUN_LIMIT
         while not known.exists():
             if scheduler.poll() is not None or time.monotonic() > end:
                 raise RuntimeError("the scheduler has not started")
@@ -110,18 +110,18 @@ def _child(words: list[str], folder: Path) -> subprocess.Popen[bytes]:
 
 
 def _sweeping(folder: Path, output: str, words: list[str]) -> subprocess.Popen[bytes]:
-    return _child(["-c", PROGRAM, "sweep", "s.toml", "--output", output, *words], folder)
+    return _child(["-c", DRUMLIN_PROGRAM, "sweep", "s.toml", "--output", output, *words], folder)
 
 
 def _finished(folder: Path, output: str, words: list[str]) -> bytes:
-    status = _sweeping(folder, output, words).wait(LIMIT)
+    status = _sweeping(folder, output, words).wait(RUN_LIMIT)
     return (folder / output).read_bytes() if status == 0 else f"status {status}".encode()
 
 
 def _killed_at(moment: int, folder: Path, words: list[str]) -> bool:
     """Kill a run as soon as its journal has `moment` rows; whether it was still at work."""
     process, journal = _sweeping(folder, "t.csv", words), folder / "t.csv.journal"
-    end = time.monotonic() + LIMIT
+    end = time.monotonic() + RUN_LIMIT
     while process.poll() is None and time.monotonic() < end:
         if journal.exists() and journal.read_bytes().count(b"\n") > moment:
             break
@@ -135,7 +135,7 @@ def _killed_at(moment: int, folder: Path, words: list[str]) -> bool:
 
 def _unlocked(journal: Path) -> None:
     """Wait until the workers of a killed run have ended, too: they hold its journal."""
-    end = time.monotonic() + LIMIT
+    end = time.monotonic() + RUN_LIMIT
     while time.monotonic() < end:
         try:
             with journal.open("ab") as file:
@@ -185,6 +185,6 @@ def table(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
             "met": sum(row["met"] for row in of),
             "faults": sum(bool(row["fault"]) for row in of),
         }
-        for way in WAYS
+        for way in RUN_WAYS
         if (of := [row for row in rows if row["way"] == way])
     ]

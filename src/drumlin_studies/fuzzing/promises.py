@@ -112,7 +112,7 @@ PROMISES = [
     )
 ]  # fmt: skip
 
-STATUSES = [
+STATUS_MEANINGS = [
     {"status": status, "meaning": meaning}
     for status, meaning in (
         ("0", "an answer"),

@@ -12,7 +12,7 @@ from drumlin.brake.plane_brake import read_any
 from drumlin.models import MODELS
 from drumlin.response.balance import contact_resultant
 from drumlin.response.response import Response
-from drumlin_studies.fuzzing.inputs import Input
+from drumlin_studies.fuzzing.inputs import BrokenInput
 
 SOUND_IMBALANCE = 1e-6
 """Largest imbalance of forces and moments of a sound answer, relative to the applied ones. The value
@@ -25,7 +25,7 @@ lever.
 """
 
 
-def fault_of_answer(given: Input) -> str:
+def fault_of_answer(given: BrokenInput) -> str:
     """Why the answer of a solve that ended well cannot be true; empty where it can.
 
     The brake is read and solved again as the words of the input say. Raises what a solve raises, a

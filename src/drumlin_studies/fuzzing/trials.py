@@ -15,16 +15,16 @@ from drumlin_studies.fuzzing.broken_meshes import impossible_mesh
 from drumlin_studies.fuzzing.broken_sweeps import broken_sweep, changed_sweep, damaged_journal
 from drumlin_studies.fuzzing.endings import fault_of, in_process, in_subprocess
 from drumlin_studies.fuzzing.impossible import broken_structure, huge_file
-from drumlin_studies.fuzzing.inputs import Input
+from drumlin_studies.fuzzing.inputs import BrokenInput
 from drumlin_studies.fuzzing.soundness import fault_of_answer
 from drumlin_studies.side_by_side import Case, kept
 
-CHUNK = 50
+INPUTS_AT_A_TIME = 50
 """Inputs that a process takes at a time."""
 KEPT_LETTERS = 300
 """Letters of a refusal that a verdict keeps: enough to tell what it refuses."""
 
-GENERATORS: dict[str, tuple[Callable[[random.Random], Input], str]] = {
+GENERATORS: dict[str, tuple[Callable[[random.Random], BrokenInput], str]] = {
     "bytes": (faults.broken_bytes, "a brake file with its bytes in disorder"),
     "schema": (faults.typed, "keys of the brake file's schema with values near and far"),
     "sizes": (faults.scaled, "quantities of a brake file made larger or smaller by up to 1e12"),
@@ -46,7 +46,7 @@ GENERATORS: dict[str, tuple[Callable[[random.Random], Input], str]] = {
 """What breaks an input, and what that is in words."""
 
 
-class Verdict(NamedTuple):
+class InputVerdict(NamedTuple):
     """What became of an input: its number, exit status, seconds of processor time, the fault (empty
     where there is none), and the line that refused the input.
     """
@@ -58,12 +58,12 @@ class Verdict(NamedTuple):
     line: str = ""
 
 
-def made(generator: str, number: int) -> Input:
+def made(generator: str, number: int) -> BrokenInput:
     """Input `number` of a generator, the same every time."""
     return GENERATORS[generator][0](random.Random(f"{generator} {number}"))
 
 
-def tried(generator: str, number: int, apart: bool = False) -> Verdict:
+def tried(generator: str, number: int, apart: bool = False) -> InputVerdict:
     """Run an input in this process or (`apart`) in one of its own, and judge how it ends."""
     given = made(generator, number)
     apart = apart and all(map(passes, given.words))
@@ -73,10 +73,10 @@ def tried(generator: str, number: int, apart: bool = False) -> Verdict:
         fault = _unsound(given)
     line = end.err.removeprefix("drumlin: ").strip()[:KEPT_LETTERS] if end.status else ""
     said = f"{faults.shown(given)}: {fault}" if fault else ""
-    return Verdict(number, end.status, end.seconds, said, line)
+    return InputVerdict(number, end.status, end.seconds, said, line)
 
 
-def _unsound(given: Input) -> str:
+def _unsound(given: BrokenInput) -> str:
     """Why the answer of a solve cannot be true, or how solving it again fails; else empty."""
     try:
         return fault_of_answer(given)
@@ -108,14 +108,19 @@ def try_all(
     apart: bool = False,
     processes: int = 0,
     say: Callable[[str], None] = lambda _: None,
-) -> dict[str, list[Verdict]]:
+) -> dict[str, list[InputVerdict]]:
     """So many inputs of each generator, in this process or in several, those that the journal has
     not yet.
     """
     cases = {
         name: [
-            {"generator": name, "first": first, "count": min(CHUNK, count - first), "apart": apart}
-            for first in range(0, count, CHUNK)
+            {
+                "generator": name,
+                "first": first,
+                "count": min(INPUTS_AT_A_TIME, count - first),
+                "apart": apart,
+            }
+            for first in range(0, count, INPUTS_AT_A_TIME)
         ]
         for name, count in counts.items()
     }
@@ -125,15 +130,15 @@ def try_all(
         journal,
         say,
         processes,
-        f"lots of {CHUNK} inputs",
+        f"lots of {INPUTS_AT_A_TIME} inputs",
     )
     return {
-        name: [Verdict(**row) for case in of for row in journal[case]["verdicts"]]
+        name: [InputVerdict(**row) for case in of for row in journal[case]["verdicts"]]
         for name, of in cases.items()
     }
 
 
-def table(verdicts: dict[str, list[Verdict]]) -> list[dict[str, Any]]:
+def table(verdicts: dict[str, list[InputVerdict]]) -> list[dict[str, Any]]:
     """A row a generator: how its inputs ended, the faults, the longest run; the last row is the
     sum.
     """
@@ -142,17 +147,19 @@ def table(verdicts: dict[str, list[Verdict]]) -> list[dict[str, Any]]:
             "generator": name,
             "what": GENERATORS[name][1],
             "inputs": len(of),
-            **{key: sum(v.status == status for v in of) for key, status in STATUSES.items()},
+            **{
+                key: sum(v.status == status for v in of) for key, status in COUNTED_STATUSES.items()
+            },
             "faults": sum(bool(v.fault) for v in of),
             "longest": max(v.seconds for v in of),
         }
         for name, of in verdicts.items()
     ]
-    total = {key: sum(row[key] for row in rows) for key in ("inputs", *STATUSES, "faults")}
+    total = {key: sum(row[key] for row in rows) for key in ("inputs", *COUNTED_STATUSES, "faults")}
     return [*rows, {"generator": "all", **total, "longest": max(row["longest"] for row in rows)}]
 
 
-def refusal_lines(verdicts: dict[str, list[Verdict]], count: int = 40) -> str:
+def refusal_lines(verdicts: dict[str, list[InputVerdict]], count: int = 40) -> str:
     """The refusals that come most often, most frequent first, each with its number.
 
     Lines that differ in numbers and quoted texts alone count as one, shown by its shortest.
@@ -166,4 +173,4 @@ def refusal_lines(verdicts: dict[str, list[Verdict]], count: int = 40) -> str:
     return "\n".join(f"{len(lines):5d}  {min(lines, key=len)[:160]}" for lines in most)
 
 
-STATUSES = {"answers": 0, "refused": 2, "no answer": 3}
+COUNTED_STATUSES = {"answers": 0, "refused": 2, "no answer": 3}

@@ -14,19 +14,19 @@ from pydantic import BaseModel
 
 from drumlin_studies.fuzzing.inputs import Raw
 
-WORDS = (
+WRONG_WORDS = (
     "", " ", "0", "-0", "1", "2.5", "-1", "nan", "inf", "-inf", "1e999", "1e-320", "1_000", "٣", "²", "0x10", "true",
     "9" * 401, "9" * 4301, "0." + "1" * 5000, "=1+1", "@x", "a\nb", "\x1b[31mred\x1b[0m", "\r", "\0", "\u202e",
     "\ud800", "λ", "漢字", "🛞", "$x$", "x" * 300, "x" * 5000, "../x", "/", ".", "~", "-", "--", "%s{}",
     "<b>&amp;</b>", "[red]x[/]",
 )  # fmt: skip
-QUANTITIES = (
+WRONG_QUANTITIES = (
     "0 mm", "-1 mm", "1e30 m", "1e-31 m", "1e308 mm", "150 mm", "nan mm", "inf m", "1 furlong", "1 mm mm", "1 m^9",
     "5 s", "1e-9 m", "90 deg", "360 deg", "-1e9 deg", "1e5 deg", "3 rad", "2 kN", "-2 kN", "0 N", "1e29 N", "1e-29 N",
     "300 MPa", "1 Pa", "1e30 Pa", "1/2 m", "9" * 100_000 + " mm", "1e9999 mm", "1 " + "m" * 5000, "1 m/(s*",
     "  8   mm ", "8mm",
 )  # fmt: skip
-NUMBERS = (
+WRONG_NUMBERS = (
     0,
     1,
     -1,
@@ -43,7 +43,7 @@ NUMBERS = (
     2**63,
     1e-9,
 )
-PATHS = (
+WRONG_PATHS = (
     "r.json", "r.csv", "r.svg", "r.png", "m.msh", "b.toml", "./b.toml", "sub/../b.toml", "sub", "sub/", "link.json",
     "x.toml", "loop", "dangling", "no/such/folder/r.json", "b.toml/r.json", "", ".", "..", "a\nb.json",
     "\x1b]0;x\x07.json", "\0", "a\0b",
@@ -54,9 +54,9 @@ PATHS = (
 def anything(rng: random.Random, deep: int = 2) -> Any:
     """A value of any type that a TOML file may have."""
     simple: list[Callable[[], Any]] = [
-        lambda: rng.choice(WORDS),
-        lambda: rng.choice(QUANTITIES),
-        lambda: rng.choice(NUMBERS),
+        lambda: rng.choice(WRONG_WORDS),
+        lambda: rng.choice(WRONG_QUANTITIES),
+        lambda: rng.choice(WRONG_NUMBERS),
         lambda: rng.random() < 0.5,
         lambda: Raw(
             rng.choice(
@@ -107,7 +107,7 @@ def schema_places(kind: type[BaseModel], data: Any) -> Iterator[tuple[Any, str, 
 def fitting(rng: random.Random, annotation: Any, before: Any) -> Any:
     """A value near what the schema has in mind."""
     said = str(annotation)
-    choices: list[Any] = [rng.choice(QUANTITIES), rng.choice(NUMBERS), anything(rng)]
+    choices: list[Any] = [rng.choice(WRONG_QUANTITIES), rng.choice(WRONG_NUMBERS), anything(rng)]
     if "Literal" in said:
         choices += [
             value
@@ -117,13 +117,13 @@ def fitting(rng: random.Random, annotation: Any, before: Any) -> Any:
     if "tuple" in said:
         choices += [
             [
-                [rng.choice(QUANTITIES), rng.choice(QUANTITIES)]
+                [rng.choice(WRONG_QUANTITIES), rng.choice(WRONG_QUANTITIES)]
                 for _ in range(rng.choice([1, 2, 3]))
             ],
             [],
         ]
     if "Path" in said:
-        choices += list(PATHS)
+        choices += list(WRONG_PATHS)
     if isinstance(before, str) and (match := re.fullmatch(r"([-\d.]+) (.+)", before)):
         scaled = float(match[1]) * rng.choice(
             [-1, 0, 0.1, 0.5, 0.99, 1.01, 2, 10, 1e6, 1e-6, 1e-15]
@@ -137,7 +137,7 @@ def fitting(rng: random.Random, annotation: Any, before: Any) -> Any:
     return "" if value is None else value
 
 
-INTEGERS = (
+WRONG_INTEGERS = (
     "-1",
     "0",
     "1",
@@ -154,7 +154,7 @@ INTEGERS = (
     "2.5",
     "²",
 )
-FLOATS = (
+WRONG_FLOATS = (
     "-1",
     "0",
     "0.01",
@@ -172,7 +172,7 @@ FLOATS = (
     "",
     "9" * 4301,
 )
-TEXTS = {
+WRONG_TEXTS = {
     "model": ("fem", "sine", "foundation", "short", "guess", ""),
     "kind": ("quad2", "quad1", "tri2", "tri1", "hex8", ""),
     "penalty": ("inf", "1e6", "1", "0", "-1", "nan", "1e-300", "1e300", "soft", "9" * 4301),
