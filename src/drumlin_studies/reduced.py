@@ -1,19 +1,18 @@
-"""A brake sketched: its linings on coarse meshes, shoes and ring in closed form: a scene like any
-other.
+"""Sketches of brakes: linings on coarse meshes, shoes and ring in closed form.
 
-What is behind the lining only adds flexibility to its contact nodes. Where a part is left out, the
-change of such a sketch says beforehand what that does to the brake: see omission.py.
+A sketch is a prepared model like any other. Shoe and ring only add flexibility to the contact nodes
+of their lining. The difference of two sketches predicts the change by an omission: see `omission`.
 
-Shoe: a bar that carries, beyond each of its sections, the contact's forces and the actuation
-(Timoshenko: Strength of Materials II). With bending moment m, normal force n and shear force v of
+Shoe: a bar in which each section carries the forces of the contact and of the actuation beyond it
+(Timoshenko, Strength of Materials II). With bending moment m, normal force n and shear force v of
 unit loads the flexibility is
 
     F_ij = Int (m_i m_j/EI + n_i n_j/EA + kappa v_i v_j/GA) ds.
 
-Ring: plane stress in Fourier series around the drum, u_r = U(r) cos k theta, u_theta = V(r) sin k
-theta, polynomials of degree RING_DEGREE through its thickness: exact for both supports, thick and thin
-(RING_DEGREE is not seen in any digit that is used). Waves much shorter than the thickness meet a
-half-plane (Johnson, Contact Mechanics, section 13.2): to 1 %.
+Ring: plane stress as a Fourier series around the drum, u_r = U(r) cos k theta and u_theta = V(r)
+sin k theta, with polynomials of degree RING_DEGREE through the thickness. It holds for both
+supports and for thick and thin rings. A wave much shorter than the thickness deforms the ring like
+a half-plane, to 1 % (Johnson, Contact Mechanics, section 13.2).
 """
 
 import math
@@ -39,36 +38,36 @@ from drumlin.fem.substructure.interface import edge_points
 from drumlin.fem.substructure.ring import RingBody
 
 SKETCH_ELEMENTS = 24
-"""Default number along a lining of a sketch, whose change is to be within a factor of two."""
+"""Default number of elements along a lining. The predicted change is then right within a factor of
+two.
+"""
 SKETCH_SECTIONS = 4 * SKETCH_ELEMENTS
-"""Sections of a shoe: some a contact element, as the shoe is longer than its lining. Half of them
-is not noticed by any test of the predictions.
+"""Sections of a shoe: several for each contact element, as a shoe is longer than its lining.
+
+No test of the predictions notices half of them.
 """
 CONTACT_WAVES = 8
-"""Waves of the ring on the shortest contact: a pressure that rises and falls has few that are
-shorter.
-"""
+"""Waves of the ring along the shortest contact. A contact pressure has few shorter waves."""
 LEAST_RING_MODES = 3 * SKETCH_ELEMENTS
-"""Least number of modes of the ring: as many as the nodes of a lining resolve over a third of the
-drum.
+"""Smallest number of modes of the ring: the number that the nodes of a lining over a third of the
+drum resolve.
 """
 MOST_RING_MODES = 4000
+"""Number of modes of the ring above which a sketch is refused."""
 RING_DEGREE = 6
-"""Degree of a ring's displacement through its thickness: it is not seen in any digit that is used.
-"""
+"""Degree of a ring's displacement through its thickness. A higher degree changes no used digit."""
 HALF_PLANE_WAVE = 7.0
-"""Radians of a wave through the ring's thickness from which on the wave meets a half-plane, to 1 %.
-"""
+"""Thickness of a ring over R/k [rad] above which wave k deforms it like a half-plane, to 1 %."""
 RIGID_FACTOR = 1e5
-"""Factor by which a sketched straight beam is meshed stiffer than it is: rigid, but for 1e-5."""
-SHEAR_FACTOR = 6 / 5  # kappa of a rectangular section
+"""Factor on the modulus of a straight beam that is meshed as rigid. Its flexibility is then 1e-5."""
+SHEAR_FACTOR = 6 / 5
+"""Shear coefficient kappa of a rectangular section."""
 
 
 def sketcher(elements: int = SKETCH_ELEMENTS) -> Callable[[Brake], Scene]:
-    """A function that makes the sketch of a brake, a scene to `respond` on; it meshes equal linings
-    once.
+    """A function that prepares the sketch of a brake. It meshes equal linings once.
 
-    It raises BadInput for what finite elements do not cover.
+    The function raises BadInput for a brake that finite elements do not cover.
     """
     meshed: dict[Brake, Scene] = {}
 
@@ -118,7 +117,7 @@ def _rigid(brake: Brake) -> Brake:
         if not isinstance(shoe.body, Beam):
             return shoe.model_copy(update={"body": None}) if shoe.mesh is None else shoe
         section = shoe.body.section
-        assert section is not None  # why_not
+        assert section is not None
         stiff = section.material.model_copy(
             update={key: RIGID_FACTOR * E for key, E in section.material.moduli.items()}
         )
@@ -133,7 +132,10 @@ def _rigid(brake: Brake) -> Brake:
 
 
 def _flexible(body: Body, shoe: Shoe, radius: float) -> Body:
-    """The body of a rigid shoe with the shoe's own flexibility added."""
+    """The body of a rigid shoe with the flexibility of the shoe added.
+
+    radius : radius of the drum [m].
+    """
     bar, coupling = _bar(shoe, radius), body.coupling
     nodal = bar.half(body.line.xy)
     pressed, dragged = -nodal @ coupling.N.T, nodal @ coupling.T.T
@@ -151,11 +153,23 @@ def _flexible(body: Body, shoe: Shoe, radius: float) -> Body:
 
 
 class _Bar(NamedTuple):
-    """A shoe's axis in its own frame: section points `at` (m, 2) [m] and unit `tangent` (m, 2) away
-    from the hinge.
+    """The sections of a shoe along its axis, in the frame of the shoe.
 
-    `along` (m,): the place of a section, and `place(xy)` of a contact point, on the way from the
-    hinge; `bending`, `stretching`, `shearing` (m,): roots of ds/EI, ds/EA and kappa ds/GA.
+    Attributes
+    ----------
+    at : array (m, 2)
+        Points of the axis [m].
+    tangent : array (m, 2)
+        Unit tangents, away from the hinge.
+    along : array (m,)
+        Distance of each section from the hinged end: an angle [rad] on an arc, a length [m] on a
+        beam.
+    foot : array
+        Where the distance is zero: an angle (1,) on an arc, a point (2,) on a beam.
+    bending, stretching, shearing : array (m,)
+        Square roots of ds/EI, ds/EA and kappa ds/GA.
+    round : bool
+        Whether the axis is an arc.
     """
 
     at: Floats
@@ -168,7 +182,15 @@ class _Bar(NamedTuple):
     round: bool
 
     def half(self, xy: Floats, beyond: Floats | None = None) -> Floats:
-        """S (3 m, 2 n) with S^T S the flexibility of forces x, y at the points xy (2, n)."""
+        """Square root S (3 m, 2 n) of the flexibility S^T S of forces along x and y at n points.
+
+        Parameters
+        ----------
+        xy : array (2, n)
+            The points [m].
+        beyond : array (m, n), optional
+            1 where a point lies beyond a section, so that the section carries its force.
+        """
         if beyond is None:
             if self.round:  # place: angle from the shoe's hinged end
                 turn = np.abs(np.arctan2(xy[1], xy[0]) - self.foot[0])
@@ -189,9 +211,9 @@ class _Bar(NamedTuple):
 
 
 def _bar(shoe: Shoe, radius: float) -> _Bar:
-    """The bar of a shoe. Behind its lining an arc bends as one section with its backing and lining."""
+    """The bar of a shoe. An arc bends as one section with the backing and the lining on it."""
     body = shoe.body
-    assert body is not None  # why_not
+    assert body is not None
     plates = list(body.plates.values())[::-1]
     middle = (np.arange(SKETCH_SECTIONS) + 0.5) / SKETCH_SECTIONS
     if isinstance(body, Bar):
@@ -231,9 +253,19 @@ def _layer(shoe: Shoe, layer: Lining | Backing) -> Section:
 
 
 def _ring(brake: Brake, ring: Ring, bodies: tuple[Body, ...], count: int) -> RingBody:
-    """The ring under the linings of all shoes: half flexibilities (2 count + 2, n) of each."""
+    """The ring under the linings of all shoes, as square roots (2 count + 2, n) of its flexibility.
+
+    Parameters
+    ----------
+    brake, ring : Brake, Ring
+        The brake and its ring.
+    bodies : tuple of body
+        The body of each shoe, with its contact line.
+    count : int
+        Number of modes of the ring.
+    """
     sign, radius, section = brake.shoes[0].sign, brake.size, ring.section
-    assert section is not None  # why_not
+    assert section is not None
     k = np.arange(count + 1)
     radial, shear = ring_modes(ring, radius, sign, k)
     share = np.where(k == 0, 0.5, 1.0) / (math.pi * radius * section.width)
@@ -248,28 +280,41 @@ def _ring(brake: Brake, ring: Ring, bodies: tuple[Body, ...], count: int) -> Rin
 
 
 def _waves(body: Body, shoe: Shoe, k: Ints) -> tuple[Floats, Floats]:
-    """b Int psi_i cos k theta ds and that with sin, of the brake's angle theta: two arrays (modes,
-    n) [m^2].
+    """Integrals b Int psi_i cos k theta ds and b Int psi_i sin k theta ds: arrays (modes, n) [m^2].
+
+    psi_i are the shape functions of the contact nodes, theta is the angle of the brake.
     """
     line = body.line
     psi, x, ds = edge_points(line.xy[:, line.pieces])
     wave = np.exp(1j * k[:, None, None] * shoe.frame.theta(shoe.phi_of(x, 1.0)))
     found = np.zeros((len(k), len(line.nodes)), dtype=complex)
-    for value, nodes in zip(psi, line.pieces, strict=True):  # no node twice in one row of pieces
+    # No node occurs twice in one row of the pieces, so that += adds each contribution.
+    for value, nodes in zip(psi, line.pieces, strict=True):
         found[:, nodes] += shoe.lining.width * (wave * (value * ds)).sum(axis=2)
     return found.real, found.imag
 
 
 def ring_modes(ring: Ring, radius: float, sign: int, modes: Ints) -> tuple[Floats, Floats]:
-    """Radial displacement [m] of the friction surface per Pa of its traction, for the modes k (m,),
-    growing: two arrays (m,).
+    """Radial displacement [m/Pa] of the friction surface under tractions, for each mode: two arrays.
 
-    Of the traction cos k theta along the radius, and of sin k theta around the drum. The mean
-    motion of a free rim is zero and the force that it takes is spread over it as a rigid motion.
+    The first (m,) is for the radial traction cos k theta, the second (m,) for the traction
+    sin k theta around the drum. A free rim is held by a force that is spread over it like its
+    rigid-body motion, so that its mean motion is zero.
+
+    Parameters
+    ----------
+    ring : Ring
+        The ring, isotropic.
+    radius : float
+        Radius of the drum [m].
+    sign : int
+        1 where the ring lies outside the friction surface, -1 inside.
+    modes : array of int (m,)
+        Growing orders k.
     """
     section = ring.section
-    assert section is not None  # why_not
-    assert isinstance(section.material, Material)  # sketcher
+    assert section is not None
+    assert isinstance(section.material, Material)
     E, nu = section.material.E, section.material.nu
     long = modes * section.thickness <= HALF_PLANE_WAVE * radius
     if not long.all():
@@ -288,7 +333,7 @@ def ring_modes(ring: Ring, radius: float, sign: int, modes: Ints) -> tuple[Float
     d, over = derivative / half, psi / r[:, None]
     zero = np.zeros_like(psi)
     n = modes[:, None, None]
-    # strains (m, q, 2 nodes): radial, around, shear
+    # Strains (m, q, 2 nodes) of unit displacements: radial, around the drum, and shear.
     e_r = np.broadcast_to(np.hstack([d, zero]), (len(modes), len(xi), 2 * (RING_DEGREE + 1)))
     e_t = np.concatenate([over + 0 * n, n * over], axis=2)
     g = np.concatenate([-n * over, d - over + 0 * n], axis=2)
@@ -310,7 +355,8 @@ def ring_modes(ring: Ring, radius: float, sign: int, modes: Ints) -> tuple[Float
     bordered[:, : 2 * size, : 2 * size] = K
     bordered[:, : 2 * size, 2 * size :] = scale * hold
     bordered[:, 2 * size :, : 2 * size] = scale * hold.transpose(0, 2, 1)
-    for j in range(2):  # holds that a mode does not have
+    # A constraint that a mode does not have gets a unit equation of its own.
+    for j in range(2):
         bordered[:, 2 * size + j, 2 * size + j] = np.where(hold[:, :, j].any(axis=1), 0.0, scale)
     load = np.zeros((len(modes), 2 * size + 2, 2))
     load[:, 0, 0] = load[:, size, 1] = radius
