@@ -1,4 +1,4 @@
-"""Broken inputs of sweeps: sweep files with values of all sorts, and journals that are damaged."""
+"""Broken inputs of sweeps: sweep files with values of all sorts, and damaged journals."""
 
 import contextlib
 import io
@@ -28,6 +28,7 @@ from drumlin_studies.fuzzing.wrong_values import (
 
 SWEEP_TABLE = "t.csv"
 SWEEP_JOURNAL = f"{SWEEP_TABLE}.journal"
+"""Name of the journal of a sweep, beside its table."""
 SWEEP_WORDS = ["sweep", "s.toml", "--jobs", "1", "--output", SWEEP_TABLE]
 SOUND_SWEEP = """
 brake = "b.toml"
@@ -38,12 +39,37 @@ friction = [0.1, 0.2, 0.3, 0.4]
 "shoe[0].actuation.force" = ["1 kN", "2 kN"]
 """
 WRONG_SWEEP_KEYS = (
-    "friction", "rotation", "shoe.lining.thickness", "shoe[0].lining.clearance", "shoe[²].hinge.x", "shoe[9].hinge.x",
-    "shoe[-1].hinge.x", "shoe", "shoe.name", "title", "drum", "drum.radius", "drum.ring", "drum.out_of_round",
-    "shoe.mesh", "shoe.lining", "shoe.lining.material.E", "shoe.body", "shoe.actuation.point", "shoe.actuation.force",
-    "", ".", "shoe..hinge", "shoe[0", "a.b.c", "\0", "x" * 5000, "__class__", "model_fields",
+    "friction",
+    "rotation",
+    "shoe.lining.thickness",
+    "shoe[0].lining.clearance",
+    "shoe[²].hinge.x",
+    "shoe[9].hinge.x",
+    "shoe[-1].hinge.x",
+    "shoe",
+    "shoe.name",
+    "title",
+    "drum",
+    "drum.radius",
+    "drum.ring",
+    "drum.out_of_round",
+    "shoe.mesh",
+    "shoe.lining",
+    "shoe.lining.material.E",
+    "shoe.body",
+    "shoe.actuation.point",
+    "shoe.actuation.force",
+    "",
+    ".",
+    "shoe..hinge",
+    "shoe[0",
+    "a.b.c",
+    "\0",
+    "x" * 5000,
+    "__class__",
+    "model_fields",
     f"shoe[{'9' * 5000}].hinge.x",
-)  # fmt: skip
+)
 PLAIN_KEYS = ("friction", "shoe[0].actuation.force", "shoe.lining.thickness", "drum.radius") * 4
 DISTRIBUTION_NAMES = (
     "normal",
@@ -59,7 +85,7 @@ DISTRIBUTION_NAMES = (
 
 @cache
 def sound_run() -> tuple[bytes, bytes]:
-    """The table and the journal of the sound sweep."""
+    """Table and journal of the sound sweep."""
     from drumlin.cli.process import run  # noqa: PLC0415
 
     with tempfile.TemporaryDirectory() as name:
@@ -86,9 +112,7 @@ def sound_files() -> dict[str, bytes]:
 
 
 def broken_sweep(rng: random.Random) -> BrokenInput:
-    """A sweep file with some of its values replaced, under other keys, or with its bytes in
-    disorder.
-    """
+    """A sweep file with other values and keys, or with broken bytes."""
     if rng.random() < 0.3:
         text = noise(rng, SOUND_SWEEP.encode(), WRONG_WORDS)
     else:
@@ -112,7 +136,7 @@ def broken_sweep(rng: random.Random) -> BrokenInput:
 
 
 def changed_sweep(rng: random.Random) -> BrokenInput:
-    """A sweep file of the studies, made small, with one to three values or keys changed anywhere."""
+    """A sweep file of the studies, made small, with one to three changed values or keys."""
     data = _small_sweep(rng)
     for _ in range(rng.choice([1, 1, 2, 3])):
         table = _some_table(rng, data)
@@ -135,7 +159,7 @@ def changed_sweep(rng: random.Random) -> BrokenInput:
 
 
 SWEEP_LENGTH_KEYS = {"cases", "count", "elements"}
-"""Keys whose number says how long a sweep takes."""
+"""Keys whose number decides how long a sweep takes."""
 WRONG_LENGTHS: tuple[Any, ...] = (
     0,
     -1,
@@ -151,11 +175,11 @@ WRONG_LENGTHS: tuple[Any, ...] = (
     float("nan"),
     float("inf"),
 )
-"""Values of these keys: few of anything, or more than is allowed."""
+"""Values of SWEEP_LENGTH_KEYS: small numbers, wrong types, and more than is allowed."""
 
 
 def _small_sweep(rng: random.Random) -> dict[str, Any]:
-    """A sweep file of the studies with few cases on few elements, or a sweep over mesh files."""
+    """The data of a sweep of the studies with few cases and elements, or of one over mesh files."""
     paths = sorted((REPOSITORY / "studies" / "sweeps").glob("*.toml"))
     path = rng.choice([*paths, None])
     if path is None:
@@ -183,6 +207,7 @@ def _some_table(rng: random.Random, data: dict[str, Any]) -> dict[str, Any]:
 
 
 def _varied(rng: random.Random) -> Any:
+    """Values for a key under `vary`: a list, a range or a distribution, right or wrong."""
     pool = rng.choice(
         [
             (0.1, 0.2, 0.3, 0.35),
@@ -215,14 +240,21 @@ def _varied(rng: random.Random) -> Any:
 
 
 def damaged_journal(rng: random.Random) -> BrokenInput:
-    """The journal of a finished sweep, damaged."""
+    """The sound sweep with a damaged journal."""
     return damaged(rng, *sound_run())
 
 
 def damaged(rng: random.Random, table: bytes, journal: bytes) -> BrokenInput:
-    """A journal with bits flipped, cut off, or stretches lost, doubled and zeroed.
+    """A sweep whose journal has flipped bits, or lost, doubled and zeroed stretches.
 
-    Whatever its state, the table that follows is the sound one.
+    The sweep must end with the sound table whatever the damage.
+
+    Parameters
+    ----------
+    rng : random.Random
+        What the damage is drawn from.
+    table, journal : bytes
+        Table and journal of the sound sweep.
     """
     data = bytearray(journal)
     for _ in range(rng.choice([1, 1, 2, 5, 20])):

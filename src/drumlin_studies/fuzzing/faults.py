@@ -1,7 +1,6 @@
-"""Broken inputs: folders of files with a command line, from independent generators. `endings`
-judges how they end.
+"""Generators of broken inputs: folders of files with a command line (`endings` judges their end).
 
-Each input draws from random numbers of its own: number n is the same every time.
+Each input has random numbers of its own, so that input number n of a generator is always the same.
 """
 
 import csv
@@ -44,13 +43,13 @@ REFERENCE_FILE = "reports/reference/values/double_shoe_brake.json"
 
 @cache
 def reference_text() -> bytes:
-    """Reference values of the double-shoe brake."""
+    """The file of reference values of the double-shoe brake."""
     return (REPOSITORY / REFERENCE_FILE).read_bytes()
 
 
 @cache
 def result_text() -> bytes:
-    """A table of p(theta) of that brake, as somebody hands it in."""
+    """A table of p(theta) of the double-shoe brake, as a user hands it in."""
     from drumlin.models import MODELS  # noqa: PLC0415
     from drumlin.verification.check import curves_text  # noqa: PLC0415
 
@@ -59,32 +58,32 @@ def result_text() -> bytes:
 
 
 def broken_bytes(rng: random.Random) -> BrokenInput:
-    """A brake file with its bytes in disorder."""
+    """A brake file with broken bytes."""
     text = noise(rng, brake_text(rng.choice(SOUND_BRAKES)), WRONG_WORDS)
     return BrokenInput("brake file: bytes", {"b.toml": text}, _solving(rng))
 
 
 def scaled(rng: random.Random) -> BrokenInput:
-    """A brake file with one to four quantities made larger or smaller: often still a brake, and an
-    extreme one.
+    """A brake file with one to four quantities made larger or smaller.
+
+    The result is often still a brake, but an extreme one.
     """
     text = brake_text(rng.choice(SOUND_BRAKES)).decode()
-    places = list(
-        re.finditer(r"(?<![\w.])(-?\d[\d.]*)(?= \w+\"|\s*(?:[,}#]|$))", text, re.MULTILINE)
-    )
+    number = r"(?<![\w.])(-?\d[\d.]*)(?= \w+\"|\s*(?:[,}#]|$))"
+    places = list(re.finditer(number, text, re.MULTILINE))
     chosen = rng.sample(places, min(len(places), rng.choice([1, 1, 2, 4])))
     for place in sorted(chosen, key=lambda match: -match.start()):
-        size = rng.choice(
-            [rng.uniform(0.2, 3), 10 ** rng.uniform(-3, 3), 10 ** rng.uniform(-12, 12)]
-        )
+        sizes = [rng.uniform(0.2, 3), 10 ** rng.uniform(-3, 3), 10 ** rng.uniform(-12, 12)]
+        size = rng.choice(sizes)
         value = float(place[1]) * size * rng.choice([1, 1, 1, -1])
         text = text[: place.start()] + f"{value:.9g}" + text[place.end() :]
     return BrokenInput("brake file: sizes", {"b.toml": text.encode()}, _solving(rng))
 
 
 def typed(rng: random.Random) -> BrokenInput:
-    """A brake file with one to three keys of the schema, there or not yet, set to values near and
-    far.
+    """A brake file with one to three keys of the schema set to values of all sorts.
+
+    Keys that the file does not have yet may be added.
     """
     data = tomllib.loads(brake_text(rng.choice(SOUND_BRAKES)).decode())
     for _ in range(rng.choice([1, 1, 2, 3])):
@@ -102,6 +101,7 @@ def typed(rng: random.Random) -> BrokenInput:
 
 
 def _solving(rng: random.Random) -> list[str]:
+    """The words of a command that reads the brake, mostly `solve`."""
     model = rng.choice(
         [
             "fem",
@@ -129,7 +129,7 @@ def _solving(rng: random.Random) -> list[str]:
 
 
 def broken_mesh(rng: random.Random) -> BrokenInput:
-    """A mesh file with its bytes in disorder, cut off, of another kind, or with sizes that lie."""
+    """A mesh file with broken bytes, cut off, of another format, or with a wrong number."""
     files = mesh_files()
     suffix = rng.choice([".msh", ".inp", ".vtu"])
     data = files[suffix]
@@ -138,30 +138,27 @@ def broken_mesh(rng: random.Random) -> BrokenInput:
         data = data[: rng.randrange(len(data))]
     elif what == 1:
         data = files[rng.choice([".msh", ".inp", ".vtu"])]
-    elif what == 2:  # a number becomes another one
+    elif what == 2:
+        # One number becomes another number.
         numbers = list(re.finditer(rb"[-+]?\d[\d.]*(?:e[-+]?\d+)?", data))
         at = rng.choice(numbers)
-        data = (
-            data[: at.start()]
-            + str(rng.choice([*WRONG_NUMBERS, 3, 10**9, 2**31])).encode()
-            + data[at.end() :]
-        )
+        number = str(rng.choice([*WRONG_NUMBERS, 3, 10**9, 2**31])).encode()
+        data = data[: at.start()] + number + data[at.end() :]
     elif what == 3:
         lines = data.splitlines(keepends=True)
-        rng.shuffle(lines) if rng.random() < 0.2 else lines.insert(
-            rng.randrange(len(lines)), rng.choice(lines)
-        )
+        if rng.random() < 0.2:
+            rng.shuffle(lines)
+        else:
+            lines.insert(rng.randrange(len(lines)), rng.choice(lines))
         data = b"".join(lines)
     elif what == 4 and suffix == ".inp":
         data += rng.choice(INP_ENDS)
     else:
         data = noise(rng, data, WRONG_WORDS)
     text = with_mesh(files["brake"], f"m{suffix}")
-    return BrokenInput(
-        f"mesh: {suffix}",
-        {"b.toml": text, f"m{suffix}": data},
-        ["solve", "b.toml", "--json", "r.json"],
-    )
+    contents = {"b.toml": text, f"m{suffix}": data}
+    words = ["solve", "b.toml", "--json", "r.json"]
+    return BrokenInput(f"mesh: {suffix}", contents, words)
 
 
 INP_ENDS = (
@@ -173,10 +170,11 @@ INP_ENDS = (
     b"*ELEMENT, TYPE=CPS3\n1,2,3\n",
     b"*INCLUDE, INPUT=/etc/passwd\n",
 )
+"""Ends of an .inp file that ask for too much, refer to themselves or are wrong."""
 
 
 def broken_reference(rng: random.Random) -> BrokenInput:
-    """Reference values with values of other types and sizes, or their bytes in disorder."""
+    """A check against reference values with values of other types and sizes, or with broken bytes."""
     text = reference_text()
     if rng.random() < 0.4:
         text = noise(rng, text, WRONG_WORDS)
@@ -211,6 +209,10 @@ def broken_reference(rng: random.Random) -> BrokenInput:
 
 
 def _json_places(data: Any) -> Iterator[tuple[Any, Any]]:
+    """Each table or list of nested data with each of its keys or indices.
+
+    Of a long list only the first places are taken.
+    """
     for key, value in list(data.items() if isinstance(data, dict) else enumerate(data)):
         yield data, key
         if isinstance(value, dict):
@@ -220,7 +222,7 @@ def _json_places(data: Any) -> Iterator[tuple[Any, Any]]:
 
 
 def broken_table(rng: random.Random) -> BrokenInput:
-    """A table of p(theta) with cells of all sorts, or its bytes in disorder."""
+    """A check of a table of p(theta) with cells of all sorts, or with broken bytes."""
     text = result_text()
     if rng.random() < 0.5:
         text = noise(rng, text, WRONG_WORDS)
@@ -241,13 +243,14 @@ def broken_table(rng: random.Random) -> BrokenInput:
 
 
 SLOW_COMMANDS = {"study", "sweep", "reference", "cost", "compare", "hold", "explore"}
-"""Commands that take long, or serve until they are stopped: they only get options that are wrong,
-see `wrong_words`.
+"""Commands that take long, or run until they are stopped. They only get wrong options, by
+`wrong_words`.
 """
 
 
 @cache
 def _commands() -> dict[str, Any]:
+    """The commands of drumlin, by name."""
     from typer.main import get_command  # noqa: PLC0415
 
     from drumlin.cli.commands import app  # noqa: PLC0415
@@ -256,7 +259,7 @@ def _commands() -> dict[str, Any]:
 
 
 def command_line(rng: random.Random) -> BrokenInput:
-    """A command with options of all sorts."""
+    """A command of drumlin with options of all sorts."""
     commands = _commands()
     name = rng.choice([name for name in commands if name not in SLOW_COMMANDS - {"hold"}])
     words = [name, "b.toml"]
@@ -279,15 +282,13 @@ def command_line(rng: random.Random) -> BrokenInput:
         "r.csv": result_text(),
         "ref.json": reference_text(),
     }
-    return BrokenInput(
-        f"command line: {name}",
-        files,
-        words + [word for option in chosen.values() for word in option],
-    )
+    for option in chosen.values():
+        words += option
+    return BrokenInput(f"command line: {name}", files, words)
 
 
 def _word_for(rng: random.Random, option: Any) -> str | None:
-    """A word for an option, by its name and type; None for a flag."""
+    """A random word for an option by its name and type; None for a flag."""
     if getattr(option, "is_flag", False) or getattr(option, "is_bool_flag", False):
         return None
     if option.name == "result":
@@ -308,7 +309,7 @@ def _word_for(rng: random.Random, option: Any) -> str | None:
 
 
 def wrong_words(rng: random.Random) -> BrokenInput:
-    """Words that are no command line."""
+    """Words that make no valid command line."""
     name = rng.choice([*_commands(), "", "x", "--help", "--version", "-h", "--bad"])
     words = [name] + [
         rng.choice([*WRONG_WORDS, *WRONG_PATHS, "--json", "--elements", "--bad"])
@@ -320,7 +321,7 @@ def wrong_words(rng: random.Random) -> BrokenInput:
 
 
 def shown(given: BrokenInput) -> str:
-    """The command line of an input for people, long words cut."""
+    """The command line of an input as a reader sees it, with long words cut."""
     safe = set(string.ascii_letters + string.digits + "-_./=")
     cut = [word if len(word) < 40 else word[:20] + f"...({len(word)})" for word in given.words]
     return " ".join(word if word and set(word) <= safe else repr(word) for word in cut)

@@ -1,5 +1,6 @@
-"""Sweeps killed with -9 at random moments and resumed: the table of an undisturbed run, and no case
-solved twice.
+"""Sweeps that are killed at random moments and resumed.
+
+They must end with the table of an undisturbed run, and solve no case twice.
 """
 
 import json
@@ -19,7 +20,9 @@ from drumlin.base.journal import Journal
 from drumlin_studies.fuzzing.inputs import SOUND_BRAKES, brake_text
 
 KILLED_CASES = 150
-RUN_LIMIT = 900.0  # s that a run may take on a busy machine
+"""Number of cases of a sweep."""
+RUN_LIMIT = 900.0
+"""Wall-clock time [s] after which a run is stopped. It allows for a busy machine."""
 RUN_WAYS = ("one job", "two jobs", "Dask")
 DRUMLIN_PROGRAM = "from drumlin.cli import main; main()"
 KILLED_SWEEP = f"""
@@ -34,10 +37,11 @@ friction = {{ distribution = "uniform", from = 0.2, to = 1.3 }}
 
 
 def killed(case: dict[str, Any]) -> dict[str, Any]:
-    """A sweep killed `kills` times in a way of RUN_WAYS, at moments of the random numbers of `seed`,
-    then let finish.
+    """The row of a sweep that is killed several times and then finishes.
 
-    The row says how many kills met a run at work, and what is wrong at the end (nothing: empty).
+    `met` is the number of kills that met a run at work, `fault` what is wrong at the end.
+
+    case : its `way`, one of RUN_WAYS; its `seed`, which decides the moments; the number of `kills`.
     """
     rng = random.Random(f"kills {case['seed']} {case['way']}")
     moments = sorted(rng.sample(range(1, KILLED_CASES - 10), case["kills"]))
@@ -50,22 +54,21 @@ def killed(case: dict[str, Any]) -> dict[str, Any]:
             met = sum(_killed_at(moment, folder, words) for moment in moments)
             table = _finished(folder, "t.csv", words)
         keys = _keys(folder / "t.csv.journal")
-    wrong = [
-        said
-        for said, bad in (
-            ("another table", table != whole),
-            (f"{len(keys) - len(set(keys))} cases twice", len(keys) != len(set(keys))),
-            (f"{len(set(keys))} cases kept", len(set(keys)) != KILLED_CASES),
-        )
-        if bad
-    ]
+    wrong, different = [], len(set(keys))
+    if table != whole:
+        wrong.append("another table")
+    if len(keys) != different:
+        wrong.append(f"{len(keys) - different} cases twice")
+    if different != KILLED_CASES:
+        wrong.append(f"{different} cases kept")
     return {**case, "met": met, "fault": ", ".join(wrong)}
 
 
 @contextmanager
 def _way(way: str, folder: Path) -> Iterator[list[str]]:
-    """The options that a sweep is run with; for Dask a scheduler and a worker on this machine
-    alone.
+    """The options with which a sweep runs.
+
+    For Dask a scheduler and a worker run on this machine during the block.
     """
     if way != "Dask":
         yield ["--jobs", "1" if way == "one job" else "2"]
@@ -96,6 +99,7 @@ def _way(way: str, folder: Path) -> Iterator[list[str]]:
 
 
 def _child(words: list[str], folder: Path) -> subprocess.Popen[bytes]:
+    """A Python process with the same path as this process."""
     env = os.environ | {
         "PYTHONPATH": os.pathsep.join(filter(None, sys.path)),
         "OMP_NUM_THREADS": "1",
@@ -110,16 +114,18 @@ def _child(words: list[str], folder: Path) -> subprocess.Popen[bytes]:
 
 
 def _sweeping(folder: Path, output: str, words: list[str]) -> subprocess.Popen[bytes]:
+    """The process of a sweep."""
     return _child(["-c", DRUMLIN_PROGRAM, "sweep", "s.toml", "--output", output, *words], folder)
 
 
 def _finished(folder: Path, output: str, words: list[str]) -> bytes:
+    """The table of a sweep that runs to its end, or its exit status."""
     status = _sweeping(folder, output, words).wait(RUN_LIMIT)
     return (folder / output).read_bytes() if status == 0 else f"status {status}".encode()
 
 
 def _killed_at(moment: int, folder: Path, words: list[str]) -> bool:
-    """Kill a run as soon as its journal has `moment` rows; whether it was still at work."""
+    """Kill a run as soon as its journal has `moment` rows, and tell whether it was still at work."""
     process, journal = _sweeping(folder, "t.csv", words), folder / "t.csv.journal"
     end = time.monotonic() + RUN_LIMIT
     while process.poll() is None and time.monotonic() < end:
@@ -134,7 +140,7 @@ def _killed_at(moment: int, folder: Path, words: list[str]) -> bool:
 
 
 def _unlocked(journal: Path) -> None:
-    """Wait until the workers of a killed run have ended, too: they hold its journal."""
+    """Wait until the workers of a killed run have ended as well. They hold its journal."""
     end = time.monotonic() + RUN_LIMIT
     while time.monotonic() < end:
         try:
@@ -152,6 +158,7 @@ def _lock(handle: int) -> None:
 
 
 def _keys(journal: Path) -> list[str]:
+    """The keys of the cases in a journal."""
     return [
         json.loads(line)["key"] for line in journal.read_text(encoding="utf-8").splitlines()[1:]
     ]
@@ -160,7 +167,19 @@ def _keys(journal: Path) -> list[str]:
 def kill_all(
     chains: dict[str, int], kills: int, journal: Journal, say: Callable[[str], None]
 ) -> list[dict[str, Any]]:
-    """So many sweeps in each way, each killed `kills` times; those that the journal has not yet."""
+    """The rows of sweeps that are killed.
+
+    Parameters
+    ----------
+    chains : dict
+        Number of sweeps in each way.
+    kills : int
+        Number of kills of each sweep.
+    journal : Journal
+        Sweeps with a row in the journal are not run again.
+    say : function
+        Is told how far the work is.
+    """
     cases = [
         {"way": way, "seed": seed, "kills": kills}
         for way, count in chains.items()
@@ -174,9 +193,7 @@ def kill_all(
 
 
 def table(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """A row a way: how many sweeps and kills, how many of them met a run at work, how many sweeps
-    are wrong.
-    """
+    """A row for each way: numbers of sweeps, of kills, of kills that met a run, and of faults."""
     return [
         {
             "way": way,
