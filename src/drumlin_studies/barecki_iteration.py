@@ -1,4 +1,4 @@
-"""The paper's own iteration: displacements are unknowns, and the contact is revised until it agrees.
+"""The paper's own iteration on displacements, in which the contact is revised until it agrees.
 
 The equations are (12) for each station inside the beam, (17) for each sector, and M_0 = 0 (19). By
 (20) a sector has the stiffness k* = k where it is pressed, t = w cos(theta) - z - Delta > 0, and

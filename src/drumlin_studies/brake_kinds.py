@@ -172,7 +172,7 @@ def cam_factor(brake: Brake) -> float:
 
 
 def verdict(rows: list[dict[str, Any]]) -> str:
-    """Whether the law of a brake can be trusted, in words, from its rows of both senses of motion."""
+    """Whether the law of a brake can be trusted, in words, by its rows of both senses of motion."""
     surface, name = PLANE if rows[0]["unit"] == PLANE.effect_unit else DRUM, rows[0]["law"]
     effect_ = surface.effect
 

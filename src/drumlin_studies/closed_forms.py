@@ -111,7 +111,7 @@ def ring_yield(n: int, free: float, held: float, E: float, nu: float) -> float:
         """2 mu u_r, 2 mu u_theta, s_rr and s_rtheta (4, 4) at a radius, a column for each term."""
         fourth: list[float]
         if n == 1:
-            # The terms r theta sin and r ln r cos, combined so that displacements are single-valued.
+            # The terms r theta sin and r ln r cos, combined for single-valued displacements.
             log = math.log(r)
             fourth = [2 * k * log - 1, -1 - 2 * k * log, (k + 3) / r, -(k - 1) / r]
         else:

@@ -65,6 +65,7 @@ def _check(name: str, scene: Scene, brake: Brake) -> Check:
     row = Check(
         check=HOLD_CHECK, brake=name, quantity="torque", difference=math.inf, allowed=TWO_ANSWERS
     )
+    # Where `solve` refuses a brake, it must still stick after a large rotation.
     try:
         sliding = respond(scene, brake).torque
     except NoAnswer as error:

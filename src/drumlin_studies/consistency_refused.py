@@ -39,6 +39,7 @@ def checks(seed: int) -> list[Check]:
     refused = isinstance(found, str)
     if not refused and seed // 2 % HELD_AGAINST:
         return []
+    # Meshes with one common answer prove that the brake has an answer.
     on_meshes = [_answer(brake, elements) for elements in MESH_SIZES]
     forces = [force(mesh) for mesh in on_meshes if not isinstance(mesh, str)]
     one_answer = len(forces) == len(MESH_SIZES) and spread(forces) <= SAME_FORCE

@@ -234,7 +234,7 @@ def _of_stiffness(shoe: Shoe, own: ShoeSensitivity, key: str) -> Iterator[Slope]
 
 
 def _compression(brake: Brake, shoe: Shoe) -> float:
-    """Compression of a lining by the shoe's force or, where it has none, by the largest force [m]."""
+    """Compression of a lining [m] by the shoe's force, or by the largest force where it has none."""
     lining = shoe.lining
     force = abs(shoe.actuation.force) or max(abs(each.actuation.force) for each in brake.shoes)
     area = brake.scale_factor * (lining.end - lining.start) * lining.width

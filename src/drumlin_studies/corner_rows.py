@@ -27,8 +27,8 @@ STEEPEST_JUDGED = -0.3
 The limit is set by angles as floating-point numbers. The smallest piece of p is 1e-12 rad
 (`corner.SMALLEST_PIECE`), 1e-10 of a contact of half a degree. Of a pressure x^a this piece leaves
 an error of about (1e-10)^(a + 1/2) (`left_by_power`): with degree 7 it is 0.13 % at a = -0.3, 0.8 %
-at -0.38 and 5 % at -0.45. At -0.5 p is not square-integrable. On a rigid drum these powers belong to
-a friction of 0.31, 0.42 and 0.52 that drags away from the corner.
+at -0.38 and 5 % at -0.45. At -0.5 p is not square-integrable. On a rigid drum these powers belong
+to a friction of 0.31, 0.42 and 0.52 that drags away from the corner.
 """
 
 

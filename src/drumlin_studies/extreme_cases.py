@@ -231,6 +231,7 @@ def _over(name: str, values: list[Any], **rest: Any) -> list[dict[str, Any]]:
 
 def _sweeps() -> dict[str, list[dict[str, Any]]]:
     """The sweeps: for each its changes of the knobs, case by case."""
+    # Values of the knobs that several sweeps share, in the units of KnobCase.
     arcs = [0.1, 0.3, 1.0, 5.0, 20.0, 60.0, 180.0, 240.0, 300.0, 340.0]
     gaps = [-1e-2, -1e-3, -1e-4, -1e-6, -1e-9, 1e-9, 1e-6, 1e-5, 1e-4, 1e-3, 3e-3, 1e-2, 3e-2]
     mu = [0.0, 1e-9, 0.05, 0.2, 0.5, 0.8, 1.0, 1.1, 1.15, 1.17, 1.18, 1.19, 1.2, 1.3, 1.5, 2.0]

@@ -149,6 +149,7 @@ def _lame() -> EdgeDisplacements:
     mesh = closed(np.linspace(-math.pi, math.pi, 33)[:-1], np.linspace(0, 0.1, 7), 0.1, 1)
     basis, K = _stiff(mesh, Material(E=200e9, nu=0.3))
     line = contact_line(basis, mesh.boundaries["contact"], 0.0)
+    # Consistent nodal forces of the pressure on the inner edge.
     force = couple(line, 1.0, radial(1)).N.T @ np.full(len(line.nodes), 60e6)
     f = np.zeros((basis.N, 2))
     f[line.nodes] = force.reshape(-1, 2)
@@ -176,6 +177,7 @@ def _thin_ring() -> DiameterChanges:
     basis, K = _stiff(mesh, Material(E=E, nu=0.0))
     x, y = basis.doflocs
     f = np.zeros((basis.N, 2))
+    # The forces act on the middle line of the ring, at its top and its bottom.
     middle = np.abs(np.hypot(x, y) - R) < 1e-9
     top = np.flatnonzero(middle & (np.abs(x) < ON_AXIS) & (y > 0))
     bottom = np.flatnonzero(middle & (np.abs(x) < ON_AXIS) & (y < 0))
@@ -243,7 +245,10 @@ def _lever() -> float:
 
 LAME_EDGES = closed_forms.lame(0.1, 0.2, 60e6, 200e9, 0.3)
 STEEL_MODULUS, STEEL_POISSON = LADDER_STEEL.E, LADDER_STEEL.nu
-ROACHE_SAYS = "Roache, Verification and Validation (1998): f = .97050, .96854, .96178, r = 2; in single precision"
+ROACHE_SAYS = (
+    "Roache, Verification and Validation (1998): f = .97050, .96854, .96178, r = 2; "
+    "in single precision"
+)
 TIMOSHENKO = "Timoshenko & Goodier, Theory of Elasticity"
 BODY_CASES = (
     KnownAnswer(

@@ -121,6 +121,7 @@ def _disc(half_angle: float) -> DiscInHole:
         inner = graded(-eps, eps, count, eps / 2, 1 / 40)
         return np.concatenate([inner, graded(eps, 2 * math.pi - eps, count, 0.4, eps / 200)[1:-1]])
 
+    # The disc and the edge of the hole have different meshes, fine at the ends of the contact.
     disc = body(closed(angles(30), towards(0.01, 1.3, 0.985), 1.0, -1), LADDER_STEEL)
     plate = body(closed(angles(36), towards(0.01, 1.3, 39.0), 1.0, 1), LADDER_STEEL)
     pair = BodyPair.of(disc, plate, motions="x")
@@ -184,6 +185,7 @@ def _pressed_rings(n: int) -> Harmonics:
         for k in (0, n)
     ]
     p = active_set.solve(pair.normal(3e6 * soft[0] + 1e6 * soft[1] * np.cos(n * angle))).p
+    # A least-squares fit of mean, cosine and sine finds the harmonics.
     columns = np.column_stack([np.ones_like(angle), np.cos(n * angle), np.sin(n * angle)])
     fit = np.linalg.lstsq(columns, p, rcond=None)[0]
     return Harmonics(float(fit[0]), float(fit[1]))
@@ -221,6 +223,7 @@ def _edge_exponent(mu: float, nu: float) -> float:
     q = pair.coupling.M @ np.full(n, -1e-4 * thickness)
     p = active_set.solve(Problem(matrix, q, np.zeros((n, 0)), np.zeros((0, n)), np.zeros(0))).p
     r = pair.angle - pair.angle[0]
+    # The exponent is the slope of log p over log r, away from the smallest elements.
     near = (r > 1e-5 * thickness) & (r < 3e-3 * thickness)
     return float(1 + np.polyfit(np.log(r[near]), np.log(p[near]), 1)[0])
 

@@ -104,6 +104,7 @@ def _wedge() -> float:
     """Push over weight of a block that slides up a wedge of slope 0.1 at mu = 0.3."""
     slope, x = math.atan(0.1), np.linspace(0, 1, 5)
     up = np.array([math.cos(slope), math.sin(slope)])
+    # A straight contact line of two quadratic edges.
     line = ContactLine(np.arange(5), up[:, None] * x, x, np.array([[0, 2], [1, 3], [2, 4]]))
     coupling = couple(line, 1.0, _along(np.array([up[1], -up[0]]), -up))
     p = np.full(5, 7.0)
@@ -191,7 +192,7 @@ class Flexible(NamedTuple):
         )
 
     def spread(self, matrix: Floats) -> Floats:
-        """Nodal forces (2 nodes, n) of unit pressures or tractions, by a coupling's matrix (n, 2 n)."""
+        """Nodal forces (2 nodes, n) of unit pressures or tractions, from a coupling matrix (n, 2 n)."""
         f = np.zeros((self.basis.N, 2, len(matrix)))
         f[self.line.nodes] = matrix.T.reshape(-1, 2, len(matrix))
         return f.reshape(2 * self.basis.N, -1)
@@ -229,7 +230,7 @@ def _meshed(grid: Any, to: Any, held: Any) -> Any:
 
 
 def _belt(mu: float, wrap: float) -> float:
-    """Tension at the held end of a belt around a sliding drum, over the tension at the pulled end."""
+    """Ratio of the tensions at the held and the pulled end of a belt around a sliding drum."""
     t = 0.002
     grid = skfem.MeshQuad.init_tensor(np.array([0.0, t]), np.linspace(0, wrap, 161))
     mesh = _meshed(
@@ -326,6 +327,7 @@ def pressed_plate() -> Plate:
         _along(np.array([0.0, -1.0]), np.array([1.0, 0.0])),
         math.pi / 4,
     )
+    # The loads act on the upper edge and on the side.
     f = np.zeros((basis.N, 2))
     f[:, 1] -= 5e6 * _edge(x, np.flatnonzero(y > L - 1e-9))
     f[:, 0] -= 10e6 * _edge(y, np.flatnonzero(x > L - 1e-9))
@@ -334,6 +336,7 @@ def pressed_plate() -> Plate:
     on = np.column_stack([2 * plate.line.nodes, 2 * plate.line.nodes + 1]).ravel()
     u = plate.moved(np.column_stack([f.ravel(), plate.spread(N), plate.spread(T)]))
     by_f, by_N, by_T = u[on, 0], u[on, 1 : 1 + n], u[on, 1 + n :]
+    # The plate moves up and down as a rigid body.
     up = np.tile([0.0, 1.0], n)
     B_w, B_s = -(N @ up)[:, None], -(T @ up)[:, None]
     problem = Problem(
@@ -387,7 +390,7 @@ WEAR_UNIT = 1 / (SPRING_WEAR.coefficient * SPRING_STIFFNESS)
 
 
 def _winkler(mu: float) -> tuple[WearInterface, Floats]:
-    """A hinged rigid shoe with an unevenly worn lining of springs, and the angles (n,) of its nodes."""
+    """A hinged rigid shoe with an unevenly worn lining of springs, and its nodes' angles (n,)."""
     phi = np.linspace(*SPRING_ARC, 49)
     xy = SPRING_RADIUS * np.array([np.cos(phi), np.sin(phi)])
     coupling = couple(

@@ -186,7 +186,7 @@ NPTEL_SHOE = {
 
 
 def _nptel_moment() -> float:
-    """Actuating moment [N m] for a peak pressure of 0.8 MPa: M_p of the pressure less M_f of friction."""
+    """Actuating moment [N m] for a peak of 0.8 MPa: M_p of the pressure less M_f of friction."""
     p, b, R, d, mu, t_1, t_2 = 0.8e6, 0.05, 0.2, 0.23, 0.3, radians(20), radians(130)
     M_p = 0.5 * p * b * R * d * ((t_2 - t_1) + 0.5 * (sin(2 * t_1) - sin(2 * t_2)))
     M_f = mu * p * b * R * (R * (cos(t_1) - cos(t_2)) - d / 4 * (cos(2 * t_1) - cos(2 * t_2)))

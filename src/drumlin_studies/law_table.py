@@ -1,4 +1,4 @@
-"""Tables of brakes by every rigid-shoe law: results, reasons of laws that do not apply, and words."""
+"""Tables of brakes by every rigid-shoe law: results, reasons against laws, and words."""
 
 from collections.abc import Sequence
 from typing import Any

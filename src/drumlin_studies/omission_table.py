@@ -194,7 +194,7 @@ def _pair(brake: Brake, names: list[str], elements: int) -> WholeAndSimple:
 
 
 def _exact_pair(brake: Brake, part: str, elements: int) -> WholeAndSimple | None:
-    """The solves with and without an exact omission; None where the brake does not have the part."""
+    """The solves with and without an exact omission; None where a brake does not have the part."""
     make = partial(prepare, elements=elements)
 
     def simple() -> Response:

@@ -105,6 +105,7 @@ def level_rows(brake: Brake, refinement: Refinement = LEVEL_REFERENCE) -> list[R
         unknowns = max(body.unknowns for body in made.bodies)
         error = distance(response, true)
         torque = abs(relative(response.torque, true.torque))
+        # Below the floor an error is not known to within a half.
         if error < floor:
             break
         rows.append(

@@ -89,6 +89,7 @@ def uneven(shoe: ShoeResponse, zone: float) -> float:
     across = np.zeros(len(z))
     for k in range(0, len(z) - 2, 2):
         across[k : k + 3] += (z[k + 2] - z[k]) / 6 * np.array([1, 4, 1])
+    # The variance across the width, and the square of the mean, both integrated along the lining.
     off = surface.pressure[inside] - shoe.pressure[inside, None]
     variance = weights @ (off**2 @ across) / across.sum()
     size = weights @ shoe.pressure[inside] ** 2
@@ -231,7 +232,7 @@ def chart(
 
 
 def shares(charts: Sequence[Map]) -> list[dict[str, Any]]:
-    """A row for each quantity of each map: its largest error, and the share within READER_LIMITS."""
+    """A row for each quantity of each map: its largest error and the share within READER_LIMITS."""
     return [
         {
             "map": chart.name,

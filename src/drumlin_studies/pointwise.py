@@ -150,6 +150,7 @@ def _shoe(
         p = np.where(on, stiffness * (points.closing @ u - points.gap), 0.0)
         nodal = points.pushing.T @ (points.weight * p)
         reaction = (A @ u - load - nodal)[-FRAME : 1 - FRAME + 1]
+    # The balance of the shoe: contact, hinge and actuation.
     contact = nodal[2 * -len(parts.line.nodes) - FRAME : -FRAME].reshape(-1, 2)
     given = force * parts.columns.part(ACTUATION, unit)
     frame = shoe.frame
@@ -254,6 +255,7 @@ def _newton(
                 f"shoe {name!r}: the pointwise contact has a singular tangent in step {step}"
             ) from error
         u[free] = factors.solve(load[free] - pushing @ points.gap)
+        # A point touches where the displacement closes its gap.
         touching = points.closing @ u > points.gap
         if (touching == on).all():
             return _PointContact(u, on, step)

@@ -267,7 +267,7 @@ def assumption_rows(brake: Brake, elements: int) -> list[dict[str, Any]]:
 
 
 def groups(brake: Brake) -> tuple[float, float]:
-    """The groups k R^4/EI of beam and ring, with the stiffness k of the layers per length of arc."""
+    """The groups k R^4/EI of beam and ring, where k is the layers' stiffness per length of arc."""
     shoe, ring, R = brake.shoes[0], brake.ring, brake.size
     assert shoe.backing is not None and shoe.body is not None and ring is not None
     lining = shoe.lining

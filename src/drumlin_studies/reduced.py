@@ -59,7 +59,7 @@ RING_DEGREE = 6
 HALF_PLANE_WAVE = 7.0
 """Thickness of a ring over R/k [rad] above which wave k deforms it like a half-plane, to 1 %."""
 RIGID_FACTOR = 1e5
-"""Factor on the modulus of a straight beam that is meshed as rigid. Its flexibility is then 1e-5."""
+"""Factor on the modulus of a straight beam that is meshed as rigid."""
 SHEAR_FACTOR = 6 / 5
 """Shear coefficient kappa of a rectangular section."""
 
@@ -268,6 +268,7 @@ def _ring(brake: Brake, ring: Ring, bodies: tuple[Body, ...], count: int) -> Rin
     assert section is not None
     k = np.arange(count + 1)
     radial, shear = ring_modes(ring, radius, sign, k)
+    # Fourier coefficients of a traction on a ring of this width, for each mode.
     share = np.where(k == 0, 0.5, 1.0) / (math.pi * radius * section.width)
     root = np.sqrt(share * radial)
     turned = np.where(k == 0, 0.0, sign * share * shear / root)
@@ -295,7 +296,7 @@ def _waves(body: Body, shoe: Shoe, k: Ints) -> tuple[Floats, Floats]:
 
 
 def ring_modes(ring: Ring, radius: float, sign: int, modes: Ints) -> tuple[Floats, Floats]:
-    """Radial displacement [m/Pa] of the friction surface under tractions, for each mode: two arrays.
+    """Radial displacement [m/Pa] of the friction surface under two tractions, for each mode.
 
     The first (m,) is for the radial traction cos k theta, the second (m,) for the traction
     sin k theta around the drum. A free rim is held by a force that is spread over it like its
@@ -321,6 +322,7 @@ def ring_modes(ring: Ring, radius: float, sign: int, modes: Ints) -> tuple[Float
         over = radius / (E * modes[~long])
         found = ring_modes(ring, radius, sign, modes[long])
         return np.append(found[0], 2 * over), np.append(found[1], (1 - nu) * over)
+    # Lagrange polynomials on Chebyshev points, as sums of Legendre polynomials.
     x = -np.cos(math.pi * np.arange(RING_DEGREE + 1) / RING_DEGREE)
     V = np.linalg.inv(np.polynomial.legendre.legvander(x, RING_DEGREE))
     xi, w = np.polynomial.legendre.leggauss(RING_DEGREE + 2)
@@ -350,6 +352,7 @@ def ring_modes(ring: Ring, radius: float, sign: int, modes: Ints) -> tuple[Float
     else:
         hold[modes == 0, size + rim, 0] = 1.0
         hold[modes == 1, rim, 0], hold[modes == 1, size + rim, 0] = 1.0, -1.0
+    # The constraints are appended to the equations, scaled to the size of the stiffness.
     scale = np.abs(K).max()
     bordered = np.zeros((len(modes), 2 * size + 2, 2 * size + 2))
     bordered[:, : 2 * size, : 2 * size] = K

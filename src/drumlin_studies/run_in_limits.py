@@ -219,6 +219,7 @@ def half_row(one: Run) -> dict[str, Any]:
     def size(p: Floats) -> float:
         return math.sqrt(float(area @ p**2))
 
+    # Every second state of the halved run is at the distance of a state of the run.
     pairs = list(zip(one.states, halved, strict=True))
     long = run_in(one.setup, ARCHARD, distance=10 * s[-1])
     after = distance(one.setup, long[-1], one.goal)
@@ -313,6 +314,7 @@ def reversed_run(scene: Scene, brake: Brake, every: float, turns: int) -> Revers
     # The last state before each reversal, and the last state of all.
     turned = [state for state, after in pairwise(states) if state.forward != after.forward]
     turned.append(states[-1])
+    # Wear between the last two reversals, against that by the mean of both laws.
     worn_off = turned[-1].depth - turned[-3].depth
     law = ARCHARD.coefficient * size * (goals[True].pressure + goals[False].pressure)
     surfaces = setups[True].surfaces
@@ -322,7 +324,7 @@ def reversed_run(scene: Scene, brake: Brake, every: float, turns: int) -> Revers
 
 @dataclass(frozen=True)
 class Board:
-    """The end of a run of equal steps: its title, its state, and the checkerboard of its pressure."""
+    """The end of a run of equal steps: title, state, and checkerboard of the pressure."""
 
     title: str
     state: WearState
@@ -380,7 +382,7 @@ def least_touching(runs: Iterable[Run]) -> Run:
 
 @dataclass(frozen=True)
 class RunFrame:
-    """A moment of a run: its state, and of each shoe the fields and the turn about its pin [rad]."""
+    """A moment of a run: the state, and of each shoe the fields and the turn about its pin [rad]."""
 
     state: WearState
     fields: Sequence[Fields]

@@ -1,4 +1,4 @@
-"""Rows on self-locking: limits, torque up to them, uniqueness of answers, slopes and differences."""
+"""Rows on self-locking: limits, torque up to them, uniqueness of answers, and slopes."""
 
 import math
 from typing import Any
@@ -133,11 +133,13 @@ def uniqueness_row(seed: int, way: str) -> Row:
     starts += [rng.random(n) < 0.5 for _ in range(RANDOM_STARTS)]
     top = min(end.friction, LARGEST_FRICTION)
     counts, disagreeing = _agreement_below(problems, top, starts)
+    # Beyond the limit no contact set should be a stable answer, and drumlin should give none.
     beyond = answered = None
     if end.friction <= 10:
         mu_beyond = [end.friction * x for x in BEYOND_LIMIT]
         beyond = sum(agreement(problems.at(mu), end.last, starts, 0.0).others for mu in mu_beyond)
         answered = sum(_answers(scene, vary(brake, {"friction": mu})) for mu in mu_beyond)
+    # On a coarse mesh all contact sets can be tried: the first that becomes singular.
     coarse = prepare(brake, elements=ALL_SETS_ELEMENTS)
     any_set = first_singular(ShoeGroup(coarse, brake, (0,)).sliding)
     shoe = brake.shoes[0]

@@ -113,10 +113,10 @@ def lame_error(
 
 
 def patch_error(elements: int, material: Material) -> float:
-    """Error of the coupling on a curved face: largest error of a nodal force over the largest force.
+    """Error of the coupling on a curved face: largest error of a nodal force over the largest.
 
-    Under the uniform strain of a hydrostatic pressure p = 1 the nodal forces on the surface are K u.
-    On the inner nodes of the friction face they must be -N^T p.
+    Under the uniform strain of a hydrostatic pressure p = 1 the nodal forces on the surface are
+    K u. On the inner nodes of the friction face they must be -N^T p.
     """
     z = np.array([0.0, 0.1, 0.15])
     solid = ring_sector(np.linspace(0.6, 1.0, 3), np.linspace(-0.5, 0.5, elements + 1), z)

@@ -185,6 +185,7 @@ def _worth(response: Response, group: ShoeGroup) -> dict[str, Any]:
     except NoAnswer as error:
         return row | {"whole": str(error), "seconds_whole": time.perf_counter() - start}
     row["seconds_whole"] = time.perf_counter() - start
+    # The refined solution is per unit force, as the group is.
     torque = sum(shoe.torque for shoe in shoes) / size
     off = abs(torque - refined.torque) / refined.torque if refined.torque else 0.0
     exact = np.concatenate(refined.p)

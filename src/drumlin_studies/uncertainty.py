@@ -44,7 +44,9 @@ def grid_convergence(
 ) -> Index:
     """The grid convergence index of values on three meshes.
 
-        p = ln((f3 - f2)/(f2 - f1))/ln r,   f = f1 + (f1 - f2)/(r^p - 1),   GCI = F |(f1 - f2)/f1|/(r^p - 1)
+        p = ln((f3 - f2)/(f2 - f1))/ln r
+        f = f1 + (f1 - f2)/(r^p - 1)
+        GCI = F |(f1 - f2)/f1|/(r^p - 1)
 
     (Roache 1994, J. Fluids Eng. 116, 405.)
 

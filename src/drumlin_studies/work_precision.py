@@ -327,6 +327,7 @@ def timing(call: Callable[[], object], unit: Callable[[], object], first: float)
         return sum(samples) * loops < LEAST_SECONDS and len(samples) < MOST_REPEATS
 
     while len(samples) < TIMED_REPEATS or too_short():
+        # The unit comes first, so that both see the same pace of the machine.
         beside = _spent(unit, 1)
         samples.append(_spent(call, loops))
         ratios.append(samples[-1] / beside)
@@ -512,7 +513,7 @@ def peer_row(
 
 
 def _peer_options(method: Method) -> dict[str, Any]:
-    """The keyword arguments of `peers.solve` for a method, with the mesher that its options mean."""
+    """The keyword arguments of `peers.solve` for a method, with the mesher of its options."""
     options = dict(method.options)
     even, layers = options.pop("even", False), options.pop("layers", None)
     if even:
@@ -547,6 +548,7 @@ def enough(
         return []
     enough_rows = []
     for members in series(rows).values():
+        # Only meshes beyond the last one that misses the target count.
         above = [k for k, row in enumerate(members) if row[key] > target]
         enough_rows += members[above[-1] + 1 if above else 0 :]
     enough_rows.sort(key=lambda row: row["ratio"])

@@ -174,7 +174,7 @@ INP_ENDS = (
 
 
 def broken_reference(rng: random.Random) -> BrokenInput:
-    """A check against reference values with values of other types and sizes, or with broken bytes."""
+    """A check against reference values with other types and sizes, or with broken bytes."""
     text = reference_text()
     if rng.random() < 0.4:
         text = noise(rng, text, WRONG_WORDS)

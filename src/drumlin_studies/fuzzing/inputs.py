@@ -58,7 +58,7 @@ def brake_text(name: str) -> bytes:
 
 
 def noise(rng: random.Random, data: bytes, words: Sequence[str] = ()) -> bytes:
-    """Data with some bytes dropped, doubled, inserted, overwritten, reversed, or with words inserted."""
+    """Data with some bytes dropped, doubled, overwritten, reversed, or with words inserted."""
     found = bytearray(data)
     for _ in range(rng.choice([1, 1, 2, 5, 40])):
         at = rng.randrange(len(found) + 1)

@@ -125,7 +125,7 @@ def _finished(folder: Path, output: str, words: list[str]) -> bytes:
 
 
 def _killed_at(moment: int, folder: Path, words: list[str]) -> bool:
-    """Kill a run as soon as its journal has `moment` rows, and tell whether it was still at work."""
+    """Kill a run as soon as its journal has `moment` rows; tell whether it was still at work."""
     process, journal = _sweeping(folder, "t.csv", words), folder / "t.csv.journal"
     end = time.monotonic() + RUN_LIMIT
     while process.poll() is None and time.monotonic() < end:
