@@ -1,4 +1,4 @@
-"""Broken inputs of every kind and sweeps that are killed: what does drumlin make of them?"""
+"""How does drumlin end on broken inputs and after sweeps that are killed?"""
 
 import json
 from collections.abc import Callable
@@ -11,7 +11,9 @@ from drumlin_studies.fuzzing import kills, promises, trials
 
 HERE = Path(__file__).parent
 WORKERS = 2
-UNKNOWN = "not known to it"  # inputs with options that the earlier drumlin had not: neither sound nor a fault
+"""Number of processes."""
+UNKNOWN = "not known to it"
+"""Kind of inputs with options that an earlier drumlin does not have: neither sound nor a fault."""
 INPUTS = {
     "bytes": 1000,
     "schema": 2000,
@@ -62,7 +64,7 @@ def study(
 
 
 def report(result: Result, folder: Path) -> Path:
-    """Write the page; returns it."""
+    """Write the page and return its path."""
     within, apart = trials.table(result.within), trials.table(result.apart)
     before = json.loads((HERE / "before.json").read_text(encoding="utf-8"))
     return fill(
@@ -74,21 +76,22 @@ def report(result: Result, folder: Path) -> Path:
         | {"rows": [_before(row, result.within[row["generator"]]) for row in before["rows"]]},
         killed=kills.table(result.killed),
         refusal_lines=trials.refusal_lines(result.within),
-        faults=[
-            v.fault
-            for of in (result.within, result.apart)
-            for vs in of.values()
-            for v in vs
-            if v.fault
-        ]
-        + [f"{row['way']}: {row['fault']}" for row in result.killed if row["fault"]],
+        faults=_faults(result),
         promises=promises.PROMISES,
         statuses=promises.STATUS_MEANINGS,
     )
 
 
+def _faults(result: Result) -> list[str]:
+    """All faults, in words."""
+    faults = []
+    for verdicts in (*result.within.values(), *result.apart.values()):
+        faults += [verdict.fault for verdict in verdicts if verdict.fault]
+    return faults + [f"{row['way']}: {row['fault']}" for row in result.killed if row["fault"]]
+
+
 def _before(row: dict[str, Any], now: list[trials.InputVerdict]) -> dict[str, Any]:
-    """Faults of an earlier drumlin, in words, beside those of this one on the same inputs."""
+    """The faults of an earlier drumlin beside those of the present one on the same inputs."""
     counts: dict[str, int] = row["faults"]
     later = counts.pop(UNKNOWN, 0)
     return {
