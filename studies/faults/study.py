@@ -30,14 +30,25 @@ INPUTS = {
     "command lines": 1200,
     "words": 300,
 }
-APART = 30  # inputs of each generator that are run as processes of their own, besides
+"""Number of inputs of each generator."""
+APART = 30
+"""Number of inputs of each generator that run in processes of their own as well."""
 SWEEPS = {"one job": 4, "two jobs": 4, "Dask": 2}
-KILLS = 10  # of each of these sweeps
+"""Number of sweeps that are killed, by the way in which they run."""
+KILLS = 10
+"""Number of kills of each sweep."""
 
 
 class Result(NamedTuple):
-    """The verdicts on all inputs by generator, in this process and in others; the sweeps that were
-    killed.
+    """Everything that the report shows.
+
+    Attributes
+    ----------
+    within, apart : dict
+        Verdicts by generator on inputs that run in the study's process, and in processes of their
+        own.
+    killed : list of dict
+        Rows of the killed sweeps.
     """
 
     within: dict[str, list[trials.InputVerdict]]
@@ -51,7 +62,10 @@ def study(
     say: Callable[[str], None] = lambda _: None,
     journal: Journal | None = None,
 ) -> Result:
-    """Try all inputs and kill all sweeps; `short`: five inputs of each generator and no kills."""
+    """Try all inputs and kill all sweeps.
+
+    short : whether five inputs of each generator and no kills are enough.
+    """
     journal = journal or Journal()
     within = dict.fromkeys(INPUTS, 5) if short else INPUTS
     apart = {"words": 1} if short else dict.fromkeys(INPUTS, APART)

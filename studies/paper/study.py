@@ -93,8 +93,8 @@ def _run_time() -> Row:
 def _peers(rows: list[Row]) -> dict[str, list[float]]:
     """Times of peers over those of drumlin, cold and for a further load case.
 
-    Both are on the coarsest mesh of a kind with an error of p within HALF, where this is the same
-    mesh.
+    Each is on its fastest graded mesh of a kind with an error of p within HALF. Only equal meshes
+    are compared.
     """
     found: dict[str, list[float]] = {}
     for family in PEER_FAMILIES:
