@@ -186,7 +186,7 @@ class BodyPair:
 
     def frictional(
         self, gap: Floats, loads: Sequence[float], penalty_compliance: float = 0.0
-    ) -> stick_slip.Problem:
+    ) -> stick_slip.FrictionalProblem:
         """The contact problem with friction.
 
         The slip is that of the outer body against the inner body, along growing angles.
@@ -202,7 +202,7 @@ class BodyPair:
         """
         n, B_s = len(gap), -self.coupling.T @ self.motions
         flat = self.normal(gap, loads)
-        return stick_slip.Problem(
+        return stick_slip.FrictionalProblem(
             A_wp=flat.A,
             A_wt=self.pressed.T @ self.dragged,
             A_sp=-self.dragged.T @ self.pressed,

@@ -28,8 +28,8 @@ from drumlin.response.balance import borne, relative_balance, worst
 from drumlin.response.response import (
     NEITHER,
     Balance,
-    Change,
     Response,
+    ShoeChange,
     ShoeResponse,
     pressed_shoe,
     reaction_size,
@@ -324,7 +324,7 @@ def _answer(
     if refined:
         note += f"; {REFINED}, so its pressure is certain to {max(lost.pressure, DOUBLE):.0e}"
     least = 0.0 if refined else body.condensed.lost
-    lost = Change(*(max(part, least) for part in lost))
+    lost = ShoeChange(*(max(part, least) for part in lost))
     response = pressed_shoe(
         shoe,
         brake.scale_factor,
@@ -370,7 +370,7 @@ def _changes(group: ShoeGroup, found: Contact, amounts: Sequence[Floats]) -> Flo
 
 def _changed(
     group: ShoeGroup, k: int, p: Floats, changes: Floats, held_size: float
-) -> list[Change]:
+) -> list[ShoeChange]:
     """What small changes (m, n) of the pressure p (n,) of shoe `k`, whose reaction is so large [N],
     do to it.
 
@@ -394,7 +394,7 @@ def _changed(
         [np.sqrt(changes**2 @ weight), np.abs(changes @ lever), np.hypot(*held_by[:2]), highest]
     ).T
     wholes = [math.sqrt(weight @ p**2), float(lever @ p), held_size, top]
-    return [Change(*row) for row in (parts / [whole or 1.0 for whole in wholes]).tolist()]
+    return [ShoeChange(*row) for row in (parts / [whole or 1.0 for whole in wholes]).tolist()]
 
 
 def _touching(group: ShoeGroup, k: int, start: Response) -> Bools:

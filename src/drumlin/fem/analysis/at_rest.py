@@ -15,14 +15,14 @@ from drumlin.base.lapack import block_diag
 from drumlin.brake.brake import Brake
 from drumlin.brake.support import UNHELD, Abutment
 from drumlin.contact import equations
-from drumlin.contact.stick_slip import Problem
+from drumlin.contact.stick_slip import FrictionalProblem
 from drumlin.fem.equilibrium.group import ShoeGroup
 from drumlin.fem.equilibrium.sharing import Pushed, share
 from drumlin.fem.model import PENALTY
 from drumlin.fem.preparation.bodies import actuation, contact_stiffness
 
 
-def holding_problem(group: ShoeGroup) -> tuple[Problem, Floats]:
+def holding_problem(group: ShoeGroup) -> tuple[FrictionalProblem, Floats]:
     """The stick-slip problem of a group of shoes at rest of the drum, per newton; and the lever
     (n,) [m^3].
 
@@ -43,7 +43,7 @@ def holding_problem(group: ShoeGroup) -> tuple[Problem, Floats]:
             A_sp - dragged.T @ pressed,
             A_st - dragged.T @ dragged,
         )
-    problem = Problem(
+    problem = FrictionalProblem(
         A_wp=normal.A, A_wt=A_wt, A_sp=A_sp, A_st=A_st, B_w=normal.B, B_s=B_s, C_p=normal.C, C_t=C_t,
         q_w=normal.q, q_s=q_s, h=normal.h, Q=Q,
     )  # fmt: skip
@@ -96,7 +96,7 @@ class Feet(NamedTuple):
             [self.group.brake.friction] * n + [foot.friction for foot in feet if foot is not None]
         )
 
-    def added(self, problem: Problem, still: ShoeGroup) -> Problem:
+    def added(self, problem: FrictionalProblem, still: ShoeGroup) -> FrictionalProblem:
         """The problem of a group whose feet are free, with a node for each."""
         if not self.on:
             return problem
@@ -124,7 +124,9 @@ def _smooth(face: Abutment) -> Abutment:
     return face.model_copy(update={"friction": 0.0})
 
 
-def _shared(still: ShoeGroup, problem: Problem, dragged: list[Pushed]) -> Problem:
+def _shared(
+    still: ShoeGroup, problem: FrictionalProblem, dragged: list[Pushed]
+) -> FrictionalProblem:
     """The problem of shoes that share forces by struts and a cam; `dragged`: what each is under
     tractions.
     """
@@ -148,7 +150,7 @@ def _shared(still: ShoeGroup, problem: Problem, dragged: list[Pushed]) -> Proble
     A, q, B, C, h = share(
         whole, pushed, still.own_forces, still.links, still.cam, still.total
     ).problem
-    return Problem(
+    return FrictionalProblem(
         A_wp=A[:n, :n], A_wt=A[:n, n:], A_sp=A[n:, :n], A_st=A[n:, n:], B_w=B[:n], B_s=B[n:], C_p=C[:, :n],
         C_t=C[:, n:], q_w=q[:n], q_s=q[n:], h=h, Q=problem.Q,
     )  # fmt: skip

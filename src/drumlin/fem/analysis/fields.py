@@ -12,7 +12,7 @@ import skfem
 from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import BadInput
 from drumlin.base.files import replacing
-from drumlin.brake.brake import Brake, Frame, Shoe
+from drumlin.brake.brake import Brake, Shoe, ShoeFrame
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.fem.hp.grid import Grid
 from drumlin.fem.mesh.arc import kind_of
@@ -75,7 +75,9 @@ def ring_fields(scene: Scene, brake: Brake, response: Response) -> Fields:
     ]
     u = ring.displacement(p, brake.drag)
     layers, pressure = ring_layers(section), np.zeros(ring.basis.N)
-    return _fields(ring.mesh, ring.basis, u, layers, pressure, Frame(0.0, 1), np.asarray, radial(1))
+    return _fields(
+        ring.mesh, ring.basis, u, layers, pressure, ShoeFrame(0.0, 1), np.asarray, radial(1)
+    )
 
 
 def all_fields(scene: Scene, brake: Brake, response: Response) -> list[Fields]:
@@ -87,7 +89,7 @@ def all_fields(scene: Scene, brake: Brake, response: Response) -> list[Fields]:
 
 
 def _fields(
-    mesh: Any, basis: Any, u: Floats, layers: dict[str, ElasticLayer], pressure: Floats, frame: Frame,
+    mesh: Any, basis: Any, u: Floats, layers: dict[str, ElasticLayer], pressure: Floats, frame: ShoeFrame,
     place: Callable[[Floats], Floats], directions: Directions,
 ) -> Fields:  # fmt: skip
     """Fields in the brake's frame, where `place` has points (2, n), from displacements u (2, nodes)

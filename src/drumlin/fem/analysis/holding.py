@@ -21,7 +21,15 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.contact import stick_slip
 from drumlin.contact.active_set import Contact
-from drumlin.contact.stick_slip import BACKWARD, FORWARD, OPEN, STICK, History, Increment, Problem
+from drumlin.contact.stick_slip import (
+    BACKWARD,
+    FORWARD,
+    OPEN,
+    STICK,
+    FrictionalProblem,
+    History,
+    Increment,
+)
 from drumlin.fem.analysis.at_rest import Feet, holding_problem
 from drumlin.fem.equilibrium.group import ShoeGroup, grouped, pressed_shoes
 from drumlin.fem.model import PENALTY, respond
@@ -101,7 +109,7 @@ class _Held(NamedTuple):
     """
 
     group: ShoeGroup
-    problem: Problem
+    problem: FrictionalProblem
     lever: Floats
     friction: Floats
     rest: Increment
@@ -174,7 +182,7 @@ def _held(scene: Scene, brake: Brake, increments: int, penalty: float) -> Iterat
 
 
 def _pressed(
-    problem: Problem, gap: Floats, friction: Floats, state: Ints, increments: int
+    problem: FrictionalProblem, gap: Floats, friction: Floats, state: Ints, increments: int
 ) -> tuple[Increment, float]:
     """The increment in which the force is fully on, and what the slip on the way has dissipated.
 
@@ -232,7 +240,7 @@ def _path(held: _Held, rotations: Floats) -> tuple[list[Increment], list[float]]
 
 
 def turned(
-    problem: Problem,
+    problem: FrictionalProblem,
     lever: Floats,
     friction: float | Floats,
     increment: Increment,
@@ -269,7 +277,7 @@ def _turning(group: ShoeGroup, brake: Brake) -> ShoeGroup:
     return replace(group, brake=brake, senses=() if group.rough else group.senses)
 
 
-def _slip_work(problem: Problem, after: Increment, before: History) -> float:
+def _slip_work(problem: FrictionalProblem, after: Increment, before: History) -> float:
     """Work of the tractions on the plastic slip of an increment, by its end values."""
     slip = after.s - before.s - problem.Q @ (after.t - before.t)
     return float(after.t @ slip)

@@ -30,7 +30,7 @@ from drumlin.laws import rigid
 
 LEAVES = "no equilibrium, a foot leaves its abutment"
 ELASTIC = "elastic as it is"
-FRICTION_STEP = self_locking.STEP / 4
+FRICTION_STEP = self_locking.LARGEST_FRICTION_STEP / 4
 """Step of the drum's friction, above 1 relative to it, after which feet are asked how they slide
 and shoes whether they are pushed. A foot that leaves and comes back within one step is not seen.
 """
@@ -332,7 +332,7 @@ class ShoeGroup:
                 self.problem_at, self.brake.friction, first, self.areas, law=law, brake=ELASTIC
             )
         except NoAnswer as error:
-            pulled = self._pulled_at(error.end) if isinstance(error, self_locking.Ended) else ""
+            pulled = self._pulled_at(error.end) if isinstance(error, self_locking.PathEnded) else ""
             raise (Pulled(pulled) if pulled else NoAnswer(f"{self.names}: {error}")) from error
         for shoe, sense, gap, amounts in zip(
             self.shoes, self.each_sense, self.gaps, self.amounts(found), strict=True
@@ -488,7 +488,7 @@ class ShoeGroup:
     def _ended(self, end: self_locking.Limit, low: float, high: float) -> "Followed":
         """The end between two frictions, an answer at the first of them only."""
         at = self
-        while high - low > self_locking.CLOSE * high:
+        while high - low > self_locking.POLE_DISTANCE * high:
             middle = 0.5 * (low + high)
             after = at._pushing(middle)
             low, high = (low, middle) if after is None else (middle, high)

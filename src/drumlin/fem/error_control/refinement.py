@@ -31,7 +31,7 @@ from scipy.sparse.linalg import splu
 from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
-from drumlin.contact.active_set import SLACK
+from drumlin.contact.active_set import SET_ROUND_OFF
 from drumlin.fem.equilibrium.group import ShoeGroup
 from drumlin.fem.equilibrium.motions import Motions
 from drumlin.fem.preparation.bodies import actuation
@@ -272,7 +272,9 @@ def refine(system: Whole, active: Bools, order: str = "COLAMD") -> Refined:
         bound = (abs(system.matrix[first:]) @ np.abs(x) + np.abs(system.right[first:])).astype(
             float
         )
-        change = np.where(active, p < -SLACK * np.abs(p).max(initial=0), w < -SLACK * bound)
+        change = np.where(
+            active, p < -SET_ROUND_OFF * np.abs(p).max(initial=0), w < -SET_ROUND_OFF * bound
+        )
         if not change.any():
             return _refined(system, on, solution, w / (bound.max(initial=0.0) or 1.0), sets)
         active ^= change
