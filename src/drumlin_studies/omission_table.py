@@ -123,7 +123,7 @@ def worst_straight(rows: Sequence[Mapping[str, Any]]) -> Mapping[str, Any] | Non
     return max(straight, key=lambda row: row["pressure"]) if straight else None
 
 
-class _Row(NamedTuple):
+class _OmissionRow(NamedTuple):
     """A row of the table before it is computed.
 
     Attributes
@@ -139,19 +139,19 @@ class _Row(NamedTuple):
     names: list[str] | None
 
 
-def _cases(brake: Brake) -> list[_Row]:
+def _cases(brake: Brake) -> list[_OmissionRow]:
     """The rows of a brake."""
     names = present(brake)
     # An omitted ring already removes the coupling of the shoes.
     coupling = {"coupling"} if "ring" in names else set()
     together = [name for name in names if name not in {"curvature", *coupling}]
-    rows = [_Row(part, instead, None) for part, instead in EXACT_OMISSIONS.items()]
-    rows += [_Row(part, OMISSIONS[part].instead, [part]) for part in names]
+    rows = [_OmissionRow(part, instead, None) for part, instead in EXACT_OMISSIONS.items()]
+    rows += [_OmissionRow(part, OMISSIONS[part].instead, [part]) for part in names]
     if len(together) > 1:
-        rows.append(_Row("all but curvature", ", ".join(together), together))
+        rows.append(_OmissionRow("all but curvature", ", ".join(together), together))
     if together and "curvature" in names:
         everything = [*together, "curvature"]
-        rows.append(_Row("all", ", ".join(everything), everything))
+        rows.append(_OmissionRow("all", ", ".join(everything), everything))
     return rows
 
 

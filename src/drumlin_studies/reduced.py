@@ -60,7 +60,7 @@ HALF_PLANE_WAVE = 7.0
 """Thickness of a ring over R/k [rad] above which wave k deforms it like a half-plane, to 1 %."""
 RIGID_FACTOR = 1e5
 """Factor on the modulus of a straight beam that is meshed as rigid."""
-SHEAR_FACTOR = 6 / 5
+SECTION_SHEAR_FACTOR = 6 / 5
 """Shear coefficient kappa of a rectangular section."""
 
 
@@ -243,7 +243,7 @@ def _bar(shoe: Shoe, radius: float) -> _Bar:
         foot=foot,
         bending=np.sqrt(ds / EI),
         stretching=np.sqrt(ds / EA),
-        shearing=np.sqrt(SHEAR_FACTOR * ds / GA),
+        shearing=np.sqrt(SECTION_SHEAR_FACTOR * ds / GA),
         round=isinstance(body, Bar),
     )
 
