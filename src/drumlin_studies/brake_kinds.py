@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drumlin.base.errors import NoAnswer
-from drumlin.brake.brake import Brake
+from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.surface import DRUM, PLANE
 from drumlin.comparison import Outcome, edge_of, run
 from drumlin.fem.analysis.self_locking import limits
@@ -163,11 +163,13 @@ def cam_factor(brake: Brake) -> float:
     The cam moves both tips by the same distance. B1 and B2 are the shoe factors T/(F R) that each
     shoe has alone.
     """
-    one, two = (
-        law(brake.model_copy(update={"actuation": None, "shoes": (shoe.under(1e3),)})).torque
-        / (1e3 * brake.size)
-        for shoe in brake.shoes
-    )
+
+    def shoe_factor(shoe: Shoe) -> float:
+        # The shoe alone under 1 kN.
+        alone = brake.model_copy(update={"actuation": None, "shoes": (shoe.under(1e3),)})
+        return law(alone).torque / (1e3 * brake.size)
+
+    one, two = map(shoe_factor, brake.shoes)
     return 4 * one * two / (one + two)
 
 
@@ -185,11 +187,10 @@ def verdict(rows: list[dict[str, Any]]) -> str:
 
     if all(abs(row["new"]) < NO_EFFECT_ERROR for row in rows):
         return (
-            f"The {effect_} follows from equilibrium alone, whatever the pressure. The pressure of the law {name!r} "
+            f"The {effect_} follows from equilibrium alone, whatever the pressure. "
+            f"The pressure of the law {name!r} "
             f"{judged('p')} new, and {judged('p_worn')} worn in."
         )
-    new, worn = (
-        f"{judged(key)}, its pressure {judged(more)}"
-        for key, more in (("new", "p"), ("worn", "p_worn"))
-    )
+    new = f"{judged('new')}, its pressure {judged('p')}"
+    worn = f"{judged('worn')}, its pressure {judged('p_worn')}"
     return f"New, the {effect_} of the law {name!r} {new}; worn in, the {effect_} {worn}."

@@ -272,10 +272,9 @@ def _sweeps() -> dict[str, list[dict[str, Any]]]:
         "Poisson's ratio": _over("nu", [-0.99, -0.5, 0.0, 0.4, 0.45, 0.49, 0.499, 0.4999]),
         "lever": _over("lever", [*_decades(-12, -1), 0.0, -1e-6]),
         "size": [
-            *(
-                {"size": 1e3, "pressure": 1e-6, **more}
-                for more in ({}, {"penalty": math.inf}, {"thickness": 1e-4})
-            ),
+            {"size": 1e3, "pressure": 1e-6},
+            {"size": 1e3, "pressure": 1e-6, "penalty": math.inf},
+            {"size": 1e3, "pressure": 1e-6, "thickness": 1e-4},
             {"size": 1e3, "pressure": 1e-6, "shoes": 2, "ring": 400.0},
             {"size": 1e-6, "force": 2e-9},
             {"size": 1e3, "force": 2e9},
@@ -300,24 +299,21 @@ def _corners() -> list[KnobCase]:
         "clearance": (-1e-4, 1e-3),
         "friction": (0.01, 0.6),
     }
-    return [
-        KnobCase(knob="corners", **dict(zip(ends, chosen, strict=True)))
-        for chosen in itertools.product(*ends.values())
-    ]
+    combinations = itertools.product(*ends.values())
+    settings = [dict(zip(ends, chosen, strict=True)) for chosen in combinations]
+    return _sweep("corners", settings)
 
 
 def _grids() -> list[KnobCase]:
     """Two pairs of knobs, each pair over the whole ranges of both."""
     moduli, mu = _decades(-8, 8, 2), [0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 1.1, 1.5, 2.5, 5.0]
     thicknesses, penalties = [1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1 / 3], [*_decades(-2, 16, 3), math.inf]
-    return [
-        *(KnobCase(knob="shoe × friction", shoe=E, friction=f) for E in moduli for f in mu),
-        *(
-            KnobCase(knob="thickness × penalty", thickness=t, penalty=a)
-            for t in thicknesses
-            for a in penalties
-        ),
-    ]
+    result = []
+    for E, friction in itertools.product(moduli, mu):
+        result.append(KnobCase(knob="shoe × friction", shoe=E, friction=friction))
+    for t, penalty in itertools.product(thicknesses, penalties):
+        result.append(KnobCase(knob="thickness × penalty", thickness=t, penalty=penalty))
+    return result
 
 
 def _hypercube(count: int) -> list[KnobCase]:

@@ -146,10 +146,9 @@ def _wavy(share: float) -> float:
     pair = BodyPair.of(inner, outer)
     height = 1e-6
     full = math.pi * LADDER_STEEL.E / 2 * height * RING_WAVES / (2 * math.pi)
-    soft = sum(
-        abs(closed_forms.ring_yield(0, 1.0, held, LADDER_STEEL.E, LADDER_STEEL.nu))
-        for held in (0.5, 1.5)
-    )
+    # A uniform pressure moves both rings apart by this distance per pressure.
+    E, nu = LADDER_STEEL.E, LADDER_STEEL.nu
+    soft = sum(abs(closed_forms.ring_yield(0, 1.0, held, E, nu)) for held in (0.5, 1.5))
     p = active_set.solve(
         pair.normal(-height * np.cos(RING_WAVES * pair.angle) - share * full * soft)
     ).p
@@ -179,11 +178,14 @@ class Harmonics(NamedTuple):
 def _pressed_rings(n: int) -> Harmonics:
     """Pressure between two rings under the gap that 3 MPa + 1 MPa cos(n theta) closes."""
     pair, angle = _rings()
-    soft = [
-        closed_forms.ring_yield(k, 1.0, 0.6, LADDER_STEEL.E, LADDER_STEEL.nu)
-        - closed_forms.ring_yield(k, 1.0, 1.4, LADDER_STEEL.E, LADDER_STEEL.nu)
-        for k in (0, n)
-    ]
+
+    def apart(k: int) -> float:
+        """How far cos(k theta) moves the rings apart [m/Pa]."""
+        E, nu = LADDER_STEEL.E, LADDER_STEEL.nu
+        inner = closed_forms.ring_yield(k, 1.0, 0.6, E, nu)
+        return inner - closed_forms.ring_yield(k, 1.0, 1.4, E, nu)
+
+    soft = [apart(0), apart(n)]
     p = active_set.solve(pair.normal(3e6 * soft[0] + 1e6 * soft[1] * np.cos(n * angle))).p
     # A least-squares fit of mean, cosine and sine finds the harmonics.
     columns = np.column_stack([np.ones_like(angle), np.cos(n * angle), np.sin(n * angle)])

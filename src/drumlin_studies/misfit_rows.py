@@ -86,7 +86,10 @@ def single_rows(
 
 def touching(brake: Brake, response: Response) -> float:
     """Fraction of the arc of all linings that is in contact."""
-    arcs = sum(end - start for shoe in response.shoes for start, end in shoe.contact_arcs)
+    arcs: float = 0
+    for shoe in response.shoes:
+        for start, end in shoe.contact_arcs:
+            arcs += end - start
     return arcs / sum(shoe.lining.end - shoe.lining.start for shoe in brake.shoes)
 
 

@@ -1,5 +1,6 @@
 """The table of omissions: the change by each, the predicted change, and the saved time."""
 
+import itertools
 import math
 import time
 import tracemalloc
@@ -224,9 +225,8 @@ def _exact_pair(brake: Brake, part: str, elements: int) -> WholeAndSimple | None
 def _each_alone(brake: Brake, make: Callable[[Brake], Scene]) -> Scene:
     """The prepared model of a brake whose shoes are all condensed, even equal shoes."""
     parts = [make(brake.model_copy(update={"shoes": (shoe,)})) for shoe in brake.shoes]
-    return replace(
-        parts[0], brake=brake, bodies=tuple(body for part in parts for body in part.bodies)
-    )
+    bodies = itertools.chain(*(part.bodies for part in parts))
+    return replace(parts[0], brake=brake, bodies=tuple(bodies))
 
 
 def _predicted(brake: Brake, names: Iterable[str], elements: int) -> OmissionChange:

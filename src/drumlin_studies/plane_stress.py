@@ -233,16 +233,15 @@ def chart(
 
 def shares(charts: Sequence[Map]) -> list[dict[str, Any]]:
     """A row for each quantity of each map: its largest error and the share within READER_LIMITS."""
-    return [
-        {
-            "map": chart.name,
-            "quantity": WIDTH_QUANTITIES[key],
-            "largest": float(np.abs(chart.errors[key]).max()),
-        }
-        | {f"within_{limit:g}": chart.share_within(limit, key) for limit in READER_LIMITS}
-        for chart in charts
-        for key in WIDTH_QUANTITIES
-    ]
+    table = []
+    for chart in charts:
+        for key, name in WIDTH_QUANTITIES.items():
+            row: dict[str, Any] = {"map": chart.name, "quantity": name}
+            row["largest"] = float(np.abs(chart.errors[key]).max())
+            for limit in READER_LIMITS:
+                row[f"within_{limit:g}"] = chart.share_within(limit, key)
+            table.append(row)
+    return table
 
 
 class Certain(NamedTuple):

@@ -107,10 +107,8 @@ def lift_rows(brake: Brake, fem: Response) -> list[dict[str, Any]]:
     for lift in ((), *((name,) for name in foundation.LIFTS), ALL_LIFTS):
         response = foundation.solve(brake, lift=lift)
         row = {"lift": ", ".join(lift) or "none (the paper)", "torque": response.torque}
-        row |= {
-            f"error_{shoe.name}": relative(shoe.torque, true.torque)
-            for shoe, true in zip(response.shoes, fem.shoes, strict=True)
-        }
+        for shoe, true in zip(response.shoes, fem.shoes, strict=True):
+            row[f"error_{shoe.name}"] = relative(shoe.torque, true.torque)
         rows.append(row | {"error": relative(response.torque, fem.torque)})
     return rows
 
@@ -362,10 +360,8 @@ def grid_rows(brake: Brake, repeats: int) -> list[dict[str, Any]]:
         if n <= 720:
             names = ("torque", "N", "psi")
             row |= dict(zip(names, errors.tolist(), strict=True))
-            row |= {
-                f"{name}_ratio": ratio
-                for name, ratio in zip(names, (before / errors).tolist(), strict=True)
-            }
+            for name, ratio in zip(names, (before / errors).tolist(), strict=True):
+                row[f"{name}_ratio"] = ratio
         rows.append(row)
         before = errors
     return rows

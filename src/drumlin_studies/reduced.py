@@ -201,13 +201,15 @@ class _Bar(NamedTuple):
         moment = np.stack([-arm[..., 1], arm[..., 0]], axis=-1)  # of forces x and y
         normal = np.broadcast_to(self.tangent[:, None], arm.shape)
         shear = np.stack([-normal[..., 1], normal[..., 0]], axis=-1)
-        parts = [(moment, self.bending), (normal, self.stretching), (shear, self.shearing)]
-        return np.concatenate(
-            [
-                (part * (beyond * root[:, None])[..., None]).reshape(len(root), -1)
-                for part, root in parts
-            ]
-        )
+
+        def weighted(part: Floats, root: Floats) -> Floats:
+            # Only the sections between a force and the hinge carry the force.
+            scaled = part * (beyond * root[:, None])[..., None]
+            return np.asarray(scaled.reshape(len(root), -1))
+
+        bending = weighted(moment, self.bending)
+        stretching = weighted(normal, self.stretching)
+        return np.concatenate([bending, stretching, weighted(shear, self.shearing)])
 
 
 def _bar(shoe: Shoe, radius: float) -> _Bar:

@@ -124,10 +124,10 @@ def _judged(
 
 def said(case: KnobCase) -> str:
     """The knobs that a case changes, in a few words."""
-    return ", ".join(
-        f"{key} {value:.4g}" if isinstance(value, float) else f"{key} {value}"
-        for key, value in case.changes.items()
-    )
+    words = []
+    for key, value in case.changes.items():
+        words.append(f"{key} {value:.4g}" if isinstance(value, float) else f"{key} {value}")
+    return ", ".join(words)
 
 
 def sound(row: dict[str, Any]) -> bool:

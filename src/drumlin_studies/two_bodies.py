@@ -147,9 +147,11 @@ class BodyPair:
         halves = [_half(inner, -coupling.N), _half(inner, coupling.T)]
         if outer is not None:
             N, T = couple_ring(inner.line, outer.line, 1.0, sign)
+            # The flexibilities of both bodies add up: their square roots are stacked.
+            pressed, dragged = halves
             halves = [
-                np.vstack(both)
-                for both in zip(halves, [_half(outer, -N), _half(outer, T)], strict=True)
+                np.vstack([pressed, _half(outer, -N)]),
+                np.vstack([dragged, _half(outer, T)]),
             ]
         # Displacements of the contact nodes as the holder moves by 1 m.
         x = inner.line.xy[0]

@@ -180,11 +180,9 @@ def kill_all(
     say : function
         Is told how far the work is.
     """
-    cases = [
-        {"way": way, "seed": seed, "kills": kills}
-        for way, count in chains.items()
-        for seed in range(count)
-    ]
+    cases: list[dict[str, Any]] = []
+    for way, count in chains.items():
+        cases += [{"way": way, "seed": seed, "kills": kills} for seed in range(count)]
     rows: list[dict[str, Any]] = []
     for case in cases:
         say(f"killing a sweep: {case['way']}, {len(rows) + 1} of {len(cases)}")
@@ -194,14 +192,17 @@ def kill_all(
 
 def table(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
     """A row for each way: numbers of sweeps, of kills, of kills that met a run, and of faults."""
-    return [
-        {
+    lines: list[dict[str, Any]] = []
+    for way in RUN_WAYS:
+        own = [row for row in rows if row["way"] == way]
+        if not own:
+            continue
+        line = {
             "way": way,
-            "sweeps": len(of),
-            "kills": sum(row["kills"] for row in of),
-            "met": sum(row["met"] for row in of),
-            "faults": sum(bool(row["fault"]) for row in of),
+            "sweeps": len(own),
+            "kills": sum(row["kills"] for row in own),
+            "met": sum(row["met"] for row in own),
+            "faults": sum(bool(row["fault"]) for row in own),
         }
-        for way in RUN_WAYS
-        if (of := [row for row in rows if row["way"] == way])
-    ]
+        lines.append(line)
+    return lines

@@ -160,19 +160,14 @@ def table(verdicts: dict[str, list[InputVerdict]]) -> list[dict[str, Any]]:
 
     The last row is on all inputs.
     """
-    rows: list[dict[str, Any]] = [
-        {
-            "generator": name,
-            "what": GENERATORS[name][1],
-            "inputs": len(of),
-            **{
-                key: sum(v.status == status for v in of) for key, status in COUNTED_STATUSES.items()
-            },
-            "faults": sum(bool(v.fault) for v in of),
-            "longest": max(v.seconds for v in of),
-        }
-        for name, of in verdicts.items()
-    ]
+    rows: list[dict[str, Any]] = []
+    for name, of in verdicts.items():
+        row = {"generator": name, "what": GENERATORS[name][1], "inputs": len(of)}
+        for key, status in COUNTED_STATUSES.items():
+            row[key] = sum(verdict.status == status for verdict in of)
+        row["faults"] = sum(bool(verdict.fault) for verdict in of)
+        row["longest"] = max(verdict.seconds for verdict in of)
+        rows.append(row)
     total = {key: sum(row[key] for row in rows) for key in ("inputs", *COUNTED_STATUSES, "faults")}
     return [*rows, {"generator": "all", **total, "longest": max(row["longest"] for row in rows)}]
 

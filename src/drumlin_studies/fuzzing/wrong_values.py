@@ -213,19 +213,13 @@ def fitting(rng: random.Random, annotation: Any, before: Any) -> Any:
     said = str(annotation)
     choices: list[Any] = [rng.choice(WRONG_QUANTITIES), rng.choice(WRONG_NUMBERS), anything(rng)]
     if "Literal" in said:
-        choices += [
-            value
-            for part in [annotation, *typing.get_args(annotation)]
-            for value in typing.get_args(part)
-        ]
+        for part in [annotation, *typing.get_args(annotation)]:
+            choices += typing.get_args(part)
     if "tuple" in said:
-        choices += [
-            [
-                [rng.choice(WRONG_QUANTITIES), rng.choice(WRONG_QUANTITIES)]
-                for _ in range(rng.choice([1, 2, 3]))
-            ],
-            [],
-        ]
+        rows = []
+        for _ in range(rng.choice([1, 2, 3])):
+            rows.append([rng.choice(WRONG_QUANTITIES), rng.choice(WRONG_QUANTITIES)])
+        choices += [rows, []]
     if "Path" in said:
         choices += list(WRONG_PATHS)
     if isinstance(before, str) and (match := re.fullmatch(r"([-\d.]+) (.+)", before)):
