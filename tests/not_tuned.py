@@ -52,8 +52,8 @@ NOT_TUNED: dict[str, dict[str, str]] = {
     "fem/equilibrium/group.py": {
         "FRICTION_STEP": "a quarter of self_locking.STEP",
         "NEAR_POLE": "last digit of a limit that is printed",
-        "ROWS": SPEED,
     },
+    "fem/equilibrium/problems.py": {"ROW_BLOCK": SPEED},
     "fem/analysis/holding.py": {
         "FIRST": "start of a geometric search",
         "MOST_INCREMENTS": PASSES,
@@ -96,7 +96,7 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "STILL": ROUND_OFF,
     },
     "fem/analysis/mutual_work.py": {"CHUNK": MEMORY},
-    "fem/equilibrium/reach.py": {"LARGEST_TURN": SAID},
+    "fem/equilibrium/reach.py": {"LARGEST_SHOE_TURN": SAID},
     "fem/error_control/refinement.py": {
         "EPSILON": DEFINITION,
         "MOST_CORRECTIONS": PASSES,
@@ -105,7 +105,7 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "MOST_SETS": PASSES,
     },
     "fem/analysis/sensitivity.py": {"PERCENT_PER_MM": DEFINITION},
-    "fem/equilibrium/sharing.py": {"PULLED": ROUND_OFF},
+    "fem/equilibrium/sharing.py": {"NO_PUSH": ROUND_OFF},
     "fem/solid/__init__.py": {"MOST_ELEMENTS": MEMORY, "MOST_ACROSS": MEMORY},
     "fem/solid/body.py": {"HALVES": DEFINITION},
     "fem/solid/fields.py": dict.fromkeys(("_BOTTOM", "_CORNERS", "_EDGES", "_TURNED"), FORMAT),

@@ -18,7 +18,7 @@ from drumlin.brake.components import Bar
 from drumlin.brake.units import mm
 from drumlin.contact.active_set import Contact
 from drumlin.fem.equilibrium.group import ShoeGroup, groups_of
-from drumlin.fem.equilibrium.sharing import PULLED, WOULD_PULL
+from drumlin.fem.equilibrium.sharing import NO_PUSH, WOULD_PULL
 from drumlin.fem.preparation.bodies import held
 from drumlin.fem.preparation.cache import shape_of
 from drumlin.fem.preparation.scene import Scene, clock
@@ -188,9 +188,9 @@ def _answers(group: ShoeGroup, start: Response | None) -> dict[int, _Answer]:
     )
     group, found = group.settled(first)
     size = group.unit_force
-    answers, amounts, forces = {}, group.amounts(found), size * group.forces(found.p)
+    answers, amounts, forces = {}, group.coordinates(found), size * group.forces(found.p)
     changes = size * _changes(group, found, amounts)
-    for k, (i, part) in enumerate(zip(group.members, group.parts, strict=True)):
+    for k, (i, part) in enumerate(zip(group.members, group.node_ranges, strict=True)):
         p, y = size * found.p[part], size * amounts[k]
         answers[i] = _answer(group, k, p, y, changes[:, part], found.steps, forces[k])
     if group.sharing is not None:
@@ -217,8 +217,8 @@ def _answers(group: ShoeGroup, start: Response | None) -> dict[int, _Answer]:
     except NoAnswer as error:
         raise LostDigits(f"{group.names}: lost digits, {TOO_FAR}; refined: {error}") from error
     steps, changes[1] = found.steps + refined.sets, size * np.concatenate(refined.last)
-    for k, (i, part) in enumerate(zip(group.members, group.parts, strict=True)):
-        p, y = size * refined.p[k], size * refined.motions[k]
+    for k, (i, part) in enumerate(zip(group.members, group.node_ranges, strict=True)):
+        p, y = size * refined.p[k], size * refined.coordinates[k]
         answers[i] = _answer(group, k, p, y, changes[:, part], steps, forces[k], refined=True)
     left = _imbalance(answers)
     if max(body.line.order for body in group.bodies) <= 2:
@@ -276,14 +276,14 @@ def _answer(
     brake, shoe, body, penalty = group.brake, group.shoes[k], group.bodies[k], group.penalty
     frame, line, coupling = shoe.frame, body.line, body.coupling
     load, moment = group.loads[k]
-    if group.sharing is not None and force < PULLED * group.unit_force:
+    if group.sharing is not None and force < NO_PUSH * group.unit_force:
         raise NoAnswer(f"shoe {shoe.name!r}: {WOULD_PULL}")
     load, moment = abs(force) * load, abs(force) * moment
     push = body.columns.part(ACTUATION, load)[:2]
     drag = brake.drag_on(shoe)
     normal, dragged = body.forces @ p
     whole = drag * dragged - normal  # on the lining: force [N], and moment about the centre [N m]
-    pin, motions = shoe.own_pin, group.motions[k]
+    pin, motions = shoe.own_pin, group.modes[k]
     if not refined:
         reaction = held(body, p, drag, load)
     else:  # by equilibrium, of which moments or work are left to check: a refined pressure has more digits than the
@@ -301,13 +301,13 @@ def _answer(
     balance = relative_balance([whole[:2], reaction, push], moments)
     if shoe.held_by != "hinge":
         nodal, work = drag * (coupling.T.T @ p) - coupling.N.T @ p, abs(force) * motions.work
-        acting = nodal[:, None] * motions.tested
+        acting = nodal[:, None] * motions.test_modes
         left = np.abs(acting.sum(axis=0) + work) / np.maximum(
             np.abs(work), np.abs(acting).sum(axis=0)
         )
         balance = Balance(balance.force, max(balance.moment, float(left.max())))
     closed, rubbed = (
-        float(work[:, 0] @ p) for work in group.closings[k]
+        float(work[:, 0] @ p) for work in group.test_closures[k]
     )  # by its first motion, per unit
     stiffness = group.stiffnesses[k]
     pressed = float(coupling.lever @ p)
@@ -336,11 +336,11 @@ def _answer(
         normal_force=normal_force,
         self_energising=math.copysign(1.0, motions.work[0]) * drag * rubbed > NEITHER * abs(closed),
         hinge_reaction=frame.to_brake(reaction),
-        turn=frame.sense * float(motions.of[2] @ y),
+        turn=frame.sense * float(motions.pin_motion[2] @ y),
         force=None if group.sharing is None else force,
         pivot_reaction=-frame.to_brake(whole[:2]) if shoe.pivot is not None else None,
         reaction_moment=frame.sense * twist,
-        motion=tuple((motions.of @ y).tolist()) if shoe.held_by != "hinge" else None,
+        motion=tuple((motions.pin_motion @ y).tolist()) if shoe.held_by != "hinge" else None,
         surface=line.surface(p),
         softness=softness,
         lost=lost,
@@ -357,11 +357,11 @@ def _changes(group: ShoeGroup, found: Contact, amounts: Sequence[Floats]) -> Flo
     frame.
     """
     opened, strayed = [], []
-    for k, (body, part) in enumerate(zip(group.bodies, group.parts, strict=True)):
+    for k, (body, part) in enumerate(zip(group.bodies, group.node_ranges, strict=True)):
         opened.append(
             (1 + 1 / group.penalty) * (body.coupling.M @ found.p[part]) / group.stiffnesses[k]
         )
-        moved, frame = body.condensed.moved, group.motions[k].of @ amounts[k]
+        moved, frame = body.condensed.moved, group.modes[k].pin_motion @ amounts[k]
         strayed.append(
             np.zeros(len(opened[k])) if moved is None else body.coupling.N @ (moved @ frame)
         )

@@ -24,7 +24,7 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.fem.equilibrium.group import gap_at
+from drumlin.fem.equilibrium.state import gap_at
 from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.mesh.edges import edge_nodes
 from drumlin.fem.model import LARGEST_IMBALANCE

@@ -17,7 +17,7 @@ from drumlin.base.errors import BadInput
 from drumlin.base.files import write_text
 from drumlin.brake.brake import Brake
 from drumlin.brake.fields import Material
-from drumlin.fem.equilibrium.group import gap_at
+from drumlin.fem.equilibrium.state import gap_at
 from drumlin.fem.preparation.meshes import materials_of
 from drumlin.fem.solid.body import end_forces, face_of, hinged
 from drumlin.fem.solid.fields import oriented, serendipity

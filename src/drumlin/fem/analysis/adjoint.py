@@ -13,7 +13,7 @@ import numpy as np
 from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.fem.equilibrium.group import ShoeGroup
-from drumlin.fem.equilibrium.sharing import unreduced
+from drumlin.fem.equilibrium.sharing import full_equations
 
 
 class Adjoint(NamedTuple):
@@ -49,7 +49,7 @@ def adjoints(group: ShoeGroup) -> Adjoints:
     size, mu, lever, n = group.unit_force, group.brake.friction, group.levers, len(found.p)
     still = _equations(group, 0.0)
     per_mu = _equations(group, 1.0) - still
-    y, F = group.amounts(found), np.abs(group.forces(found.p))
+    y, F = group.coordinates(found), np.abs(group.forces(found.p))
     answer = np.concatenate(
         [found.p, *y, F, np.zeros(len(still) - n - sum(map(len, y)) - len(F))]
     )  # no d feels mu
@@ -63,7 +63,7 @@ def adjoints(group: ShoeGroup) -> Adjoints:
         Adjoint(
             a[part], b[rows], float(c[k]), size * found.p[part], size * y[k], size * float(F[k])
         )
-        for k, (part, rows) in enumerate(zip(group.parts, group.rows, strict=True))
+        for k, (part, rows) in enumerate(zip(group.node_ranges, group.mode_ranges, strict=True))
     ]
     ring = 0.0
     if group.ring is not None:
@@ -84,7 +84,9 @@ def _equations(group: ShoeGroup, friction: float) -> Floats:
     """All equations of a group at a friction coefficient, with its forces as unknowns; linear in
     it.
     """
-    return unreduced(group.blocks(friction), group.pushed(friction), group.links, group.cam)
+    return full_equations(
+        group.blocks(friction), group.force_effects(friction), group.links, group.cam
+    )
 
 
 def _transposed(matrix: Floats, on: Bools, weights: Floats) -> Floats:

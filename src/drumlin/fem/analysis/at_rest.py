@@ -17,7 +17,7 @@ from drumlin.brake.support import UNHELD, Abutment
 from drumlin.contact import equations
 from drumlin.contact.stick_slip import Problem
 from drumlin.fem.equilibrium.group import ShoeGroup
-from drumlin.fem.equilibrium.sharing import Pushed, share
+from drumlin.fem.equilibrium.sharing import ForceEffects, share
 from drumlin.fem.model import PENALTY
 from drumlin.fem.preparation.bodies import actuation, contact_stiffness
 
@@ -90,7 +90,7 @@ class Feet(NamedTuple):
 
     def friction(self) -> Floats:
         """The friction coefficient of every node (n,)."""
-        n = sum(part.stop - part.start for part in self.group.parts)
+        n = sum(part.stop - part.start for part in self.group.node_ranges)
         feet = [self.group.shoes[k].abutment for k in self.on]
         return np.array(
             [self.group.brake.friction] * n + [foot.friction for foot in feet if foot is not None]
@@ -106,8 +106,8 @@ class Feet(NamedTuple):
         )
         for row, k in enumerate(self.on):  # a turn does not move the foot
             names = still.shoes[k].freedoms(UNHELD).names
-            off[row, still.rows[k].start + names.index("off")] = 1.0
-            slid[row, still.rows[k].start + names.index("slide")] = 1.0
+            off[row, still.mode_ranges[k].start + names.index("off")] = 1.0
+            slid[row, still.mode_ranges[k].start + names.index("slide")] = 1.0
         soft, none = np.diag(self.yielding), np.zeros((len(self.on),) * 2)
         no = np.zeros(len(self.on))
         joined = block_diag
@@ -124,7 +124,7 @@ def _smooth(face: Abutment) -> Abutment:
     return face.model_copy(update={"friction": 0.0})
 
 
-def _shared(still: ShoeGroup, problem: Problem, dragged: list[Pushed]) -> Problem:
+def _shared(still: ShoeGroup, problem: Problem, dragged: list[ForceEffects]) -> Problem:
     """The problem of shoes that share forces by struts and a cam; `dragged`: what each is under
     tractions.
     """
@@ -137,14 +137,14 @@ def _shared(still: ShoeGroup, problem: Problem, dragged: list[Pushed]) -> Proble
         h=problem.h,
     )
     pushed = []
-    for one, two in zip(still.pushed(0.0), dragged, strict=True):
-        nodes = np.arange(n)[one.part]
+    for one, two in zip(still.force_effects(0.0), dragged, strict=True):
+        nodes = np.arange(n)[one.nodes]
         opened, tip, bearing = (
             np.concatenate(both)
             for both in ((one.opened, two.opened), (one.tip, two.tip), (one.bearing, two.bearing))
         )
         part = np.concatenate([nodes, n + nodes])
-        pushed.append(one._replace(part=part, opened=opened, tip=tip, bearing=bearing))
+        pushed.append(one._replace(nodes=part, opened=opened, tip=tip, bearing=bearing))
     A, q, B, C, h = share(
         whole, pushed, still.own_forces, still.links, still.cam, still.total
     ).problem
@@ -166,20 +166,20 @@ def _tangential(group: ShoeGroup, k: int) -> tuple[Any, ...]:
     pressed, dragged, loaded = np.split(Y, [n, 2 * n], axis=1)
     load, _ = actuation(body, shoe)
     share = abs(shoe.actuation.force) / group.unit_force
-    motions = group.motions[k]
+    motions = group.modes[k]
     compliance = coupling.M / group.stiffnesses[k]
     opened = -dragged.T @ (loaded @ load)
     nodal = T.reshape(n, -1, 2).sum(axis=1)
     bearing = np.zeros(n) if shoe.abutment is None else -shoe.frame.to_brake(nodal) @ shoe.bearing
-    pushed = group.pushed(0.0)[k]._replace(
+    pushed = group.force_effects(0.0)[k]._replace(
         opened=opened, tip=(loaded @ load) @ dragged, bearing=bearing
     )
     return (
         pressed.T @ dragged,  # -N u under T^T t
         -dragged.T @ pressed,
         -dragged.T @ dragged,
-        -(T @ motions.moved),
-        (T @ motions.tested).T,
+        -(T @ motions.contact_modes),
+        (T @ motions.test_modes).T,
         compliance,
         share * opened,
         coupling.lever,

@@ -285,7 +285,7 @@ def _state(brake: Brake, paths: list[_Path], k: int, rotation: float) -> Hold:
         torque += held.torque(increments[k])
         group, size = held.group, held.group.unit_force
         for i, body, shoe, part in zip(
-            group.members, group.bodies, group.shoes, group.parts, strict=True
+            group.members, group.bodies, group.shoes, group.node_ranges, strict=True
         ):
             p, t, state = (
                 size * increments[k].p[part],
@@ -378,7 +378,7 @@ class _Foot(NamedTuple):
 
 def _full_slip(held: _Held, at: Increment) -> int:
     """The sense in which all nodes of the linings slip that touch, +1 or -1; 0 where some do not."""
-    touching = set(at.state[: held.group.parts[-1].stop].tolist()) - {OPEN}
+    touching = set(at.state[: held.group.node_ranges[-1].stop].tolist()) - {OPEN}
     return 1 if touching == {FORWARD} else -1 if touching == {BACKWARD} else 0
 
 
@@ -386,13 +386,13 @@ def _feet_apart(held: _Held, at: Increment, slid: ShoeGroup, found: Contact) -> 
     """The feet on which friction acts otherwise at the end of a path than in the answer `found` of
     the group `slid`.
     """
-    n, size, feet = held.group.parts[-1].stop, held.group.unit_force, []
+    n, size, feet = held.group.node_ranges[-1].stop, held.group.unit_force, []
     for node, k in enumerate(Feet.of(held.group).on, start=n):
         shoe, (x, y) = slid.shoes[k], slid.reaction(found, k)
         bearing, along = float(shoe.bearing @ (x, y)), float(shoe.bearing @ (y, -x))
         if at.p[node] > 0 and abs(at.t[node] / at.p[node] - along / bearing) <= OTHER_FRICTION:
             continue
-        slide = float(slid.amounts(found)[k][-1]) if slid.each_sense[k] else 0.0
+        slide = float(slid.coordinates(found)[k][-1]) if slid.each_sense[k] else 0.0
         came_to, by_solve = (
             f"{1e6 * size * length:.6g} µm" for length in (0.0 - at.s[node], slide)
         )
@@ -426,7 +426,7 @@ def _slipping(held: _Held, target: float, way: int) -> float:
 
     Raises NoAnswer also where it is another one than that with the moment `target` [N m].
     """
-    increment, reached, step, n = held.rest, 0.0, FIRST, held.group.parts[-1].stop
+    increment, reached, step, n = held.rest, 0.0, FIRST, held.group.node_ranges[-1].stop
     for _ in range(MOST_INCREMENTS):
         before = held.torque(increment)
         *_, increment = held.turned(increment, reached, reached + step)

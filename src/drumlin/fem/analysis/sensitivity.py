@@ -30,7 +30,8 @@ from drumlin.brake.support import wrench
 from drumlin.fem.analysis.adjoint import Adjoints, adjoints
 from drumlin.fem.analysis.moving import Moves, lines_at, moves_by
 from drumlin.fem.analysis.mutual_work import change_by_nodes, work_by_part
-from drumlin.fem.equilibrium.group import gap_at, groups_of
+from drumlin.fem.equilibrium.group import groups_of
+from drumlin.fem.equilibrium.state import gap_at
 from drumlin.fem.model import PENALTY, check_penalty
 from drumlin.fem.preparation.bodies import Body, coupling_of
 from drumlin.fem.preparation.prepare import prepare
@@ -328,11 +329,11 @@ def _by_contact(every: Adjoints, k: int, u: Floats, v: Floats, move: Moves) -> f
     All pressures, displacements and motions stay as they are, and so do those of the adjoint.
     """
     group, at = every.group, every.of[k]
-    body, shoe, brake, motions = group.bodies[k], group.shoes[k], group.brake, group.motions[k]
+    body, shoe, brake, motions = group.bodies[k], group.shoes[k], group.brake, group.modes[k]
     line, drag = body.line, brake.drag_on(shoe)
     contact = np.column_stack([2 * line.nodes, 2 * line.nodes + 1]).ravel()
-    squeezed, turns = at.p / group.stiffnesses[k], motions.of[2]
-    u, v = u[contact] + motions.moved @ at.y, v[contact] - motions.tested @ at.b
+    squeezed, turns = at.p / group.stiffnesses[k], motions.pin_motion[2]
+    u, v = u[contact] + motions.contact_modes @ at.y, v[contact] - motions.test_modes @ at.b
     values = []
     for step, other in lines_at(body, shoe, brake.size, move):
         coupling = coupling_of(other, shoe)

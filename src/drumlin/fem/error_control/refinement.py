@@ -33,7 +33,7 @@ from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.contact.active_set import SLACK
 from drumlin.fem.equilibrium.group import ShoeGroup
-from drumlin.fem.equilibrium.motions import Motions
+from drumlin.fem.equilibrium.modes import RigidBodyModes
 from drumlin.fem.preparation.bodies import actuation
 from drumlin.fem.preparation.scene import Scene
 from drumlin.fem.substructure.body import FRAME, stiffness
@@ -50,7 +50,7 @@ MOST_SETS = 40  # contact sets tried from the one that is given
 class Refined(NamedTuple):
     """Solution of the whole system for a group of shoes, per newton of their largest force.
 
-    `p`: pressures (n_i,) of each shoe; `motions` (k_i,); `torque` [m]: of all shoes. `gap` (n,):
+    `p`: pressures (n_i,) of each shoe; `coordinates` (k_i,), generalised; `torque` [m]: of all shoes. `gap` (n,):
     weighted gaps of all nodes over the largest term in them. `last`: the last correction of the
     pressures (n_i,), `correction` the largest part of it, relative to the largest pressure;
     `corrections` their number; `sets`: contact sets tried. `condition`: the torque's own, relative
@@ -59,7 +59,7 @@ class Refined(NamedTuple):
 
     p: tuple[Floats, ...]
     last: tuple[Floats, ...]
-    motions: tuple[Floats, ...]
+    coordinates: tuple[Floats, ...]
     torque: float
     gap: Floats
     correction: float
@@ -99,7 +99,7 @@ def whole(group: ShoeGroup, *, carried: bool = True) -> Whole:
     """
     scene, brake, size, members = group.scene, group.brake, group.unit_force, group.members
     sections = [
-        _shoe_block(scene, brake, i, size, group.motions[k], carried) for k, i in enumerate(members)
+        _shoe_block(scene, brake, i, size, group.modes[k], carried) for k, i in enumerate(members)
     ]
     ring = _ring_block(scene, brake) if scene.ring is not None else None
     blocks = [part.K for part in sections] + ([ring.K] if ring else [])
@@ -135,7 +135,7 @@ def whole(group: ShoeGroup, *, carried: bool = True) -> Whole:
         pressures=tuple(slice(int(a), int(b)) for a, b in pairwise(firsts)),
         motions=tuple(
             slice(int(end) - motions.work.size, int(end))
-            for end, motions in zip(starts[1 : len(members) + 1], group.motions, strict=True)
+            for end, motions in zip(starts[1 : len(members) + 1], group.modes, strict=True)
         ),
         lever=lever,
         scale=_scale(matrix, int(firsts[0])),
@@ -154,7 +154,7 @@ class _ShoeBlock(NamedTuple):
 
 
 def _shoe_block(
-    scene: Scene, brake: Brake, index: int, size: float, motions: Motions, carried: bool
+    scene: Scene, brake: Brake, index: int, size: float, motions: RigidBodyModes, carried: bool
 ) -> _ShoeBlock:
     body, shoe = scene.bodies[index], brake.shoes[index]
     ties = body.condensed.ties.matrix.astype(LONG)
@@ -167,7 +167,10 @@ def _shoe_block(
     N, T = body.coupling.N.astype(LONG), body.coupling.T.astype(LONG)
     drag = LONG(brake.drag_on(shoe))
     pushing = (N - drag * T).T
-    moved, tested, of = (part.astype(LONG) for part in (motions.moved, motions.tested, motions.of))
+    moved, tested, of = (
+        part.astype(LONG)
+        for part in (motions.contact_modes, motions.test_modes, motions.pin_motion)
+    )
     free = moved.shape[1]
     first, shape = inside - 2 * n, (inside + free, n)
     closed = _placed(N.T, shape, row=first)
@@ -299,7 +302,7 @@ def _refined(system: Whole, on: Bools, solution: _Solution, gap: Floats, sets: i
     return Refined(
         p=tuple(np.maximum(x[part].astype(float), 0.0) for part in system.pressures),
         last=tuple(solution.last[part].astype(float) for part in system.pressures),
-        motions=tuple(x[part].astype(float) for part in system.motions),
+        coordinates=tuple(x[part].astype(float) for part in system.motions),
         torque=torque,
         gap=gap,
         correction=solution.correction,
