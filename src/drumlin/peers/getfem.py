@@ -27,7 +27,7 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.fem.equilibrium.state import gap_at
 from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.mesh.edges import edge_nodes
-from drumlin.fem.model import LARGEST_IMBALANCE
+from drumlin.fem.model import LARGEST_ANSWER_IMBALANCE
 from drumlin.fem.preparation.meshes import ELEMENTS, Assembled, Mesher
 from drumlin.fem.substructure.elasticity import layers_of, split
 from drumlin.peers.peer import (
@@ -126,7 +126,7 @@ def solve(
     spent = math.fsum(ran.seconds - sum(map(sum, ran.result["seconds"])) for ran in runs)
     once = spent + cold  # the process of one solve, without the others in it
     response = brake_response("getfem", each, steps, {"getfem": cold})
-    if not max(response.balance.force, response.balance.moment) < LARGEST_IMBALANCE:
+    if not max(response.balance.force, response.balance.moment) < LARGEST_ANSWER_IMBALANCE:
         raise NoAnswer(f"GetFEM: forces balance only to {response.balance.force:.1e}, "
                        f"moments to {response.balance.moment:.1e}")  # fmt: skip
     version = runs[-1].result["version"] if runs else ""
