@@ -91,11 +91,11 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "SETTLED_CORRECTION": ROUND_OFF,
     },
     "fem/analysis/moving.py": {
-        "STEP": ROUND_OFF,
+        "NODE_STEP": ROUND_OFF,
         "FARTHEST": "tells another division from a moved one",
         "STILL": ROUND_OFF,
     },
-    "fem/analysis/mutual_work.py": {"CHUNK": MEMORY},
+    "fem/analysis/mutual_work.py": {"SAMPLE_CHUNK": MEMORY},
     "fem/equilibrium/reach.py": {"LARGEST_SHOE_TURN": SAID},
     "fem/error_control/refinement.py": {
         "EPSILON": DEFINITION,

@@ -45,8 +45,8 @@ if TYPE_CHECKING:
 DOUBLE = float(np.finfo(float).eps)
 """Relative spacing of double-precision numbers: no refined answer is said to be more certain."""
 OVERLAP = 0.01
-"""Fraction of the lining's thickness by which a mesh may lie in the drum without a warning. A mesh
-file rounds its nodes to less; above it the pressure is that of a lining squeezed into place.
+"""Fraction of the lining's thickness by which a mesh may lie in the drum without a warning. Above it
+the pressure is noticeably that of a lining squeezed into place. It changes no answer.
 """
 PENALTY = 1e8
 """Default penalty factor alpha: the contact stiffness per area is alpha E/t of the lining. The

@@ -23,7 +23,7 @@ from drumlin.contact.equations import Problem
 NO_PUSH = 1e-9
 """Fraction of the largest force of a group up to which a shared force does not push. A smaller or a
 negative force is the round-off of a force that has fallen to zero, or it pulls; the answer is
-refused. Round-off of shared forces is some 1e-12, and a user sees no force of 1e-9.
+refused. The value is far above round-off and far below any force that a brake file means.
 """
 WOULD_PULL = "no equilibrium, what pushes it would have to pull"
 

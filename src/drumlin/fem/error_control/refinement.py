@@ -44,18 +44,18 @@ LONG_DOUBLE = np.longdouble
 EPSILON = float(np.finfo(float).eps)
 """Relative spacing of double-precision numbers."""
 MOST_CORRECTIONS = 30
-"""Number of corrections after which a refinement ends. Where it converges, two or three suffice."""
+"""Number of corrections after which a refinement ends, whether it has converged or not."""
 CONVERGED_CORRECTION = 1e-14
 """Largest correction of the pressures, relative to the largest pressure, at which the refinement
-ends: it is below the spacing of the pressures in double precision.
+ends: some 45 times the spacing of double-precision numbers. Above it a further correction follows.
 """
 SLOWEST = 0.5
 """Factor by which each correction from the third on must be smaller than the one before. Above it
 the refinement has come to its end, and `Refined.correction` tells how well it has converged.
 """
 MOST_REFINED_SETS = 40
-"""Number of contact sets that are tried, from the given set on, before the answer is refused. The
-given set is that of the condensed answer, of which round-off changes a few nodes.
+"""Number of contact sets that are tried, from the given set on, before the answer is refused. In a
+solve the given set is that of the condensed answer.
 """
 
 
