@@ -40,7 +40,7 @@ from drumlin.fem.substructure.elasticity import layers_of
 from drumlin.laws import sine
 from drumlin.lining_wear.worn_in import solve as solve_worn_in
 from drumlin.response.norms import pressure_distance
-from drumlin.response.resultants import Inside, largest, lobatto
+from drumlin.response.resultants import InnerPart, largest, lobatto
 from drumlin.sweeps.cases import SweepCase, solved
 from drumlin_studies.random_brake import random_brake
 
@@ -706,8 +706,8 @@ def test_the_largest_value_of_a_polynomial_is_found_between_its_nodes():
     theta = np.concatenate([0.5 * (x + 1), 1 + 0.5 * (x[1:] + 1)])
     values = 3.0 - (theta - 0.3) ** 2
     assert largest(theta, values, 4) == pytest.approx(3.0, abs=1e-6)
-    assert Inside(theta, 4, 0.5).largest(values) == pytest.approx(3.0 - 0.04, abs=1e-6)
-    assert Inside(theta, 4, 5.0).largest(values) == pytest.approx(3.0, abs=1e-6)
+    assert InnerPart(theta, 4, 0.5).largest(values) == pytest.approx(3.0 - 0.04, abs=1e-6)
+    assert InnerPart(theta, 4, 5.0).largest(values) == pytest.approx(3.0, abs=1e-6)
 
 
 def test_fields_recovered_on_a_grid_are_in_balance(brake):

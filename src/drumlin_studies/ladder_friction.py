@@ -15,7 +15,7 @@ from drumlin.brake.elasticity import ElasticLayer
 from drumlin.brake.fields import Material
 from drumlin.brake.file import vary
 from drumlin.contact import active_set, equations, self_locking, stick_slip
-from drumlin.contact.stick_slip import OPEN, STICK, History, Problem
+from drumlin.contact.stick_slip import OPEN, STICK, FrictionalProblem, History
 from drumlin.fem.solve import solve
 from drumlin.fem.substructure.body import scalar_basis, stiffness
 from drumlin.fem.substructure.interface import (
@@ -36,11 +36,11 @@ from drumlin_studies.ladder_contact import GAP_RADIUS, HALF_WIDTH, half_plane
 from drumlin_studies.two_bodies import LADDER_STEEL, BodyPair, nested_start
 
 
-def _spring(push: float, shift: float, k: float = 100.0) -> Problem:
+def _spring(push: float, shift: float, k: float = 100.0) -> FrictionalProblem:
     """One node on springs k, pushed against a drum that has moved by `shift`."""
     one, none = np.ones((1, 1)), np.zeros((1, 1))
     across, along = np.zeros((1, 0)), np.zeros((0, 1))
-    return Problem(
+    return FrictionalProblem(
         A_wp=one / k,
         A_wt=none,
         A_sp=none,
@@ -287,7 +287,7 @@ def pressed_plate() -> Plate:
     by_f, by_N, by_T = u[on, 0], u[on, 1 : 1 + n], u[on, 1 + n :]
     up = np.tile([0.0, 1.0], n)
     B_w, B_s = -(N @ up)[:, None], -(T @ up)[:, None]
-    problem = Problem(
+    problem = FrictionalProblem(
         A_wp=N @ by_N,
         A_wt=-N @ by_T,
         A_sp=T @ by_N,

@@ -60,7 +60,7 @@ def omissions(
     these together.
 
     Changes are relative, between both solutions on `elements` along each lining, as in
-    `omission.Change`; what was predicted has the same keys after "predicted_". `seconds` and
+    `omission.OmissionChange`; what was predicted has the same keys after "predicted_". `seconds` and
     `memory`: shares of the whole solve's saved, medians of `repeats` taken in turn; 0 repeats leave
     them out. A case without an answer stays as a row.
     """
@@ -87,7 +87,7 @@ def omissions(
 
 
 def prediction_ratios(rows: Sequence[Mapping[str, Any]], key: str) -> list[float]:
-    """Predicted over true change `key` (as in `omission.Change`) where the true one lies between
+    """Predicted over true change `key` (as in `omission.OmissionChange`) where the true one lies between
     0.01 % and 30 %.
 
     Not of what is left out exactly, nor of curvature.

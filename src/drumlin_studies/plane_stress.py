@@ -28,7 +28,7 @@ from drumlin.laws import LAWS, hinged, sine
 from drumlin.lining_wear.archard import WearLaw, run_on
 from drumlin.lining_wear.linings import fem_setup
 from drumlin.response.norms import pressure_distance, relative, vector_distance
-from drumlin.response.response import Response, ShoeResponse, Surface, edge_zone
+from drumlin.response.response import PressureOverWidth, Response, ShoeResponse, edge_zone
 from drumlin_studies.uncertainty import Index, Validation, grid_convergence, validate
 
 WIDTH_QUANTITIES = {
@@ -81,7 +81,7 @@ def uneven(shoe: ShoeResponse, zone: float) -> float:
     return float(np.sqrt(variance / size)) if size > 0 else 0.0
 
 
-def surface_of(shoe: ShoeResponse) -> Surface:
+def surface_of(shoe: ShoeResponse) -> PressureOverWidth:
     """The surface of a solid shoe's pressure."""
     assert shoe.surface is not None
     return shoe.surface

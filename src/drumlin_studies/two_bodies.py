@@ -132,11 +132,11 @@ class BodyPair:
 
     def frictional(
         self, gap: Floats, loads: Sequence[float], penalty_compliance: float = 0.0
-    ) -> stick_slip.Problem:
+    ) -> stick_slip.FrictionalProblem:
         """Stick-slip problem; slip is that of the outer body against the inner one, along e_phi."""
         n, B_s = len(gap), -self.coupling.T @ self.motions
         flat = self.normal(gap, loads)
-        return stick_slip.Problem(
+        return stick_slip.FrictionalProblem(
             A_wp=flat.A,
             A_wt=self.pressed.T @ self.dragged,
             A_sp=-self.dragged.T @ self.pressed,

@@ -16,7 +16,7 @@ from studies.manual import keys
 
 import drumlin
 from drumlin.brake.fields import Part, row_units_in, unit_in
-from drumlin.brake.units import EXAMPLES, NAMES
+from drumlin.brake.units import EXAMPLES, QUANTITY_NAMES
 from drumlin.foundation.model import LIFTS
 from drumlin.models import MODELS
 from drumlin_studies.ladder import LADDER_CASES
@@ -90,7 +90,9 @@ def _kind(annotation: Any) -> str:
     unit, row = unit_in(annotation), row_units_in(annotation)
     rows = f'rows like `["{EXAMPLES[row[0]]}", "{EXAMPLES[row[1]]}"]`' if row else ""
     if unit:
-        return f'{NAMES[unit]} such as `"{EXAMPLES[unit]}"`' + (f", or {rows}" if rows else "")
+        return f'{QUANTITY_NAMES[unit]} such as `"{EXAMPLES[unit]}"`' + (
+            f", or {rows}" if rows else ""
+        )
     if rows:
         return rows
     if unit == "":

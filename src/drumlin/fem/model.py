@@ -29,8 +29,8 @@ from drumlin.response.balance import borne, relative_balance, worst
 from drumlin.response.response import (
     NEITHER,
     Balance,
-    Change,
     Response,
+    ShoeChange,
     ShoeResponse,
     pressed_shoe,
     reaction_size,
@@ -491,8 +491,8 @@ def _virtual_work_imbalance(solution: _ShoeSolution) -> float:
 class _ArithmeticErrors(NamedTuple):
     """The penalty error and the round-off error of a shoe's answer, relative."""
 
-    penalty: Change
-    round_off: Change
+    penalty: ShoeChange
+    round_off: ShoeChange
 
 
 def _arithmetic_errors(solution: _ShoeSolution, acting: _ActingForces) -> _ArithmeticErrors:
@@ -502,7 +502,7 @@ def _arithmetic_errors(solution: _ShoeSolution, acting: _ActingForces) -> _Arith
     by_penalty, by_round_off = _relative_changes(solution, size)
     # The elimination of a substructure has a round-off error of its own.
     least = 0.0 if solution.refined else solution.group.bodies[solution.k].condensed.lost
-    return _ArithmeticErrors(by_penalty, Change(*(max(part, least) for part in by_round_off)))
+    return _ArithmeticErrors(by_penalty, ShoeChange(*(max(part, least) for part in by_round_off)))
 
 
 def _shoe_note(solution: _ShoeSolution, errors: _ArithmeticErrors) -> str:
@@ -583,7 +583,7 @@ def _changes(group: ShoeGroup, contact: Contact, coordinates: Sequence[Floats]) 
     return np.array([contact.tangent(np.concatenate(gaps)) for gaps in (opened, strayed)])
 
 
-def _relative_changes(solution: _ShoeSolution, reaction: float) -> list[Change]:
+def _relative_changes(solution: _ShoeSolution, reaction: float) -> list[ShoeChange]:
     """Relative changes of a shoe's pressure, torque, reaction and peak, one for each row of changes.
 
     The pressure counts outside EDGE_ZONE at the lining's ends, unless half of the force is there.
@@ -607,7 +607,7 @@ def _relative_changes(solution: _ShoeSolution, reaction: float) -> list[Change]:
     ]
     wholes = [math.sqrt(weight @ p**2), float(lever @ p), reaction, top]
     relative = np.array(by_quantity).T / [whole or 1.0 for whole in wholes]
-    return [Change(*row) for row in relative.tolist()]
+    return [ShoeChange(*row) for row in relative.tolist()]
 
 
 def _weight_inside(shoe: Shoe, phi: Floats, area: Floats) -> Floats:

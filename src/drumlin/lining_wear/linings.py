@@ -195,7 +195,7 @@ def _stands(group: ShoeGroup, contact: Contact) -> bool:
 
 
 def foundation_setup(
-    brake: Brake, *, sections: int = foundation.SECTIONS, lift: Iterable[str] = ()
+    brake: Brake, *, sections: int = foundation.RING_SECTIONS, lift: Iterable[str] = ()
 ) -> WearSetup:
     """The setup of a post brake on the foundation model.
 

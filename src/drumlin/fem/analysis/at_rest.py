@@ -15,14 +15,14 @@ from drumlin.base.lapack import block_diag
 from drumlin.brake.brake import Brake
 from drumlin.brake.support import UNHELD, Abutment
 from drumlin.contact import equations
-from drumlin.contact.stick_slip import Problem
+from drumlin.contact.stick_slip import FrictionalProblem
 from drumlin.fem.equilibrium.group import ShoeGroup
 from drumlin.fem.equilibrium.sharing import ForceEffects, share
 from drumlin.fem.model import PENALTY
 from drumlin.fem.preparation.bodies import actuation, contact_stiffness
 
 
-def holding_problem(group: ShoeGroup) -> tuple[Problem, Floats]:
+def holding_problem(group: ShoeGroup) -> tuple[FrictionalProblem, Floats]:
     """The stick-slip problem of a group of shoes while the drum rests, per newton, and its lever.
 
     The lever (n,) [m^3] is the weighted slip per rotation of the drum: a rotation by Omega adds
@@ -97,7 +97,7 @@ def _shoe_tractions(group: ShoeGroup, k: int) -> _ShoeTractions:
     )
 
 
-def _with_tractions(still: ShoeGroup, shoes: list[_ShoeTractions]) -> Problem:
+def _with_tractions(still: ShoeGroup, shoes: list[_ShoeTractions]) -> FrictionalProblem:
     """The stick-slip problem of a group whose feet are free in the plane."""
     normal = still.blocks(0.0)
     A_wt = block_diag(*(shoe.A_wt for shoe in shoes))
@@ -108,7 +108,7 @@ def _with_tractions(still: ShoeGroup, shoes: list[_ShoeTractions]) -> Problem:
         A_wt = A_wt + pressed.T @ dragged
         A_sp = A_sp - dragged.T @ pressed
         A_st = A_st - dragged.T @ dragged
-    return Problem(
+    return FrictionalProblem(
         A_wp=normal.A,
         A_wt=A_wt,
         A_sp=A_sp,
@@ -175,7 +175,7 @@ class Feet(NamedTuple):
         of_feet = [abutment.friction for abutment in abutments if abutment is not None]
         return np.array([self.group.brake.friction] * n + of_feet)
 
-    def added(self, problem: Problem, still: ShoeGroup) -> Problem:
+    def added(self, problem: FrictionalProblem, still: ShoeGroup) -> FrictionalProblem:
         """The problem with a node for each foot; `still` is the group whose feet are free."""
         if not self.on:
             return problem
@@ -211,8 +211,8 @@ def _without_friction(abutment: Abutment) -> Abutment:
 
 
 def _with_shared_forces(
-    still: ShoeGroup, problem: Problem, by_tractions: list[ForceEffects]
-) -> Problem:
+    still: ShoeGroup, problem: FrictionalProblem, by_tractions: list[ForceEffects]
+) -> FrictionalProblem:
     """The problem of shoes that share forces by struts and a cam.
 
     `by_tractions` holds the effects of each shoe's force as tractions act. Pressures and tractions
@@ -239,7 +239,7 @@ def _with_shared_forces(
         )
     sharing = share(whole, effects, still.own_forces, still.links, still.cam, still.total)
     A, q, B, C, h = sharing.problem
-    return Problem(
+    return FrictionalProblem(
         A_wp=A[:n, :n],
         A_wt=A[:n, n:],
         A_sp=A[n:, :n],

@@ -12,7 +12,7 @@ import skfem
 from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import BadInput
 from drumlin.base.files import replacing
-from drumlin.brake.brake import Brake, Frame, Shoe
+from drumlin.brake.brake import Brake, Shoe, ShoeFrame
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.fem.hp.grid import Grid
 from drumlin.fem.mesh.arc import kind_of
@@ -82,7 +82,7 @@ class _Placement(NamedTuple):
     directions : gives the normals of the lining at points (2, n) [m]
     """
 
-    frame: Frame
+    frame: ShoeFrame
     points: Callable[[Floats], Floats]
     directions: Directions
 
@@ -149,7 +149,7 @@ def ring_fields(scene: Scene, brake: Brake, response: Response) -> Fields:
     u = ring.displacement(contact_pressures(brake, response), brake.drag)
     no_pressure = np.zeros(ring.basis.N)
     solved = _Solved(ring.mesh, ring.basis, ring_layers(section), u, no_pressure)
-    return _fields(solved, _Placement(Frame(0.0, 1), np.asarray, radial(1)))
+    return _fields(solved, _Placement(ShoeFrame(0.0, 1), np.asarray, radial(1)))
 
 
 def contact_pressures(brake: Brake, response: Response) -> list[Floats]:

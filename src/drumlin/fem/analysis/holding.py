@@ -20,7 +20,15 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.contact import stick_slip
 from drumlin.contact.active_set import Contact
-from drumlin.contact.stick_slip import BACKWARD, FORWARD, OPEN, STICK, History, Increment, Problem
+from drumlin.contact.stick_slip import (
+    BACKWARD,
+    FORWARD,
+    OPEN,
+    STICK,
+    FrictionalProblem,
+    History,
+    Increment,
+)
 from drumlin.fem.analysis.at_rest import Feet, holding_problem
 from drumlin.fem.equilibrium.group import ShoeGroup, grouped, pressed_shoes
 from drumlin.fem.model import PENALTY, respond
@@ -115,7 +123,7 @@ class _HeldGroup(NamedTuple):
     """
 
     group: ShoeGroup
-    problem: Problem
+    problem: FrictionalProblem
     lever: Floats
     friction: Floats
     rest: Increment
@@ -271,7 +279,7 @@ def _held_group(group: ShoeGroup, increments: int) -> _HeldGroup:
 
 
 def _loading(
-    problem: Problem, gap: Floats, friction: Floats, state: Ints, increments: int
+    problem: FrictionalProblem, gap: Floats, friction: Floats, state: Ints, increments: int
 ) -> _Loading:
     """The increment in which the force is fully on, and the energy dissipated by slip up to it.
 
@@ -333,7 +341,7 @@ def _path(held: _HeldGroup, rotations: Floats) -> _HeldPath:
 
 
 def turned(
-    problem: Problem,
+    problem: FrictionalProblem,
     lever: Floats,
     friction: float | Floats,
     increment: Increment,
@@ -379,7 +387,7 @@ def _under(group: ShoeGroup, brake: Brake) -> ShoeGroup:
     return replace(group, brake=brake, senses=() if group.rough else group.senses)
 
 
-def _slip_work(problem: Problem, after: Increment, before: History) -> float:
+def _slip_work(problem: FrictionalProblem, after: Increment, before: History) -> float:
     """The work of the tractions on the plastic slip of an increment, by its end values."""
     slip = after.s - before.s - problem.Q @ (after.t - before.t)
     return float(after.t @ slip)

@@ -7,13 +7,13 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Brake
-from drumlin.contact.self_locking import LARGEST, Limit
+from drumlin.contact.self_locking import LARGEST_SOUGHT_FRICTION, Limit
 from drumlin.fem.equilibrium.group import groups_of
 from drumlin.fem.preparation.scene import Scene
 
 
 def limits(
-    scene: Scene, brake: Brake, most: float = LARGEST, penalty: float = math.inf
+    scene: Scene, brake: Brake, most: float = LARGEST_SOUGHT_FRICTION, penalty: float = math.inf
 ) -> dict[tuple[int, ...], Limit]:
     """The limit of self-locking of each group of shoes, by the positions of its shoes.
 

@@ -30,7 +30,7 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
 from drumlin.brake.orthotropic import orthotropic_parts
-from drumlin.brake.support import Change, wrench
+from drumlin.brake.support import SupportChange, wrench
 from drumlin.fem.analysis.adjoint import GroupAdjoint, ShoeAdjoint, group_adjoint
 from drumlin.fem.analysis.moving import Moves, lines_at, moves_by
 from drumlin.fem.analysis.mutual_work import change_by_nodes, work_by_part
@@ -341,7 +341,7 @@ class _ShoeSlopes:
             _add_direction_of_strut(effects, _ShoeSlopes(self.adjoint, to))
         return effects
 
-    def _by_modes(self, change: Change) -> float:
+    def _by_modes(self, change: SupportChange) -> float:
         """The effect of a change of the rigid-body modes on the torque."""
         own, shoe, worked = self.own, self.shoe, self.counted.worked
         N, T = self.body.coupling.N, self.body.coupling.T

@@ -27,7 +27,7 @@ from drumlin.laws import rigid
 FOOT_LEAVES = "no equilibrium, a foot leaves its abutment"
 ELASTIC_BRAKE = "elastic as it is"
 """How the refusal of a self-locking brake names the elastic model, beside the rigid-shoe law."""
-FRICTION_STEP = self_locking.STEP / 4
+FRICTION_STEP = self_locking.LARGEST_FRICTION_STEP / 4
 """Largest step of the drum's friction coefficient between two checks of an answer that is followed.
 
 A check asks how feet slide and whether shoes are still pushed. Above a coefficient of 1 the step is
@@ -92,7 +92,7 @@ class ShoeGroup(GroupProblems):
                 law=law,
                 brake=ELASTIC_BRAKE,
             )
-        except self_locking.Ended as error:
+        except self_locking.PathEnded as error:
             refusal = self._pull_at(error.end)
             raise (
                 PullNeeded(refusal) if refusal else NoAnswer(f"{self.names}: {error}")
@@ -258,7 +258,7 @@ class ShoeGroup(GroupProblems):
     def _end_between(self, end: self_locking.Limit, low: float, high: float) -> FollowedEnd:
         """The end by bisection between two frictions, of which only the first has an answer."""
         at = self
-        while high - low > self_locking.CLOSE * high:
+        while high - low > self_locking.POLE_DISTANCE * high:
             middle = 0.5 * (low + high)
             after = at._pushing(middle)
             if after is None:

@@ -8,7 +8,7 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Shoe
 
-LARGEST_SHOE_TURN = 0.2
+LARGEST_TURN_TO_TOUCH = 0.2
 """Largest turn of a shoe [rad] that a solve accepts. The model assumes small displacements: at this
 turn the sine and the angle differ by 0.7 %. A shoe that has to turn further is refused. The value
 is a judgement, and the refusal prints it.
@@ -72,10 +72,10 @@ def check_turns(shoe: Shoe, sense: int, gap: Floats, coordinates: Floats) -> Non
 
 
 def _check_turn(shoe: Shoe, turn: float) -> None:
-    """Raise NoAnswer for a turn [rad] beyond LARGEST_SHOE_TURN."""
-    if turn > LARGEST_SHOE_TURN:
+    """Raise NoAnswer for a turn [rad] beyond LARGEST_TURN_TO_TOUCH."""
+    if turn > LARGEST_TURN_TO_TOUCH:
         raise NoAnswer(
             f"shoe {shoe.name!r}: it would have to turn by {math.degrees(turn):.3g} deg to touch the "
             f"{shoe.surface.word}; small displacements hold up to "
-            f"{math.degrees(LARGEST_SHOE_TURN):.3g} deg"
+            f"{math.degrees(LARGEST_TURN_TO_TOUCH):.3g} deg"
         )

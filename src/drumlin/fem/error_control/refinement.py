@@ -33,7 +33,7 @@ from scipy.sparse.linalg import splu
 from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
-from drumlin.contact.active_set import SLACK
+from drumlin.contact.active_set import SET_ROUND_OFF
 from drumlin.fem.equilibrium.group import ShoeGroup
 from drumlin.fem.preparation.bodies import actuation
 from drumlin.fem.preparation.scene import Scene
@@ -378,8 +378,8 @@ def refine(system: FullSystem, active: Bools, order: str = "COLAMD") -> Refined:
         w = (rows @ x - right).astype(float)
         bound = (abs(rows) @ np.abs(x) + np.abs(right)).astype(float)
         # Nodes leave the contact set under tension, and join it where they penetrate.
-        tension = p < -SLACK * np.abs(p).max(initial=0)
-        penetrates = w < -SLACK * bound
+        tension = p < -SET_ROUND_OFF * np.abs(p).max(initial=0)
+        penetrates = w < -SET_ROUND_OFF * bound
         change = np.where(active, tension, penetrates)
         if not change.any():
             gap = w / (bound.max(initial=0.0) or 1.0)
