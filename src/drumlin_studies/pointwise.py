@@ -22,7 +22,7 @@ from scipy.sparse.linalg import splu
 from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.fem.equilibrium.group import gap_at
+from drumlin.fem.equilibrium.state import gap_at
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
 from drumlin.fem.preparation.bodies import actuation, contact_stiffness
 from drumlin.fem.preparation.meshes import ELEMENTS, Assembled, Mesher, assemble
