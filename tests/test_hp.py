@@ -268,7 +268,7 @@ def test_what_round_off_took_from_the_answer_is_little_and_seen(flexible, which,
     (group, *_) = groups_of(made, brake, PENALTY)
     group, found = group.settled(None)
     refined = refined_group(group, found.active)
-    p, error = found.p[group.parts[0]], refined.p[0] - found.p[group.parts[0]]
+    p, error = found.p[group.node_ranges[0]], refined.p[0] - found.p[group.node_ranges[0]]
     lost, lever = response.shoes[0].lost, group.bodies[0].coupling.lever
     assert np.linalg.norm(error) < 1e-6 * np.linalg.norm(p)
     assert np.linalg.norm(error) < max(ROUND_OFF * lost.pressure, 1e-8) * np.linalg.norm(p)
@@ -884,5 +884,5 @@ def test_columns_with_a_ring_are_refined_to_the_answer_of_their_condensed_bodies
     found = group.answer()
     refined = refined_group(group, found.active)
     assert refined.correction < 1e-10
-    for part, p in zip(group.parts, refined.p, strict=True):
+    for part, p in zip(group.node_ranges, refined.p, strict=True):
         np.testing.assert_allclose(found.p[part], p, rtol=0, atol=1e-8 * p.max())

@@ -17,7 +17,7 @@ from drumlin.response.norms import pressure_distance
 from drumlin.response.response import Balance, Response, ShoeResponse
 from drumlin.response.resultants import InnerPart, cross, edge_left_out, lobatto
 from drumlin_studies.fuzzing.endings import fault_of, in_process
-from drumlin_studies.fuzzing.inputs import Input, brake_text
+from drumlin_studies.fuzzing.inputs import BrokenInput, brake_text
 from drumlin_studies.textbook_brakes import hinged
 
 
@@ -216,7 +216,7 @@ WORN = (
 def test_running_in_says_no_number_that_is_not_finite(tmp_path, words):
     """What has no value, an energy balance for another exponent, is left out."""
     more = [] if "--elements" in words else ["--elements", "6"]
-    given = Input(
+    given = BrokenInput(
         "wear",
         {"b.toml": brake_text("double_shoe/brake")},
         ["wear", "b.toml", "--json", "r.json", *words],

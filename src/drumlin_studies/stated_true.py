@@ -215,6 +215,7 @@ def pressure_error(found: PressureField, true: TrueShoe, edge: float = EDGE_ZONE
     """
     zone = edge_left_out(true.theta, true.pressure, true.order, edge)
     first, last = true.theta[0] + zone, true.theta[-1] - zone
+    # Nodes of both pressures divide the lining into intervals.
     knots = np.unique(np.concatenate([[first, last], found.theta, true.theta[:: true.order]]))
     knots = knots[(knots >= first) & (knots <= last)]
     # Between two knots both pressures are smooth, so that Gauss quadrature is exact enough.
