@@ -17,7 +17,7 @@ from drumlin.brake.fields import Material
 from drumlin.brake.file import vary
 from drumlin.fem.mesh.arc import shoe_mesh
 from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.substructure.body import FRAME, condense, scalar_basis, stiffness, tie
+from drumlin.fem.substructure.body import FRAME, condense, constrain, scalar_basis, stiffness
 from drumlin.fem.substructure.elasticity import layers_of
 from drumlin.fem.substructure.elimination import dissection, eliminate
 from drumlin.fem.substructure.interface import contact_line, end_loads
@@ -162,7 +162,7 @@ def full_system(brake, elements=12):
     K = stiffness(basis, layers_of(shoe))
     line = contact_line(basis, mesh.boundaries["contact"], sum(shoe.arc) / 2)
     rigid = basis.get_dofs(mesh.boundaries["hinge"]).flatten()
-    ties = tie(basis, line.nodes, rigid, np.array([shoe.hinge.radius, 0.0]))
+    ties = constrain(basis, line.nodes, rigid, np.array([shoe.hinge.radius, 0.0]))
     loads, _ = end_loads(basis, mesh.boundaries["actuation"])
     return basis, K, line, rigid, ties, loads
 

@@ -22,7 +22,7 @@ from drumlin.brake.writing import brake_text
 from drumlin.fem.analysis.sensitivity import sensitivity
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.preparation.scene import Scene
+from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.solid.mesh import solid_mesh
 from drumlin.verification.triangles.outline import outline
 from drumlin_studies.reduced import sketcher
@@ -70,7 +70,7 @@ def bar(**body: Any) -> Brake:
     return validated(FlatBrake, data)
 
 
-def scenes(brake: Brake) -> list[Scene]:
+def scenes(brake: Brake) -> list[PreparedModel]:
     return [prepare(brake, elements=10), prepare(brake, LEVELS[0])]
 
 

@@ -1,7 +1,7 @@
 """The ways to solve a brake that are held against each other (`work_precision`)."""
 
 from drumlin.brake.brake import Brake
-from drumlin.fem.mesh.arc import KINDS
+from drumlin.fem.mesh.arc import MESH_KINDS
 from drumlin.models import refusals
 from drumlin_studies.work_precision import Method
 
@@ -10,7 +10,7 @@ def methods(brake: Brake, *, peers: bool = False, short: bool = False) -> list[M
     """Laws, foundation, meshes of every kind and size, textbook contact; `peers`: other solvers as
     well, and the meshes that they are held against; `short`: fewer kinds and sizes.
     """
-    kinds = ("quad2", "tri1") if short else tuple(KINDS)
+    kinds = ("quad2", "tri1") if short else tuple(MESH_KINDS)
     elastic = (
         any(shoe.body is not None for shoe in brake.shoes) and brake.ring is None
     )  # a ring costs much more

@@ -20,14 +20,14 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Bar, Beam
 from drumlin.fem.error_control.levels import Respond
 from drumlin.fem.mesh.arc import shoe_mesh
-from drumlin.fem.preparation.bodies import Body
+from drumlin.fem.preparation.bodies import ShoeSubstructure
 from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.preparation.scene import Scene
+from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.response.norms import pressure_distance
 from drumlin.response.response import Response
 from drumlin_studies.reduced import sketcher
 
-Make = Callable[[Brake], Scene]
+Make = Callable[[Brake], PreparedModel]
 
 
 class Omission(NamedTuple):
@@ -138,7 +138,9 @@ def simplified(brake: Brake, names: Iterable[str]) -> Brake:
     return left.model_copy(update={"shoes": shoes})
 
 
-def scene_without(brake: Brake, names: Iterable[str], make: Make = prepare) -> tuple[Scene, Brake]:
+def scene_without(
+    brake: Brake, names: Iterable[str], make: Make = prepare
+) -> tuple[PreparedModel, Brake]:
     """The scene that `make` makes of a brake without `names`, and what is left of the brake to
     `respond` for.
 
@@ -153,9 +155,9 @@ def scene_without(brake: Brake, names: Iterable[str], make: Make = prepare) -> t
     return replace(scene, apart="coupling" in names), simple
 
 
-def _undragged(scene: Scene, brake: Brake) -> Scene:
+def _undragged(scene: PreparedModel, brake: Brake) -> PreparedModel:
     """A scene prepared for mu = 0, for a brake with friction: under drag nothing gives way."""
-    made: dict[int, Body] = {}
+    made: dict[int, ShoeSubstructure] = {}
     for body, shoe in zip(scene.bodies, brake.shoes, strict=True):
         if id(body) not in made:
             x, y = body.line.xy - shoe.own_pin[:, None]
@@ -176,7 +178,7 @@ def _undragged(scene: Scene, brake: Brake) -> Scene:
     )
 
 
-def prepare_straight(brake: Brake, *, elements: int) -> Scene:
+def prepare_straight(brake: Brake, *, elements: int) -> PreparedModel:
     """`prepare` on quadratic quadrilaterals with straight edges."""
 
     import skfem  # noqa: PLC0415  (meshes alone load it)

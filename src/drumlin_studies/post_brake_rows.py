@@ -22,7 +22,7 @@ from drumlin.brake.file import vary
 from drumlin.comparison import run as timed
 from drumlin.fem.analysis.deflection import beam_deflection, rim_displacement
 from drumlin.fem.model import respond
-from drumlin.fem.preparation.scene import Scene
+from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.solve import solve
 from drumlin.laws import sine
 from drumlin.lining_wear.worn_in import worn_in_foundation
@@ -119,7 +119,7 @@ def radius_gap(brake: Brake, larger: float) -> Brake:
     return gaps(brake, lambda theta: larger * ((1.0 if larger > 0 else end) - np.cos(theta)))
 
 
-def clearance_rows(brake: Brake, scene: Scene) -> list[dict[str, Any]]:
+def clearance_rows(brake: Brake, scene: PreparedModel) -> list[dict[str, Any]]:
     """What clearances do: a lining that fits, new ones, one set off, one worn in."""
     cases = {
         "fits": brake,
@@ -162,7 +162,7 @@ def clearance_rows(brake: Brake, scene: Scene) -> list[dict[str, Any]]:
     return rows
 
 
-def radius_errors(brake: Brake, scene: Scene, errors: Floats) -> Offsets:
+def radius_errors(brake: Brake, scene: PreparedModel, errors: Floats) -> Offsets:
     """Shoe -> model -> (error of the lining's radius [m], torque over that of the sine law - 1).
 
     errors (n,) [m]: radius of the lining minus that of the drum.
@@ -180,7 +180,7 @@ def radius_errors(brake: Brake, scene: Scene, errors: Floats) -> Offsets:
     return found
 
 
-def merits_over_friction(brake: Brake, scene: Scene, friction: Floats) -> Merits:
+def merits_over_friction(brake: Brake, scene: PreparedModel, friction: Floats) -> Merits:
     """Shoe -> model -> (mu, figures of merit); models stop where they lock."""
     found: Merits = {shoe.name: {} for shoe in brake.shoes}
     solvers: dict[str, Solver] = {**POST_MODELS, "fem": partial(respond, scene)}
@@ -336,7 +336,7 @@ def grid_rows(brake: Brake, repeats: int) -> list[dict[str, Any]]:
 
 
 def beam_curves(
-    scene: Scene, brake: Brake, responses: Mapping[str, Response]
+    scene: PreparedModel, brake: Brake, responses: Mapping[str, Response]
 ) -> list[dict[str, Curve]]:
     """For each shoe, by each elastic model, the deformation r [m] along its beam [m], off the line
     through its ends.
@@ -354,7 +354,7 @@ def beam_curves(
 
 
 def rim_curves(
-    scene: Scene, brake: Brake, responses: Mapping[str, Response]
+    scene: PreparedModel, brake: Brake, responses: Mapping[str, Response]
 ) -> tuple[dict[str, Curve], dict[str, Curve]]:
     """The rim's displacement [m] over the angle [rad]: the paper's rim of each shoe, and the one
     rim of all shoes by the foundation with all lifted and by finite elements.

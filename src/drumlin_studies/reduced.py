@@ -31,12 +31,12 @@ from drumlin.brake.components import Backing, Bar, Beam, Lining, Ring, Section, 
 from drumlin.brake.fields import Material
 from drumlin.brake.orthotropic import isotropic_only
 from drumlin.fem.mesh.arc import DEFAULT_KIND
-from drumlin.fem.preparation.bodies import Body
+from drumlin.fem.preparation.bodies import ShoeSubstructure
 from drumlin.fem.preparation.cache import shape_of
 from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.preparation.scene import Scene, why_not
+from drumlin.fem.preparation.scene import PreparedModel, why_not
 from drumlin.fem.substructure.interface import edge_points
-from drumlin.fem.substructure.ring import RingBody
+from drumlin.fem.substructure.ring import RingSubstructure
 
 ELEMENTS = 24
 """Default number along a lining of a sketch, whose change is to be within a factor of two."""
@@ -64,15 +64,15 @@ STIFF = 1e5
 SHEAR = 6 / 5  # kappa of a rectangular section
 
 
-def sketcher(elements: int = ELEMENTS) -> Callable[[Brake], Scene]:
+def sketcher(elements: int = ELEMENTS) -> Callable[[Brake], PreparedModel]:
     """A function that makes the sketch of a brake, a scene to `respond` on; it meshes equal linings
     once.
 
     It raises BadInput for what finite elements do not cover.
     """
-    meshed: dict[Brake, Scene] = {}
+    meshed: dict[Brake, PreparedModel] = {}
 
-    def sketch(brake: Brake) -> Scene:
+    def sketch(brake: Brake) -> PreparedModel:
         reason = why_not(brake) or isotropic_only(brake, "a sketch")
         if reason is not None:
             raise BadInput(f"fem does not apply to this brake: {reason}")
@@ -86,14 +86,14 @@ def sketcher(elements: int = ELEMENTS) -> Callable[[Brake], Scene]:
     return sketch
 
 
-def _with_closed_forms(scene: Scene, brake: Brake, shortest: float) -> Scene:
+def _with_closed_forms(scene: PreparedModel, brake: Brake, shortest: float) -> PreparedModel:
     """A scene of rigid shoes on a rigid drum with the flexibilities added that `brake` has and its
     own has not.
 
     shortest [rad]: contact that the ring's waves are to resolve. Raises NoAnswer where that takes
     too many.
     """
-    made: dict[tuple[object, ...], Body] = {}
+    made: dict[tuple[object, ...], ShoeSubstructure] = {}
     bodies = []
     for body, shoe, bare in zip(scene.bodies, brake.shoes, scene.brake.shoes, strict=True):
         key = shape_of(brake, shoe)
@@ -132,7 +132,7 @@ def _rigid(brake: Brake) -> Brake:
     )
 
 
-def _flexible(body: Body, shoe: Shoe, radius: float) -> Body:
+def _flexible(body: ShoeSubstructure, shoe: Shoe, radius: float) -> ShoeSubstructure:
     """The body of a rigid shoe with the shoe's own flexibility added."""
     bar, coupling = _bar(shoe, radius), body.coupling
     nodal = bar.half(body.line.xy)
@@ -230,7 +230,9 @@ def _layer(shoe: Shoe, layer: Lining | Backing) -> Section:
     return Section(layer.thickness, shoe.lining.width, layer.material)
 
 
-def _ring(brake: Brake, ring: Ring, bodies: tuple[Body, ...], count: int) -> RingBody:
+def _ring(
+    brake: Brake, ring: Ring, bodies: tuple[ShoeSubstructure, ...], count: int
+) -> RingSubstructure:
     """The ring under the linings of all shoes: half flexibilities (2 count + 2, n) of each."""
     sign, radius, section = brake.shoes[0].sign, brake.size, ring.section
     assert section is not None  # why_not
@@ -244,10 +246,20 @@ def _ring(brake: Brake, ring: Ring, bodies: tuple[Body, ...], count: int) -> Rin
         c, s = _waves(body, shoe, k)
         pressed.append(np.vstack([root[:, None] * c, root[:, None] * s]))
         dragged.append(np.vstack([-turned[:, None] * s, turned[:, None] * c]))
-    return RingBody(None, None, bodies[0].line, None, tuple(pressed), tuple(dragged), (), k, None)  # type: ignore[arg-type]
+    return RingSubstructure(
+        mesh=None,
+        basis=None,
+        line=bodies[0].line,
+        condensed=None,  # type: ignore[arg-type]
+        pressed=tuple(pressed),
+        dragged=tuple(dragged),
+        coupled=(),
+        support=k,
+        free=None,
+    )
 
 
-def _waves(body: Body, shoe: Shoe, k: Ints) -> tuple[Floats, Floats]:
+def _waves(body: ShoeSubstructure, shoe: Shoe, k: Ints) -> tuple[Floats, Floats]:
     """b Int psi_i cos k theta ds and that with sin, of the brake's angle theta: two arrays (modes,
     n) [m^2].
     """

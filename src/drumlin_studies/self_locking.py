@@ -16,7 +16,7 @@ from drumlin.fem.analysis.sensitivity import against_differences
 from drumlin.fem.equilibrium.group import ShoeGroup
 from drumlin.fem.model import respond
 from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.preparation.scene import Scene
+from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.laws import locking_friction, sine
 from drumlin_studies.random_brake import random_brake
 
@@ -154,7 +154,7 @@ def uniqueness_row(seed: int, way: str) -> Row:
     }
 
 
-def _answers(scene: Scene, brake: Brake) -> bool:
+def _answers(scene: PreparedModel, brake: Brake) -> bool:
     """Whether drumlin itself gives a number, the contact as stiff as that whose limit was followed."""
     try:
         respond(scene, brake, penalty=math.inf)

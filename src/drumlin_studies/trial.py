@@ -21,7 +21,7 @@ from drumlin.fem.equilibrium.group import ShoeGroup, groups_of
 from drumlin.fem.error_control.refinement import EPSILON
 from drumlin.fem.model import REFINED, refined_group, respond
 from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.preparation.scene import Scene
+from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.response.response import Response
 from drumlin_studies import pointwise
 from drumlin_studies.extreme_cases import KnobCase
@@ -114,7 +114,7 @@ def sound(row: dict[str, Any]) -> bool:
     )
 
 
-def worth(scene: Scene, brake: Brake, response: Response, penalty: float) -> dict[str, Any]:
+def worth(scene: PreparedModel, brake: Brake, response: Response, penalty: float) -> dict[str, Any]:
     """Residuals, condition and digits of an answer, the worst over its groups of shoes.
 
     `complementarity`: of the reported pressures with the gaps of the refined whole system, relative

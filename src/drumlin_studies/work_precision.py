@@ -28,10 +28,10 @@ from drumlin.brake.file import vary
 from drumlin.fem.error_control.adapt import DEFAULT, Tolerance, adapt
 from drumlin.fem.error_control.levels import LEVELS, steps
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
-from drumlin.fem.mesh.grading import EDGE_SIZE, Division, graded, inner_steps, lining_layers
+from drumlin.fem.mesh.grading import EDGE_SIZE, LiningDivision, graded, inner_steps, lining_layers
 from drumlin.fem.model import respond
 from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.preparation.scene import Scene
+from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.models import pick
 from drumlin.response.norms import pressure_distance, relative, vector_distance
 from drumlin.response.response import Response, edge_zone
@@ -95,7 +95,7 @@ def even_mesh(shoe: Shoe, radius: float, elements: int, kind: str) -> Any:
     depths = np.linspace(0, shoe.lining.thickness, lining_layers(elements) + 1)
     step = (shoe.arc[1] - shoe.arc[0]) / elements
     return shoe_mesh(
-        shoe, radius, Division(np.linspace(*shoe.arc, elements + 1), depths, step), kind
+        shoe, radius, LiningDivision(np.linspace(*shoe.arc, elements + 1), depths, step), kind
     )
 
 
@@ -104,7 +104,7 @@ def refined_mesh(shoe: Shoe, radius: float, elements: int, layers: int, kind: st
     return shoe_mesh(shoe, radius, refined_division(shoe, radius, elements, layers), kind)
 
 
-def refined_division(shoe: Shoe, radius: float, elements: int, layers: int) -> Division:
+def refined_division(shoe: Shoe, radius: float, elements: int, layers: int) -> LiningDivision:
     """Elements of at most 1/`elements` of the lining, graded to its edges: the more, the smaller
     the smallest.
     """
@@ -113,7 +113,7 @@ def refined_division(shoe: Shoe, radius: float, elements: int, layers: int) -> D
     half, smallest = (end - start) / 2, EDGE_SIZE / fineness
     step = (end - start) / elements
     count = max(2, math.ceil(2 * inner_steps(half, half, zone, smallest) / step))
-    return Division(
+    return LiningDivision(
         angles=graded(start, end, count, zone, smallest),
         depths=graded(0, shoe.lining.thickness, layers, shoe.lining.thickness / 2, smallest),
         step=step,
@@ -137,7 +137,7 @@ def _mesh(
     )
 
 
-def _unknowns(scene: Scene) -> int:
+def _unknowns(scene: PreparedModel) -> int:
     """Of the distinct bodies and the ring."""
     bodies = {id(body): body for body in scene.bodies}.values()
     return sum(body.unknowns for body in bodies) + (

@@ -14,7 +14,7 @@ from drumlin.base.journal import Journal
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake, vary
 from drumlin.comparison import as_csv
-from drumlin.fem.mesh.arc import KINDS
+from drumlin.fem.mesh.arc import MESH_KINDS
 from drumlin.fem.solve import solve
 from drumlin.report import figures
 from drumlin.report.page import fill
@@ -79,7 +79,7 @@ def study(
         floor[case] = distance(
             solve(brake, elements=other, kind="tri2", penalty=math.inf), reference
         )
-        for kind in KINDS:
+        for kind in MESH_KINDS:
             say(f"{case}: {kind}")
             orders += order_rows(brake, case, kind, sizes, reference)
         for tolerance in tolerances:
@@ -160,7 +160,7 @@ def report(result: Result, folder: Path) -> Path:
                 for r in result.orders
                 if (r["case"], r["kind"]) == (case, kind)
             ]
-            for kind in KINDS
+            for kind in MESH_KINDS
         }
         figures.save(
             figures.convergence(series, "error of p in L2"), folder / f"orders_{i + 1}.svg"

@@ -21,7 +21,7 @@ from drumlin.fem.equilibrium.group import ShoeGroup, groups_of
 from drumlin.fem.equilibrium.sharing import PULLED, WOULD_PULL
 from drumlin.fem.preparation.bodies import held
 from drumlin.fem.preparation.cache import shape_of
-from drumlin.fem.preparation.scene import Scene, clock
+from drumlin.fem.preparation.scene import PreparedModel, clock
 from drumlin.fem.substructure.loads import ACTUATION
 from drumlin.laws.rigid import cam_notes
 from drumlin.response.balance import borne, relative_balance, worst
@@ -71,7 +71,7 @@ REFINED = "refined in the whole system, condensed it loses digits"
 
 
 def respond(
-    scene: Scene, brake: Brake, *, penalty: float = PENALTY, start: Response | None = None
+    scene: PreparedModel, brake: Brake, *, penalty: float = PENALTY, start: Response | None = None
 ) -> Response:
     """The response of a brake on a prepared scene of the same geometry and stiffness.
 
@@ -107,7 +107,7 @@ def respond(
     )
 
 
-def _check_same(scene: Scene, brake: Brake) -> None:
+def _check_same(scene: PreparedModel, brake: Brake) -> None:
     """Raise BadInput for a brake whose bodies are not those of the scene."""
     if [shape_of(brake, shoe) for shoe in brake.shoes] != scene.shapes:
         raise BadInput(
@@ -135,7 +135,7 @@ class _Answer:
     note: str
 
 
-def _overlaps(scene: Scene, brake: Brake) -> Iterator[str]:
+def _overlaps(scene: PreparedModel, brake: Brake) -> Iterator[str]:
     """A warning for each shoe's own mesh that lies in the drum or the plane."""
     for body, shoe in zip(scene.bodies, brake.shoes, strict=True):
         if shoe.mesh is None:

@@ -18,7 +18,7 @@ from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake
 from drumlin.brake.fields import Material, Orthotropic
 from drumlin.fem.equilibrium.group import gap_at
-from drumlin.fem.mesh.abaqus import NAMES
+from drumlin.fem.mesh.abaqus import TYPE_OF_CELL
 from drumlin.fem.mesh.arc import kind_of
 from drumlin.fem.mesh.edges import edge_nodes
 from drumlin.fem.preparation.meshes import materials_of
@@ -110,7 +110,7 @@ def _grid(loaded: Loaded) -> Grid:
         name: edge_nodes(parts.basis, facets) for name, facets in parts.mesh.boundaries.items()
     }
     bearing = len(cells) + len(drum_angles(loaded)) // 2 + 1
-    return Grid(xy, cells, corners, NAMES[kind], edges, len(xy) + 1, len(xy) + 2, bearing)
+    return Grid(xy, cells, corners, TYPE_OF_CELL[kind], edges, len(xy) + 1, len(xy) + 2, bearing)
 
 
 def _shoe(loaded: Loaded, grid: Grid) -> list[str]:

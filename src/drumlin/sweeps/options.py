@@ -7,7 +7,7 @@ from pydantic import Field, model_validator
 
 from drumlin.brake.fields import Part
 from drumlin.fem import solid
-from drumlin.fem.preparation.meshes import MOST_ELEMENTS
+from drumlin.fem.preparation.meshes import MOST_LINING_ELEMENTS
 
 
 class ContactOptions(Part):
@@ -22,7 +22,7 @@ class ContactOptions(Part):
 class FemOptions(ContactOptions):
     """Options of the finite elements, as on the command line."""
 
-    elements: Annotated[int, Field(ge=1, le=MOST_ELEMENTS)] | None = None
+    elements: Annotated[int, Field(ge=1, le=MOST_LINING_ELEMENTS)] | None = None
     kind: Literal["quad2", "quad1", "tri2", "tri1"] | None = None
     tolerance: Annotated[float, Field(gt=0, lt=1)] | None = None
     finite_width: bool | None = None
@@ -38,7 +38,7 @@ class FemOptions(ContactOptions):
 class SolidOptions(ContactOptions):
     """Options of solid shoes, as on the command line."""
 
-    elements: Annotated[int, Field(ge=1, le=solid.MOST_ELEMENTS)] | None = None
+    elements: Annotated[int, Field(ge=1, le=solid.MOST_LINING_ELEMENTS)] | None = None
     across: Annotated[int, Field(ge=1, le=solid.MOST_ACROSS)] | None = None
 
 

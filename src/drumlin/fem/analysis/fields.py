@@ -14,10 +14,10 @@ from drumlin.base.errors import BadInput
 from drumlin.base.files import replacing
 from drumlin.brake.brake import Brake, Frame, Shoe
 from drumlin.brake.elasticity import ElasticLayer
-from drumlin.fem.hp.grid import Grid
+from drumlin.fem.hp.grid import ColumnGrid
 from drumlin.fem.mesh.arc import kind_of
-from drumlin.fem.preparation.bodies import Body, actuation
-from drumlin.fem.preparation.scene import Scene
+from drumlin.fem.preparation.bodies import ShoeSubstructure, actuation
+from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.substructure.elasticity import layers_of, ring_layers, stress
 from drumlin.fem.substructure.interface import Directions, radial, straight
 from drumlin.response.balance import loaded
@@ -45,7 +45,7 @@ class Fields:
     push: Floats
 
 
-def fields(scene: Scene, brake: Brake, response: Response, index: int) -> Fields:
+def fields(scene: PreparedModel, brake: Brake, response: Response, index: int) -> Fields:
     """Recover the fields of shoe `index` from the contact pressure of its response, and the force
     it has there.
     """
@@ -64,7 +64,7 @@ def fields(scene: Scene, brake: Brake, response: Response, index: int) -> Fields
     )
 
 
-def ring_fields(scene: Scene, brake: Brake, response: Response) -> Fields:
+def ring_fields(scene: PreparedModel, brake: Brake, response: Response) -> Fields:
     """Recover the fields of the drum ring from the contact pressures of all shoes."""
     ring, section = scene.ring, brake.ring.section if brake.ring else None
     if ring is None or section is None:
@@ -78,7 +78,7 @@ def ring_fields(scene: Scene, brake: Brake, response: Response) -> Fields:
     return _fields(ring.mesh, ring.basis, u, layers, pressure, Frame(0.0, 1), np.asarray, radial(1))
 
 
-def all_fields(scene: Scene, brake: Brake, response: Response) -> list[Fields]:
+def all_fields(scene: PreparedModel, brake: Brake, response: Response) -> list[Fields]:
     """The fields of each shoe, and after them those of the drum ring where it is elastic."""
     found = [fields(scene, brake, response, i) for i in range(len(brake.shoes))]
     if scene.ring is not None:
@@ -111,7 +111,7 @@ def _fields(
         cells=np.concatenate(
             [block[1] + start for start, block in zip(starts[:-1], blocks, strict=True)]
         ),
-        cell_type="quad" if isinstance(mesh, Grid) else kind_of(mesh).cell,
+        cell_type="quad" if isinstance(mesh, ColumnGrid) else kind_of(mesh).cell,
         part=np.concatenate([np.full(len(block[1]), i) for i, block in enumerate(blocks)]),
         displacement=frame.to_brake(u[:, nodes].T),
         stress=np.column_stack([xx, yy, shear]),
@@ -121,7 +121,9 @@ def _fields(
     )
 
 
-def displaced(body: Body, brake: Brake, shoe: Shoe, answer: ShoeResponse, p: Floats) -> Floats:
+def displaced(
+    body: ShoeSubstructure, brake: Brake, shoe: Shoe, answer: ShoeResponse, p: Floats
+) -> Floats:
     """Displacements (d nodes,) [m] of all nodes in the shoe's frame, under the pressure p (n,) [Pa]
     on its lining.
     """
@@ -133,7 +135,7 @@ def displaced(body: Body, brake: Brake, shoe: Shoe, answer: ShoeResponse, p: Flo
 
 def _part(basis: Any, u: Floats, name: str, layer: ElasticLayer) -> tuple[Ints, Ints, Floats]:
     """Nodes, cells (numbered within the nodes) and nodal mean stresses (n, 2, 2) of one subdomain."""
-    mesh = basis if isinstance(basis, Grid) else basis.mesh
+    mesh = basis if isinstance(basis, ColumnGrid) else basis.mesh
     dofs, slopes, cut = _at_nodes(mesh, mesh.subdomains[name])
     gradient = np.einsum("ian,ajnq->ijnq", u[:, dofs], slopes)
     along = layer.directions(basis.doflocs[:, dofs].transpose(0, 2, 1))
@@ -157,7 +159,7 @@ def _at_nodes(mesh: Any, elements: Ints) -> tuple[Ints, Floats, Ints]:
     """Of elements: their nodes (a, n), the gradients (a, 2, n, a) of the shape functions there, and
     the corners (k, c) of the c cells that each is drawn as, by their places in `a`.
     """
-    if isinstance(mesh, Grid):
+    if isinstance(mesh, ColumnGrid):
         dofs = mesh.element_dofs[:, elements]
         return dofs, mesh.gradients(elements), mesh.quarters
     element = kind_of(mesh).element()

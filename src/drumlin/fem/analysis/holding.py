@@ -25,7 +25,7 @@ from drumlin.contact.stick_slip import BACKWARD, FORWARD, OPEN, STICK, History, 
 from drumlin.fem.analysis.at_rest import Feet, holding_problem
 from drumlin.fem.equilibrium.group import ShoeGroup, grouped, pressed_shoes
 from drumlin.fem.model import PENALTY, respond
-from drumlin.fem.preparation.scene import Scene
+from drumlin.fem.preparation.scene import PreparedModel
 
 HALVINGS = 8
 """Halvings of an increment that does not settle before the rotation is refused.
@@ -117,7 +117,7 @@ class _Held(NamedTuple):
 
 
 def hold(
-    scene: Scene,
+    scene: PreparedModel,
     brake: Brake,
     rotations: Floats,
     *,
@@ -144,7 +144,7 @@ def hold(
     return [_state(brake, paths, k, float(rotation)) for k, rotation in enumerate(rotations)]
 
 
-def _held(scene: Scene, brake: Brake, increments: int, penalty: float) -> Iterator[_Held]:
+def _held(scene: PreparedModel, brake: Brake, increments: int, penalty: float) -> Iterator[_Held]:
     """The groups of shoes, the force on and the drum at rest. Raises NoAnswer and BadInput as
     `hold` does.
     """
@@ -401,7 +401,7 @@ def _feet_apart(held: _Held, at: Increment, slid: ShoeGroup, found: Contact) -> 
 
 
 def full_slip_rotation(
-    scene: Scene, brake: Brake, *, increments: int = 20, penalty: float = PENALTY
+    scene: PreparedModel, brake: Brake, *, increments: int = 20, penalty: float = PENALTY
 ) -> float:
     """A rotation of the drum [rad] after which every touching node slips, at the moment of the
     sliding drum.

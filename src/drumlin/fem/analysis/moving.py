@@ -19,8 +19,8 @@ from drumlin.brake.beam_axis import axis_of
 from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Beam
 from drumlin.brake.fields import Point
-from drumlin.fem.preparation.bodies import Body, BodyNodes
-from drumlin.fem.preparation.scene import Scene
+from drumlin.fem.preparation.bodies import BodyNodes, ShoeSubstructure
+from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.substructure.interface import ContactLine
 
 STEP = 1e-5
@@ -55,7 +55,7 @@ class Moves(NamedTuple):
         return float(np.abs(self.line).max()) < STILL
 
 
-def moves_by(scene: Scene, i: int, shoe: Shoe, key: str) -> list[Moves]:
+def moves_by(scene: PreparedModel, i: int, shoe: Shoe, key: str) -> list[Moves]:
     """How the nodes of shoe `i` go as one of its points goes along x and along y of the brake.
 
     key: "hinge", "pivot", "abutment.point" or "actuation.point". Empty where no node moves. Raises
@@ -97,7 +97,7 @@ def moves_by(scene: Scene, i: int, shoe: Shoe, key: str) -> list[Moves]:
     return found
 
 
-def _only_turned(body: Body, axis: float) -> Moves:
+def _only_turned(body: ShoeSubstructure, axis: float) -> Moves:
     """No node of a mesh in the brake's frame moves, but the directions of a straight beam turn."""
     still = np.zeros(2 * body.basis.N)
     return Moves(still, np.zeros(body.line.xy.shape), still, axis)
@@ -115,7 +115,7 @@ def _axis_turn(shoe: Shoe, key: str, way: Floats) -> float:
     return {"hinge": -sideways, "actuation.point": sideways}.get(key, 0.0)
 
 
-def _in_brake(scene: Scene, i: int, shoe: Shoe) -> BodyNodes:
+def _in_brake(scene: PreparedModel, i: int, shoe: Shoe) -> BodyNodes:
     """The nodes of shoe `i` as another shoe, in the brake's frame."""
     assert scene.nodes_of is not None
     found = scene.nodes_of(i, shoe)
@@ -139,7 +139,7 @@ def _moved(point: Point, step: Floats) -> Point:
 
 
 def lines_at(
-    body: Body, shoe: Shoe, radius: float, moves: Moves
+    body: ShoeSubstructure, shoe: Shoe, radius: float, moves: Moves
 ) -> Iterator[tuple[float, ContactLine]]:
     """The contact line a step ahead and a step behind, with the step [m]."""
     line = body.line

@@ -9,11 +9,11 @@ from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Brake
 from drumlin.contact.self_locking import LARGEST, Limit
 from drumlin.fem.equilibrium.group import groups_of
-from drumlin.fem.preparation.scene import Scene
+from drumlin.fem.preparation.scene import PreparedModel
 
 
 def limits(
-    scene: Scene, brake: Brake, most: float = LARGEST, penalty: float = math.inf
+    scene: PreparedModel, brake: Brake, most: float = LARGEST, penalty: float = math.inf
 ) -> dict[tuple[int, ...], Limit]:
     """The limit of self-locking of each group of shoes that meet the drum together, up to mu =
     `most`: or where a foot leaves its abutment, or a cam or a strut would have to pull, if that
@@ -25,7 +25,7 @@ def limits(
 
 
 def torques(
-    scene: Scene, brake: Brake, frictions: Sequence[float], penalty: float = math.inf
+    scene: PreparedModel, brake: Brake, frictions: Sequence[float], penalty: float = math.inf
 ) -> Floats:
     """Torque of each shoe (m, shoes) [N m] at growing friction coefficients (m,), each from the
     contact set before.

@@ -32,9 +32,9 @@ from drumlin.fem.analysis.moving import Moves, lines_at, moves_by
 from drumlin.fem.analysis.mutual_work import change_by_nodes, work_by_part
 from drumlin.fem.equilibrium.group import gap_at, groups_of
 from drumlin.fem.model import PENALTY, check_penalty
-from drumlin.fem.preparation.bodies import Body, coupling_of
+from drumlin.fem.preparation.bodies import ShoeSubstructure, coupling_of
 from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.preparation.scene import Scene
+from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.solve import solve
 from drumlin.fem.substructure.body import FRAME
 from drumlin.fem.substructure.elasticity import layers_of
@@ -115,7 +115,7 @@ class Sensitivity:
         return vars(self) | {"shoes": shoes, "law": None if self.law is None else list(self.law)}
 
 
-def sensitivity(scene: Scene, brake: Brake, *, penalty: float = PENALTY) -> Sensitivity:
+def sensitivity(scene: PreparedModel, brake: Brake, *, penalty: float = PENALTY) -> Sensitivity:
     """Sensitivities of the torque of a brake on a prepared scene.
 
     Raises NoAnswer as `respond` does, and for a brake without friction, which has no torque;
@@ -438,7 +438,7 @@ def _displacements(found: Adjoints, k: int) -> tuple[Floats, Floats]:
 
 
 def _moduli(
-    body: Body, shoe: Shoe, u: Floats, v: Floats, soft: float
+    body: ShoeSubstructure, shoe: Shoe, u: Floats, v: Floats, soft: float
 ) -> tuple[dict[str, float], float | None]:
     """dT by the logarithm of each modulus and of the bending stiffness of its body, where that is
     given [N m].
@@ -454,7 +454,7 @@ def _moduli(
     return effects, None if given is None else effects.pop("shoe")
 
 
-def _untouched(body: Body, shoe: Shoe) -> ShoeSensitivity:
+def _untouched(body: ShoeSubstructure, shoe: Shoe) -> ShoeSensitivity:
     """Of a shoe that its force does not press: nothing changes its torque of 0."""
     theta = shoe.frame.theta(body.line.phi)[:: shoe.frame.sense]
     none = dict.fromkeys(("shoe" if name == "table" else name for name in layers_of(shoe)), 0.0)

@@ -24,8 +24,8 @@ from drumlin.contact.equations import Problem
 from drumlin.fem.equilibrium import reach
 from drumlin.fem.equilibrium.motions import Motions, motions_of
 from drumlin.fem.equilibrium.sharing import PULLED, WOULD_PULL, Pushed, Sharing, share
-from drumlin.fem.preparation.bodies import Body, actuation, contact_stiffness
-from drumlin.fem.preparation.scene import Scene
+from drumlin.fem.preparation.bodies import ShoeSubstructure, actuation, contact_stiffness
+from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.laws import rigid
 
 LEAVES = "no equilibrium, a foot leaves its abutment"
@@ -51,7 +51,7 @@ class ShoeGroup:
     `settled` has found them. A group with a rough abutment has no problem before that.
     """
 
-    scene: Scene
+    scene: PreparedModel
     brake: Brake
     members: tuple[int, ...]
     penalty: float = math.inf
@@ -95,7 +95,7 @@ class ShoeGroup:
         return tuple(self.brake.shoes[i] for i in self.members)
 
     @cached_property
-    def bodies(self) -> tuple[Body, ...]:
+    def bodies(self) -> tuple[ShoeSubstructure, ...]:
         """Their condensed bodies."""
         return tuple(self.scene.bodies[i] for i in self.members)
 
@@ -544,7 +544,7 @@ class Followed(NamedTuple):
     lets_go: str
 
 
-def _yielding(body: Body, drag: float, stiffness: float) -> Floats:
+def _yielding(body: ShoeSubstructure, drag: float, stiffness: float) -> Floats:
     """A (n, n): what pressures take from the weighted gaps, the penalty's compliance included."""
     pressed, dragged, M = body.closing_pressed, body.closing_dragged, body.coupling.M
     A = np.empty(M.shape)
@@ -557,7 +557,7 @@ def _yielding(body: Body, drag: float, stiffness: float) -> Floats:
     return A
 
 
-def groups_of(scene: Scene, brake: Brake, penalty: float = math.inf) -> list[ShoeGroup]:
+def groups_of(scene: PreparedModel, brake: Brake, penalty: float = math.inf) -> list[ShoeGroup]:
     """The shoes that the actuation turns towards the drum, in groups that must be solved together."""
     touching = pressed_shoes(scene, brake)
     if brake.actuation is not None and brake.actuation.is_cam:
@@ -567,7 +567,7 @@ def groups_of(scene: Scene, brake: Brake, penalty: float = math.inf) -> list[Sho
     return grouped(scene, brake, touching, penalty)
 
 
-def pressed_shoes(scene: Scene, brake: Brake) -> list[int]:
+def pressed_shoes(scene: PreparedModel, brake: Brake) -> list[int]:
     """The shoes that their forces press on the drum, and those that struts from them push."""
     touching = {i for i, shoe in enumerate(brake.shoes) if pressed(scene.bodies[i], brake, shoe)}
     names = [shoe.name for shoe in brake.shoes]
@@ -578,7 +578,7 @@ def pressed_shoes(scene: Scene, brake: Brake) -> list[int]:
 
 
 def grouped(
-    scene: Scene, brake: Brake, touching: list[int], penalty: float = math.inf
+    scene: PreparedModel, brake: Brake, touching: list[int], penalty: float = math.inf
 ) -> list[ShoeGroup]:
     """The shoes `touching` in groups: each alone, or all together where they meet through an
     elastic ring or share a force.
@@ -600,14 +600,14 @@ def _sense(brake: Brake, shoe: Shoe) -> int:
     return 1 if found is None else found.sense
 
 
-def pressed(body: Body, brake: Brake, shoe: Shoe) -> bool:
+def pressed(body: ShoeSubstructure, brake: Brake, shoe: Shoe) -> bool:
     """Whether the force presses the shoe on the drum, at one lining point at least."""
     if shoe.held_by == "hinge":
         return turns_towards(body, shoe)
     return shoe.actuation.force != 0 and rigid.bears(brake, shoe) >= 0
 
 
-def turns_towards(body: Body, shoe: Shoe) -> bool:
+def turns_towards(body: ShoeSubstructure, shoe: Shoe) -> bool:
     """Whether the force turns the shoe towards the drum, at one lining point at least."""
     if shoe.actuation.force == 0:
         return False
@@ -616,7 +616,7 @@ def turns_towards(body: Body, shoe: Shoe) -> bool:
     return bool(abs(moment) > 1e-14 * np.abs(body.line.xy).max() and (moment * approach > 0).any())
 
 
-def gap_of(body: Body, brake: Brake, shoe: Shoe) -> Floats:
+def gap_of(body: ShoeSubstructure, brake: Brake, shoe: Shoe) -> Floats:
     """Gap of the unloaded lining at the contact nodes (n,) [m]: off the drum's radius, clearance
     and misfit.
     """

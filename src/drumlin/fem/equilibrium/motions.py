@@ -8,7 +8,7 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Shoe
 from drumlin.brake.support import moved
-from drumlin.fem.preparation.bodies import Body
+from drumlin.fem.preparation.bodies import ShoeSubstructure
 
 
 class Motions(NamedTuple):
@@ -33,7 +33,7 @@ def at_pin(shoe: Shoe, motions: Floats) -> Floats:
     return np.vstack([u.T, shoe.frame.sense * motions[:, 2]])
 
 
-def motions_of(body: Body, shoe: Shoe, moment: float, sense: int = 1) -> Motions:
+def motions_of(body: ShoeSubstructure, shoe: Shoe, moment: float, sense: int = 1) -> Motions:
     """The free motions of a shoe.
 
     moment: of its actuation about its pin [m], per newton; sense: of an abutment's friction, see
@@ -58,7 +58,7 @@ def motions_of(body: Body, shoe: Shoe, moment: float, sense: int = 1) -> Motions
     return Motions(*found, tip, of)
 
 
-def _turn(body: Body, moment: float) -> Motions:
+def _turn(body: ShoeSubstructure, moment: float) -> Motions:
     """The turn about the pin, free of the round-off of one about the drum's centre."""
     turned, work = body.turned[:, None], np.array([moment])
     return Motions(turned, turned, work, work, np.array([[0.0], [0.0], [1.0]]))

@@ -16,7 +16,7 @@ from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Lining
 from drumlin.fem.hp.corner import tip_rises
-from drumlin.fem.hp.division import Kind, Place
+from drumlin.fem.hp.division import Singularity, SingularPoint
 from drumlin.fem.preparation.cache import alike as equal_shapes
 from drumlin.response.response import Response, ShoeResponse
 from drumlin.response.resultants import gauss_points
@@ -53,7 +53,7 @@ a column there; with more, round-off would change the division from machine to m
 
 def places_of(
     brake: Brake, response: Response | None, alike: Sequence[int] = (), error: float = 0.0
-) -> dict[int, list[Place]]:
+) -> dict[int, list[SingularPoint]]:
     """The places of each shape of shoe, growing, those of all shoes that have it, by the first of
     these.
 
@@ -61,7 +61,7 @@ def places_of(
     the lining bears. alike: as of `cache.alike`, where it is known; error: that of the level,
     with 0 all kinks of a table are places where the lining presses.
     """
-    found: dict[int, list[Place]] = {}
+    found: dict[int, list[SingularPoint]] = {}
     for i, (shoe, first) in enumerate(zip(brake.shoes, alike or equal_shapes(brake), strict=True)):
         own = _places(
             shoe, None if response is None else response.shoes[i], brake.scale_factor, error
@@ -72,7 +72,7 @@ def places_of(
 
 def _places(
     shoe: Shoe, response: ShoeResponse | None, scale_factor: float, level_error: float
-) -> list[Place]:
+) -> list[SingularPoint]:
     (start, end), frame = shoe.arc, shoe.frame
     arcs = [] if response is None else _likely(shoe, response)
 
@@ -82,8 +82,12 @@ def _places(
     # Where nothing presses, or nearly, a kink is nothing; but within a column a block's step would
     # swing beyond itself.
     steps = [x for x in frame.phis(clearance.step_kinks(shoe.lining)) if start < x < end]
-    found: list[Place] = [
-        (x, shoe.lining.step / frame.unit, Kind.STEP if presses(x) else Kind.OPEN_STEP)
+    found: list[SingularPoint] = [
+        (
+            x,
+            shoe.lining.step / frame.unit,
+            Singularity.STEP if presses(x) else Singularity.OPEN_STEP,
+        )
         for x in steps
     ]
     if response is not None:
@@ -95,26 +99,27 @@ def _places(
         _, p, weight = gauss_points(response.theta, response.pressure, response.order)
         size = math.sqrt(float(np.sum(weight * p**2)))
         kinks = _strongest(angle[inside], felt[inside], UNFELT * level_error * size)
-        found += [(x, end - start, Kind.KINK) for x in frame.phis(kinks)]
+        found += [(x, end - start, Singularity.KINK) for x in frame.phis(kinks)]
         found += _tips(shoe, scale_factor, size, kinks)
     for one, other in arcs:
         first, last = (min(max(_rounded(x, other - one), start), end) for x in (one, other))
-        found += [(first, last - first, Kind.END), (last, last - first, Kind.END)]
+        found += [(first, last - first, Singularity.END), (last, last - first, Singularity.END)]
     if response is not None:
         found += [
-            (_rounded(x, length), length, Kind.END) for x, length in _hidden(shoe, response, arcs)
+            (_rounded(x, length), length, Singularity.END)
+            for x, length in _hidden(shoe, response, arcs)
         ]
     return found
 
 
-def _tips(shoe: Shoe, scale_factor: float, size: float, kinks: Floats) -> list[Place]:
+def _tips(shoe: Shoe, scale_factor: float, size: float, kinks: Floats) -> list[SingularPoint]:
     """Those of the kinks (k,) that point to the drum, in a lining whose pressure has the norm
     `size`, in Pa times the root of the surface's coordinate."""
-    found: list[Place] = []
+    found: list[SingularPoint] = []
     for angle, rise in tip_rises(shoe, scale_factor):
         if angle in kinks:
             (tip,) = shoe.frame.phis([angle])
-            found.append((tip, (size / rise) ** 2 / shoe.frame.unit, Kind.TIP))
+            found.append((tip, (size / rise) ** 2 / shoe.frame.unit, Singularity.TIP))
     return found
 
 

@@ -35,7 +35,7 @@ from drumlin.contact.active_set import SLACK
 from drumlin.fem.equilibrium.group import ShoeGroup
 from drumlin.fem.equilibrium.motions import Motions
 from drumlin.fem.preparation.bodies import actuation
-from drumlin.fem.preparation.scene import Scene
+from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.substructure.body import FRAME, stiffness
 from drumlin.fem.substructure.elasticity import layers_of, ring_layers
 
@@ -154,7 +154,7 @@ class _ShoeBlock(NamedTuple):
 
 
 def _shoe_block(
-    scene: Scene, brake: Brake, index: int, size: float, motions: Motions, carried: bool
+    scene: PreparedModel, brake: Brake, index: int, size: float, motions: Motions, carried: bool
 ) -> _ShoeBlock:
     body, shoe = scene.bodies[index], brake.shoes[index]
     ties = body.condensed.ties.matrix.astype(LONG)
@@ -191,7 +191,7 @@ class _RingBlock(NamedTuple):
     coupled: list[tuple[Any, Any]]
 
 
-def _ring_block(scene: Scene, brake: Brake) -> _RingBlock:
+def _ring_block(scene: PreparedModel, brake: Brake) -> _RingBlock:
     ring, part = scene.ring, brake.ring
     assert ring is not None and part is not None and part.section is not None  # scene.why_not
     basis = ring.basis

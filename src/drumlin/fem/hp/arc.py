@@ -24,7 +24,7 @@ from numpy.polynomial.legendre import leggauss
 
 from drumlin.base.arrays import Floats, Ints
 from drumlin.fem.hp.columns import columns, stack
-from drumlin.fem.hp.element import shape_functions, without_each
+from drumlin.fem.hp.element import schur_complements, shape_functions
 from drumlin.fem.substructure.elasticity import split
 
 
@@ -191,14 +191,16 @@ def elements(
     found = np.empty((len(constants), len(A), 4 * p, 4 * p))
     for layer, B in enumerate(_across(radii, constants, p, plane)):
         K = (A @ B).reshape(len(A), -1)
-        found[layer] = without_each(*(K.take(part, 1) for part in (of.outer, of.mixed, of.inner)))
+        found[layer] = schur_complements(
+            *(K.take(part, 1) for part in (of.outer, of.mixed, of.inner))
+        )
     return found.reshape(len(constants), 2, -1, 4 * p, 4 * p)
 
 
 def arc_columns(
     parts: Floats, p: int, *, contact: bool, held: bool, loads: Floats | None = None
 ) -> Floats:
-    """Columns (c, n, n) of `elements` (l, 2, c, 4 p, 4 p), on the unknowns of `columns.Piece`.
+    """Columns (c, n, n) of `elements` (l, 2, c, 4 p, 4 p), on the unknowns of `columns.ColumnSubstructure`.
 
     loads (c, 2 (p + 1), m): unit loads on the innermost edge; they become m extra unknowns.
     """

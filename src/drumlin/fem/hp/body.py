@@ -10,17 +10,17 @@ from drumlin.base.errors import NoAnswer
 from drumlin.base.lapack import dpotrf, dtrtrs, solve_lower
 from drumlin.brake.brake import Shoe
 from drumlin.fem.hp import shoe as shoes
-from drumlin.fem.hp.division import Division
-from drumlin.fem.hp.grid import Block, Grid
+from drumlin.fem.hp.division import ShoeDivision
+from drumlin.fem.hp.grid import Block, ColumnGrid
 from drumlin.fem.hp.shoe import EndLoads, LoadedEnd, line_of, unit_actuations
-from drumlin.fem.substructure.body import FRAME, Condensed, Inside, Ties, tie
+from drumlin.fem.substructure.body import FRAME, CondensedBody, Constraints, InnerSystem, constrain
 from drumlin.fem.substructure.elasticity import layers_of
-from drumlin.fem.substructure.elimination import SINGULAR
+from drumlin.fem.substructure.elimination import SINGULAR_BODY
 from drumlin.fem.substructure.interface import ContactLine
 from drumlin.response.response import own_edge_zone
 
 
-def grid_of(shoe: Shoe, radius: float, div: Division) -> Grid:
+def grid_of(shoe: Shoe, radius: float, div: ShoeDivision) -> ColumnGrid:
     """All nodes and elements of a shoe; sets "hinge" and, of an elastic shoe, "actuation", from the
     lining's side on.
     """
@@ -31,7 +31,7 @@ def grid_of(shoe: Shoe, radius: float, div: Division) -> Grid:
     blocks, count = [Block(under, depth, along, div.part)], rows * n
     faces = [under[first * p :, 0], under[first * p :, -1]]
     if first == layers:
-        return Grid(p, tuple(blocks), shoes.map_of(shoe, radius), {"hinge": under[-1]}, count)
+        return ColumnGrid(p, tuple(blocks), shoes.map_of(shoe, radius), {"hinge": under[-1]}, count)
     for k, ends in enumerate((div.before, div.after)):
         if len(ends) == 1:
             continue
@@ -48,29 +48,29 @@ def grid_of(shoe: Shoe, radius: float, div: Division) -> Grid:
         sets = {"hinge": faces[0], "actuation": faces[1]}
     else:
         sets = {"hinge": under[-1, (along > grip[0] - 1e-9) & (along < grip[1] + 1e-9)]}
-    return Grid(p, tuple(blocks), shoes.map_of(shoe, radius), sets, count)
+    return ColumnGrid(p, tuple(blocks), shoes.map_of(shoe, radius), sets, count)
 
 
 def condensed(
     shoe: Shoe,
-    div: Division,
-    found: shoes.Condensed,
+    div: ShoeDivision,
+    found: shoes.CondensedShoe,
     line: ContactLine,
-    grid: Grid,
+    grid: ColumnGrid,
     end_loads: EndLoads = unit_actuations,
-) -> Condensed:
+) -> CondensedBody:
     """What `shoe.condense` found with these `end_loads`, as the coupling needs it. Raises NoAnswer
     for a singular stiffness.
     """
     S, loads = found.S, found.loads
     L, info = dpotrf(S[FRAME:, FRAME:], lower=1)
     if info:
-        raise NoAnswer(SINGULAR)
+        raise NoAnswer(SINGULAR_BODY)
     L_fc = solve_lower(L, S[FRAME:, :FRAME]).T
     inside = partial(_inside, shoe, div, grid, end_loads)
     recover = partial(_recovered, shoe, div, grid, end_loads)
     moved = dtrtrs(L, solve_lower(L, found.missed), lower=1, trans=1)[0]
-    return Condensed(
+    return CondensedBody(
         L,
         L_fc,
         loads[FRAME:],
@@ -84,24 +84,24 @@ def condensed(
     )
 
 
-def _inside(shoe: Shoe, div: Division, grid: Grid, end_loads: EndLoads) -> Inside:
+def _inside(shoe: Shoe, div: ShoeDivision, grid: ColumnGrid, end_loads: EndLoads) -> InnerSystem:
     K = grid.stiffness(layers_of(shoe))
-    ties = tie(grid, np.arange(div.contact_nodes), grid.sets["hinge"], shoe.own_pin)
+    ties = constrain(grid, np.arange(div.contact_nodes), grid.sets["hinge"], shoe.own_pin)
     return _reduced(K, ties, _on_nodes(div, grid, end_loads))
 
 
 def _recovered(
     shoe: Shoe,
-    div: Division,
-    grid: Grid,
+    div: ShoeDivision,
+    grid: ColumnGrid,
     end_loads: EndLoads,
     nodal: Floats,
     frame: Floats,
     loads: Floats,
 ) -> Floats:
-    """What `Condensed.displacements` returns, with the elements' insides eliminated one by one."""
+    """What `CondensedBody.displacements` returns, with the elements' insides eliminated one by one."""
     layers, sides = layers_of(shoe), grid.skeleton
-    ties = tie(
+    ties = constrain(
         sides, sides.place[: div.contact_nodes], sides.place[grid.sets["hinge"]], shoe.own_pin
     )
     load = _on_nodes(div, grid, end_loads)
@@ -109,20 +109,20 @@ def _recovered(
     return sides.everywhere(layers, inside.displacements(nodal, frame, loads))
 
 
-def end_load_of(div: Division, grid: Grid) -> tuple[Floats, Floats]:
+def end_load_of(div: ShoeDivision, grid: ColumnGrid) -> tuple[Floats, Floats]:
     """Nodal forces (2 N, 3) of the unit actuations on the loaded end, "actuation", and its centre
     (2,) [m]."""
     end = _loaded_end(div, grid, unit_actuations)
     return _spread(grid, end.forces), end.centre
 
 
-def _loaded_end(div: Division, grid: Grid, end_loads: EndLoads) -> LoadedEnd:
+def _loaded_end(div: ShoeDivision, grid: ColumnGrid, end_loads: EndLoads) -> LoadedEnd:
     """The unit loads on the nodes of the loaded end."""
     depths = line_of(div.depths[div.first :], div.degree)
     return end_loads(grid.doflocs[:, grid.sets["actuation"]], depths, div.degree)
 
 
-def _spread(grid: Grid, forces: Floats) -> Floats:
+def _spread(grid: ColumnGrid, forces: Floats) -> Floats:
     """Nodal forces (2 N, l) of the whole grid, from those (2n, l) on the loaded end."""
     nodes, count = grid.sets["actuation"], forces.shape[1]
     full = np.zeros((grid.N, 2, count))
@@ -130,14 +130,14 @@ def _spread(grid: Grid, forces: Floats) -> Floats:
     return full.reshape(-1, count)
 
 
-def _on_nodes(div: Division, grid: Grid, end_loads: EndLoads) -> Floats | None:
+def _on_nodes(div: ShoeDivision, grid: ColumnGrid, end_loads: EndLoads) -> Floats | None:
     """Nodal forces (2 N, l) of all unit loads; None where they act on the frame."""
     if "actuation" not in grid.sets:
         return None
     return _spread(grid, _loaded_end(div, grid, end_loads).forces)
 
 
-def _reduced(K: Any, ties: Ties, load: Floats | None) -> Inside:
+def _reduced(K: Any, ties: Constraints, load: Floats | None) -> InnerSystem:
     """A stiffness `K` (2 nodes, 2 nodes) and the unit loads (2 nodes, l) on the reduced
     unknowns."""
     if load is None:
@@ -145,10 +145,10 @@ def _reduced(K: Any, ties: Ties, load: Floats | None) -> Inside:
         loads[-FRAME:] = np.eye(FRAME)
     else:
         loads = ties.matrix.T @ load
-    return Inside((ties.matrix.T @ K @ ties.matrix).tocsc(), ties, loads)
+    return InnerSystem((ties.matrix.T @ K @ ties.matrix).tocsc(), ties, loads)
 
 
-def contact_line(shoe: Shoe, radius: float, div: Division) -> ContactLine:
+def contact_line(shoe: Shoe, radius: float, div: ShoeDivision) -> ContactLine:
     """The contact nodes of a division, which come first in its grid."""
     p = div.degree
     phi = line_of(div.angles, p)

@@ -17,9 +17,9 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.base.arrays import Floats
-from drumlin.fem.hp.element import without, without_each
+from drumlin.fem.hp.element import schur_complement, schur_complements
 
-Place = tuple[slice, slice]  # unknowns of an element, and where they are
+UnknownsAt = tuple[slice, slice]  # unknowns of an element, and where they are
 
 
 class Stack(NamedTuple):
@@ -28,8 +28,8 @@ class Stack(NamedTuple):
     edges from the contact inwards.
     """
 
-    kept: tuple[tuple[Place, ...], ...]
-    inside: tuple[Place, ...]
+    kept: tuple[tuple[UnknownsAt, ...], ...]
+    inside: tuple[UnknownsAt, ...]
     sides: int
     rest: int
     line: int
@@ -103,10 +103,10 @@ def columns(elements: Floats, of: Stack, loads: Floats | None = None) -> Floats:
         K[:, at, :extra] = -loads[:, :2]
         K[:, :extra, at] = -loads[:, :2].transpose(0, 2, 1)
         C[:, of.rest - loads.shape[1] + 2 :, :extra] = -loads[:, 2:]
-    return without_each(K, C, inner)
+    return schur_complements(K, C, inner)
 
 
-class Piece(NamedTuple):
+class ColumnSubstructure(NamedTuple):
     """Stiffness `K` (n, n) of a column or of several merged, and how many unknowns its `left` and
     `right` line have.
     """
@@ -116,7 +116,9 @@ class Piece(NamedTuple):
     right: int
 
 
-def merge(A: Piece, B: Piece, shared: int, extra: int = 0) -> Piece:
+def assembled_pair(
+    A: ColumnSubstructure, B: ColumnSubstructure, shared: int, extra: int = 0
+) -> ColumnSubstructure:
     """Neighbouring pieces as one, without the line between them; they share the last and first
     `shared` unknowns of their contacts.
     """
@@ -138,12 +140,16 @@ def merge(A: Piece, B: Piece, shared: int, extra: int = 0) -> Piece:
         K[:extra, rest] += B.K[:extra, beyond:]
         K[rest, :extra] += B.K[beyond:, :extra]
         C[:, :extra] += B.K[extra:beyond, :extra]
-    return Piece(
-        without(K, C, A.K[before:, before:] + B.K[extra:beyond, extra:beyond]), A.left, B.right
+    return ColumnSubstructure(
+        schur_complement(K, C, A.K[before:, before:] + B.K[extra:beyond, extra:beyond]),
+        A.left,
+        B.right,
     )
 
 
-def merged(pieces: Sequence[Piece], shared: int, extra: int = 0) -> Piece:
+def assembled(
+    pieces: Sequence[ColumnSubstructure], shared: int, extra: int = 0
+) -> ColumnSubstructure:
     """One piece of all, in their order.
 
     The neighbours that make the smallest piece go first: that is within a few percent of the fewest
@@ -162,14 +168,16 @@ def merged(pieces: Sequence[Piece], shared: int, extra: int = 0) -> Piece:
         pair = row[k], row[k + 1]
         if pair not in made:
             made[pair] = len(found)
-            found.append(merge(found[pair[0]], found[pair[1]], shared, extra))
+            found.append(assembled_pair(found[pair[0]], found[pair[1]], shared, extra))
         row[k : k + 2] = [made[pair]]
         near = max(k - 1, 0)
         sizes[near : k + 2] = sizes_of(row[near : k + 2])
     return found[row[0]]
 
 
-def closed(piece: Piece, end: Floats | None = None, part: int = 0, *, right: bool = False) -> Piece:
+def without_line(
+    piece: ColumnSubstructure, end: Floats | None = None, part: int = 0, *, right: bool = False
+) -> ColumnSubstructure:
     """A piece without its left or its right line, which has no neighbour.
 
     end (l + part, l + part): stiffness of what hangs on the last `part` unknowns of the line, with
@@ -195,8 +203,8 @@ def closed(piece: Piece, end: Floats | None = None, part: int = 0, *, right: boo
         K[at, at] += end[ends, ends]
         C[line - part :, at] += end[on, ends]
         inner[line - part :, line - part :] += end[on, on]
-    without(K, C, inner)
-    return Piece(K, piece.left, 0) if right else Piece(K, 0, piece.right)
+    schur_complement(K, C, inner)
+    return ColumnSubstructure(K, piece.left, 0) if right else ColumnSubstructure(K, 0, piece.right)
 
 
 def turned(K: Floats, angle: Floats) -> Floats:

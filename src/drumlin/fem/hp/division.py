@@ -51,7 +51,7 @@ Half the force of a longer one is beyond EDGE_ZONE from the corner, and p is jud
 """
 
 
-class Kind(IntEnum):
+class Singularity(IntEnum):
     """What is not smooth at a place: the pressure at an end of the contact; the slope of the gap;
     its curvature, at the ends of a step between blocks; that too, but where nothing presses; the
     slope of the gap where it points to the drum, and p rises without end."""
@@ -63,12 +63,12 @@ class Kind(IntEnum):
     TIP = 4
 
 
-Place = tuple[float, float, int]
+SingularPoint = tuple[float, float, int]
 """Its phi [rad], the length over which the pressure changes there [rad], its Kind. The length of a
 tip is that of `corner.tip_size`."""
 
 
-class Mark(NamedTuple):
+class GradingPoint(NamedTuple):
     """Where columns end, at phi, their size there [rad] and the ratio by which they grow."""
 
     at: float
@@ -113,7 +113,7 @@ class Level:
 
 
 @dataclass(frozen=True)
-class Layer:
+class ShoeLayer:
     """A layer: the part it belongs to and its thickness [m]."""
 
     part: str
@@ -121,7 +121,7 @@ class Layer:
 
 
 @dataclass(frozen=True)
-class Division:
+class ShoeDivision:
     """Columns and layers of a shoe.
 
     `angles` (m + 1,) phi [rad]: ends of the columns under the lining; `before`, `after`: of those
@@ -220,11 +220,11 @@ def ends_of(sizes: Sequence[float], start: float, end: float) -> Floats:
     return np.append(start + np.concatenate([[0.0], np.cumsum(sizes[:-1])]), end)
 
 
-def layers_of(shoe: Shoe, radius: float) -> list[Layer]:
+def layers_of(shoe: Shoe, radius: float) -> list[ShoeLayer]:
     """The layers of a shoe from the contact inwards; the block of a straight beam with its least
     thickness.
     """
-    found = [Layer("lining", shoe.lining.thickness)]
+    found = [ShoeLayer("lining", shoe.lining.thickness)]
     if isinstance(shoe.body, Beam):
         assert shoe.body.section is not None and shoe.backing is not None  # why_not
         axis = axis_of(shoe.pin.xy, shoe.actuation.point.xy)
@@ -235,11 +235,11 @@ def layers_of(shoe: Shoe, radius: float) -> list[Layer]:
             - shoe.body.section.thickness / 2
             - (radius + shoe.lining.thickness) * nearest
         )
-        return [*found, Layer("backing", room), Layer("shoe", shoe.body.section.thickness)]
+        return [*found, ShoeLayer("backing", room), ShoeLayer("shoe", shoe.body.section.thickness)]
     if shoe.backing is not None:
-        found.append(Layer("backing", shoe.backing.thickness))
+        found.append(ShoeLayer("backing", shoe.backing.thickness))
     if shoe.body is not None:
-        found += [Layer(name, plate.thickness) for name, plate in shoe.body.plates.items()]
+        found += [ShoeLayer(name, plate.thickness) for name, plate in shoe.body.plates.items()]
     return found
 
 
@@ -247,11 +247,11 @@ def divide(
     shoe: Shoe,
     radius: float,
     level: Level,
-    places: Sequence[Place] = (),
+    places: Sequence[SingularPoint] = (),
     *,
     tip: bool = False,
     powers: tuple[float, float] = (0.0, 0.0),
-) -> Division:
+) -> ShoeDivision:
     """The division of a shoe. `places`, growing: where the pressure is not smooth; it may be
     unbounded at a kink of the gap. An end of the lining that is known to bear nothing is graded as
     the ends of other layers, all of them more coarsely beyond a contact that is short, see `faded`.
@@ -263,8 +263,8 @@ def divide(
     layers = layers_of(shoe, radius)
     t = layers[0].thickness / radius
     scale = min(level.edge * min(t, 0.5 * (end - start)), level.zone * EDGE_ZONE)
-    contact = [x for x, _, kind in places if kind == Kind.END] or [start, end]
-    lengths = [length for _, length, kind in places if kind == Kind.END]
+    contact = [x for x, _, kind in places if kind == Singularity.END] or [start, end]
+    lengths = [length for _, length, kind in places if kind == Singularity.END]
     least, reached = FINEST * t, _reached(start, end, places)
     pressed = max(*lengths, least) if lengths else end - start
     # A column deeper than long bears a force down to its foot: corners there feel it.
@@ -289,8 +289,8 @@ def divide(
     ]
     left, right = min(left, corners[0]), min(right, corners[1])
     marks = _marks(
-        Mark(start, left, level.ratio),
-        Mark(end, right, level.ratio),
+        GradingPoint(start, left, level.ratio),
+        GradingPoint(end, right, level.ratio),
         [_mark(level, t, place, min(place[0] - start, end - place[0])) for place in places],
     )
     grip = shoe.grip(radius)
@@ -301,7 +301,11 @@ def divide(
             for mark in marks[1:-1]
             if min(abs(mark.at - x) for x in grip) > max(mark.size, size)
         ]
-        marks = [marks[0], *sorted([*kept, *(Mark(x, size, level.ratio) for x in grip)]), marks[-1]]
+        marks = [
+            marks[0],
+            *sorted([*kept, *(GradingPoint(x, size, level.ratio) for x in grip)]),
+            marks[-1],
+        ]
     angles = [
         ends_of(graded(b.at - a.at, a.size, b.size, a.ratio, level.largest, b.ratio), a.at, b.at)[
             :-1
@@ -327,7 +331,7 @@ def divide(
         math.inf,
     )
     face = max(face, least)
-    tips = [_tip(level, t, length) for _, length, kind in places if kind == Kind.TIP]
+    tips = [_tip(level, t, length) for _, length, kind in places if kind == Singularity.TIP]
     sharp = min(*tips, *corners)
     depths, part = _depths(
         layers,
@@ -338,7 +342,7 @@ def divide(
         straight=isinstance(shoe.body, Beam),
     )
     ends = np.array([*np.concatenate(angles), end])
-    return Division(
+    return ShoeDivision(
         level.degree,
         ends,
         before,
@@ -349,7 +353,7 @@ def divide(
     )
 
 
-def _mark(level: Level, t: float, place: Place, gap: float) -> Mark:
+def _mark(level: Level, t: float, place: SingularPoint, gap: float) -> GradingPoint:
     """The mark of a place under a lining of thickness t [rad], so far from the lining's end [rad]
     that this gap is columns of its own: an end of the contact to half a column, so that bodies of
     brakes that differ by less are one and the same. Where nothing presses, columns of half a step
@@ -362,17 +366,19 @@ def _mark(level: Level, t: float, place: Place, gap: float) -> Mark:
     both errors would fall alike, with an eighth fewer unknowns.
     """
     x, length, kind = place
-    if kind == Kind.OPEN_STEP:
-        return Mark(x, 0.5 * length, level.ratio)
-    if kind == Kind.STEP:
-        return Mark(x, length * math.sqrt(level.end), level.ratio)
+    if kind == Singularity.OPEN_STEP:
+        return GradingPoint(x, 0.5 * length, level.ratio)
+    if kind == Singularity.STEP:
+        return GradingPoint(x, length * math.sqrt(level.end), level.ratio)
     size = min(level.end * min(length, math.sqrt(t * length)), max(0.5 * gap, SAME * length))
     size = 2.0 ** math.floor(math.log2(max(size, FINEST * t)))
-    if kind == Kind.KINK:
-        return Mark(x, size, level.ratio)
-    if kind == Kind.TIP:
-        return Mark(x, _tip(level, t, length), level.ratio)
-    return Mark(round(2 * x / size) * size / 2, size, level.opening if length <= t else level.ratio)
+    if kind == Singularity.KINK:
+        return GradingPoint(x, size, level.ratio)
+    if kind == Singularity.TIP:
+        return GradingPoint(x, _tip(level, t, length), level.ratio)
+    return GradingPoint(
+        round(2 * x / size) * size / 2, size, level.opening if length <= t else level.ratio
+    )
 
 
 def _tip(level: Level, t: float, length: float) -> float:
@@ -388,15 +394,17 @@ def _corner(length: float, power: float) -> float:
     return CORNER_SIZE * length if power < 0 and length <= CORNER_COUNTS else math.inf
 
 
-def _reached(start: float, end: float, places: Sequence[Place]) -> tuple[float, float]:
+def _reached(start: float, end: float, places: Sequence[SingularPoint]) -> tuple[float, float]:
     """The length of the contact that reaches either end of the lining; inf where none does."""
-    contact = [(x, size) for x, size, kind in places if kind == Kind.END]
+    contact = [(x, size) for x, size, kind in places if kind == Singularity.END]
     near = [size for x, size in contact if x - start < SAME * size]
     far = [size for x, size in contact if end - x < SAME * size]
     return min(near, default=math.inf), min(far, default=math.inf)
 
 
-def _marks(start: Mark, end: Mark, places: Sequence[Mark]) -> list[Mark]:
+def _marks(
+    start: GradingPoint, end: GradingPoint, places: Sequence[GradingPoint]
+) -> list[GradingPoint]:
     """Ends and places without those that lie in the column at an end, or in the smaller one at a
     place and the place before: an end of the contact stays that is nearer to a step than the
     columns there are wide."""
@@ -409,7 +417,7 @@ def _marks(start: Mark, end: Mark, places: Sequence[Mark]) -> list[Mark]:
         if mark.at - last.at > nearest(last.size, mark.size):
             marks.append(mark)
         elif len(marks) > 1 and mark.size < last.size:
-            marks[-1] = Mark(last.at, mark.size, max(last.ratio, mark.ratio))
+            marks[-1] = GradingPoint(last.at, mark.size, max(last.ratio, mark.ratio))
     return [*marks, end]
 
 
@@ -429,7 +437,13 @@ def _beyond(shoe: Shoe, radius: float, start: float, end: float) -> tuple[float,
 
 
 def _depths(
-    layers: list[Layer], level: Level, face: float, pressed: float, *, fades: bool, straight: bool
+    layers: list[ShoeLayer],
+    level: Level,
+    face: float,
+    pressed: float,
+    *,
+    fades: bool,
+    straight: bool,
 ) -> tuple[Floats, tuple[str, ...]]:
     depths, part, at = [np.zeros(1)], [], 0.0
     deep = np.cumsum([layer.thickness for layer in layers]) / pressed

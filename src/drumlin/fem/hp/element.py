@@ -19,8 +19,10 @@ from drumlin.base.lapack import dgemm, dpotrf, dtrsm
 from drumlin.fem.substructure.elasticity import across, split
 from drumlin.response.resultants import lobatto
 
-CHUNK = 32_000  # slopes that are worked on at once: they stay in the processor's cache
-SINGULAR = "singular stiffness: a part hangs on nothing, or moduli or sizes are too far apart"
+SLOPES_AT_ONCE = 32_000  # slopes that are worked on at once: they stay in the processor's cache
+SINGULAR_ELEMENT = (
+    "singular stiffness: a part hangs on nothing, or moduli or sizes are too far apart"
+)
 
 
 class Element(NamedTuple):
@@ -135,7 +137,7 @@ def stiffness(xy: Any, elasticity: Any, p: int, along: Any = None) -> Any:
     return _integrals(xy, elasticity, p, along).stiffness(slice(None), slice(None))
 
 
-class _Integrals(NamedTuple):
+class _ElementIntegrals(NamedTuple):
     """What the stiffness of elements is made of.
 
     `products` Int psi_a,i psi_b,j dA (e, 2, a, 2, a) for i, a, j, b; `constants` (e, 4) of
@@ -179,7 +181,7 @@ class _Integrals(NamedTuple):
         return a * work(along) + b * work(through)
 
 
-def _integrals(xy: Any, elasticity: Any, p: int, along: Any) -> _Integrals:
+def _integrals(xy: Any, elasticity: Any, p: int, along: Any) -> _ElementIntegrals:
     """The integrals over elements; parameters as of `stiffness`."""
     slopes, constants = _rooted_slopes(xy, p), split(elasticity)
     e, _, a, q = slopes.shape
@@ -190,7 +192,7 @@ def _integrals(xy: Any, elasticity: Any, p: int, along: Any) -> _Integrals:
     if len(directed):
         t = np.moveaxis(along[directed], 1, 0)  # (2, m, q)
         strains = tuple(_stretches(slopes[directed], d) for d in (t, across(t)))
-    return _Integrals(products, constants, directed, strains)
+    return _ElementIntegrals(products, constants, directed, strains)
 
 
 def _stretches(slopes: Any, direction: Any) -> Any:
@@ -219,7 +221,7 @@ def _rooted_slopes(xy: Any, p: int) -> Any:
     return G
 
 
-def without(K: Floats, C: Floats, inner: Floats) -> Floats:
+def schur_complement(K: Floats, C: Floats, inner: Floats) -> Floats:
     """K - C^T inner^-1 C: (k, k), (m, k), (m, m), each in rows without gaps, all overwritten.
 
     Raises NoAnswer for an `inner` that is not positive definite. Backward stable, by Cholesky's
@@ -229,18 +231,18 @@ def without(K: Floats, C: Floats, inner: Floats) -> Floats:
     assert K.flags.c_contiguous and C.flags.c_contiguous and inner.flags.c_contiguous
     L, info = dpotrf(inner.T, lower=1, clean=0, overwrite_a=1)
     if info:
-        raise NoAnswer(SINGULAR)
+        raise NoAnswer(SINGULAR_ELEMENT)
     Y = dtrsm(1.0, L, C.T, side=1, lower=1, trans_a=1, overwrite_b=1)
     dgemm(-1.0, Y, Y, 1.0, K.T, trans_b=1, overwrite_c=1)
     return K
 
 
-def without_each(K: Floats, C: Floats, inner: Floats) -> Floats:
-    """`without` for batches (b, k, k), (b, m, k), (b, m, m), one after the other: numpy's own need
+def schur_complements(K: Floats, C: Floats, inner: Floats) -> Floats:
+    """`schur_complement` for batches (b, k, k), (b, m, k), (b, m, m), one after the other: numpy's own need
     more copies.
     """
     for own in zip(K, C, inner, strict=True):
-        without(*own)
+        schur_complement(*own)
     return K
 
 
@@ -261,12 +263,12 @@ def condensed_elements(
     xy, elasticity = xy.reshape(-1, *xy.shape[2:]), np.repeat(elasticity, shape[1], axis=0)
     along = None if along is None else along.reshape(len(xy), 2, -1)
     out = np.empty((len(xy), 2 * ref.outer, 2 * ref.outer))
-    step = max(1, CHUNK // ref.slopes.size)
+    step = max(1, SLOPES_AT_ONCE // ref.slopes.size)
     for k in range(0, len(xy), step):
         part = slice(k, k + step)
         found = _integrals(xy[part], elasticity[part], p, None if along is None else along[part])
         e, sizes = len(found.products), (2 * ref.outer, 2 * (len(ref.order) - ref.outer))
-        out[part] = without_each(
+        out[part] = schur_complements(
             *(
                 found.stiffness(rows, columns).reshape(e, n, m)
                 for rows, columns, n, m in (
@@ -290,7 +292,7 @@ def inner_displacements(
     ref = element(p)
     outer, inside = slice(ref.outer), slice(ref.outer, None)
     found = np.empty((len(xy), 2 * (len(ref.order) - ref.outer), u.shape[2]))
-    step = max(1, CHUNK // ref.slopes.size)
+    step = max(1, SLOPES_AT_ONCE // ref.slopes.size)
     for k in range(0, len(xy), step):
         part = slice(k, k + step)
         own = _integrals(xy[part], elasticity[part], p, None if along is None else along[part])

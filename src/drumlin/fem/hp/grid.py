@@ -37,7 +37,7 @@ class Block:
 
 
 @dataclass(frozen=True)
-class Grid:
+class ColumnGrid:
     """Nodes and elements of degree `degree` in `blocks`; `place`(depth, along) are their points (2,
     ...) [m].
 
@@ -165,7 +165,7 @@ class Skeleton:
     inside its elements, and their elimination touches no other element.
     """
 
-    grid: Grid
+    grid: ColumnGrid
     nodes: Ints
     place: Ints
     element_dofs: Ints

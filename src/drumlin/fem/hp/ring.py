@@ -14,23 +14,30 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.components import Section
 from drumlin.brake.elasticity import ElasticLayer, has_directions
 from drumlin.fem.hp.arc import angular, arc_columns, elements
-from drumlin.fem.hp.columns import Piece, closed, merged, stack, turned, turned_rows
+from drumlin.fem.hp.columns import (
+    ColumnSubstructure,
+    assembled,
+    stack,
+    turned,
+    turned_rows,
+    without_line,
+)
 from drumlin.fem.hp.division import Level, ends_of, graded
-from drumlin.fem.hp.grid import Block, Grid, Skeleton
+from drumlin.fem.hp.grid import Block, ColumnGrid, Skeleton
 from drumlin.fem.hp.shoe import directions, distinct, line_of, within
-from drumlin.fem.substructure.body import FRAME, Condensed, Inside, tie
+from drumlin.fem.substructure.body import FRAME, CondensedBody, InnerSystem, constrain
 from drumlin.fem.substructure.elasticity import ring_layers, stacked
-from drumlin.fem.substructure.elimination import SINGULAR
+from drumlin.fem.substructure.elimination import SINGULAR_BODY
 from drumlin.fem.substructure.interface import ContactLine
 from drumlin.fem.substructure.loads import LoadColumns
-from drumlin.fem.substructure.ring import Free, RingBody, coupled_ring, determinate
+from drumlin.fem.substructure.ring import FreeRing, RingSubstructure, coupled_ring, determinate
 from drumlin.response.resultants import WEIGHTS, at_gauss, lobatto
 
-TURN = 2 * math.pi
-CLOSE = 1e-9  # rad: ends of columns that are nearer to each other are one
+FULL_TURN = 2 * math.pi
+SAME_ANGLE = 1e-9  # rad: ends of columns that are nearer to each other are one
 
 
-class Division(NamedTuple):
+class RingDivision(NamedTuple):
     """Columns of a ring: their ends `angles` (m + 1,), the last a whole turn after the first; which
     of them lie under a lining, `contact` (m,); `depths` (l + 1,) [m] of the ends of the layers from
     the friction surface on.
@@ -44,15 +51,15 @@ class Division(NamedTuple):
 
 def divide(
     section: Section, radius: float, linings: list[Floats], level: Level, sharp: float = math.inf
-) -> Division:
+) -> RingDivision:
     """The division of a ring; `linings`: ends of the columns of each, growing, in the brake's
-    angles [rad]; sharp [m]: as of the linings' `division.Division`, that of the thinnest layer.
+    angles [rad]; sharp [m]: as of the linings' `division.RingDivision`, that of the thinnest layer.
     """
-    origin = min(float(ends[0]) % TURN for ends in linings)
-    parts = [ends - ends[0] + (float(ends[0]) - origin) % TURN for ends in linings]
-    places = np.sort(np.concatenate([part % TURN for part in parts]))
-    places = places[np.append(True, np.diff(places) > CLOSE)]
-    places = np.append(places[places < TURN - CLOSE], TURN)
+    origin = min(float(ends[0]) % FULL_TURN for ends in linings)
+    parts = [ends - ends[0] + (float(ends[0]) - origin) % FULL_TURN for ends in linings]
+    places = np.sort(np.concatenate([part % FULL_TURN for part in parts]))
+    places = places[np.append(True, np.diff(places) > SAME_ANGLE)]
+    places = np.append(places[places < FULL_TURN - SAME_ANGLE], FULL_TURN)
     under = [
         any(_within(0.5 * (a + b), part) for part in parts) for a, b in pairwise(places.tolist())
     ]
@@ -70,18 +77,18 @@ def divide(
         contact += [covered] * len(pieces)
     t = section.thickness
     layers = graded(t, min(level.back * t, sharp), t, level.through, t)
-    return Division(
+    return RingDivision(
         level.degree, origin + np.concatenate(angles), np.array(contact), ends_of(layers, 0.0, t)
     )
 
 
 def _within(angle: float, ends: Floats) -> bool:
-    return any(ends[0] < angle + turn < ends[-1] for turn in (0.0, TURN))
+    return any(ends[0] < angle + turn < ends[-1] for turn in (0.0, FULL_TURN))
 
 
 def ring_body(
     brake: Brake, level: Level, linings: tuple[ContactLine, ...], *, sharp: float = math.inf
-) -> RingBody:
+) -> RingSubstructure:
     """The ring condensed under the linings, given by their contact lines in the shoes' frames;
     sharp: see `divide`.
     """
@@ -102,12 +109,12 @@ def ring_body(
     A = _closed(made, div, line, extra)
     if free:  # three unknowns of the rim hold it, statically determinate
         A = _held(A, extra, n, line, div)
-    A = closed(Piece(A, 0, len(A) - extra - n), right=True).K
+    A = without_line(ColumnSubstructure(A, 0, len(A) - extra - n), right=True).K
     back = -directions(div.angles, div.degree)[_touching(div)]
     S = turned(A[extra:, extra:], back)
     L, info = dpotrf(S, lower=1)
     if info:
-        raise NoAnswer(SINGULAR)
+        raise NoAnswer(SINGULAR_BODY)
     load = turned_rows(A[:extra, extra:], back).T
     work = -A[:extra, :extra]
     rim = np.zeros((2 * grid.N, 0))
@@ -116,15 +123,15 @@ def ring_body(
     inside, recover = partial(_inside, brake, grid, rim), partial(_recovered, brake, grid, rim)
     to_frame, on_frame = np.zeros((FRAME, n)), np.zeros((FRAME, extra))
     named = LoadColumns((("rim", extra),))
-    condensed = Condensed(L, to_frame, -load, on_frame, work, inside, recover, named)
+    condensed = CondensedBody(L, to_frame, -load, on_frame, work, inside, recover, named)
     held = None
     if free:
-        held = Free.of(grid, rim, condensed, contact)
+        held = FreeRing.of(grid, rim, condensed, contact)
     return coupled_ring(brake, linings, grid, grid, contact, condensed, grid.sets["support"], held)
 
 
 def _columns(
-    section: Section, radius: float, sign: int, div: Division, *, free: bool
+    section: Section, radius: float, sign: int, div: RingDivision, *, free: bool
 ) -> tuple[list[tuple[bool, Floats]], int]:
     """Pieces of columns, in contact and not, merged, in their order from the first angle on;
     unknowns of a line.
@@ -162,8 +169,8 @@ def _columns(
                 _turned_loads(made[place_of], middle[first:last]),
                 np.arange(last - first),
             )
-        row = [Piece(each, of.line, of.line) for each in made]
-        pieces.append((touching, merged([row[k] for k in place_of], 2 * touching, extra).K))
+        row = [ColumnSubstructure(each, of.line, of.line) for each in made]
+        pieces.append((touching, assembled([row[k] for k in place_of], 2 * touching, extra).K))
     return pieces, stack(p, layers, contact=True, held=not free).line
 
 
@@ -174,7 +181,7 @@ def _rim_loads(radius: float, along: Floats, p: int) -> Floats:
     xy = radius * np.array([np.cos(along), np.sin(along)])  # (2, c, p + 1)
     psi, slope = at_gauss(p)
     x = xy @ psi
-    ds = np.hypot(*(xy @ slope)) * WEIGHTS / (TURN * radius)
+    ds = np.hypot(*(xy @ slope)) * WEIGHTS / (FULL_TURN * radius)
     one, zero = np.ones_like(ds), np.zeros_like(ds)
     modes = np.array([[one, zero], [zero, one], [-x[1], x[0]]])  # (3, 2, c, q)
     found = np.einsum("aq,kicq,cq->caik", psi, modes, ds)
@@ -194,7 +201,7 @@ def _turned_loads(K: Floats, angle: Floats) -> Floats:
     return K
 
 
-def _closed(pieces: list[tuple[bool, Floats]], div: Division, line: int, extra: int) -> Floats:
+def _closed(pieces: list[tuple[bool, Floats]], div: RingDivision, line: int, extra: int) -> Floats:
     """The ring on [extra | contact nodes by growing angle | inner part of the lines between the
     pieces].
 
@@ -221,7 +228,7 @@ def _closed(pieces: list[tuple[bool, Floats]], div: Division, line: int, extra: 
     return A
 
 
-def _held(A: Floats, extra: int, contact: int, line: int, div: Division) -> Floats:
+def _held(A: Floats, extra: int, contact: int, line: int, div: RingDivision) -> Floats:
     """Without three unknowns at the rim that hold it against rigid motion: a node, and another one
     that turns about it.
     """
@@ -237,13 +244,13 @@ def _held(A: Floats, extra: int, contact: int, line: int, div: Division) -> Floa
     return A[keep[:, None], keep]
 
 
-def _runs(div: Division) -> Ints:
+def _runs(div: RingDivision) -> Ints:
     """The first columns of the pieces, each under one lining or between two."""
     runs = np.flatnonzero(np.diff(div.contact, prepend=not div.contact[0]))
     return runs if len(runs) > 1 else np.array([0, 1])  # in contact all around
 
 
-def _pieces(div: Division) -> tuple[Floats, Ints]:
+def _pieces(div: RingDivision) -> tuple[Floats, Ints]:
     """Angles of the contact nodes and their positions in each piece under a lining (p + 1, m)."""
     touching = _touching(div)
     place = np.full(len(div.contact) * div.degree, -1)
@@ -252,7 +259,7 @@ def _pieces(div: Division) -> tuple[Floats, Ints]:
     return line_of(div.angles, div.degree)[touching], place[at % len(place)]
 
 
-def _touching(div: Division) -> Ints:
+def _touching(div: RingDivision) -> Ints:
     """The nodes of the friction surface that lie under a lining, of all of them from the first
     angle on.
     """
@@ -260,7 +267,7 @@ def _touching(div: Division) -> Ints:
     return np.unique(at % (len(div.contact) * div.degree))
 
 
-def grid_of(radius: float, sign: int, div: Division) -> Grid:
+def grid_of(radius: float, sign: int, div: RingDivision) -> ColumnGrid:
     """All nodes and elements of a ring; sets "contact", by growing angle, "surface" and "support"."""
     p = div.degree
     depth, along = line_of(div.depths, p), line_of(div.angles, p)
@@ -277,12 +284,12 @@ def grid_of(radius: float, sign: int, div: Division) -> Grid:
         "surface": under[0, :-1],
         "support": under[-1, :-1],
     }
-    return Grid(
+    return ColumnGrid(
         p, (Block(under, depth, along, ("drum",) * (len(div.depths) - 1)),), place, sets, rows * n
     )
 
 
-def rim_of(radius: float, div: Division, grid: Grid) -> Floats:
+def rim_of(radius: float, div: RingDivision, grid: ColumnGrid) -> Floats:
     """Nodal forces (2 N, 3) spread over the rim as the rigid motions are."""
     p, found = div.degree, np.zeros((grid.N, 2, FRAME))
     pieces = _rim_loads(radius, within(div.angles, p), p).reshape(len(div.contact), p + 1, 2, FRAME)
@@ -292,14 +299,14 @@ def rim_of(radius: float, div: Division, grid: Grid) -> Floats:
     return found.reshape(-1, FRAME)
 
 
-def _inside(brake: Brake, grid: Grid, rim: Floats) -> Inside:
+def _inside(brake: Brake, grid: ColumnGrid, rim: Floats) -> InnerSystem:
     return _reduced(brake, grid, grid.sets["support"], grid.sets["contact"], rim)
 
 
 def _recovered(
-    brake: Brake, grid: Grid, rim: Floats, nodal: Floats, frame: Floats, loads: Floats
+    brake: Brake, grid: ColumnGrid, rim: Floats, nodal: Floats, frame: Floats, loads: Floats
 ) -> Floats:
-    """What `Condensed.displacements` returns, with the elements' insides eliminated one by one."""
+    """What `CondensedBody.displacements` returns, with the elements' insides eliminated one by one."""
     sides = grid.skeleton
     support, contact = (sides.place[grid.sets[name]] for name in ("support", "contact"))
     inside = _reduced(brake, sides, support, contact, rim[sides.dofs])
@@ -313,14 +320,14 @@ def _layers(brake: Brake) -> dict[str, ElasticLayer]:
 
 
 def _reduced(
-    brake: Brake, basis: Grid | Skeleton, support: Ints, contact: Ints, rim: Floats
-) -> Inside:
+    brake: Brake, basis: ColumnGrid | Skeleton, support: Ints, contact: Ints, rim: Floats
+) -> InnerSystem:
     """The stiffness of a ring and the unit loads `rim` (2 nodes, l) on its reduced unknowns."""
     K, ring = basis.stiffness(_layers(brake)), brake.ring
     if ring is not None and ring.support == "fixed":
-        ties = tie(basis, contact, support, np.zeros(2))
+        ties = constrain(basis, contact, support, np.zeros(2))
         loads = np.zeros((ties.matrix.shape[1], 0))
     else:
-        ties = tie(basis, contact, support[:0], np.zeros(2), determinate(basis, support))
+        ties = constrain(basis, contact, support[:0], np.zeros(2), determinate(basis, support))
         loads = ties.matrix.T @ rim
-    return Inside((ties.matrix.T @ K @ ties.matrix).tocsc(), ties, loads)
+    return InnerSystem((ties.matrix.T @ K @ ties.matrix).tocsc(), ties, loads)

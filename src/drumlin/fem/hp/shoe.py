@@ -12,8 +12,16 @@ from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Beam
 from drumlin.brake.elasticity import ElasticLayer, has_directions
 from drumlin.fem.hp.arc import angular, arc_columns, elements
-from drumlin.fem.hp.columns import Piece, closed, columns, merged, stack, turned, turned_rows
-from drumlin.fem.hp.division import Division
+from drumlin.fem.hp.columns import (
+    ColumnSubstructure,
+    assembled,
+    columns,
+    stack,
+    turned,
+    turned_rows,
+    without_line,
+)
+from drumlin.fem.hp.division import ShoeDivision
 from drumlin.fem.hp.element import condensed_elements, element, gauss_points
 from drumlin.fem.substructure.body import FRAME
 from drumlin.fem.substructure.elasticity import stacked
@@ -78,7 +86,7 @@ def unit_actuations(xy: Floats, depths: Floats, p: int) -> LoadedEnd:
     return LoadedEnd(forces, LoadColumns(((ACTUATION, FRAME),)), centre, np.eye(FRAME))
 
 
-class Condensed(NamedTuple):
+class CondensedShoe(NamedTuple):
     """Stiffness `S` (3 + 2n, 3 + 2n) on [frame | contact nodes x, y], the unit `loads` (3 + 2n, l)
     on them, named by `columns`, their `work` (l, l) with both held, and the centre (2,) [m] that
     the unit actuations act about.
@@ -175,13 +183,15 @@ class _Columns(NamedTuple):
     free again; 0, 0 where none is.
     """
 
-    under: list[Piece]
-    before: list[Piece]
-    after: list[Piece]
+    under: list[ColumnSubstructure]
+    before: list[ColumnSubstructure]
+    after: list[ColumnSubstructure]
     grip: tuple[int, int]
 
 
-def _columns(shoe: Shoe, radius: float, div: Division, layers: dict[str, ElasticLayer]) -> _Columns:
+def _columns(
+    shoe: Shoe, radius: float, div: ShoeDivision, layers: dict[str, ElasticLayer]
+) -> _Columns:
     p, beyond, beam = div.degree, [div.before[::-1], div.after], isinstance(shoe.body, Beam)
     parts = [div.angles, *beyond] if div.first < div.layers else [div.angles]
     under, before = len(div.angles) - 1, len(div.before) - 1
@@ -194,7 +204,7 @@ def _columns(shoe: Shoe, radius: float, div: Division, layers: dict[str, Elastic
         sizes, which = distinct(np.concatenate([ends[1:] - ends[:-1] for ends in parts]))
         A = angular(0.5 * sizes[:, None] * lobatto(p), p, flat=shoe.flat, directed=directed)
 
-    def made(row: Ints, layer: int, *, contact: bool, held: bool) -> list[Piece]:
+    def made(row: Ints, layer: int, *, contact: bool, held: bool) -> list[ColumnSubstructure]:
         """The columns of a row of kinds, of the layers from `layer` on."""
         if not len(row):
             return []
@@ -208,7 +218,8 @@ def _columns(shoe: Shoe, radius: float, div: Division, layers: dict[str, Elastic
             own = elements(radius - shoe.sign * depths, A[:, kinds], elasticity[layer:], p, plane)
             found = arc_columns(own, p, contact=contact, held=held)
         pieces = {
-            kind: Piece(K, of.line, of.line) for kind, K in zip(kinds.tolist(), found, strict=True)
+            kind: ColumnSubstructure(K, of.line, of.line)
+            for kind, K in zip(kinds.tolist(), found, strict=True)
         }
         return [pieces[kind] for kind in row.tolist()]
 
@@ -243,10 +254,10 @@ def _angle_at(shoe: Shoe, phi: Floats) -> Floats:
 def condense(
     shoe: Shoe,
     radius: float,
-    div: Division,
+    div: ShoeDivision,
     layers: dict[str, ElasticLayer],
     end_loads: EndLoads = unit_actuations,
-) -> Condensed:
+) -> CondensedShoe:
     """The shoe on its frame and its contact nodes, by growing angle.
 
     Parameters
@@ -272,7 +283,7 @@ def condense(
         none, still = np.zeros((FRAME, FRAME)), np.zeros((len(R), FRAME))
         on_frame = np.vstack([np.eye(FRAME), still])
         named = LoadColumns(((ACTUATION, FRAME),))
-        return Condensed(_balanced(S, R), on_frame, none, pin, still, 0.0, named)
+        return CondensedShoe(_balanced(S, R), on_frame, none, pin, still, 0.0, named)
     d = line_of(div.depths[div.first :], p)
     near, far = div.before[-1], div.after[-1]
     held_line = _local(rigid(place(d, near), pin), _angle_at(shoe, near))
@@ -280,8 +291,8 @@ def condense(
     f = _local(end.forces, _angle_at(shoe, far))
     row = found.under.copy()
     row[0] = _held(row[0], found.before, held_line)
-    row[-1] = closed(row[-1], _loaded(found.after, f), len(f), right=True)
-    A = merged(row, 2).K
+    row[-1] = without_line(row[-1], _loaded(found.after, f), len(f), right=True)
+    A = assembled(row, 2).K
     extra = end.columns.count
     frame, contact, loads = slice(FRAME), slice(FRAME, -extra), slice(-extra, None)
     S, load = turned(A[contact, contact], back), -turned_rows(A[loads, contact], back).T
@@ -290,7 +301,7 @@ def condense(
     load += R @ np.linalg.solve(R.T @ R, off)
     S, missed = _still(S, R, turned_rows(A[frame, contact], back).T)
     lost = float(np.abs(off[:2, end.columns.places[ACTUATION]][:, :2]).max())
-    return Condensed(
+    return CondensedShoe(
         _balanced(S, R),
         np.concatenate([on_frame, load]),
         -A[loads, loads],
@@ -301,14 +312,16 @@ def condense(
     )
 
 
-def _between(row: list[Piece], left: Floats | None = None, right: Floats | None = None) -> Floats:
+def _between(
+    row: list[ColumnSubstructure], left: Floats | None = None, right: Floats | None = None
+) -> Floats:
     """Columns under the lining on their contact nodes; left, right: stiffness of what hangs on the
     ends' back.
     """
     row = row.copy()
-    row[0] = closed(row[0], left, 0 if left is None else len(left))
-    row[-1] = closed(row[-1], right, 0 if right is None else len(right), right=True)
-    return merged(row, 2).K
+    row[0] = without_line(row[0], left, 0 if left is None else len(left))
+    row[-1] = without_line(row[-1], right, 0 if right is None else len(right), right=True)
+    return assembled(row, 2).K
 
 
 def _on_grip(found: _Columns) -> Floats:
@@ -319,19 +332,21 @@ def _on_grip(found: _Columns) -> Floats:
     line = row[first].left  # without the last node of the others' lines, which is held
     if first > 0:
         K, left, _ = row[first - 1]
-        row[first - 1] = Piece(K[:-2, :-2], left, line)
+        row[first - 1] = ColumnSubstructure(K[:-2, :-2], left, line)
     if last < len(row):
         K, _, right = row[last]
         free = np.delete(np.arange(len(K)), [line, line + 1])
-        row[last] = Piece(K[free[:, None], free], line, right)
+        row[last] = ColumnSubstructure(K[free[:, None], free], line, right)
     ends = (
-        closed(merged(beyond, 0), right=far).K if beyond else None
+        without_line(assembled(beyond, 0), right=far).K if beyond else None
         for beyond, far in ((found.before, False), (found.after, True))
     )
     return _between(row, *ends)
 
 
-def _held(first: Piece, before: list[Piece], held: Floats) -> Piece:
+def _held(
+    first: ColumnSubstructure, before: list[ColumnSubstructure], held: Floats
+) -> ColumnSubstructure:
     """The first column under the lining closed by the body before it, down to the hinge: [frame |
     its own].
 
@@ -339,11 +354,11 @@ def _held(first: Piece, before: list[Piece], held: Floats) -> Piece:
     """
     part = len(held)
     if before:
-        return closed(first, merged([_tied(before[0], held), *before[1:]], 0).K, part)
-    return closed(_tied(first, held))  # it is held where the lining begins
+        return without_line(first, assembled([_tied(before[0], held), *before[1:]], 0).K, part)
+    return without_line(_tied(first, held))  # it is held where the lining begins
 
 
-def _loaded(after: list[Piece], load: Floats) -> Floats:
+def _loaded(after: list[ColumnSubstructure], load: Floats) -> Floats:
     """Stiffness on [line at the lining's end | loads] of the body behind the lining; load (n, l):
     unit loads on the line at its end.
     """
@@ -352,10 +367,10 @@ def _loaded(after: list[Piece], load: Floats) -> Floats:
     end[:part, part:], end[part:, :part] = -load, -load.T
     if not after:
         return end
-    return merged([*after[:-1], closed(after[-1], end, part, right=True)], 0).K
+    return assembled([*after[:-1], without_line(after[-1], end, part, right=True)], 0).K
 
 
-def _tied(piece: Piece, held: Floats) -> Piece:
+def _tied(piece: ColumnSubstructure, held: Floats) -> ColumnSubstructure:
     """A piece the last unknowns of whose left line move with the frame by `held` (n, 3): [left line
     | frame | ...].
     """
@@ -370,7 +385,7 @@ def _tied(piece: Piece, held: Floats) -> Piece:
     K[frame, frame] = held.T @ piece.K[at, at] @ held
     K[frame, others] = held.T @ piece.K[at][:, rest]
     K[others, frame] = K[frame, others].T
-    return Piece(K, left, piece.right)
+    return ColumnSubstructure(K, left, piece.right)
 
 
 def _still(S: Floats, R: Floats, held: Floats) -> tuple[Floats, Floats]:

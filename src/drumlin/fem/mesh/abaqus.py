@@ -12,10 +12,10 @@ import numpy as np
 
 from drumlin.base.arrays import Ints
 
-LINES = {"T2D2": "line", "T3D2": "line", "B21": "line", "B31": "line"} | dict.fromkeys(
+LINE_CELLS = {"T2D2": "line", "T3D2": "line", "B21": "line", "B31": "line"} | dict.fromkeys(
     ("T2D3", "T3D3", "B22", "B32"), "line3"
 )
-PLANES = {
+PLANE_CELLS = {
     f"{family}{nodes}": cell
     for family in ("CPS", "CPE", "CAX", "S", "M3D", "STRI", "2D")
     for nodes, cell in {
@@ -26,11 +26,19 @@ PLANES = {
         "8": "quad8",
     }.items()
 } | dict.fromkeys(("S9", "M3D9"), "quad9")
-CELLS = LINES | PLANES
-NAMES = {"triangle": "CPS3", "triangle6": "CPS6", "quad": "CPS4", "quad8": "CPS8"}
-NODES = {"line": 2, "line3": 3, "triangle": 3, "triangle6": 6, "quad": 4, "quad8": 8, "quad9": 9}
+CELL_OF_TYPE = LINE_CELLS | PLANE_CELLS
+TYPE_OF_CELL = {"triangle": "CPS3", "triangle6": "CPS6", "quad": "CPS4", "quad8": "CPS8"}
+NODES_PER_CELL = {
+    "line": 2,
+    "line3": 3,
+    "triangle": 3,
+    "triangle6": 6,
+    "quad": 4,
+    "quad8": 8,
+    "quad9": 9,
+}
 MOST_MEMBERS = 2_000_000  # of all sets together; a set may name others and ranges, and be far larger than its text
-PER_LINE = 12  # numbers on a line that is written; the formats allow 16
+NUMBERS_PER_LINE = 12  # numbers on a line that is written; the formats allow 16
 
 
 def read_inp(text: str) -> Any:
@@ -84,7 +92,7 @@ def read_inp(text: str) -> Any:
     return meshio.Mesh(
         np.array(points).reshape(-1, 3),
         [
-            (cell, np.array(cells, dtype=np.int64).reshape(-1, NODES[cell]))
+            (cell, np.array(cells, dtype=np.int64).reshape(-1, NODES_PER_CELL[cell]))
             for cell, cells in blocks
         ],
         cell_sets=cell_sets,
@@ -125,14 +133,14 @@ def _elements(kind: str, rows: list[list[str]]) -> tuple[str, list[int], list[li
     plain = (
         kind.rstrip("HIRMSTW") if kind[-2:] != "R5" else kind[:-2]
     )  # reduced, hybrid, ... : one shape
-    if plain not in CELLS:
+    if plain not in CELL_OF_TYPE:
         raise ValueError(
-            f"*ELEMENT, TYPE={kind} is not an element of a plane mesh; allowed: {', '.join(CELLS)}"
+            f"*ELEMENT, TYPE={kind} is not an element of a plane mesh; allowed: {', '.join(CELL_OF_TYPE)}"
         )
-    cell = CELLS[plain]
-    if any(len(row) != NODES[cell] + 1 for row in rows):
+    cell = CELL_OF_TYPE[plain]
+    if any(len(row) != NODES_PER_CELL[cell] + 1 for row in rows):
         raise ValueError(
-            f"*ELEMENT, TYPE={kind} needs a label and {NODES[cell]} nodes on each line"
+            f"*ELEMENT, TYPE={kind} needs a label and {NODES_PER_CELL[cell]} nodes on each line"
         )
     return cell, [int(row[0]) for row in rows], [[int(word) for word in row[1:]] for row in rows]
 
@@ -186,12 +194,12 @@ def write_inp(
     used = np.unique(cells)
     lines = ["*NODE"]
     lines += [f"{i + 1}, {points[i][0]:.16e}, {points[i][1]:.16e}, 0." for i in used]
-    lines.append(f"*ELEMENT, TYPE={NAMES[cell]}")
+    lines.append(f"*ELEMENT, TYPE={TYPE_OF_CELL[cell]}")
     lines += [", ".join(map(str, [i, *(row + 1)])) for i, row in enumerate(cells, start=1)]
     for keyword, sets in (("ELSET", subdomains), ("NSET", nodes)):
         for name, members in sets.items():
             lines.append(f"*{keyword}, {keyword}={name.upper()}")
             labels = np.asarray(members) + 1
-            for start in range(0, len(labels), PER_LINE):
-                lines.append(", ".join(map(str, labels[start : start + PER_LINE])))
+            for start in range(0, len(labels), NUMBERS_PER_LINE):
+                lines.append(", ".join(map(str, labels[start : start + NUMBERS_PER_LINE])))
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")

@@ -17,14 +17,14 @@ from drumlin.fem.mesh.beam import beam_mesh
 from drumlin.fem.mesh.grading import (
     MOST_LAYERS,
     MOST_THIN,
-    Division,
+    LiningDivision,
     divide,
     layers_behind,
     overhang,
 )
 
 
-class Kind(NamedTuple):
+class MeshKind(NamedTuple):
     """A kind of mesh: the names of skfem's mesh and element, meshio's of its cells and of their
     edges.
     """
@@ -51,18 +51,18 @@ def _skfem(name: str) -> Any:
     return getattr(skfem, name)
 
 
-KINDS = {
-    "quad2": Kind("MeshQuad2", "ElementQuad2", "quad9", "line3"),
-    "quad1": Kind("MeshQuad1", "ElementQuad1", "quad", "line"),
-    "tri2": Kind("MeshTri2", "ElementTriP2", "triangle6", "line3"),
-    "tri1": Kind("MeshTri1", "ElementTriP1", "triangle", "line"),
+MESH_KINDS = {
+    "quad2": MeshKind("MeshQuad2", "ElementQuad2", "quad9", "line3"),
+    "quad1": MeshKind("MeshQuad1", "ElementQuad1", "quad", "line"),
+    "tri2": MeshKind("MeshTri2", "ElementTriP2", "triangle6", "line3"),
+    "tri1": MeshKind("MeshTri1", "ElementTriP1", "triangle", "line"),
 }
 DEFAULT_KIND = "quad2"
 
 
-def kind_of(mesh: Any) -> Kind:
+def kind_of(mesh: Any) -> MeshKind:
     """The kind of a mesh."""
-    return next(kind for kind in KINDS.values() if kind.mesh is type(mesh))
+    return next(kind for kind in MESH_KINDS.values() if kind.mesh is type(mesh))
 
 
 def _moved_to(angles: Floats, places: tuple[float, ...]) -> Floats:
@@ -76,7 +76,9 @@ def _moved_to(angles: Floats, places: tuple[float, ...]) -> Floats:
     return np.sort(np.concatenate([angles[:1], np.delete(inner, moved), places, angles[-1:]]))
 
 
-def shoe_mesh(shoe: Shoe, radius: float, elements: int | Division, kind: str = DEFAULT_KIND) -> Any:
+def shoe_mesh(
+    shoe: Shoe, radius: float, elements: int | LiningDivision, kind: str = DEFAULT_KIND
+) -> Any:
     """Mesh of a shoe in its own frame; the nodes lie on the arcs, the edges of quadratic kinds
     follow them.
 
@@ -85,12 +87,12 @@ def shoe_mesh(shoe: Shoe, radius: float, elements: int | Division, kind: str = D
     `elements`: number along the lining, graded to its edges, or its division. Without a body the
     back of the lining (or backing) is the rigid line "hinge" and the mesh has no "actuation".
     """
-    if kind not in KINDS:
-        raise BadInput(f"--kind = {kind!r}: unknown kind of mesh; allowed: {', '.join(KINDS)}")
+    if kind not in MESH_KINDS:
+        raise BadInput(f"--kind = {kind!r}: unknown kind of mesh; allowed: {', '.join(MESH_KINDS)}")
     phi_1, phi_2 = shoe.arc
-    division = elements if isinstance(elements, Division) else divide(shoe, radius, elements)
+    division = elements if isinstance(elements, LiningDivision) else divide(shoe, radius, elements)
     if isinstance(shoe.body, Beam):
-        return beam_mesh(shoe, radius, division, KINDS[kind].mesh)
+        return beam_mesh(shoe, radius, division, MESH_KINDS[kind].mesh)
     layers = [("lining", shoe.lining.thickness)]
     if shoe.backing is not None:
         layers.append(("backing", shoe.backing.thickness))
@@ -140,7 +142,7 @@ def shoe_mesh(shoe: Shoe, radius: float, elements: int | Division, kind: str = D
         else:
             back = outer & (middle[0] > bounds[-1] * (1 - slack))
             on["hinge"] = back & (middle[1] > grip[0] - slack) & (middle[1] < grip[1] + slack)
-    shape = KINDS[kind].mesh
+    shape = MESH_KINDS[kind].mesh
     mesh = shape.from_mesh(grid)
     depth, phi = mesh.doflocs
     return shape(

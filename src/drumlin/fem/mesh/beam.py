@@ -15,7 +15,7 @@ from drumlin.brake.beam_axis import Axis, axis_of
 from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Beam, Section
 from drumlin.brake.units import mm
-from drumlin.fem.mesh.grading import MOST_LAYERS, MOST_THIN, Division, layers_behind, overhang
+from drumlin.fem.mesh.grading import MOST_LAYERS, MOST_THIN, LiningDivision, layers_behind, overhang
 
 PARTS = ("lining", "backing", "shoe")
 
@@ -47,7 +47,7 @@ def _no_room(shoe: Shoe, axis: Axis, section: Section, radius: float) -> str | N
     return None
 
 
-def beam_mesh(shoe: Shoe, radius: float, division: Division, shape: Any) -> Any:
+def beam_mesh(shoe: Shoe, radius: float, division: LiningDivision, shape: Any) -> Any:
     """Mesh of a straight-beam shoe in its own frame, groups as those of an arc; `shape`: skfem's
     class of it.
 

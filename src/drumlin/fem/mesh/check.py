@@ -19,17 +19,32 @@ from drumlin.brake.units import mm
 from drumlin.fem.mesh.arc import kind_of
 from drumlin.fem.mesh.edges import edge_nodes
 
-ARC_SLACK = math.radians(2)  # between the lining's arc in the file and in a user's mesh
-APART = 1e-7  # of the mesh's size: nodes closer than this stand in one place
-MOST_PAIRS = 1000  # nodes in one place that are counted
-LARGEST = 1e6  # drum's radii, or lengths of a pad, that a mesh may reach: beyond it not even the checks are sure
-BENT = 0.5  # of an edge's length, by which its middle node may lie off its middle: half a circle
-OFF = 0.01  # of the drum's radius, or a pad's length, by which the contact may lie off drum or plane, where p is
-DEEP = 0.1  # of the lining's thickness, by which its mesh may lie in drum or plane without the file's saying so
-STEEP = (
-    0.1  # slope against drum or plane at which an edge of the contact is no part of a lining's face
-)
-UPRIGHT = 1e-6  # smallest Jacobian determinant in an element, relative to its largest
+ARC_SLACK = math.radians(2)
+"""Largest difference [rad] between the ends of the lining's arc in the brake's file and in the mesh.
+A larger one says that mesh and brake are not the same shoe."""
+SAME_POINT = 1e-7
+"""Distance of two nodes, relative to the mesh's size, below which both stand in one point. The parts
+of such a mesh are not bonded to each other, and it is refused."""
+MOST_COINCIDENT = 1000
+"""Number of nodes in one point up to which their pairs are counted for the message. More of them
+would make far more pairs than the memory holds."""
+LARGEST_REACH = 1e6
+"""Largest coordinate of a mesh in drum radii, or in lengths of a pad. Farther away round-off makes
+even these checks unsure; nearly always the unit of length is wrong."""
+MIDDLE_NODE_OFFSET = 0.5
+"""Largest distance of an edge's middle node from the middle of its chord, relative to the chord. An
+edge that is bent as far is half a circle."""
+CONTACT_OFFSET = 0.01
+"""Largest distance of the contact from the drum or the plane, in drum radii or lengths of a pad. The
+pressure is computed where the nodes are, and stated on the drum."""
+CONTACT_DEPTH = 0.1
+"""Largest depth of the contact in the drum or the plane, in thicknesses of the lining. A deeper one
+is an interference fit, which the brake's file must declare."""
+CONTACT_SLOPE = 0.1
+"""Slope of an edge against the drum or the plane above which the edge is no part of a lining's face."""
+JACOBIAN_RATIO = 1e-6
+"""Smallest Jacobian determinant in an element, relative to the sum over its nodes. Below it the element has no area
+in a corner, or is inverted."""
 
 
 def check(mesh: Any, shoe: Shoe, radius: float, fault: str) -> Any:
@@ -93,7 +108,7 @@ def _check_groups(mesh: Any, shoe: Shoe, fault: str) -> Any:
 
 def _check_nodes(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
     size = float(np.abs(mesh.doflocs).max())
-    if size > LARGEST * radius:
+    if size > LARGEST_REACH * radius:
         where = (
             f"on a plane, its lining {mm(radius)} long"
             if shoe.flat
@@ -103,11 +118,13 @@ def _check_nodes(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
             f"{fault}: reaches {size:.3g} m far; must be a shoe {where} (coordinates are read in {shoe.mesh_unit})"
         )
     cells = np.unique(
-        np.round(mesh.doflocs / (APART * size)), axis=1
+        np.round(mesh.doflocs / (SAME_POINT * size)), axis=1
     )  # many in one place make far more pairs
-    if cells.shape[1] < mesh.doflocs.shape[1] - MOST_PAIRS:
+    if cells.shape[1] < mesh.doflocs.shape[1] - MOST_COINCIDENT:
         raise BadInput(f"{fault}: many nodes stand in one place; merge them, the parts are bonded")
-    pairs = scipy.spatial.cKDTree(mesh.doflocs.T).query_pairs(APART * size, output_type="ndarray")
+    pairs = scipy.spatial.cKDTree(mesh.doflocs.T).query_pairs(
+        SAME_POINT * size, output_type="ndarray"
+    )
     if len(pairs):
         raise BadInput(
             f"{fault}: {len(pairs)} pairs of nodes stand in one place; merge them, the parts are bonded"
@@ -120,14 +137,16 @@ def _check_elements(mesh: Any, shoe: Shoe, fault: str) -> None:
         1, 0, 2
     )
     for middle in middles:
-        bent = np.hypot(*(middle - (first + last) / 2)) > BENT * np.hypot(*(last - first))
+        bent = np.hypot(*(middle - (first + last) / 2)) > MIDDLE_NODE_OFFSET * np.hypot(
+            *(last - first)
+        )
         if bent.any():
             where = _some(mesh, mesh.f2t[0, np.flatnonzero(bent)], shoe)
             raise BadInput(f"{fault}: {where} with the middle node of an edge far off that edge")
     determinant = mesh.mapping().detDF(kind_of(mesh).element().doflocs.T)
     determinant = np.broadcast_to(determinant, (mesh.nelements, determinant.shape[-1]))
     upright = (
-        np.abs(determinant.sum(axis=1)) * UPRIGHT
+        np.abs(determinant.sum(axis=1)) * JACOBIAN_RATIO
     )  # either orientation will do, one throughout an element
     inverted = (np.abs(determinant).min(axis=1) <= upright) | (
         np.ptp(np.sign(determinant), axis=1) > 0
@@ -186,27 +205,29 @@ def _check_contact(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
     line = basis.doflocs[:, edge_nodes(basis, facets)]
     off, word = shoe.off(line, radius), shoe.surface.word
     most, deep = float(np.abs(off).max()), -float(off.min())
-    if most > OFF * radius:
+    if most > CONTACT_OFFSET * radius:
         surface = "plane" if shoe.flat else f"drum's radius {mm(radius)}"
         raise BadInput(
             f"{fault}: the group contact lies up to {mm(most)} off the {surface}; "
-            f"must be within {mm(OFF * radius)} of it (coordinates are read in {shoe.mesh_unit})"
+            f"must be within {mm(CONTACT_OFFSET * radius)} of it (coordinates are read in {shoe.mesh_unit})"
         )
     behind = shoe.off(mesh.p[:, mesh.t[:, mesh.subdomains["lining"]]].mean(axis=1), radius)
     if behind.mean() < 0 and not shoe.mesh_interference:
         raise BadInput(
             f"{fault}: the lining's elements lie in the {word}; must lie behind the group contact"
         )
-    if deep > DEEP * shoe.lining.thickness and not shoe.mesh_interference:
+    if deep > CONTACT_DEPTH * shoe.lining.thickness and not shoe.mesh_interference:
         raise BadInput(
-            f"{fault}: the group contact lies up to {mm(deep)} in the {word}, over {DEEP:g} of the lining's "
+            f"{fault}: the group contact lies up to {mm(deep)} in the {word}, over {CONTACT_DEPTH:g} of the lining's "
             f"thickness of {mm(shoe.lining.thickness)}; say mesh_interference = true if that is meant"
         )
-    steep = (np.abs(np.diff(off, axis=0)) > STEEP * np.hypot(*np.diff(line, axis=1))).any(axis=0)
+    steep = (np.abs(np.diff(off, axis=0)) > CONTACT_SLOPE * np.hypot(*np.diff(line, axis=1))).any(
+        axis=0
+    )
     if steep.any():
         where = _some(mesh, mesh.f2t[0, facets[steep]], shoe)
         raise BadInput(
-            f"{fault}: {where} with an edge of the contact that is steeper than {STEEP:g} against the {word}"
+            f"{fault}: {where} with an edge of the contact that is steeper than {CONTACT_SLOPE:g} against the {word}"
         )
     nodes, ends = np.unique(mesh.facets[:, facets], return_inverse=True)
     xy = mesh.p[:, nodes]

@@ -23,17 +23,17 @@ from drumlin.base.errors import BadInput, reason_of
 from drumlin.base.files import replacing
 from drumlin.brake.brake import Shoe
 from drumlin.fem.mesh.abaqus import read_inp, write_inp
-from drumlin.fem.mesh.arc import KINDS, kind_of
+from drumlin.fem.mesh.arc import MESH_KINDS, kind_of
 from drumlin.fem.mesh.check import check, check_cells
 from drumlin.fem.mesh.content import mesh_bytes
 from drumlin.fem.mesh.edges import edge_nodes
 from drumlin.fem.mesh.vtu import check_unpacked
 
 FORMATS = (".msh", ".inp", ".vtu")
-GROUPS = ("lining", "backing", "table", "shoe", "contact", "hinge", "actuation")
-MOST_NODES = 1_000_000
+GROUP_NAMES = ("lining", "backing", "table", "shoe", "contact", "hinge", "actuation")
+MOST_FILE_NODES = 1_000_000
 LARGEST_NUMBER = 10_000_000  # of a node in an .msh file: its reader makes an array of that length
-SCALE = {"m": 1.0, "mm": 1e-3}
+METRES_PER_UNIT = {"m": 1.0, "mm": 1e-3}
 
 
 def write_mesh(path: Path, mesh: Any, shoe: Shoe) -> None:
@@ -153,9 +153,9 @@ def read_mesh(path: Path, shoe: Shoe, radius: float, key: str = "mesh") -> Any:
         raise BadInput(
             f"{fault}: is not a mesh that can be read ({' '.join(reason.split())[:120]})"
         ) from error
-    if len(raw.points) > MOST_NODES:
-        raise BadInput(f"{fault}: has {len(raw.points)} nodes; must have at most {MOST_NODES}")
-    points = _plane_points(raw, fault) * SCALE[shoe.mesh_unit]
+    if len(raw.points) > MOST_FILE_NODES:
+        raise BadInput(f"{fault}: has {len(raw.points)} nodes; must have at most {MOST_FILE_NODES}")
+    points = _plane_points(raw, fault) * METRES_PER_UNIT[shoe.mesh_unit]
     if shoe.mesh_frame == "brake":
         points = shoe.own_points(points)
     cell, cells, points = _plane_cells(raw, points, fault)
@@ -225,7 +225,7 @@ def _plane_cells(raw: Any, points: Floats, fault: str) -> tuple[str, Ints, Float
     lack them.
     """
     kinds = {block.type for block in raw.cells if block.dim > 1}
-    allowed = [kind.cell for kind in KINDS.values()] + ["quad8"]
+    allowed = [kind.cell for kind in MESH_KINDS.values()] + ["quad8"]
     if len(kinds) != 1 or not kinds <= set(allowed):
         raise BadInput(
             f"{fault}: has cells {sorted(kinds)}; allowed is one kind of: {', '.join(allowed)}"
@@ -250,7 +250,7 @@ def _mesh(cell: str, cells: Ints, points: Floats, fault: str) -> tuple[Any, Ints
     """skfem's mesh, and the number there of each node of the file that is a corner of a cell (-1:
     of none).
     """
-    kind = next(kind for kind in KINDS.values() if kind.cell == cell)
+    kind = next(kind for kind in MESH_KINDS.values() if kind.cell == cell)
     used, numbered = np.unique(cells, return_inverse=True)
     numbered = numbered.reshape(cells.shape)
     corners = 3 if cell.startswith("triangle") else 4
@@ -270,7 +270,7 @@ def _with_groups(raw: Any, cell: str, mesh: Any, vertex: Ints, cells: Ints, faul
     filed = "quad8" if cell == "quad9" and "quad9" not in raw.cells_dict else cell
     edge = kind_of(mesh).edge
     for name, members in _named_cells(raw).items():
-        if name not in GROUPS:
+        if name not in GROUP_NAMES:
             continue
         if len(members.get(filed, ())):
             subdomains[name] = members[filed]
@@ -281,7 +281,7 @@ def _with_groups(raw: Any, cell: str, mesh: Any, vertex: Ints, cells: Ints, faul
     corners = len(mesh.t)
     outer = mesh.boundary_facets()
     for name, nodes in _named_nodes(raw).items():
-        if name not in GROUPS or name in boundaries:
+        if name not in GROUP_NAMES or name in boundaries:
             continue
         inside = np.zeros(len(vertex), dtype=bool)
         inside[nodes] = True

@@ -30,7 +30,7 @@ number along a lining. On 22 random brakes 40 and 160 give the same errors."""
 
 
 @dataclass(frozen=True)
-class Division:
+class LiningDivision:
     """Where elements meet: `angles` phi (m + 1,) along the lining [rad], `depths` (l + 1,) below
     its surface [m].
 
@@ -44,11 +44,11 @@ class Division:
     behind: int = 1
 
 
-def divide(shoe: Shoe, radius: float, elements: int) -> Division:
+def divide(shoe: Shoe, radius: float, elements: int) -> LiningDivision:
     """`elements` along the lining, graded to its edges; layers in proportion, graded to both faces."""
     start, end = shoe.arc
     thickness = shoe.lining.thickness
-    return Division(
+    return LiningDivision(
         angles=start + lining_angles(end - start, shoe, radius, elements),
         depths=graded(0, thickness, lining_layers(elements), thickness / 2, EDGE_SIZE),
         step=(end - start) / elements,
@@ -65,7 +65,7 @@ def lining_layers(elements: int) -> int:
     return min(max(2, round(elements / 15)), 12)
 
 
-def overhang(near: float, far: float, division: Division) -> Floats:
+def overhang(near: float, far: float, division: LiningDivision) -> Floats:
     """Places from `near`, where the lining ends, to `far`, about a step apart; both ends once even
     where they coincide.
 
@@ -84,7 +84,7 @@ def overhang(near: float, far: float, division: Division) -> Floats:
     return places
 
 
-def layers_behind(thickness: float, division: Division, size: float, most: int) -> Floats:
+def layers_behind(thickness: float, division: LiningDivision, size: float, most: int) -> Floats:
     """Where the layers of backing or body end, as parts (m,) of its thickness, the last of them 1.
 
     `size` [m]: their thickness, where that makes no more than `most`.

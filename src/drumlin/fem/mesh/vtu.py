@@ -15,8 +15,8 @@ from xml.etree import ElementTree
 
 MOST_UNPACKED = 400_000_000  # bytes of all arrays: some 2 million nodes with their cells and groups
 MOST_ARRAYS = 200
-_HEADS = {"UInt32": 4, "UInt64": 8}
-_RAW = re.compile(rb"<AppendedData[^>]*>")
+_HEADER_WIDTHS = {"UInt32": 4, "UInt64": 8}
+_RAW_APPENDED = re.compile(rb"<AppendedData[^>]*>")
 
 
 def check_unpacked(data: bytes) -> None:
@@ -33,7 +33,7 @@ def check_unpacked(data: bytes) -> None:
     root = ElementTree.fromstring(head)
     if root.get("compressor") is None:
         return
-    width = _HEADS[root.get("header_type", "UInt32")]
+    width = _HEADER_WIDTHS[root.get("header_type", "UInt32")]
     order = "big" if root.get("byte_order") == "BigEndian" else "little"
     unpacker = (
         lzma.LZMADecompressor if "LZMA" in str(root.get("compressor")) else zlib.decompressobj
@@ -45,7 +45,7 @@ def check_unpacked(data: bytes) -> None:
 
 def _parts(data: bytes) -> tuple[bytes, bytes | None]:
     """The XML of a file, and the raw bytes that may stand in the middle of it."""
-    found = _RAW.search(data)
+    found = _RAW_APPENDED.search(data)
     if found is None or b'encoding="raw"' not in found.group():
         return data, None
     end = data.rindex(b"</AppendedData>")

@@ -10,7 +10,7 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Shoe
-from drumlin.fem.substructure.body import Condensed
+from drumlin.fem.substructure.body import CondensedBody
 from drumlin.fem.substructure.interface import ContactLine, Coupling, radial, straight
 from drumlin.fem.substructure.loads import ACTUATION, LoadColumns
 
@@ -28,7 +28,7 @@ class Actuated(Protocol):
 
 
 @dataclass(frozen=True)
-class Body:
+class ShoeSubstructure:
     """One shoe with its lining, condensed, in its own frame (angle phi from the hinge).
 
     The frame is held, while the nodal forces -N^T (pressed) and T^T (dragged) and the l unit loads
@@ -44,7 +44,7 @@ class Body:
     basis: Any
     line: ContactLine
     coupling: Coupling
-    condensed: Condensed
+    condensed: CondensedBody
     load_centre: Floats
     turned: Floats
     closing_pressed: Floats
@@ -96,15 +96,15 @@ def coupling_of(line: ContactLine, shoe: Shoe) -> Coupling:
     return line.couple(shoe.lining.width, straight if shoe.flat else radial(shoe.sign))
 
 
-def coupled(
-    made: Callable[..., Body],
+def coupled_shoe(
+    made: Callable[..., ShoeSubstructure],
     shoe: Shoe,
     line: ContactLine,
-    condensed: Condensed,
+    condensed: CondensedBody,
     centre: Floats,
     *,
     friction: bool,
-) -> Body:
+) -> ShoeSubstructure:
     """The condensed body of a shoe, coupled with the drum along its contact line; `made` takes the
     rest of a Body.
     """
@@ -157,7 +157,7 @@ def load_on(centre: Floats, shoe: Shoe) -> tuple[Floats, float]:
     return np.array([fx, fy, couple_]), (x - pin_x) * fy - (y - pin_y) * fx
 
 
-def held(body: Body, p: Floats, drag: float, load: Floats) -> Floats:
+def held(body: ShoeSubstructure, p: Floats, drag: float, load: Floats) -> Floats:
     """Force x, y and moment about the pin (3,) that hold the frame, under p (n,), drag mu s and
     factors
     load (l,) of the load columns.

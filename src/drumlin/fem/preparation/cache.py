@@ -10,10 +10,10 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Beam
 from drumlin.brake.fields import Point
 from drumlin.fem.mesh.content import content_digest
-from drumlin.fem.preparation.bodies import Body
-from drumlin.fem.substructure.ring import RingBody
+from drumlin.fem.preparation.bodies import ShoeSubstructure
+from drumlin.fem.substructure.ring import RingSubstructure
 
-ROOM = 200_000_000
+CACHE_BYTES = 200_000_000
 """Bytes of condensed bodies that a cache keeps for the next scenes; beyond it the oldest go."""
 
 
@@ -60,7 +60,7 @@ class Cache:
     counts entries, not bytes.)
     """
 
-    def __init__(self, room: int = ROOM) -> None:
+    def __init__(self, room: int = CACHE_BYTES) -> None:
         self._room, self._taken, self._values = room, 0, OrderedDict[Hashable, tuple[int, Any]]()
 
     def get(self, key: Hashable, make: Callable[[], Any], size: Callable[[Any], int]) -> Any:
@@ -76,7 +76,7 @@ class Cache:
         return kept[1]
 
 
-def size_of(body: Body | RingBody) -> int:
+def size_of(body: ShoeSubstructure | RingSubstructure) -> int:
     """What a condensed body keeps, about: its matrices."""
     n = len(body.line.nodes)
     return 8 * (4 + 2) * n**2 + 400 * 2 * int(body.basis.N)

@@ -12,19 +12,26 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Beam
 from drumlin.fem.hp.body import condensed, contact_line, end_load_of, grid_of
 from drumlin.fem.hp.corner import powers_of
-from drumlin.fem.hp.division import CORNER_COUNTS, Division, Kind, Level, Place, divide
+from drumlin.fem.hp.division import (
+    CORNER_COUNTS,
+    Level,
+    ShoeDivision,
+    Singularity,
+    SingularPoint,
+    divide,
+)
 from drumlin.fem.hp.ring import ring_body
 from drumlin.fem.hp.shoe import condense
-from drumlin.fem.preparation.bodies import Body, BodyNodes, coupled, load_on
+from drumlin.fem.preparation.bodies import BodyNodes, ShoeSubstructure, coupled_shoe, load_on
 from drumlin.fem.preparation.cache import Cache, bare, bare_shoe, size_of
 from drumlin.fem.preparation.scene import DividedBodies, Seconds, clock
 from drumlin.fem.substructure.elasticity import layers_of
 
-MOST_NODES = 3000
+MOST_CONTACT_NODES = 3000
 """Largest number of contact nodes that feel each other, of one shoe or of all shoes on a ring.
 Their matrices have twice as many rows and take gigabytes.
 """
-Places = Mapping[int, Sequence[Place]]
+PointsByShape = Mapping[int, Sequence[SingularPoint]]
 """The grading points of a lining by the first shoe of its shape; see `divide`."""
 
 
@@ -36,16 +43,16 @@ class _DivisionRule(NamedTuple):
 
     shoe: Shoe
     level: Level
-    places: Sequence[Place]
+    places: Sequence[SingularPoint]
     tip: bool
     powers: tuple[float, float]
-    division: Division
+    division: ShoeDivision
 
 
 def in_columns(
     brake: Brake,
     level: Level,
-    places: Places | None,
+    places: PointsByShape | None,
     alike: Sequence[int],
     cache: Cache,
     seconds: Seconds,
@@ -67,8 +74,10 @@ def in_columns(
     rules = {i: _rule(brake, level, places or {}, alike, i) for i in dict.fromkeys(alike)}
     together = sum if brake.ring is not None else max
     nodes = together(rules[i].division.contact_nodes for i in alike)
-    if nodes > MOST_NODES:
-        raise NoAnswer(f"its {nodes} contact nodes are more than the {MOST_NODES} that are allowed")
+    if nodes > MOST_CONTACT_NODES:
+        raise NoAnswer(
+            f"its {nodes} contact nodes are more than the {MOST_CONTACT_NODES} that are allowed"
+        )
     made = {i: _cached(brake, rule, cache, seconds) for i, rule in rules.items()}
     bodies = tuple(made[i] for i in alike)
     sharp = min(rule.division.sharp for rule in rules.values())
@@ -83,7 +92,7 @@ def in_columns(
 
 
 def _rule(
-    brake: Brake, level: Level, places: Places, alike: Sequence[int], i: int
+    brake: Brake, level: Level, places: PointsByShape, alike: Sequence[int], i: int
 ) -> _DivisionRule:
     """The rule for shoe i, the first one of its shape."""
     shoe, own = brake.shoes[i], places.get(i, ())
@@ -93,32 +102,34 @@ def _rule(
     return _DivisionRule(shoe, level, own, tip, powers, division)
 
 
-def _cached(brake: Brake, rule: _DivisionRule, cache: Cache, seconds: Seconds) -> Body:
+def _cached(brake: Brake, rule: _DivisionRule, cache: Cache, seconds: Seconds) -> ShoeSubstructure:
     """The body of a shape, from the cache or condensed now."""
     shoe, radius, friction, division = rule.shoe, brake.size, brake.friction > 0, rule.division
     key = (bare_shoe(shoe), radius, friction, division.key)
     return cache.get(key, partial(_body, shoe, radius, division, friction, seconds), size_of)
 
 
-def _body(shoe: Shoe, radius: float, div: Division, friction: bool, seconds: Seconds) -> Body:
+def _body(
+    shoe: Shoe, radius: float, div: ShoeDivision, friction: bool, seconds: Seconds
+) -> ShoeSubstructure:
     """The condensed body of a parametric shoe that is divided so."""
     with clock(seconds, "condensation"):
         found = condense(shoe, radius, div, layers_of(shoe))
         line, grid = contact_line(shoe, radius, div), grid_of(shoe, radius, div)
         inner = condensed(shoe, div, found, line, grid)
     with clock(seconds, "coupling"):
-        made = partial(Body, grid, grid, line)
-        return coupled(made, shoe, line, inner, found.centre, friction=friction)
+        made = partial(ShoeSubstructure, grid, grid, line)
+        return coupled_shoe(made, shoe, line, inner, found.centre, friction=friction)
 
 
 def _steepest(
-    brake: Brake, alike: Sequence[int], first: int, places: Sequence[Place]
+    brake: Brake, alike: Sequence[int], first: int, places: Sequence[SingularPoint]
 ) -> tuple[float, float]:
     """The smallest powers of p at both ends of the linings of all shoes of one shape.
 
     0 where no contact is so short that its corner counts, see CORNER_COUNTS.
     """
-    if not any(kind == Kind.END and length <= CORNER_COUNTS for _, length, kind in places):
+    if not any(kind == Singularity.END and length <= CORNER_COUNTS for _, length, kind in places):
         return 0.0, 0.0
     each = [powers_of(brake, j) for j, shape in enumerate(alike) if shape == first]
     return min(start for start, _ in each), min(end for _, end in each)
@@ -150,5 +161,5 @@ def _nodes_alike(
     i: int,
     shoe: Shoe,
 ) -> BodyNodes:
-    """As `Scene.nodes_of`; each: by the first shoe of a shape."""
+    """As `PreparedModel.nodes_of`; each: by the first shoe of a shape."""
     return each[alike[i]](shoe)

@@ -20,11 +20,16 @@ from drumlin.brake.file import vary
 from drumlin.brake.orthotropic import isotropic_only
 from drumlin.brake.surface import DRUM
 
-HELD = 0.5
+PLANE_STRAIN_SHARE = 0.5
 """The share of plane strain in a wide lining, by solid shoes: the shoe behind it contracts as well.
 """
-LARGEST_NU = 0.45  # of a lining up to which the correction has been held against solid shoes
-TORQUE, PRESSURE = 0.015, 0.08  # largest errors over all brakes of the study plane_stress
+LARGEST_CHECKED_NU = (
+    0.45  # of a lining up to which the correction has been held against solid shoes
+)
+TORQUE_DEVIATION, PRESSURE_DEVIATION = (
+    0.015,
+    0.08,
+)  # largest errors over all brakes of the study plane_stress
 
 
 def between(material: Material, share: float) -> Material:
@@ -43,7 +48,7 @@ def between(material: Material, share: float) -> Material:
 
 def held_share(width: float, thickness: float) -> float:
     """The share of plane strain in a lining: none where it is no wider than thick."""
-    return HELD * max(0.0, 1 - thickness / width)
+    return PLANE_STRAIN_SHARE * max(0.0, 1 - thickness / width)
 
 
 def flange_mean(reach: float, stiffness: float, foundation: float) -> float:
@@ -99,8 +104,8 @@ def why_not(brake: Brake) -> str | None:
         if shoe.mesh is not None:
             return f"shoe {shoe.name!r}: a mesh of its own is a section without widths"
         nu = shoe.lining.material.nu_along_through
-        if isinstance(shoe.lining.material, Material) and nu > LARGEST_NU:
-            return f"shoe {shoe.name!r}: lining.material.nu = {nu:g}, the correction holds up to {LARGEST_NU:g}"
+        if isinstance(shoe.lining.material, Material) and nu > LARGEST_CHECKED_NU:
+            return f"shoe {shoe.name!r}: lining.material.nu = {nu:g}, the correction holds up to {LARGEST_CHECKED_NU:g}"
     return isotropic_only(brake, "the correction")
 
 
@@ -113,8 +118,8 @@ def said(brake: Brake, other: Brake) -> str:
     times = ", ".join(f"{factor:.3f}" for factor in dict.fromkeys(np.round(factors, 3)))
     return (
         f"corrected for the finite width: modulus of the lining times {times}; torque within "
-        f"{formatted(TORQUE, '.1%')}, p averaged over the width within {formatted(PRESSURE, '.0%')} (L2) of the solid "
-        "shoes in the study plane_stress"
+        f"{formatted(TORQUE_DEVIATION, '.1%')}, p averaged over the width within "
+        f"{formatted(PRESSURE_DEVIATION, '.0%')} (L2) of the solid shoes in the study plane_stress"
     )
 
 

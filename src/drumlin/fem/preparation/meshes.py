@@ -12,10 +12,17 @@ from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.fields import AnyMaterial
 from drumlin.fem.mesh.arc import shoe_mesh
-from drumlin.fem.preparation.bodies import Body, BodyNodes, coupled, load_on
+from drumlin.fem.preparation.bodies import BodyNodes, ShoeSubstructure, coupled_shoe, load_on
 from drumlin.fem.preparation.cache import Cache, bare, bare_shoe, content, shape_of, size_of
 from drumlin.fem.preparation.scene import DividedBodies, Seconds, clock
-from drumlin.fem.substructure.body import FRAME, Ties, condense, scalar_basis, stiffness, tie
+from drumlin.fem.substructure.body import (
+    FRAME,
+    Constraints,
+    condense,
+    constrain,
+    scalar_basis,
+    stiffness,
+)
 from drumlin.fem.substructure.elasticity import layers_of
 from drumlin.fem.substructure.interface import ContactLine, contact_line, end_loads
 from drumlin.fem.substructure.loads import ACTUATION, LoadColumns
@@ -27,7 +34,7 @@ ELEMENTS = 80
 within 1e-5. With half of it the errors of 22 random brakes are two and three times as large in the
 median, with twice as many 0.7 and 0.5 times, at four times the work.
 """
-MOST_ELEMENTS = 4000
+MOST_LINING_ELEMENTS = 4000
 """Largest number along a lining: the dense matrices of its contact then fill 2 GB."""
 
 Mesher = Callable[[Shoe, float], Any]
@@ -58,12 +65,12 @@ def on_meshes(
     BadInput
         for a number of elements out of range, and for a mesh file that cannot serve
     """
-    if not 1 <= elements <= MOST_ELEMENTS:
-        raise BadInput(f"--elements = {elements}: must be from 1 to {MOST_ELEMENTS}")
+    if not 1 <= elements <= MOST_LINING_ELEMENTS:
+        raise BadInput(f"--elements = {elements}: must be from 1 to {MOST_LINING_ELEMENTS}")
     cache = cache if mesher is None else Cache()
     mesher = mesher or partial(shoe_mesh, elements=elements, kind=kind)
     setting = (elements, kind)
-    made: dict[tuple[object, ...], Body] = {}
+    made: dict[tuple[object, ...], ShoeSubstructure] = {}
     for shoe in brake.shoes:
         shape = shape_of(brake, shoe)
         if shape not in made:
@@ -81,9 +88,9 @@ def on_meshes(
 
 
 def _nodes_of(
-    mesher: Mesher, radius: float, bodies: tuple[Body, ...], i: int, shoe: Shoe
+    mesher: Mesher, radius: float, bodies: tuple[ShoeSubstructure, ...], i: int, shoe: Shoe
 ) -> BodyNodes:
-    """As `Scene.nodes_of`, on meshes; one from a file is the same in the frame of any shoe."""
+    """As `PreparedModel.nodes_of`, on meshes; one from a file is the same in the frame of any shoe."""
     mesh = mesher(shoe, radius) if shoe.mesh is None else bodies[i].mesh
     basis = scalar_basis(mesh)
     if "actuation" not in mesh.boundaries or shoe.gripped:
@@ -105,7 +112,7 @@ class Assembled:
     basis: Any
     line: ContactLine
     K: Any
-    ties: Ties
+    ties: Constraints
     loads: dict[str, Floats]
     load_centre: Floats
 
@@ -138,7 +145,7 @@ def assemble(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Asse
         pin = shoe.own_pin
         line = line_of(basis, mesh.boundaries["contact"], shoe, brake.size)
         rigid = basis.get_dofs(mesh.boundaries["hinge"]).flatten()
-        ties = tie(basis, line.nodes, rigid, pin)
+        ties = constrain(basis, line.nodes, rigid, pin)
         if "actuation" in mesh.boundaries and not shoe.gripped:
             full, load_centre = end_loads(basis, mesh.boundaries["actuation"])
             actuated = ties.matrix.T @ full
@@ -148,13 +155,13 @@ def assemble(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Asse
     return Assembled(mesh, basis, line, K, ties, {ACTUATION: actuated}, load_centre)
 
 
-def _body(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Body:
+def _body(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> ShoeSubstructure:
     parts = assemble(brake, shoe, mesher, seconds)
     with clock(seconds, "condensation"):
         condensed = condense(parts.K, parts.ties, parts.loads, 2 * len(parts.line.nodes))
-    made = partial(Body, parts.mesh, parts.basis, parts.line)
+    made = partial(ShoeSubstructure, parts.mesh, parts.basis, parts.line)
     with clock(seconds, "coupling"):
-        return coupled(
+        return coupled_shoe(
             made, shoe, parts.line, condensed, parts.load_centre, friction=brake.friction > 0
         )
 

@@ -8,22 +8,22 @@ from drumlin.fem.hp.division import Level
 from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.preparation.cache import alike as equal_shapes
-from drumlin.fem.preparation.columns import Places, in_columns
+from drumlin.fem.preparation.columns import PointsByShape, in_columns
 from drumlin.fem.preparation.meshes import ELEMENTS, Mesher, on_meshes
-from drumlin.fem.preparation.scene import Scene, Seconds, lacking, why_not
+from drumlin.fem.preparation.scene import PreparedModel, Seconds, lacking, why_not
 
 
 def prepare(
     brake: Brake,
     level: Level | None = None,
-    places: Places | None = None,
+    places: PointsByShape | None = None,
     *,
     alike: Sequence[int] = (),
     elements: int = ELEMENTS,
     kind: str = DEFAULT_KIND,
     mesher: Mesher | None = None,
     cache: Cache | None = None,
-) -> Scene:
+) -> PreparedModel:
     """The prepared model of a brake: in hp elements at a `level`, or else on meshes.
 
     Shoes of one shape share one body.
@@ -57,7 +57,7 @@ def prepare(
         made = on_meshes(brake, elements, kind, mesher, cache, seconds)
     else:
         made = in_columns(brake, level, places, alike, cache, seconds)
-    return Scene(
+    return PreparedModel(
         brake,
         made.bodies,
         made.ring,

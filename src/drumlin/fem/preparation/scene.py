@@ -9,10 +9,10 @@ from typing import NamedTuple
 
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.fem.mesh import beam as beam_mesh
-from drumlin.fem.preparation.bodies import Body, BodyNodes
+from drumlin.fem.preparation.bodies import BodyNodes, ShoeSubstructure
 from drumlin.fem.preparation.cache import shape_of
 from drumlin.fem.substructure.interface import ContactLine
-from drumlin.fem.substructure.ring import RingBody
+from drumlin.fem.substructure.ring import RingSubstructure
 from drumlin.laws import rigid
 
 Seconds = dict[str, float]
@@ -30,17 +30,17 @@ class DividedBodies(NamedTuple):
     """The condensed bodies of a brake's shoes, one for each shoe, and of its ring.
 
     `nodes_of` and `ring_under` divide a changed shoe, or a ring under other contact lines, by the
-    rule that divided these bodies; see `Scene`.
+    rule that divided these bodies; see `PreparedModel`.
     """
 
-    bodies: tuple[Body, ...]
-    ring: RingBody | None
+    bodies: tuple[ShoeSubstructure, ...]
+    ring: RingSubstructure | None
     nodes_of: Callable[[int, Shoe], BodyNodes]
-    ring_under: Callable[[tuple[ContactLine, ...]], RingBody]
+    ring_under: Callable[[tuple[ContactLine, ...]], RingSubstructure]
 
 
 @dataclass(frozen=True)
-class Scene:
+class PreparedModel:
     """A brake made ready: a condensed body for each shoe (equal shoes share one) and the ring, if
     it has one.
 
@@ -51,14 +51,14 @@ class Scene:
     """
 
     brake: Brake
-    bodies: tuple[Body, ...]
-    ring: RingBody | None
+    bodies: tuple[ShoeSubstructure, ...]
+    ring: RingSubstructure | None
     seconds: Seconds
     left_out: tuple[str, ...]
     apart: bool = False
     model: str = "fem"
     nodes_of: Callable[[int, Shoe], BodyNodes] | None = None
-    ring_under: Callable[[tuple[ContactLine, ...]], RingBody] | None = None
+    ring_under: Callable[[tuple[ContactLine, ...]], RingSubstructure] | None = None
 
     @cached_property
     def shapes(self) -> list[tuple[object, ...]]:

@@ -16,12 +16,12 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.elasticity import ElasticLayer, solid_elasticity_matrix
 from drumlin.brake.fields import Material
 from drumlin.fem.mesh.edges import edge_nodes
-from drumlin.fem.preparation.bodies import Body, coupled
+from drumlin.fem.preparation.bodies import ShoeSubstructure, coupled_shoe
 from drumlin.fem.preparation.meshes import line_of, materials_of
 from drumlin.fem.preparation.scene import Seconds, clock
 from drumlin.fem.solid.face import ContactFace, contact_face, width_matrix
 from drumlin.fem.solid.mesh import Solid, solid_mesh
-from drumlin.fem.substructure.body import FRAME, Ties, condense, stiffness
+from drumlin.fem.substructure.body import FRAME, Constraints, condense, stiffness
 from drumlin.fem.substructure.elimination import dissection
 from drumlin.fem.substructure.interface import end_loads
 from drumlin.fem.substructure.loads import ACTUATION
@@ -29,7 +29,7 @@ from drumlin.fem.substructure.loads import ACTUATION
 HALVES = 2.0
 
 
-class SolidBody(Body):
+class SolidBody(ShoeSubstructure):
     """A condensed body whose mesh is of hexahedra."""
 
     @property
@@ -66,7 +66,7 @@ def face_of(solid: Solid, shoe: Shoe, radius: float) -> ContactFace:
     return contact_face(line, solid.node, solid.z[: solid.levels("lining")])
 
 
-def tie(solid: Solid, contact: Ints, rigid: Ints, pin: Floats, *, bonded: bool) -> Ties:
+def tie(solid: Solid, contact: Ints, rigid: Ints, pin: Floats, *, bonded: bool) -> Constraints:
     """The reduced unknowns, in the order of a dissection: inner ones, contact nodes as x, y pairs,
     frame.
 
@@ -94,7 +94,7 @@ def tie(solid: Solid, contact: Ints, rigid: Ints, pin: Floats, *, bonded: bool) 
         np.concatenate([np.ones(len(dofs)), ones, -y, ones, x]),
         (np.concatenate(rows), np.concatenate(columns)),
     )
-    return Ties(sp.csc_matrix(entries, shape=(3 * basis.N, len(dofs) + FRAME)), region)
+    return Constraints(sp.csc_matrix(entries, shape=(3 * basis.N, len(dofs) + FRAME)), region)
 
 
 def end_forces(solid: Solid) -> tuple[Floats, Floats]:
@@ -111,7 +111,7 @@ def end_forces(solid: Solid) -> tuple[Floats, Floats]:
     return forces, centre
 
 
-def loads_on(solid: Solid, shoe: Shoe, ties: Ties) -> tuple[dict[str, Floats], Floats]:
+def loads_on(solid: Solid, shoe: Shoe, ties: Constraints) -> tuple[dict[str, Floats], Floats]:
     """Unit loads (unknowns, k) on the reduced unknowns by name, and the point (2,) that those of the
     actuation act at.
     """
@@ -125,7 +125,9 @@ def loads_on(solid: Solid, shoe: Shoe, ties: Ties) -> tuple[dict[str, Floats], F
     return {ACTUATION: np.asarray(ties.matrix.T @ forces.reshape(-1, 3))}, centre
 
 
-def solid_body(brake: Brake, shoe: Shoe, elements: int, across: int, seconds: Seconds) -> Body:
+def solid_body(
+    brake: Brake, shoe: Shoe, elements: int, across: int, seconds: Seconds
+) -> ShoeSubstructure:
     """Mesh, assemble and condense a shoe."""
     with clock(seconds, "mesh"):
         solid = solid_mesh(shoe, brake.size, elements, across)
@@ -139,4 +141,4 @@ def solid_body(brake: Brake, shoe: Shoe, elements: int, across: int, seconds: Se
         condensed = condense(K, ties, loads, 2 * len(face.nodes))
     with clock(seconds, "coupling"):
         made = partial(SolidBody, solid.mesh, solid.basis, face)
-        return coupled(made, shoe, face, condensed, centre, friction=brake.friction > 0)
+        return coupled_shoe(made, shoe, face, condensed, centre, friction=brake.friction > 0)

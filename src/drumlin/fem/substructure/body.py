@@ -19,13 +19,13 @@ from drumlin.base.lapack import dpotrf, solve_lower
 from drumlin.brake.elasticity import ElasticLayer, has_directions
 from drumlin.fem.mesh.arc import kind_of
 from drumlin.fem.substructure.elasticity import across, split
-from drumlin.fem.substructure.elimination import SINGULAR, dissection, eliminate, solve
+from drumlin.fem.substructure.elimination import SINGULAR_BODY, dissection, eliminate, solve
 from drumlin.fem.substructure.loads import LoadColumns, stacked_loads
 
 FRAME = 3  # unknowns of a rigid line: dx, dy, turn about the pin
 
 
-class Ties(NamedTuple):
+class Constraints(NamedTuple):
     """Reduced unknowns of a body: `matrix` (2 nodes, unknowns) from them to the displacements of
     all nodes, and the `region` of elimination of each inner one. Order: inner, contact nodes as x,
     y pairs by growing angle, frame.
@@ -35,15 +35,15 @@ class Ties(NamedTuple):
     region: Ints
 
 
-class Inside(NamedTuple):
+class InnerSystem(NamedTuple):
     """Stiffness `A` on the reduced unknowns `ties`, and the unit loads (unknowns, l) on them."""
 
     A: Any
-    ties: Ties
+    ties: Constraints
     loads: Floats
 
     def displacements(self, nodal: Floats, frame: Floats, loads: Floats) -> Floats:
-        """Displacements (2 nodes, m) [m]; see `Condensed.displacements`."""
+        """Displacements (2 nodes, m) [m]; see `CondensedBody.displacements`."""
         right = self.loads[:-FRAME] @ loads - self.A[:-FRAME, -FRAME:] @ frame
         right[len(right) - len(nodal) :] += nodal
         u = solve(self.A[:-FRAME, :-FRAME], self.ties.region, right)
@@ -51,7 +51,7 @@ class Inside(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Condensed:
+class CondensedBody:
     """A body seen from its 2n contact displacements and its frame.
 
     `L_cc` (2n, 2n) lower triangular, `L_fc` (3, 2n): see above. `load_c` (2n, l) and `load_f` (3,
@@ -68,14 +68,14 @@ class Condensed:
     load_c: Floats
     load_f: Floats
     load_work: Floats
-    inside: Callable[[], Inside]
+    inside: Callable[[], InnerSystem]
     recover: Callable[[Floats, Floats, Floats], Floats]
     columns: LoadColumns
     lost: float = 0.0
     moved: Floats | None = None
 
     @property
-    def ties(self) -> Ties:
+    def ties(self) -> Constraints:
         """The reduced unknowns."""
         return self.inside().ties
 
@@ -218,7 +218,9 @@ def _precise_gradients(basis: Any) -> tuple[Any, Any]:
     return np.einsum("adq,dcjq->acjq", slopes, inverse), np.abs(det) * basis.W
 
 
-def tie(basis: Any, contact: Ints, rigid: Ints, pin: Floats, alone: Ints | None = None) -> Ties:
+def constrain(
+    basis: Any, contact: Ints, rigid: Ints, pin: Floats, alone: Ints | None = None
+) -> Constraints:
     """The reduced unknowns: inner nodes in the order of a dissection, contact nodes, then the
     frame.
 
@@ -238,7 +240,7 @@ def tie(basis: Any, contact: Ints, rigid: Ints, pin: Floats, alone: Ints | None 
         others = ~np.isin(dofs, alone)
         dofs = np.concatenate([dofs[others], alone])
         entries = np.ones(len(dofs)), (dofs, np.arange(len(dofs)))
-        return Ties(
+        return Constraints(
             sp.csc_matrix(entries, shape=(2 * basis.N, len(dofs))), region[others[: len(region)]]
         )
     frame = np.arange(len(dofs), len(dofs) + FRAME)
@@ -248,10 +250,10 @@ def tie(basis: Any, contact: Ints, rigid: Ints, pin: Floats, alone: Ints | None 
     columns = [np.arange(len(dofs)), *(np.full(len(rigid), frame[k]) for k in (0, 2, 1, 2))]
     values = [np.ones(len(dofs)), ones, -y, ones, x]
     entries = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
-    return Ties(sp.csc_matrix(entries, shape=(2 * basis.N, len(dofs) + FRAME)), region)
+    return Constraints(sp.csc_matrix(entries, shape=(2 * basis.N, len(dofs) + FRAME)), region)
 
 
-def condense(K: Any, ties: Ties, loads: Mapping[str, Floats], contact: int) -> Condensed:
+def condense(K: Any, ties: Constraints, loads: Mapping[str, Floats], contact: int) -> CondensedBody:
     """Eliminate all but the last `contact` + 3 unknowns.
 
     Parameters
@@ -270,16 +272,16 @@ def condense(K: Any, ties: Ties, loads: Mapping[str, Floats], contact: int) -> C
     S, left, work = eliminate(A, ties.region, all_loads)
     L_cc, info = dpotrf(S[:contact, :contact], lower=1)
     if info:
-        raise NoAnswer(SINGULAR)
+        raise NoAnswer(SINGULAR_BODY)
     L_fc = solve_lower(L_cc, S[:contact, contact:]).T
-    inside = Inside(A, ties, all_loads)
-    return Condensed(
+    inside = InnerSystem(A, ties, all_loads)
+    return CondensedBody(
         L_cc,
         L_fc,
         left[:contact],
         left[contact:],
         work,
-        partial(Inside, *inside),
+        partial(InnerSystem, *inside),
         inside.displacements,
         LoadColumns.of(loads),
     )

@@ -17,11 +17,11 @@ from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import NoAnswer
 from drumlin.base.lapack import dpotrf, dtrsm
 
-LEAF = 5  # halvings that a smallest region goes without: it has up to 32 elements
+LEAF_HALVINGS = 5  # halvings that a smallest region goes without: it has up to 32 elements
 
 _Left = list[list[tuple[Ints, Floats]]]
 
-SINGULAR = "singular stiffness: a part hangs on nothing, or moduli are too far apart"
+SINGULAR_BODY = "singular stiffness: a part hangs on nothing, or moduli are too far apart"
 
 
 class Order(NamedTuple):
@@ -68,7 +68,7 @@ def dissection(xy: Floats, elements: Ints) -> Order:
     height = np.ceil(np.log2((first ^ last) + 1.0)).astype(
         np.int64
     )  # levels up to the common region
-    height = np.maximum(height, min(LEAF, depth))
+    height = np.maximum(height, min(LEAF_HALVINGS, depth))
     end = (first >> height << height) + (1 << height)
     nodes = np.lexsort((height, end))
     new = np.diff(end[nodes], prepend=-1).astype(bool) | np.diff(height[nodes], prepend=-1).astype(
@@ -130,7 +130,7 @@ def solve(A: Any, region: Ints, right: Floats) -> Floats:
         fronts.append(front)
     L, info = dpotrf(_kept(lower, inner, left), lower=1)
     if info:
-        raise NoAnswer(SINGULAR)
+        raise NoAnswer(SINGULAR_BODY)
     x[inner:] = dtrsm(1.0, L, dtrsm(1.0, L, x[inner:], lower=1), lower=1, trans_a=1)
     while fronts:
         front = fronts.pop()
@@ -186,7 +186,7 @@ def _fronts(lower: Any, region: Ints, left: _Left) -> Iterator[_FrontFactor]:
         own, later = b - a, touched[b - a :]
         L, info = dpotrf(F[:own, :own], lower=1)
         if info:
-            raise NoAnswer(SINGULAR)
+            raise NoAnswer(SINGULAR_BODY)
         below = dtrsm(1.0, L, F[own:, :own], side=1, lower=1, trans_a=1)
         if len(later):
             after = regions if later[0] >= inner else int(region[later[0]])

@@ -23,14 +23,21 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Section
 from drumlin.fem.mesh.edges import edge_nodes
 from drumlin.fem.mesh.grading import EDGE_SIZE, graded, lining_angles, lining_layers
-from drumlin.fem.substructure.body import FRAME, Condensed, condense, scalar_basis, stiffness, tie
+from drumlin.fem.substructure.body import (
+    FRAME,
+    CondensedBody,
+    condense,
+    constrain,
+    scalar_basis,
+    stiffness,
+)
 from drumlin.fem.substructure.elasticity import ring_layers
 from drumlin.fem.substructure.interface import ContactLine, contact_line, edge_points
 from drumlin.response.resultants import GAUSS, WEIGHTS, shape, slopes
 
 
 @dataclass(frozen=True)
-class RingBody:
+class RingSubstructure:
     """The ring, condensed to its nodes under the linings, in the brake's frame.
 
     `pressed[i]`, `dragged[i]` (m, n_i): for shoe i the half flexibilities under the nodal forces
@@ -43,12 +50,12 @@ class RingBody:
     mesh: Any
     basis: Any
     line: ContactLine
-    condensed: Condensed
+    condensed: CondensedBody
     pressed: tuple[Floats, ...]
     dragged: tuple[Floats, ...]
     coupled: tuple[tuple[Floats, Floats], ...]
     support: Ints
-    free: "Free | None"
+    free: "FreeRing | None"
 
     def displacement(self, pressures: list[Floats], drag: float) -> Floats:
         """Displacement of all nodes (2, nodes) [m] under the pressures (n_i,) [Pa] of the linings,
@@ -124,7 +131,7 @@ def closed_mesh(angles: Floats, depths: Floats, radius: float, sign: int, name: 
     )
 
 
-def ring_body(brake: Brake, elements: int, linings: tuple[ContactLine, ...]) -> RingBody:
+def ring_body(brake: Brake, elements: int, linings: tuple[ContactLine, ...]) -> RingSubstructure:
     """Mesh and condense the ring under the linings, given by their contact lines in the shoes'
     frames.
     """
@@ -140,14 +147,14 @@ def ring_body(brake: Brake, elements: int, linings: tuple[ContactLine, ...]) -> 
     n = 2 * len(line.nodes)
     support = basis.get_dofs(mesh.boundaries["support"]).flatten()
     if ring.support == "fixed":
-        ties = tie(basis, line.nodes, support, np.zeros(2))
+        ties = constrain(basis, line.nodes, support, np.zeros(2))
         condensed = condense(K, ties, {}, n)
         free = None
     else:
-        ties = tie(basis, line.nodes, support[:0], np.zeros(2), determinate(basis, support))
+        ties = constrain(basis, line.nodes, support[:0], np.zeros(2), determinate(basis, support))
         rim = rim_loads(basis, mesh.boundaries["support"])
         condensed = condense(K, ties, {"rim": ties.matrix.T @ rim}, n)
-        free = Free.of(basis, rim, condensed, line)
+        free = FreeRing.of(basis, rim, condensed, line)
     return coupled_ring(brake, linings, mesh, basis, line, condensed, support, free)
 
 
@@ -157,10 +164,10 @@ def coupled_ring(
     mesh: Any,
     basis: Any,
     line: ContactLine,
-    condensed: Condensed,
+    condensed: CondensedBody,
     support: Ints,
-    free: "Free | None",
-) -> RingBody:
+    free: "FreeRing | None",
+) -> RingSubstructure:
     """A condensed ring, coupled with the linings, given by their contact lines in the shoes'
     frames.
     """
@@ -175,7 +182,7 @@ def coupled_ring(
     )
     pressed = tuple(_half(condensed, N.T, free) for N, _ in coupled)
     dragged = tuple(_half(condensed, -T.T, free) for _, T in coupled)
-    return RingBody(mesh, basis, line, condensed, pressed, dragged, coupled, support, free)
+    return RingSubstructure(mesh, basis, line, condensed, pressed, dragged, coupled, support, free)
 
 
 def _facets_under(mesh: Any, arcs: list[tuple[float, float]]) -> Ints:
@@ -286,7 +293,7 @@ def determinate(basis: Any, support: Ints) -> Ints:
 
 
 @dataclass(frozen=True)
-class Free:
+class FreeRing:
     """A free ring: contact forces f are met by rim forces -B lambda, and the mean motion of the rim
     is zero.
 
@@ -301,7 +308,7 @@ class Free:
     root: Floats
 
     @classmethod
-    def of(cls, basis: Any, rim: Floats, condensed: Condensed, line: ContactLine) -> "Free":
+    def of(cls, basis: Any, rim: Floats, condensed: CondensedBody, line: ContactLine) -> "FreeRing":
         """From the rim's forces B (2 nodes, FRAME) `rim`, and the ring condensed with B as its
         loads.
         """
@@ -323,7 +330,7 @@ class Free:
         )
 
 
-def _half(condensed: Condensed, forces: Floats, free: Free | None) -> Floats:
+def _half(condensed: CondensedBody, forces: Floats, free: FreeRing | None) -> Floats:
     """W (m, k) with W^T W the work of the displacements under nodal forces (2n, k)."""
     Y = condensed.half(forces)
     if free is None:
