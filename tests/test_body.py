@@ -183,11 +183,11 @@ def test_condensed_displacements_equal_those_of_the_whole_system(brake):
     u[free] = spsolve(K[free][:, free].tocsc(), forces[free])
     scale = np.abs(u).max()
 
-    Y = condensed.half(np.column_stack([nodal + condensed.load_c @ factors]))
+    Y = condensed.half(np.column_stack([nodal + condensed.load_on_contact @ factors]))
     work = float((Y[:, 0] ** 2).sum())
     c = np.column_stack([u[2 * line.nodes], u[2 * line.nodes + 1]]).ravel()
-    assert work == pytest.approx(c @ (nodal + condensed.load_c @ factors), rel=1e-9)
-    reaction = (condensed.L_fc @ Y)[:, 0] - condensed.load_f @ factors
+    assert work == pytest.approx(c @ (nodal + condensed.load_on_contact @ factors), rel=1e-9)
+    reaction = (condensed.L_fc @ Y)[:, 0] - condensed.load_on_frame @ factors
     applied = forces.reshape(-1, 2).sum(axis=0)
     assert reaction[:2] == pytest.approx(-applied, rel=1e-9, abs=1e-9 * np.abs(applied).max())
     everywhere = condensed.displacement(nodal, np.zeros(FRAME), factors)

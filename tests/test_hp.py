@@ -235,10 +235,10 @@ def test_a_condensed_shoe_is_what_one_sparse_factorisation_leaves(brake, case):
     )
     S, T = (c.L_cc @ c.L_cc.T for c in (body.condensed, other))
     assert pytest.approx(T, abs=1e-9 * np.abs(T).max()) == S
-    for name in ("load_c", "load_f", "load_work"):
+    for name in ("load_on_contact", "load_on_frame", "load_work"):
         mine, theirs = getattr(body.condensed, name), getattr(other, name)
         assert mine == pytest.approx(theirs, abs=1e-8 * max(np.abs(theirs).max(), 1e-30))
-    assert body.condensed.lost < 1e-8
+    assert body.condensed.force_imbalance < 1e-8
 
 
 def test_a_post_is_what_one_sparse_factorisation_leaves():
@@ -254,7 +254,7 @@ def test_a_post_is_what_one_sparse_factorisation_leaves():
     )
     S, T = (c.L_cc @ c.L_cc.T for c in (body.condensed, other))
     assert pytest.approx(T, abs=1e-9 * np.abs(T).max()) == S
-    assert body.condensed.load_f == pytest.approx(other.load_f, abs=1e-8)
+    assert body.condensed.load_on_frame == pytest.approx(other.load_on_frame, abs=1e-8)
     ends = [body.basis.doflocs[:, body.basis.sets[name]] for name in ("hinge", "actuation")]
     middles = [
         0.5 * (nodes[:, 0] + nodes[:, -1]) for nodes in ends
@@ -293,8 +293,8 @@ def test_the_turn_of_the_frame_moves_the_contact_as_a_rigid_body(brake):
     assert body.condensed.L_cc @ body.condensed.L_fc.T == pytest.approx(
         -(body.condensed.L_cc @ body.condensed.L_cc.T) @ motion, rel=1e-6, abs=1e-6 * 3e8
     )
-    assert motion.shape == (len(body.turned), FRAME)
-    assert body.turned == pytest.approx(motion[:, 2])
+    assert motion.shape == (len(body.rotation_mode), FRAME)
+    assert body.rotation_mode == pytest.approx(motion[:, 2])
 
 
 @pytest.mark.parametrize("support", ["fixed", "free"])
@@ -841,9 +841,9 @@ def test_what_is_kept_is_never_that_of_another_brake_or_division(brake):
         kept, anew = (prepare(own, LEVELS[0], where, cache=which) for which in (cache, None))
         for a, b in zip(kept.bodies, anew.bodies, strict=True):
             for name in (
-                "closing_pressed",
-                "closing_dragged",
-                "held_pressed",
+                "closure_by_pressure",
+                "closure_by_friction",
+                "reaction_to_pressure",
                 "turned",
                 "load_centre",
             ):

@@ -391,12 +391,15 @@ def test_displacements_by_way_of_the_sides_of_elements_are_those_of_the_whole_sy
             else None
         )
         nodal = rng.standard_normal((2 * len(body.line.nodes), 2)) if nodal is None else nodal
-        frame, loads = np.zeros((FRAME, 2)), rng.standard_normal((condensed.load_c.shape[1], 2))
+        frame, loads = (
+            np.zeros((FRAME, 2)),
+            rng.standard_normal((condensed.load_on_contact.shape[1], 2)),
+        )
         inside = condensed.inside()
         right = inside.loads[:-FRAME] @ loads
         right[-len(nodal) :] += nodal
         u = spsolve(inside.A[:-FRAME, :-FRAME].tocsc(), right)
-        expected = inside.ties.matrix @ np.vstack([u, frame])
+        expected = inside.constraints.matrix @ np.vstack([u, frame])
         found = condensed.displacements(nodal, frame, loads)
         assert np.abs(found - expected).max() < 1e-6 * np.abs(expected).max()
 

@@ -168,7 +168,9 @@ def _undragged(scene: PreparedModel, brake: Brake) -> PreparedModel:
             )
             held = -rigid @ body.coupling.T.T
             made[id(body)] = replace(
-                body, closing_dragged=np.zeros_like(body.closing_pressed), held_dragged=held
+                body,
+                closure_by_friction=np.zeros_like(body.closure_by_pressure),
+                reaction_to_friction=held,
             )
     ring = scene.ring and replace(
         scene.ring, dragged=tuple(np.zeros_like(d) for d in scene.ring.dragged)

@@ -142,11 +142,11 @@ def _flexible(body: ShoeSubstructure, shoe: Shoe, radius: float) -> ShoeSubstruc
     loaded = np.hstack([load, couple])
     return replace(
         body,
-        closing_pressed=body.closing_pressed - pressed.T @ pressed,
-        closing_dragged=None
-        if body.closing_dragged is None
-        else body.closing_dragged - pressed.T @ dragged,
-        closing_loaded=body.closing_loaded - pressed.T @ loaded,
+        closure_by_pressure=body.closure_by_pressure - pressed.T @ pressed,
+        closure_by_friction=None
+        if body.closure_by_friction is None
+        else body.closure_by_friction - pressed.T @ dragged,
+        closure_by_load=body.closure_by_load - pressed.T @ loaded,
     )
 
 

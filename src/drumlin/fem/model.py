@@ -323,7 +323,7 @@ def _answer(
     softness, lost = _changed(group, k, p, changes, reaction_size(reaction, normal_force))
     if refined:
         note += f"; {REFINED}, so its pressure is certain to {max(lost.pressure, DOUBLE):.0e}"
-    least = 0.0 if refined else body.condensed.lost
+    least = 0.0 if refined else body.condensed.force_imbalance
     lost = Change(*(max(part, least) for part in lost))
     response = pressed_shoe(
         shoe,
@@ -361,7 +361,7 @@ def _changes(group: ShoeGroup, found: Contact, amounts: Sequence[Floats]) -> Flo
         opened.append(
             (1 + 1 / group.penalty) * (body.coupling.M @ found.p[part]) / group.stiffnesses[k]
         )
-        moved, frame = body.condensed.moved, group.motions[k].of @ amounts[k]
+        moved, frame = body.condensed.rigid_mode_error, group.motions[k].of @ amounts[k]
         strayed.append(
             np.zeros(len(opened[k])) if moved is None else body.coupling.N @ (moved @ frame)
         )

@@ -162,7 +162,7 @@ def _tangential(group: ShoeGroup, k: int) -> tuple[Any, ...]:
     sense, coupling, condensed = shoe.frame.sense, body.coupling, body.condensed
     n = len(body.line.nodes)
     T = sense * coupling.T  # along e_theta of the brake
-    Y = condensed.half(np.hstack([-coupling.N.T, T.T, condensed.load_c]))
+    Y = condensed.half(np.hstack([-coupling.N.T, T.T, condensed.load_on_contact]))
     pressed, dragged, loaded = np.split(Y, [n, 2 * n], axis=1)
     load, _ = actuation(body, shoe)
     share = abs(shoe.actuation.force) / group.unit_force

@@ -403,7 +403,7 @@ def _add_line(found: dict[str, Floats], every: Adjoints, k: int) -> None:
         pushing = np.array([*shoe.frame.to_shoe(force), couple])
         load = body.columns.factors({ACTUATION: pushing})
         tested = own * worked * (free.tests @ np.array([*force, moment]))
-        return at.F * float(at.a @ (body.closing_loaded @ load) - at.b @ tested)
+        return at.F * float(at.a @ (body.closure_by_load @ load) - at.b @ tested)
 
     moves = moves_by(group.scene, group.members[k], shoe, "actuation.point")
     moved = [

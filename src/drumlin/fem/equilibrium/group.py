@@ -138,7 +138,7 @@ class ShoeGroup:
     def closings(self) -> tuple[tuple[Floats, Floats], ...]:
         """Of each shoe and the motions that its equilibria are tested on N u and T u (n_i, k)."""
         return tuple(
-            body.turning
+            body.rotation_closure
             if shoe.held_by == "hinge"
             else (body.coupling.N @ at.tested, body.coupling.T @ at.tested)
             for body, shoe, at in zip(self.bodies, self.shoes, self.motions, strict=True)
@@ -152,7 +152,7 @@ class ShoeGroup:
             self.bodies, self.shoes, self.motions, self.gaps, self.loads, self.closings, strict=True
         ):
             own = abs(shoe.actuation.force) / self.unit_force
-            q = body.coupling.M @ (gap / self.unit_force) - own * (body.closing_loaded @ load)
+            q = body.coupling.M @ (gap / self.unit_force) - own * (body.closure_by_load @ load)
             closing = tested if at.moved is at.tested else body.coupling.N @ at.moved
             found.append((q, -closing, -own * at.work))
         return tuple(found)
@@ -252,8 +252,10 @@ class ShoeGroup:
         body, shoe, motions = self.bodies[k], self.shoes[k], self.motions[k]
         drag = self._drag_on(shoe, friction)
         load, _ = self.loads[k]
-        tip = -(load @ body.closing_loaded.T) + (
-            0.0 if body.tip_dragged is None else drag * (load @ body.tip_dragged)
+        tip = -(load @ body.closure_by_load.T) + (
+            0.0
+            if body.load_motion_by_friction is None
+            else drag * (load @ body.load_motion_by_friction)
         )
         contact = (drag * body.forces[1] - body.forces[0])[:2].T  # (n, 2) per pressure
         bearing = (
@@ -265,8 +267,8 @@ class ShoeGroup:
             0.0 if shoe.abutment is None else -float(shoe.bearing @ shoe.actuation.direction_vector)
         )
         return Pushed(
-            part=self.parts[k], rows=self.rows[k], opened=-(body.closing_loaded @ load), tip=tip,
-            yields=float(load @ body.tip_loaded @ load), work=motions.work, moves=motions.tip, bearing=bearing,
+            part=self.parts[k], rows=self.rows[k], opened=-(body.closure_by_load @ load), tip=tip,
+            yields=float(load @ body.load_motion_by_load @ load), work=motions.work, moves=motions.tip, bearing=bearing,
             direct=direct,
         )  # fmt: skip
 
@@ -546,7 +548,7 @@ class Followed(NamedTuple):
 
 def _yielding(body: ShoeSubstructure, drag: float, stiffness: float) -> Floats:
     """A (n, n): what pressures take from the weighted gaps, the penalty's compliance included."""
-    pressed, dragged, M = body.closing_pressed, body.closing_dragged, body.coupling.M
+    pressed, dragged, M = body.closure_by_pressure, body.closure_by_friction, body.coupling.M
     A = np.empty(M.shape)
     for first in range(0, len(A), ROWS):
         rows = slice(first, first + ROWS)
@@ -612,7 +614,7 @@ def turns_towards(body: ShoeSubstructure, shoe: Shoe) -> bool:
     if shoe.actuation.force == 0:
         return False
     _, moment = actuation(body, shoe)
-    approach, _ = body.turning
+    approach, _ = body.rotation_closure
     return bool(abs(moment) > 1e-14 * np.abs(body.line.xy).max() and (moment * approach > 0).any())
 
 

@@ -60,5 +60,5 @@ def motions_of(body: ShoeSubstructure, shoe: Shoe, moment: float, sense: int = 1
 
 def _turn(body: ShoeSubstructure, moment: float) -> Motions:
     """The turn about the pin, free of the round-off of one about the drum's centre."""
-    turned, work = body.turned[:, None], np.array([moment])
+    turned, work = body.rotation_mode[:, None], np.array([moment])
     return Motions(turned, turned, work, work, np.array([[0.0], [0.0], [1.0]]))

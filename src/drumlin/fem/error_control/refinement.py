@@ -157,7 +157,7 @@ def _shoe_block(
     scene: PreparedModel, brake: Brake, index: int, size: float, motions: Motions, carried: bool
 ) -> _ShoeBlock:
     body, shoe = scene.bodies[index], brake.shoes[index]
-    ties = body.condensed.ties.matrix.astype(LONG)
+    ties = body.condensed.constraints.matrix.astype(LONG)
     K = stiffness(body.basis, layers_of(shoe), precise=True)
     A = (ties.T @ K @ ties).tocsr()
     inside, n = A.shape[0] - FRAME, len(body.line.nodes)

@@ -69,7 +69,7 @@ def condensed(
     L_fc = solve_lower(L, S[FRAME:, :FRAME]).T
     inside = partial(_inside, shoe, div, grid, end_loads)
     recover = partial(_recovered, shoe, div, grid, end_loads)
-    moved = dtrtrs(L, solve_lower(L, found.missed), lower=1, trans=1)[0]
+    rigid_mode_error = dtrtrs(L, solve_lower(L, found.rigid_mode_forces), lower=1, trans=1)[0]
     return CondensedBody(
         L,
         L_fc,
@@ -79,15 +79,15 @@ def condensed(
         inside,
         recover,
         found.columns,
-        found.lost,
-        moved,
+        found.force_imbalance,
+        rigid_mode_error,
     )
 
 
 def _inside(shoe: Shoe, div: ShoeDivision, grid: ColumnGrid, end_loads: EndLoads) -> InnerSystem:
     K = grid.stiffness(layers_of(shoe))
-    ties = constrain(grid, np.arange(div.contact_nodes), grid.sets["hinge"], shoe.own_pin)
-    return _reduced(K, ties, _on_nodes(div, grid, end_loads))
+    constraints = constrain(grid, np.arange(div.contact_nodes), grid.sets["hinge"], shoe.own_pin)
+    return _reduced(K, constraints, _on_nodes(div, grid, end_loads))
 
 
 def _recovered(
@@ -101,11 +101,13 @@ def _recovered(
 ) -> Floats:
     """What `CondensedBody.displacements` returns, with the elements' insides eliminated one by one."""
     layers, sides = layers_of(shoe), grid.skeleton
-    ties = constrain(
+    constraints = constrain(
         sides, sides.place[: div.contact_nodes], sides.place[grid.sets["hinge"]], shoe.own_pin
     )
     load = _on_nodes(div, grid, end_loads)
-    inside = _reduced(sides.stiffness(layers), ties, None if load is None else load[sides.dofs])
+    inside = _reduced(
+        sides.stiffness(layers), constraints, None if load is None else load[sides.dofs]
+    )
     return sides.everywhere(layers, inside.displacements(nodal, frame, loads))
 
 
@@ -137,15 +139,15 @@ def _on_nodes(div: ShoeDivision, grid: ColumnGrid, end_loads: EndLoads) -> Float
     return _spread(grid, _loaded_end(div, grid, end_loads).forces)
 
 
-def _reduced(K: Any, ties: Constraints, load: Floats | None) -> InnerSystem:
+def _reduced(K: Any, constraints: Constraints, load: Floats | None) -> InnerSystem:
     """A stiffness `K` (2 nodes, 2 nodes) and the unit loads (2 nodes, l) on the reduced
     unknowns."""
     if load is None:
-        loads = np.zeros((ties.matrix.shape[1], FRAME))
+        loads = np.zeros((constraints.matrix.shape[1], FRAME))
         loads[-FRAME:] = np.eye(FRAME)
     else:
-        loads = ties.matrix.T @ load
-    return InnerSystem((ties.matrix.T @ K @ ties.matrix).tocsc(), ties, loads)
+        loads = constraints.matrix.T @ load
+    return InnerSystem((constraints.matrix.T @ K @ constraints.matrix).tocsc(), constraints, loads)
 
 
 def contact_line(shoe: Shoe, radius: float, div: ShoeDivision) -> ContactLine:

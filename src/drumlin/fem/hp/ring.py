@@ -325,9 +325,11 @@ def _reduced(
     """The stiffness of a ring and the unit loads `rim` (2 nodes, l) on its reduced unknowns."""
     K, ring = basis.stiffness(_layers(brake)), brake.ring
     if ring is not None and ring.support == "fixed":
-        ties = constrain(basis, contact, support, np.zeros(2))
-        loads = np.zeros((ties.matrix.shape[1], 0))
+        constraints = constrain(basis, contact, support, np.zeros(2))
+        loads = np.zeros((constraints.matrix.shape[1], 0))
     else:
-        ties = constrain(basis, contact, support[:0], np.zeros(2), determinate(basis, support))
-        loads = ties.matrix.T @ rim
-    return InnerSystem((ties.matrix.T @ K @ ties.matrix).tocsc(), ties, loads)
+        constraints = constrain(
+            basis, contact, support[:0], np.zeros(2), determinate(basis, support)
+        )
+        loads = constraints.matrix.T @ rim
+    return InnerSystem((constraints.matrix.T @ K @ constraints.matrix).tocsc(), constraints, loads)

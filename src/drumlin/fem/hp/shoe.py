@@ -100,8 +100,8 @@ class CondensedShoe(NamedTuple):
     loads: Floats
     work: Floats
     centre: Floats
-    missed: Floats
-    lost: float
+    rigid_mode_forces: Floats
+    force_imbalance: float
     columns: LoadColumns
 
 

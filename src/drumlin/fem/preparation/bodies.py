@@ -33,11 +33,11 @@ class ShoeSubstructure:
 
     The frame is held, while the nodal forces -N^T (pressed) and T^T (dragged) and the l unit loads
     act. `columns` names the loads; those of the actuation are force x, force y and couple about
-    `load_centre`. `closing_pressed`, `closing_dragged` (n, n) and `closing_loaded` (n, l) are N
-    times the contact displacements, by which the weighted gap closes. `tip_dragged` (l, n) and
-    `tip_loaded` (l, l) are the displacements that the unit loads work on. `held_*` (3, ...) are
+    `load_centre`. `closure_by_pressure`, `closure_by_friction` (n, n) and `closure_by_load` (n, l) are N
+    times the contact displacements, by which the weighted gap closes. `load_motion_by_friction` (l, n) and
+    `load_motion_by_load` (l, l) are the displacements that the unit loads work on. `held_*` (3, ...) are
     force x, y and moment that hold the frame meanwhile. The dragged ones are None where mu = 0.
-    `turned` (2n,) is the contact displacement per turn [rad] about the pin.
+    `rotation_mode` (2n,) is the contact displacement per turn [rad] about the pin.
     """
 
     mesh: Any
@@ -46,15 +46,15 @@ class ShoeSubstructure:
     coupling: Coupling
     condensed: CondensedBody
     load_centre: Floats
-    turned: Floats
-    closing_pressed: Floats
-    closing_dragged: Floats | None
-    closing_loaded: Floats
-    tip_dragged: Floats | None
-    tip_loaded: Floats
-    held_pressed: Floats
-    held_dragged: Floats | None
-    held_loaded: Floats
+    rotation_mode: Floats
+    closure_by_pressure: Floats
+    closure_by_friction: Floats | None
+    closure_by_load: Floats
+    load_motion_by_friction: Floats | None
+    load_motion_by_load: Floats
+    reaction_to_pressure: Floats
+    reaction_to_friction: Floats | None
+    reaction_to_load: Floats
 
     @property
     def columns(self) -> LoadColumns:
@@ -67,9 +67,11 @@ class ShoeSubstructure:
         return int(2 * self.basis.N)
 
     @cached_property
-    def turning(self) -> tuple[Floats, Floats]:
+    def rotation_closure(self) -> tuple[Floats, Floats]:
         """N u and T u (n, 1) of a turn by one radian."""
-        return self.coupling.N @ self.turned[:, None], self.coupling.T @ self.turned[:, None]
+        return self.coupling.N @ self.rotation_mode[:, None], self.coupling.T @ self.rotation_mode[
+            :, None
+        ]
 
     @cached_property
     def forces(self) -> Floats:
@@ -110,7 +112,7 @@ def coupled_shoe(
     """
     n = len(line.nodes)
     coupling = coupling_of(line, shoe)
-    forces = [-coupling.N.T, condensed.load_c] + ([coupling.T.T] if friction else [])
+    forces = [-coupling.N.T, condensed.load_on_contact] + ([coupling.T.T] if friction else [])
     Y = condensed.half(np.concatenate(forces, axis=1))
     closing, holding = -Y[:, :n].T @ Y, condensed.L_fc @ Y
     beyond = n + condensed.columns.count
@@ -120,15 +122,15 @@ def coupled_shoe(
         coupling=coupling,
         condensed=condensed,
         load_centre=centre,
-        turned=np.array([-y, x]).T.ravel(),
-        closing_pressed=closing[:, pressed],
-        closing_loaded=closing[:, loaded],
-        closing_dragged=closing[:, dragged] if friction else None,
-        tip_dragged=Y[:, loaded].T @ Y[:, dragged] if friction else None,
-        tip_loaded=Y[:, loaded].T @ Y[:, loaded] + condensed.load_work,
-        held_pressed=holding[:, pressed],
-        held_loaded=holding[:, loaded] - condensed.load_f,
-        held_dragged=holding[:, dragged] if friction else None,
+        rotation_mode=np.array([-y, x]).T.ravel(),
+        closure_by_pressure=closing[:, pressed],
+        closure_by_load=closing[:, loaded],
+        closure_by_friction=closing[:, dragged] if friction else None,
+        load_motion_by_friction=Y[:, loaded].T @ Y[:, dragged] if friction else None,
+        load_motion_by_load=Y[:, loaded].T @ Y[:, loaded] + condensed.load_work,
+        reaction_to_pressure=holding[:, pressed],
+        reaction_to_load=holding[:, loaded] - condensed.load_on_frame,
+        reaction_to_friction=holding[:, dragged] if friction else None,
     )
 
 
@@ -162,8 +164,12 @@ def held(body: ShoeSubstructure, p: Floats, drag: float, load: Floats) -> Floats
     factors
     load (l,) of the load columns.
     """
-    forces = body.held_pressed @ p + body.held_loaded @ load
-    return forces if body.held_dragged is None else forces + drag * (body.held_dragged @ p)
+    forces = body.reaction_to_pressure @ p + body.reaction_to_load @ load
+    return (
+        forces
+        if body.reaction_to_friction is None
+        else forces + drag * (body.reaction_to_friction @ p)
+    )
 
 
 def contact_stiffness(shoe: Shoe, penalty: float) -> float:

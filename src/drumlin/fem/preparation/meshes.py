@@ -105,14 +105,14 @@ class Assembled:
     from.
 
     `K` (2 nodes, 2 nodes): stiffness; `loads`: the unit loads (unknowns, k) on the reduced unknowns
-    of `ties`, by name; `load_centre` (2,) [m]: what those of the actuation act about.
+    of `constraints`, by name; `load_centre` (2,) [m]: what those of the actuation act about.
     """
 
     mesh: Any
     basis: Any
     line: ContactLine
     K: Any
-    ties: Constraints
+    constraints: Constraints
     loads: dict[str, Floats]
     load_centre: Floats
 
@@ -145,20 +145,20 @@ def assemble(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Asse
         pin = shoe.own_pin
         line = line_of(basis, mesh.boundaries["contact"], shoe, brake.size)
         rigid = basis.get_dofs(mesh.boundaries["hinge"]).flatten()
-        ties = constrain(basis, line.nodes, rigid, pin)
+        constraints = constrain(basis, line.nodes, rigid, pin)
         if "actuation" in mesh.boundaries and not shoe.gripped:
             full, load_centre = end_loads(basis, mesh.boundaries["actuation"])
-            actuated = ties.matrix.T @ full
+            actuated = constraints.matrix.T @ full
         else:  # the force acts on the rigid shoe itself, or on what holds the back of the body
-            actuated, load_centre = np.zeros((ties.matrix.shape[1], FRAME)), pin
+            actuated, load_centre = np.zeros((constraints.matrix.shape[1], FRAME)), pin
             actuated[-FRAME:] = np.eye(FRAME)
-    return Assembled(mesh, basis, line, K, ties, {ACTUATION: actuated}, load_centre)
+    return Assembled(mesh, basis, line, K, constraints, {ACTUATION: actuated}, load_centre)
 
 
 def _body(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> ShoeSubstructure:
     parts = assemble(brake, shoe, mesher, seconds)
     with clock(seconds, "condensation"):
-        condensed = condense(parts.K, parts.ties, parts.loads, 2 * len(parts.line.nodes))
+        condensed = condense(parts.K, parts.constraints, parts.loads, 2 * len(parts.line.nodes))
     made = partial(ShoeSubstructure, parts.mesh, parts.basis, parts.line)
     with clock(seconds, "coupling"):
         return coupled_shoe(

@@ -111,18 +111,20 @@ def end_forces(solid: Solid) -> tuple[Floats, Floats]:
     return forces, centre
 
 
-def loads_on(solid: Solid, shoe: Shoe, ties: Constraints) -> tuple[dict[str, Floats], Floats]:
+def loads_on(
+    solid: Solid, shoe: Shoe, constraints: Constraints
+) -> tuple[dict[str, Floats], Floats]:
     """Unit loads (unknowns, k) on the reduced unknowns by name, and the point (2,) that those of the
     actuation act at.
     """
     if (
         "actuation" not in solid.section.boundaries or shoe.gripped
     ):  # it acts on the rigid shoe, or on what holds it
-        loads = np.zeros((ties.matrix.shape[1], 3))
+        loads = np.zeros((constraints.matrix.shape[1], 3))
         loads[-FRAME:] = np.eye(3)
         return {ACTUATION: loads}, shoe.own_pin
     forces, centre = end_forces(solid)
-    return {ACTUATION: np.asarray(ties.matrix.T @ forces.reshape(-1, 3))}, centre
+    return {ACTUATION: np.asarray(constraints.matrix.T @ forces.reshape(-1, 3))}, centre
 
 
 def solid_body(
@@ -135,10 +137,10 @@ def solid_body(
         K = stiffness(solid.basis, solid_layers(shoe))
     with clock(seconds, "ties"):
         face, rigid = face_of(solid, shoe, brake.size), hinged(solid, shoe)
-        ties = tie(solid, face.nodes, rigid, shoe.own_pin, bonded=shoe.body is None)
-        loads, centre = loads_on(solid, shoe, ties)
+        constraints = tie(solid, face.nodes, rigid, shoe.own_pin, bonded=shoe.body is None)
+        loads, centre = loads_on(solid, shoe, constraints)
     with clock(seconds, "condensation"):
-        condensed = condense(K, ties, loads, 2 * len(face.nodes))
+        condensed = condense(K, constraints, loads, 2 * len(face.nodes))
     with clock(seconds, "coupling"):
         made = partial(SolidBody, solid.mesh, solid.basis, face)
         return coupled_shoe(made, shoe, face, condensed, centre, friction=brake.friction > 0)

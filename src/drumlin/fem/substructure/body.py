@@ -36,25 +36,25 @@ class Constraints(NamedTuple):
 
 
 class InnerSystem(NamedTuple):
-    """Stiffness `A` on the reduced unknowns `ties`, and the unit loads (unknowns, l) on them."""
+    """Stiffness `A` on the reduced unknowns `constraints`, and the unit loads (unknowns, l) on them."""
 
     A: Any
-    ties: Constraints
+    constraints: Constraints
     loads: Floats
 
     def displacements(self, nodal: Floats, frame: Floats, loads: Floats) -> Floats:
         """Displacements (2 nodes, m) [m]; see `CondensedBody.displacements`."""
         right = self.loads[:-FRAME] @ loads - self.A[:-FRAME, -FRAME:] @ frame
         right[len(right) - len(nodal) :] += nodal
-        u = solve(self.A[:-FRAME, :-FRAME], self.ties.region, right)
-        return np.asarray(self.ties.matrix @ np.vstack([u, frame]))
+        u = solve(self.A[:-FRAME, :-FRAME], self.constraints.region, right)
+        return np.asarray(self.constraints.matrix @ np.vstack([u, frame]))
 
 
 @dataclass(frozen=True)
 class CondensedBody:
     """A body seen from its 2n contact displacements and its frame.
 
-    `L_cc` (2n, 2n) lower triangular, `L_fc` (3, 2n): see above. `load_c` (2n, l) and `load_f` (3,
+    `L_cc` (2n, 2n) lower triangular, `L_fc` (3, 2n): see above. `load_on_contact` (2n, l) and `load_on_frame` (3,
     l): unit loads condensed to contact and frame; `load_work` (l, l): their work with both held;
     `columns`: which of the l columns is which load.
     `inside`: makes, where it is asked for, the whole system; `recover`: solves it, see
@@ -65,19 +65,19 @@ class CondensedBody:
 
     L_cc: Floats
     L_fc: Floats
-    load_c: Floats
-    load_f: Floats
+    load_on_contact: Floats
+    load_on_frame: Floats
     load_work: Floats
     inside: Callable[[], InnerSystem]
     recover: Callable[[Floats, Floats, Floats], Floats]
     columns: LoadColumns
-    lost: float = 0.0
-    moved: Floats | None = None
+    force_imbalance: float = 0.0
+    rigid_mode_error: Floats | None = None
 
     @property
-    def ties(self) -> Constraints:
+    def constraints(self) -> Constraints:
         """The reduced unknowns."""
-        return self.inside().ties
+        return self.inside().constraints
 
     @property
     def loads(self) -> Floats:
@@ -253,7 +253,9 @@ def constrain(
     return Constraints(sp.csc_matrix(entries, shape=(2 * basis.N, len(dofs) + FRAME)), region)
 
 
-def condense(K: Any, ties: Constraints, loads: Mapping[str, Floats], contact: int) -> CondensedBody:
+def condense(
+    K: Any, constraints: Constraints, loads: Mapping[str, Floats], contact: int
+) -> CondensedBody:
     """Eliminate all but the last `contact` + 3 unknowns.
 
     Parameters
@@ -267,14 +269,14 @@ def condense(K: Any, ties: Constraints, loads: Mapping[str, Floats], contact: in
     NoAnswer
         for a singular stiffness
     """
-    A = (ties.matrix.T @ K @ ties.matrix).tocsc()
+    A = (constraints.matrix.T @ K @ constraints.matrix).tocsc()
     all_loads = stacked_loads(loads, A.shape[0])
-    S, left, work = eliminate(A, ties.region, all_loads)
+    S, left, work = eliminate(A, constraints.region, all_loads)
     L_cc, info = dpotrf(S[:contact, :contact], lower=1)
     if info:
         raise NoAnswer(SINGULAR_BODY)
     L_fc = solve_lower(L_cc, S[:contact, contact:]).T
-    inside = InnerSystem(A, ties, all_loads)
+    inside = InnerSystem(A, constraints, all_loads)
     return CondensedBody(
         L_cc,
         L_fc,

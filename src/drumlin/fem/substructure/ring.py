@@ -147,13 +147,15 @@ def ring_body(brake: Brake, elements: int, linings: tuple[ContactLine, ...]) -> 
     n = 2 * len(line.nodes)
     support = basis.get_dofs(mesh.boundaries["support"]).flatten()
     if ring.support == "fixed":
-        ties = constrain(basis, line.nodes, support, np.zeros(2))
-        condensed = condense(K, ties, {}, n)
+        constraints = constrain(basis, line.nodes, support, np.zeros(2))
+        condensed = condense(K, constraints, {}, n)
         free = None
     else:
-        ties = constrain(basis, line.nodes, support[:0], np.zeros(2), determinate(basis, support))
+        constraints = constrain(
+            basis, line.nodes, support[:0], np.zeros(2), determinate(basis, support)
+        )
         rim = rim_loads(basis, mesh.boundaries["support"])
-        condensed = condense(K, ties, {"rim": ties.matrix.T @ rim}, n)
+        condensed = condense(K, constraints, {"rim": constraints.matrix.T @ rim}, n)
         free = FreeRing.of(basis, rim, condensed, line)
     return coupled_ring(brake, linings, mesh, basis, line, condensed, support, free)
 
@@ -325,7 +327,7 @@ class FreeRing:
         return cls(
             rim.reshape(-1, 2, FRAME).transpose(1, 0, 2),
             np.asarray(balance),
-            condensed.half(condensed.load_c),
+            condensed.half(condensed.load_on_contact),
             root,
         )
 
