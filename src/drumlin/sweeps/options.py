@@ -38,7 +38,7 @@ class FemOptions(ContactOptions):
 class SolidOptions(ContactOptions):
     """Options of solid shoes, as on the command line."""
 
-    elements: Annotated[int, Field(ge=1, le=solid.MOST_LINING_ELEMENTS)] | None = None
+    elements: Annotated[int, Field(ge=1, le=solid.MOST_ELEMENTS)] | None = None
     across: Annotated[int, Field(ge=1, le=solid.MOST_ACROSS)] | None = None
 
 
