@@ -1,4 +1,4 @@
-"""The body of a parametric shoe of columns, as contact, response, sweeps and wear need it."""
+"""The condensed body of a parametric shoe of columns, as contact, sweeps and wear need it."""
 
 from functools import partial
 from typing import Any
@@ -21,14 +21,16 @@ from drumlin.response.response import own_edge_zone
 
 
 def grid_of(shoe: Shoe, radius: float, div: ShoeDivision) -> ColumnGrid:
-    """All nodes and elements of a shoe; sets "hinge" and, of an elastic shoe, "actuation", from the
-    lining's side on.
+    """All nodes and elements of a shoe, with the sets "hinge" and, if it is elastic, "actuation".
+
+    The nodes of a set stand from the lining's side on.
     """
     p, first, layers = div.degree, div.first, div.layers
     depth, along = line_of(div.depths, p), line_of(div.angles, p)
     rows, n = len(depth), len(along)
     under = np.arange(rows * n).reshape(rows, n)
     blocks, count = [Block(under, depth, along, div.part)], rows * n
+    # The faces at which the body continues beyond the lining, before and behind it.
     faces = [under[first * p :, 0], under[first * p :, -1]]
     if first == layers:
         return ColumnGrid(p, tuple(blocks), shoes.map_of(shoe, radius), {"hinge": under[-1]}, count)
@@ -59,32 +61,45 @@ def condensed(
     grid: ColumnGrid,
     end_loads: EndLoads = unit_actuations,
 ) -> CondensedBody:
-    """What `shoe.condense` found with these `end_loads`, as the coupling needs it. Raises NoAnswer
-    for a singular stiffness.
+    """The condensed body that `shoe.condense` has found.
+
+    Parameters
+    ----------
+    shoe, div : the shoe and its division
+    found : the condensed shoe, with unit loads of `end_loads`
+    line : contact line of the shoe
+    grid : all nodes and elements of the shoe
+    end_loads : makes the unit loads on the loaded end
+
+    Raises
+    ------
+    NoAnswer
+        for a singular stiffness
     """
     S, loads = found.S, found.loads
     L, info = dpotrf(S[FRAME:, FRAME:], lower=1)
     if info:
         raise NoAnswer(SINGULAR_BODY)
     L_fc = solve_lower(L, S[FRAME:, :FRAME]).T
-    inside = partial(_inside, shoe, div, grid, end_loads)
-    recover = partial(_recovered, shoe, div, grid, end_loads)
-    rigid_mode_error = dtrtrs(L, solve_lower(L, found.rigid_mode_forces), lower=1, trans=1)[0]
+    # The forces that round-off leaves on the rigid-body modes move the contact.
+    half_error = solve_lower(L, found.rigid_mode_forces)
+    rigid_mode_error = dtrtrs(L, half_error, lower=1, trans=1)[0]
     return CondensedBody(
         L,
         L_fc,
-        loads[FRAME:],
-        loads[:FRAME],
-        found.work,
-        inside,
-        recover,
-        found.columns,
-        found.force_imbalance,
-        rigid_mode_error,
+        load_on_contact=loads[FRAME:],
+        load_on_frame=loads[:FRAME],
+        load_work=found.work,
+        inside=partial(_inside, shoe, div, grid, end_loads),
+        recover=partial(_recovered, shoe, div, grid, end_loads),
+        columns=found.columns,
+        force_imbalance=found.force_imbalance,
+        rigid_mode_error=rigid_mode_error,
     )
 
 
 def _inside(shoe: Shoe, div: ShoeDivision, grid: ColumnGrid, end_loads: EndLoads) -> InnerSystem:
+    """The whole system of a shoe."""
     K = grid.stiffness(layers_of(shoe))
     constraints = constrain(grid, np.arange(div.contact_nodes), grid.sets["hinge"], shoe.own_pin)
     return _reduced(K, constraints, _on_nodes(div, grid, end_loads))
@@ -99,7 +114,7 @@ def _recovered(
     frame: Floats,
     loads: Floats,
 ) -> Floats:
-    """What `CondensedBody.displacements` returns, with the elements' insides eliminated one by one."""
+    """The displacements of `CondensedBody`, with the insides of elements eliminated one by one."""
     layers, sides = layers_of(shoe), grid.skeleton
     constraints = constrain(
         sides, sides.place[: div.contact_nodes], sides.place[grid.sets["hinge"]], shoe.own_pin
@@ -112,8 +127,7 @@ def _recovered(
 
 
 def end_load_of(div: ShoeDivision, grid: ColumnGrid) -> tuple[Floats, Floats]:
-    """Nodal forces (2 N, 3) of the unit actuations on the loaded end, "actuation", and its centre
-    (2,) [m]."""
+    """Nodal forces (2 N, 3) of the unit actuations on the loaded end, and its centre (2,) [m]."""
     end = _loaded_end(div, grid, unit_actuations)
     return _spread(grid, end.forces), end.centre
 
@@ -140,8 +154,14 @@ def _on_nodes(div: ShoeDivision, grid: ColumnGrid, end_loads: EndLoads) -> Float
 
 
 def _reduced(K: Any, constraints: Constraints, load: Floats | None) -> InnerSystem:
-    """A stiffness `K` (2 nodes, 2 nodes) and the unit loads (2 nodes, l) on the reduced
-    unknowns."""
+    """The whole system on reduced unknowns.
+
+    Parameters
+    ----------
+    K : (2 nodes, 2 nodes) stiffness
+    constraints : the reduced unknowns
+    load : (2 nodes, l) unit loads; with None the three unit actuations act on the frame
+    """
     if load is None:
         loads = np.zeros((constraints.matrix.shape[1], FRAME))
         loads[-FRAME:] = np.eye(FRAME)
@@ -151,7 +171,7 @@ def _reduced(K: Any, constraints: Constraints, load: Floats | None) -> InnerSyst
 
 
 def contact_line(shoe: Shoe, radius: float, div: ShoeDivision) -> ContactLine:
-    """The contact nodes of a division, which come first in its grid."""
+    """The contact line of a divided shoe; its nodes come first in the grid."""
     p = div.degree
     phi = line_of(div.angles, p)
     m = len(div.angles) - 1
