@@ -1,6 +1,4 @@
-"""What a user's mesh must fulfil; each fault is one line that names the file and says what is
-allowed.
-"""
+"""The checks of a user's mesh; each fault is one line that names the file and says what is allowed."""
 
 import dataclasses
 import math
@@ -48,8 +46,19 @@ in a corner, or is inverted."""
 
 
 def check(mesh: Any, shoe: Shoe, radius: float, fault: str) -> Any:
-    """The mesh (in the shoe's frame [m]) with the groups that the shoe needs; raises BadInput, led
-    by `fault`.
+    """The mesh with the groups that the shoe needs, after all checks.
+
+    Parameters
+    ----------
+    mesh : skfem's mesh in the shoe's frame [m]
+    shoe : the shoe
+    radius : of the drum [m]; on a plane the length of the pad
+    fault : beginning of each message
+
+    Raises
+    ------
+    BadInput
+        for the first fault that is found
     """
     mesh = _check_groups(mesh, shoe, fault)
     _check_nodes(mesh, shoe, radius, fault)
@@ -61,16 +70,24 @@ def check(mesh: Any, shoe: Shoe, radius: float, fault: str) -> Any:
 
 
 def check_cells(cells: Ints, corners: int, fault: str) -> None:
-    """Refuse cells (m, k), in meshio's order, whose nodes do not make them a mesh."""
+    """Refuse cells whose nodes do not make them a mesh.
+
+    Parameters
+    ----------
+    cells : (m, k) nodes of the cells in meshio's order
+    corners : number of corners of a cell
+    fault : beginning of each message
+    """
     ends, middles, centres = np.split(cells, [corners, 2 * corners], axis=1)
     edges = np.sort(np.stack([ends, np.roll(ends, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1)
     distinct = [len(np.unique(nodes)) for nodes in (ends, middles, centres)]
-    if (np.diff(np.sort(cells, axis=1), axis=1) == 0).any() or sum(distinct) > len(
-        np.unique(cells)
-    ):
+    repeated = (np.diff(np.sort(cells, axis=1), axis=1) == 0).any()
+    of_two_kinds = sum(distinct) > len(np.unique(cells))
+    if repeated or of_two_kinds:
         raise BadInput(
             f"{fault}: has nodes that a cell has twice, or that are a corner here and inside an edge there"
         )
+    # Edges, middle nodes and pairs of both are equally many.
     bonds = {len(np.unique(edges, axis=0))}
     if middles.size:
         bonds |= {distinct[1], len(np.unique(np.column_stack([edges, middles.ravel()]), axis=0))}
@@ -81,11 +98,13 @@ def check_cells(cells: Ints, corners: int, fault: str) -> None:
 
 
 def _check_groups(mesh: Any, shoe: Shoe, fault: str) -> Any:
+    """The mesh with only the groups that the shoe needs; each element must be in one of them."""
     subdomains, boundaries = mesh.subdomains, mesh.boundaries
     needed = {"lining"} | ({"backing"} if shoe.backing else set())
-    needed |= (
-        set(shoe.body.plates) if isinstance(shoe.body, Bar) else {"shoe"} if shoe.body else set()
-    )
+    if isinstance(shoe.body, Bar):
+        needed |= set(shoe.body.plates)
+    elif shoe.body:
+        needed.add("shoe")
     lines = {"contact", "hinge"} | ({"actuation"} if shoe.body and not shoe.gripped else set())
     missing = sorted((needed - set(subdomains)) | (lines - set(boundaries)))
     if missing:
@@ -107,6 +126,7 @@ def _check_groups(mesh: Any, shoe: Shoe, fault: str) -> Any:
 
 
 def _check_nodes(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
+    """Refuse nodes that are too far from the drum, and nodes that stand in one point."""
     size = float(np.abs(mesh.doflocs).max())
     if size > LARGEST_REACH * radius:
         where = (
@@ -117,9 +137,8 @@ def _check_nodes(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
         raise BadInput(
             f"{fault}: reaches {size:.3g} m far; must be a shoe {where} (coordinates are read in {shoe.mesh_unit})"
         )
-    cells = np.unique(
-        np.round(mesh.doflocs / (SAME_POINT * size)), axis=1
-    )  # many in one place make far more pairs
+    # Many nodes in one point would make far more pairs, which are not counted.
+    cells = np.unique(np.round(mesh.doflocs / (SAME_POINT * size)), axis=1)
     if cells.shape[1] < mesh.doflocs.shape[1] - MOST_COINCIDENT:
         raise BadInput(f"{fault}: many nodes stand in one place; merge them, the parts are bonded")
     pairs = scipy.spatial.cKDTree(mesh.doflocs.T).query_pairs(
@@ -132,10 +151,10 @@ def _check_nodes(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
 
 
 def _check_elements(mesh: Any, shoe: Shoe, fault: str) -> None:
+    """Refuse bent, inverted and folded elements, and meshes of more than one part."""
     basis = skfem.Basis(mesh, kind_of(mesh).element(), quadrature=(np.zeros((2, 1)), np.ones(1)))
-    first, *middles, last = basis.doflocs[:, edge_nodes(basis, np.arange(mesh.nfacets))].transpose(
-        1, 0, 2
-    )
+    on_edges = basis.doflocs[:, edge_nodes(basis, np.arange(mesh.nfacets))]
+    first, *middles, last = on_edges.transpose(1, 0, 2)
     for middle in middles:
         bent = np.hypot(*(middle - (first + last) / 2)) > MIDDLE_NODE_OFFSET * np.hypot(
             *(last - first)
@@ -143,14 +162,12 @@ def _check_elements(mesh: Any, shoe: Shoe, fault: str) -> None:
         if bent.any():
             where = _some(mesh, mesh.f2t[0, np.flatnonzero(bent)], shoe)
             raise BadInput(f"{fault}: {where} with the middle node of an edge far off that edge")
+    # Either orientation will do, as long as it is one throughout an element.
     determinant = mesh.mapping().detDF(kind_of(mesh).element().doflocs.T)
     determinant = np.broadcast_to(determinant, (mesh.nelements, determinant.shape[-1]))
-    upright = (
-        np.abs(determinant.sum(axis=1)) * JACOBIAN_RATIO
-    )  # either orientation will do, one throughout an element
-    inverted = (np.abs(determinant).min(axis=1) <= upright) | (
-        np.ptp(np.sign(determinant), axis=1) > 0
-    )
+    smallest = np.abs(determinant.sum(axis=1)) * JACOBIAN_RATIO
+    flat = np.abs(determinant).min(axis=1) <= smallest
+    inverted = flat | (np.ptp(np.sign(determinant), axis=1) > 0)
     if inverted.any():
         raise BadInput(
             f"{fault}: {_some(mesh, np.flatnonzero(inverted), shoe)} inverted or without area in a corner"
@@ -171,20 +188,21 @@ def _check_elements(mesh: Any, shoe: Shoe, fault: str) -> None:
 
 
 def _some(mesh: Any, elements: Ints, shoe: Shoe) -> str:
-    """How many elements, and where the first lies: the subject of a sentence about them."""
+    """The subject of a sentence about some elements: their number, and where the first lies."""
     ((x,), (y,)) = shoe.points(mesh.p[:, mesh.t[:, elements[0]]].mean(axis=1, keepdims=True)) * 1e3
     count = len(np.unique(elements))
     return f"{count} element{'s are' if count > 1 else ' is'} (the first at x = {x:.4g} mm, y = {y:.4g} mm)"
 
 
 def _side(mesh: Any, facets: Ints, elements: Ints) -> Floats:
-    """Sign of the side of each facet (by its straight line) on which an element's centre lies."""
+    """The side, by its sign, of each facet's straight line on which an element's centre lies."""
     a, b = mesh.p[:, mesh.facets[:, facets]].transpose(1, 0, 2)
     to = mesh.p[:, mesh.t[:, elements]].mean(axis=1) - a
     return np.sign((b - a)[0] * to[1] - (b - a)[1] * to[0])
 
 
 def _check_boundaries(mesh: Any, fault: str) -> None:
+    """Refuse named edges inside the mesh, and a hinge that touches the contact."""
     outer = mesh.boundary_facets()
     for name, facets in mesh.boundaries.items():
         inside = len(np.setdiff1d(facets, outer))
@@ -198,6 +216,7 @@ def _check_boundaries(mesh: Any, fault: str) -> None:
 
 
 def _check_contact(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
+    """Refuse a contact that is not the lining's face on the drum or the plane."""
     facets = mesh.boundaries["contact"]
     if not np.isin(mesh.f2t[0, facets], mesh.subdomains["lining"]).all():
         raise BadInput(f"{fault}: the group contact must be edges of the lining only")
@@ -241,17 +260,19 @@ def _check_contact(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
             f"{text(shoe.lining.start)} to {text(shoe.lining.end)}, within {text(shoe.frame.unit * ARC_SLACK)} "
             f"(coordinates are read in the {shoe.mesh_frame}'s frame)"
         )
+    # By growing angle each edge leads from one node to the next.
     steps = np.sort(np.argsort(np.argsort(phi))[ends.reshape(2, -1)], axis=0)
     steps = steps[:, np.argsort(steps[0])]
-    if not (
-        np.array_equal(steps[0], np.arange(len(phi) - 1)) and np.array_equal(steps[1], steps[0] + 1)
-    ):
+    from_each = np.array_equal(steps[0], np.arange(len(phi) - 1))
+    to_next = np.array_equal(steps[1], steps[0] + 1)
+    if not (from_each and to_next):
         raise BadInput(
             f"{fault}: the group contact must be one line without gaps or turns, one edge after the other"
         )
 
 
 def _check_ends(mesh: Any, shoe: Shoe, fault: str) -> None:
+    """Refuse a mesh whose hinge and actuation are swapped."""
     nodes = {name: np.unique(mesh.facets[:, facets]) for name, facets in mesh.boundaries.items()}
     if "actuation" in nodes and not shoe.gripped:
         away = {
