@@ -16,7 +16,7 @@ from drumlin.brake.plane_brake import read_any
 from drumlin.comparison import edge_of
 from drumlin.fem.solve import solve
 from drumlin.peers import calculix, getfem
-from drumlin.peers.deck import BEARING, Setting, deck, drum_angles
+from drumlin.peers.deck import BEARING_STIFFNESS, DeckSetting, deck, drum_angles
 from drumlin.peers.peer import loaded_shoes
 from drumlin.response.norms import pressure_distance
 from drumlin_studies.brake_kinds import both_ways
@@ -98,7 +98,7 @@ def test_deck_states_the_brake(brake, kind, index):
     """Load, faces towards each other on the friction surface, hinge and rotation, all in mm, N,
     MPa.
     """
-    setting = Setting(rotation=2e-3, thickness=0.02)
+    setting = DeckSetting(rotation=2e-3, thickness=0.02)
     loaded = loaded_shoes(brake, 12, kind)[index]
     shoe, text = loaded.shoe, deck(brake, loaded, setting)
     assert text == deck(brake, loaded, setting)
@@ -165,10 +165,10 @@ def test_deck_states_the_brake(brake, kind, index):
 
 def test_decks_that_calculix_does_not_get():
     with pytest.raises(BadInput, match="quad2, tri2"):
-        deck(MAIN, loaded_shoes(MAIN, 8, "quad1")[0], Setting())
+        deck(MAIN, loaded_shoes(MAIN, 8, "quad1")[0], DeckSetting())
     open_ = vary(MAIN, {"shoe[0].lining.clearance": 1e-4})
     with pytest.raises(BadInput, match="clearance"):
-        deck(open_, loaded_shoes(open_, 8)[0], Setting())
+        deck(open_, loaded_shoes(open_, 8)[0], DeckSetting())
     for change, said in (
         ({"friction": 0.0}, "friction"),
         ({"drum.ring": {"bending_stiffness": 1e3}}, "ring"),
@@ -213,7 +213,7 @@ def written(brake, loaded, setting, **changes) -> tuple[str, str, str, float]:
     when = changes.get("time", "0.1000000E+01")
     dat = [
         f" displacements (vx,vy,vz) for set PIN and time  {when}", "",
-        f"  900 {-pin[0] / BEARING:.6E} {-pin[1] / BEARING:.6E} 0.000000E+00", "",
+        f"  900 {-pin[0] / BEARING_STIFFNESS:.6E} {-pin[1] / BEARING_STIFFNESS:.6E} 0.000000E+00", "",
         f" displacements (vx,vy,vz) for set TURN and time  {when}", "",
         "  901 1.000000E-04 0.000000E+00 0.000000E+00", "",
         f" forces (fx,fy,fz) for set NDRUM and time  {when}", "",
@@ -228,7 +228,7 @@ def written(brake, loaded, setting, **changes) -> tuple[str, str, str, float]:
 
 @pytest.mark.parametrize("index", [0, 1])
 def test_results_are_read_as_written(index):
-    setting, loaded = Setting(thickness=0.02), loaded_shoes(MAIN, 20)[index]
+    setting, loaded = DeckSetting(thickness=0.02), loaded_shoes(MAIN, 20)[index]
     dat, sta, output, pressure = written(MAIN, loaded, setting)
     state = calculix.read_state(dat, sta, output, MAIN, loaded, setting)
     calculix.check(loaded, state)
@@ -257,7 +257,7 @@ def test_results_are_read_as_written(index):
     ids=["unbalanced", "handful", "stopped"],
 )
 def test_states_that_are_none_are_refused(changes, said):
-    setting, loaded = Setting(), loaded_shoes(MAIN, 20)[0]
+    setting, loaded = DeckSetting(), loaded_shoes(MAIN, 20)[0]
     dat, sta, output, _ = written(MAIN, loaded, setting, **changes)
     with pytest.raises(NoAnswer, match=said):
         calculix.check(loaded, calculix.read_state(dat, sta, output, MAIN, loaded, setting))
@@ -283,11 +283,11 @@ def test_the_drum_is_turned_further_until_the_lining_slips(monkeypatch):
 
     monkeypatch.setattr(calculix, "run", run)
     limit = 3e-3
-    state, rotation = calculix.slipping(MAIN, loaded, Setting(rotation=1e-3))
+    state, rotation = calculix.slipping(MAIN, loaded, DeckSetting(rotation=1e-3))
     assert (state.sticking, rotation, turned) == (0.0, 4e-3, [1e-3, 2e-3, 4e-3])
     limit = 1.0
     with pytest.raises(NoAnswer, match="do not slip"):
-        calculix.slipping(MAIN, loaded, Setting(rotation=1e-3))
+        calculix.slipping(MAIN, loaded, DeckSetting(rotation=1e-3))
 
 
 def test_absent_peers_say_how_to_install_them(monkeypatch):
@@ -459,7 +459,7 @@ def torques(brake, elements, setting=None):
     """Relative distance of each shoe's torque by CalculiX from drumlin's on the same mesh, with the
     same penalty.
     """
-    own = solve(brake, elements=elements, kind="quad2", penalty=(setting or Setting()).penalty)
+    own = solve(brake, elements=elements, kind="quad2", penalty=(setting or DeckSetting()).penalty)
     other = peers.solve("calculix", brake, elements=elements, setting=setting).response
     return np.array([a.torque / b.torque - 1 for a, b in zip(other.shoes, own.shoes, strict=True)])
 
@@ -470,7 +470,7 @@ def test_calculix_has_drumlins_torque_where_nothing_strains_across():
     """Its elements have a real thickness, which swells under pressure unless nu = 0."""
     even = vary(MAIN, {"shoe.lining.material.nu": 0.0, "shoe.body.material.nu": 0.0})
     assert np.abs(torques(even, 20)).max() < 4e-5
-    assert np.abs(torques(even, 20, Setting(thickness=0.1))).max() < 4e-5
+    assert np.abs(torques(even, 20, DeckSetting(thickness=0.1))).max() < 4e-5
     locked = np.abs(torques(MAIN, 20))
     assert (locked > 1e-4).all() and (locked < 5e-4).all()
 

@@ -10,7 +10,7 @@ from drumlin import peers
 from drumlin.brake.file import vary
 from drumlin.fem.solid import model
 from drumlin.peers import solid_deck
-from drumlin.peers.deck import Setting
+from drumlin.peers.deck import DeckSetting
 from drumlin.response.norms import pressure_distance, relative
 from sections import t_section
 
@@ -70,7 +70,7 @@ def posed(request, flexible):
         brake,
         loaded,
         solid,
-        Parsed(solid_deck.deck(brake, loaded, solid, Setting(thickness=0.5))),
+        Parsed(solid_deck.deck(brake, loaded, solid, DeckSetting(thickness=0.5))),
     )
 
 

@@ -1,5 +1,6 @@
-"""Models side by side: outcomes, distances between responses, observed orders, and the table of all
-that.
+"""Models side by side: their outcomes, the distances between their responses, and a table of both.
+
+The module also finds observed orders and limits of a value as meshes are refined.
 """
 
 import csv
@@ -24,13 +25,20 @@ from drumlin.response.norms import pressure_distance, relative, vector_distance
 from drumlin.response.response import EDGE_ZONE, Response
 from drumlin.response.show import arcs_text
 
-B = TypeVar("B", bound=Brake)
+BrakeKind = TypeVar("BrakeKind", bound=Brake)
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a model made of a brake: its response, or why there is none; seconds: median of the
-    repeats.
+    """The response of a model to a brake, or the reason why there is none.
+
+    Attributes
+    ----------
+    model : name of the model
+    response : its response; None where it has none
+    failure : why it has none
+    seconds : of a solve, median of the repeats
+    repeats : number of solves
     """
 
     model: str
@@ -41,7 +49,14 @@ class Outcome:
 
 
 def run(name: str, solve: Callable[[], Response], repeats: int = 1) -> Outcome:
-    """Run a model `repeats` times; a refusal (NoAnswer) is an outcome, not an error."""
+    """Solve by a model; a refusal (NoAnswer) is an outcome, not an error.
+
+    Parameters
+    ----------
+    name : of the model
+    solve : solves the brake
+    repeats : how often it is called and timed
+    """
     seconds, response, failure = [], None, ""
     for _ in range(repeats):
         start = time.perf_counter()
@@ -54,7 +69,14 @@ def run(name: str, solve: Callable[[], Response], repeats: int = 1) -> Outcome:
 
 
 class Extrapolated(NamedTuple):
-    """Richardson extrapolation from three meshes: observed order, value, its uncertainty."""
+    """A Richardson extrapolation from three meshes.
+
+    Attributes
+    ----------
+    order : observed order of convergence; nan where no order is seen
+    value : the limit
+    uncertainty : of the limit, as large as its correction
+    """
 
     order: float
     value: float
@@ -64,9 +86,9 @@ class Extrapolated(NamedTuple):
 def richardson(fine: float, first: float, last: float, ratio: float = 2.0) -> Extrapolated:
     """The limit of a value as meshes are refined, by Richardson extrapolation.
 
-    Where the steps do not shrink with one sign, no limit is seen: the finest value stands, with the
-    larger step as its uncertainty. Its order is nan, or that of steps which shrink with changing
-    sign.
+    Where the steps do not shrink with one sign, no limit is seen. The finest value then stands for
+    the limit, with the larger step as its uncertainty. Its order is nan; steps that shrink with
+    changing sign keep their order.
 
     Parameters
     ----------
@@ -77,6 +99,7 @@ def richardson(fine: float, first: float, last: float, ratio: float = 2.0) -> Ex
     """
     if last == 0:
         return Extrapolated(math.nan, fine, abs(first))
+    # The factor by which the steps shrink.
     gain = first / last
     order = math.log(abs(gain), ratio) if abs(gain) > 1 else math.nan
     if gain <= 1:
@@ -91,7 +114,16 @@ def extrapolate(coarse: float, medium: float, fine: float, ratio: float = 2.0) -
 
 
 class TableColumn(NamedTuple):
-    """A column of a table: key of the row, heading, unit as people read it, factor from SI, format."""
+    """A column of a table for people.
+
+    Attributes
+    ----------
+    key : of the row's value
+    heading : of the column
+    unit : in which the value is shown
+    factor : from SI to this unit
+    form : format of the number
+    """
 
     key: str
     heading: str
@@ -100,17 +132,18 @@ class TableColumn(NamedTuple):
     form: str = ".4g"
 
     def text(self, row: dict[str, Any]) -> str:
-        """The cell as people read it."""
+        """The cell of a row as people read it."""
         value = row.get(self.key)
         if value is None or (isinstance(value, float) and math.isnan(value)):
             return "–"
         if not isinstance(value, int | float):
             return str(value)
+        # A factor of 1 would turn whole numbers into fractions.
         return formatted(value if self.factor == 1 else value * self.factor, self.form)
 
     @property
     def title(self) -> str:
-        """Heading with unit."""
+        """The heading with its unit."""
         return f"{self.heading} [{self.unit}]" if self.unit else self.heading
 
 
@@ -131,74 +164,90 @@ COLUMNS = (
     TableColumn("seconds", "run time", "ms", 1e3, ".3g"),
     TableColumn("status", "status"),
 )
+"""The columns of a comparison, in the order of its table."""
 
 
 def rows(
     brake: Brake, outcomes: Sequence[Outcome], reference: str = "fem", case: str | None = None
 ) -> list[dict[str, Any]]:
-    """One row a model and shoe, errors against the outcome called `reference`; failed models stay
-    as rows.
+    """One row for each model and shoe, and a row "all" for the whole brake by each model.
 
-    On a plane the braking force [N] stands in the place of the torque.
+    The keys are those of COLUMNS, the values in SI, errors as fractions. On a plane the braking
+    force [N] takes the place of the torque. A model without an answer has one row that says why.
 
-    Keys as in COLUMNS, values in SI, errors as fractions. Torque of the whole brake: the row "all".
+    Parameters
+    ----------
+    brake : the brake
+    outcomes : of the models
+    reference : name of the model that errors refer to
+    case : name of the brake in the table; None: its title
     """
     true = next((o.response for o in outcomes if o.model == reference), None)
     table: list[dict[str, Any]] = []
     for outcome in outcomes:
         base = {"case": case or brake.title, "rotation": brake.sense, "model": outcome.model}
         if outcome.response is None:
-            table.append(
-                {
-                    **base,
-                    "shoe": "all",
-                    "seconds": outcome.seconds,
-                    "status": f"failed: {outcome.failure}",
-                }
-            )
+            status = f"failed: {outcome.failure}"
+            table.append({**base, "shoe": "all", "seconds": outcome.seconds, "status": status})
             continue
-        response, judged = outcome.response, true is not None and outcome.model != reference
-        for i, shoe in enumerate(response.shoes):
-            row = {
-                **base,
-                "shoe": shoe.name,
-                "torque": response.effects[i],
-                "peak_pressure": shoe.peak_pressure,
-                "reaction": float(np.linalg.norm(shoe.hinge_reaction)),
-                "contact": arcs_text(shoe, brake.surface),
-                "self_energising": "yes" if shoe.self_energising else "no",
-                "status": "converged" if response.converged else "not converged",
-            }
-            if judged and true is not None:
-                other = true.shoes[i]
-                row["torque_error"] = relative(response.effects[i], true.effects[i])
-                row["peak_error"] = relative(shoe.peak_pressure, other.peak_pressure)
-                row["pressure_error"] = pressure_distance(shoe, other, edge_of(brake))
-                row["reaction_error"] = vector_distance(shoe.hinge_reaction, other.hinge_reaction)
-            table.append(row)
-        whole = {
-            **base,
-            "shoe": "all",
-            "torque": response.effect,
-            "seconds": outcome.seconds,
-            "status": "converged",
-        }
-        if judged and true is not None:
-            whole["torque_error"] = relative(response.effect, true.effect)
-        table.append(whole)
+        judged_by = true if outcome.model != reference else None
+        for i in range(len(brake.shoes)):
+            table.append({**base, **_shoe_row(brake, outcome.response, i, judged_by)})
+        table.append({**base, **_whole_row(outcome, judged_by)})
     return table
 
 
+def _shoe_row(brake: Brake, response: Response, i: int, true: Response | None) -> dict[str, Any]:
+    """The values of one shoe.
+
+    Parameters
+    ----------
+    brake : the brake
+    response : of a model
+    i : position of the shoe
+    true : response that errors refer to; None: no errors
+    """
+    shoe = response.shoes[i]
+    row = {
+        "shoe": shoe.name,
+        "torque": response.effects[i],
+        "peak_pressure": shoe.peak_pressure,
+        "reaction": float(np.linalg.norm(shoe.hinge_reaction)),
+        "contact": arcs_text(shoe, brake.surface),
+        "self_energising": "yes" if shoe.self_energising else "no",
+        "status": "converged" if response.converged else "not converged",
+    }
+    if true is not None:
+        other = true.shoes[i]
+        row["torque_error"] = relative(response.effects[i], true.effects[i])
+        row["peak_error"] = relative(shoe.peak_pressure, other.peak_pressure)
+        row["pressure_error"] = pressure_distance(shoe, other, edge_of(brake))
+        row["reaction_error"] = vector_distance(shoe.hinge_reaction, other.hinge_reaction)
+    return row
+
+
+def _whole_row(outcome: Outcome, true: Response | None) -> dict[str, Any]:
+    """The values of the whole brake by one model; `true`: response that errors refer to."""
+    assert outcome.response is not None
+    effect = outcome.response.effect
+    row = {"shoe": "all", "torque": effect, "seconds": outcome.seconds, "status": "converged"}
+    if true is not None:
+        row["torque_error"] = relative(effect, true.effect)
+    return row
+
+
 def edge_of(brake: Brake) -> float:
-    """The zones at a lining's ends in which no pressure is compared, in the coordinate of the
-    brake's surface.
+    """The length of the zones at a lining's ends in which no pressure is compared.
+
+    It is in the coordinate of the brake's surface.
     """
     return EDGE_ZONE * brake.unit
 
 
 def columns_of(brake: Brake) -> tuple[TableColumn, ...]:
-    """The columns of a table of a brake: on a plane the braking force stands for the torque,
-    lengths for angles.
+    """The columns of a table of a brake.
+
+    On a plane the braking force takes the place of the torque, and lengths that of angles.
     """
     surface = brake.surface
     if not surface.straight:
@@ -213,28 +262,32 @@ def columns_of(brake: Brake) -> tuple[TableColumn, ...]:
 
 
 def as_csv(table: Sequence[dict[str, Any]]) -> str:
-    """A table in SI units as CSV text; columns: every key that occurs. No text in it is a
-    spreadsheet's formula.
+    """A table in SI units as CSV text, with a column for every key that occurs.
+
+    No text in it is a formula to a spreadsheet.
     """
-    keys = list(dict.fromkeys(key for row in table for key in row))
+    # A dict keeps the order in which the keys first occur.
+    keys: dict[str, None] = {}
+    for row in table:
+        keys |= dict.fromkeys(row)
     text = io.StringIO()
-    writer = csv.DictWriter(text, keys, lineterminator="\n")
+    writer = csv.DictWriter(text, list(keys), lineterminator="\n")
     writer.writeheader()
     writer.writerows({key: cell(value) for key, value in row.items()} for row in table)
     return text.getvalue()
 
 
 @dataclass(frozen=True)
-class Comparison(Generic[B]):
-    """A brake and what every model that applies made of it; the finite elements come first."""
+class Comparison(Generic[BrakeKind]):
+    """A brake and the outcome of every model that applies; the finite elements come first."""
 
     case: str
-    brake: B
+    brake: BrakeKind
     outcomes: tuple[Outcome, ...]
 
     @property
     def responses(self) -> dict[str, Response]:
-        """Model -> response, of the models that answered."""
+        """The responses of the models that answered, by model."""
         return {o.model: o.response for o in self.outcomes if o.response is not None}
 
     @property
@@ -244,8 +297,12 @@ class Comparison(Generic[B]):
 
 
 def compare(
-    brake: B, case: str = "", repeats: int = 1, models: Sequence[str] | None = None, **options: Any
-) -> Comparison[B]:
+    brake: BrakeKind,
+    case: str = "",
+    repeats: int = 1,
+    models: Sequence[str] | None = None,
+    **options: Any,
+) -> Comparison[BrakeKind]:
     """Solve a brake by all models that apply, side by side.
 
     Parameters
@@ -266,25 +323,22 @@ def compare(
     BadInput
         for an option out of range
     """
-    outcomes = [
-        run(
-            model.name,
-            partial(model.solve, brake, **(options if model.name == "fem" else {})),
-            repeats,
-        )
-        for model in applicable(brake)
-        if models is None or model.name in models
-    ]
+    outcomes = []
+    for model in applicable(brake):
+        if models is None or model.name in models:
+            own_options = options if model.name == "fem" else {}
+            outcomes.append(run(model.name, partial(model.solve, brake, **own_options), repeats))
     return Comparison(case or brake.title, brake, tuple(outcomes))
 
 
 @dataclass(frozen=True)
 class Convergence:
-    """A brake on meshes that double: `elements` along the lining and the responses; order, limit,
-    uncertainty.
+    """A brake on meshes that double, with observed orders and limits.
 
-    `torque` and, for each shoe, `pressure`: the L2 distance of the finest p from its limit, by
-    extrapolation of the distances between successive meshes, outside the edge zones.
+    Attributes
+    ----------
+    elements : along each lining, on each mesh
+    responses : on each mesh
     """
 
     elements: tuple[int, ...]
@@ -292,26 +346,32 @@ class Convergence:
 
     @property
     def torque(self) -> Extrapolated:
-        """The torque of the brake [N m] from the three finest meshes."""
+        """The limit of the torque of the brake [N m], from the three finest meshes."""
         return extrapolate(*(response.torque for response in self.responses[-3:]))
 
     def pressure_steps(self, shoe: int) -> list[float]:
-        """Relative L2 distances of p between each mesh and the next finer one."""
-        return [
-            pressure_distance(a.shoes[shoe], b.shoes[shoe]) for a, b in pairwise(self.responses)
-        ]
+        """Relative L2 distances of p between each mesh and the next finer one.
+
+        They leave out the edge zones.
+        """
+        pairs = pairwise(self.responses)
+        return [pressure_distance(a.shoes[shoe], b.shoes[shoe]) for a, b in pairs]
 
     def pressure(self, shoe: int) -> tuple[float, float]:
-        """Observed order of p in L2 and the estimated error of the finest mesh."""
+        """Observed order of p in L2, and the estimated error of the finest mesh.
+
+        The error is the relative L2 distance of the finest p from its limit, by extrapolation of
+        the distances between successive meshes.
+        """
         first, last = self.pressure_steps(shoe)[-2:]
-        found = richardson(0.0, first, last)
-        return found.order, found.uncertainty
+        limit = richardson(0.0, first, last)
+        return limit.order, limit.uncertainty
 
 
 def converge(brake: Brake, elements: Sequence[int]) -> Convergence:
     """Solve a brake on several meshes, coarse to fine, with exact contact."""
-    from drumlin.fem.solve import solve  # noqa: PLC0415  (finite elements load only where they are used)
+    # The finite elements load only where they are used.
+    from drumlin.fem.solve import solve  # noqa: PLC0415
 
-    return Convergence(
-        tuple(elements), tuple(solve(brake, elements=n, penalty=math.inf) for n in elements)
-    )
+    responses = tuple(solve(brake, elements=n, penalty=math.inf) for n in elements)
+    return Convergence(tuple(elements), responses)

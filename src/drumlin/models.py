@@ -13,9 +13,15 @@ from drumlin.response.response import Response
 
 
 class Model(NamedTuple):
-    """A model: what it assumes, why it does not apply to a brake (None: it does), and its solver.
+    """A model of a brake.
 
-    `by_name`: it takes seconds, and answers only where it is asked for by its name.
+    Attributes
+    ----------
+    name : in options and tables
+    assumes : its assumptions in words
+    why_not : the reason why it does not apply to a brake; None where it does
+    solve : its solver
+    by_name : whether it answers only where it is asked for by its name, since it takes seconds
     """
 
     name: str
@@ -25,7 +31,11 @@ class Model(NamedTuple):
     by_name: bool = False
 
 
+# Each of these functions loads its model when it is called, so that `drumlin --help` is fast.
+
+
 def _fem(brake: Brake, *, worn_in: bool = False, **options: Any) -> Response:
+    """Solve by finite elements; `worn_in`: with linings that are worn in."""
     if worn_in:
         from drumlin.lining_wear.worn_in import solve as by_worn_in
 
@@ -36,55 +46,62 @@ def _fem(brake: Brake, *, worn_in: bool = False, **options: Any) -> Response:
 
 
 def _fem_why_not(brake: Brake) -> str | None:
+    """Why the finite elements do not apply to a brake."""
     from drumlin.fem.preparation.scene import why_not
 
     return why_not(brake)
 
 
 def _foundation(brake: Brake, **options: Any) -> Response:
+    """Solve by the foundation model."""
     from drumlin.foundation import solve as on_springs
 
     return on_springs(brake, **options)
 
 
 def _foundation_why_not(brake: Brake) -> str | None:
+    """Why the foundation model does not apply to a brake."""
     from drumlin.foundation import why_not
 
     return why_not(brake)
 
 
 def _solid(brake: Brake, **options: Any) -> Response:
+    """Solve by solid shoes of finite width."""
     from drumlin.fem.solid import model
 
     return model.solve(brake, **options)
 
 
 def _solid_why_not(brake: Brake) -> str | None:
+    """Why the solid shoes do not apply to a brake."""
     from drumlin.fem.solid import model
 
     return model.why_not(brake)
 
 
-SHORT: Mapping[str, tuple[Any, Any]] = {
+SHORT_SHOE_LAWS: Mapping[str, tuple[Any, Any]] = {
     "drum": (hinged, LAWS["short"]),
     "plane": (flat, flat.FLAT_SHORT),
 }
-"""The laws of the short shoe, by the word of the surface: the module with its functions, and the
-law.
-"""
+"""The law of the short shoe by the word of the surface: the module with its functions, and the
+law."""
 
 
 def _short_why_not(brake: Brake) -> str | None:
-    laws, law = SHORT[brake.surface.word]
+    """Why the law of the short shoe does not apply to a brake."""
+    laws, law = SHORT_SHOE_LAWS[brake.surface.word]
     return laws.why_not(law, brake)
 
 
 def _short(brake: Brake) -> Response:
-    laws, law = SHORT[brake.surface.word]
+    """Solve by the law of the short shoe."""
+    laws, law = SHORT_SHOE_LAWS[brake.surface.word]
     return laws.solve(law, brake)
 
 
 def _hinged(name: str) -> Model:
+    """The model of a law of hinged shoes."""
     law = LAWS[name]
     return _law(name, law.assumes, partial(hinged.why_not, law), partial(hinged.solve, law))
 
@@ -92,9 +109,18 @@ def _hinged(name: str) -> Model:
 def _law(
     name: str, assumes: str, why_not: Callable[[Brake], str | None], solve: Callable[..., Response]
 ) -> Model:
-    """The model of a closed-form law, which knows isotropic materials alone."""
+    """The model of a closed-form law, which knows isotropic materials alone.
+
+    Parameters
+    ----------
+    name : of the law
+    assumes : its assumptions in words
+    why_not : why it does not apply to a brake, whatever the materials
+    solve : its solver
+    """
 
     def isotropic_too(brake: Brake) -> str | None:
+        """Why the law does not apply, also because of the materials."""
         return why_not(brake) or isotropic_only(brake, "a closed-form law")
 
     return Model(name, assumes, isotropic_too, solve)
@@ -120,14 +146,19 @@ MODELS: Mapping[str, Model] = {
         _hinged("block"),
         _hinged("uniform"),
         _law("short", LAWS["short"].assumes, _short_why_not, _short),
-        _law("pivoted", pivoted.ASSUMES, pivoted.why_not, partial(rigid.solve, name="pivoted")),
+        _law(
+            "pivoted",
+            pivoted.PIVOTED_ASSUMES,
+            pivoted.why_not,
+            partial(rigid.solve, name="pivoted"),
+        ),
         _law(
             "linear",
             flat.LINEAR.assumes,
             partial(flat.why_not, flat.LINEAR),
             partial(rigid.solve, name="linear"),
         ),
-        _law("rigid", rigid.ASSUMES, naming.why_not, rigid.solve),
+        _law("rigid", rigid.RIGID_ASSUMES, naming.why_not, rigid.solve),
         Model(
             "solid",
             "solid shoes of finite width, contact and friction as fem",
@@ -137,25 +168,26 @@ MODELS: Mapping[str, Model] = {
         ),
     )
 }
+"""All models by name, in the order in which comparisons show them."""
 
 
 def pick(name: str, brake: Brake) -> Model:
-    """The model called `name`; raises BadInput where there is none, or where it does not apply to
-    the brake.
+    """The model called `name`.
+
+    Raises BadInput where no model has this name, and where the model does not apply to the brake.
     """
     if name not in MODELS:
         raise BadInput(
-            f"--model = {name!r}: unknown model{nearest(name, MODELS)}; allowed: {', '.join(MODELS)}"
+            f"--model = {name!r}: unknown model{nearest(name, MODELS)}; "
+            f"allowed: {', '.join(MODELS)}"
         )
     model = MODELS[name]
     reason = model.why_not(brake)
     if reason is not None:
-        apply = (
-            ", ".join(other.name for other in MODELS.values() if other.why_not(brake) is None)
-            or "none"
-        )
+        others = [other.name for other in MODELS.values() if other.why_not(brake) is None]
+        allowed = ", ".join(others) or "none"
         raise BadInput(
-            f"--model = {name!r}: does not apply to this brake: {reason}; allowed: {apply}"
+            f"--model = {name!r}: does not apply to this brake: {reason}; allowed: {allowed}"
         )
     return model
 
@@ -203,12 +235,15 @@ def check_options(model: str, given: Collection[str]) -> None:
 
 def applicable(brake: Brake) -> tuple[Model, ...]:
     """The models that apply to a brake and answer at once."""
-    return tuple(
-        model for model in MODELS.values() if not model.by_name and model.why_not(brake) is None
-    )
+    at_once = [model for model in MODELS.values() if not model.by_name]
+    return tuple(model for model in at_once if model.why_not(brake) is None)
 
 
 def refusals(brake: Brake) -> dict[str, str]:
-    """Why each of the other models does not apply to a brake, by name."""
-    reasons = {model.name: model.why_not(brake) for model in MODELS.values() if not model.by_name}
-    return {name: reason for name, reason in reasons.items() if reason is not None}
+    """The reason why each of the other models does not apply to a brake, by name."""
+    reasons = {}
+    for model in MODELS.values():
+        reason = None if model.by_name else model.why_not(brake)
+        if reason is not None:
+            reasons[model.name] = reason
+    return reasons

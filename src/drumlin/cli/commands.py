@@ -32,9 +32,7 @@ def _all(
         ),
     ] = False,
 ) -> None:
-    """Shoe brakes by their pressure laws and by finite elements in frictional contact, side by
-    side.
-    """
+    """Shoe brakes by pressure laws and by finite elements in frictional contact, side by side."""
 
 
 for command in (

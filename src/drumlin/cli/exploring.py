@@ -16,8 +16,9 @@ def explore(
         bool, typer.Option("--browser/--no-browser", help="open the page in a browser")
     ] = True,
 ) -> None:
-    """Play with a brake: a page of this machine with sliders, pressure and torque at once. Ctrl-C
-    ends it.
+    """Serve a page of this machine with sliders for a brake, its pressure and its torque.
+
+    Ctrl-C ends it.
     """
     from drumlin.explore.serve import serve
 

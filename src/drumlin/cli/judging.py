@@ -24,8 +24,9 @@ def cost(
         str, typer.Option(metavar="fem|solid", help="solid: its table, up to 100 000 unknowns")
     ] = "fem",
 ) -> None:
-    """Measure a solve against its own assembly, factorisation and back-substitution, and a further
-    load case.
+    """Compare the time of a solve with that of its parts and of a further load case.
+
+    The parts are assembly, one factorisation and one back-substitution.
     """
     from drumlin.verification.cost import cost_lines
 
@@ -46,8 +47,9 @@ def reference(
         typer.Option(metavar="FILE", help="where to write; default: NAME.reference.json"),
     ] = None,
 ) -> None:
-    """Make reference values of a brake: torque, reactions, p(theta) with uncertainties, by two
-    codes.
+    """Make reference values of a brake with uncertainties: torque, reactions, p(theta).
+
+    Two programs that share nothing but the brake compute them.
     """
     path = output or Path(f"{brake_file.stem}.reference.json")
     with busy("columns of high degree, then triangles"):
@@ -81,8 +83,9 @@ def check(
     ] = None,
     tolerance: Annotated[float, typer.Option(help="of p in L2 and of the torque, relative")] = 0.01,
 ) -> None:
-    """Compare anybody's p(theta) with reference values. The last line is the verdict; exit status 0
-    either way.
+    """Compare anybody's p(theta) with reference values.
+
+    The last line is the verdict. The exit status is 0 whatever the verdict is.
     """
     with busy("reading") as say:
         found = drumlin.check(brake_file, result, reference=known, tolerance=tolerance, say=say)

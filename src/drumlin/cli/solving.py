@@ -1,5 +1,6 @@
 """Commands that answer for a brake: each reads its options, calls `drumlin`, and prints."""
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
@@ -53,10 +54,7 @@ def solve(
     _check_solvable(brakes, model, options)
     _check_one_brake(brakes, {"--pressure": pressure, "--fields": fields})
     answers: list[_Answer] = []
-    for brake_file, brake in zip(brake_files, brakes, strict=True):
-        answer = _answer_of(brake_file, brake, model, options)
-        if answer.failure is not None and len(brakes) == 1:
-            raise answer.failure
+    for answer in _answers(brake_files, brakes, model, options):
         separated = any(earlier.response is not None for earlier in answers)
         _print_answer(answer, pressure, separated=separated, verbose=verbose)
         answers.append(answer)
@@ -95,14 +93,23 @@ def _check_one_brake(brakes: "list[Brake]", outputs: dict[str, Path | None]) -> 
             raise BadInput(f"{option} writes the file of one brake; give one brake file")
 
 
-def _answer_of(brake_file: Path, brake: "Brake", model: str, options: dict[str, Any]) -> _Answer:
-    """Solve a brake; a refusal (NoAnswer) is an answer as well."""
-    try:
-        with busy(f"solving by {model}"):
-            response = drumlin.solve(brake, model, **options)
-    except NoAnswer as error:
-        return _Answer(brake_file, brake, None, error)
-    return _Answer(brake_file, brake, response, None)
+def _answers(
+    brake_files: list[Path], brakes: "list[Brake]", model: str, options: dict[str, Any]
+) -> Iterator[_Answer]:
+    """Solve brakes one after the other.
+
+    Of several brakes a refusal (NoAnswer) is an answer as well; of a single brake it is raised.
+    """
+    for brake_file, brake in zip(brake_files, brakes, strict=True):
+        try:
+            with busy(f"solving by {model}"):
+                response = drumlin.solve(brake, model, **options)
+        except NoAnswer as error:
+            if len(brakes) == 1:
+                raise
+            yield _Answer(brake_file, brake, None, error)
+        else:
+            yield _Answer(brake_file, brake, response, None)
 
 
 def _print_answer(
@@ -184,9 +191,7 @@ def hold(
     penalty: Penalty = None,
     finite_width: FiniteWidth = False,
 ) -> None:
-    """Hold the drum: from rest through partial slip to full slip, as it is turned against the
-    shoes.
-    """
+    """Turn the drum against its shoes, from rest through partial slip to full slip."""
     from drumlin.base.files import check_outputs, write_json
 
     brake = drumlin.read_brake(brake_file)
@@ -235,9 +240,7 @@ def sensitivity(
     kind: Kind = None,
     penalty: Penalty = None,
 ) -> None:
-    """What the torque feels of friction, force, moduli, clearance and hinge, exactly: slopes of the
-    elastic brake.
-    """
+    """How the torque changes with friction, force, moduli, clearance and hinge: exact slopes."""
     from drumlin.base.files import check_outputs, write_json
     from drumlin.fem.analysis.sensitivity import as_text
 
@@ -270,9 +273,7 @@ def wear(
     lift: of.Lift = None,
     finite_width: FiniteWidth = False,
 ) -> None:
-    """Run the linings in: wear them by Archard's law until the pressure is that of the rigid-shoe
-    law.
-    """
+    """Wear the linings by Archard's law until the pressure is that of the rigid-shoe law."""
     from drumlin.base.files import check_outputs, write_json
 
     brake = drumlin.read_brake(brake_file)

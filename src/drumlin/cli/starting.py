@@ -32,8 +32,9 @@ def init(
 def schema(
     kind: Annotated[str, typer.Argument(metavar="brake|sweep", help="the kind of file")] = "brake",
 ) -> None:
-    """Print the JSON schema of brake or sweep files; an editor completes what its first line names
-    as #:schema.
+    """Print the JSON schema of brake or sweep files.
+
+    An editor completes a file whose first line names the schema: #:schema FILE.
     """
     from drumlin.brake.schema import brake_schema
     from drumlin.sweeps.schema import sweep_schema

@@ -41,8 +41,9 @@ def sweep(
         typer.Option(metavar="ADDRESS", help="a Dask scheduler, in place of this machine's cores"),
     ] = None,
 ) -> None:
-    """Solve a brake with any of its keys varied: one table, a row a case. Stopped, it goes on with
-    what is missing.
+    """Solve a brake for many values of its keys, as one table with a row a case.
+
+    After a stop the same command goes on with the missing cases.
     """
     from drumlin.base.files import check_outputs
     from drumlin.sweeps.file import read_sweep

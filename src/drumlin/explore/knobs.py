@@ -23,7 +23,7 @@ LARGEST_WEAR = 50.0
 after some 46."""
 
 LONGEST_LINK = 2000
-"""Characters of a link's query that are read. A setting of all knobs takes some 200."""
+"""Characters of a link's query that are read. A setting of all knobs takes some 170."""
 
 
 class _DriveKnob(NamedTuple):
@@ -204,7 +204,7 @@ def _drive(drive: Drive) -> Knob:
     key, value = next(iter(given.items()))
     label, unit, factor = DRIVES[key]
     start = value / factor
-    # A cylinder without pressure pushes nothing, which a brake file refuses.
+    # A brake file refuses a cylinder without pressure.
     low, high = sorted([0.0 if key != "pressure" else 0.01 * start, 3 * start])
 
     def changes(value: float) -> Changes:

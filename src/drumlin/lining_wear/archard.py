@@ -56,7 +56,7 @@ TOLERANCE = 1e-3
 pressure. Steps above it are repeated with a shorter distance. A judgement."""
 
 MAX_WEAR_STEPS = 20_000
-"""Largest number of steps. A run that needs more is refused; runs that settle take some hundred."""
+"""Largest number of steps. Runs that need more are refused; the example brakes take some 40."""
 
 MAX_STEP_GROWTH = 4.0
 """Largest factor from one step to the next. Larger ones risk a step that has to be repeated."""
@@ -72,7 +72,7 @@ NEWTON_TOLERANCE = 1e-11
 values are round-off."""
 
 MAX_NEWTON_STEPS = 60
-"""Newton steps after which a stage counts as not converged. Some ten are usual."""
+"""Newton steps after which a stage counts as not converged. A judgement."""
 
 SHORTEST_STEP = 1e-13
 """Step, relative to the distance so far, below which the run gives up: round-off of the distance
@@ -85,7 +85,7 @@ judged.
 Wear that goes on for ever makes this ratio infinite. At 1e9 the elastic motion changes the
 direction of a slide by as little as round-off does."""
 
-SOFTEST = 1e3
+SOFTEST_COMPLIANCE = 1e3
 """Compliance of the softest linings that a contact set is followed from, relative to the largest
 compliance of the brake. A larger value only costs time."""
 
@@ -539,7 +539,7 @@ def from_soft(problem: Problem, weight: Floats) -> Bools | None:
     """
     A, q, B, C, h = problem
     compliance = float(np.abs(np.diagonal(A)).max() / np.abs(np.diagonal(weight)).max())
-    softest = SOFTEST * compliance
+    softest = SOFTEST_COMPLIANCE * compliance
     active = np.ones(len(q), dtype=bool)
     try:
         for k in range(SOFTENINGS):
@@ -578,7 +578,7 @@ Tangent = Callable[[Floats], Floats]
 """The change dx (n,) of the contact unknowns that a change dw (n,) of the weighted gap causes."""
 
 
-class _Integrals(NamedTuple):
+class _WearIntegrals(NamedTuple):
     """The integrals of a WearState over the sliding distance, see there."""
 
     removed: float
@@ -586,7 +586,7 @@ class _Integrals(NamedTuple):
     work: float
 
 
-class _Bearing(NamedTuple):
+class _WornContact(NamedTuple):
     """The linings of all interfaces in contact.
 
     Attributes
@@ -601,7 +601,7 @@ class _Bearing(NamedTuple):
     tangents: list[Tangent]
 
 
-class _InterfaceBearing(NamedTuple):
+class _InterfaceContact(NamedTuple):
     """The linings of one interface in contact: p (n,) [Pa], rate (n,) and the contact's answer."""
 
     p: Floats
@@ -643,12 +643,12 @@ class _Stepper:
     def start(self) -> WearState:
         """The unworn linings."""
         depth = np.zeros(len(self.area))
-        return self._state(0.0, depth, self._settled(depth), _Integrals(0.0, 0.0, 0.0))
+        return self._state(0.0, depth, self._settled(depth), _WearIntegrals(0.0, 0.0, 0.0))
 
     def turned(self, state: WearState, forward: bool) -> WearState:
         """The same linings with the drum turning forward or backward."""
         self.forward = forward
-        integrals = _Integrals(state.removed, state.pressed, state.work)
+        integrals = _WearIntegrals(state.removed, state.pressed, state.work)
         return self._state(state.s, state.depth, self._settled(state.depth), integrals)
 
     def _settled(self, depth: Floats) -> Floats:
@@ -694,7 +694,7 @@ class _Stepper:
             """The integral of row . values over the step, by the method's quadrature."""
             return ds * float(row @ ((1 - GAMMA) * at_first + GAMMA * at_second))
 
-        integrals = _Integrals(
+        integrals = _WearIntegrals(
             removed=state.removed + integral(first.rate, second.rate, self.area),
             pressed=state.pressed + integral(first.p, second.p, self.area),
             work=state.work + integral(first.p, second.p, self.lever),
@@ -724,17 +724,17 @@ class _Stepper:
         """The L2 norm of p (n,) over the linings."""
         return math.sqrt(float(np.abs(self.area) @ p**2))
 
-    def _state(self, s: float, depth: Floats, p: Floats, integrals: _Integrals) -> WearState:
+    def _state(self, s: float, depth: Floats, p: Floats, integrals: _WearIntegrals) -> WearState:
         """The state at the distance s [m] with a depth (n,) [m], p (n,) [Pa] and the integrals."""
         force = 1.0
         if self.held is not None:
             force = self._force(0, p)
         return WearState(s, depth, p, float(self.lever @ p), force, self.forward, *integrals)
 
-    def _bear(self, depth: Floats, ds: float) -> _Bearing:
+    def _bear(self, depth: Floats, ds: float) -> _WornContact:
         """The linings in contact after a further wear of ds rate(p) on top of `depth` (n,) [m]."""
         bearings = [self._bear_one(i, depth[part], ds) for i, part in enumerate(self.parts)]
-        return _Bearing(
+        return _WornContact(
             p=np.concatenate([each.p for each in bearings]),
             rate=np.concatenate([each.rate for each in bearings]),
             tangents=[each.contact.tangent for each in bearings],
@@ -749,7 +749,7 @@ class _Stepper:
         main = int(np.argmax(np.abs(problem.h)))
         return float(problem.C[main] @ (p / interface.pressure)) / float(problem.h[main])
 
-    def _bear_one(self, i: int, depth: Floats, ds: float) -> _InterfaceBearing:
+    def _bear_one(self, i: int, depth: Floats, ds: float) -> _InterfaceContact:
         """Interface `i` in contact, with the footing that stands in the answer. Raises NoAnswer."""
         failure: NoAnswer | None = None
         last_footing, last_set = self.footing[i], self.sets[i]
@@ -772,7 +772,7 @@ class _Stepper:
         self.footing[i], self.sets[i] = last_footing, last_set
         raise failure or NoAnswer("no equilibrium, a foot leaves its abutment")
 
-    def _bear_as(self, i: int, depth: Floats, ds: float) -> _InterfaceBearing:
+    def _bear_as(self, i: int, depth: Floats, ds: float) -> _InterfaceContact:
         """Interface `i` in contact with its present footing. Raises NoAnswer.
 
         Newton's method makes the wear rate linear about the last p: the slope is a compliance, the
@@ -794,7 +794,7 @@ class _Stepper:
             new = interface.pressure * contact.p
             change, p = float(np.abs(new - p).max()), new
             if is_linear or change <= NEWTON_TOLERANCE * float(np.abs(p).max()):
-                return _InterfaceBearing(p, self.law.rate(p, rounded)[0], contact)
+                return _InterfaceContact(p, self.law.rate(p, rounded)[0], contact)
         raise NoAnswer(
             "not converged: "
             f"the pressure under wear of exponent {self.law.exponent:g} still changes"
@@ -829,7 +829,7 @@ def explicit(interfaces: WearInterfaces, law: WearLaw, ds: float, steps: int) ->
         rate = law.rate(before.pressure, ROUNDED_PRESSURE * mean)[0]
         depth = before.depth + ds * rate
         bearing = stepper._bear(depth, 0.0)
-        integrals = _Integrals(
+        integrals = _WearIntegrals(
             removed=before.removed + ds * float(stepper.area @ rate),
             pressed=before.pressed + ds * float(stepper.area @ before.pressure),
             work=before.work + ds * before.torque,

@@ -5,8 +5,9 @@ mesh this is the pressure p of steady wear, see `archard.steady`. With the motio
 
     w' = M p + B y' >= 0,   p >= 0,   p w' = 0,   C p = h
 
-where M weighs a gap (fem.substructure.interface), and friction at the abutments opposes y'. The brake bears by
-the same p under its load if, for some motions y, its unloaded linings have the gap g with
+where M weighs a gap (fem.substructure.interface), and friction at the abutments opposes y'. The
+brake bears by the same p under its load if, for some motions y, its unloaded linings have the gap g
+with
 
     w = M g + q + A p + B y >= 0,   p w = 0
 
@@ -42,7 +43,7 @@ from drumlin.brake.fields import Rows, rows_of
 from drumlin.fem.model import PENALTY, respond
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.solve import scene_of
-from drumlin.foundation.model import SECTIONS, lifted, system
+from drumlin.foundation.model import RING_SECTIONS, lifted, system
 from drumlin.foundation.post import shoe_angles
 from drumlin.laws import sine
 from drumlin.lining_wear.archard import WearInterface, WearLaw, steady
@@ -169,7 +170,7 @@ def fitted(brake: Brake, gaps: Mapping[int, Rows] | None = None, *, drum: bool =
 
 
 def worn_in_foundation(
-    brake: Brake, *, sections: int = SECTIONS, lift: Iterable[str] = ()
+    brake: Brake, *, sections: int = RING_SECTIONS, lift: Iterable[str] = ()
 ) -> Brake:
     """The brake with the clearances at which the foundation model bears by the sine law.
 

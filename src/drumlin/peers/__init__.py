@@ -1,5 +1,6 @@
-"""Peers: public solvers that get the same brake on drumlin's own mesh, and answer with the same
-kind of response.
+"""Peers: public solvers that get the same brake on drumlin's own mesh.
+
+They answer with the same kind of response as drumlin's models.
 """
 
 from typing import Any
@@ -10,28 +11,40 @@ from drumlin.peers.peer import Peer, PeerMissing
 from drumlin.response.merit import with_merits
 
 PEERS = {"calculix": "CalculiX", "getfem": "GetFEM"}
-"""The peers, and how they write their names."""
+"""The names that the peers give themselves, by their names in options and files."""
 
 __all__ = ["PEERS", "Peer", "PeerMissing", "missing", "solve"]
 
 
 def solve(name: str, brake: Brake, **options: Any) -> Peer:
-    """A brake by the peer `name`; options: `elements`, `kind`, `mesher`, and the peer's own.
+    """Solve a brake by a peer.
 
-    GetFEM takes shoes however they are held, CalculiX those on hinges of a drum. Raises BadInput
-    for a brake that the peer does not take and for another name, PeerMissing where it is not
-    installed, NoAnswer where it has none.
+    Parameters
+    ----------
+    name : "calculix" for shoes on hinges of a drum, "getfem" for all shoes
+    brake : the brake
+    options : `elements`, `kind`, `mesher`, and the peer's own
+
+    Raises
+    ------
+    BadInput
+        for a brake that the peer does not take, and for another name
+    PeerMissing
+        where the peer is not installed
+    NoAnswer
+        where the peer has no answer
     """
-    from drumlin.peers import calculix, getfem  # noqa: PLC0415  (finite elements load only where they are used)
+    # The peers load the finite elements, which other users of this package do not need.
+    from drumlin.peers import calculix, getfem  # noqa: PLC0415
 
     if name not in PEERS:
         raise BadInput(f"peer = {name!r}: unknown; allowed: {', '.join(PEERS)}")
-    found = (calculix if name == "calculix" else getfem).solve(brake, **options)
-    return found._replace(response=with_merits(brake, found.response))
+    peer = (calculix if name == "calculix" else getfem).solve(brake, **options)
+    return peer._replace(response=with_merits(brake, peer.response))
 
 
 def missing(name: str) -> str | None:
-    """The line that says how to install a peer that is not there; None where it is."""
+    """The line that says how to install a missing peer; None where the peer is there."""
     from drumlin.peers import calculix, getfem  # noqa: PLC0415
 
     try:

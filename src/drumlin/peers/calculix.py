@@ -1,11 +1,13 @@
-"""CalculiX as a peer: decks written, run by `ccx`, read back and checked.
+"""CalculiX as a peer: decks are written, run by `ccx`, read back and checked.
 
-The drum's nodes move along their tangents and the torque is the moment of the forces on them where
-they were at first: the answer is then in proportion to load and rotation, as of small
-displacements. A drum that turns on circles is off by some 1e-3, and so is the moment that CalculiX
-prints, which is about the moved surface. A state is believed only where forces and moments balance,
-where enough of the lining touches and where it slips everywhere that it touches; it is known to end
-normally on states that are none.
+The drum's nodes move along their tangents. The torque is the moment of the forces on them at their
+first places. The answer is then in proportion to load and rotation, as for small displacements. A
+drum that turns on circles is off by some 1e-3, and so is the moment that CalculiX prints, since it
+refers to the moved surface.
+
+CalculiX is known to end normally on states that are no equilibria. A state is believed only under
+three conditions: forces and moments balance, enough of the lining touches, and the lining slips
+wherever it touches.
 """
 
 import functools
@@ -28,11 +30,17 @@ from drumlin.brake.brake import Brake
 from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.preparation.meshes import ELEMENTS, Mesher
 from drumlin.fem.substructure.interface import ContactLine, couple, radial
-from drumlin.peers.deck import BEARING, BEYOND_ELEMENTS, Setting, deck, drum_angles
+from drumlin.peers.deck import (
+    BEARING_STIFFNESS,
+    BEYOND_ELEMENTS,
+    DeckSetting,
+    deck,
+    drum_angles,
+)
 from drumlin.peers.peer import (
-    Forces,
     Loaded,
     Peer,
+    PeerForces,
     PeerMissing,
     brake_response,
     loaded_shoes,
@@ -42,32 +50,59 @@ from drumlin.peers.peer import (
 )
 from drumlin.response.response import Balance, ShoeResponse
 
-INSTALL = (
+INSTALL_CALCULIX = (
     "CalculiX is not installed (no ccx on the PATH); on Debian and Ubuntu: apt install calculix-ccx"
 )
-LARGEST_IMBALANCE = 1e-3  # relative: the two sides of the contact are apart by the drum's rotation
-LEAST_TOUCHING = 0.1  # of the lining's elements
-STICKING = 0.99  # of mu p: less shear than that is not full slip ...
-MOST_STICKING = 0.02  # ... and at most this part of the points may have less
-MOST_DOUBLINGS = 4  # of the drum's rotation, until the lining slips everywhere
-LONGEST = 3600  # s
+
+LARGEST_STATE_IMBALANCE = 1e-3
+"""Largest imbalance of forces or moments, relative, with which a state is believed.
+
+The two sides of the contact are apart by the drum's rotation, of 1e-3, and so are their forces."""
+
+LEAST_TOUCHING = 0.1
+"""Least part of the lining's elements that must touch. States below it are no equilibria, but a
+handful of contact points."""
+
+STICKING = 0.99
+"""Shear relative to mu p below which a contact point counts as sticking."""
+
+MOST_STICKING = 0.02
+"""Largest part of the contact points that may stick in a state of full slip."""
+
+MOST_DOUBLINGS = 4
+"""How often the drum's rotation is doubled until the lining slips everywhere."""
+
+LONGEST_CALCULIX = 3600
+"""Seconds of a run after which CalculiX counts as hung."""
 
 
-class Posed(NamedTuple):
-    """How a shoe is posed to CalculiX: `text(setting, name)`, its deck, and `along(forces)`: of the
-    forces (n, 2) on all nodes of the drum those on the nodes of its arc.
+class PosedShoe(NamedTuple):
+    """The way in which a shoe is posed to CalculiX.
+
+    Attributes
+    ----------
+    text : text(setting, name) is the deck
+    along : along(forces) takes from the forces (n, 2) on all nodes of the drum those on its arc
     """
 
-    text: Callable[[Setting, str], str]
+    text: Callable[[DeckSetting, str], str]
     along: Callable[[Floats], Floats]
 
 
-class State(NamedTuple):
-    """What CalculiX found, in the shoe's frame: forces on the nodes of the drum's arc (n, 2) and of
-    the pin on the shoe (2,) [N], turn about the pin [rad], counter-clockwise in the brake.
+class CalculixState(NamedTuple):
+    """The state that CalculiX found, in the shoe's frame.
 
-    `touching`: elements of the lining with contact points; `points`: their number; `sticking`: the
-    part of them that does not slip. `iterations`; `unknowns`; `seconds` of its process.
+    Attributes
+    ----------
+    contact : forces (n, 2) [N] on the nodes of the drum's arc
+    pin : force (2,) [N] of the pin on the shoe
+    turn : of the shoe about the pin [rad], counter-clockwise in the brake
+    touching : elements of the lining with contact points
+    points : number of contact points
+    sticking : part of them that does not slip
+    iterations : of all increments
+    unknowns : number of equations
+    seconds : of processor time
     """
 
     contact: Floats
@@ -83,12 +118,12 @@ class State(NamedTuple):
 
 @functools.cache
 def version() -> str:
-    """Version of the `ccx` on the PATH. Raises PeerMissing where there is none."""
+    """The version of the `ccx` on the PATH. Raises PeerMissing where there is none."""
     path = shutil.which("ccx")
     if path is None:
-        raise PeerMissing(INSTALL)
-    said = subprocess.run([path, "-v"], capture_output=True, text=True, check=False).stdout
-    found = re.search(r"Version\s+(\S+)", said)
+        raise PeerMissing(INSTALL_CALCULIX)
+    output = subprocess.run([path, "-v"], capture_output=True, text=True, check=False).stdout
+    found = re.search(r"Version\s+(\S+)", output)
     return found[1] if found else "unknown"
 
 
@@ -97,8 +132,18 @@ def export(
 ) -> tuple[list[Path], list[str]]:
     """Write the decks of a brake, one for each shoe, as `solve` runs them at first.
 
-    Returns the files, and the names of shoes without a deck because their force turns them away
-    from the drum. Raises BadInput as `solve` does; needs no CalculiX.
+    It needs no CalculiX. Raises BadInput as `solve` does.
+
+    Parameters
+    ----------
+    brake : the brake
+    folder : where the decks are written
+    stem : first part of their names
+    elements, kind : of the mesh
+
+    Returns
+    -------
+    the files, and the names of shoes without a deck, which their force turns away from the drum
     """
     paths, apart = [], []
     for loaded in loaded_shoes(brake, elements, kind):
@@ -106,7 +151,7 @@ def export(
             apart.append(loaded.shoe.name)
             continue
         path = folder / f"{stem}_{loaded.shoe.name}.inp".replace(" ", "_")
-        write_text(path, deck(brake, loaded, Setting(), path.stem))
+        write_text(path, deck(brake, loaded, DeckSetting(), path.stem))
         paths.append(path)
     return paths, apart
 
@@ -117,54 +162,110 @@ def solve(
     elements: int = ELEMENTS,
     kind: str = DEFAULT_KIND,
     mesher: Mesher | None = None,
-    setting: Setting | None = None,
+    setting: DeckSetting | None = None,
 ) -> Peer:
-    """A brake by CalculiX on drumlin's mesh; where the lining does not slip everywhere the drum is
-    turned twice as far.
+    """Solve a brake by CalculiX on drumlin's mesh.
 
-    Raises PeerMissing; BadInput for a brake with a ring, without friction or with a clearance;
-    NoAnswer where it fails or ends on a state that is none.
+    Where the lining does not slip everywhere, the drum is turned twice as far.
+
+    Parameters
+    ----------
+    brake : the brake
+    elements, kind : of the mesh
+    mesher : who meshes the shoes in their place
+    setting : of the decks
+
+    Raises
+    ------
+    PeerMissing
+        where CalculiX is not installed
+    BadInput
+        for a brake with a ring, without friction or with a clearance
+    NoAnswer
+        where CalculiX fails, or ends on a state that is no equilibrium
     """
     installed = version()
-    shoes = loaded_shoes(brake, elements, kind, mesher)
-    answers, iterations, unknowns, seconds, points = [], 0, 0, 0.0, []
-    for loaded in shoes:
+    tally = RunTally()
+    points = []
+    for loaded in loaded_shoes(brake, elements, kind, mesher):
         if not loaded.approaches:
-            answers.append(untouched_response(loaded))
+            tally.answers.append(untouched_response(loaded))
             continue
-        state, rotation = slipping(brake, loaded, setting or Setting())
-        answers.append(response(loaded, state))
-        iterations = max(iterations, state.iterations)
-        unknowns += state.unknowns
-        seconds += state.seconds
+        state, rotation = slipping(brake, loaded, setting or DeckSetting())
+        tally.add(loaded, state)
         points.append(
-            f"shoe {loaded.shoe.name!r}: {state.points} contact points on {state.touching} elements, "
+            f"shoe {loaded.shoe.name!r}: "
+            f"{state.points} contact points on {state.touching} elements, "
             f"drum turned by {rotation:g} rad"
         )
-    found = brake_response("calculix", answers, iterations, {"calculix": seconds})
     notes = (
         f"CalculiX {installed}, face-to-face penalty",
         "a further load case is a new run: nothing is reused",
         *points,
     )
-    return Peer("calculix", installed, found, seconds, seconds, seconds, unknowns, notes)
+    return tally.peer(installed, notes)
 
 
-def plane_pose(brake: Brake, loaded: Loaded) -> Posed:
-    """A shoe in plane stress."""
+class RunTally:
+    """The answers of CalculiX's runs for the shoes of a brake, and what they cost."""
+
+    def __init__(self) -> None:
+        self.answers: list[tuple[ShoeResponse, Balance]] = []
+        self._iterations, self._unknowns, self._seconds = 0, 0, 0.0
+
+    def add(self, loaded: Loaded, state: CalculixState) -> None:
+        """Add the state of a shoe."""
+        self.answers.append(response(loaded, state))
+        self._iterations = max(self._iterations, state.iterations)
+        self._unknowns += state.unknowns
+        self._seconds += state.seconds
+
+    def peer(self, installed: str, notes: tuple[str, ...]) -> Peer:
+        """The answer for the brake by the installed version."""
+        seconds = self._seconds
+        return Peer(
+            name="calculix",
+            version=installed,
+            response=brake_response(
+                "calculix", self.answers, self._iterations, {"calculix": seconds}
+            ),
+            seconds=seconds,
+            process_seconds=seconds,
+            further_seconds=seconds,
+            unknowns=self._unknowns,
+            notes=notes,
+        )
+
+
+def plane_pose(brake: Brake, loaded: Loaded) -> PosedShoe:
+    """A shoe in plane stress, posed to CalculiX."""
     count = len(drum_angles(loaded))
+    # The arc is the row of nodes on the friction surface.
     arc = slice(count) if loaded.shoe.sign > 0 else slice(-count, None)
-    return Posed(
-        lambda setting, name: deck(brake, loaded, setting, name), lambda forces: forces[arc]
+    return PosedShoe(
+        text=lambda setting, name: deck(brake, loaded, setting, name),
+        along=lambda forces: forces[arc],
     )
 
 
 def slipping(
-    brake: Brake, loaded: Loaded, setting: Setting, posed: Posed | None = None
-) -> tuple[State, float]:
-    """The state of a shoe, the drum turned so far that the lining slips, and that rotation [rad].
+    brake: Brake, loaded: Loaded, setting: DeckSetting, posed: PosedShoe | None = None
+) -> tuple[CalculixState, float]:
+    """Turn the drum until the lining slips everywhere; returns the state and the rotation [rad].
 
-    Only the run that is kept counts in its time. Raises NoAnswer.
+    Only the run that is kept counts in its time.
+
+    Parameters
+    ----------
+    brake : the brake
+    loaded : the shoe
+    setting : of the deck at first
+    posed : how the shoe is posed; None: in plane stress
+
+    Raises
+    ------
+    NoAnswer
+        where CalculiX fails or the lining still sticks
     """
     for _ in range(MOST_DOUBLINGS + 1):
         state = run(brake, loaded, setting, posed)
@@ -173,33 +274,82 @@ def slipping(
             return state, setting.rotation
         setting = setting._replace(rotation=2 * setting.rotation)
     raise NoAnswer(
-        f"shoe {loaded.shoe.name!r}: CalculiX: {formatted(state.sticking, '.0%')} of the contact points do not slip, "
+        f"shoe {loaded.shoe.name!r}: CalculiX: "
+        f"{formatted(state.sticking, '.0%')} of the contact points do not slip, "
         f"even where the drum turns by {setting.rotation / 2:g} rad"
     )
 
 
-def run(brake: Brake, loaded: Loaded, setting: Setting, posed: Posed | None = None) -> State:
+def run(
+    brake: Brake, loaded: Loaded, setting: DeckSetting, posed: PosedShoe | None = None
+) -> CalculixState:
     """Write a deck into a folder of its own, run `ccx` on one thread, and read its state.
 
-    Raises NoAnswer where it does not end normally.
+    Parameters
+    ----------
+    brake : the brake
+    loaded : the shoe
+    setting : of the deck
+    posed : how the shoe is posed; None: in plane stress
+
+    Raises
+    ------
+    NoAnswer
+        where CalculiX does not end normally
     """
     version()
     posed = posed or plane_pose(brake, loaded)
     text = posed.text(setting, "shoe")
-    with tempfile.TemporaryDirectory(prefix="drumlin-calculix-") as folder:
-        (Path(folder) / "shoe.inp").write_text(text, encoding="utf-8")
-        ended = run_process(["ccx", "shoe"], Path(folder), LONGEST)
+    with tempfile.TemporaryDirectory(prefix="drumlin-calculix-") as name:
+        folder = Path(name)
+        (folder / "shoe.inp").write_text(text, encoding="utf-8")
+        ended = run_process(["ccx", "shoe"], folder, LONGEST_CALCULIX)
         if ended.status or "Job finished" not in ended.output:
-            faults = [
-                line.strip()
-                for line in ended.output.splitlines()
-                if "*ERROR" in line or "diverge" in line
-            ]
-            said = faults[-1] if faults else f"its process ended with status {ended.status}"
-            raise NoAnswer(f"shoe {loaded.shoe.name!r}: CalculiX: {said[:200]}")
-        dat, sta = ((Path(folder) / f"shoe.{suffix}").read_text() for suffix in ("dat", "sta"))
+            reason = _fault(ended.output) or f"its process ended with status {ended.status}"
+            raise NoAnswer(f"shoe {loaded.shoe.name!r}: CalculiX: {reason[:200]}")
+        dat, sta = (folder / "shoe.dat").read_text(), (folder / "shoe.sta").read_text()
         state = read_state(dat, sta, ended.output, brake, loaded, setting, posed)
         return state._replace(seconds=ended.seconds)
+
+
+def _fault(output: str) -> str:
+    """The last line in which CalculiX names an error; "" where there is none."""
+    faults = ""
+    for line in output.splitlines():
+        if "*ERROR" in line or "diverge" in line:
+            faults = line.strip()
+    return faults
+
+
+class _Results(NamedTuple):
+    """The numbers in CalculiX's text of results.
+
+    Attributes
+    ----------
+    drum : forces (n, 3) on the nodes of the drum with their labels before them
+    pin : displacement (2,) of the pin [mm]
+    turn : of the shoe about the pin [rad]
+    stress : element, face, pressure and two shears of each contact point
+    time : part of the step that was reached
+    """
+
+    drum: Floats
+    pin: Floats
+    turn: float
+    stress: Floats
+    time: float
+
+
+def _read_results(dat: str) -> _Results:
+    """The numbers in CalculiX's text of results. Raises LookupError and ValueError."""
+    blocks = _blocks(dat)
+    return _Results(
+        drum=_block(blocks, "forces (fx,fy,fz) for set NDRUM"),
+        pin=_block(blocks, "displacements (vx,vy,vz) for set PIN")[0, 1:3],
+        turn=float(_block(blocks, "displacements (vx,vy,vz) for set TURN")[0, 1]),
+        stress=_block(blocks, "contact stress"),
+        time=float(re.findall(r"for set TURN and time\s+(\S+)", dat)[-1]),
+    )
 
 
 def read_state(
@@ -208,45 +358,56 @@ def read_state(
     output: str,
     brake: Brake,
     loaded: Loaded,
-    setting: Setting,
-    posed: Posed | None = None,
-) -> State:
-    """The state in CalculiX's texts: results (.dat), increments (.sta), and what it printed. Raises
-    NoAnswer.
+    setting: DeckSetting,
+    posed: PosedShoe | None = None,
+) -> CalculixState:
+    """Read the state from CalculiX's texts.
+
+    Parameters
+    ----------
+    dat : text of the results
+    sta : text of the increments
+    output : text that CalculiX printed
+    brake : the brake
+    loaded : the shoe
+    setting : of the deck
+    posed : how the shoe is posed; None: in plane stress
+
+    Raises
+    ------
+    NoAnswer
+        where the texts hold no state at the end of the step
     """
-    blocks = _blocks(dat)
+    shoe = loaded.shoe
     try:
-        drum = _block(blocks, "forces (fx,fy,fz) for set NDRUM")
-        pin = _block(blocks, "displacements (vx,vy,vz) for set PIN")[0, 1:3]
-        turn = float(_block(blocks, "displacements (vx,vy,vz) for set TURN")[0, 1])
-        stress = _block(blocks, "contact stress")
-        time_reached = float(re.findall(r"for set TURN and time\s+(\S+)", dat)[-1])
+        results = _read_results(dat)
     except (LookupError, ValueError) as error:
-        raise NoAnswer(
-            f"shoe {loaded.shoe.name!r}: CalculiX wrote no contact state ({error})"
-        ) from error
-    if abs(time_reached - 1) > 1e-6:
-        raise NoAnswer(f"shoe {loaded.shoe.name!r}: CalculiX ended at {time_reached:g} of its step")
+        raise NoAnswer(f"shoe {shoe.name!r}: CalculiX wrote no contact state ({error})") from error
+    if abs(results.time - 1) > 1e-6:
+        raise NoAnswer(f"shoe {shoe.name!r}: CalculiX ended at {results.time:g} of its step")
+    # Forces are in proportion to the thickness of the deck.
     size = setting.thickness
-    press, shear = stress[:, 2], np.hypot(stress[:, 3], stress[:, 4])
-    pressed = press > 1e-3 * press.max()
-    steps = [row.split() for row in sta.splitlines() if re.match(r"\s+\d", row)]
+    along = (posed or plane_pose(brake, loaded)).along
+    stress = results.stress
+    pressure, shear = stress[:, 2], np.hypot(stress[:, 3], stress[:, 4])
+    pressed = pressure > 1e-3 * pressure.max()
+    sticks = shear[pressed] < STICKING * brake.friction * pressure[pressed]
+    increments = [row.split() for row in sta.splitlines() if re.match(r"\s+\d", row)]
     equations = re.search(r"number of equations\s+(\d+)", output)
-    return State(
-        contact=loaded.shoe.frame.to_shoe((posed or plane_pose(brake, loaded)).along(drum[:, 1:3]))
-        / size,
-        pin=loaded.shoe.frame.to_shoe(-BEARING * pin) / size,
-        turn=turn,
+    return CalculixState(
+        contact=shoe.frame.to_shoe(along(results.drum[:, 1:3])) / size,
+        pin=shoe.frame.to_shoe(-BEARING_STIFFNESS * results.pin) / size,
+        turn=results.turn,
         touching=len(np.unique(stress[:, 0])),
         points=len(stress),
-        sticking=float(np.mean(shear[pressed] < STICKING * brake.friction * press[pressed])),
-        iterations=sum(int(row[3]) for row in steps),
+        sticking=float(np.mean(sticks)),
+        iterations=sum(int(row[3]) for row in increments),
         unknowns=int(equations[1]) if equations else 0,
     )
 
 
 def _blocks(dat: str) -> dict[str, str]:
-    """Heading -> lines of numbers under it, of the last time that it is printed."""
+    """The lines of numbers by their heading; of a heading that is printed again, the last ones."""
     found: dict[str, str] = {}
     heading = ""
     for line in dat.splitlines():
@@ -262,50 +423,55 @@ def _blocks(dat: str) -> dict[str, str]:
 
 
 def _block(blocks: dict[str, str], start: str) -> Floats:
-    """The numbers (rows, columns) under the heading that starts so; raises LookupError."""
+    """The numbers (rows, columns) under the heading with a certain start. Raises LookupError."""
     for heading, text in blocks.items():
         if heading.startswith(start) and text:
             return np.array([[float(word) for word in line.split()] for line in text.splitlines()])
     raise LookupError(f"nothing under {start!r}")
 
 
-def check(loaded: Loaded, state: State) -> None:
-    """Raise NoAnswer where a state is none: forces or moments that do not balance, a handful of
-    contact points.
-    """
+def check(loaded: Loaded, state: CalculixState) -> None:
+    """Raise NoAnswer for a state that is no equilibrium or has a handful of contact points."""
     name, lining = loaded.shoe.name, len(loaded.parts.line.pieces[0])
     _, balance = response(loaded, state)
-    if not max(balance.force, balance.moment) < LARGEST_IMBALANCE:
-        raise NoAnswer(f"shoe {name!r}: CalculiX ended normally where forces balance only to {balance.force:.1e} and "
-                       f"moments to {balance.moment:.1e}")  # fmt: skip
+    if not max(balance.force, balance.moment) < LARGEST_STATE_IMBALANCE:
+        raise NoAnswer(
+            f"shoe {name!r}: CalculiX ended normally where forces balance only to "
+            f"{balance.force:.1e} and moments to {balance.moment:.1e}"
+        )
     if state.touching < LEAST_TOUCHING * lining:
-        raise NoAnswer(f"shoe {name!r}: CalculiX ended normally with {state.points} contact points on "
-                       f"{state.touching} of {lining} elements")  # fmt: skip
+        raise NoAnswer(
+            f"shoe {name!r}: CalculiX ended normally with {state.points} contact points on "
+            f"{state.touching} of {lining} elements"
+        )
 
 
-def response(loaded: Loaded, state: State) -> tuple[ShoeResponse, Balance]:
-    """The response to a state. Pressure and shear are those whose nodal forces are CalculiX's on
-    the drum.
+def response(loaded: Loaded, state: CalculixState) -> tuple[ShoeResponse, Balance]:
+    """The response to a state, and its balance.
+
+    Pressure and shear are those whose nodal forces are CalculiX's forces on the drum.
     """
     shoe, frame = loaded.shoe, loaded.shoe.frame
-    theta = drum_angles(loaded)
+    # The nodes of the drum's arc, by growing phi of the shoe's frame.
     forces = state.contact[:: frame.sense]
-    phi = frame.phi(theta)[:: frame.sense]
+    phi = frame.phi(drum_angles(loaded))[:: frame.sense]
     radius = float(np.hypot(*loaded.parts.line.xy).mean())
     xy = radius * np.array([np.cos(phi), np.sin(phi)])
     pieces = np.arange(3)[:, None] + np.arange(0, len(phi) - 2, 2)
     line = ContactLine(np.arange(len(phi)), xy, phi, pieces)
     coupling = couple(line, shoe.lining.width, radial(shoe.sign))
-    pressing, dragging = -coupling.N.T, coupling.T.T  # nodal forces of a pressure and of a shear
-    pressure, shear = np.split(np.linalg.solve(np.hstack([pressing, dragging]), forces.ravel()), 2)
-    normal, along = (
-        (of @ values).reshape(-1, 2).sum(axis=0)
-        for of, values in ((pressing, pressure), (dragging, shear))
-    )
+    # Nodal forces of a unit pressure and of a unit shear at each node.
+    pressing, dragging = -coupling.N.T, coupling.T.T
+    both = np.hstack([pressing, dragging])
+    pressure, shear = np.split(np.linalg.solve(both, forces.ravel()), 2)
+    normal = (pressing @ pressure).reshape(-1, 2).sum(axis=0)
+    friction = (dragging @ shear).reshape(-1, 2).sum(axis=0)
     torque = abs(float(xy[0] @ forces[:, 1] - xy[1] @ forces[:, 0]))
-    on = slice(2 * BEYOND_ELEMENTS, len(phi) - 2 * BEYOND_ELEMENTS)
     held = np.array([*state.pin, 0.0])
-    if not loaded.on_body:  # which the springs bear too
+    # The springs of the pin bear a force on the hinge's line, too.
+    if not loaded.on_body:
         held += [*loaded.force, loaded.couple]
-    found = Forces(normal, along, math.copysign(torque, loaded.drag), held, torque)
-    return shoe_response(loaded, phi[on], pressure[on], 2, found, np.array([state.turn]))
+    found = PeerForces(normal, friction, math.copysign(torque, loaded.drag), held, torque)
+    lining = slice(2 * BEYOND_ELEMENTS, len(phi) - 2 * BEYOND_ELEMENTS)
+    turn = np.array([state.turn])
+    return shoe_response(loaded, phi[lining], pressure[lining], 2, found, turn)

@@ -1,10 +1,10 @@
 """A shoe against its drum as an input deck for CalculiX, from drumlin's own mesh; units mm, N, MPa.
 
-Plane stress elements of one small thickness (CPS8 or CPS6; thick ones are not quite in plane stress
-there), every stiffness and force in proportion to it: what is wider than the lining is stiffer
-instead. The hinge's line turns about the pin by linear equations; the drum is an arc of elements
-whose nodes are all moved, reaching past the lining's ends; contact is face to face by a penalty,
-with friction.
+The elements are plane stress elements of one small thickness (CPS8 or CPS6; thick ones are not
+quite in plane stress there). Every stiffness and force is in proportion to the thickness: layers
+wider than the lining are stiffer instead. Linear equations let the hinge's line turn about the pin.
+The drum is an arc of elements whose nodes are all moved; it reaches past the lining's ends. Contact
+is face to face by a penalty, with friction.
 """
 
 import math
@@ -17,7 +17,7 @@ from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake
 from drumlin.brake.fields import Material, Orthotropic
-from drumlin.fem.equilibrium.group import gap_at
+from drumlin.fem.equilibrium.state import gap_at
 from drumlin.fem.mesh.abaqus import TYPE_OF_CELL
 from drumlin.fem.mesh.arc import kind_of
 from drumlin.fem.mesh.edges import edge_nodes
@@ -28,20 +28,40 @@ from drumlin.peers.peer import Loaded
 
 MM = 1e3  # per m
 MPA = 1e-6  # per Pa
-CELLS = {"quad9": ("quad8", 4), "triangle6": ("triangle6", 3)}
-DRUM_LAYER = 1 / 30  # thickness of the drum's arc of elements, in radii
-BEYOND, BEYOND_ELEMENTS = math.radians(3), 2  # at each end of the lining
 
-BEARING = 1e10  # stiffness of the pin's springs [N/mm]
-SOFT = 1e-6  # modulus of the drum, of the lining's: all its nodes are prescribed, and their forces are those of contact
+DECK_CELLS = {"quad9": ("quad8", 4), "triangle6": ("triangle6", 3)}
+"""The cell that a deck has for a cell of drumlin's mesh, and its number of corners."""
+
+DRUM_LAYER = 1 / 30
+"""Thickness of the drum's arc of elements, relative to its radius. It has no effect, since all
+nodes are moved."""
+
+BEYOND_ANGLE = math.radians(3)
+"""Angle [rad] by which the drum's arc reaches past each end of the lining."""
+
+BEYOND_ELEMENTS = 2
+"""Number of the drum's elements past each end of the lining."""
+
+BEARING_STIFFNESS = 1e10
+"""Stiffness of the springs that bear the pin [N/mm]. Under 1 kN the pin moves by 1e-7 mm, which
+changes nothing, and CalculiX prints the motion with all its digits."""
+
+DRUM_MODULUS = 1e-6
+"""Modulus of the drum relative to the lining's. All of the drum's nodes are prescribed. A soft drum
+adds nothing to their forces, which are then those of the contact."""
 
 
-class Setting(NamedTuple):
-    """How a brake is posed to CalculiX.
+class DeckSetting(NamedTuple):
+    """The way in which a brake is posed to CalculiX.
 
-    `rotation` [rad] of the drum; `thickness` of all elements, of the lining's width; `penalty` and
-    `stick`: contact and stick stiffness as multiples of E/t of the lining; `steps`: least number of
-    increments; `accuracy`: CalculiX's relative tolerance of forces.
+    Attributes
+    ----------
+    rotation : of the drum [rad]
+    thickness : of all elements, relative to the lining's width
+    penalty : stiffness of the contact as a multiple of E/t of the lining
+    stick : stiffness of a sticking contact, likewise
+    steps : least number of increments
+    accuracy : CalculiX's relative tolerance of forces
     """
 
     rotation: float = 1e-3
@@ -52,11 +72,22 @@ class Setting(NamedTuple):
     accuracy: float = 1e-5
 
 
-class Grid(NamedTuple):
-    """A shoe's mesh as CalculiX has it: nodes `xy` (n, 2) [mm], `cells` (m, k) of them, corners
-    first, and the nodes of the edges of each boundary. Labels count from 1; nodes `pin` and `turn`
-    come after those of the mesh, then the drum's; elements of the drum and of the `bearing` after
-    the shoe's.
+class DeckGrid(NamedTuple):
+    """A shoe's mesh as CalculiX has it.
+
+    Labels count from 1. The nodes `pin` and `turn` come after those of the mesh, then the drum's.
+    The elements of the drum and of the `bearing` come after the shoe's.
+
+    Attributes
+    ----------
+    xy : nodes (n, 2) [mm]
+    cells : nodes (m, k) of each cell, corners first
+    corners : of a cell
+    kind : CalculiX's name for a cell
+    edges : nodes of the edges of each boundary
+    pin : label of the pin's node
+    turn : label of the node whose displacement is the turn of the shoe
+    bearing : label of the first spring at the pin
     """
 
     xy: Floats
@@ -69,51 +100,88 @@ class Grid(NamedTuple):
     bearing: int
 
 
-def deck(brake: Brake, loaded: Loaded, setting: Setting, name: str = "shoe") -> str:
-    """The deck of one shoe, in the brake's frame. Raises BadInput for linear elements and for a
-    clearance.
+class FirstLabels(NamedTuple):
+    """The labels of the drum's first node and first element."""
+
+    node: int
+    element: int
+
+
+class DrumMesh(NamedTuple):
+    """The lines of the drum's nodes and elements, and its nodes (n, 2) [mm]."""
+
+    lines: list[str]
+    xy: Floats
+
+
+def deck(brake: Brake, loaded: Loaded, setting: DeckSetting, name: str = "shoe") -> str:
+    """The deck of one shoe, in the brake's frame.
+
+    Parameters
+    ----------
+    brake : the brake
+    loaded : the shoe
+    setting : of the deck
+    name : of the deck's file, without ending
+
+    Raises
+    ------
+    BadInput
+        for linear elements and for a clearance
     """
-    shoe, parts = loaded.shoe, loaded.parts
-    if np.any(gap_at(parts.line.xy, parts.line.phi, brake, shoe)):
-        raise BadInput(
-            f"shoe {shoe.name!r}: lining.clearance: CalculiX gets linings that fit the drum; must be 0"
-        )
+    check_fit(brake, loaded)
     grid = _grid(loaded)
-    drum_lines, drum_xy = drum(brake, loaded, (grid.turn + 1, len(grid.cells) + 1))
+    drum_mesh = drum(brake, loaded, FirstLabels(grid.turn + 1, len(grid.cells) + 1))
+    lining_faces = faces(grid.cells, grid.edges["contact"], grid.corners)
+    drum_face = "S1" if loaded.shoe.sign > 0 else "S3"
     lines = [
         *header(brake, loaded, setting, name),
         *_shoe(loaded, grid),
-        *drum_lines,
+        *drum_mesh.lines,
         *_sections(loaded, setting),
-        *contact(
-            brake,
-            loaded,
-            setting,
-            faces(grid.cells, grid.edges["contact"], grid.corners),
-            "S1" if shoe.sign > 0 else "S3",
-        ),
+        *contact(brake, loaded, setting, lining_faces, drum_face),
         *hinge(loaded, grid),
-        *step(brake, setting, grid, drum_xy, _load(loaded, setting, grid)),
+        *step(brake, setting, grid, drum_mesh.xy, _load(loaded, setting, grid)),
     ]
     return "\n".join(lines) + "\n"
 
 
-def _grid(loaded: Loaded) -> Grid:
+def check_fit(brake: Brake, loaded: Loaded) -> None:
+    """Raise BadInput for a lining that does not fit the drum."""
+    shoe, line = loaded.shoe, loaded.parts.line
+    if np.any(gap_at(line.xy, line.phi, brake, shoe)):
+        raise BadInput(
+            f"shoe {shoe.name!r}: lining.clearance: "
+            "CalculiX gets linings that fit the drum; must be 0"
+        )
+
+
+def _grid(loaded: Loaded) -> DeckGrid:
+    """The mesh of a shoe as CalculiX has it. Raises BadInput for linear elements."""
     shoe, parts = loaded.shoe, loaded.parts
     cell = kind_of(parts.mesh).cell
-    if cell not in CELLS:
+    if cell not in DECK_CELLS:
         raise BadInput("--kind: CalculiX gets quadratic elements only; allowed: quad2, tri2")
-    kind, corners = CELLS[cell]
+    kind, corners = DECK_CELLS[cell]
     xy = shoe.frame.to_brake(parts.basis.doflocs.T) * MM
     cells = counter_clockwise(xy, parts.basis.element_dofs.T[:, : 2 * corners], corners)
-    edges = {
-        name: edge_nodes(parts.basis, facets) for name, facets in parts.mesh.boundaries.items()
-    }
-    bearing = len(cells) + len(drum_angles(loaded)) // 2 + 1
-    return Grid(xy, cells, corners, TYPE_OF_CELL[kind], edges, len(xy) + 1, len(xy) + 2, bearing)
+    edges = {}
+    for name, facets in parts.mesh.boundaries.items():
+        edges[name] = edge_nodes(parts.basis, facets)
+    return DeckGrid(
+        xy=xy,
+        cells=cells,
+        corners=corners,
+        kind=TYPE_OF_CELL[kind],
+        edges=edges,
+        pin=len(xy) + 1,
+        turn=len(xy) + 2,
+        bearing=len(cells) + len(drum_angles(loaded)) // 2 + 1,
+    )
 
 
-def _shoe(loaded: Loaded, grid: Grid) -> list[str]:
+def _shoe(loaded: Loaded, grid: DeckGrid) -> list[str]:
+    """The lines of a shoe's nodes and elements."""
     hinge = loaded.shoe.pin.xy * MM
     lines = ["*NODE, NSET=NSHOE"]
     lines += [_node(i + 1, grid.xy[i]) for i in np.unique(grid.cells)]
@@ -127,16 +195,16 @@ def _shoe(loaded: Loaded, grid: Grid) -> list[str]:
 
 
 def _node(label: int, xy: Floats) -> str:
+    """The line of a node (2,) [mm]."""
     return f"{label}, {xy[0]:.12e}, {xy[1]:.12e}, 0."
 
 
-def _sections(loaded: Loaded, setting: Setting) -> list[str]:
-    """Materials and thickness; what is wider than the lining is stiffer instead."""
+def _sections(loaded: Loaded, setting: DeckSetting) -> list[str]:
+    """The lines of materials and thickness; parts wider than the lining are stiffer instead."""
     lining = loaded.shoe.lining
     thickness = setting.thickness * lining.width * MM
-    parts = materials_of(loaded.shoe) | {
-        "drum": (Material(E=SOFT * lining.material.E_through, nu=0.0), lining.width)
-    }
+    drum_material = Material(E=DRUM_MODULUS * lining.material.E_through, nu=0.0)
+    parts = materials_of(loaded.shoe) | {"drum": (drum_material, lining.width)}
     layers, lines = layers_of(loaded.shoe), []
     for part, (material, width) in parts.items():
         name, times = part.upper(), width / lining.width
@@ -146,21 +214,20 @@ def _sections(loaded: Loaded, setting: Setting) -> list[str]:
             lines += ["*ELASTIC", f"{material.E * times * MPA:.12e}, {material.nu:.12e}"]
         else:
             along = layers[part].along
+            direction = None if along is None else loaded.shoe.frame.to_brake(along)
             lines += _engineering_constants(material, times)
-            lines += _orientation(
-                f"O{name}", None if along is None else loaded.shoe.frame.to_brake(along)
-            )
+            lines += _orientation(f"O{name}", direction)
             section += f", ORIENTATION=O{name}"
         lines += [section, f"{thickness:.12e}"]
     return lines
 
 
 def _engineering_constants(material: Orthotropic, times: float) -> list[str]:
-    """The nine constants of an orthotropic material, moduli so many times as large.
+    """The lines of the nine constants of an orthotropic material, with its moduli times a factor.
 
     CalculiX's directions 1, 2, 3 are through, along and across the layer, as in its cylindrical
-    systems. Those across do not matter in plane stress; a file without them gets a material that
-    does not contract across.
+    systems. The constants across the layer do not matter in plane stress. A file without them gets
+    a material that does not contract across.
     """
     along, through = material.E_along, material.E_through
     E = [through, along, material.E_across or along]
@@ -177,8 +244,11 @@ def _engineering_constants(material: Orthotropic, times: float) -> list[str]:
 
 
 def _orientation(name: str, along: Floats | None) -> list[str]:
-    """The directions through, along and across a layer; along (2,): in the brake's frame, None
-    around its centre."""
+    """The lines of the directions through, along and across a layer.
+
+    A straight layer has the direction `along` (2,) in the brake's frame. None stands for a layer
+    around the drum's centre.
+    """
     if along is None:
         return [f"*ORIENTATION, NAME={name}, SYSTEM=CYLINDRICAL", "0., 0., 0., 0., 0., 1."]
     x, y = along
@@ -189,10 +259,17 @@ def _orientation(name: str, along: Floats | None) -> list[str]:
 
 
 def contact(
-    brake: Brake, loaded: Loaded, setting: Setting, slave: list[str], master: str
+    brake: Brake, loaded: Loaded, setting: DeckSetting, slave: list[str], master: str
 ) -> list[str]:
-    """Contact of the lining's faces `slave` (lines "element, face") with the face `master` of the
-    drum's elements.
+    """The lines of the contact between lining and drum.
+
+    Parameters
+    ----------
+    brake : the brake
+    loaded : the shoe
+    setting : of the deck
+    slave : faces of the lining, as lines "element, face"
+    master : face of the drum's elements
     """
     lining = loaded.shoe.lining
     unit = lining.material.E_through * MPA / (lining.thickness * MM)
@@ -211,9 +288,11 @@ def contact(
     ]
 
 
-def hinge(loaded: Loaded, grid: Grid) -> list[str]:
-    """The hinge's nodes move as a rigid line with the pin's node and the turn; stiff springs bear
-    the pin, since CalculiX prints no reaction of a node that equations tie.
+def hinge(loaded: Loaded, grid: DeckGrid) -> list[str]:
+    """The lines of the hinge and its pin.
+
+    The hinge's nodes move as a rigid line with the pin's node and the turn. Stiff springs bear the
+    pin, since CalculiX prints no reaction of a node that is part of a constraint.
     """
     lines = ["** the hinge's line turns about the pin", "*EQUATION"]
     for i in np.unique(grid.edges["hinge"]):
@@ -222,28 +301,36 @@ def hinge(loaded: Loaded, grid: Grid) -> list[str]:
         lines += ["3", f"{i + 1}, 2, 1., {grid.pin}, 2, -1., {grid.turn}, 1, {-x:.12e}"]
     lines.append("** the pin's bearing: its force on the shoe is that of these springs")
     for c, axis in enumerate("XY"):
-        lines += [f"*ELEMENT, TYPE=SPRING1, ELSET=BEARING{axis}", f"{grid.bearing + c}, {grid.pin}"]
+        lines += [
+            f"*ELEMENT, TYPE=SPRING1, ELSET=BEARING{axis}",
+            f"{grid.bearing + c}, {grid.pin}",
+        ]
     for c, axis in enumerate("XY", start=1):
-        lines += [f"*SPRING, ELSET=BEARING{axis}", f"{c}", f"{BEARING:.12e}"]
+        lines += [f"*SPRING, ELSET=BEARING{axis}", f"{c}", f"{BEARING_STIFFNESS:.12e}"]
     return [*lines, "*BOUNDARY", f"{grid.pin}, 3, 3"]
 
 
-def step(brake: Brake, setting: Setting, grid: Grid, drum_xy: Floats, load: list[str]) -> list[str]:
-    """Load (lines of nodal forces) and rotation together, and what is printed; the drum's nodes are
-    at (n, 2) [mm].
+def step(
+    brake: Brake, setting: DeckSetting, grid: DeckGrid, drum_xy: Floats, load: list[str]
+) -> list[str]:
+    """The lines of the step: load and rotation together, and the results to print.
+
+    Parameters
+    ----------
+    brake : the brake
+    setting : of the deck
+    grid : mesh of the shoe
+    drum_xy : nodes (n, 2) [mm] of the drum
+    load : lines of nodal forces
     """
-    lines = [
-        "*STEP, INC=1000",
-        "*STATIC",
-        f"{1 / setting.steps:.12e}, 1.",
-        "*CONTROLS, PARAMETERS=FIELD",
-    ]
+    lines = ["*STEP, INC=1000", "*STATIC", f"{1 / setting.steps:.12e}, 1."]
+    lines += ["*CONTROLS, PARAMETERS=FIELD"]
     lines += [f"{setting.accuracy:.12e}, {setting.accuracy:.12e}", "*CLOAD", *load]
+    # Each node of the drum moves along its tangent.
     angle = brake.spin * setting.rotation
+    displacements = angle * drum_xy @ np.array([[0, 1], [-1, 0]])
     lines.append("*BOUNDARY")
-    for label, (x, y) in enumerate(
-        angle * drum_xy @ np.array([[0, 1], [-1, 0]]), start=grid.turn + 1
-    ):
+    for label, (x, y) in enumerate(displacements, start=grid.turn + 1):
         lines += [f"{label}, 1, 1, {x:.12e}", f"{label}, 2, 2, {y:.12e}"]
     for nodes, value in (("PIN", "U"), ("TURN", "U"), ("NDRUM", "RF")):
         lines += [f"*NODE PRINT, NSET={nodes}, FREQUENCY=1000", value]
@@ -251,30 +338,47 @@ def step(brake: Brake, setting: Setting, grid: Grid, drum_xy: Floats, load: list
     return [*lines, "*CONTACT FILE, FREQUENCY=1000", "CDIS, CSTR", "*END STEP"]
 
 
-def _load(loaded: Loaded, setting: Setting, grid: Grid) -> list[str]:
-    """The actuation, as nodal forces of drumlin's traction on the loaded end, or on the rigid shoe
-    itself.
+def _load(loaded: Loaded, setting: DeckSetting, grid: DeckGrid) -> list[str]:
+    """The lines of the actuation: nodal forces on the loaded end, or force and couple on the pin.
+
+    The nodal forces are those of drumlin's traction.
     """
-    shoe, parts, size = loaded.shoe, loaded.parts, setting.thickness
-    if "actuation" in grid.edges:
-        unit, _ = end_loads(parts.basis, parts.mesh.boundaries["actuation"])
-        nodal = (unit @ np.array([*loaded.force, loaded.couple])).reshape(-1, 2)
-        forces = size * shoe.frame.to_brake(nodal)
-        return [
-            f"{i + 1}, {c + 1}, {forces[i, c]:.12e}"
-            for i in np.unique(grid.edges["actuation"])
-            for c in range(2)
-        ]
-    force, couple = (
-        size * shoe.frame.to_brake(loaded.force),
-        size * shoe.frame.sense * loaded.couple * MM,
-    )
+    if "actuation" not in grid.edges:
+        return load_on_pin(loaded, setting, grid)
+    parts = loaded.parts
+    unit, _ = end_loads(parts.basis, parts.mesh.boundaries["actuation"])
+    nodal = (unit @ np.array([*loaded.force, loaded.couple])).reshape(-1, 2)
+    forces = setting.thickness * loaded.shoe.frame.to_brake(nodal)
+    return nodal_loads(forces, np.unique(grid.edges["actuation"]))
+
+
+def nodal_loads(forces: Floats, nodes: Ints) -> list[str]:
+    """The lines of the forces (n, 2) on some nodes."""
+    lines = []
+    for i in nodes:
+        lines += [f"{i + 1}, {c + 1}, {forces[i, c]:.12e}" for c in range(2)]
+    return lines
+
+
+def load_on_pin(loaded: Loaded, setting: DeckSetting, grid: DeckGrid) -> list[str]:
+    """The lines of the actuation as force and couple on the pin of a rigid shoe."""
+    frame, size = loaded.shoe.frame, setting.thickness
+    force = size * frame.to_brake(loaded.force)
+    couple = size * frame.sense * loaded.couple * MM
     lines = [f"{grid.pin}, {c + 1}, {force[c]:.12e}" for c in range(2)]
     return [*lines, f"{grid.turn}, 1, {couple:.12e}"]
 
 
-def header(brake: Brake, loaded: Loaded, setting: Setting, name: str) -> list[str]:
-    """Comment lines: what it is, how to run it, how to read it."""
+def header(brake: Brake, loaded: Loaded, setting: DeckSetting, name: str) -> list[str]:
+    """The comment lines of a deck: what it is, how to run it, how to read it.
+
+    Parameters
+    ----------
+    brake : the brake
+    loaded : the shoe
+    setting : of the deck
+    name : of the deck's file, without ending
+    """
     title, shoe = (" ".join(text.split())[:80] for text in (brake.title, loaded.shoe.name))
     return [
         f"** {title}",
@@ -287,19 +391,30 @@ def header(brake: Brake, loaded: Loaded, setting: Setting, name: str) -> list[st
 
 
 def counter_clockwise(xy: Floats, cells: Ints, corners: int) -> Ints:
-    """Cells (m, 2 corners) of nodes xy (n, 2), corners first, each turned so that it runs
-    counter-clockwise.
+    """Cells whose nodes run counter-clockwise.
+
+    Parameters
+    ----------
+    xy : nodes (n, 2)
+    cells : nodes (m, 2 corners) of each cell, corners first, in either sense
+    corners : of a cell
     """
     x, y = xy[cells[:, :corners]].transpose(2, 0, 1)
     area = (x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum(axis=1)
+    # The order that turns a cell over: its first corner stays.
     back = [0, *range(corners - 1, 0, -1)]
     middles = [corners + i for i in range(corners - 1, -1, -1)]
     return np.where((area > 0)[:, None], cells, cells[:, back + middles])
 
 
 def faces(cells: Ints, along: Ints, corners: int) -> list[str]:
-    """Lines "element, S<face>" of the edges `along` (3, m) (nodes from end to end); faces run
-    between corners.
+    """The lines "element, S<face>" of some edges; CalculiX counts faces from corner to corner.
+
+    Parameters
+    ----------
+    cells : nodes (m, k) of each cell, corners first
+    along : nodes (3, edges) of each edge, from end to end
+    corners : of a cell
     """
     wanted = {tuple(sorted(ends)) for ends in along[[0, -1]].T.tolist()}
     lines = []
@@ -311,37 +426,38 @@ def faces(cells: Ints, along: Ints, corners: int) -> list[str]:
 
 
 def drum_angles(loaded: Loaded) -> Floats:
-    """Angles theta of the nodes of the drum's arc [rad]: those of the lining, so that no gap is
-    left between their edges, and a few elements beyond its ends.
+    """The angles theta [rad] of the nodes of the drum's arc.
+
+    They are those of the lining, so that no gap is left between the edges of both, and a few more
+    beyond the lining's ends.
     """
     theta = np.sort(loaded.shoe.frame.theta(loaded.parts.line.phi))
-    beyond = min(BEYOND, 0.49 * (2 * math.pi - np.ptp(theta)))  # the ends of the arc must not meet
+    # The two ends of the arc must not meet.
+    beyond = min(BEYOND_ANGLE, 0.49 * (2 * math.pi - np.ptp(theta)))
     more = np.linspace(0.0, beyond, 2 * BEYOND_ELEMENTS + 1)[1:]
     return np.concatenate([theta[0] - more[::-1], theta, theta[-1] + more])
 
 
-def drum(brake: Brake, loaded: Loaded, first: tuple[int, int]) -> tuple[list[str], Floats]:
-    """Lines of the drum's nodes and elements, numbered from `first` (node, element), and its nodes
-    (n, 2) [mm].
+def drum(brake: Brake, loaded: Loaded, first: FirstLabels) -> DrumMesh:
+    """The drum: one layer of CPS8 along the arc.
 
-    One layer of CPS8 along the arc; their face S1 (of an internal shoe) or S3 lies on the friction
-    surface.
+    Their face S1 (of an internal shoe) or S3 lies on the friction surface.
     """
     shoe, R = loaded.shoe, brake.size
     theta = drum_angles(loaded)
     count = len(theta) // 2
     inner, outer = (R, R * (1 + DRUM_LAYER)) if shoe.sign > 0 else (R * (1 - DRUM_LAYER), R)
-    # rows of nodes: inner arc, middle (every other), outer arc
+    # Rows of nodes: the inner arc, the middle (every other angle), the outer arc.
     rows = [(inner, theta), ((inner + outer) / 2, theta[::2]), (outer, theta)]
     xy = np.concatenate([r * np.column_stack([np.cos(t), np.sin(t)]) for r, t in rows]) * MM
-    node, element = first
-    a, b, c = (node + np.cumsum([0, len(theta), count + 1])).tolist()
+    # The first label of each row.
+    a, b, c = (first.node + np.cumsum([0, len(theta), count + 1])).tolist()
     lines = ["*NODE, NSET=NDRUM"]
-    lines += [_node(label, at) for label, at in enumerate(xy, start=node)]
+    lines += [_node(label, at) for label, at in enumerate(xy, start=first.node)]
     lines.append("*ELEMENT, TYPE=CPS8, ELSET=DRUM")
     for k in range(count):
         i = 2 * k
-        # counter-clockwise: along the inner arc backwards, out, along the outer arc forwards
+        # Counter-clockwise: along the inner arc backwards, out, along the outer arc forwards.
         nodes = [a + i + 2, a + i, c + i, c + i + 2, a + i + 1, b + k, c + i + 1, b + k + 1]
-        lines.append(", ".join(map(str, [element + k, *nodes])))
-    return lines, xy
+        lines.append(", ".join(map(str, [first.element + k, *nodes])))
+    return DrumMesh(lines, xy)

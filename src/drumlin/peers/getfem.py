@@ -1,9 +1,8 @@
-"""GetFEM as a peer: the brake goes to a script as numbers, another Python runs it, its answer comes
-back.
+"""GetFEM as a peer: the brake goes to a script as numbers, and another Python runs the script.
 
 The script, getfem_brake.py beside this module, needs a Python that imports getfem (a Debian
-package, for the system's Python) and nothing of drumlin. Lengths go in drum radii, stresses in
-moduli of the lining.
+package, for the system's Python) and nothing of drumlin. Its lengths are in drum radii, its
+stresses in moduli of the lining.
 """
 
 import functools
@@ -12,7 +11,7 @@ import math
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from statistics import median
@@ -24,16 +23,17 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.fem.equilibrium.group import gap_at
+from drumlin.fem.equilibrium.state import gap_at
 from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.mesh.edges import edge_nodes
-from drumlin.fem.model import LARGEST_IMBALANCE
-from drumlin.fem.preparation.meshes import ELEMENTS, Assembled, Mesher
+from drumlin.fem.model import LARGEST_ANSWER_IMBALANCE
+from drumlin.fem.preparation.meshes import ELEMENTS, Mesher
 from drumlin.fem.substructure.elasticity import layers_of, split
 from drumlin.peers.peer import (
-    Forces,
     Loaded,
+    MeshedShoe,
     Peer,
+    PeerForces,
     PeerMissing,
     brake_response,
     meshed_shoes,
@@ -45,13 +45,23 @@ from drumlin.peers.peer import (
 from drumlin.response.response import Balance, ShoeResponse
 
 SCRIPT = Path(__file__).with_name("getfem_brake.py")
-INSTALL = "GetFEM is not installed; on Debian and Ubuntu: apt install python3-getfem++"
+INSTALL_GETFEM = "GetFEM is not installed; on Debian and Ubuntu: apt install python3-getfem++"
 FORMULATIONS = ("full slip", "coulomb")
-FURTHER = 0.9  # of the friction coefficient, in the further load case
-SLIPPING = 0.99  # of mu p: less shear in all is not full slip
-LONGEST = 1800  # s
-ALIKE = 1e-10  # relative: two tips go the same way
-MOST_PARTS = 12  # of the cam's force that are tried
+
+FURTHER_LOAD_FRICTION = 0.9
+"""Friction coefficient of the further load case, relative to the brake's."""
+
+SLIPPING = 0.99
+"""Total shear relative to mu p below which a shoe is not in full slip, and its state is refused."""
+
+LONGEST_GETFEM = 1800
+"""Seconds of a run after which GetFEM counts as hung."""
+
+EQUAL_WAYS = 1e-10
+"""Relative difference of the ways of two tips up to which a cam moves them alike."""
+
+MOST_FORCE_PARTS = 12
+"""Largest number of ways to share the cam's force that are tried. Linings that fit take two."""
 
 
 @functools.cache
@@ -59,14 +69,12 @@ def python() -> str:
     """A Python that imports getfem: `python3` on the PATH, or the system's. Raises PeerMissing."""
     for name in ("python3", "/usr/bin/python3"):
         path = shutil.which(name)
-        if (
-            path
-            and not subprocess.run(
-                [path, "-c", "import getfem"], capture_output=True, check=False
-            ).returncode
-        ):
+        if path is None:
+            continue
+        command = [path, "-c", "import getfem"]
+        if not subprocess.run(command, capture_output=True, check=False).returncode:
             return path
-    raise PeerMissing(INSTALL)
+    raise PeerMissing(INSTALL_GETFEM)
 
 
 def solve(
@@ -78,11 +86,24 @@ def solve(
     formulation: str = "full slip",
     repeats: int = 1,
 ) -> Peer:
-    """A brake by GetFEM on drumlin's mesh: `formulation` "full slip" or "coulomb" (its own brick of
-    contact).
+    """Solve a brake by GetFEM on drumlin's mesh.
 
-    Seconds are medians of `repeats` solves from the beginning in one process. Raises PeerMissing,
-    BadInput for a brake with a ring or without friction, NoAnswer where it does not converge.
+    Parameters
+    ----------
+    brake : the brake
+    elements, kind : of the mesh
+    mesher : who meshes the shoes in their place
+    formulation : "full slip", or "coulomb", GetFEM's own brick of contact
+    repeats : number of solves from the beginning in one process; seconds are their medians
+
+    Raises
+    ------
+    PeerMissing
+        where GetFEM is not installed
+    BadInput
+        for a brake with a ring or without friction
+    NoAnswer
+        where GetFEM does not converge
     """
     if formulation not in FORMULATIONS:
         raise BadInput(
@@ -90,49 +111,26 @@ def solve(
         )
     interpreter = python()
     meshed = meshed_shoes(brake, elements, kind, mesher)
-    runs: list[_Run] = []
-
-    def run(shoes: list[Loaded]) -> list[dict[str, Any]]:
-        runs.append(_run(interpreter, _problem(brake, shoes, formulation, repeats)))
-        return list(runs[-1].result["answers"][0])
-
-    pushed = {link.to: link.source for link in brake.links}
-    answers: dict[str, Stood] = {}
-    if brake.actuation is not None and brake.actuation.is_cam:
-        both = {i: shoe for i, shoe in enumerate(brake.shoes) if shoe.name not in pushed}
-        answers |= _under_cam(
-            brake.actuation.total, both, lambda shoes: _standing(brake, shoes, meshed, run)
-        )
-    while len(answers) < len(brake.shoes):  # along chains of struts, shoe by shoe
-        ready = {}
-        for i, shoe in enumerate(brake.shoes):
-            if shoe.name in answers or pushed.get(shoe.name, shoe.name) not in {
-                *answers,
-                shoe.name,
-            }:
-                continue
-            strut = pushed.get(shoe.name)
-            force = (
-                None if strut is None else float(np.hypot(*answers[strut].response.hinge_reaction))
-            )
-            ready[i] = shoe if force is None else shoe.under(force)
-        answers |= _standing(brake, ready, meshed, run)
+    solver = _Solver(interpreter, brake, meshed, formulation, repeats)
+    answers = _answers(brake, solver)
     each = [(answers[shoe.name].response, answers[shoe.name].balance) for shoe in brake.shoes]
-    steps = max((answer["steps"] for ran in runs for answer in ran.result["answers"][0]), default=0)
-    cold, warm = (
-        math.fsum(median(times[k] for times in ran.result["seconds"]) for ran in runs)
-        for k in (0, 1)
+    costs = solver.costs()
+    response = brake_response("getfem", each, costs.steps, {"getfem": costs.cold})
+    if not max(response.balance.force, response.balance.moment) < LARGEST_ANSWER_IMBALANCE:
+        raise NoAnswer(
+            f"GetFEM: forces balance only to {response.balance.force:.1e}, "
+            f"moments to {response.balance.moment:.1e}"
+        )
+    return Peer(
+        name="getfem",
+        version=costs.version,
+        response=response,
+        seconds=costs.cold,
+        process_seconds=costs.process,
+        further_seconds=costs.warm,
+        unknowns=costs.unknowns,
+        notes=(f"GetFEM {costs.version}, {formulation}, {costs.steps} Newton steps, MUMPS",),
     )
-    spent = math.fsum(ran.seconds - sum(map(sum, ran.result["seconds"])) for ran in runs)
-    once = spent + cold  # the process of one solve, without the others in it
-    response = brake_response("getfem", each, steps, {"getfem": cold})
-    if not max(response.balance.force, response.balance.moment) < LARGEST_IMBALANCE:
-        raise NoAnswer(f"GetFEM: forces balance only to {response.balance.force:.1e}, "
-                       f"moments to {response.balance.moment:.1e}")  # fmt: skip
-    version = runs[-1].result["version"] if runs else ""
-    notes = (f"GetFEM {version}, {formulation}, {steps} Newton steps, MUMPS",)
-    unknowns = max((ran.result["unknowns"] for ran in runs), default=0)
-    return Peer("getfem", version, response, cold, once, warm, unknowns, notes)
 
 
 class _Run(NamedTuple):
@@ -142,198 +140,370 @@ class _Run(NamedTuple):
     seconds: float
 
 
-class Stood(NamedTuple):
-    """A shoe's answer, and how far the point of its force goes along it [m]."""
+class _Costs(NamedTuple):
+    """The costs of all runs for a brake.
+
+    Attributes
+    ----------
+    steps : largest number of Newton steps
+    cold : seconds of a solve from the beginning
+    warm : seconds of a further load case
+    process : seconds of the processes of one solve
+    unknowns : largest number
+    version : of GetFEM; "" where no shoe touches
+    """
+
+    steps: int
+    cold: float
+    warm: float
+    process: float
+    unknowns: int
+    version: str
+
+
+class _Solver:
+    """Runs of the script for the shoes of one brake.
+
+    Parameters
+    ----------
+    interpreter : path of the Python that runs the script
+    brake : the brake
+    meshed : its shoes
+    formulation, repeats : as of `solve`
+    """
+
+    def __init__(
+        self,
+        interpreter: str,
+        brake: Brake,
+        meshed: list[MeshedShoe],
+        formulation: str,
+        repeats: int,
+    ) -> None:
+        self._interpreter = interpreter
+        self.brake, self.meshed = brake, meshed
+        self._formulation, self._repeats = formulation, repeats
+        self._runs: list[_Run] = []
+
+    def run(self, shoes: list[Loaded]) -> list[dict[str, Any]]:
+        """The script's answers for some shoes."""
+        problem = _problem(self.brake, shoes, self._formulation, self._repeats)
+        self._runs.append(_run(self._interpreter, problem))
+        return list(self._runs[-1].result["answers"][0])
+
+    def costs(self) -> _Costs:
+        """The costs of all runs so far."""
+        steps: list[int] = []
+        for ran in self._runs:
+            steps += [answer["steps"] for answer in ran.result["answers"][0]]
+        # A process may hold several solves. One solve has the rest of the process to itself.
+        cold, warm = self._median_seconds(0), self._median_seconds(1)
+        rest = math.fsum(ran.seconds - sum(map(sum, ran.result["seconds"])) for ran in self._runs)
+        return _Costs(
+            steps=max(steps, default=0),
+            cold=cold,
+            warm=warm,
+            process=rest + cold,
+            unknowns=max((ran.result["unknowns"] for ran in self._runs), default=0),
+            version=self._runs[-1].result["version"] if self._runs else "",
+        )
+
+    def _median_seconds(self, case: int) -> float:
+        """The seconds of load case 0 or 1, medians of the repeats, summed over the runs."""
+        medians = []
+        for ran in self._runs:
+            medians.append(median(times[case] for times in ran.result["seconds"]))
+        return math.fsum(medians)
+
+
+class ShoeAnswer(NamedTuple):
+    """A shoe's response, its balance, and the way of the force's point along the force [m]."""
 
     response: ShoeResponse
     balance: Balance
     tip: float
 
 
-def _under_cam(
-    total: float, shoes: Mapping[int, Shoe], stood: Callable[[Mapping[int, Shoe]], dict[str, Stood]]
-) -> dict[str, Stood]:
-    """The answers of two shoes whose tips a cam moves alike by forces of the sum `total` [N], by
-    name.
+def _answers(brake: Brake, solver: _Solver) -> dict[str, ShoeAnswer]:
+    """The answers of all shoes by name, solved in the order in which they push each other."""
+    pushed_by = {link.to: link.source for link in brake.links}
+    answers: dict[str, ShoeAnswer] = {}
+    if brake.actuation is not None and brake.actuation.is_cam:
+        both = {i: shoe for i, shoe in enumerate(brake.shoes) if shoe.name not in pushed_by}
+        answers |= _under_cam(brake.actuation.total, both, solver)
+    # Along chains of struts the force on a shoe is the reaction of the shoe before.
+    while len(answers) < len(brake.shoes):
+        ready = {}
+        for i, shoe in enumerate(brake.shoes):
+            if shoe.name in answers:
+                continue
+            source = pushed_by.get(shoe.name)
+            if source is None:
+                ready[i] = shoe
+            elif source in answers:
+                reaction = answers[source].response.hinge_reaction
+                ready[i] = shoe.under(float(np.hypot(*reaction)))
+        answers |= _standing(ready, solver)
+    return answers
 
-    Where linings fit the tips go in proportion to the forces, and the first step is the last.
-    Raises NoAnswer.
+
+def _under_cam(total: float, shoes: Mapping[int, Shoe], solver: _Solver) -> dict[str, ShoeAnswer]:
+    """The answers of two shoes whose tips a cam moves alike, by name.
+
+    Where the linings fit, the tips go in proportion to the forces, and the first step is the last.
+
+    Parameters
+    ----------
+    total : sum of both forces [N]
+    shoes : the two shoes, by their position in the brake
+    solver : of the brake
+
+    Raises
+    ------
+    NoAnswer
+        where the cam does not press a shoe, or the forces do not settle
     """
     one, other = shoes
-    tried: list[
-        tuple[float, float]
-    ] = []  # the part of the one, and by how much farther its tip goes
+    # Parts of the one, and by how much farther its tip goes than the other's.
+    tried: list[tuple[float, float]] = []
     part = 0.5
-    for _ in range(MOST_PARTS):
+    for _ in range(MOST_FORCE_PARTS):
         pushed = {
             one: shoes[one].under(part * total),
             other: shoes[other].under((1 - part) * total),
         }
-        found = stood(pushed)
-        a, b = (found[shoe.name].tip for shoe in shoes.values())
+        answers = _standing(pushed, solver)
+        a, b = (answers[shoe.name].tip for shoe in shoes.values())
         if not min(a, b) > 0:
             raise NoAnswer("GetFEM: a shoe is not pressed by the cam")
-        if abs(a - b) <= ALIKE * max(a, b):
-            return {
-                shoe.name: found[shoe.name]._replace(
-                    response=replace(found[shoe.name].response, force=shoe.actuation.force)
-                )
-                for shoe in pushed.values()
-            }
+        if abs(a - b) <= EQUAL_WAYS * max(a, b):
+            return {shoe.name: _with_force(answers[shoe.name], shoe) for shoe in pushed.values()}
         tried.append((part, a - b))
         if len(tried) == 1:
+            # The share at which tips that go in proportion to the forces are equal.
             part = part * b / (part * b + (1 - part) * a)
             continue
+        # The secant method, at most half of the way to a part of 0 or 1.
         (x, f), (y, g) = tried[-2:]
         part = min(max(y - g * (y - x) / (g - f), 0.5 * y), 0.5 * (1 + y))
-    raise NoAnswer(f"GetFEM: the cam's forces did not settle in {MOST_PARTS} steps")
+    raise NoAnswer(f"GetFEM: the cam's forces did not settle in {MOST_FORCE_PARTS} steps")
 
 
-def _standing(
-    brake: Brake,
-    shoes: Mapping[int, Shoe],
-    meshed: list[tuple[int, Assembled]],
-    run: Callable[[list[Loaded]], list[dict[str, Any]]],
-) -> dict[str, Stood]:
-    """The shoes' answers by name, with the friction of abutments in the sense in which it stands.
-    Raises NoAnswer.
+def _with_force(answer: ShoeAnswer, shoe: Shoe) -> ShoeAnswer:
+    """The answer of a shoe with the force that the cam puts on it."""
+    return answer._replace(response=replace(answer.response, force=shoe.actuation.force))
+
+
+def _standing(shoes: Mapping[int, Shoe], solver: _Solver) -> dict[str, ShoeAnswer]:
+    """The answers of some shoes by name, with friction of abutments in the sense that stands.
+
+    `shoes` are given by their position in the brake. Raises NoAnswer.
     """
-    answers = {}
+    answers: dict[str, ShoeAnswer] = {}
     left = dict(shoes)
     for attempt in range(max(len(shoe.senses) for shoe in shoes.values())):
-        tried = [
-            under_force(brake, shoe, *meshed[i], shoe.senses[attempt]) for i, shoe in left.items()
-        ]
-        touching = [loaded for loaded in tried if loaded.approaches]
-        found = iter(run(touching) if touching else ())
-        for i, loaded in zip(list(left), tried, strict=True):
-            if not loaded.approaches:
-                answers[loaded.shoe.name] = Stood(*untouched_response(loaded), 0.0)
-                del left[i]
-                continue
-            own, last = next(found), attempt == len(loaded.shoe.senses) - 1
-            try:
-                answer = _answer(brake, loaded, own)
-            except NoAnswer:
-                if last:
-                    raise
-                continue
-            slide = own["amounts"][-1]
-            if loaded.shoe.stands(
-                answer.response.hinge_reaction, loaded.shoe.senses[attempt], slide
-            ):
+        tried = {}
+        for i, shoe in left.items():
+            sense = shoe.senses[attempt]
+            tried[i] = under_force(solver.brake, shoe, solver.meshed[i], sense)
+        touching = [loaded for loaded in tried.values() if loaded.approaches]
+        found = iter(solver.run(touching) if touching else ())
+        for i, loaded in tried.items():
+            if loaded.approaches:
+                answer = _answer_if_standing(solver.brake, loaded, attempt, next(found))
+            else:
+                answer = ShoeAnswer(*untouched_response(loaded), 0.0)
+            if answer is not None:
                 answers[loaded.shoe.name] = answer
                 del left[i]
-            elif last:
-                raise NoAnswer(f"shoe {loaded.shoe.name!r}: GetFEM: its foot leaves the abutment")
     return answers
 
 
-def _problem(brake: Brake, shoes: list[Loaded], formulation: str, repeats: int) -> dict[str, Any]:
-    """Everything that the script needs, as arrays; lengths in drum radii, stresses in moduli of the
-    lining.
+def _answer_if_standing(
+    brake: Brake, loaded: Loaded, attempt: int, found: dict[str, Any]
+) -> ShoeAnswer | None:
+    """A shoe's answer, or None where another sense of its abutment's friction must be tried.
+
+    Parameters
+    ----------
+    brake : the brake
+    loaded : the shoe
+    attempt : number of the sense
+    found : the script's numbers
+
+    Raises
+    ------
+    NoAnswer
+        where the last sense has no answer
     """
-    R = brake.size
+    shoe = loaded.shoe
+    is_last = attempt == len(shoe.senses) - 1
+    try:
+        answer = _answer(brake, loaded, found)
+    except NoAnswer:
+        if is_last:
+            raise
+        return None
+    slide = found["amounts"][-1]
+    if shoe.stands(answer.response.hinge_reaction, shoe.senses[attempt], slide):
+        return answer
+    if is_last:
+        raise NoAnswer(f"shoe {shoe.name!r}: GetFEM: its foot leaves the abutment")
+    return None
+
+
+def _problem(
+    brake: Brake, shoes: Sequence[Loaded], formulation: str, repeats: int
+) -> dict[str, Any]:
+    """The numbers that the script needs: arrays by name, and in "data" a text of JSON.
+
+    Lengths are in drum radii, stresses in moduli of the lining.
+
+    Parameters
+    ----------
+    brake : the brake
+    shoes : the shoes to solve
+    formulation, repeats : as of `solve`
+    """
     arrays: dict[str, Any] = {}
-    listed = []
     for loaded in shoes:
-        shoe, parts, k = loaded.shoe, loaded.parts, loaded.body
-        lining, E = shoe.lining, shoe.lining.material.E_through
-        basis, mesh = parts.basis, parts.mesh
-        nodes = {
-            name: np.unique(edge_nodes(basis, facets)) for name, facets in mesh.boundaries.items()
-        }
-        constants, straight = np.zeros((4, mesh.nelements)), np.zeros((2, mesh.nelements))
-        for name, elements in mesh.subdomains.items():
-            layer = layers_of(shoe)[name]
-            constants[:, elements] = split(layer.stiffness)[:, None] / lining.width / E
-            if layer.along is not None:
-                straight[:, elements] = layer.along[:, None]
-        arrays |= {f"points{k}": basis.doflocs.T / R, f"cells{k}": basis.element_dofs.T}
-        arrays |= {f"constants{k}": constants, f"straight{k}": straight}
-        arrays |= {
-            f"{name}{k}": nodes[name] for name in ("contact", "hinge", "actuation") if name in nodes
-        }
-        force, couple = (
-            loaded.force / (E * R * lining.width),
-            loaded.couple / (E * R**2 * lining.width),
-        )
-        motions, tests, sizes = _in_radii(loaded, R)
-        work = loaded.work * (not loaded.on_body) / sizes / (E * R**2 * lining.width)
-        listed.append({
-            "body": k, "side": shoe.sign, "flat": shoe.flat, "pin": (shoe.own_pin / R).tolist(),
-            "motions": motions.tolist(), "tests": tests.tolist(), "work": work.tolist(), "on_body": loaded.on_body,
-            "force": force.tolist(), "couple": couple, "centre": (parts.load_centre / R).tolist(),
-            "drag_sense": math.copysign(1.0, loaded.drag), "middle": sum(shoe.arc) / 2,
-            "phi": parts.line.phi.tolist(),
-            "gap": (gap_at(parts.line.xy, parts.line.phi, brake, shoe) / R).tolist(),
-            "clearance": (clearance.gap(brake, shoe, shoe.frame.theta(parts.line.phi)) / R).tolist(),
-            "augment": R / lining.thickness,
-        })  # fmt: skip
-    data = {"shoes": listed, "formulation": formulation, "repeats": repeats,
-            "friction": [brake.friction, FURTHER * brake.friction]}  # fmt: skip
+        arrays |= _body_arrays(brake, loaded)
+    data = {
+        "shoes": [_shoe_data(brake, loaded) for loaded in shoes],
+        "formulation": formulation,
+        "repeats": repeats,
+        "friction": [brake.friction, FURTHER_LOAD_FRICTION * brake.friction],
+    }
     return arrays | {"data": json.dumps(data)}
 
 
-def _in_radii(loaded: Loaded, R: float) -> tuple[Floats, Floats, Floats]:
-    """Motions and tests (k, 3) of a shoe, in drum radii and of size 1, and the sizes (k,) of the
-    tests.
+def _body_arrays(brake: Brake, loaded: Loaded) -> dict[str, Any]:
+    """The mesh of a shoe's body and the constants of its cells, by names with its number."""
+    shoe, k = loaded.shoe, loaded.body
+    basis, mesh = loaded.parts.basis, loaded.parts.mesh
+    E, width = shoe.lining.material.E_through, shoe.lining.width
+    constants, straight = np.zeros((4, mesh.nelements)), np.zeros((2, mesh.nelements))
+    for name, elements in mesh.subdomains.items():
+        layer = layers_of(shoe)[name]
+        constants[:, elements] = split(layer.stiffness)[:, None] / width / E
+        if layer.along is not None:
+            straight[:, elements] = layer.along[:, None]
+    arrays = {
+        f"points{k}": basis.doflocs.T / brake.size,
+        f"cells{k}": basis.element_dofs.T,
+        f"constants{k}": constants,
+        f"straight{k}": straight,
+    }
+    for name in ("contact", "hinge", "actuation"):
+        if name in mesh.boundaries:
+            arrays[f"{name}{k}"] = np.unique(edge_nodes(basis, mesh.boundaries[name]))
+    return arrays
+
+
+def _shoe_data(brake: Brake, loaded: Loaded) -> dict[str, Any]:
+    """The numbers of a shoe besides its body."""
+    shoe, parts, R = loaded.shoe, loaded.parts, brake.size
+    E, width = shoe.lining.material.E_through, shoe.lining.width
+    line = parts.line
+    modes = _modes_in_radii(loaded, R)
+    work = loaded.work * (not loaded.on_body) / modes.test_sizes / (E * R**2 * width)
+    gap = gap_at(line.xy, line.phi, brake, shoe) / R
+    open_by = clearance.gap(brake, shoe, shoe.frame.theta(line.phi)) / R
+    return {
+        "body": loaded.body,
+        "side": shoe.sign,
+        "flat": shoe.flat,
+        "pin": (shoe.own_pin / R).tolist(),
+        "motions": modes.motions.tolist(),
+        "tests": modes.tests.tolist(),
+        "work": work.tolist(),
+        "on_body": loaded.on_body,
+        "force": (loaded.force / (E * R * width)).tolist(),
+        "couple": loaded.couple / (E * R**2 * width),
+        "centre": (parts.load_centre / R).tolist(),
+        "drag_sense": math.copysign(1.0, loaded.drag),
+        "middle": sum(shoe.arc) / 2,
+        "phi": line.phi.tolist(),
+        "gap": gap.tolist(),
+        "clearance": open_by.tolist(),
+        "augment": R / shoe.lining.thickness,
+    }
+
+
+class _Modes(NamedTuple):
+    """The modes of a shoe in drum radii.
+
+    Attributes
+    ----------
+    motions : rigid-body modes (k, 3) of size 1
+    tests : test modes (k, 3) of size 1
+    test_sizes : (k,), sizes of the test modes before
     """
+
+    motions: Floats
+    tests: Floats
+    test_sizes: Floats
+
+
+def _modes_in_radii(loaded: Loaded, R: float) -> _Modes:
+    """The modes of a shoe in drum radii R [m]."""
     unit = np.array([R, R, 1.0])
-    sizes = [np.linalg.norm(of / unit, axis=1) for of in (loaded.motions, loaded.tests)]
-    return (
-        loaded.motions / unit / sizes[0][:, None],
-        loaded.tests / unit / sizes[1][:, None],
-        sizes[1],
+    motion_sizes = np.linalg.norm(loaded.motions / unit, axis=1)
+    test_sizes = np.linalg.norm(loaded.tests / unit, axis=1)
+    return _Modes(
+        motions=loaded.motions / unit / motion_sizes[:, None],
+        tests=loaded.tests / unit / test_sizes[:, None],
+        test_sizes=test_sizes,
     )
 
 
 def _run(interpreter: str, problem: dict[str, Any]) -> _Run:
-    """Run the script."""
-    with tempfile.TemporaryDirectory(prefix="drumlin-getfem-") as folder:
-        source, target = Path(folder) / "problem.npz", Path(folder) / "result.json"
+    """Run the script on a problem. Raises NoAnswer where its process fails."""
+    with tempfile.TemporaryDirectory(prefix="drumlin-getfem-") as name:
+        folder = Path(name)
+        source, target = folder / "problem.npz", folder / "result.json"
         np.savez(source, **problem)
-        script = shutil.copy(
-            SCRIPT, folder
-        )  # beside this module `import getfem` would find this module
-        ended = run_process(
-            [interpreter, str(script), str(source), str(target)], Path(folder), LONGEST
-        )
+        # Beside this module `import getfem` would find this module: the script runs elsewhere.
+        script = shutil.copy(SCRIPT, folder)
+        command = [interpreter, str(script), str(source), str(target)]
+        ended = run_process(command, folder, LONGEST_GETFEM)
         if ended.status or not target.is_file():
-            said = (ended.output.strip() or "nothing").splitlines()[-1]
-            raise NoAnswer(f"GetFEM: its process ended with status {ended.status}: {said[:200]}")
+            reason = (ended.output.strip() or "nothing").splitlines()[-1]
+            raise NoAnswer(f"GetFEM: its process ended with status {ended.status}: {reason[:200]}")
         return _Run(json.loads(target.read_text()), ended.seconds)
 
 
-def _answer(brake: Brake, loaded: Loaded, found: dict[str, Any]) -> Stood:
-    """A shoe's answer from the script's numbers."""
+def _answer(brake: Brake, loaded: Loaded, found: dict[str, Any]) -> ShoeAnswer:
+    """A shoe's answer from the script's numbers.
+
+    Raises NoAnswer where the script did not converge, and where the shoe sticks.
+    """
     shoe, R = loaded.shoe, brake.size
     if not found["converged"]:
         raise NoAnswer(f"shoe {shoe.name!r}: GetFEM did not converge in {found['steps']} steps")
     if not abs(found["slipping"] - 1) < 1 - SLIPPING:
         raise NoAnswer(
-            f"shoe {shoe.name!r}: GetFEM: it sticks, its shear is {found['slipping']:.3g} times mu p"
+            f"shoe {shoe.name!r}: GetFEM: it sticks, "
+            f"its shear is {found['slipping']:.3g} times mu p"
         )
-    E, b = shoe.lining.material.E_through, shoe.lining.width
-    xy = np.array(found["xy"])
-    phi = shoe.phi_of(xy, 1.0)
+    E = shoe.lining.material.E_through
+    phi = shoe.phi_of(np.array(found["xy"]), 1.0)
     order = np.argsort(phi)
-    size = E * R * b
-    torque = abs(found["torque"]) * size * brake.scale_factor
-    forces = Forces(
-        size * np.array(found["normal"]),
-        size * np.array(found["tangential"]),
-        size * R * found["moment"],
-        size * np.array(found["hold"]) * [1, 1, R],
-        torque,
+    # The unit of force.
+    size = E * R * shoe.lining.width
+    forces = PeerForces(
+        normal=size * np.array(found["normal"]),
+        friction=size * np.array(found["tangential"]),
+        moment=size * R * found["moment"],
+        held=size * np.array(found["hold"]) * [1, 1, R],
+        torque=abs(found["torque"]) * size * brake.scale_factor,
     )
-    unit = np.linalg.norm(loaded.motions / [R, R, 1.0], axis=1)
+    mode_sizes = np.linalg.norm(loaded.motions / [R, R, 1.0], axis=1)
+    amounts = np.array(found["amounts"]) / mode_sizes
     pressure = E * np.array(found["pressure"])[order]
-    amounts = np.array(found["amounts"]) / unit
-    own = shoe_response(loaded, phi[order], pressure, loaded.parts.line.order, forces, amounts)
-    tip = (
-        size * R * found["load_work"] / abs(shoe.actuation.force)
-        if loaded.on_body
-        else float(loaded.tip @ amounts)
-    )
-    return Stood(*own, tip)
+    degree = loaded.parts.line.order
+    answer = shoe_response(loaded, phi[order], pressure, degree, forces, amounts)
+    tip = float(loaded.tip @ amounts)
+    if loaded.on_body:
+        tip = size * R * found["load_work"] / abs(shoe.actuation.force)
+    return ShoeAnswer(*answer, tip)

@@ -1,19 +1,19 @@
-"""The same brake through GetFEM: run by a Python that imports getfem, which needs nothing of
-drumlin.
+"""The same brake through GetFEM: run by a Python that imports getfem, without drumlin.
 
     python3 getfem_brake.py PROBLEM.npz RESULT.json
 
-PROBLEM.npz is written by drumlin.peers.getfem: for each body its mesh, and in the text "data" all
-numbers. Plane stress, each shoe in its own frame, everything per width of the lining; lengths in
-drum radii, stresses in moduli of the lining. Two formulations of full slip:
+PROBLEM.npz is written by drumlin.peers.getfem. It holds the mesh of each body and, in the text
+"data", all numbers. The model is plane stress, each shoe in its own frame, everything per width of
+the lining. Lengths are in drum radii, stresses in moduli of the lining. There are two formulations
+of full slip:
 
-    "full slip"  the drum drags the lining by mu p wherever it touches: a weak form written by hand, with the pressure
-                 p as multiplier and the law  p = max(0, p + r (u.n - g))
-    "coulomb"    GetFEM's own brick of integral contact with friction on a rigid obstacle, the obstacle moved so far
-                 that it slips everywhere
+    "full slip"  the drum drags the lining by mu p wherever it touches: a weak form written by
+                 hand, with the pressure p as multiplier and the law  p = max(0, p + r (u.n - g))
+    "coulomb"    GetFEM's own brick of integral contact with friction on a rigid obstacle; the
+                 obstacle is moved so far that it slips everywhere
 
-The tangents are unsymmetric; MUMPS, a direct solver, takes each Newton step. Equal shoes share one
-model; another friction coefficient starts from each shoe's last state, and keeps mesh, model and
+The tangents are unsymmetric. MUMPS, a direct solver, takes each Newton step. Equal shoes share one
+model. Another friction coefficient starts from each shoe's last state, and keeps mesh, model and
 elastic stiffness.
 """
 
@@ -30,15 +30,36 @@ import getfem as gf  # type: ignore[import-not-found]
 import numpy as np
 
 CONTACT, HINGE, ACTUATION = 1, 2, 3
-GROUPS = {CONTACT: "contact", HINGE: "hinge", ACTUATION: "actuation"}
-SLIDE = 1e-2  # drum radii, the obstacle's way in the "coulomb" form; far more than the lining moves
-UNKNOWNS = ("u", "hold", "p")  # and the amounts of the free motions
+REGIONS = {CONTACT: "contact", HINGE: "hinge", ACTUATION: "actuation"}
+"""The names of the boundaries in the problem file, by their numbers in GetFEM's mesh."""
+
+SLIDE = 1e-2
+"""Way of the obstacle in the "coulomb" formulation, in drum radii. It must be far more than the
+lining moves, so that the lining slips everywhere."""
+
+UNKNOWNS = ("u", "hold", "p")
+"""The unknowns of a model besides the generalised coordinates of the rigid-body modes:
+displacement, traction that holds the shoe, and pressure or traction of the contact."""
+
+MOST_NEWTON_STEPS = 60
+"""Newton steps after which a solve counts as not converged. A judgement."""
+
+NEWTON_RESIDUAL = 1e-11
+"""Largest residual with which Newton's method ends; smaller ones are round-off."""
 
 
-class Kind(NamedTuple):
-    """GetFEM's names for a kind of cell: geometry, elements of displacement, constants and
-    obstacle, integration inside and on the contact; and its order of the nodes, in that of the
-    problem file.
+class CellKind(NamedTuple):
+    """GetFEM's names for a kind of cell.
+
+    Attributes
+    ----------
+    geometry : transformation of the cell
+    element : of the displacement
+    constant : element of the elastic constants
+    obstacle : element of the obstacle's distance
+    inside : integration over the cell
+    surface : integration over its edges in contact
+    order : GetFEM's order of the nodes, in terms of that of the problem file
     """
 
     geometry: str
@@ -50,45 +71,75 @@ class Kind(NamedTuple):
     order: list[int]
 
 
-KINDS = {  # by the nodes of a cell
-    9: Kind("GT_QK(2,2)", "FEM_QK(2,2)", "FEM_QK(2,0)", "FEM_QK(2,4)",
-            "IM_GAUSS_PARALLELEPIPED(2,5)", "IM_GAUSS_PARALLELEPIPED(2,9)", [0, 4, 1, 7, 8, 5, 3, 6, 2]),
-    4: Kind("GT_QK(2,1)", "FEM_QK(2,1)", "FEM_QK(2,0)", "FEM_QK(2,4)",
-            "IM_GAUSS_PARALLELEPIPED(2,3)", "IM_GAUSS_PARALLELEPIPED(2,9)", [0, 1, 3, 2]),
-    6: Kind("GT_PK(2,2)", "FEM_PK(2,2)", "FEM_PK(2,0)", "FEM_PK(2,4)",
-            "IM_TRIANGLE(5)", "IM_TRIANGLE(9)", [0, 3, 1, 5, 4, 2]),
-    3: Kind("GT_PK(2,1)", "FEM_PK(2,1)", "FEM_PK(2,0)", "FEM_PK(2,4)",
-            "IM_TRIANGLE(3)", "IM_TRIANGLE(9)", [0, 1, 2]),
-}  # fmt: skip
+CELL_KINDS = {
+    9: CellKind(
+        geometry="GT_QK(2,2)",
+        element="FEM_QK(2,2)",
+        constant="FEM_QK(2,0)",
+        obstacle="FEM_QK(2,4)",
+        inside="IM_GAUSS_PARALLELEPIPED(2,5)",
+        surface="IM_GAUSS_PARALLELEPIPED(2,9)",
+        order=[0, 4, 1, 7, 8, 5, 3, 6, 2],
+    ),
+    4: CellKind(
+        geometry="GT_QK(2,1)",
+        element="FEM_QK(2,1)",
+        constant="FEM_QK(2,0)",
+        obstacle="FEM_QK(2,4)",
+        inside="IM_GAUSS_PARALLELEPIPED(2,3)",
+        surface="IM_GAUSS_PARALLELEPIPED(2,9)",
+        order=[0, 1, 3, 2],
+    ),
+    6: CellKind(
+        geometry="GT_PK(2,2)",
+        element="FEM_PK(2,2)",
+        constant="FEM_PK(2,0)",
+        obstacle="FEM_PK(2,4)",
+        inside="IM_TRIANGLE(5)",
+        surface="IM_TRIANGLE(9)",
+        order=[0, 3, 1, 5, 4, 2],
+    ),
+    3: CellKind(
+        geometry="GT_PK(2,1)",
+        element="FEM_PK(2,1)",
+        constant="FEM_PK(2,0)",
+        obstacle="FEM_PK(2,4)",
+        inside="IM_TRIANGLE(3)",
+        surface="IM_TRIANGLE(9)",
+        order=[0, 1, 2],
+    ),
+}
+"""The kinds of cells by their number of nodes."""
 
 
-class Body:
-    """A meshed body with its elastic model; load, gap and friction of a shoe are set before each
-    solve.
+class PeerBody:
+    """A meshed body with its elastic model.
+
+    Load, gap and friction of a shoe are set before each solve.
+
+    Parameters
+    ----------
+    problem : arrays of the problem file
+    number : of the body
+    shoe : numbers of the first shoe with this body
+    formulation : "full slip" or "coulomb"
     """
 
     def __init__(
         self, problem: dict[str, Any], number: int, shoe: dict[str, Any], formulation: str
     ) -> None:
         points, cells = problem[f"points{number}"], problem[f"cells{number}"]
-        self.formulation, self.kind = formulation, KINDS[cells.shape[1]]
+        self.formulation, self.kind = formulation, CELL_KINDS[cells.shape[1]]
         self.mesh = gf.Mesh("empty", 2)
-        numbers = self.mesh.add_convex(
-            gf.GeoTrans(self.kind.geometry), points[cells[:, self.kind.order]].transpose(2, 1, 0)
-        )
-        self.loaded, self.amounts = (
-            shoe["on_body"],
-            [f"amount{k}" for k in range(len(shoe["motions"]))],
-        )
-        for region, name in GROUPS.items():
+        corners = points[cells[:, self.kind.order]].transpose(2, 1, 0)
+        numbers = self.mesh.add_convex(gf.GeoTrans(self.kind.geometry), corners)
+        self.loaded = shoe["on_body"]
+        self.amounts = [f"amount{k}" for k in range(len(shoe["motions"]))]
+        for region, name in REGIONS.items():
             if region != ACTUATION or self.loaded:
-                nodes = problem[f"{name}{number}"]
-                faces = self.mesh.faces_from_pid(self.mesh.pid_from_coords(points[nodes].T, 1e-12))
-                self.mesh.set_region(region, faces)
-        self.displacement, self.scalar = (
-            self.space(self.kind.element, 2),
-            self.space(self.kind.element),
-        )
+                self._set_region(region, points[problem[f"{name}{number}"]])
+        self.displacement = self.space(self.kind.element, 2)
+        self.scalar = self.space(self.kind.element)
         self.inside = gf.MeshIm(self.mesh, gf.Integ(self.kind.inside))
         self.surface = gf.MeshIm(self.mesh, gf.Integ(self.kind.surface))
         self.model = gf.Model("real")
@@ -99,18 +150,26 @@ class Body:
         self.xy = self.scalar.basic_dof_nodes(self.nodes)
         self._contact(shoe)
 
+    def _set_region(self, region: int, points: Any) -> None:
+        """Give the edges between some nodes (n, 2) the number of a region."""
+        ids = self.mesh.pid_from_coords(points.T, 1e-12)
+        self.mesh.set_region(region, self.mesh.faces_from_pid(ids))
+
     def space(self, element: str, components: int = 1) -> Any:
         """A finite element space on the mesh."""
-        made = gf.MeshFem(self.mesh, components)
-        made.set_fem(gf.Fem(element))
-        return made
+        space = gf.MeshFem(self.mesh, components)
+        space.set_fem(gf.Fem(element))
+        return space
 
     def _elasticity(self, constants: Any, straight: Any, numbers: Any) -> None:
-        """Plane stress with lambda and mu, and what cells are stiffer along and through their
-        layer.
+        """Add plane stress with lambda and mu, and further stiffness along and through each layer.
 
-        constants (4, cells): of drumlin.fem.substructure.elasticity.split; straight (2, cells): the direction
-        along a straight layer, (0, 0) in one that runs around the origin.
+        Parameters
+        ----------
+        constants : (4, cells), of drumlin.fem.substructure.elasticity.split
+        straight : (2, cells), the direction along a straight layer; (0, 0) in a layer that runs
+            around the origin
+        numbers : GetFEM's numbers of the cells
         """
         constant = self.space(self.kind.constant)
         place = np.empty(constants.shape[1], dtype=int)
@@ -119,11 +178,11 @@ class Body:
         self.model.add_initialized_fem_data("lam", constant, constants[0][place])
         self.model.add_initialized_fem_data("shear", constant, constants[1][place])
         self.model.add_isotropic_linearized_elasticity_brick(self.inside, "u", "lam", "shear")
+        # Isotropic layers have no further stiffness.
         if not constants[2:].any():
             return
-        around = (
-            1.0 - np.abs(straight).max(axis=0).round()
-        )  # a unit vector's larger component is 0.7 and more
+        # The larger component of a unit vector is 0.7 and more.
+        around = 1.0 - np.abs(straight).max(axis=0).round()
         fields = {
             "stiff1": constants[2],
             "stiff2": constants[3],
@@ -136,19 +195,18 @@ class Body:
         self.model.add_macro("along1", "(turns*[-X(2); X(1)]/Norm(X) + [tx; ty])")
         self.model.add_macro("along2", "(turns*[X(1); X(2)]/Norm(X) + [-ty; tx])")
         for k in (1, 2):
-            stretch, tested = (
-                f"(along{k}.({field}*along{k}))" for field in ("Grad_u", "Grad_Test_u")
-            )
+            stretch = f"(along{k}.(Grad_u*along{k}))"
+            tested = f"(along{k}.(Grad_Test_u*along{k}))"
             self.model.add_linear_term(self.inside, f"stiff{k}*{stretch}*{tested}")
 
     def _held(self, shoe: dict[str, Any]) -> None:
-        """The edge that is held moves by the sum of the shoe's free motions, by the traction `hold`
-        that holds it. That works on the tests what the loads on the holder do.
+        """Let the held edge move by a sum of the shoe's rigid-body modes.
+
+        The unknown traction `hold` holds the edge. Its work on the test modes is that of the loads
+        on the holder.
         """
-        held = gf.MeshFem(
-            "partial", self.displacement, self.displacement.basic_dof_on_region(HINGE)
-        )
-        self.model.add_fem_variable("hold", held)
+        dofs = self.displacement.basic_dof_on_region(HINGE)
+        self.model.add_fem_variable("hold", gf.MeshFem("partial", self.displacement, dofs))
         self.model.add_initialized_data("pin", shoe["pin"])
         self.model.add_macro(
             "moved(m)", "[m(1) + m(3)*(pin(2) - X(2)); m(2) + m(3)*(X(1) - pin(1))]"
@@ -159,15 +217,14 @@ class Body:
             self.model.add_variable(amount, 1)
             for name, size in (("motion", 3), ("test", 3), ("work", 1)):
                 self.model.add_initialized_data(f"{name}{k}", np.zeros(size))
-            self.model.add_linear_term(
-                self.inside,
-                f"{amount}*(moved(motion{k}).Test_hold) + (hold.moved(test{k}) - work{k}/{length!r})*Test_{amount}",
-                HINGE,
-            )
+            motion = f"{amount}*(moved(motion{k}).Test_hold)"
+            balance = f"(hold.moved(test{k}) - work{k}/{length!r})*Test_{amount}"
+            self.model.add_linear_term(self.inside, f"{motion} + {balance}", HINGE)
 
     def _load(self, shoe: dict[str, Any]) -> None:
-        """A force and a couple about `centre`, as tractions on the loaded end; else what holds the
-        shoe takes them.
+        """Add a force and a couple about `centre` as tractions on the loaded end.
+
+        A shoe whose force acts on its holder has no loaded end.
         """
         for name, size in (("force", 2), ("couple", 1), ("drag", 1)):
             self.model.add_initialized_data(name, np.zeros(size))
@@ -179,6 +236,7 @@ class Body:
             self.model.add_linear_term(self.inside, f"-{self.push}.Test_u", ACTUATION)
 
     def _contact(self, shoe: dict[str, Any]) -> None:
+        """Add the contact with the drum or the plane."""
         md = self.model
         md.add_initialized_data("side", [float(shoe["side"])])
         md.add_initialized_data("augment", [shoe["augment"]])
@@ -187,18 +245,24 @@ class Body:
         md.add_macro("lever", "1" if shoe["flat"] else "Norm(X)")
         self.normals = normals(self.xy, shoe)
         if self.formulation == "full slip":
-            pressure = gf.MeshFem("partial", self.scalar, self.nodes)
-            md.add_fem_variable("p", pressure)
-            md.add_fem_data("gap", pressure)
-            md.add_nonlinear_term(
-                self.surface,
-                "p*((normal - drag*along).Test_u) + (p - pos_part(p + augment*(u.normal - gap)))/augment*Test_p",
-                CONTACT,
-            )
-            return
-        traction = gf.MeshFem(
-            "partial", self.displacement, self.displacement.basic_dof_on_region(CONTACT)
-        )
+            self._full_slip()
+        else:
+            self._coulomb(shoe)
+
+    def _full_slip(self) -> None:
+        """Add the contact in which the drum drags the lining by mu p wherever it touches."""
+        pressure = gf.MeshFem("partial", self.scalar, self.nodes)
+        self.model.add_fem_variable("p", pressure)
+        self.model.add_fem_data("gap", pressure)
+        work = "p*((normal - drag*along).Test_u)"
+        law = "(p - pos_part(p + augment*(u.normal - gap)))/augment*Test_p"
+        self.model.add_nonlinear_term(self.surface, f"{work} + {law}", CONTACT)
+
+    def _coulomb(self, shoe: dict[str, Any]) -> None:
+        """Add GetFEM's own contact with Coulomb friction on an obstacle that slides past."""
+        md = self.model
+        dofs = self.displacement.basic_dof_on_region(CONTACT)
+        traction = gf.MeshFem("partial", self.displacement, dofs)
         self.obstacle = self.space(self.kind.obstacle)
         md.add_fem_variable("p", traction)
         md.add_fem_data("obstacle", self.obstacle)
@@ -221,10 +285,10 @@ class Body:
         return [self.integral(f"({expression})({k})", region) for k in (1, 2)]
 
     def start(self, shoe: dict[str, Any]) -> dict[str, Any]:
-        """At rest, with a pressure under which all of the lining counts as touching."""
-        values = {
-            name: np.zeros(len(self.model.variable(name))) for name in (*UNKNOWNS, *self.amounts)
-        }
+        """The unknowns at rest, with a pressure under which all of the lining touches."""
+        values = {}
+        for name in (*UNKNOWNS, *self.amounts):
+            values[name] = np.zeros(len(self.model.variable(name)))
         pressure = shoe["augment"] * max(shoe["gap"]) + float(np.hypot(*shoe["force"]))
         if self.formulation == "full slip":
             values["p"] += pressure
@@ -233,67 +297,77 @@ class Body:
         return values
 
     def solve(self, shoe: dict[str, Any], friction: float) -> dict[str, Any]:
-        """What one shoe does: pressure at the contact nodes, torque, hinge reaction, Newton steps.
+        """Solve one shoe; returns its pressure at the contact nodes, torque, reaction and so on.
 
-        "slipping": its shear over mu p. The shoe keeps its state, from which its next solve starts.
+        The shoe keeps its state under "state", from which its next solve starts.
         """
         md, drag = self.model, friction * shoe["drag_sense"]
-        for name, value in (
-            ("force", shoe["force"]),
-            ("couple", [shoe["couple"]]),
-            ("drag", [drag]),
-        ):
-            md.set_variable(name, np.array(value))
-        for k, held in enumerate(zip(shoe["motions"], shoe["tests"], shoe["work"], strict=True)):
-            for name, given in zip(("motion", "test", "work"), held, strict=True):
-                md.set_variable(f"{name}{k}", np.atleast_1d(given))
-        if self.formulation == "full slip":
-            md.set_variable("gap", np.interp(angles(self.xy, shoe), shoe["phi"], shoe["gap"]))
-        else:
-            x = self.obstacle.basic_dof_nodes()
-            clearance = np.interp(angles(x, shoe), shoe["phi"], shoe["clearance"])
-            off = x[1] if shoe["flat"] else shoe["side"] * (1 - np.hypot(*x))
-            md.set_variable("obstacle", off + clearance)
-            md.set_variable("slid", (SLIDE * np.sign(drag) * self.sliding).ravel(order="F"))
-            md.set_variable("mu", np.array([abs(drag)]))
+        self._set_loads(shoe, drag)
+        self._set_gap(shoe, drag)
         for name, value in (shoe.get("state") or self.start(shoe)).items():
             md.set_variable(name, value)
-        steps, converged = md.solve(
-            "max_iter",
-            60,
-            "max_res",
-            1e-11,
-            "lsolver",
-            "mumps",
-            "lsearch",
-            "simplest",
-            "alpha min",
-            1.0,
-        )
+        options = {"max_iter": MOST_NEWTON_STEPS, "max_res": NEWTON_RESIDUAL, "lsolver": "mumps"}
+        options |= {"lsearch": "simplest", "alpha min": 1.0}
+        # GetFEM takes its options as a list of names and values in turn.
+        arguments: list[Any] = []
+        for option in options.items():
+            arguments += option
+        steps, converged = md.solve(*arguments)
         shoe["state"] = {name: md.variable(name) for name in (*UNKNOWNS, *self.amounts)}
-        p = shoe["state"]["p"]
-        pressed, shear = "p", "drag*p"
+        return self._answer(int(steps), bool(converged), drag)
+
+    def _set_loads(self, shoe: dict[str, Any], drag: float) -> None:
+        """Set force, couple, friction and rigid-body modes of a shoe."""
+        md = self.model
+        md.set_variable("force", np.array(shoe["force"]))
+        md.set_variable("couple", np.array([shoe["couple"]]))
+        md.set_variable("drag", np.array([drag]))
+        for k in range(len(shoe["motions"])):
+            md.set_variable(f"motion{k}", np.atleast_1d(shoe["motions"][k]))
+            md.set_variable(f"test{k}", np.atleast_1d(shoe["tests"][k]))
+            md.set_variable(f"work{k}", np.atleast_1d(shoe["work"][k]))
+
+    def _set_gap(self, shoe: dict[str, Any], drag: float) -> None:
+        """Set the gap between lining and drum, for "coulomb" as the obstacle's distance."""
+        md = self.model
+        if self.formulation == "full slip":
+            md.set_variable("gap", np.interp(angles(self.xy, shoe), shoe["phi"], shoe["gap"]))
+            return
+        x = self.obstacle.basic_dof_nodes()
+        clearance = np.interp(angles(x, shoe), shoe["phi"], shoe["clearance"])
+        off = x[1] if shoe["flat"] else shoe["side"] * (1 - np.hypot(*x))
+        md.set_variable("obstacle", off + clearance)
+        md.set_variable("slid", (SLIDE * np.sign(drag) * self.sliding).ravel(order="F"))
+        md.set_variable("mu", np.array([abs(drag)]))
+
+    def _answer(self, steps: int, converged: bool, drag: float) -> dict[str, Any]:
+        """The numbers of the solved shoe.
+
+        "slipping" is its total shear over mu p, which is 1 in full slip.
+        """
+        md = self.model
+        p = md.variable("p")
+        pressure, shear = "p", "drag*p"
         if self.formulation == "coulomb":
-            pressed, shear = "(-p.normal)", "(p.along)"
+            pressure, shear = "(-p.normal)", "(p.along)"
             p = -(p[::2] * self.normals[0] + p[1::2] * self.normals[1])
-        torque, full = (self.integral(f"{of}*lever", CONTACT) for of in (shear, f"drag*{pressed}"))
-        traction = f"({shear}*along - {pressed}*normal)"
+        torque = self.integral(f"{shear}*lever", CONTACT)
+        full = self.integral(f"drag*{pressure}*lever", CONTACT)
+        traction = f"({shear}*along - {pressure}*normal)"
+        turning = self.integral("hold.[pin(2) - X(2); X(1) - pin(1)]", HINGE)
         return {
-            "converged": bool(converged) and bool(np.isfinite(p).all()),
-            "steps": int(steps),
+            "converged": converged and bool(np.isfinite(p).all()),
+            "steps": steps,
             "slipping": torque / full if full else 0.0,
             "xy": self.xy.tolist(),
             "pressure": p.tolist(),
             "amounts": [float(md.variable(name)[0]) for name in self.amounts],
             "load_work": self.integral(f"{self.push}.u", ACTUATION) if self.loaded else 0.0,
             "torque": torque,
-            "normal": self.integrals(f"-{pressed}*normal", CONTACT),
+            "normal": self.integrals(f"-{pressure}*normal", CONTACT),
             "tangential": self.integrals(f"{shear}*along", CONTACT),
             "moment": self.integral(f"X(1)*{traction}(2) - X(2)*{traction}(1)", CONTACT),
-            "hold": [
-                *self.integrals("hold", HINGE),
-                self.integral("hold.[pin(2) - X(2); X(1) - pin(1)]", HINGE),
-            ],
+            "hold": [*self.integrals("hold", HINGE), turning],
         }
 
 
@@ -305,8 +379,9 @@ def normals(x: Any, shoe: dict[str, Any]) -> Any:
 
 
 def angles(x: Any, shoe: dict[str, Any]) -> Any:
-    """Polar angles of the points x (2, n), within pi of the lining's middle; on a plane their
-    places along it.
+    """Polar angles of the points x (2, n), within pi of the lining's middle.
+
+    On a plane they are places along it.
     """
     if shoe["flat"]:
         return x[0]
@@ -314,10 +389,11 @@ def angles(x: Any, shoe: dict[str, Any]) -> Any:
 
 
 def brake(problem: dict[str, Any], data: dict[str, Any]) -> dict[str, Any]:
-    """All shoes at each friction coefficient in turn, bodies made once: answers and seconds (of
-    processor) of each.
+    """Solve all shoes at each friction coefficient in turn, with bodies that are made once.
+
+    Returns the answers and the seconds of processor time for each coefficient.
     """
-    bodies: dict[tuple[int, bool, int], Body] = {}
+    bodies: dict[tuple[int, bool, int], PeerBody] = {}
     shoes = [dict(shoe) for shoe in data["shoes"]]
     answers, seconds = [], []
     for friction in data["friction"]:
@@ -326,7 +402,7 @@ def brake(problem: dict[str, Any], data: dict[str, Any]) -> dict[str, Any]:
         for shoe in shoes:
             key = (shoe["body"], shoe["on_body"], len(shoe["motions"]))
             if key not in bodies:
-                bodies[key] = Body(problem, shoe["body"], shoe, data["formulation"])
+                bodies[key] = PeerBody(problem, shoe["body"], shoe, data["formulation"])
             found.append(bodies[key].solve(shoe, friction))
         seconds.append(time.process_time() - start)
         answers.append(found)
@@ -335,7 +411,7 @@ def brake(problem: dict[str, Any], data: dict[str, Any]) -> dict[str, Any]:
 
 
 def version() -> str:
-    """GetFEM's version: it states it only in the files that it writes."""
+    """GetFEM's version, which GetFEM states only in the files that it writes."""
     with tempfile.NamedTemporaryFile("r") as file:
         gf.Mesh("empty", 2).save(file.name)
         found = re.search(r"VERSION:? *(\S+)", file.read())
@@ -343,8 +419,9 @@ def version() -> str:
 
 
 def main(source: str, target: str) -> None:
-    """Read the problem, solve it `repeats` times from the beginning, write the last answers and all
-    times.
+    """Read the problem, solve it `repeats` times from the beginning, and write the results.
+
+    The results are the last answers and all times.
     """
     gf.util_trace_level(0)
     gf.util_warning_level(0)

@@ -1,6 +1,4 @@
-"""What a peer answers, whichever it is, and what all of them need: shoes in their own frames,
-responses.
-"""
+"""The answer of a peer, and the parts that all peers need: shoes in their own frames, responses."""
 
 import math
 import os
@@ -17,7 +15,7 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.fem.equilibrium.motions import at_pin
+from drumlin.fem.equilibrium.modes import at_pin
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
 from drumlin.fem.preparation.bodies import actuation
 from drumlin.fem.preparation.cache import shape_of
@@ -28,7 +26,16 @@ from drumlin.response.balance import relative_balance, worst
 from drumlin.response.response import Balance, Response, ShoeResponse, pressed_shoe, untouched
 from drumlin.response.resultants import contact_arcs, cross
 
-NOTHING = 1e-3  # of the peak pressure: what a peer leaves where its lining does not touch
+NO_PRESSURE = 1e-3
+"""Pressure, relative to the peak, below which a peer's lining counts as not touching. Peers with a
+penalty leave small pressures beside the contact."""
+
+ONE_THREAD = {
+    "OMP_NUM_THREADS": "1",
+    "OPENBLAS_NUM_THREADS": "1",
+    "CCX_NPROC_EQUATION_SOLVER": "1",
+}
+"""Environment in which a peer runs on one thread, so that its times can be compared."""
 
 
 class PeerMissing(BadInput):
@@ -36,12 +43,19 @@ class PeerMissing(BadInput):
 
 
 class Peer(NamedTuple):
-    """A peer's answer for a brake, and what it took, in seconds of processor time on one thread.
+    """A peer's answer for a brake, and its cost in seconds of processor time on one thread.
 
-    `seconds`: its own computing, without the start of its process where it can be told apart;
-    `process_seconds`: the whole process or processes, of one solve; `further_seconds`: a further
-    load case, another friction coefficient, reusing what the peer can reuse. `unknowns`: of all its
-    systems, equal shoes counted once where they share one.
+    Attributes
+    ----------
+    name : of the peer
+    version : of the peer
+    response : of the brake
+    seconds : of its own computing, without the start of its process where that can be told apart
+    process_seconds : of the whole process or processes, for one solve
+    further_seconds : of a further load case, another friction coefficient, for which the peer
+        reuses what it can
+    unknowns : of all its systems; equal shoes count once where they share a system
+    notes : lines about the solve
     """
 
     name: str
@@ -54,16 +68,30 @@ class Peer(NamedTuple):
     notes: tuple[str, ...]
 
 
+class MeshedShoe(NamedTuple):
+    """A shoe as drumlin meshes it, with a number for its shape; equal shapes share both."""
+
+    body: int
+    parts: Assembled
+
+
 @dataclass(frozen=True)
 class Loaded:
-    """A meshed shoe under its force, in its own frame: `force` (2,) [N] and `couple` [N m] about
-    `parts.load_centre`.
+    """A meshed shoe under its force, in its own frame.
 
-    `drag`: mu times the sense in which the drum drags the lining, positive towards growing phi.
-    `approaches`: whether the force presses the shoe on the drum anywhere; else it does not touch.
-    What holds it moves by a sum of `motions` (k, 3), (dx, dy [m], turn) at the pin; on the `tests`
-    (k, 3) the force works `work` (k,), its point goes along it by `tip` (k,) a motion, see
-    `Held.freedoms`.
+    Attributes
+    ----------
+    shoe : the shoe
+    parts : its mesh and matrices
+    body : number of its shape
+    force : (2,) [N]
+    couple : [N m], about `parts.load_centre`
+    drag : mu times the sense in which the drum drags the lining, positive towards growing phi
+    approaches : whether the force presses the shoe on the drum anywhere; else it does not touch
+    motions : rigid-body modes (k, 3) of what holds the shoe: dx, dy [m] and turn at the pin
+    tests : test modes (k, 3), in the same form; see `Held.freedoms`
+    work : (k,), work of the force on the test modes
+    tip : (k,), way of the force's point along the force for each rigid-body mode
     """
 
     shoe: Shoe
@@ -80,27 +108,33 @@ class Loaded:
 
     @property
     def on_body(self) -> bool:
-        """Whether the force acts on the body's loaded end, not on what holds it."""
+        """Whether the force acts on the body's loaded end, not on what holds the shoe."""
         return "actuation" in self.parts.mesh.boundaries and not self.shoe.gripped
 
     @property
     def radius(self) -> float:
-        """The mean one of its lining's face [m]; on a plane what a length along it makes an angle
-        by.
-        """
+        """The mean radius [m] of the lining's face; on a plane the length of an angle of 1."""
         line = self.parts.line
-        return float(
-            np.ptp(line.xy[0]) / np.ptp(line.phi) if self.shoe.flat else np.hypot(*line.xy).mean()
-        )
+        if self.shoe.flat:
+            return float(np.ptp(line.xy[0]) / np.ptp(line.phi))
+        return float(np.hypot(*line.xy).mean())
 
 
 def meshed_shoes(
     brake: Brake, elements: int = ELEMENTS, kind: str = DEFAULT_KIND, mesher: Mesher | None = None
-) -> list[tuple[int, Assembled]]:
-    """The shoes of a brake as drumlin meshes them, with a number for each distinct shape.
+) -> list[MeshedShoe]:
+    """The shoes of a brake as drumlin meshes them.
 
-    Raises BadInput for a brake with an elastic ring and without friction: peers get a rigid drum
-    that slips.
+    Parameters
+    ----------
+    brake : the brake
+    elements, kind : of the mesh
+    mesher : who meshes the shoes in their place
+
+    Raises
+    ------
+    BadInput
+        for a brake with an elastic ring and without friction: peers get a rigid drum that slips
     """
     if brake.ring is not None:
         raise BadInput("drum.ring: the peers get a rigid drum; leave out [drum.ring]")
@@ -109,51 +143,76 @@ def meshed_shoes(
             "friction = 0: the peers are given a drum that slips; must be greater than 0"
         )
     mesher = mesher or partial(shoe_mesh, elements=elements, kind=kind)
-    made: dict[tuple[object, ...], tuple[int, Assembled]] = {}
-    found = []
+    by_shape: dict[tuple[object, ...], MeshedShoe] = {}
+    meshed = []
     for shoe in brake.shoes:
-        key = shape_of(brake, shoe)
-        if key not in made:
-            made[key] = (len(made), assemble(brake, shoe, mesher, {}))
-        found.append(made[key])
-    return found
+        shape = shape_of(brake, shoe)
+        if shape not in by_shape:
+            by_shape[shape] = MeshedShoe(len(by_shape), assemble(brake, shoe, mesher, {}))
+        meshed.append(by_shape[shape])
+    return meshed
 
 
-def under_force(brake: Brake, shoe: Shoe, body: int, parts: Assembled, sense: int = 1) -> Loaded:
-    """A meshed shoe under its actuation; sense: of an abutment's friction, see `Held.freedoms`."""
+def under_force(brake: Brake, shoe: Shoe, meshed: MeshedShoe, sense: int = 1) -> Loaded:
+    """A meshed shoe under its actuation.
+
+    Parameters
+    ----------
+    brake : the brake
+    shoe : the shoe
+    meshed : its mesh
+    sense : of an abutment's friction, see `Held.freedoms`
+    """
+    parts = meshed.parts
     factors, moment = actuation(parts, shoe)
     load = parts.columns.part(ACTUATION, factors)
     size, free = abs(shoe.actuation.force), shoe.freedoms(sense)
     if shoe.held_by == "hinge" and not shoe.flat:
         # The lining at (x, y) closes by -sign a y/r per turn about the pin at (a, 0).
-        approaches = size > 0 and bool((-moment * shoe.sign * parts.line.xy[1] > 0).any())
+        closing = -moment * shoe.sign * parts.line.xy[1]
+        approaches = size > 0 and bool((closing > 0).any())
     else:
         approaches = size > 0 and rigid.bears(brake, shoe) >= 0
     return Loaded(
-        shoe, parts, body, size * load[:2], size * float(load[2]), brake.drag_on(shoe), approaches,
-        at_pin(shoe, free.motions).T, at_pin(shoe, free.tests).T, free.work, free.tip,
-    )  # fmt: skip
+        shoe=shoe,
+        parts=parts,
+        body=meshed.body,
+        force=size * load[:2],
+        couple=size * float(load[2]),
+        drag=brake.drag_on(shoe),
+        approaches=approaches,
+        motions=at_pin(shoe, free.motions).T,
+        tests=at_pin(shoe, free.tests).T,
+        work=free.work,
+        tip=free.tip,
+    )
 
 
 def loaded_shoes(
     brake: Brake, elements: int = ELEMENTS, kind: str = DEFAULT_KIND, mesher: Mesher | None = None
 ) -> list[Loaded]:
-    """The shoes of a brake, meshed as drumlin meshes them, under forces of their own on hinges.
+    """The shoes of a brake on hinges, meshed as drumlin meshes them, each under its own force.
 
-    Raises BadInput for others, and as `meshed_shoes`.
+    Parameters are those of `meshed_shoes`. Raises BadInput for shoes that are held in another way,
+    and as `meshed_shoes`.
     """
     if brake.surface.straight:
         raise BadInput("CalculiX takes brakes on a drum: its shoes press on a plane")
     brake.check_hinged("CalculiX")
     meshed = meshed_shoes(brake, elements, kind, mesher)
-    return [under_force(brake, shoe, *own) for shoe, own in zip(brake.shoes, meshed, strict=True)]
+    return [under_force(brake, shoe, own) for shoe, own in zip(brake.shoes, meshed, strict=True)]
 
 
-class Forces(NamedTuple):
-    """What a peer found on one shoe, in the shoe's frame: forces of pressure and of friction (2,)
-    [N] and the moment of both about the origin [N m]; `held` (3,): force and moment about the pin
-    of what holds the shoe, on the shoe; the `torque` on the drum [N m], positive, on a plane the
-    braking force [N].
+class PeerForces(NamedTuple):
+    """The forces that a peer found on one shoe, in the shoe's frame.
+
+    Attributes
+    ----------
+    normal : force of the pressure (2,) [N]
+    friction : force of the friction (2,) [N]
+    moment : of both about the origin [N m]
+    held : (3,), force and moment about the pin of what holds the shoe, on the shoe
+    torque : on the drum [N m], positive; on a plane the braking force [N]
     """
 
     normal: Floats
@@ -164,35 +223,23 @@ class Forces(NamedTuple):
 
 
 def shoe_response(
-    loaded: Loaded, phi: Floats, pressure: Floats, order: int, forces: Forces, amounts: Floats
+    loaded: Loaded, phi: Floats, pressure: Floats, order: int, forces: PeerForces, amounts: Floats
 ) -> tuple[ShoeResponse, Balance]:
-    """A shoe's response from a peer's pressure [Pa] at growing angles phi [rad], piecewise of
-    degree `order`.
+    """A shoe's response from a peer's pressure, and the balance of the peer's forces.
 
-    amounts (k,): of its free motions. The balance is that of the peer's own forces on the shoe,
-    their sum and their moment about the origin, and of those on what holds it, whose work on the
-    free motions is that of its loads.
+    Parameters
+    ----------
+    loaded : the shoe
+    phi : growing angles [rad] of the pressure's nodes
+    pressure : [Pa] at the nodes
+    order : degree of the pressure between the nodes
+    forces : that the peer found
+    amounts : (k,), generalised coordinates of the rigid-body modes
     """
     shoe, frame, pin, tests = loaded.shoe, loaded.shoe.frame, loaded.shoe.own_pin, loaded.tests
-    arm = loaded.parts.load_centre - pin
-    load = np.array(
-        [*loaded.force, loaded.couple + float(cross(arm, loaded.force))]
-    )  # about the pin
-    push, reaction = (load, forces.held) if loaded.on_body else (np.zeros(3), forces.held - load)
-    normal_force = float(np.linalg.norm(forces.normal))
-    about = [float(cross(pin, of[:2])) for of in (forces.held, push)] + [
-        float(forces.held[2]),
-        float(push[2]),
-    ]
-    size = loaded.radius * normal_force
-    balance = relative_balance(
-        [forces.normal, forces.friction, forces.held[:2], push[:2]],
-        [forces.moment, *about, size, -size],
-    )
-    work = loaded.work * (not loaded.on_body)
-    left = np.abs(tests @ forces.held - work) / (
-        np.hypot(*tests.T[:2]) + loaded.radius * np.abs(tests[:, 2])
-    )
+    load = _load_at_pin(loaded)
+    reaction = forces.held if loaded.on_body else forces.held - load
+    # The moment of the drum's drag about the pin is that of the torque less that of its force.
     drag = np.array([*forces.friction, -float(cross(pin, forces.friction))])
     if not shoe.flat:
         drag[2] += math.copysign(forces.torque, loaded.drag)
@@ -203,19 +250,49 @@ def shoe_response(
         pressure,
         order=order,
         torque=forces.torque,
-        normal_force=normal_force,
+        normal_force=float(np.linalg.norm(forces.normal)),
         self_energising=float(tests[0] @ drag) * float(loaded.work[0]) > 0,
         hinge_reaction=frame.to_brake(reaction[:2]),
         turn=frame.sense * float(amounts @ loaded.motions[:, 2]),
         pivot_reaction=frame.to_brake(forces.held[:2]) if shoe.pivot is not None else None,
         reaction_moment=frame.sense * float(reaction[2]) if shoe.guide is not None else 0.0,
-        located=False,  # what a peer leaves beside the contact has no ends to find
+        # The small pressures that a peer leaves beside the contact hide its ends.
+        located=False,
     )
     p = response.pressure
-    arcs = contact_arcs(response.theta, np.where(p > NOTHING * p.max(), p, 0.0), order)
-    return replace(response, contact_arcs=arcs), Balance(
-        balance.force, max(balance.moment, float(left.max()) / normal_force)
+    touching = np.where(p > NO_PRESSURE * p.max(), p, 0.0)
+    arcs = contact_arcs(response.theta, touching, order)
+    return replace(response, contact_arcs=arcs), _balance(loaded, forces, load)
+
+
+def _load_at_pin(loaded: Loaded) -> Floats:
+    """The force on a shoe and its moment about the pin (3,)."""
+    arm = loaded.parts.load_centre - loaded.shoe.own_pin
+    return np.array([*loaded.force, loaded.couple + float(cross(arm, loaded.force))])
+
+
+def _balance(loaded: Loaded, forces: PeerForces, load: Floats) -> Balance:
+    """The relative imbalance of a peer's forces on a shoe.
+
+    It holds their sum, their moment about the origin, and the forces on what holds the shoe: their
+    work on the test modes must be that of the loads there.
+    """
+    pin, tests = loaded.shoe.own_pin, loaded.tests
+    push = load if loaded.on_body else np.zeros(3)
+    normal_force = float(np.linalg.norm(forces.normal))
+    moments = [float(cross(pin, forces.held[:2])), float(cross(pin, push[:2]))]
+    moments += [float(forces.held[2]), float(push[2])]
+    # The moment scale, twice with opposite signs, is in the balance but not in the sum.
+    size = loaded.radius * normal_force
+    balance = relative_balance(
+        [forces.normal, forces.friction, forces.held[:2], push[:2]],
+        [forces.moment, *moments, size, -size],
     )
+    work = loaded.work * (not loaded.on_body)
+    lengths = np.hypot(*tests.T[:2]) + loaded.radius * np.abs(tests[:, 2])
+    unbalanced = np.abs(tests @ forces.held - work) / lengths
+    moment = max(balance.moment, float(unbalanced.max()) / normal_force)
+    return Balance(balance.force, moment)
 
 
 def untouched_response(loaded: Loaded) -> tuple[ShoeResponse, Balance]:
@@ -223,35 +300,40 @@ def untouched_response(loaded: Loaded) -> tuple[ShoeResponse, Balance]:
     return untouched(loaded.shoe, -loaded.shoe.actuation.vector), Balance(0.0, 0.0)
 
 
-class Ended(NamedTuple):
-    """How a process ended: status, what it printed, and its processor time [s]."""
+class EndedProcess(NamedTuple):
+    """A process that has ended: its status, its printed text, its processor time [s]."""
 
     status: int
     output: str
     seconds: float
 
 
-def run_process(command: Sequence[str], folder: Path, longest: float) -> Ended:
-    """Run a peer in a folder, on one thread, away from this Python's paths. Raises NoAnswer after
-    `longest` seconds.
+def run_process(command: Sequence[str], folder: Path, longest: float) -> EndedProcess:
+    """Run a peer in a folder, on one thread, without this Python's paths.
+
+    Raises NoAnswer where it still runs after `longest` seconds.
     """
-    outside = {
-        key: value for key, value in os.environ.items() if key not in {"PYTHONPATH", "PYTHONHOME"}
-    }
-    threads = dict.fromkeys(
-        ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "CCX_NPROC_EQUATION_SOLVER"), "1"
-    )
+    environment = dict(os.environ)
+    for name in ("PYTHONPATH", "PYTHONHOME"):
+        environment.pop(name, None)
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     try:
         done = subprocess.run(
-            command, env=outside | threads, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-            errors="replace", timeout=longest, check=False,
-        )  # fmt: skip
+            command,
+            env=environment | ONE_THREAD,
+            cwd=folder,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            errors="replace",
+            timeout=longest,
+            check=False,
+        )
     except subprocess.TimeoutExpired as error:
         raise NoAnswer(f"{command[0]}: still running after {longest:g} s") from error
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     spent = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-    return Ended(done.returncode, done.stdout, spent)
+    return EndedProcess(done.returncode, done.stdout, spent)
 
 
 def brake_response(
@@ -260,7 +342,15 @@ def brake_response(
     iterations: int,
     seconds: dict[str, float],
 ) -> Response:
-    """The response of the whole brake."""
+    """The response of the whole brake.
+
+    Parameters
+    ----------
+    model : name of the peer
+    answers : response and balance of each shoe
+    iterations : of the peer
+    seconds : of processor time, by what they were spent on
+    """
     return Response(
         model=model,
         shoes=tuple(response for response, _ in answers),

@@ -1,13 +1,13 @@
-"""Half a solid shoe against its drum as an input deck for CalculiX, from drumlin's own mesh; units
-mm, N, MPa.
+"""Half a solid shoe against its drum as an input deck for CalculiX; units mm, N, MPa.
 
-Hexahedra with 20 nodes and reduced integration (C3D20R): drumlin's without the nodes in the middle
-of faces and cells. The mid-plane is held along z, forces are half the brake's; all else is as in
-the plane deck.
+The mesh is drumlin's own. The cells are hexahedra with 20 nodes and reduced integration (C3D20R):
+drumlin's cells without the nodes in the middle of faces and cells. The mid-plane is held along z,
+and forces are half the brake's. All else is as in the plane deck.
 """
 
 from functools import partial
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import skfem
@@ -15,9 +15,8 @@ import skfem
 from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import BadInput
 from drumlin.base.files import write_text
-from drumlin.brake.brake import Brake
+from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.fields import Material
-from drumlin.fem.equilibrium.group import gap_at
 from drumlin.fem.preparation.meshes import materials_of
 from drumlin.fem.solid.body import end_forces, face_of, hinged
 from drumlin.fem.solid.fields import oriented, serendipity
@@ -26,41 +25,72 @@ from drumlin.fem.solid.model import ELEMENTS, across_of, why_not
 from drumlin.peers import calculix
 from drumlin.peers.deck import (
     DRUM_LAYER,
+    DRUM_MODULUS,
     MM,
     MPA,
-    SOFT,
-    Grid,
-    Setting,
+    DeckGrid,
+    DeckSetting,
+    DrumMesh,
+    FirstLabels,
+    check_fit,
     contact,
     drum_angles,
     header,
     hinge,
+    load_on_pin,
+    nodal_loads,
     step,
-)  # fmt: skip
-from drumlin.peers.peer import Loaded, Peer, brake_response, loaded_shoes, untouched_response
+)
+from drumlin.peers.peer import Loaded, Peer, loaded_shoes, untouched_response
 
 ROTATION = 4e-3
-"""Of the drum [rad]. Friction has the direction of the slip: as it is pressed the lining widens,
-and what it creeps sideways, some ten micrometres, must be little beside the way of the drum.
-"""
-HALF = 0.5  # of the shoe, which stands in the place of a thin layer's thickness
+"""Rotation of the drum [rad].
+
+Friction has the direction of the slip. As the lining is pressed it widens and creeps sideways by
+some ten micrometres, which must be little beside the way of the drum."""
+
+MODELLED_WIDTH = 0.5
+"""Part of the shoe that the deck holds. It takes the place of the plane deck's thickness."""
+
 FACES = [(0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0)]
-WIDER = 1.1  # the drum, of half the lining's width
+"""Corners of CalculiX's faces S1 to S6 of a hexahedron."""
+
+DRUM_WIDTH = 1.1
+"""Width of the drum relative to the lining's, so that the lining does not reach its edge."""
+
+
+class _SolidShoe(NamedTuple):
+    """A shoe under its force, and its solid mesh."""
+
+    loaded: Loaded
+    solid: Solid
 
 
 def export(
     brake: Brake, folder: Path, stem: str, *, elements: int = ELEMENTS, across: int | None = None
 ) -> tuple[list[Path], list[str]]:
-    """Write the decks of a brake's solid shoes, one for each; as peers.calculix.export does."""
+    """Write the decks of a brake's solid shoes, one for each, as `calculix.export` does.
+
+    Parameters
+    ----------
+    brake : the brake
+    folder : where the decks are written
+    stem : first part of their names
+    elements : along each lining
+    across : over half of the lining's width; None: by the mesh along the lining
+
+    Returns
+    -------
+    the files, and the names of shoes without a deck, which their force turns away from the drum
+    """
+    setting = DeckSetting(rotation=ROTATION, thickness=MODELLED_WIDTH)
     paths, apart = [], []
     for loaded, solid in _posed(brake, elements, across):
         if not loaded.approaches:
             apart.append(loaded.shoe.name)
             continue
         path = folder / f"{stem}_{loaded.shoe.name}_solid.inp".replace(" ", "_")
-        write_text(
-            path, deck(brake, loaded, solid, Setting(rotation=ROTATION, thickness=HALF), path.stem)
-        )
+        write_text(path, deck(brake, loaded, solid, setting, path.stem))
         paths.append(path)
     return paths, apart
 
@@ -70,28 +100,34 @@ def solve(
     *,
     elements: int = ELEMENTS,
     across: int | None = None,
-    setting: Setting | None = None,
+    setting: DeckSetting | None = None,
 ) -> Peer:
-    """A brake's solid shoes by CalculiX; options and what is raised as of peers.calculix.solve."""
+    """Solve a brake's solid shoes by CalculiX; it raises what `calculix.solve` raises.
+
+    Parameters
+    ----------
+    brake : the brake
+    elements : along each lining
+    across : over half of the lining's width; None: by the mesh along the lining
+    setting : of the decks
+    """
     installed = calculix.version()
-    answers, iterations, unknowns, seconds = [], 0, 0, 0.0
+    start = (setting or DeckSetting(rotation=ROTATION))._replace(thickness=MODELLED_WIDTH)
+    tally = calculix.RunTally()
     for loaded, solid in _posed(brake, elements, across):
         if not loaded.approaches:
-            answers.append(untouched_response(loaded))
+            tally.answers.append(untouched_response(loaded))
             continue
-        pose = calculix.Posed(partial(deck, brake, loaded, solid), partial(along, loaded))
-        start = (setting or Setting(rotation=ROTATION))._replace(thickness=HALF)
+        pose = calculix.PosedShoe(
+            text=partial(deck, brake, loaded, solid), along=partial(along, loaded)
+        )
         state, _ = calculix.slipping(brake, loaded, start, pose)
-        answers.append(calculix.response(loaded, state))
-        iterations = max(iterations, state.iterations)
-        unknowns += state.unknowns
-        seconds += state.seconds
-    response = brake_response("calculix", answers, iterations, {"calculix": seconds})
-    notes = (f"CalculiX {installed}, C3D20R, face-to-face penalty",)
-    return Peer("calculix", installed, response, seconds, seconds, seconds, unknowns, notes)
+        tally.add(loaded, state)
+    return tally.peer(installed, (f"CalculiX {installed}, C3D20R, face-to-face penalty",))
 
 
-def _posed(brake: Brake, elements: int, across: int | None) -> list[tuple[Loaded, Solid]]:
+def _posed(brake: Brake, elements: int, across: int | None) -> list[_SolidShoe]:
+    """The solid shoes of a brake. Raises BadInput where the solid model does not apply."""
     reason = why_not(brake)
     if reason is not None:
         raise BadInput(f"solid does not apply to this brake: {reason}")
@@ -99,113 +135,157 @@ def _posed(brake: Brake, elements: int, across: int | None) -> list[tuple[Loaded
     for loaded in loaded_shoes(brake, elements):
         shoe = loaded.shoe
         solid = solid_mesh(shoe, brake.size, elements, across or across_of(shoe, elements))
-        posed.append((loaded, solid))
+        posed.append(_SolidShoe(loaded, solid))
     return posed
 
 
-def deck(brake: Brake, loaded: Loaded, solid: Solid, setting: Setting, name: str = "shoe") -> str:
-    """The deck of half a shoe, in the brake's frame. Raises BadInput for a clearance."""
-    shoe, parts = loaded.shoe, loaded.parts
-    if np.any(gap_at(parts.line.xy, parts.line.phi, brake, shoe)):
-        raise BadInput(
-            f"shoe {shoe.name!r}: lining.clearance: CalculiX gets linings that fit the drum; must be 0"
-        )
+def deck(
+    brake: Brake, loaded: Loaded, solid: Solid, setting: DeckSetting, name: str = "shoe"
+) -> str:
+    """The deck of half a shoe, in the brake's frame.
+
+    Parameters
+    ----------
+    brake : the brake
+    loaded : the shoe
+    solid : its mesh
+    setting : of the deck
+    name : of the deck's file, without ending
+
+    Raises
+    ------
+    BadInput
+        for a clearance
+    """
+    shoe = loaded.shoe
+    check_fit(brake, loaded)
+    # Cells keep the node numbers of drumlin's mesh, some of which are then unused.
     x = solid.basis.doflocs
     points = np.column_stack([shoe.frame.to_brake(x[:2].T), x[2]]) * MM
     cells = oriented(points, serendipity(solid.basis.element_dofs))
     used = np.unique(cells)
     held = np.intersect1d(hinged(solid, shoe), used)
-    count = len(points)
-    drum_lines, drum_xy = drum(brake, loaded, (count + 3, len(cells) + 1))
-    grid = Grid(points[:, :2], cells, 8, "C3D20R", {"hinge": held}, count + 1, count + 2,
-                len(cells) + len(drum_angles(loaded)) // 2 + 1)  # fmt: skip
-    flat = np.intersect1d(solid.node[solid.node[:, 0] >= 0, 0], used)
+    grid = _grid(loaded, points, cells, held)
+    drum_mesh = drum(brake, loaded, FirstLabels(grid.turn + 1, len(cells) + 1))
+    # The mid-plane stays plane. A rigid shoe holds the back of its lining in this direction, too.
+    mid_plane = np.intersect1d(solid.node[solid.node[:, 0] >= 0, 0], used)
     bonded = held if shoe.body is None else held[:0]
+    face = face_of(solid, shoe, brake.size).nodes
     lines = [
         *header(brake, loaded, setting, name),
         "** half of the shoe, z >= 0: what is called thickness above is that half",
-        "*NODE, NSET=NSHOE",
-        *(_node(i + 1, points[i]) for i in used),
-        "*NODE, NSET=PIN",
-        _node(grid.pin, [*(shoe.pin.xy * MM), 0.0]),
-        "** its displacement x is the turn [rad] of the shoe about the pin",
-        "*NODE, NSET=TURN",
-        _node(grid.turn, [*(shoe.pin.xy * MM), 0.0]),
+        *_shoe(shoe, solid, points, grid),
+        *drum_mesh.lines,
+        *_sections(shoe),
+        *contact(brake, loaded, setting, _faces(cells, face), "S1"),
+        *hinge(loaded, grid),
+        "*BOUNDARY",
+        *(f"{i + 1}, 3, 3" for i in np.union1d(mid_plane, bonded)),
+        "NDRUM, 3, 3",
+        *step(brake, setting, grid, drum_mesh.xy, _load(loaded, solid, setting, grid)),
     ]
-    for part, members in solid.mesh.subdomains.items():
-        lines.append(f"*ELEMENT, TYPE=C3D20R, ELSET={part.upper()}")
-        lines += [line for i in np.sort(members) for line in _element(i + 1, cells[i] + 1)]
-    lines += drum_lines
-    moduli = {}
-    for part, (material, _) in materials_of(shoe).items():
-        assert isinstance(material, Material)  # why_not
-        moduli[part.upper()] = material.E, material.nu
-    moduli["DRUM"] = SOFT * shoe.lining.material.E_through, 0.0
-    for part, (E, nu) in moduli.items():
-        lines += [f"*MATERIAL, NAME={part}", "*ELASTIC", f"{E * MPA:.12e}, {nu:.12e}"]
-        lines += [f"*SOLID SECTION, ELSET={part}, MATERIAL={part}"]
-    face = face_of(solid, shoe, brake.size).nodes
-    lines += contact(brake, loaded, setting, _faces(cells, face), "S1")
-    lines += hinge(loaded, grid)
-    lines += ["*BOUNDARY", *(f"{i + 1}, 3, 3" for i in np.union1d(flat, bonded)), "NDRUM, 3, 3"]
-    lines += step(brake, setting, grid, drum_xy, _load(loaded, solid, setting, grid))
     return "\n".join(lines) + "\n"
 
 
+def _grid(loaded: Loaded, points: Floats, cells: Ints, held: Ints) -> DeckGrid:
+    """The mesh of half a shoe as CalculiX has it.
+
+    Parameters
+    ----------
+    loaded : the shoe
+    points : nodes (n, 3) [mm]
+    cells : nodes (m, 20) of each cell
+    held : nodes of the hinge
+    """
+    return DeckGrid(
+        xy=points[:, :2],
+        cells=cells,
+        corners=8,
+        kind="C3D20R",
+        edges={"hinge": held},
+        pin=len(points) + 1,
+        turn=len(points) + 2,
+        bearing=len(cells) + len(drum_angles(loaded)) // 2 + 1,
+    )
+
+
+def _shoe(shoe: Shoe, solid: Solid, points: Floats, grid: DeckGrid) -> list[str]:
+    """The lines of a shoe's nodes (n, 3) [mm] and elements."""
+    pin = [*(shoe.pin.xy * MM), 0.0]
+    lines = ["*NODE, NSET=NSHOE"]
+    lines += [_node(i + 1, points[i]) for i in np.unique(grid.cells)]
+    lines += ["*NODE, NSET=PIN", _node(grid.pin, pin)]
+    lines += ["** its displacement x is the turn [rad] of the shoe about the pin"]
+    lines += ["*NODE, NSET=TURN", _node(grid.turn, pin)]
+    for part, members in solid.mesh.subdomains.items():
+        lines.append(f"*ELEMENT, TYPE={grid.kind}, ELSET={part.upper()}")
+        for i in np.sort(members):
+            lines += _element(i + 1, grid.cells[i] + 1)
+    return lines
+
+
+def _sections(shoe: Shoe) -> list[str]:
+    """The lines of the materials."""
+    moduli = {}
+    for part, (material, _) in materials_of(shoe).items():
+        # `why_not` refuses orthotropic materials.
+        assert isinstance(material, Material)
+        moduli[part.upper()] = material.E, material.nu
+    moduli["DRUM"] = DRUM_MODULUS * shoe.lining.material.E_through, 0.0
+    lines = []
+    for part, (E, nu) in moduli.items():
+        lines += [f"*MATERIAL, NAME={part}", "*ELASTIC", f"{E * MPA:.12e}, {nu:.12e}"]
+        lines += [f"*SOLID SECTION, ELSET={part}, MATERIAL={part}"]
+    return lines
+
+
 def _node(label: int, at: Floats | list[float]) -> str:
+    """The line of a node (3,) [mm]."""
     return f"{label}, {at[0]:.12e}, {at[1]:.12e}, {at[2]:.12e}"
 
 
 def _element(label: int, nodes: Ints) -> list[str]:
-    """Two lines: one holds at most 16 entries."""
+    """The two lines of an element: a line holds at most 16 entries."""
     return [", ".join(map(str, [label, *nodes[:10]])) + ",", ", ".join(map(str, nodes[10:]))]
 
 
 def _faces(cells: Ints, on: Ints) -> list[str]:
-    """Lines "element, S<face>" of the faces whose four corners are all among the nodes `on`."""
+    """The lines "element, S<face>" of the faces whose four corners are all among the nodes `on`."""
     inside = np.isin(cells[:, :8], on)
-    return [
-        f"{i + 1}, S{k + 1}"
-        for k, corners in enumerate(FACES)
-        for i in np.flatnonzero(inside[:, corners].all(axis=1))
-    ]
+    lines = []
+    for k, corners in enumerate(FACES):
+        whole = np.flatnonzero(inside[:, corners].all(axis=1))
+        lines += [f"{i + 1}, S{k + 1}" for i in whole]
+    return lines
 
 
-def _load(loaded: Loaded, solid: Solid, setting: Setting, grid: Grid) -> list[str]:
-    """The actuation on the end face, moved from the middles of its faces to their other nodes; or
-    on the pin.
-    """
-    shoe, size = loaded.shoe, setting.thickness
-    if "actuation" in solid.section.boundaries:
-        unit, _ = end_forces(solid)
-        nodal = (unit @ np.array([*loaded.force, loaded.couple]))[:, :2]
-        forces = size * shoe.frame.to_brake(_without_middles(solid, nodal))
-        return [
-            f"{i + 1}, {c + 1}, {forces[i, c]:.12e}"
-            for i in np.flatnonzero(forces.any(axis=1))
-            for c in range(2)
-        ]
-    force, couple = (
-        size * shoe.frame.to_brake(loaded.force),
-        size * shoe.frame.sense * loaded.couple * MM,
-    )
-    return [f"{grid.pin}, {c + 1}, {force[c]:.12e}" for c in range(2)] + [
-        f"{grid.turn}, 1, {couple:.12e}"
-    ]
+def _load(loaded: Loaded, solid: Solid, setting: DeckSetting, grid: DeckGrid) -> list[str]:
+    """The lines of the actuation: nodal forces on the end face, or force and couple on the pin."""
+    if "actuation" not in solid.section.boundaries:
+        return load_on_pin(loaded, setting, grid)
+    unit, _ = end_forces(solid)
+    nodal = (unit @ np.array([*loaded.force, loaded.couple]))[:, :2]
+    forces = setting.thickness * loaded.shoe.frame.to_brake(_without_middles(solid, nodal))
+    return nodal_loads(forces, np.flatnonzero(forces.any(axis=1)))
 
 
 def _without_middles(solid: Solid, forces: Floats) -> Floats:
-    """Nodal forces (n, 2) without those on middles of faces: a quadratic displacement is -1/4 of
-    that of the corners and 1/2 of that of the edges there.
+    """Nodal forces (n, 2) moved from the middles of faces to the other nodes of the faces.
+
+    In the middle of a face a quadratic displacement is -1/4 of those at the corners plus 1/2 of
+    those at the edges.
     """
     at, dofs = skfem.ElementHex2.doflocs, solid.basis.element_dofs
+    halves = (at == 0.5).sum(axis=1)
     moved, done = forces.copy(), set[int]()
-    for middle in np.flatnonzero((at == 0.5).sum(axis=1) == 2):
+    for middle in np.flatnonzero(halves == 2):
+        # The nodes of the face have one coordinate in common with its middle.
         axis = int(np.flatnonzero(at[middle] != 0.5)[0])
-        side = (at[:, axis] == at[middle, axis]) & (np.arange(27) != middle)
-        edges = side & ((at == 0.5).sum(axis=1) == 1)
-        corners = side & ((at == 0.5).sum(axis=1) == 0)
+        face = (at[:, axis] == at[middle, axis]) & (np.arange(27) != middle)
+        edges = face & (halves == 1)
+        corners = face & (halves == 0)
         for cell in np.flatnonzero(forces[dofs[middle]].any(axis=1)):
+            # Two cells share a face: its force is moved once.
             node = int(dofs[middle, cell])
             if node not in done:
                 done.add(node)
@@ -215,60 +295,82 @@ def _without_middles(solid: Solid, forces: Floats) -> Floats:
     return moved
 
 
-def drum(brake: Brake, loaded: Loaded, first: tuple[int, int]) -> tuple[list[str], Floats]:
-    """Lines of the drum's nodes and elements, numbered from `first` (node, element), and its nodes
-    (n, 2) [mm].
+class _Row(NamedTuple):
+    """A row of the drum's nodes: its radius [m], its angles (k,) [rad], and its place z [m]."""
 
-    One element over half the width and a little more; its face S1 lies on the friction surface,
-    whose nodes come first: those of z = 0, of the middle and of the outer side.
+    radius: float
+    theta: Floats
+    z: float
+
+    @property
+    def xyz(self) -> Floats:
+        """The nodes (k, 3) [m]."""
+        r, t = self.radius, self.theta
+        return np.column_stack([r * np.cos(t), r * np.sin(t), np.full(len(t), self.z)])
+
+
+def drum(brake: Brake, loaded: Loaded, first: FirstLabels) -> DrumMesh:
+    """The drum: one element over half the width and a little more.
+
+    Its face S1 lies on the friction surface. The nodes of the friction surface come first: those of
+    z = 0, of the middle and of the outer side.
     """
     shoe, R = loaded.shoe, brake.size
     theta = drum_angles(loaded)
-    back = R * (1 + shoe.sign * DRUM_LAYER)
-    outer = WIDER * shoe.lining.width / 2
     ends = theta[::2]
-    rows = [(R, theta, 0.0), (R, ends, outer / 2), (R, theta, outer), (back, theta, 0.0), (back, ends, outer / 2),
-            (back, theta, outer), ((R + back) / 2, ends, 0.0), ((R + back) / 2, ends, outer)]  # fmt: skip
-    xyz = (
-        np.concatenate(
-            [
-                np.column_stack([r * np.cos(t), r * np.sin(t), np.full(len(t), z)])
-                for r, t, z in rows
-            ]
-        )
-        * MM
-    )
-    begins = first[0] + np.cumsum([0, *(len(t) for _, t, _ in rows)])
-    f0, fm, f1, b0, bm, b1, m0, m1 = (int(i) for i in begins[:-1])
-    lines = [
-        "*NODE, NSET=NDRUM",
-        *(_node(label, at) for label, at in enumerate(xyz, start=first[0])),
+    back = R * (1 + shoe.sign * DRUM_LAYER)
+    outer = DRUM_WIDTH * shoe.lining.width / 2
+    rows = [
+        _Row(R, theta, 0.0),
+        _Row(R, ends, outer / 2),
+        _Row(R, theta, outer),
+        _Row(back, theta, 0.0),
+        _Row(back, ends, outer / 2),
+        _Row(back, theta, outer),
+        _Row((R + back) / 2, ends, 0.0),
+        _Row((R + back) / 2, ends, outer),
     ]
+    xyz = np.concatenate([row.xyz for row in rows]) * MM
+    lines = ["*NODE, NSET=NDRUM"]
+    lines += [_node(label, at) for label, at in enumerate(xyz, start=first.node)]
     lines.append("*ELEMENT, TYPE=C3D20, ELSET=DRUM")
+    labels = first.node + np.cumsum([0, *(len(row.theta) for row in rows)])
     for k in range(len(ends) - 1):
-        i = 2 * k
-        front = (
-            [f0 + i, f0 + i + 2, f1 + i + 2, f1 + i],
-            [f0 + i + 1, fm + k + 1, f1 + i + 1, fm + k],
-        )
-        behind_ = (
-            [b0 + i, b0 + i + 2, b1 + i + 2, b1 + i],
-            [b0 + i + 1, bm + k + 1, b1 + i + 1, bm + k],
-        )
-        between = [m0 + k, m0 + k + 1, m1 + k + 1, m1 + k]
-        turn = (
-            slice(None) if shoe.sign > 0 else [0, 3, 2, 1]
-        )  # from the friction face to the back: a positive volume
-        turn_edges = slice(None) if shoe.sign > 0 else [3, 2, 1, 0]
-        corners = np.concatenate([np.array(front[0])[turn], np.array(behind_[0])[turn]])
-        edges = np.concatenate([np.array(front[1])[turn_edges], np.array(behind_[1])[turn_edges]])
-        lines += _element(first[1] + k, np.concatenate([corners, edges, np.array(between)[turn]]))
-    return lines, xyz[:, :2]
+        nodes = _drum_cell(labels[:-1].tolist(), k, shoe.sign)
+        lines += _element(first.element + k, nodes)
+    return DrumMesh(lines, xyz[:, :2])
+
+
+def _drum_cell(labels: list[int], k: int, sign: int) -> Ints:
+    """The nodes (20,) of element k of the drum.
+
+    Parameters
+    ----------
+    labels : of the first node of each row, in the order of the rows in `drum`
+    k : number of the element along the arc
+    sign : of the shoe
+    """
+    # Rows on the friction face (f), on the back (b) and between both (m): at z = 0 (0), in the
+    # middle of the width (m) and at the outer side (1).
+    f0, fm, f1, b0, bm, b1, m0, m1 = labels
+    i = 2 * k
+    front = np.array([f0 + i, f0 + i + 2, f1 + i + 2, f1 + i])
+    front_edges = np.array([f0 + i + 1, fm + k + 1, f1 + i + 1, fm + k])
+    behind = np.array([b0 + i, b0 + i + 2, b1 + i + 2, b1 + i])
+    behind_edges = np.array([b0 + i + 1, bm + k + 1, b1 + i + 1, bm + k])
+    between = np.array([m0 + k, m0 + k + 1, m1 + k + 1, m1 + k])
+    # From the friction face to the back, in the order that gives the element a positive volume.
+    corners = [0, 1, 2, 3] if sign > 0 else [0, 3, 2, 1]
+    edges = [0, 1, 2, 3] if sign > 0 else [3, 2, 1, 0]
+    return np.concatenate(
+        [front[corners], behind[corners], front_edges[edges], behind_edges[edges], between[corners]]
+    )
 
 
 def along(loaded: Loaded, forces: Floats) -> Floats:
-    """Forces (n, 2) on the nodes of the drum's arc, summed over the width; they are those of a
-    quadratic line.
+    """The forces (n, 2) on the nodes of the drum's arc, summed over the width.
+
+    They are the nodal forces of a quadratic line.
     """
     count = len(drum_angles(loaded))
     ends = (count + 1) // 2

@@ -35,7 +35,7 @@ class Written(NamedTuple):
 
 
 def panels(comparison: Comparison[Any]) -> list[tuple[str, dict[str, Any]]]:
-    """A panel of pressures for each shoe: a title, and the responses of the models that answered."""
+    """A panel of pressures for each shoe: a title, and the responses by model."""
     brake = comparison.brake
     made = []
     for i, shoe in enumerate(brake.shoes):

@@ -24,7 +24,7 @@ from drumlin.brake.support import Held
 from drumlin.report.palette import INK, RED
 
 RENDER_SECONDS = 120
-"""Seconds after which a process that draws counts as hung. A picture takes some five."""
+"""Seconds after which a process that draws counts as hung. A picture takes some three."""
 
 STRESS_TITLE = "von Mises stress [MPa]"
 """The title of the colour bar, and the name of its values in the grid."""

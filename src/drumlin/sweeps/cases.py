@@ -34,7 +34,7 @@ Row = dict[str, Any]
 
 QUIET_SECONDS = 20.0
 """Seconds without an answer after which a line tells that the sweep waits for workers. A judgement:
-most cases take far less, and a user should not wonder for longer."""
+most cases take far less."""
 
 CHUNK_SECONDS = 0.1
 """Seconds of work that a worker gets at a time. Longer chunks lose more work when the sweep is

@@ -28,8 +28,8 @@ CONNECT_SECONDS = 5.0
 tried again until then."""
 
 ANSWER_SECONDS = 30.0
-"""Seconds within which a scheduler must answer and a new process must start. A loaded machine
-starts a process within a few seconds; later the process counts as dead."""
+"""Seconds within which a scheduler must answer and a new process must start. Later they count as
+lost. A judgement: both take far less on a machine that is not overloaded."""
 
 HEARTBEAT_SECONDS = 300.0
 """Seconds within which some Dask worker must be heard of. A long factorisation can silence a worker

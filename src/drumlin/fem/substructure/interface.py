@@ -19,8 +19,8 @@ import numpy as np
 
 from drumlin.base.arrays import Floats, Ints, angle_near
 from drumlin.fem.mesh.edges import edge_nodes
-from drumlin.response.response import Surface
-from drumlin.response.resultants import GAUSS, WEIGHTS, Inside, at_gauss, shape, slopes
+from drumlin.response.response import PressureOverWidth
+from drumlin.response.resultants import GAUSS, WEIGHTS, InnerPart, at_gauss, shape, slopes
 
 Directions = Callable[[Floats], tuple[Floats, Floats]]
 """From points (2, ...) [m] of a counterface to its unit normals and unit tangents there."""
@@ -55,9 +55,9 @@ class ContactLine:
         return couple(self, width, directions)
 
     @cached_property
-    def inside(self) -> Inside:
+    def inside(self) -> InnerPart:
         """The part of the line in which the pressure may peak."""
-        return Inside(self.along(np.zeros(len(self.phi)))[0], self.order, self.edge)
+        return InnerPart(self.along(np.zeros(len(self.phi)))[0], self.order, self.edge)
 
     def along(self, p: Floats) -> tuple[Floats, Floats]:
         """Angles (n,) [rad] and pressure (n,) [Pa] along the line.
@@ -66,7 +66,7 @@ class ContactLine:
         """
         return self.phi, p
 
-    def surface(self, p: Floats) -> Surface | None:
+    def surface(self, p: Floats) -> PressureOverWidth | None:
         """The pressure over arc and width of a solid's face; None of a line."""
         return None
 
