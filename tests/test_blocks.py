@@ -18,7 +18,7 @@ from drumlin.fem.error_control import levels
 from drumlin.fem.error_control.adapt import DEFAULT
 from drumlin.fem.error_control.levels import LEVELS, steps
 from drumlin.fem.error_control.places import places_of, strengths
-from drumlin.fem.hp.division import Kind, divide
+from drumlin.fem.hp.division import Singularity, divide
 from drumlin.fem.model import respond
 from drumlin.response import Response
 from drumlin_studies.consistency_blocks import (
@@ -60,16 +60,16 @@ def test_columns_at_steps_shrink_with_the_levels_where_the_lining_presses_and_no
     (start, end), step = shoe.arc, shoe.lining.step
     middle = 0.5 * (start + end)
     counts = {}
-    for kind in (Kind.STEP, Kind.OPEN_STEP):
+    for kind in (Singularity.STEP, Singularity.OPEN_STEP):
         places = [(middle + side * step / 2, step, kind) for side in (-1, 1)]
         angles = [divide(shoe, R, level, places).angles for level in LEVELS[:4]]
         for own in angles:
             assert all(np.abs(own - x).min() < 1e-12 for x, *_ in places)
         counts[kind] = [np.count_nonzero(np.abs(own - middle) < 0.49 * step) for own in angles]
-    assert set(counts[Kind.OPEN_STEP]) == {1}
+    assert set(counts[Singularity.OPEN_STEP]) == {1}
     assert (
-        counts[Kind.STEP] == sorted(counts[Kind.STEP])
-        and counts[Kind.STEP][-1] > counts[Kind.STEP][0]
+        counts[Singularity.STEP] == sorted(counts[Singularity.STEP])
+        and counts[Singularity.STEP][-1] > counts[Singularity.STEP][0]
     )
 
 
@@ -82,7 +82,10 @@ def test_an_end_of_the_contact_beside_a_step_ends_a_column() -> None:
     step, middle = shoe.lining.step, 0.5 * sum(shoe.arc)
     for level in LEVELS[1:]:
         contact = middle + 0.1 * step
-        places = [(middle, step, Kind.STEP), (contact, contact - shoe.arc[0], Kind.END)]
+        places = [
+            (middle, step, Singularity.STEP),
+            (contact, contact - shoe.arc[0], Singularity.END),
+        ]
         angles = divide(shoe, R, level, places).angles
         assert np.abs(angles - contact).min() < 0.06 * step
 

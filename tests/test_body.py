@@ -17,7 +17,7 @@ from drumlin.brake.fields import Material
 from drumlin.brake.file import vary
 from drumlin.fem.mesh.arc import shoe_mesh
 from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.substructure.body import FRAME, condense, scalar_basis, stiffness, tie
+from drumlin.fem.substructure.body import FRAME, condense, constrain, scalar_basis, stiffness
 from drumlin.fem.substructure.elasticity import layers_of
 from drumlin.fem.substructure.elimination import dissection, eliminate
 from drumlin.fem.substructure.interface import contact_line, end_loads
@@ -162,7 +162,7 @@ def full_system(brake, elements=12):
     K = stiffness(basis, layers_of(shoe))
     line = contact_line(basis, mesh.boundaries["contact"], sum(shoe.arc) / 2)
     rigid = basis.get_dofs(mesh.boundaries["hinge"]).flatten()
-    ties = tie(basis, line.nodes, rigid, np.array([shoe.hinge.radius, 0.0]))
+    ties = constrain(basis, line.nodes, rigid, np.array([shoe.hinge.radius, 0.0]))
     loads, _ = end_loads(basis, mesh.boundaries["actuation"])
     return basis, K, line, rigid, ties, loads
 
@@ -183,11 +183,11 @@ def test_condensed_displacements_equal_those_of_the_whole_system(brake):
     u[free] = spsolve(K[free][:, free].tocsc(), forces[free])
     scale = np.abs(u).max()
 
-    Y = condensed.half(np.column_stack([nodal + condensed.load_c @ factors]))
+    Y = condensed.half(np.column_stack([nodal + condensed.load_on_contact @ factors]))
     work = float((Y[:, 0] ** 2).sum())
     c = np.column_stack([u[2 * line.nodes], u[2 * line.nodes + 1]]).ravel()
-    assert work == pytest.approx(c @ (nodal + condensed.load_c @ factors), rel=1e-9)
-    reaction = (condensed.L_fc @ Y)[:, 0] - condensed.load_f @ factors
+    assert work == pytest.approx(c @ (nodal + condensed.load_on_contact @ factors), rel=1e-9)
+    reaction = (condensed.L_fc @ Y)[:, 0] - condensed.load_on_frame @ factors
     applied = forces.reshape(-1, 2).sum(axis=0)
     assert reaction[:2] == pytest.approx(-applied, rel=1e-9, abs=1e-9 * np.abs(applied).max())
     everywhere = condensed.displacement(nodal, np.zeros(FRAME), factors)

@@ -199,7 +199,7 @@ def test_contact_ends_are_located_inside_an_element(kind, open_heels):
 def test_without_friction_the_friction_path_equals_the_frictionless_one():
     still = vary(BRAKE, {"friction": 0})
     frictionless = prepare(still, elements=40)
-    assert frictionless.bodies[0].closing_dragged is None
+    assert frictionless.bodies[0].closure_by_friction is None
     a, b = respond(SCENE, still), respond(frictionless, still)
     assert a.torque == b.torque == 0
     same(a, b, 1e-12)

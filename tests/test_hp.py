@@ -27,8 +27,16 @@ from drumlin.fem.error_control.levels import LEVELS, steps
 from drumlin.fem.error_control.places import places_of
 from drumlin.fem.hp import division
 from drumlin.fem.hp.arc import angular, arc_columns, elements
-from drumlin.fem.hp.columns import Piece, closed, columns, merge, merged, stack, turned
-from drumlin.fem.hp.division import Kind, divide, graded
+from drumlin.fem.hp.columns import (
+    ColumnSubstructure,
+    assembled,
+    assembled_pair,
+    columns,
+    stack,
+    turned,
+    without_line,
+)
+from drumlin.fem.hp.division import Singularity, divide, graded
 from drumlin.fem.hp.element import condensed_elements, element, shape_functions, stiffness
 from drumlin.fem.hp.shoe import distinct, nodes_of, rigid
 from drumlin.fem.model import PENALTY, refined_group, respond
@@ -134,18 +142,20 @@ def test_columns_merged_in_any_order_are_the_whole_eliminated_at_once():
         xy, np.tile(elasticity_matrix(Material(E=1.0, nu=0.3)), (layers, 1, 1)), p
     )
     of = stack(p, layers, contact=True, held=False)
-    parts = [Piece(part, of.line, of.line) for part in columns(K, of)]
-    whole = merged(parts, 2)
+    parts = [ColumnSubstructure(part, of.line, of.line) for part in columns(K, of)]
+    whole = assembled(parts, 2)
     one_by_one = parts[0]
     for part in parts[1:]:
-        one_by_one = merge(one_by_one, part, 2)
+        one_by_one = assembled_pair(one_by_one, part, 2)
     size = np.abs(whole.K).max()
     np.testing.assert_allclose(whole.K, one_by_one.K, atol=1e-11 * size)
     assert len(whole.K) == 2 * of.line + 2 * (m * p + 1)
     assert np.abs(whole.K.reshape(len(whole.K), -1, 2).sum(axis=1)).max() < 1e-12 * size
-    ends = merged([closed(parts[0]), *parts[1:-1], closed(parts[-1], right=True)], 2)
+    ends = assembled([without_line(parts[0]), *parts[1:-1], without_line(parts[-1], right=True)], 2)
     assert ends.left == ends.right == 0
-    np.testing.assert_allclose(ends.K, closed(closed(whole), right=True).K, atol=1e-11 * size)
+    np.testing.assert_allclose(
+        ends.K, without_line(without_line(whole), right=True).K, atol=1e-11 * size
+    )
     np.testing.assert_allclose(ends.K, every_unknown_at_once(K, p), atol=1e-11 * size)
 
 
@@ -224,10 +234,10 @@ def test_a_condensed_shoe_is_what_one_sparse_factorisation_leaves(brake, case):
     )
     S, T = (c.L_cc @ c.L_cc.T for c in (body.condensed, other))
     assert pytest.approx(T, abs=1e-9 * np.abs(T).max()) == S
-    for name in ("load_c", "load_f", "load_work"):
+    for name in ("load_on_contact", "load_on_frame", "load_work"):
         mine, theirs = getattr(body.condensed, name), getattr(other, name)
         assert mine == pytest.approx(theirs, abs=1e-8 * max(np.abs(theirs).max(), 1e-30))
-    assert body.condensed.lost < 1e-8
+    assert body.condensed.force_imbalance < 1e-8
 
 
 def test_a_post_is_what_one_sparse_factorisation_leaves():
@@ -243,7 +253,7 @@ def test_a_post_is_what_one_sparse_factorisation_leaves():
     )
     S, T = (c.L_cc @ c.L_cc.T for c in (body.condensed, other))
     assert pytest.approx(T, abs=1e-9 * np.abs(T).max()) == S
-    assert body.condensed.load_f == pytest.approx(other.load_f, abs=1e-8)
+    assert body.condensed.load_on_frame == pytest.approx(other.load_on_frame, abs=1e-8)
     ends = [body.basis.doflocs[:, body.basis.sets[name]] for name in ("hinge", "actuation")]
     middles = [
         0.5 * (nodes[:, 0] + nodes[:, -1]) for nodes in ends
@@ -282,8 +292,8 @@ def test_the_turn_of_the_frame_moves_the_contact_as_a_rigid_body(brake):
     assert body.condensed.L_cc @ body.condensed.L_fc.T == pytest.approx(
         -(body.condensed.L_cc @ body.condensed.L_cc.T) @ motion, rel=1e-6, abs=1e-6 * 3e8
     )
-    assert motion.shape == (len(body.turned), FRAME)
-    assert body.turned == pytest.approx(motion[:, 2])
+    assert motion.shape == (len(body.rotation_mode), FRAME)
+    assert body.rotation_mode == pytest.approx(motion[:, 2])
 
 
 @pytest.mark.parametrize("support", ["fixed", "free"])
@@ -638,11 +648,13 @@ def test_places_are_the_ends_of_the_contact_and_kinks(brake):
     kinked = vary(brake, {"shoe[0].lining.clearance": [(-0.5, 5e-5), (0.1, 0.0), (0.6, 5e-5)]})
     response = solve(kinked, elements=40)
     places = places_of(kinked, response)
-    kinks = sorted(x for found in places.values() for x, _, kind in found if kind == Kind.KINK)
+    kinks = sorted(
+        x for found in places.values() for x, _, kind in found if kind == Singularity.KINK
+    )
     assert kinks == pytest.approx(
         sorted(brake.shoes[0].frame.phi(np.array([-0.5, 0.1, 0.6])).tolist())
     )
-    (tip,) = (x for found in places.values() for x, _, kind in found if kind == Kind.TIP)
+    (tip,) = (x for found in places.values() for x, _, kind in found if kind == Singularity.TIP)
     assert tip == pytest.approx(float(brake.shoes[0].frame.phi(np.array(0.1))))
     theta = solve(kinked).shoes[0].theta
     for angle in (-0.5, 0.1, 0.6):
@@ -692,7 +704,7 @@ def test_an_opening_that_is_nothing_beside_its_contact_is_no_place(brake):
 def test_a_level_with_more_contact_nodes_than_memory_can_take_is_said_to_miss_the_tolerance(
     brake, monkeypatch
 ):
-    monkeypatch.setattr("drumlin.fem.preparation.columns.MOST_NODES", 110)
+    monkeypatch.setattr("drumlin.fem.preparation.columns.MOST_CONTACT_NODES", 110)
     with pytest.raises(
         NoAnswer, match=r"not reached, the next level: its \d+ contact nodes are more than the 110"
     ):
@@ -708,7 +720,7 @@ def test_nodes_that_meet_through_a_ring_are_counted_together(brake, monkeypatch)
     }
     ringed = vary(brake, {"drum.ring": ring})
     nodes = sum(len(body.line.nodes) for body in prepare(ringed, LEVELS[0]).bodies)
-    monkeypatch.setattr("drumlin.fem.preparation.columns.MOST_NODES", nodes - 1)
+    monkeypatch.setattr("drumlin.fem.preparation.columns.MOST_CONTACT_NODES", nodes - 1)
     with pytest.raises(
         NoAnswer, match=f"its {nodes} contact nodes are more than the {nodes - 1} that"
     ):
@@ -851,9 +863,9 @@ def test_what_is_kept_is_never_that_of_another_brake_or_division(brake):
         kept, anew = (prepare(own, LEVELS[0], where, cache=which) for which in (cache, None))
         for a, b in zip(kept.bodies, anew.bodies, strict=True):
             for name in (
-                "closing_pressed",
-                "closing_dragged",
-                "held_pressed",
+                "closure_by_pressure",
+                "closure_by_friction",
+                "reaction_to_pressure",
                 "turned",
                 "load_centre",
             ):

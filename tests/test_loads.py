@@ -58,13 +58,13 @@ def test_factors_name_the_loads_that_act():
 def test_a_further_force_on_hp_elements_is_what_one_factorisation_leaves(brake, further):
     shoe, body = brake.shoes[0], prepare(brake, LEVELS[1]).bodies[0]
     assert body.columns == TWO
-    assert body.closing_loaded.shape == (len(body.line.nodes), 4)
-    assert body.tip_loaded.shape == (4, 4)
+    assert body.closure_by_load.shape == (len(body.line.nodes), 4)
+    assert body.load_motion_by_load.shape == (4, 4)
     _, ties, loads = body.condensed.inside()
     named = {ACTUATION: loads[:, :3], FURTHER: loads[:, 3:]}
     other = condense(body.basis.stiffness(layers_of(shoe)), ties, named, 2 * len(body.line.nodes))
     assert other.columns == TWO
-    for name in ("load_c", "load_f", "load_work"):
+    for name in ("load_on_contact", "load_on_frame", "load_work"):
         mine, theirs = getattr(body.condensed, name), getattr(other, name)
         assert mine == pytest.approx(theirs, abs=1e-8 * np.abs(theirs).max())
 
@@ -72,7 +72,7 @@ def test_a_further_force_on_hp_elements_is_what_one_factorisation_leaves(brake, 
 def test_the_frame_bears_a_further_force(brake, further):
     """All of the force, and its moment about the pin, held where the contact is free."""
     shoe, body = brake.shoes[0], prepare(brake, LEVELS[1]).bodies[0]
-    held = body.held_loaded @ TWO.factors({FURTHER: np.array([1.0])})
+    held = body.reaction_to_load @ TWO.factors({FURTHER: np.array([1.0])})
     x = body.basis.doflocs[0, body.basis.sets["actuation"][0]]
     assert held == pytest.approx([0.0, -1.0, -(x - shoe.own_pin[0])], abs=1e-8)
 

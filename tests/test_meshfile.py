@@ -16,7 +16,7 @@ from conftest import ROOT
 from drumlin.base.errors import BadInput, DrumlinError
 from drumlin.brake.file import read_brake, vary
 from drumlin.fem.mesh.abaqus import read_inp
-from drumlin.fem.mesh.arc import KINDS, shoe_mesh
+from drumlin.fem.mesh.arc import MESH_KINDS, shoe_mesh
 from drumlin.fem.mesh.file import read_mesh, write_mesh
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import check_divided, solve
@@ -38,7 +38,7 @@ def filed(brake, folder, kind, suffix):
 
 
 @pytest.mark.parametrize("suffix", ["msh", "inp", "vtu"])
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", MESH_KINDS)
 def test_every_format_gives_the_answer_of_the_mesh_that_was_written(tmp_path, brake, kind, suffix):
     written = filed(brake, tmp_path, kind, suffix)
     a, b = solve(brake, elements=ELEMENTS, kind=kind), solve(written)
@@ -82,7 +82,7 @@ def test_gmsh_2_2_text_and_binary(tmp_path, brake, options):
 
 @pytest.mark.parametrize("binary", [0, 1])
 @pytest.mark.parametrize("version", [2.2, 4.1])
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", MESH_KINDS)
 def test_files_that_gmsh_itself_writes(tmp_path, brake, kind, version, binary):
     gmsh = pytest.importorskip("gmsh")
     written = filed(brake, tmp_path, kind, "msh")

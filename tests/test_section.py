@@ -22,7 +22,7 @@ from drumlin.brake.writing import brake_text
 from drumlin.fem.analysis.sensitivity import sensitivity
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.preparation.scene import Scene
+from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.solid.mesh import solid_mesh
 from drumlin.verification.triangles.outline import outline
 from drumlin_studies.reduced import sketcher
@@ -70,7 +70,7 @@ def bar(**body: Any) -> Brake:
     return validated(FlatBrake, data)
 
 
-def scenes(brake: Brake) -> list[Scene]:
+def scenes(brake: Brake) -> list[PreparedModel]:
     return [prepare(brake, elements=10), prepare(brake, LEVELS[0])]
 
 
@@ -96,8 +96,8 @@ def test_a_straight_body_bends_as_a_beam(body: dict[str, Any], EI: float) -> Non
     shoe = bar(**body)
     assert pytest.approx(EI, rel=1e-12) == bonded(list(shoe.shoes[0].body.plates.values())).EI
     for scene in scenes(shoe):
-        assert 3 * EI * scene.bodies[0].tip_loaded[1, 1] == pytest.approx(1.0, rel=1e-3)
-        assert EI * scene.bodies[0].tip_loaded[2, 2] == pytest.approx(1.0, rel=5e-3)
+        assert 3 * EI * scene.bodies[0].load_motion_by_load[1, 1] == pytest.approx(1.0, rel=1e-3)
+        assert EI * scene.bodies[0].load_motion_by_load[2, 2] == pytest.approx(1.0, rel=5e-3)
 
 
 def arc(**body: Any) -> Brake:
@@ -143,7 +143,7 @@ def test_a_curved_body_bends_as_an_arc(body: dict[str, Any]) -> None:
     turn = math.pi * over / (plates[0].material.E * area * (r * over - area))
     assert turn * section.EI / (math.pi * r) == pytest.approx(1.0, rel=0.01)
     for scene in scenes(brake):
-        assert scene.bodies[0].tip_loaded[2, 2] == pytest.approx(turn, rel=2e-3)
+        assert scene.bodies[0].load_motion_by_load[2, 2] == pytest.approx(turn, rel=2e-3)
 
 
 def layered(kind: str, *, old: bool) -> Brake:
@@ -169,7 +169,7 @@ def test_a_t_section_is_what_its_layers_are(kind: str) -> None:
     np.testing.assert_allclose(a.pressure, b.pressure, atol=1e-9 * b.peak_pressure)
     assert new.torque == pytest.approx(old.torque, rel=1e-10)
     rows = [
-        np.diag(sketcher()(layered(kind, old=old)).bodies[0].closing_pressed)
+        np.diag(sketcher()(layered(kind, old=old)).bodies[0].closure_by_pressure)
         for old in (False, True)
     ]
     # The surrogate has a mesh of the backing, and the table in the bar.

@@ -23,7 +23,7 @@ from drumlin.cli import commands as cli
 from drumlin.fem.analysis.mutual_work import change_by_nodes, work_by_part
 from drumlin.fem.analysis.sensitivity import as_text, sensitivity
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.hp.grid import Grid
+from drumlin.fem.hp.grid import ColumnGrid
 from drumlin.fem.mesh.arc import shoe_mesh
 from drumlin.fem.mesh.file import write_mesh
 from drumlin.fem.model import respond
@@ -294,7 +294,7 @@ def at_nodes(xy: np.ndarray) -> np.ndarray:
 
 def moved(basis: Any, step: float) -> Any:
     """The basis of the body with its nodes moved by the field times a step."""
-    if isinstance(basis, Grid):
+    if isinstance(basis, ColumnGrid):
         found = replace(basis)
         vars(found)["doflocs"] = basis.doflocs + step * at_nodes(basis.doflocs)
         return found
@@ -370,7 +370,7 @@ def test_displacements_on_columns_come_without_a_factorisation_of_the_whole(monk
 
     brake = random_brake(3, "arc on ring")
     scene = on_columns(brake)
-    monkeypatch.setattr(Grid, "stiffness", refuse)
+    monkeypatch.setattr(ColumnGrid, "stiffness", refuse)
     monkeypatch.setattr("scipy.sparse.linalg.splu", refuse)
     found = sensitivity(scene, brake)
     moduli = [value for shoe in found.shoes for value in shoe.moduli.values()]
@@ -392,12 +392,15 @@ def test_displacements_by_way_of_the_sides_of_elements_are_those_of_the_whole_sy
             else None
         )
         nodal = rng.standard_normal((2 * len(body.line.nodes), 2)) if nodal is None else nodal
-        frame, loads = np.zeros((FRAME, 2)), rng.standard_normal((condensed.load_c.shape[1], 2))
+        frame, loads = (
+            np.zeros((FRAME, 2)),
+            rng.standard_normal((condensed.load_on_contact.shape[1], 2)),
+        )
         inside = condensed.inside()
         right = inside.loads[:-FRAME] @ loads
         right[-len(nodal) :] += nodal
         u = spsolve(inside.A[:-FRAME, :-FRAME].tocsc(), right)
-        expected = inside.ties.matrix @ np.vstack([u, frame])
+        expected = inside.constraints.matrix @ np.vstack([u, frame])
         found = condensed.displacements(nodal, frame, loads)
         assert np.abs(found - expected).max() < 1e-6 * np.abs(expected).max()
 

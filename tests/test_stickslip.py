@@ -189,7 +189,7 @@ def test_flat_patch_whole_and_inclined(turned):
     from drumlin.brake.elasticity import ElasticLayer
     from drumlin.brake.fields import Material
     from drumlin.contact import active_set
-    from drumlin.fem.substructure.body import condense, scalar_basis, stiffness, tie
+    from drumlin.fem.substructure.body import condense, constrain, scalar_basis, stiffness
     from drumlin.fem.substructure.interface import contact_line
 
     grid = skfem.MeshQuad.init_tensor(np.array([0, 0.3, 1.1, 2.0]), np.array([0, 0.4, 0.5, 1.0]))
@@ -214,7 +214,7 @@ def test_flat_patch_whole_and_inclined(turned):
     K = stiffness(basis, {"body": ElasticLayer.of(Material(E=2e6, nu=0.0), 1.0)})
     condensed = condense(
         K,
-        tie(basis, line.nodes, top, np.zeros(2)),
+        constrain(basis, line.nodes, top, np.zeros(2)),
         {},
         2 * len(line.nodes),
     )

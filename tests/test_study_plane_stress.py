@@ -61,8 +61,8 @@ def test_corrected_all_brakes_are_within_what_the_option_states(result):
         ways = [rung for rung in rungs if rung.method == "plane stress, corrected"]
         torques.append(ways[-1].torque)
         pressures.append(ways[-1].pressure)
-    assert len(torques) > 20 and np.abs(torques).max() < finite_width.TORQUE
-    assert max(pressures) < finite_width.PRESSURE
+    assert len(torques) > 20 and np.abs(torques).max() < finite_width.TORQUE_DEVIATION
+    assert max(pressures) < finite_width.PRESSURE_DEVIATION
 
 
 def test_the_ladder_prices_every_rung_against_both_truths(result):

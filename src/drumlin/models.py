@@ -199,10 +199,10 @@ def given_options(**options: Any) -> dict[str, Any]:
     """
     elements = options.get("elements")
     if elements is not None:
-        from drumlin.fem.preparation.meshes import MOST_ELEMENTS
+        from drumlin.fem.preparation.meshes import MOST_LINING_ELEMENTS
 
-        if not 1 <= elements <= MOST_ELEMENTS:
-            raise BadInput(f"--elements = {elements}: must be from 1 to {MOST_ELEMENTS}")
+        if not 1 <= elements <= MOST_LINING_ELEMENTS:
+            raise BadInput(f"--elements = {elements}: must be from 1 to {MOST_LINING_ELEMENTS}")
     return {
         name: value for name, value in options.items() if value is not None and value is not False
     }

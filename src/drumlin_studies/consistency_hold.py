@@ -15,7 +15,7 @@ from drumlin.fem.analysis.holding import TWO_ANSWERS, Hold, full_slip_rotation, 
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import respond
 from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.preparation.scene import Scene
+from drumlin.fem.preparation.scene import PreparedModel
 from drumlin_studies import random_brake, random_kinds
 from drumlin_studies.consistency import Check
 
@@ -60,7 +60,7 @@ def _kinds() -> list[tuple[ModuleType, str]]:
     return of_holding + of_shape
 
 
-def _check(name: str, scene: Scene, brake: Brake) -> Check:
+def _check(name: str, scene: PreparedModel, brake: Brake) -> Check:
     """The row of a brake on a prepared model."""
     row = Check(
         check=HOLD_CHECK, brake=name, quantity="torque", difference=math.inf, allowed=TWO_ANSWERS
@@ -82,7 +82,7 @@ def _check(name: str, scene: Scene, brake: Brake) -> Check:
     return row._replace(difference=abs(last.torque / sliding - 1), said=" ".join(last.notes))
 
 
-def _end(scene: Scene, brake: Brake, rotation: float) -> Hold | None:
+def _end(scene: PreparedModel, brake: Brake, rotation: float) -> Hold | None:
     """The state of the brake after a rotation [rad], or None where there is no answer."""
     try:
         return hold(scene, brake, np.linspace(0.0, rotation, HOLD_STEPS + 1))[-1]

@@ -25,7 +25,7 @@ from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import respond
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.preparation.scene import Scene
+from drumlin.fem.preparation.scene import PreparedModel
 from drumlin_studies import random_brake, random_kinds
 from drumlin_studies.consistency import Check
 
@@ -123,7 +123,7 @@ class Divided:
     elements: int | None
     cache: Cache
 
-    def scene(self, own: Brake) -> Scene:
+    def scene(self, own: Brake) -> PreparedModel:
         """The prepared model of a brake."""
         if self.elements is None:
             return prepare(own, SLOPE_LEVEL, cache=self.cache)

@@ -19,7 +19,7 @@ from drumlin.brake.brake import Brake
 from drumlin.fem.error_control.adapt import DEFAULT, adapt
 from drumlin.fem.model import REFINED, respond
 from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.preparation.scene import Scene
+from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.solve import scene_of
 from drumlin.lining_wear.archard import WearLaw, WearState, run_on
 from drumlin.lining_wear.linings import WearSetup, fem_setup
@@ -172,7 +172,7 @@ def _later(name: str, brake: Brake) -> list[Check]:
 
 
 def _turned_back(
-    name: str, setup: WearSetup, backward: WearSetup, scene: Scene, s: float
+    name: str, setup: WearSetup, backward: WearSetup, scene: PreparedModel, s: float
 ) -> list[Check]:
     """Rows of the linings as the drum begins to turn back.
 
@@ -207,7 +207,7 @@ def _of(state: WearState) -> _Bearing:
     return _Bearing(state.torque, state.pressure)
 
 
-def _solved(setup: WearSetup, scene: Scene, brake: Brake) -> _Bearing:
+def _solved(setup: WearSetup, scene: PreparedModel, brake: Brake) -> _Bearing:
     """Torque and pressure by the contact of a brake whose linings are worn."""
     return _borne(setup, EXACT_CONTACT(scene, brake))
 

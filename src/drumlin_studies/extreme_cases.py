@@ -19,7 +19,7 @@ from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import brake_from
 from drumlin.fem.mesh.arc import shoe_mesh
-from drumlin.fem.mesh.grading import Division, divide
+from drumlin.fem.mesh.grading import LiningDivision, divide
 
 HYPERCUBE_SEED = 7
 """Seed of the Latin hypercube."""
@@ -191,7 +191,7 @@ def _slender(case: KnobCase, shoe: Shoe, radius: float) -> Any:
         depths = np.array([0.0, shoe.lining.thickness])
         first = start + _growing(shoe.lining.thickness * case.aspect / radius, step)
         angles = np.concatenate([first, np.linspace(start, end, case.elements + 1)[2:]])
-    return shoe_mesh(shoe, radius, Division(angles, depths, division.step), case.kind)
+    return shoe_mesh(shoe, radius, LiningDivision(angles, depths, division.step), case.kind)
 
 
 def _growing(first: float, whole: float) -> Floats:

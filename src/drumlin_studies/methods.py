@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from drumlin.brake.brake import Brake
-from drumlin.fem.mesh.arc import KINDS
+from drumlin.fem.mesh.arc import MESH_KINDS
 from drumlin.models import refusals
 from drumlin_studies.work_precision import Method
 
@@ -47,7 +47,7 @@ def _meshes(brake: Brake, *, short: bool) -> Iterator[Method]:
     for kind in ("quad2", "tri1"):
         for elements in sizes:
             yield _meshed("even mesh", kind, elements, even=True)
-    for kind in ("quad2", "tri1") if short else tuple(KINDS):
+    for kind in ("quad2", "tri1") if short else tuple(MESH_KINDS):
         for elements in sizes:
             yield _meshed("graded mesh", kind, elements)
 

@@ -20,14 +20,14 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Bar, Beam
 from drumlin.fem.error_control.levels import Respond
 from drumlin.fem.mesh.arc import shoe_mesh
-from drumlin.fem.preparation.bodies import Body
+from drumlin.fem.preparation.bodies import ShoeSubstructure
 from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.preparation.scene import Scene
+from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.response.norms import pressure_distance
 from drumlin.response.response import Response
 from drumlin_studies.reduced import sketcher
 
-Make = Callable[[Brake], Scene]
+Make = Callable[[Brake], PreparedModel]
 """A function that prepares a brake."""
 
 
@@ -156,7 +156,9 @@ def simplified(brake: Brake, names: Iterable[str]) -> Brake:
     return left.model_copy(update={"shoes": shoes})
 
 
-def scene_without(brake: Brake, names: Iterable[str], make: Make = prepare) -> tuple[Scene, Brake]:
+def scene_without(
+    brake: Brake, names: Iterable[str], make: Make = prepare
+) -> tuple[PreparedModel, Brake]:
     """The prepared model of a brake without some parts, and the simpler brake itself.
 
     Parameters
@@ -177,12 +179,12 @@ def scene_without(brake: Brake, names: Iterable[str], make: Make = prepare) -> t
     return replace(scene, apart="coupling" in names), simple
 
 
-def _undragged(scene: Scene, brake: Brake) -> Scene:
+def _undragged(scene: PreparedModel, brake: Brake) -> PreparedModel:
     """A model that is prepared without friction, for a brake with friction.
 
     Friction then acts on the balance of moments and causes no deformation.
     """
-    made: dict[int, Body] = {}
+    made: dict[int, ShoeSubstructure] = {}
     for body, shoe in zip(scene.bodies, brake.shoes, strict=True):
         if id(body) not in made:
             x, y = body.line.xy - shoe.own_pin[:, None]
@@ -193,7 +195,9 @@ def _undragged(scene: Scene, brake: Brake) -> Scene:
             )
             held = -rigid @ body.coupling.T.T
             made[id(body)] = replace(
-                body, closing_dragged=np.zeros_like(body.closing_pressed), held_dragged=held
+                body,
+                closure_by_friction=np.zeros_like(body.closure_by_pressure),
+                reaction_to_friction=held,
             )
     ring = scene.ring and replace(
         scene.ring, dragged=tuple(np.zeros_like(d) for d in scene.ring.dragged)
@@ -203,7 +207,7 @@ def _undragged(scene: Scene, brake: Brake) -> Scene:
     )
 
 
-def prepare_straight(brake: Brake, *, elements: int) -> Scene:
+def prepare_straight(brake: Brake, *, elements: int) -> PreparedModel:
     """The prepared model of a brake on quadratic quadrilaterals with straight edges."""
     import skfem  # noqa: PLC0415  (meshes alone load it)
 

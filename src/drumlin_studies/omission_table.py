@@ -22,7 +22,7 @@ from drumlin.fem.model import respond
 from drumlin.fem.preparation.cache import shape_of
 from drumlin.fem.preparation.meshes import ELEMENTS
 from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.preparation.scene import Scene
+from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.response.response import Response
 from drumlin_studies.omission import (
     OMISSIONS,
@@ -222,7 +222,7 @@ def _exact_pair(brake: Brake, part: str, elements: int) -> WholeAndSimple | None
     return WholeAndSimple(lambda: respond(make(rubbing), brake), simple)
 
 
-def _each_alone(brake: Brake, make: Callable[[Brake], Scene]) -> Scene:
+def _each_alone(brake: Brake, make: Callable[[Brake], PreparedModel]) -> PreparedModel:
     """The prepared model of a brake whose shoes are all condensed, even equal shoes."""
     parts = [make(brake.model_copy(update={"shoes": (shoe,)})) for shoe in brake.shoes]
     bodies = itertools.chain(*(part.bodies for part in parts))

@@ -133,7 +133,7 @@ def _shoe(
     unit, moment = actuation(parts, shoe)
     force = abs(shoe.actuation.force)
     with clock(seconds, "contact"):
-        A = (parts.ties.matrix.T @ parts.K @ parts.ties.matrix).tocsc()
+        A = (parts.constraints.matrix.T @ parts.K @ parts.constraints.matrix).tocsc()
         points = _points(parts, brake, shoe, drag)
         # Displacements of all unknowns as the shoe turns about its pin by 1 rad.
         turned = np.zeros(A.shape[0])
@@ -177,7 +177,7 @@ def _points(parts: Assembled, brake: Brake, shoe: Shoe, drag: float) -> _Points:
     normal, tangent = radial(shoe.sign)(x)
     radius = np.hypot(*x)
     phi = shoe.phi_of(x, brake.size)
-    unknowns = parts.ties.matrix.shape[1]
+    unknowns = parts.constraints.matrix.shape[1]
     first = unknowns - FRAME - 2 * len(line.nodes)
 
     def spread(vectors: Floats) -> Any:

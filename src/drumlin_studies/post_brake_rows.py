@@ -21,7 +21,7 @@ from drumlin.brake.file import vary
 from drumlin.comparison import run as timed
 from drumlin.fem.analysis.deflection import beam_deflection, rim_displacement
 from drumlin.fem.model import respond
-from drumlin.fem.preparation.scene import Scene
+from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.solve import solve
 from drumlin.laws import sine
 from drumlin.lining_wear.worn_in import worn_in_foundation
@@ -138,7 +138,7 @@ def radius_gap(brake: Brake, larger: float) -> Brake:
     return gaps(brake, lambda theta: larger * ((1.0 if larger > 0 else end) - np.cos(theta)))
 
 
-def clearance_rows(brake: Brake, scene: Scene) -> list[dict[str, Any]]:
+def clearance_rows(brake: Brake, scene: PreparedModel) -> list[dict[str, Any]]:
     """Rows on clearances: linings that fit, of another radius, displaced, and worn in."""
     cases = {
         "fits": brake,
@@ -182,7 +182,7 @@ def _clearance_rows(brake: Brake, response: Response, law: Response) -> list[dic
     return rows
 
 
-def radius_errors(brake: Brake, scene: Scene, errors: Floats) -> Offsets:
+def radius_errors(brake: Brake, scene: PreparedModel, errors: Floats) -> Offsets:
     """Torques over the radius of the lining, relative to the sine law, minus 1.
 
     errors : radius of the lining less that of the drum (n,) [m].
@@ -200,7 +200,7 @@ def radius_errors(brake: Brake, scene: Scene, errors: Floats) -> Offsets:
     return found
 
 
-def merits_over_friction(brake: Brake, scene: Scene, friction: Floats) -> Merits:
+def merits_over_friction(brake: Brake, scene: PreparedModel, friction: Floats) -> Merits:
     """Figures of merit over friction (n,). The values of a model end where it locks."""
     found: Merits = {shoe.name: {} for shoe in brake.shoes}
     solvers: dict[str, Solver] = {**POST_MODELS, "fem": partial(respond, scene)}
@@ -368,7 +368,7 @@ def grid_rows(brake: Brake, repeats: int) -> list[dict[str, Any]]:
 
 
 def beam_curves(
-    scene: Scene, brake: Brake, responses: Mapping[str, Response]
+    scene: PreparedModel, brake: Brake, responses: Mapping[str, Response]
 ) -> list[dict[str, Curve]]:
     """Deflection [m] along the beam [m] of each shoe, by model.
 
@@ -387,7 +387,7 @@ def beam_curves(
 
 
 def rim_curves(
-    scene: Scene, brake: Brake, responses: Mapping[str, Response]
+    scene: PreparedModel, brake: Brake, responses: Mapping[str, Response]
 ) -> tuple[dict[str, Curve], dict[str, Curve]]:
     """Radial displacement [m] of the rim over the angle [rad].
 

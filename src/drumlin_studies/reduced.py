@@ -30,12 +30,12 @@ from drumlin.brake.components import Backing, Bar, Beam, Lining, Ring, Section, 
 from drumlin.brake.fields import Material
 from drumlin.brake.orthotropic import isotropic_only
 from drumlin.fem.mesh.arc import DEFAULT_KIND
-from drumlin.fem.preparation.bodies import Body
+from drumlin.fem.preparation.bodies import ShoeSubstructure
 from drumlin.fem.preparation.cache import shape_of
 from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.preparation.scene import Scene, why_not
+from drumlin.fem.preparation.scene import PreparedModel, why_not
 from drumlin.fem.substructure.interface import edge_points
-from drumlin.fem.substructure.ring import RingBody
+from drumlin.fem.substructure.ring import RingSubstructure
 
 SKETCH_ELEMENTS = 24
 """Default number of elements along a lining. The predicted change is then right within a factor of
@@ -64,14 +64,14 @@ SECTION_SHEAR_FACTOR = 6 / 5
 """Shear coefficient kappa of a rectangular section."""
 
 
-def sketcher(elements: int = SKETCH_ELEMENTS) -> Callable[[Brake], Scene]:
+def sketcher(elements: int = SKETCH_ELEMENTS) -> Callable[[Brake], PreparedModel]:
     """A function that prepares the sketch of a brake. It meshes equal linings once.
 
     The function raises BadInput for a brake that finite elements do not cover.
     """
-    meshed: dict[Brake, Scene] = {}
+    meshed: dict[Brake, PreparedModel] = {}
 
-    def sketch(brake: Brake) -> Scene:
+    def sketch(brake: Brake) -> PreparedModel:
         reason = why_not(brake) or isotropic_only(brake, "a sketch")
         if reason is not None:
             raise BadInput(f"fem does not apply to this brake: {reason}")
@@ -85,14 +85,14 @@ def sketcher(elements: int = SKETCH_ELEMENTS) -> Callable[[Brake], Scene]:
     return sketch
 
 
-def _with_closed_forms(scene: Scene, brake: Brake, shortest: float) -> Scene:
+def _with_closed_forms(scene: PreparedModel, brake: Brake, shortest: float) -> PreparedModel:
     """A scene of rigid shoes on a rigid drum with the flexibilities added that `brake` has and its
     own has not.
 
     shortest [rad]: contact that the ring's waves are to resolve. Raises NoAnswer where that takes
     too many.
     """
-    made: dict[tuple[object, ...], Body] = {}
+    made: dict[tuple[object, ...], ShoeSubstructure] = {}
     bodies = []
     for body, shoe, bare in zip(scene.bodies, brake.shoes, scene.brake.shoes, strict=True):
         key = shape_of(brake, shoe)
@@ -131,7 +131,7 @@ def _rigid(brake: Brake) -> Brake:
     )
 
 
-def _flexible(body: Body, shoe: Shoe, radius: float) -> Body:
+def _flexible(body: ShoeSubstructure, shoe: Shoe, radius: float) -> ShoeSubstructure:
     """The body of a rigid shoe with the flexibility of the shoe added.
 
     radius : radius of the drum [m].
@@ -144,11 +144,11 @@ def _flexible(body: Body, shoe: Shoe, radius: float) -> Body:
     loaded = np.hstack([load, couple])
     return replace(
         body,
-        closing_pressed=body.closing_pressed - pressed.T @ pressed,
-        closing_dragged=None
-        if body.closing_dragged is None
-        else body.closing_dragged - pressed.T @ dragged,
-        closing_loaded=body.closing_loaded - pressed.T @ loaded,
+        closure_by_pressure=body.closure_by_pressure - pressed.T @ pressed,
+        closure_by_friction=None
+        if body.closure_by_friction is None
+        else body.closure_by_friction - pressed.T @ dragged,
+        closure_by_load=body.closure_by_load - pressed.T @ loaded,
     )
 
 
@@ -254,7 +254,9 @@ def _layer(shoe: Shoe, layer: Lining | Backing) -> Section:
     return Section(layer.thickness, shoe.lining.width, layer.material)
 
 
-def _ring(brake: Brake, ring: Ring, bodies: tuple[Body, ...], count: int) -> RingBody:
+def _ring(
+    brake: Brake, ring: Ring, bodies: tuple[ShoeSubstructure, ...], count: int
+) -> RingSubstructure:
     """The ring under the linings of all shoes, as square roots (2 count + 2, n) of its flexibility.
 
     Parameters
@@ -279,10 +281,20 @@ def _ring(brake: Brake, ring: Ring, bodies: tuple[Body, ...], count: int) -> Rin
         c, s = _waves(body, shoe, k)
         pressed.append(np.vstack([root[:, None] * c, root[:, None] * s]))
         dragged.append(np.vstack([-turned[:, None] * s, turned[:, None] * c]))
-    return RingBody(None, None, bodies[0].line, None, tuple(pressed), tuple(dragged), (), k, None)  # type: ignore[arg-type]
+    return RingSubstructure(
+        mesh=None,
+        basis=None,
+        line=bodies[0].line,
+        condensed=None,  # type: ignore[arg-type]
+        pressed=tuple(pressed),
+        dragged=tuple(dragged),
+        coupled=(),
+        support=k,
+        free=None,
+    )
 
 
-def _waves(body: Body, shoe: Shoe, k: Ints) -> tuple[Floats, Floats]:
+def _waves(body: ShoeSubstructure, shoe: Shoe, k: Ints) -> tuple[Floats, Floats]:
     """Integrals b Int psi_i cos k theta ds and b Int psi_i sin k theta ds: arrays (modes, n) [m^2].
 
     psi_i are the shape functions of the contact nodes, theta is the angle of the brake.

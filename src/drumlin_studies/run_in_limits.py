@@ -24,7 +24,7 @@ from drumlin.brake.file import vary
 from drumlin.fem.analysis.fields import Fields, fields
 from drumlin.fem.model import respond
 from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.preparation.scene import Scene, why_not
+from drumlin.fem.preparation.scene import PreparedModel, why_not
 from drumlin.laws import hinged, law
 from drumlin.lining_wear.archard import TOLERANCE, WearLaw, WearState, at, explicit, ripple, run_on
 from drumlin.lining_wear.linings import WearSetup, fem_setup, foundation_setup, guided
@@ -282,7 +282,7 @@ class Reversals:
         return {"every": self.every, "after": max(later), "before": min(later), "mean": self.mean}
 
 
-def reversed_run(scene: Scene, brake: Brake, every: float, turns: int) -> Reversals:
+def reversed_run(scene: PreparedModel, brake: Brake, every: float, turns: int) -> Reversals:
     """A brake that wears over several reversals.
 
     Parameters
@@ -389,7 +389,7 @@ class RunFrame:
     turns: Sequence[float]
 
 
-def frames(scene: Scene, one: Run, count: int) -> list[RunFrame]:
+def frames(scene: PreparedModel, one: Run, count: int) -> list[RunFrame]:
     """Moments of a run with the fields of its shoes, even over the logarithm of the distance.
 
     Parameters

@@ -15,7 +15,7 @@ from drumlin.fem.analysis.sensitivity import against_differences
 from drumlin.fem.equilibrium.group import ShoeGroup
 from drumlin.fem.model import respond
 from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.preparation.scene import Scene
+from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.laws import locking_friction, sine
 from drumlin_studies.random_brake import random_brake
 
@@ -186,7 +186,7 @@ def _agreement_below(problems: Sliding, top: float, starts: list[Bools]) -> tupl
     return counts, disagreeing
 
 
-def _answers(scene: Scene, brake: Brake) -> bool:
+def _answers(scene: PreparedModel, brake: Brake) -> bool:
     """Whether drumlin itself has an answer, with the exact contact whose limit was followed."""
     try:
         respond(scene, brake, penalty=math.inf)

@@ -30,7 +30,7 @@ from drumlin.brake.brake import Brake
 from drumlin.fem.error_control.adapt import DEFAULT, Tolerance, adapt
 from drumlin.fem.error_control.levels import Step, steps
 from drumlin.fem.model import respond
-from drumlin.fem.preparation.scene import Scene
+from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.response.response import Response
 from drumlin_studies.stated_true import JUDGED_QUANTITIES as QUANTITIES
 from drumlin_studies.stated_true import errors, ratio
@@ -126,7 +126,7 @@ def judged(name: str, stored: StoredTruth) -> list[Judged]:
     brake = stored.brake
     solved: list[int] = []
 
-    def counted(scene: Scene, brake: Brake, *, start: Response | None = None) -> Response:
+    def counted(scene: PreparedModel, brake: Brake, *, start: Response | None = None) -> Response:
         """The response, counted among those that were solved."""
         solved.append(sum(body.unknowns for body in scene.bodies))
         return respond(scene, brake, start=start)

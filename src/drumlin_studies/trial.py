@@ -22,7 +22,7 @@ from drumlin.fem.equilibrium.group import ShoeGroup, groups_of
 from drumlin.fem.error_control.refinement import EPSILON
 from drumlin.fem.model import REFINED, refined_group, respond
 from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.preparation.scene import Scene
+from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.response.response import Response
 from drumlin_studies import pointwise
 from drumlin_studies.extreme_cases import KnobCase
@@ -106,7 +106,7 @@ def _failure(error: Exception) -> dict[str, str]:
 
 
 def _judged(
-    row: dict[str, Any], scene: Scene, brake: Brake, response: Response, penalty: float
+    row: dict[str, Any], scene: PreparedModel, brake: Brake, response: Response, penalty: float
 ) -> dict[str, Any]:
     """The row of a response with its accuracy, and with an outcome "inaccurate" where it fails."""
     row = row | {
@@ -138,7 +138,7 @@ def sound(row: dict[str, Any]) -> bool:
     return residual <= LARGEST_RESIDUAL and row["digits"] >= min(TORQUE_DIGITS, row["allowed"])
 
 
-def worth(scene: Scene, brake: Brake, response: Response, penalty: float) -> dict[str, Any]:
+def worth(scene: PreparedModel, brake: Brake, response: Response, penalty: float) -> dict[str, Any]:
     """Residuals, condition and digits of an answer, the worst of all groups of shoes.
 
     Keys of the result: `complementarity`, the residual of the reported pressures with the gaps of

@@ -17,7 +17,13 @@ from drumlin.brake.elasticity import ElasticLayer
 from drumlin.brake.fields import Material
 from drumlin.contact import active_set, stick_slip
 from drumlin.contact.equations import Problem
-from drumlin.fem.substructure.body import Condensed, condense, scalar_basis, stiffness, tie
+from drumlin.fem.substructure.body import (
+    CondensedBody,
+    condense,
+    constrain,
+    scalar_basis,
+    stiffness,
+)
 from drumlin.fem.substructure.interface import ContactLine, Coupling, contact_line, couple, radial
 from drumlin.fem.substructure.ring import closed_mesh, couple_ring
 
@@ -79,7 +85,7 @@ class ContactBody:
 
     basis: Any
     line: ContactLine
-    condensed: Condensed
+    condensed: CondensedBody
 
 
 def body(mesh: Any, material: Material, width: float = 1.0, middle: float = 0.0) -> ContactBody:
@@ -98,7 +104,9 @@ def body(mesh: Any, material: Material, width: float = 1.0, middle: float = 0.0)
     """
     basis = scalar_basis(mesh)
     line = contact_line(basis, mesh.boundaries["contact"], middle)
-    ties = tie(basis, line.nodes, basis.get_dofs(mesh.boundaries["support"]).flatten(), np.zeros(2))
+    ties = constrain(
+        basis, line.nodes, basis.get_dofs(mesh.boundaries["support"]).flatten(), np.zeros(2)
+    )
     K = stiffness(basis, {"body": ElasticLayer.of(material, width)})
     return ContactBody(basis, line, condense(K, ties, {}, 2 * len(line.nodes)))
 

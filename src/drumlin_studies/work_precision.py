@@ -28,10 +28,10 @@ from drumlin.brake.file import vary
 from drumlin.fem.error_control.adapt import DEFAULT, Tolerance, adapt
 from drumlin.fem.error_control.levels import LEVELS, steps
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
-from drumlin.fem.mesh.grading import EDGE_SIZE, Division, graded, inner_steps, lining_layers
+from drumlin.fem.mesh.grading import EDGE_SIZE, LiningDivision, graded, inner_steps, lining_layers
 from drumlin.fem.model import respond
 from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.preparation.scene import Scene
+from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.models import pick
 from drumlin.response.norms import pressure_distance, relative, vector_distance
 from drumlin.response.response import Response, edge_zone
@@ -123,7 +123,7 @@ def even_mesh(shoe: Shoe, radius: float, elements: int, kind: str) -> Any:
     """A mesh of a shoe with uniform elements along the lining."""
     depths = np.linspace(0, shoe.lining.thickness, lining_layers(elements) + 1)
     step = (shoe.arc[1] - shoe.arc[0]) / elements
-    division = Division(np.linspace(*shoe.arc, elements + 1), depths, step)
+    division = LiningDivision(np.linspace(*shoe.arc, elements + 1), depths, step)
     return shoe_mesh(shoe, radius, division, kind)
 
 
@@ -132,7 +132,7 @@ def refined_mesh(shoe: Shoe, radius: float, elements: int, layers: int, kind: st
     return shoe_mesh(shoe, radius, refined_division(shoe, radius, elements, layers), kind)
 
 
-def refined_division(shoe: Shoe, radius: float, elements: int, layers: int) -> Division:
+def refined_division(shoe: Shoe, radius: float, elements: int, layers: int) -> LiningDivision:
     """A division of a shoe that is graded to the edges of its lining.
 
     No element is longer than 1/`elements` of the lining. Above GRADED_FROM elements, the smallest
@@ -154,7 +154,7 @@ def refined_division(shoe: Shoe, radius: float, elements: int, layers: int) -> D
     half, smallest = (end - start) / 2, EDGE_SIZE / fineness
     step = (end - start) / elements
     count = max(2, math.ceil(2 * inner_steps(half, half, zone, smallest) / step))
-    return Division(
+    return LiningDivision(
         angles=graded(start, end, count, zone, smallest),
         depths=graded(0, shoe.lining.thickness, layers, shoe.lining.thickness / 2, smallest),
         step=step,
@@ -176,7 +176,7 @@ def _by_mesh(
     return _on_scene(brake, scene, respond(scene, brake, penalty=penalty), penalty)
 
 
-def _on_scene(brake: Brake, scene: Scene, response: Response, penalty: float) -> ColdSolve:
+def _on_scene(brake: Brake, scene: PreparedModel, response: Response, penalty: float) -> ColdSolve:
     """The cold solve whose further load case reuses the prepared scene."""
 
     def further() -> Response:
@@ -185,7 +185,7 @@ def _on_scene(brake: Brake, scene: Scene, response: Response, penalty: float) ->
     return ColdSolve(response, further, partial(_unknowns, scene))
 
 
-def _unknowns(scene: Scene) -> int:
+def _unknowns(scene: PreparedModel) -> int:
     """The number of unknowns of the ring and of the distinct bodies.
 
     Shoes of equal shape share one body, which is counted once.

@@ -17,7 +17,7 @@ from drumlin.base.errors import NoAnswer
 from drumlin.fem.error_control.adapt import DEFAULT
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import LARGEST_ANSWER_IMBALANCE, LARGEST_LOSS, MOST_LOSS, PENALTY
-from drumlin.fem.preparation.finite_width import LARGEST_NU
+from drumlin.fem.preparation.finite_width import LARGEST_CHECKED_NU
 from drumlin.fem.solid.model import SOFTEST
 from drumlin.lining_wear.run_in import COEFFICIENT, WEAR_SETTLED, WORN_OUT
 from drumlin.response.response import EDGE_ZONE
@@ -48,7 +48,7 @@ def values() -> dict[str, str]:
         "largest_imbalance": _power(LARGEST_ANSWER_IMBALANCE),
         "largest_loss": _power(LARGEST_LOSS),
         "most_loss": _power(MOST_LOSS),
-        "width_poisson": f"{LARGEST_NU:g}",
+        "width_poisson": f"{LARGEST_CHECKED_NU:g}",
         "solid_poisson": f"{SOFTEST:g}",
         "wear_coefficient": f"{1e9 * COEFFICIENT:g} mm³/(N m)",
         "wear_settled": f"{100 * WEAR_SETTLED:g} %",

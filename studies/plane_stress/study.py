@@ -244,7 +244,7 @@ def report(result: Result, folder: Path) -> Path:
             key: max(float(np.abs(chart.errors[key]).max()) for chart in result.maps)
             for key in rows.WIDTH_QUANTITIES
         },
-        stated=(finite_width.TORQUE, finite_width.PRESSURE),
+        stated=(finite_width.TORQUE_DEVIATION, finite_width.PRESSURE_DEVIATION),
         shares=rows.shares(result.maps),
         sentence=rows.sentence(result.maps),
         along=rows.along(result.curves),

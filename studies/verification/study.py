@@ -12,7 +12,7 @@ from drumlin.base.journal import Journal
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake, vary
 from drumlin.comparison import as_csv
-from drumlin.fem.mesh.arc import KINDS
+from drumlin.fem.mesh.arc import MESH_KINDS
 from drumlin.fem.solve import solve
 from drumlin.report import figures
 from drumlin.report.page import fill
@@ -96,7 +96,7 @@ def study(
         # A mesh of another kind gives a second reference. No error below their distance is claimed.
         second = solve(brake, elements=other, kind="tri2", penalty=math.inf)
         floor[case] = distance(second, reference)
-        for kind in KINDS:
+        for kind in MESH_KINDS:
             say(f"{case}: {kind}")
             orders += order_rows(brake, case, kind, sizes, reference)
         for tolerance in tolerances:
@@ -167,7 +167,7 @@ def report(result: Result, folder: Path) -> Path:
     """Write page, figures and tables, and return the path of the page."""
     for i, case in enumerate(CASES):
         series = {}
-        for kind in KINDS:
+        for kind in MESH_KINDS:
             rows = [r for r in result.orders if (r["case"], r["kind"]) == (case, kind)]
             series[kind] = [(r["elements"], r["pressure"]) for r in rows]
         figure = figures.convergence(series, "error of p in L2")

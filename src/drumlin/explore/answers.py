@@ -18,7 +18,7 @@ from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import respond
 from drumlin.fem.preparation.cache import bare
 from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.preparation.scene import Scene
+from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.solve import solve
 from drumlin.laws import LAWS, locking_friction
 from drumlin.lining_wear.archard import WearLaw, WearState, at
@@ -152,10 +152,10 @@ class Explorer:
             answer = replace(answer, failure=str(error))
         return _with_law(answer)
 
-    def scene(self, brake: Brake) -> Scene:
+    def scene(self, brake: Brake) -> PreparedModel:
         """The bodies of a brake, prepared with friction, so that they serve every friction."""
 
-        def make() -> Scene:
+        def make() -> PreparedModel:
             """The bodies with a friction of 1."""
             rough = vary(brake, {"friction": 1.0})
             if any(shoe.mesh for shoe in rough.shoes):
@@ -164,7 +164,7 @@ class Explorer:
 
         return self._scene.get(bare(brake).model_copy(update={"friction": 1.0}), make)
 
-    def _worn_brake(self, scene: Scene, brake: Brake, wear: float) -> _WornBrake:
+    def _worn_brake(self, scene: PreparedModel, brake: Brake, wear: float) -> _WornBrake:
         """The brake worn over `wear` times 1/(k K). Raises NoAnswer for a worn-out lining."""
         run = self._worn.get(brake, lambda: _run(scene, brake))
         state = at(run.states, wear * run.unit)
@@ -222,7 +222,7 @@ def _at_any_friction(brake: Brake) -> Brake:
     return brake.model_copy(update={"friction": 1.0})
 
 
-def _run(scene: Scene, brake: Brake) -> _WearRun:
+def _run(scene: PreparedModel, brake: Brake) -> _WearRun:
     """The wear of a brake over the whole range of its knob."""
     setup, law = fem_setup(scene, brake), WearLaw(COEFFICIENT)
     unit = unit_distance(setup, law)

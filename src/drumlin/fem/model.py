@@ -22,7 +22,7 @@ from drumlin.fem.equilibrium.group import ShoeGroup, groups_of
 from drumlin.fem.equilibrium.sharing import NO_PUSH, WOULD_PULL
 from drumlin.fem.preparation.bodies import held
 from drumlin.fem.preparation.cache import shape_of
-from drumlin.fem.preparation.scene import Scene, clock
+from drumlin.fem.preparation.scene import PreparedModel, clock
 from drumlin.fem.substructure.loads import ACTUATION
 from drumlin.laws.rigid import cam_notes
 from drumlin.response.balance import borne, relative_balance, worst
@@ -83,7 +83,7 @@ REFINED = "refined in the whole system, condensed it loses digits"
 
 
 def respond(
-    scene: Scene, brake: Brake, *, penalty: float = PENALTY, start: Response | None = None
+    scene: PreparedModel, brake: Brake, *, penalty: float = PENALTY, start: Response | None = None
 ) -> Response:
     """The response of a brake on a prepared model of the same geometry and stiffness.
 
@@ -129,7 +129,7 @@ def respond(
     )
 
 
-def _check_same(scene: Scene, brake: Brake) -> None:
+def _check_same(scene: PreparedModel, brake: Brake) -> None:
     """Raise BadInput for a brake whose substructures are not those of the prepared model."""
     if [shape_of(brake, shoe) for shoe in brake.shoes] != scene.shapes:
         raise BadInput(
@@ -152,7 +152,7 @@ def check_penalty(penalty: float) -> None:
 # Lines about the brake as a whole
 
 
-def _overlap_warnings(scene: Scene, brake: Brake) -> Iterator[str]:
+def _overlap_warnings(scene: PreparedModel, brake: Brake) -> Iterator[str]:
     """A warning for each shoe's own mesh that lies in the drum or the plane."""
     for body, shoe in zip(scene.bodies, brake.shoes, strict=True):
         if shoe.mesh is None:
@@ -501,7 +501,7 @@ def _arithmetic_errors(solution: _ShoeSolution, acting: _ActingForces) -> _Arith
     size = reaction_size(acting.reaction, normal_force)
     by_penalty, by_round_off = _relative_changes(solution, size)
     # The elimination of a substructure has a round-off error of its own.
-    least = 0.0 if solution.refined else solution.group.bodies[solution.k].condensed.lost
+    least = 0.0 if solution.refined else solution.group.bodies[solution.k].condensed.force_imbalance
     return _ArithmeticErrors(by_penalty, ShoeChange(*(max(part, least) for part in by_round_off)))
 
 
@@ -574,7 +574,7 @@ def _changes(group: ShoeGroup, contact: Contact, coordinates: Sequence[Floats]) 
     for k, (body, part) in enumerate(zip(group.bodies, group.node_ranges, strict=True)):
         squeezed = (1 + 1 / group.penalty) * (body.coupling.M @ contact.p[part])
         opened.append(squeezed / group.stiffnesses[k])
-        strains = body.condensed.moved
+        strains = body.condensed.rigid_mode_error
         if strains is None:
             strayed.append(np.zeros(len(opened[k])))
         else:

@@ -18,7 +18,7 @@ from drumlin.fem.preparation.finite_width import finite_width as corrected
 from drumlin.fem.preparation.finite_width import said
 from drumlin.fem.preparation.meshes import ELEMENTS
 from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.preparation.scene import Scene
+from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.response.balance import loaded, shoe_balance, worst
 from drumlin.response.merit import with_merits
 from drumlin.response.response import Response
@@ -95,7 +95,7 @@ def scene_of(
     elements: int | None = None,
     kind: str | None = None,
     cache: Cache | None = None,
-) -> Scene:
+) -> PreparedModel:
     """The prepared model on which `solve` ends, for holding, wear, slopes and pictures.
 
     A brake that has no answer in sliding is divided as the second level is.

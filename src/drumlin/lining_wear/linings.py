@@ -20,7 +20,7 @@ from drumlin.brake.file import vary
 from drumlin.contact.active_set import Contact
 from drumlin.contact.equations import Problem
 from drumlin.fem.equilibrium.group import ShoeGroup, groups_of
-from drumlin.fem.preparation.scene import Scene
+from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.foundation import model as foundation
 from drumlin.foundation.post import shoe_angles
 from drumlin.laws.hinged import pressing_moment
@@ -102,7 +102,7 @@ class _PlacedLining(NamedTuple):
     order: int
 
 
-def fem_setup(scene: Scene, brake: Brake, *, penalty: float = math.inf) -> WearSetup:
+def fem_setup(scene: PreparedModel, brake: Brake, *, penalty: float = math.inf) -> WearSetup:
     """The setup of a brake on a prepared model of finite elements.
 
     Raises NoAnswer where no shoe touches the drum.

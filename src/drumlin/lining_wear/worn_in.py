@@ -41,7 +41,7 @@ from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.fields import Rows, rows_of
 from drumlin.fem.model import PENALTY, respond
-from drumlin.fem.preparation.scene import Scene
+from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.solve import scene_of
 from drumlin.foundation.model import RING_SECTIONS, lifted, system
 from drumlin.foundation.post import shoe_angles
@@ -72,7 +72,7 @@ def solve(brake: Brake, *, penalty: float = PENALTY, **options: Any) -> Response
     return with_merits(brake, respond(scene, worn_in(scene, brake), penalty=penalty))
 
 
-def worn_in(scene: Scene, brake: Brake) -> Brake:
+def worn_in(scene: PreparedModel, brake: Brake) -> Brake:
     """The brake with the clearances that wear ends with, in place of its own and its misfit.
 
     A drum that is not round stays so: as it turns it wears the lining evenly, as long as the whole

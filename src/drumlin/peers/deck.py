@@ -18,7 +18,7 @@ from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake
 from drumlin.brake.fields import Material, Orthotropic
 from drumlin.fem.equilibrium.state import gap_at
-from drumlin.fem.mesh.abaqus import NAMES
+from drumlin.fem.mesh.abaqus import TYPE_OF_CELL
 from drumlin.fem.mesh.arc import kind_of
 from drumlin.fem.mesh.edges import edge_nodes
 from drumlin.fem.preparation.meshes import materials_of
@@ -172,7 +172,7 @@ def _grid(loaded: Loaded) -> DeckGrid:
         xy=xy,
         cells=cells,
         corners=corners,
-        kind=NAMES[kind],
+        kind=TYPE_OF_CELL[kind],
         edges=edges,
         pin=len(xy) + 1,
         turn=len(xy) + 2,

@@ -7,8 +7,8 @@ from matplotlib.figure import Figure
 
 from drumlin.base.arrays import Ints
 from drumlin.brake.brake import Brake
-from drumlin.fem.hp.grid import Grid
-from drumlin.fem.preparation.bodies import Body
+from drumlin.fem.hp.grid import ColumnGrid
+from drumlin.fem.preparation.bodies import ShoeSubstructure
 from drumlin.fem.solve import scene_of
 from drumlin.models import refusals
 from drumlin.report.drawing import draw_brake
@@ -31,7 +31,7 @@ def draw(brake: Brake, **options: Any) -> Figure:
         return figure
     for shoe, body in zip(brake.shoes, scene_of(brake, **options).bodies, strict=True):
         xy = shoe.points(body.basis.doflocs).T * 1e3  # mm
-        around = body.mesh.outline if isinstance(body.mesh, Grid) else _around(body)
+        around = body.mesh.outline if isinstance(body.mesh, ColumnGrid) else _around(body)
         for name, elements in body.mesh.subdomains.items():
             polygons = PolyCollection(
                 list(xy[around[:, elements].T]),
@@ -44,7 +44,7 @@ def draw(brake: Brake, **options: Any) -> Figure:
     return figure
 
 
-def _around(body: Body) -> Ints:
+def _around(body: ShoeSubstructure) -> Ints:
     """The nodes around each element of a mesh (k, elements): corners and middles of edges.
 
     Linear elements have no nodes in the middles of their edges.

@@ -7,7 +7,7 @@ from pydantic import Field, model_validator
 
 from drumlin.brake.fields import Part
 from drumlin.fem import solid
-from drumlin.fem.preparation.meshes import MOST_ELEMENTS
+from drumlin.fem.preparation.meshes import MOST_LINING_ELEMENTS
 
 
 class ContactOptions(Part):
@@ -22,7 +22,7 @@ class ContactOptions(Part):
 class FemOptions(ContactOptions):
     """Options of the finite elements, as on the command line."""
 
-    elements: Annotated[int, Field(ge=1, le=MOST_ELEMENTS)] | None = None
+    elements: Annotated[int, Field(ge=1, le=MOST_LINING_ELEMENTS)] | None = None
     kind: Literal["quad2", "quad1", "tri2", "tri1"] | None = None
     tolerance: Annotated[float, Field(gt=0, lt=1)] | None = None
     finite_width: bool | None = None

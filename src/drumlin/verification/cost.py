@@ -20,7 +20,7 @@ from scipy.sparse.linalg import splu
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.fem.mesh.arc import shoe_mesh
-from drumlin.fem.mesh.grading import Division, divide
+from drumlin.fem.mesh.grading import LiningDivision, divide
 from drumlin.fem.model import PENALTY, respond
 from drumlin.fem.preparation.meshes import Mesher
 from drumlin.fem.preparation.prepare import prepare
@@ -127,7 +127,7 @@ def proportional(unknowns: int, shoe: Shoe, radius: float) -> object:
     layers = round(elements / 15)
     even = divide(shoe, radius, elements)
     depths = np.linspace(0, shoe.lining.thickness, layers + 1)
-    return shoe_mesh(shoe, radius, Division(even.angles, depths, even.step, behind=layers))
+    return shoe_mesh(shoe, radius, LiningDivision(even.angles, depths, even.step, behind=layers))
 
 
 def table(brake: Brake, sizes: tuple[int, ...] = SIZES) -> Iterator[str]:

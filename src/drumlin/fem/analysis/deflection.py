@@ -7,12 +7,12 @@ from drumlin.base.errors import BadInput
 from drumlin.brake.beam_axis import axis_of
 from drumlin.brake.brake import Brake
 from drumlin.fem.analysis.fields import contact_pressures, fields
-from drumlin.fem.preparation.scene import Scene
+from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.response.response import Response
 
 
 def beam_deflection(
-    scene: Scene, brake: Brake, response: Response, index: int
+    scene: PreparedModel, brake: Brake, response: Response, index: int
 ) -> tuple[Floats, Floats]:
     """Stations x (m,) [m] along the axis of a straight beam, and its displacement w (m,) [m].
 
@@ -28,7 +28,9 @@ def beam_deflection(
     return x, (of_shoe.displacement[on] @ axis.towards)[first]
 
 
-def rim_displacement(scene: Scene, brake: Brake, response: Response) -> tuple[Floats, Floats]:
+def rim_displacement(
+    scene: PreparedModel, brake: Brake, response: Response
+) -> tuple[Floats, Floats]:
     """Angles (m,) [rad] of the nodes of the ring's friction surface, and their inward displacement.
 
     The displacement z (m,) is in m. Raises BadInput for a rigid drum.

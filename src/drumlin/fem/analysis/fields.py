@@ -14,10 +14,10 @@ from drumlin.base.errors import BadInput
 from drumlin.base.files import replacing
 from drumlin.brake.brake import Brake, Shoe, ShoeFrame
 from drumlin.brake.elasticity import ElasticLayer
-from drumlin.fem.hp.grid import Grid
+from drumlin.fem.hp.grid import ColumnGrid
 from drumlin.fem.mesh.arc import kind_of
-from drumlin.fem.preparation.bodies import Body, actuation
-from drumlin.fem.preparation.scene import Scene
+from drumlin.fem.preparation.bodies import ShoeSubstructure, actuation
+from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.substructure.elasticity import layers_of, ring_layers, stress
 from drumlin.fem.substructure.interface import Directions, radial, straight
 from drumlin.response.balance import loaded
@@ -125,7 +125,7 @@ class _ElementNodes(NamedTuple):
     corners: Ints
 
 
-def fields(scene: Scene, brake: Brake, response: Response, index: int) -> Fields:
+def fields(scene: PreparedModel, brake: Brake, response: Response, index: int) -> Fields:
     """The fields of shoe `index` under the contact pressure and the force of its response."""
     shoe, body = loaded(brake, response).shoes[index], scene.bodies[index]
     answer = response.shoes[index]
@@ -138,7 +138,7 @@ def fields(scene: Scene, brake: Brake, response: Response, index: int) -> Fields
     return _fields(solved, _Placement(shoe.frame, shoe.points, directions))
 
 
-def ring_fields(scene: Scene, brake: Brake, response: Response) -> Fields:
+def ring_fields(scene: PreparedModel, brake: Brake, response: Response) -> Fields:
     """The fields of the drum ring under the contact pressures of all shoes.
 
     Raises BadInput for a rigid drum.
@@ -158,7 +158,7 @@ def contact_pressures(brake: Brake, response: Response) -> list[Floats]:
     return [answer.pressure[:: shoe.frame.sense] for shoe, answer in pairs]
 
 
-def all_fields(scene: Scene, brake: Brake, response: Response) -> list[Fields]:
+def all_fields(scene: PreparedModel, brake: Brake, response: Response) -> list[Fields]:
     """The fields of each shoe, and after them those of the drum ring where it is elastic."""
     every = [fields(scene, brake, response, i) for i in range(len(brake.shoes))]
     if scene.ring is not None:
@@ -166,7 +166,9 @@ def all_fields(scene: Scene, brake: Brake, response: Response) -> list[Fields]:
     return every
 
 
-def displaced(body: Body, brake: Brake, shoe: Shoe, answer: ShoeResponse, p: Floats) -> Floats:
+def displaced(
+    body: ShoeSubstructure, brake: Brake, shoe: Shoe, answer: ShoeResponse, p: Floats
+) -> Floats:
     """Displacements (d nodes,) [m] of all nodes of a shoe, in its own frame.
 
     Parameters
@@ -205,7 +207,7 @@ def _fields(solved: _Solved, place: _Placement) -> Fields:
     return Fields(
         points=place.points(xy).T,
         cells=np.concatenate(cells),
-        cell_type="quad" if isinstance(mesh, Grid) else kind_of(mesh).cell,
+        cell_type="quad" if isinstance(mesh, ColumnGrid) else kind_of(mesh).cell,
         part=np.concatenate([np.full(len(part.cells), i) for i, part in enumerate(parts)]),
         displacement=to_brake(solved.u[:, nodes].T),
         stress=np.column_stack([xx, yy, shear]),
@@ -217,7 +219,7 @@ def _fields(solved: _Solved, place: _Placement) -> Fields:
 
 def _part_fields(basis: Any, u: Floats, name: str, layer: ElasticLayer) -> _PartFields:
     """The nodes, cells and mean stresses of one subdomain under displacements u (2, nodes)."""
-    mesh = basis if isinstance(basis, Grid) else basis.mesh
+    mesh = basis if isinstance(basis, ColumnGrid) else basis.mesh
     dofs, slopes, corners = _at_nodes(mesh, mesh.subdomains[name])
     gradient = np.einsum("ian,ajnq->ijnq", u[:, dofs], slopes)
     along = layer.directions(basis.doflocs[:, dofs].transpose(0, 2, 1))
@@ -237,7 +239,7 @@ def mean_of(values: Floats, dofs: Ints) -> NodalMeans:
 
 def _at_nodes(mesh: Any, elements: Ints) -> _ElementNodes:
     """Some elements of a mesh at their own nodes."""
-    if isinstance(mesh, Grid):
+    if isinstance(mesh, ColumnGrid):
         dofs = mesh.element_dofs[:, elements]
         return _ElementNodes(dofs, mesh.gradients(elements), mesh.quarters)
     element = kind_of(mesh).element()

@@ -32,7 +32,7 @@ from drumlin.contact.stick_slip import (
 from drumlin.fem.analysis.at_rest import Feet, holding_problem
 from drumlin.fem.equilibrium.group import ShoeGroup, grouped, pressed_shoes
 from drumlin.fem.model import PENALTY, respond
-from drumlin.fem.preparation.scene import Scene
+from drumlin.fem.preparation.scene import PreparedModel
 
 HALVINGS = 8
 """Number of times that an increment is halved before its rotation is refused.
@@ -201,7 +201,7 @@ class _FootSlide(NamedTuple):
 
 
 def hold(
-    scene: Scene,
+    scene: PreparedModel,
     brake: Brake,
     rotations: Floats,
     *,
@@ -242,7 +242,7 @@ def hold(
 
 
 def _held_groups(
-    scene: Scene, brake: Brake, increments: int, penalty: float
+    scene: PreparedModel, brake: Brake, increments: int, penalty: float
 ) -> Iterator[_HeldGroup]:
     """The groups of shoes with the force on and the drum at rest. Raises as `hold` does."""
     if brake.friction == 0 or scene.brake.friction == 0:
@@ -515,7 +515,7 @@ def _micrometres(force: float, slide: float) -> str:
 
 
 def full_slip_rotation(
-    scene: Scene, brake: Brake, *, increments: int = 20, penalty: float = PENALTY
+    scene: PreparedModel, brake: Brake, *, increments: int = 20, penalty: float = PENALTY
 ) -> float:
     """A rotation of the drum [rad] after which every touching node slips.
 

@@ -18,8 +18,8 @@ from drumlin.brake.beam_axis import axis_of
 from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Beam
 from drumlin.brake.fields import Point
-from drumlin.fem.preparation.bodies import Body, BodyNodes
-from drumlin.fem.preparation.scene import Scene
+from drumlin.fem.preparation.bodies import BodyNodes, ShoeSubstructure
+from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.substructure.interface import ContactLine
 
 NODE_STEP = 1e-5
@@ -73,7 +73,7 @@ class LineAtStep(NamedTuple):
     line: ContactLine
 
 
-def moves_by(scene: Scene, i: int, shoe: Shoe, key: str) -> list[Moves]:
+def moves_by(scene: PreparedModel, i: int, shoe: Shoe, key: str) -> list[Moves]:
     """The motion of the nodes of shoe `i` as one of its points moves along x and along y.
 
     The list is empty where no node moves. The axes are those of the brake.
@@ -100,7 +100,7 @@ def moves_by(scene: Scene, i: int, shoe: Shoe, key: str) -> list[Moves]:
     return [_moves_along(scene, i, shoe, key, direction) for direction in np.eye(2)]
 
 
-def _nodes_move(scene: Scene, shoe: Shoe, key: str) -> bool:
+def _nodes_move(scene: PreparedModel, shoe: Shoe, key: str) -> bool:
     """Whether nodes of a shoe's body move with the point `key`."""
     if shoe.mesh is None:
         beam = isinstance(shoe.body, Beam) and key in BEAM_POINTS
@@ -115,7 +115,7 @@ def _nodes_move(scene: Scene, shoe: Shoe, key: str) -> bool:
     return shoe.mesh_frame == "shoe" and key == holds_frame
 
 
-def _moves_along(scene: Scene, i: int, shoe: Shoe, key: str, direction: Floats) -> Moves:
+def _moves_along(scene: PreparedModel, i: int, shoe: Shoe, key: str, direction: Floats) -> Moves:
     """The motion of the nodes of shoe `i` as a point moves along a direction (2,), by differences.
 
     Raises NoAnswer as `moves_by` does.
@@ -139,7 +139,7 @@ def _moves_along(scene: Scene, i: int, shoe: Shoe, key: str, direction: Floats) 
     return Moves(nodes.ravel(), line, load.ravel(), _axis_turn(shoe, key, direction))
 
 
-def _only_turned(body: Body, axis: float) -> Moves:
+def _only_turned(body: ShoeSubstructure, axis: float) -> Moves:
     """The motion of a mesh in the brake's frame: no node moves, but a beam's directions turn."""
     still = np.zeros(2 * body.basis.N)
     return Moves(still, np.zeros(body.line.xy.shape), still, axis)
@@ -158,7 +158,7 @@ def _axis_turn(shoe: Shoe, key: str, direction: Floats) -> float:
     return {"hinge": -sideways, "actuation.point": sideways}.get(key, 0.0)
 
 
-def _in_brake(scene: Scene, i: int, shoe: Shoe) -> BodyNodes:
+def _in_brake(scene: PreparedModel, i: int, shoe: Shoe) -> BodyNodes:
     """The nodes of shoe `i`, replaced by another shoe, in the frame of the brake."""
     assert scene.nodes_of is not None
     nodes = scene.nodes_of(i, shoe)
@@ -181,7 +181,9 @@ def _moved_point(point: Point, step: Floats) -> Point:
     return Point(x=x, y=y)
 
 
-def lines_at(body: Body, shoe: Shoe, radius: float, moves: Moves) -> Iterator[LineAtStep]:
+def lines_at(
+    body: ShoeSubstructure, shoe: Shoe, radius: float, moves: Moves
+) -> Iterator[LineAtStep]:
     """The contact line of a body a step ahead and a step behind; radius: of the drum [m]."""
     line = body.line
     for step in (NODE_STEP * radius, -NODE_STEP * radius):

@@ -28,7 +28,7 @@ import numpy as np
 from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.brake.elasticity import ElasticLayer, has_directions
 from drumlin.fem.hp.element import element, gauss_points, gradients
-from drumlin.fem.hp.grid import Grid
+from drumlin.fem.hp.grid import ColumnGrid
 from drumlin.fem.substructure.body import points_of, values_of
 from drumlin.fem.substructure.elasticity import split
 
@@ -220,7 +220,7 @@ def _directions(basis: Any, layers: Mapping[str, ElasticLayer]) -> _Directions |
     subdomains = _mesh(basis).subdomains
     if not any(has_directions(layers[name].elasticity) for name in subdomains):
         return None
-    if isinstance(basis, Grid):
+    if isinstance(basis, ColumnGrid):
         points = np.moveaxis(gauss_points(basis.element_nodes, basis.degree), 1, 0)
     else:
         points = points_of(basis)
@@ -234,12 +234,12 @@ def _directions(basis: Any, layers: Mapping[str, ElasticLayer]) -> _Directions |
 
 def _mesh(basis: Any) -> Any:
     """The mesh of a basis, which has its subdomains; a grid is its own mesh."""
-    return basis if isinstance(basis, Grid) else basis.mesh
+    return basis if isinstance(basis, ColumnGrid) else basis.mesh
 
 
 def _samples(basis: Any) -> Iterator[_Sample]:
     """All elements of a body, a few at a time."""
-    if isinstance(basis, Grid):
+    if isinstance(basis, ColumnGrid):
         count = len(basis.ordered_dofs)
         for first in range(0, count, SAMPLE_CHUNK):
             own = slice(first, first + SAMPLE_CHUNK)

@@ -9,11 +9,14 @@ from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Brake
 from drumlin.contact.self_locking import LARGEST_SOUGHT_FRICTION, Limit
 from drumlin.fem.equilibrium.group import groups_of
-from drumlin.fem.preparation.scene import Scene
+from drumlin.fem.preparation.scene import PreparedModel
 
 
 def limits(
-    scene: Scene, brake: Brake, most: float = LARGEST_SOUGHT_FRICTION, penalty: float = math.inf
+    scene: PreparedModel,
+    brake: Brake,
+    most: float = LARGEST_SOUGHT_FRICTION,
+    penalty: float = math.inf,
 ) -> dict[tuple[int, ...], Limit]:
     """The limit of self-locking of each group of shoes, by the positions of its shoes.
 
@@ -35,7 +38,7 @@ def limits(
 
 
 def torques(
-    scene: Scene, brake: Brake, frictions: Sequence[float], penalty: float = math.inf
+    scene: PreparedModel, brake: Brake, frictions: Sequence[float], penalty: float = math.inf
 ) -> Floats:
     """Torque (m, shoes) [N m] of each shoe at growing friction coefficients (m,).
 

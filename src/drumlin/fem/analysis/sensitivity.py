@@ -37,9 +37,9 @@ from drumlin.fem.analysis.mutual_work import change_by_nodes, work_by_part
 from drumlin.fem.equilibrium.group import ShoeGroup, groups_of
 from drumlin.fem.equilibrium.state import gap_at
 from drumlin.fem.model import PENALTY, check_penalty
-from drumlin.fem.preparation.bodies import Body, coupling_of
+from drumlin.fem.preparation.bodies import ShoeSubstructure, coupling_of
 from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.preparation.scene import Scene
+from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.solve import solve
 from drumlin.fem.substructure.body import FRAME
 from drumlin.fem.substructure.elasticity import layers_of
@@ -141,7 +141,7 @@ def _shoe_as_dict(shoe: ShoeSensitivity) -> dict[str, Any]:
     }
 
 
-def sensitivity(scene: Scene, brake: Brake, *, penalty: float = PENALTY) -> Sensitivity:
+def sensitivity(scene: PreparedModel, brake: Brake, *, penalty: float = PENALTY) -> Sensitivity:
     """The sensitivities of the torque of a brake on a prepared model.
 
     Raises NoAnswer as `respond` does, and for a brake without friction, which has no torque.
@@ -186,7 +186,7 @@ def _elasticity(x: float, slope: float, value: float) -> float | None:
     return x * slope / value if value else None
 
 
-def _untouched(body: Body, shoe: Shoe) -> ShoeSensitivity:
+def _untouched(body: ShoeSubstructure, shoe: Shoe) -> ShoeSensitivity:
     """The sensitivities of a shoe that its force does not press: its torque stays 0."""
     theta = shoe.frame.theta(body.line.phi)[:: shoe.frame.sense]
     moduli = dict.fromkeys((_material_name(part) for part in layers_of(shoe)), 0.0)
@@ -442,7 +442,7 @@ class _ShoeSlopes:
         load = body.columns.factors({ACTUATION: pushing})
         work = free.tests @ np.array([*force, moment])
         tested = self.counted.sign * self.counted.worked * work
-        return own.F * float(own.a @ (body.closing_loaded @ load) - own.b @ tested)
+        return own.F * float(own.a @ (body.closure_by_load @ load) - own.b @ tested)
 
     def by_point_of_force(self) -> list[Floats]:
         """The effects (2,) of moving the point at which a strut pushes the shoe, in parts to be added.

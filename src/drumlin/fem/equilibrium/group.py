@@ -20,8 +20,8 @@ from drumlin.contact import active_set, self_locking
 from drumlin.fem.equilibrium import reach
 from drumlin.fem.equilibrium.problems import GroupProblems
 from drumlin.fem.equilibrium.sharing import NO_PUSH, WOULD_PULL
-from drumlin.fem.preparation.bodies import Body, actuation
-from drumlin.fem.preparation.scene import Scene
+from drumlin.fem.preparation.bodies import ShoeSubstructure, actuation
+from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.laws import rigid
 
 FOOT_LEAVES = "no equilibrium, a foot leaves its abutment"
@@ -289,7 +289,7 @@ class ShoeGroup(GroupProblems):
         return float(self.reaction(contact, k) @ self.shoes[k].bearing) > 0
 
 
-def groups_of(scene: Scene, brake: Brake, penalty: float = math.inf) -> list[ShoeGroup]:
+def groups_of(scene: PreparedModel, brake: Brake, penalty: float = math.inf) -> list[ShoeGroup]:
     """The shoes that are pressed on the drum, in groups that must be solved together.
 
     Raises NoAnswer where a cam presses only some of its shoes.
@@ -302,7 +302,7 @@ def groups_of(scene: Scene, brake: Brake, penalty: float = math.inf) -> list[Sho
     return grouped(scene, brake, touching, penalty)
 
 
-def pressed_shoes(scene: Scene, brake: Brake) -> list[int]:
+def pressed_shoes(scene: PreparedModel, brake: Brake) -> list[int]:
     """The positions of the shoes that their own forces, or struts from such shoes, press."""
     touching = set()
     for i, shoe in enumerate(brake.shoes):
@@ -317,7 +317,7 @@ def pressed_shoes(scene: Scene, brake: Brake) -> list[int]:
 
 
 def grouped(
-    scene: Scene, brake: Brake, touching: list[int], penalty: float = math.inf
+    scene: PreparedModel, brake: Brake, touching: list[int], penalty: float = math.inf
 ) -> list[ShoeGroup]:
     """The shoes `touching` in groups: each alone, or all together.
 
@@ -343,19 +343,19 @@ def _sense(brake: Brake, shoe: Shoe) -> int:
     return 1 if footing is None else footing.sense
 
 
-def pressed(body: Body, brake: Brake, shoe: Shoe) -> bool:
+def pressed(body: ShoeSubstructure, brake: Brake, shoe: Shoe) -> bool:
     """Whether the force presses the shoe on the drum, at one lining point at least."""
     if shoe.held_by == "hinge":
         return turns_towards(body, shoe)
     return shoe.actuation.force != 0 and rigid.bears(brake, shoe) >= 0
 
 
-def turns_towards(body: Body, shoe: Shoe) -> bool:
+def turns_towards(body: ShoeSubstructure, shoe: Shoe) -> bool:
     """Whether the force turns the shoe towards the drum, at one lining point at least."""
     if shoe.actuation.force == 0:
         return False
     _, moment = actuation(body, shoe)
-    approach, _ = body.turning
+    approach, _ = body.rotation_closure
     # A lever arm below 1e-14 of the lining's distance from the centre is round-off.
     turns = abs(moment) > 1e-14 * np.abs(body.line.xy).max()
     return bool(turns and (moment * approach > 0).any())

@@ -8,7 +8,7 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Shoe
 from drumlin.brake.support import moved
-from drumlin.fem.preparation.bodies import Body
+from drumlin.fem.preparation.bodies import ShoeSubstructure
 
 
 class RigidBodyModes(NamedTuple):
@@ -44,7 +44,9 @@ def at_pin(shoe: Shoe, motions: Floats) -> Floats:
     return np.vstack([u.T, shoe.frame.sense * motions[:, 2]])
 
 
-def rigid_body_modes(body: Body, shoe: Shoe, moment: float, sense: int = 1) -> RigidBodyModes:
+def rigid_body_modes(
+    body: ShoeSubstructure, shoe: Shoe, moment: float, sense: int = 1
+) -> RigidBodyModes:
     """The rigid-body modes of a shoe.
 
     Parameters
@@ -74,15 +76,15 @@ def rigid_body_modes(body: Body, shoe: Shoe, moment: float, sense: int = 1) -> R
     return modes
 
 
-def _contact_displacements(body: Body, shoe: Shoe, motions: Floats) -> Floats:
+def _contact_displacements(body: ShoeSubstructure, shoe: Shoe, motions: Floats) -> Floats:
     """Displacements (2n, k) of the contact nodes under rigid motions (k, 3) of the brake's frame."""
     xy = shoe.points(body.line.xy)
     u = shoe.frame.to_shoe(np.moveaxis(moved(motions, xy), 0, -1))  # (n, k, 2)
     return np.asarray(u.transpose(0, 2, 1).reshape(-1, len(motions)))
 
 
-def _turn_about_pin(body: Body, moment: float) -> RigidBodyModes:
+def _turn_about_pin(body: ShoeSubstructure, moment: float) -> RigidBodyModes:
     """The turn about the pin, without the round-off of a turn about the drum's centre."""
-    turned = body.turned[:, None]
+    turned = body.rotation_mode[:, None]
     work = np.array([moment])
     return RigidBodyModes(turned, turned, work, work, np.array([[0.0], [0.0], [1.0]]))

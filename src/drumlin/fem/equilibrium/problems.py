@@ -12,7 +12,7 @@ from drumlin.contact.equations import Problem
 from drumlin.contact.self_locking import Sliding
 from drumlin.fem.equilibrium.sharing import ForceEffects, Sharing, share
 from drumlin.fem.equilibrium.state import GroupState
-from drumlin.fem.preparation.bodies import Body
+from drumlin.fem.preparation.bodies import ShoeSubstructure
 
 ROW_BLOCK = 64
 """Rows of a compliance matrix that are assembled at a time. Of large matrices more rows do not stay
@@ -99,8 +99,12 @@ class GroupProblems(GroupState):
         body, shoe, modes = self.bodies[k], self.shoes[k], self.modes[k]
         load = self.loads[k].factors
         drag = self._drag_on(shoe, friction)
-        tip_by_friction = 0.0 if body.tip_dragged is None else drag * (load @ body.tip_dragged)
-        tip = -(load @ body.closing_loaded.T) + tip_by_friction
+        tip_by_friction = (
+            0.0
+            if body.load_motion_by_friction is None
+            else drag * (load @ body.load_motion_by_friction)
+        )
+        tip = -(load @ body.closure_by_load.T) + tip_by_friction
         # The force x, y on the lining per pressure.
         contact = (drag * body.forces[1] - body.forces[0])[:2].T  # (n, 2)
         bearing, direct = np.zeros(len(tip)), 0.0
@@ -110,9 +114,9 @@ class GroupProblems(GroupState):
         return ForceEffects(
             nodes=self.node_ranges[k],
             modes=self.mode_ranges[k],
-            opened=-(body.closing_loaded @ load),
+            opened=-(body.closure_by_load @ load),
             tip=tip,
-            yields=float(load @ body.tip_loaded @ load),
+            yields=float(load @ body.load_motion_by_load @ load),
             work=modes.work,
             moves=modes.tip,
             bearing=bearing,
@@ -131,9 +135,9 @@ class GroupProblems(GroupState):
         return [y[part] for part in self.mode_ranges]
 
 
-def _gap_per_pressure(body: Body, drag: float, stiffness: float) -> Floats:
+def _gap_per_pressure(body: ShoeSubstructure, drag: float, stiffness: float) -> Floats:
     """A (n, n): the weighted gaps of a shoe per pressure, the compliance of the penalty included."""
-    pressed, dragged, M = body.closing_pressed, body.closing_dragged, body.coupling.M
+    pressed, dragged, M = body.closure_by_pressure, body.closure_by_friction, body.coupling.M
     A = np.empty(M.shape)
     for first in range(0, len(A), ROW_BLOCK):
         rows = slice(first, first + ROW_BLOCK)

@@ -15,8 +15,8 @@ from drumlin.base.lapack import block_diag
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.fem.equilibrium.modes import RigidBodyModes, rigid_body_modes
-from drumlin.fem.preparation.bodies import Body, actuation, contact_stiffness
-from drumlin.fem.preparation.scene import Scene
+from drumlin.fem.preparation.bodies import ShoeSubstructure, actuation, contact_stiffness
+from drumlin.fem.preparation.scene import PreparedModel
 
 
 class UnitLoad(NamedTuple):
@@ -68,7 +68,7 @@ class GroupState:
         `ShoeGroup.settled` has found it. A group with a rough abutment has no problem before that.
     """
 
-    scene: Scene
+    scene: PreparedModel
     brake: Brake
     members: tuple[int, ...]
     penalty: float = math.inf
@@ -82,7 +82,7 @@ class GroupState:
         return tuple(self.brake.shoes[i] for i in self.members)
 
     @cached_property
-    def bodies(self) -> tuple[Body, ...]:
+    def bodies(self) -> tuple[ShoeSubstructure, ...]:
         """The substructures of the shoes."""
         return tuple(self.scene.bodies[i] for i in self.members)
 
@@ -167,7 +167,7 @@ class GroupState:
         """Closure and slip of the test modes of shoe `k`."""
         body = self.bodies[k]
         if self.shoes[k].held_by == "hinge":
-            return ModeClosures(*body.turning)
+            return ModeClosures(*body.rotation_closure)
         test_modes = self.modes[k].test_modes
         return ModeClosures(body.coupling.N @ test_modes, body.coupling.T @ test_modes)
 
@@ -181,7 +181,7 @@ class GroupState:
         body, modes = self.bodies[k], self.modes[k]
         force = abs(self.shoes[k].actuation.force) / self.unit_force
         gap = body.coupling.M @ (self.gaps[k] / self.unit_force)
-        q = gap - force * (body.closing_loaded @ self.loads[k].factors)
+        q = gap - force * (body.closure_by_load @ self.loads[k].factors)
         if modes.contact_modes is modes.test_modes:
             closure = self.test_closures[k].normal
         else:
@@ -242,7 +242,7 @@ class GroupState:
         return self.brake.actuation.total / self.unit_force
 
 
-def gap_of(body: Body, brake: Brake, shoe: Shoe) -> Floats:
+def gap_of(body: ShoeSubstructure, brake: Brake, shoe: Shoe) -> Floats:
     """Gaps (n,) [m] of the unloaded lining at the contact nodes of its substructure.
 
     A gap is the distance off the drum's radius, the clearance and the misfit together.

@@ -16,7 +16,7 @@ from drumlin.fem.error_control.places import pressed_arcs
 from drumlin.fem.hp.corner import AT_TIP, left_at_corners, left_under_tips, with_powers
 from drumlin.fem.hp.division import FINEST
 from drumlin.fem.preparation.cache import Cache
-from drumlin.fem.preparation.scene import Scene
+from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.response.response import NEAR_PEAK, Response, ShoeResponse, edge_zone
 from drumlin.response.resultants import edge_left_out, largest
 
@@ -67,7 +67,7 @@ class _Progress(NamedTuple):
     missed : why the tolerance is not reached; empty where it is
     """
 
-    scene: Scene
+    scene: PreparedModel
     responses: list[Response]
     error: Errors
     unknowns: int

@@ -10,11 +10,11 @@ from typing import NamedTuple, Protocol
 from drumlin.base.errors import LostDigits, NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.fem.error_control.places import places_of
-from drumlin.fem.hp.division import Kind, Level, Place
+from drumlin.fem.hp.division import Level, Singularity, SingularPoint
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.preparation.cache import alike as equal_shapes
 from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.preparation.scene import Scene
+from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.response.response import Response
 
 DEG = math.pi / 180
@@ -129,14 +129,16 @@ smaller, a level takes more passes for an end that it knows.
 class Respond(Protocol):
     """What answers for a brake on a scene, from the contact of an earlier response."""
 
-    def __call__(self, scene: Scene, brake: Brake, *, start: Response | None = None) -> Response:
+    def __call__(
+        self, scene: PreparedModel, brake: Brake, *, start: Response | None = None
+    ) -> Response:
         """The response."""
 
 
 class Step(NamedTuple):
     """A level's scene and response."""
 
-    scene: Scene
+    scene: PreparedModel
     response: Response
 
 
@@ -163,7 +165,7 @@ def steps(
     for level in levels or LEVELS:
         step: Step | None = None
         places = places_of(brake, last, alike, level.error)
-        tried: list[Mapping[int, Sequence[Place]]] = []
+        tried: list[Mapping[int, Sequence[SingularPoint]]] = []
         for _ in range(MOST_PASSES):
             made = prepare(brake, _evened(level, even), places, alike=alike, cache=cache)
             try:
@@ -195,20 +197,24 @@ def _evened(level: Level, largest: float) -> Level:
 
 
 def _moved(
-    brake: Brake, meant: Mapping[int, Sequence[Place]], now: Mapping[int, Sequence[Place]]
+    brake: Brake,
+    meant: Mapping[int, Sequence[SingularPoint]],
+    now: Mapping[int, Sequence[SingularPoint]],
 ) -> bool:
     """Whether an end of the contact of any shape of shoe is away from where columns end, or a kink
     is no place yet."""
     return any(_off(brake.shoes[i].arc, meant[i], places) for i, places in now.items())
 
 
-def _off(arc: tuple[float, float], places: Sequence[Place], now: Sequence[Place]) -> bool:
+def _off(
+    arc: tuple[float, float], places: Sequence[SingularPoint], now: Sequence[SingularPoint]
+) -> bool:
     """Whether an end of the contact is away from where columns end, over the length that it bounds,
     or a kink is."""
     meant = [*arc, *(place[0] for place in places)]
-    if any(kind in {Kind.KINK, Kind.TIP} and x not in meant for x, _, kind in now):
+    if any(kind in {Singularity.KINK, Singularity.TIP} and x not in meant for x, _, kind in now):
         return True
     return any(
-        kind == Kind.END and min(abs(x - y) for y in meant) > SETTLED * length
+        kind == Singularity.END and min(abs(x - y) for y in meant) > SETTLED * length
         for x, length, kind in now
     )

@@ -18,7 +18,7 @@ from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Lining
 from drumlin.fem.hp.corner import tip_rises
-from drumlin.fem.hp.division import Kind, Place
+from drumlin.fem.hp.division import Singularity, SingularPoint
 from drumlin.fem.preparation.cache import alike as equal_shapes
 from drumlin.response.response import Response, ShoeResponse
 from drumlin.response.resultants import gauss_points
@@ -63,7 +63,7 @@ class _Opening(NamedTuple):
 
 def places_of(
     brake: Brake, response: Response | None, alike: Sequence[int] = (), error: float = 0.0
-) -> dict[int, list[Place]]:
+) -> dict[int, list[SingularPoint]]:
     """The singular points of each shape of shoe, growing, by the position of its first shoe.
 
     Shoes of one shape share a division, so that their singular points are put together.
@@ -76,7 +76,7 @@ def places_of(
     alike : the first shoe of the same shape of each shoe, as of `cache.alike`, if it is known
     error : of the level; with 0 all kinks of a table are singular where the lining presses
     """
-    points: dict[int, list[Place]] = {}
+    points: dict[int, list[SingularPoint]] = {}
     first_alike = alike or equal_shapes(brake)
     for i, (shoe, first) in enumerate(zip(brake.shoes, first_alike, strict=True)):
         answer = None if response is None else response.shoes[i]
@@ -87,7 +87,7 @@ def places_of(
 
 def _places(
     shoe: Shoe, answer: ShoeResponse | None, scale_factor: float, level_error: float
-) -> list[Place]:
+) -> list[SingularPoint]:
     """The singular points of one lining, in no order."""
     arcs = [] if answer is None else _likely_arcs(shoe, answer)
     points = _steps(shoe, answer, arcs)
@@ -98,10 +98,10 @@ def _places(
         length = arc_end - arc_start
         first = min(max(_rounded(arc_start, length), start), end)
         last = min(max(_rounded(arc_end, length), start), end)
-        points += [(first, last - first, Kind.END), (last, last - first, Kind.END)]
+        points += [(first, last - first, Singularity.END), (last, last - first, Singularity.END)]
     if answer is not None:
         for opening in _openings(shoe, answer, arcs):
-            points.append((_rounded(opening.x, opening.width), opening.width, Kind.END))
+            points.append((_rounded(opening.x, opening.width), opening.width, Singularity.END))
     return points
 
 
@@ -110,7 +110,7 @@ def _near_contact(x: float, arcs: list[list[float]]) -> bool:
     return any(2 * start - end < x < 2 * end - start for start, end in arcs)
 
 
-def _steps(shoe: Shoe, answer: ShoeResponse | None, arcs: list[list[float]]) -> list[Place]:
+def _steps(shoe: Shoe, answer: ShoeResponse | None, arcs: list[list[float]]) -> list[SingularPoint]:
     """The steps of a lining in blocks.
 
     A step where the lining does not press, or hardly, is not singular. Yet within an hp element it
@@ -118,11 +118,11 @@ def _steps(shoe: Shoe, answer: ShoeResponse | None, arcs: list[list[float]]) -> 
     """
     start, end = shoe.arc
     length = shoe.lining.step / shoe.frame.unit
-    points: list[Place] = []
+    points: list[SingularPoint] = []
     for x in shoe.frame.phis(clearance.step_kinks(shoe.lining)):
         if start < x < end:
             presses = answer is None or _near_contact(x, arcs)
-            points.append((x, length, Kind.STEP if presses else Kind.OPEN_STEP))
+            points.append((x, length, Singularity.STEP if presses else Singularity.OPEN_STEP))
     return points
 
 
@@ -132,7 +132,7 @@ def _table_kinks(
     arcs: list[list[float]],
     scale_factor: float,
     level_error: float,
-) -> list[Place]:
+) -> list[SingularPoint]:
     """The kinks of a table of clearances that p feels on a level of this error, and its tips."""
     (start, end), frame = shoe.arc, shoe.frame
     angle = np.array(clearance.table_kinks(shoe.lining))
@@ -142,20 +142,20 @@ def _table_kinks(
     _, p, weight = gauss_points(answer.theta, answer.pressure, answer.order)
     norm = math.sqrt(float(np.sum(weight * p**2)))
     kinks = _strongest(angle[inside], strength[inside], UNFELT * level_error * norm)
-    points: list[Place] = [(x, end - start, Kind.KINK) for x in frame.phis(kinks)]
+    points: list[SingularPoint] = [(x, end - start, Singularity.KINK) for x in frame.phis(kinks)]
     return points + _tips(shoe, scale_factor, norm, kinks)
 
 
-def _tips(shoe: Shoe, scale_factor: float, norm: float, kinks: Floats) -> list[Place]:
+def _tips(shoe: Shoe, scale_factor: float, norm: float, kinks: Floats) -> list[SingularPoint]:
     """The tips of the gap among the kinks (k,): kinks that point to the drum.
 
     `norm` is that of the pressure, in Pa times the root of the surface's coordinate.
     """
-    points: list[Place] = []
+    points: list[SingularPoint] = []
     for angle, rise in tip_rises(shoe, scale_factor):
         if angle in kinks:
             (tip,) = shoe.frame.phis([angle])
-            points.append((tip, (norm / rise) ** 2 / shoe.frame.unit, Kind.TIP))
+            points.append((tip, (norm / rise) ** 2 / shoe.frame.unit, Singularity.TIP))
     return points
 
 

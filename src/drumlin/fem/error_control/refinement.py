@@ -36,7 +36,7 @@ from drumlin.brake.brake import Brake
 from drumlin.contact.active_set import SET_ROUND_OFF
 from drumlin.fem.equilibrium.group import ShoeGroup
 from drumlin.fem.preparation.bodies import actuation
-from drumlin.fem.preparation.scene import Scene
+from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.substructure.body import FRAME, stiffness
 from drumlin.fem.substructure.elasticity import layers_of, ring_layers
 
@@ -243,7 +243,7 @@ def _torque_lever(group: ShoeGroup, layout: _Layout) -> Floats:
 def _shoe_block(group: ShoeGroup, k: int, carried: bool) -> _ShoeBlock:
     """The part of shoe `k` in the full system; carried: see `full_system`."""
     body, shoe, modes = group.bodies[k], group.shoes[k], group.modes[k]
-    constraints = body.condensed.ties.matrix.astype(LONG_DOUBLE)
+    constraints = body.condensed.constraints.matrix.astype(LONG_DOUBLE)
     K = stiffness(body.basis, layers_of(shoe), precise=True)
     constrained = (constraints.T @ K @ constraints).tocsr()
     inside, n = constrained.shape[0] - FRAME, len(body.line.nodes)
@@ -274,7 +274,7 @@ def _shoe_block(group: ShoeGroup, k: int, carried: bool) -> _ShoeBlock:
     )
 
 
-def _ring_block(scene: Scene, brake: Brake) -> _RingBlock:
+def _ring_block(scene: PreparedModel, brake: Brake) -> _RingBlock:
     """The part of the ring in the full system."""
     ring, part = scene.ring, brake.ring
     # A model without a ring, or with a ring that has no section, never comes here.

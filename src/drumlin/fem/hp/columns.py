@@ -1,12 +1,13 @@
-"""Columns of elements along a lining, condensed to their two sides and their contact, and merged.
+"""Columns of elements as substructures: condensed to two sides and contact, and assembled.
 
-A column is a stack of elements from the contact inwards. Displacements are counted in directions of
-their own, on an arc on each side along the radius and around the drum, between the sides as in the
-column's middle; so equal columns are one and the same, wherever they stand, and are made once.
+A column is a stack of elements from the contact inwards. On an arc the displacements on each side
+count along the radius and around the drum, and those between the sides as in the column's middle.
+So equal columns have equal stiffness wherever they stand, and each kind is made once.
 
-Unknowns of a piece, x and y of a node together: [left line | contact | right line]. The lines go
-from the contact inwards without their contact node; a piece without contact has whole lines. Before
-them may stand `extra` ones, which all pieces share: loads, as unknowns of negative stiffness.
+A substructure has the unknowns [left line | contact | right line], x and y of a node together. The
+lines go from the contact inwards without their contact node; a substructure without contact has
+whole lines. `extra` unknowns, which all substructures share, may stand before the others: unit
+loads, as unknowns of negative stiffness.
 """
 
 from collections.abc import Sequence
@@ -17,19 +18,26 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.base.arrays import Floats
-from drumlin.fem.hp.element import without, without_each
+from drumlin.fem.hp.element import schur_complement, schur_complements
 
-Place = tuple[slice, slice]  # unknowns of an element, and where they are
+UnknownsAt = tuple[slice, slice]
+"""Some unknowns of an element, and the same unknowns in its column."""
 
 
 class Stack(NamedTuple):
-    """Where the unknowns of the layers of a column are: `kept` (layers,) of its two lines and its
-    contact among all `sides` of these, with `line` in a line; `inside` (layers,) of its `rest`, by
-    edges from the contact inwards.
+    """Where the unknowns of the elements of a column are.
+
+    Attributes
+    ----------
+    kept : (layers,) the unknowns of each element on the two lines and on the contact of the column
+    inside : (layers,) the other unknowns of each element, by edges from the contact inwards
+    sides : number of kept unknowns of the column
+    rest : number of other unknowns
+    line : number of unknowns of a line
     """
 
-    kept: tuple[tuple[Place, ...], ...]
-    inside: tuple[Place, ...]
+    kept: tuple[tuple[UnknownsAt, ...], ...]
+    inside: tuple[UnknownsAt, ...]
     sides: int
     rest: int
     line: int
@@ -37,15 +45,21 @@ class Stack(NamedTuple):
 
 @cache
 def stack(p: int, layers: int, *, contact: bool, held: bool, sides: int = 2) -> Stack:
-    """Without `contact` the inner nodes of the outermost edge go with the rest; `held`: the
-    innermost edge is held.
+    """The unknowns of a column of elements.
 
-    sides: 1 for the symmetric or the antisymmetric unknowns alone, half of all.
+    Parameters
+    ----------
+    p : degree
+    layers : number of elements
+    contact : whether the outermost edge is in contact; otherwise its inner nodes are eliminated
+    held : whether the innermost edge is held
+    sides : 2; or 1 for the symmetric or the antisymmetric unknowns alone, half of all
     """
     side, edge, node = 2 * (p + 1), sides * (p - 1), 2 * contact
     line = 2 * (layers * p + (not held)) - node
-    own = sides * side  # where the edges of an element begin
-    far = line + (edge + sides * node if contact else 0)  # where the right line begins
+    # The edges of an element begin behind its sides, and the right line behind the contact.
+    own = sides * side
+    far = line + (edge + sides * node if contact else 0)
     kept, inside = [], []
     for k in range(layers):
         skipped = node if k == 0 else 0
@@ -55,6 +69,7 @@ def stack(p: int, layers: int, *, contact: bool, held: bool, sides: int = 2) -> 
             (slice(i * side + skipped, i * side + count), slice(i * far + start, i * far + stop))
             for i in range(sides)
         ]
+        # The contact node of each line and the inner contact nodes stand between the lines.
         if k == 0 and contact:
             corners = [
                 (slice(node), slice(line, line + node)),
@@ -64,10 +79,14 @@ def stack(p: int, layers: int, *, contact: bool, held: bool, sides: int = 2) -> 
                 *corners[:sides],
                 (slice(own, own + edge), slice(line + node, line + node + edge)),
             ]
-        a, b = (k == 0 and contact) * edge, (2 - (k + 1 == layers and held)) * edge
+        # The inner nodes of a held edge do not move, and those of the contact are kept.
+        first_edge = (k == 0 and contact) * edge
+        last_edge = (2 - (k + 1 == layers and held)) * edge
         above = (k - contact) * edge
         kept.append(tuple(places))
-        inside.append((slice(own + a, own + b), slice(above + a, above + b)))
+        in_element = slice(own + first_edge, own + last_edge)
+        in_column = slice(above + first_edge, above + last_edge)
+        inside.append((in_element, in_column))
     return Stack(
         tuple(kept),
         tuple(inside),
@@ -78,37 +97,49 @@ def stack(p: int, layers: int, *, contact: bool, held: bool, sides: int = 2) -> 
 
 
 def columns(elements: Floats, of: Stack, loads: Floats | None = None) -> Floats:
-    """Columns (c, n, n) of condensed elements (layers, c, m, m), without what is inside them.
+    """The stiffness (c, n, n) of columns, without their inner unknowns.
 
-    loads (c, k, l): unit loads on the k unknowns of the innermost edge, of one side; they become l
-    extra unknowns.
+    Parameters
+    ----------
+    elements : (layers, c, m, m) stiffness of condensed elements
+    of : where the unknowns of the elements are
+    loads : (c, k, l) unit loads on the k unknowns of the innermost edge, of one side; they become
+        l extra unknowns
     """
-    count, extra = elements.shape[1], 0 if loads is None else loads.shape[2]
-    K = np.zeros((count, extra + of.sides, extra + of.sides))
-    C = np.zeros((count, of.rest, extra + of.sides))
+    count = elements.shape[1]
+    extra = 0 if loads is None else loads.shape[2]
+    size = extra + of.sides
+    K = np.zeros((count, size, size))
+    C = np.zeros((count, of.rest, size))
     inner = np.zeros((count, of.rest, of.rest))
     sides, coupling = K[:, extra:, extra:], C[:, :, extra:]
     for part, kept, inside in zip(elements, of.kept, of.inside, strict=True):
-        for places, others, target in (
-            (kept, kept, sides),
-            ([inside], kept, coupling),
-            ([inside], [inside], inner),
-        ):
-            for own, at in places:
-                for other, to in others:
-                    view = target[:, at, to]  # target[...] += would look it up twice
-                    view += part[:, own, other]
+        _add(part, kept, kept, sides)
+        _add(part, (inside,), kept, coupling)
+        _add(part, (inside,), (inside,), inner)
     if loads is not None:
         at = slice(extra + of.line - 2, extra + of.line)
         K[:, at, :extra] = -loads[:, :2]
         K[:, :extra, at] = -loads[:, :2].transpose(0, 2, 1)
         C[:, of.rest - loads.shape[1] + 2 :, :extra] = -loads[:, 2:]
-    return without_each(K, C, inner)
+    return schur_complements(K, C, inner)
 
 
-class Piece(NamedTuple):
-    """Stiffness `K` (n, n) of a column or of several merged, and how many unknowns its `left` and
-    `right` line have.
+def _add(
+    part: Floats, rows: Sequence[UnknownsAt], columns_: Sequence[UnknownsAt], target: Floats
+) -> None:
+    """Add blocks of the elements `part` (c, m, m) of one layer to the columns `target`."""
+    for own, at in rows:
+        for other, to in columns_:
+            # target[...] += would look the view up twice.
+            view = target[:, at, to]
+            view += part[:, own, other]
+
+
+class ColumnSubstructure(NamedTuple):
+    """The stiffness `K` (n, n) of one column or of several assembled ones.
+
+    `left` and `right` are the numbers of unknowns of the left and the right line.
     """
 
     K: Floats
@@ -116,21 +147,27 @@ class Piece(NamedTuple):
     right: int
 
 
-def merge(A: Piece, B: Piece, shared: int, extra: int = 0) -> Piece:
-    """Neighbouring pieces as one, without the line between them; they share the last and first
-    `shared` unknowns of their contacts.
+def assembled_pair(
+    A: ColumnSubstructure, B: ColumnSubstructure, shared: int, extra: int = 0
+) -> ColumnSubstructure:
+    """Two neighbouring substructures as one, without the line between them.
+
+    Parameters
+    ----------
+    A, B : the left and the right substructure
+    shared : number of unknowns at the end of A's contact that are the first of B's
+    extra : number of extra unknowns, which both share
     """
+    # In A the line stands behind `before`, and in B it ends at `beyond`.
     line = A.right
-    before, beyond = (
-        len(A.K) - line,
-        extra + line,
-    )  # of A: where the line begins, of B: where it ends
+    before, beyond = len(A.K) - line, extra + line
     n = before - shared + len(B.K) - beyond
     K, C = np.zeros((n, n)), np.zeros((line, n))
     rest = slice(before - shared, None)
     K[:before, :before] = A.K[:before, :before]
     C[:, :before] = A.K[before:, :before]
-    own, coupling = K[rest, rest], C[:, rest]  # K[...] += would write them twice
+    # K[...] += would write the views twice.
+    own, coupling = K[rest, rest], C[:, rest]
     own += B.K[beyond:, beyond:]
     coupling += B.K[extra:beyond, beyond:]
     if extra:
@@ -138,18 +175,20 @@ def merge(A: Piece, B: Piece, shared: int, extra: int = 0) -> Piece:
         K[:extra, rest] += B.K[:extra, beyond:]
         K[rest, :extra] += B.K[beyond:, :extra]
         C[:, :extra] += B.K[extra:beyond, :extra]
-    return Piece(
-        without(K, C, A.K[before:, before:] + B.K[extra:beyond, extra:beyond]), A.left, B.right
-    )
+    inner = A.K[before:, before:] + B.K[extra:beyond, extra:beyond]
+    return ColumnSubstructure(schur_complement(K, C, inner), A.left, B.right)
 
 
-def merged(pieces: Sequence[Piece], shared: int, extra: int = 0) -> Piece:
-    """One piece of all, in their order.
+def assembled(
+    pieces: Sequence[ColumnSubstructure], shared: int, extra: int = 0
+) -> ColumnSubstructure:
+    """All substructures of a row as one; `shared` and `extra` are as of `assembled_pair`.
 
-    The neighbours that make the smallest piece go first: that is within a few percent of the fewest
-    multiplications. Equal pairs, of the same two objects, are merged once.
+    The neighbours that make the smallest substructure go first, which takes within a few percent of
+    the fewest multiplications. Equal pairs, of the same two objects, are assembled once.
     """
-    found, first = list(pieces), dict[int, int]()
+    found = list(pieces)
+    first = dict[int, int]()
     row = [first.setdefault(id(piece), k) for k, piece in enumerate(pieces)]
     made: dict[tuple[int, int], int] = {}
 
@@ -162,31 +201,36 @@ def merged(pieces: Sequence[Piece], shared: int, extra: int = 0) -> Piece:
         pair = row[k], row[k + 1]
         if pair not in made:
             made[pair] = len(found)
-            found.append(merge(found[pair[0]], found[pair[1]], shared, extra))
+            found.append(assembled_pair(found[pair[0]], found[pair[1]], shared, extra))
         row[k : k + 2] = [made[pair]]
+        # Only the sizes of the pairs with the new substructure change.
         near = max(k - 1, 0)
         sizes[near : k + 2] = sizes_of(row[near : k + 2])
     return found[row[0]]
 
 
-def closed(piece: Piece, end: Floats | None = None, part: int = 0, *, right: bool = False) -> Piece:
-    """A piece without its left or its right line, which has no neighbour.
+def without_line(
+    piece: ColumnSubstructure, end: Floats | None = None, part: int = 0, *, right: bool = False
+) -> ColumnSubstructure:
+    """The Schur complement of a substructure without a line at its end, which has no neighbour.
 
-    end (l + part, l + part): stiffness of what hangs on the last `part` unknowns of the line, with
-    l unknowns of its own, which come to stand in the place of the line: on [own | part] on the
-    left, [part | own] on the right.
+    Parameters
+    ----------
+    piece : the substructure
+    end : (l + part, l + part) stiffness of a body that hangs on the line; its l own unknowns come
+        to stand in the place of the line, on [own | part] on the left, [part | own] on the right
+    part : number of the last unknowns of the line that the body hangs on
+    right : whether the right line goes, not the left one
     """
-    own, n, line = (
-        0 if end is None else len(end) - part,
-        len(piece.K),
-        piece.right if right else piece.left,
-    )
-    rest, gone = (slice(n - line), slice(n - line, n)) if right else (slice(line, n), slice(line))
-    K, C, inner = (
-        np.zeros((own + n - line,) * 2),
-        np.zeros((line, own + n - line)),
-        piece.K[gone, gone].copy(),
-    )
+    own = 0 if end is None else len(end) - part
+    n, line = len(piece.K), piece.right if right else piece.left
+    if right:
+        rest, gone = slice(n - line), slice(n - line, n)
+    else:
+        rest, gone = slice(line, n), slice(line)
+    size = own + n - line
+    K, C = np.zeros((size, size)), np.zeros((line, size))
+    inner = piece.K[gone, gone].copy()
     at = slice(n - line) if right else slice(own, None)
     K[at, at], C[:, at] = piece.K[rest, rest], piece.K[gone, rest]
     if end is not None:
@@ -195,17 +239,20 @@ def closed(piece: Piece, end: Floats | None = None, part: int = 0, *, right: boo
         K[at, at] += end[ends, ends]
         C[line - part :, at] += end[on, ends]
         inner[line - part :, line - part :] += end[on, on]
-    without(K, C, inner)
-    return Piece(K, piece.left, 0) if right else Piece(K, 0, piece.right)
+    schur_complement(K, C, inner)
+    if right:
+        return ColumnSubstructure(K, piece.left, 0)
+    return ColumnSubstructure(K, 0, piece.right)
 
 
 def turned(K: Floats, angle: Floats) -> Floats:
-    """K (n, n) with the components of each node in directions turned by its angle (n/2,) [rad]."""
+    """K (n, n) with each node's components in directions turned by the node's angle (n/2,) [rad]."""
     return turned_rows(turned_rows(K, angle).T, angle)
 
 
 def turned_rows(V: Floats, angle: Floats) -> Floats:
-    """Rows of vectors V (..., m, n), x and y of a node together, in directions turned by its angle
-    (..., n/2).
+    """Vectors V (..., m, n) with each node's components in directions turned by the node's angle.
+
+    Each row has x and y of a node together; the angles (..., n/2) are in rad.
     """
     return (np.ascontiguousarray(V).view(complex) * np.exp(-1j * angle)[..., None, :]).view(float)

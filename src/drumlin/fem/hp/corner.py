@@ -21,34 +21,38 @@ from drumlin.response.response import Response, ShoeResponse, singular_zone
 from drumlin.response.resultants import edge_left_out, gauss_points, lobatto
 
 LEAST_ROOT = 1e-3
-"""Smallest 1 + a that is looked for. At one half p is not square-integrable any more, which needs a
-friction of 0.57 to 0.61 on a rigid drum."""
+"""Smallest 1 + a of a power a that is looked for. At 1 + a = 1/2 p ceases to be square-integrable,
+which takes a friction coefficient of 0.57 to 0.61 on a rigid drum.
+"""
 SMOOTH = 1e-3
-"""Size of a below which p counts as bounded at the corner. A column of a thousandth of the contact
-leaves 4e-6 of x^-0.001 at degree 7; and x^a is too near to a constant to tell them apart."""
+"""Absolute value of the power a below which p counts as bounded at the corner. A column of a
+thousandth of the contact leaves an error of 4e-6 of x^-0.001 at degree 7, and smaller powers are too
+near to a constant to tell both apart.
+"""
 
 ROOTS_TRIED = 200
-"""Powers between which the determinant of an orthotropic corner is searched for a change of sign.
+"""Number of powers between which the determinant of an orthotropic corner is searched for a change
+of sign. Two roots between neighbouring powers would be missed.
 """
 
 NEAR_CORNER = 2e-3
-"""Part of a contact in which p gives way to the power of its corner: three or four columns.
+"""Part of a contact in which p is replaced by the power of its corner: three or four columns.
 
-The one next to the corner, and a little the next, feel that no polynomial is a power; columns that
-are farther feel the rest of the lining. On two brakes the error of p was the same with three to six
-columns, with one 10 to 30 times as large.
+The column next to the corner, and a little the next one, suffer from no polynomial being a power;
+columns farther away feel the rest of the lining. On two brakes the error of p was the same with
+three to six columns, and 10 to 30 times as large with one.
 """
 SMALLEST_PIECE = 1e-12
-"""Angle [rad] of the piece of p next to the corner. Angles of 3 rad are known to 4e-16, and the
-nodes of a piece of degree 7 are a sixteenth of it apart.
+"""Length [rad] of the piece of p next to the corner. Angles of 3 rad are known to 4e-16, and the
+nodes of a piece of degree 7 are a sixteenth of its length apart.
 """
 PIECE_RATIO = 0.4
-"""Ratio of the sizes of neighbouring pieces of p at a corner: polynomials of degree 5 follow a
-power to about 1e-4 on each.
+"""Ratio of the lengths of neighbouring pieces of p at a corner. Polynomials of degree 5 follow a
+power to about 1e-4 on each piece; a larger ratio takes more pieces.
 """
 
 AT_TIP = 1e-9
-"""Angle [rad] up to which columns end at a tip: places are there but for round-off."""
+"""Distance [rad] from a tip below which columns count as ending there; the rest is round-off."""
 
 
 @cache
@@ -100,8 +104,7 @@ def corner_power(inward: float, nu: float, softness: float = 0.0, nu_drum: float
 def orthotropic_corner_power(
     inward: float, material: AnyMaterial, drum: AnyMaterial | None = None, wider: float = 1.0
 ) -> float:
-    """As `corner_power`, of materials that may be orthotropic, along and square to the drum's
-    surface.
+    """The power a of `corner_power` for orthotropic materials, along and square to the drum.
 
     Stresses are 2 Re sum_k (mu_k^2, 1, -mu_k) l c_k z_k^(l - 1) with z_k = x + mu_k y and the roots
     mu_k of Lekhnitskii's equation (Anisotropic Plates, section 19). Two conditions on the free
@@ -120,7 +123,9 @@ def orthotropic_corner_power(
         Width of the lining over that of the ring.
     """
     own, unit = _compliances(material), material.E_through
-    mu = np.sqrt(np.roots([own.along, 2 * own.mixed + own.shear, own.through]).astype(complex))
+    # Lekhnitskii's roots with positive imaginary part.
+    squares = np.roots([own.along, 2 * own.mixed + own.shear, own.through])
+    mu = np.sqrt(squares.astype(complex))
     mu = np.where(mu.imag < 0, -mu, mu)
     slopes = own.mixed * mu + own.through / mu
     of_drum = None if drum is None else _compliances(drum)
@@ -158,6 +163,7 @@ class _Compliances(NamedTuple):
 
 
 def _compliances(material: AnyMaterial) -> _Compliances:
+    """The compliances of a material in plane stress."""
     mixed = -material.nu_along_through / material.E_along
     return _Compliances(
         1 / material.E_along, 1 / material.E_through, mixed, 1 / material.G_along_through
@@ -165,52 +171,59 @@ def _compliances(material: AnyMaterial) -> _Compliances:
 
 
 def powers_of(brake: Brake, index: int) -> tuple[float, float]:
-    """The powers of p at both ends of the lining of shoe `index`, along its own angles."""
+    """The powers of p at both ends of the lining of shoe `index`, by the shoe's own angles."""
     shoe, ring = brake.shoes[index], brake.ring
-    own, inward = shoe.lining, brake.drag_on(shoe)
+    lining, inward = shoe.lining, brake.drag_on(shoe)
     drum = None if ring is None else ring.section
-    materials = [own.material] if drum is None else [own.material, drum.material]
+    materials = [lining.material] if drum is None else [lining.material, drum.material]
     if any(has_directions(elasticity_matrix(material)) for material in materials):
-        wider, behind = (1.0, None) if drum is None else (own.width / drum.width, drum.material)
-        directed = [
-            orthotropic_corner_power(f, own.material, behind, wider) for f in (inward, -inward)
-        ]
-        return directed[0], directed[1]
+        wider = 1.0 if drum is None else lining.width / drum.width
+        behind = None if drum is None else drum.material
+        at_start = orthotropic_corner_power(inward, lining.material, behind, wider)
+        at_end = orthotropic_corner_power(-inward, lining.material, behind, wider)
+        return at_start, at_end
     softness = nu_drum = 0.0
     if drum is not None:
-        softness = own.material.E_along * own.width / (drum.material.E_along * drum.width)
+        lining_stiffness = lining.material.E_along * lining.width
+        softness = lining_stiffness / (drum.material.E_along * drum.width)
         nu_drum = drum.material.nu_along_through
-    nu = own.material.nu_along_through
-    at_start, at_end = (corner_power(f, nu, softness, nu_drum) for f in (inward, -inward))
+    nu = lining.material.nu_along_through
+    at_start = corner_power(inward, nu, softness, nu_drum)
+    at_end = corner_power(-inward, nu, softness, nu_drum)
     return at_start, at_end
 
 
 def left_by_power(power: float, degree: int) -> float:
-    """Distance in L2 of x^power from the polynomials of a degree on [0, 1], relative to its own
-    norm.
+    """Distance in L2 of x^power from the polynomials of a degree on [0, 1], relative to its norm.
 
-    Closed form of Muntz: the product of |a - k|/(a + k + 1) over k = 0 to the degree. power: above
-    -1/2.
+    The closed form is that of Muntz: the product of |a - k|/(a + k + 1) over k = 0 to the degree.
+    The power must be above -1/2.
     """
     return math.prod(abs(power - k) / (power + k + 1) for k in range(degree + 1))
 
 
 def tip_size(length: float, degree: int, error: float) -> float:
-    """Size of the columns on both sides of a tip [rad] that leave an error in L2 of this part of
-    the norm of p.
+    """Size of the columns [rad] on both sides of a tip that leave a given error of p in L2.
 
-    length [rad]: (N/c)^2 for a pressure of the norm N [Pa rad^0.5] that goes as c ln(1/x). What a
-    polynomial leaves of ln x on [0, 1] is 1/(degree + 1), by the sum of its Legendre coefficients.
+    A polynomial leaves an error of 1/(degree + 1) of ln x on [0, 1], by the sum of its Legendre
+    coefficients.
+
+    Parameters
+    ----------
+    length : (N/c)^2 [rad] for a pressure of the norm N [Pa rad^0.5] that goes as c ln(1/x)
+    degree : of the columns
+    error : relative to the norm of p
     """
     return 0.5 * length * (error * (degree + 1)) ** 2
 
 
 def with_powers(brake: Brake, found: Response) -> Response:
-    """The response with p as the power of the corner in the columns next to pressed corners.
+    """The response with p given by the corner's power in the columns next to pressed corners.
 
-    Only of contacts so short that the zone at the lining's ends counts, see `edge_left_out`: else
-    nobody looks there. A column leaves (its size)^(a + 1/2) of p, which falls slowly; the power
-    that has the force and the moment of a few columns has their p far more exactly.
+    It changes contacts that are so short that the zone at the lining's ends counts, see
+    `edge_left_out`; elsewhere p at the corner is not judged. A column leaves an error of its size
+    to the power a + 1/2, which falls slowly. The power function that has the force and the moment
+    of a few columns is far more exact there.
     """
     shoes = tuple(_with_powers(brake, i, shoe) for i, shoe in enumerate(found.shoes))
     same = all(one is other for one, other in zip(shoes, found.shoes, strict=True))
@@ -218,13 +231,14 @@ def with_powers(brake: Brake, found: Response) -> Response:
 
 
 def _with_powers(brake: Brake, index: int, found: ShoeResponse) -> ShoeResponse:
+    """The response of one shoe, as `with_powers`."""
     for at_start, power in steep_corners(brake, index, found):
         found = _with_power(found, power, brake.unit, at_start=at_start)
     return found
 
 
 class NodalPressure(Protocol):
-    """The pressure of a shoe: see `ShoeResponse`."""
+    """The nodal pressure of a shoe, see `ShoeResponse`."""
 
     @property
     def theta(self) -> Floats:
@@ -240,15 +254,15 @@ class NodalPressure(Protocol):
 
 
 def steep_corners(brake: Brake, index: int, found: NodalPressure) -> list[tuple[bool, float]]:
-    """The pressed corners of a shoe at which p has no bound and counts: whether each is where theta
-    begins, and the power of p."""
+    """The pressed corners of a shoe at which p is unbounded and counts.
+
+    Each is given by whether it lies where theta begins, and by the power of p.
+    """
     theta, p = found.theta, found.pressure
     if max(p[0], p[-1]) <= 0:
         return []
-    if (
-        edge_left_out(theta, p, found.order, singular_zone(float(theta[-1] - theta[0]), brake.unit))
-        > 0
-    ):
+    zone = singular_zone(float(theta[-1] - theta[0]), brake.unit)
+    if edge_left_out(theta, p, found.order, zone) > 0:
         return []
     powers = powers_of(brake, index)[:: brake.shoes[index].frame.sense]
     pressed = ((True, p[0], powers[0]), (False, p[-1], powers[1]))
@@ -256,6 +270,7 @@ def steep_corners(brake: Brake, index: int, found: NodalPressure) -> list[tuple[
 
 
 def _with_power(found: ShoeResponse, power: float, unit: float, *, at_start: bool) -> ShoeResponse:
+    """The response of a shoe with the `power` at one of its corners, see `power_at_corner`."""
     corner = float(found.theta[0 if at_start else -1])
     arc = next((b - a for a, b in found.contact_arcs if corner in {a, b}), 0.0)
     theta, pressure = power_at_corner(
@@ -280,11 +295,10 @@ def power_at_corner(
     at_start: bool,
     unit: float = 1.0,
 ) -> tuple[Floats, Floats]:
-    """A pressure whose pieces next to a corner give way to c x^power + d + e x, x the distance from
-    it.
+    """Nodes and values of a pressure with c x^power + d + e x near a corner, at the distance x.
 
-    That has the force and the moment of the pieces that it takes the place of, and p where they
-    end. It comes on pieces of the same order that shrink towards the corner.
+    The new pieces have the force and the moment of the pieces that they replace, and p where these
+    end. They have the same order and shrink towards the corner.
 
     Parameters
     ----------
@@ -310,8 +324,8 @@ def power_at_corner(
     nodes[-1] = x[last]
     ways = np.array([_power_at(nodes, power, order), np.ones_like(nodes), nodes / x[last]])
     matrix = np.array([[*_force_and_moment(nodes, way, order), way[-1]] for way in ways]).T
-    kept = [*_force_and_moment(x[: last + 1], p[: last + 1], order), p[last]]
-    fitted = np.linalg.solve(matrix, kept) @ ways
+    conditions = [*_force_and_moment(x[: last + 1], p[: last + 1], order), p[last]]
+    fitted = np.linalg.solve(matrix, conditions) @ ways
     return (
         np.concatenate([angles[:-1], theta[::sign][last:]])[::sign],
         np.concatenate([fitted[:-1], p[last:]])[::sign],
@@ -319,7 +333,7 @@ def power_at_corner(
 
 
 def _pieces(length: float, order: int, smallest: float) -> Floats:
-    """Nodes (n,) from 0 to a length [rad] of pieces that shrink to the `smallest` towards 0."""
+    """Nodes (n,) of pieces from 0 to a `length` [rad] that shrink to the `smallest` towards 0."""
     count = math.ceil(math.log(smallest / length) / math.log(PIECE_RATIO))
     ends = np.append(0.0, length * PIECE_RATIO ** np.arange(count, -1, -1))
     inner = ends[:-1, None] + np.diff(ends)[:, None] * 0.5 * (1 + lobatto(order)[:-1])
@@ -327,8 +341,9 @@ def _pieces(length: float, order: int, smallest: float) -> Floats:
 
 
 def _power_at(x: Floats, power: float, order: int) -> Floats:
-    """(x/x[-1])^power at the nodes x (n,), in the piece at 0 the polynomial that is next to it in
-    L2.
+    """The function (x/x[-1])^power at the nodes x (n,).
+
+    In the piece at 0 the values are those of the nearest polynomial in L2.
     """
     found = np.empty_like(x)
     found[order:] = (x[order:] / x[-1]) ** power
@@ -342,14 +357,15 @@ def _power_at(x: Floats, power: float, order: int) -> Floats:
 
 
 def _force_and_moment(x: Floats, p: Floats, order: int) -> tuple[float, float]:
-    """Integrals of p and of p x over x, this one in parts of the last x."""
+    """The integrals of p and of p x over x; the second one is relative to the last x."""
     at, value, weight = gauss_points(x, p, order)
     return float(np.sum(value * weight)), float(np.sum(value * weight * at)) / float(x[-1])
 
 
 def left_at_corners(brake: Brake, index: int, found: NodalPressure) -> float:
-    """What the piece of p next to each pressed corner of a shoe leaves of a power, in L2, relative
-    to p: the pieces are as small as angles allow. 1 where p is not square-integrable.
+    """The error of p in L2, relative to p, that the smallest pieces at pressed corners leave.
+
+    The pieces are as small as angles allow. The error is 1 where p is not square-integrable.
     """
     left = 0.0
     _, p, weight = gauss_points(found.theta, found.pressure, found.order)
@@ -363,23 +379,25 @@ def left_at_corners(brake: Brake, index: int, found: NodalPressure) -> float:
 
 
 def tip_rises(shoe: Shoe, scale_factor: float) -> list[tuple[float, float]]:
-    """Where the gap of a lining has tips: the place, and the c [Pa] of p = c ln(1/x) under it.
+    """The tips of a lining's gap: position, and the c [Pa] of p = c ln(1/x) under each.
 
-    c = E s/(2 pi), of a half-plane whose slope changes by s.
+    c = E s/(2 pi), as of a half-plane whose slope changes by s.
     """
     half_plane = shoe.lining.material.E_half_plane / (2 * math.pi * scale_factor)
     return [(angle, half_plane * slope) for angle, slope in clearance.tips(shoe.lining)]
 
 
 def left_under_tips(shoe: Shoe, scale_factor: float, found: ShoeResponse) -> float:
-    """What the columns on both sides of pressed tips of the gap leave of p = c ln(1/x), in L2,
-    relative to p: see `tip_size`.
+    """The error of p in L2, relative to p, that the columns at pressed tips of the gap leave.
+
+    See `tip_size`.
     """
     theta, p, order = found.theta, found.pressure, found.order
     ends, pressed, left = theta[::order], p[::order] > 0, 0.0
     for angle, rise in tip_rises(shoe, scale_factor):
         k = int(np.abs(ends - angle).argmin())
-        if 0 < k < len(ends) - 1 and abs(ends[k] - angle) < AT_TIP * shoe.frame.unit and pressed[k]:
+        inner = 0 < k < len(ends) - 1
+        if inner and abs(ends[k] - angle) < AT_TIP * shoe.frame.unit and pressed[k]:
             left += rise**2 * float(ends[k + 1] - ends[k - 1]) / (order + 1) ** 2
     _, value, weight = gauss_points(theta, p, order)
     size = float(np.sum(weight * value**2))

@@ -1,10 +1,9 @@
-"""How a shoe is divided into columns along its lining and layers through its thickness.
+"""The division of a shoe into columns along its lining and layers through its thickness.
 
-Sizes grow geometrically away from the places where the stress is not smooth: the lining's ends, the
-ends of the contact and kinks of its gap, the interfaces of layers where these end, and the corners
-at the face that the hinge holds. With the degree that makes the error fall exponentially (Babuska &
-Guo 1986; Schwab, p- and hp-Finite Element Methods, ch.
-4).
+Sizes grow geometrically away from singular points, where the stress is not smooth: the lining's
+ends, the ends of the contact and kinks of its gap, the interfaces of layers where these end, and
+the corners at the face that the hinge holds. Together with the degree the grading makes the error
+fall exponentially (Babuska & Guo 1986; Schwab, p- and hp-Finite Element Methods, ch. 4).
 """
 
 import math
@@ -24,37 +23,42 @@ from drumlin.fem.hp.corner import tip_size
 from drumlin.response.response import EDGE_ZONE
 
 FINEST = 1e-5
-"""Smallest column or layer, in parts of the lining's thickness. The stiffness of smaller ones loses
-more digits to round-off than they resolve of p; larger ones leave the ends of the shortest contacts
-unresolved, see `adapt.SHORTEST`."""
+"""Smallest size of a column or layer, relative to the lining's thickness. The stiffness of smaller
+ones loses more digits to round-off than they resolve of p. Larger ones leave the ends of the
+shortest contacts unresolved, see `adapt.SHORTEST`.
+"""
 SAME = 1e-3
-"""Distance of an end of the contact from the lining's end up to which it counts as reaching the
-lining's end, in parts of the contact's length. An open gap that is longer has columns of its own.
+"""Distance of an end of the contact from the lining's end, relative to the contact's length, below
+which the contact counts as reaching the lining's end. A longer open gap has columns of its own.
 """
 SHARPEST = 1e-7
-"""Smallest columns and layers at a tip of the gap, in parts of the lining's thickness.
+"""Smallest size of columns and layers at a tip of the gap, relative to the lining's thickness.
 
 Columns of a size w through layers of the thickness t lose about 1e-16 (t/w)^2 of p in the column
-itself, and so some 1e-6 of p in L2 at 2e-7 of t. FINEST, which holds for all other places, would
-leave 1e-3 of p under a tip, whose error in L2 falls as the root of w.
+itself, and so some 1e-6 of p in L2 at w = 2e-7 t. FINEST, which holds at all other points, would
+leave an error of 1e-3 of p under a tip, whose error in L2 falls as the root of w.
 """
 CORNER_SIZE = 1e-4
-"""Size of columns and layers at a pressed corner where p has no bound, in parts of its contact.
+"""Size of columns and layers at a pressed corner where p is unbounded, relative to the contact.
 
-Nearer to the corner p is the power of the corner, see `corner.with_powers`. At 1e-3 the second
-level of two brakes had 2.5 times the error of p; at 1e-5 it had the same on a sixth more unknowns.
-Columns that are 0.03 of the contact or more feel the rest of it, not the power alone.
+Nearer to the corner p is given by the power of the corner, see `corner.with_powers`. With 1e-3 the
+error of p on the second level of two brakes was 2.5 times as large; with 1e-5 it was the same, on a
+sixth more unknowns. Columns of 0.03 of the contact or more feel the rest of the contact, not the
+power alone.
 """
 CORNER_COUNTS = 6 * EDGE_ZONE
-"""Length of a contact [rad] up to which the corner that it reaches is divided for its own sake.
-Half the force of a longer one is beyond EDGE_ZONE from the corner, and p is judged there alone.
+"""Length of a contact [rad] up to which the corner that it reaches is graded for its own sake. Half
+the force of a longer contact is farther than EDGE_ZONE from the corner, and only p there is judged.
 """
 
 
-class Kind(IntEnum):
-    """What is not smooth at a place: the pressure at an end of the contact; the slope of the gap;
-    its curvature, at the ends of a step between blocks; that too, but where nothing presses; the
-    slope of the gap where it points to the drum, and p rises without end."""
+class Singularity(IntEnum):
+    """The kind of a singular point: which function is not smooth there.
+
+    END: the pressure, at an end of the contact. KINK: the slope of the gap. STEP: the curvature of
+    the gap at an end of a step between blocks. OPEN_STEP: the same where no pressure acts. TIP: the
+    slope of the gap where the gap points to the drum, and p is unbounded.
+    """
 
     END = 0
     KINK = 1
@@ -63,13 +67,17 @@ class Kind(IntEnum):
     TIP = 4
 
 
-Place = tuple[float, float, int]
-"""Its phi [rad], the length over which the pressure changes there [rad], its Kind. The length of a
-tip is that of `corner.tip_size`."""
+SingularPoint = tuple[float, float, int]
+"""A singular point: its phi [rad], the length over which the pressure changes there [rad], and its
+`Singularity`. The length of a tip is that of `corner.tip_size`."""
 
 
-class Mark(NamedTuple):
-    """Where columns end, at phi, their size there [rad] and the ratio by which they grow."""
+class GradingPoint(NamedTuple):
+    """A grading point: an end of columns at phi [rad].
+
+    `size` is the size of the columns next to the point [rad], and `ratio` that of neighbouring
+    columns, which grow away from it by 1/ratio.
+    """
 
     at: float
     size: float
@@ -78,7 +86,7 @@ class Mark(NamedTuple):
 
 @dataclass(frozen=True)
 class Level:
-    """How finely a body is divided. Sizes next to singular places, as parts of the length that
+    """How finely a body is divided. Sizes next to singular points, as parts of the length that
     rules there:
 
     `zone`: columns and layers at the lining's ends at its face, of EDGE_ZONE, columns where this is
@@ -113,22 +121,26 @@ class Level:
 
 
 @dataclass(frozen=True)
-class Layer:
-    """A layer: the part it belongs to and its thickness [m]."""
+class ShoeLayer:
+    """A layer of a shoe: the `part` that it belongs to and its `thickness` [m]."""
 
     part: str
     thickness: float
 
 
 @dataclass(frozen=True)
-class Division:
-    """Columns and layers of a shoe.
+class ShoeDivision:
+    """The columns and layers of a shoe.
 
-    `angles` (m + 1,) phi [rad]: ends of the columns under the lining; `before`, `after`: of those
-    of the body beyond it, starting at the lining; `depths` (l + 1,): ends of the layers, from the
-    contact inwards, of an arc [m], of a beam in layers; `part` (l,): what each layer belongs to;
-    `sharp` [m]: size of the layer at the face where p has no bound at a corner or under a tip and
-    asks for a thin one, inf elsewhere.
+    Attributes
+    ----------
+    degree : of the elements
+    angles : (m + 1,) phi of the ends of the columns under the lining [rad]
+    before, after : the same of the columns of the body beyond the lining, starting at the lining
+    depths : (l + 1,) ends of the layers from the contact inwards, of an arc [m], of a beam in layers
+    part : (l,) the part that each layer belongs to
+    sharp : size [m] of the layer at the face where an unbounded p, at a corner or under a tip, asks
+        for a thin one; inf elsewhere
     """
 
     degree: int
@@ -141,9 +153,14 @@ class Division:
 
     @property
     def key(self) -> tuple[int, bytes, bytes, bytes, bytes]:
-        """Equal for equal divisions of a shoe."""
-        ends = self.angles, self.before, self.after, self.depths
-        return self.degree, *(each.tobytes() for each in ends)  # type: ignore[return-value]
+        """A key that is equal for equal divisions of a shoe."""
+        return (
+            self.degree,
+            self.angles.tobytes(),
+            self.before.tobytes(),
+            self.after.tobytes(),
+            self.depths.tobytes(),
+        )
 
     @property
     def layers(self) -> int:
@@ -152,12 +169,14 @@ class Division:
 
     @property
     def first(self) -> int:
-        """The first layer that goes on beyond the lining, that of the body; `layers` of a rigid
-        shoe.
+        """The first layer that continues beyond the lining, that of the body.
+
+        It is the number of layers for a rigid shoe, none of whose layers continues.
         """
-        return next(
-            (i for i, part in enumerate(self.part) if part in {"table", "shoe"}), len(self.part)
-        )
+        for i, part in enumerate(self.part):
+            if part in {"table", "shoe"}:
+                return i
+        return len(self.part)
 
     @property
     def contact_nodes(self) -> int:
@@ -166,7 +185,7 @@ class Division:
 
     @property
     def unknowns(self) -> int:
-        """Number of displacement unknowns."""
+        """Number of degrees of freedom."""
         p, beyond = self.degree, self.layers - self.first
         under = (self.layers * p + 1) * self.contact_nodes
         over = (beyond * p + 1) * p * (len(self.before) + len(self.after) - 2) if beyond else 0
@@ -181,8 +200,15 @@ def graded(
     largest: float,
     beyond: float | None = None,
 ) -> list[float]:
-    """Sizes over `length` that grow by 1/ratio from `left` and by 1/beyond, where given, from
-    `right` at its ends; even ones up to `largest` between.
+    """Sizes of pieces of a `length` that grow from both of its ends, with equal ones between.
+
+    Parameters
+    ----------
+    length : the length
+    left, right : sizes at both ends
+    ratio : sizes grow by 1/ratio from the left end, and from the right without `beyond`
+    largest : size of the equal pieces that is not exceeded
+    beyond : sizes grow by 1/beyond from the right end
     """
     beyond = beyond or ratio
     first: list[float] = []
@@ -203,12 +229,11 @@ def graded(
 
 
 def faded(part: float, distance: float, *, fades: bool) -> float:
-    """The part of a length to which a corner is divided, at a distance from the contact in lengths
-    of the contact.
+    """The relative size at a corner, at a distance from the contact in lengths of the contact.
 
-    Stresses fall at least as the inverse distance beyond a short contact. A corner may be so much
-    coarser there, up to a whole length, if it `fades`. In powers of two, as the columns at the ends
-    of the contact: see `_mark`.
+    Beyond a short contact stresses fall at least as the inverse distance. If it `fades`, a corner
+    may be coarser by the distance, up to a whole length. The size grows in powers of two, so that
+    the bodies of nearly equal contacts are the same.
     """
     if not fades:
         return part
@@ -216,131 +241,89 @@ def faded(part: float, distance: float, *, fades: bool) -> float:
 
 
 def ends_of(sizes: Sequence[float], start: float, end: float) -> Floats:
-    """Where pieces of these sizes from start on end; the last one at `end`."""
+    """The ends (m + 1,) of pieces of these sizes from `start` on; the last one is `end`."""
     return np.append(start + np.concatenate([[0.0], np.cumsum(sizes[:-1])]), end)
 
 
-def layers_of(shoe: Shoe, radius: float) -> list[Layer]:
-    """The layers of a shoe from the contact inwards; the block of a straight beam with its least
-    thickness.
+def layers_of(shoe: Shoe, radius: float) -> list[ShoeLayer]:
+    """The layers of a shoe from the contact inwards.
+
+    The block between the lining and a straight beam has its least thickness.
     """
-    found = [Layer("lining", shoe.lining.thickness)]
+    layers = [ShoeLayer("lining", shoe.lining.thickness)]
     if isinstance(shoe.body, Beam):
         assert shoe.body.section is not None and shoe.backing is not None  # why_not
+        beam_thickness = shoe.body.section.thickness
         axis = axis_of(shoe.pin.xy, shoe.actuation.point.xy)
         ends = axis.angle(np.array([shoe.lining.start, shoe.lining.end]))
         nearest = 1.0 if ends.min() < 0 < ends.max() else float(np.cos(ends).max())
-        room = (
-            axis.distance
-            - shoe.body.section.thickness / 2
-            - (radius + shoe.lining.thickness) * nearest
-        )
-        return [*found, Layer("backing", room), Layer("shoe", shoe.body.section.thickness)]
+        back = radius + shoe.lining.thickness
+        block = axis.distance - beam_thickness / 2 - back * nearest
+        return [*layers, ShoeLayer("backing", block), ShoeLayer("shoe", beam_thickness)]
     if shoe.backing is not None:
-        found.append(Layer("backing", shoe.backing.thickness))
+        layers.append(ShoeLayer("backing", shoe.backing.thickness))
     if shoe.body is not None:
-        found += [Layer(name, plate.thickness) for name, plate in shoe.body.plates.items()]
-    return found
+        layers += [ShoeLayer(name, plate.thickness) for name, plate in shoe.body.plates.items()]
+    return layers
 
 
 def divide(
     shoe: Shoe,
     radius: float,
     level: Level,
-    places: Sequence[Place] = (),
+    places: Sequence[SingularPoint] = (),
     *,
     tip: bool = False,
     powers: tuple[float, float] = (0.0, 0.0),
-) -> Division:
-    """The division of a shoe. `places`, growing: where the pressure is not smooth; it may be
-    unbounded at a kink of the gap. An end of the lining that is known to bear nothing is graded as
-    the ends of other layers, all of them more coarsely beyond a contact that is short, see `faded`.
-    `tip`: whether it matters how far its loaded end goes, which then is graded too: the contact
-    feels only what force is there. `powers`: those of p at the lining's ends where they press, see
-    `corner.powers_of`.
+) -> ShoeDivision:
+    """The division of a shoe.
+
+    An end of the lining that is known to bear nothing is graded like the ends of other layers. All
+    of these are coarser beyond a short contact, see `faded`.
+
+    Parameters
+    ----------
+    shoe : the shoe
+    radius : of the drum [m]
+    level : degree and grading
+    places : singular points of the pressure, growing; p may be unbounded at a kink of the gap
+    tip : whether the position of the loaded end matters, which then is graded too; otherwise the
+        contact feels only the force there
+    powers : powers of p at the lining's ends where they press, see `corner.powers_of`
     """
-    start, end = shoe.arc
     layers = layers_of(shoe, radius)
-    t = layers[0].thickness / radius
-    scale = min(level.edge * min(t, 0.5 * (end - start)), level.zone * EDGE_ZONE)
-    contact = [x for x, _, kind in places if kind == Kind.END] or [start, end]
-    lengths = [length for _, length, kind in places if kind == Kind.END]
-    least, reached = FINEST * t, _reached(start, end, places)
-    pressed = max(*lengths, least) if lengths else end - start
-    # A column deeper than long bears a force down to its foot: corners there feel it.
-    deep = 2 * sum(layer.thickness for layer in layers) > radius * (end - start)
-    # The force of one short contact follows from balance. Where there are more on an elastic shoe,
-    # it depends on how the shoe bends, and far corners feel that too.
-    fades = not deep and (shoe.body is None or (len(lengths) == 2 and pressed < t))
-    beyond = contact[0] - start, end - contact[-1]
-    apart = [
-        max(0.5 * x, least) if x > 0 and math.isinf(length) else math.inf
-        for x, length in zip(beyond, reached, strict=True)
-    ]
-    left, right = (
-        min(
-            max(min(scale, away), faded(level.back, x / pressed, fades=fades) * min(t, x)),
-            max(level.edge * 0.5 * length, least),
-        )
-        for x, away, length in zip(beyond, apart, reached, strict=True)
-    )
-    corners = [
-        max(_corner(length, power), least) for length, power in zip(reached, powers, strict=True)
-    ]
-    left, right = min(left, corners[0]), min(right, corners[1])
-    marks = _marks(
-        Mark(start, left, level.ratio),
-        Mark(end, right, level.ratio),
-        [_mark(level, t, place, min(place[0] - start, end - place[0])) for place in places],
-    )
-    grip = shoe.grip(radius)
-    if grip is not None:
-        size = level.hinge * layers[-1].thickness / radius
-        kept = [
-            mark
-            for mark in marks[1:-1]
-            if min(abs(mark.at - x) for x in grip) > max(mark.size, size)
-        ]
-        marks = [marks[0], *sorted([*kept, *(Mark(x, size, level.ratio) for x in grip)]), marks[-1]]
-    angles = [
-        ends_of(graded(b.at - a.at, a.size, b.size, a.ratio, level.largest, b.ratio), a.at, b.at)[
-            :-1
-        ]
-        for a, b in pairwise(marks)
-    ]
-    near, far = _beyond(shoe, radius, start, end)
-    before, after = np.array([start]), np.array([end])
-    if layers[-1].part == "shoe":
-        body = layers[-1].thickness / radius
-        held = level.hinge * body
-        if start - near > 1e-9:
-            sizes = graded(start - near, left, held, level.ratio, max(body, level.largest))
-            before = start - ends_of(sizes, 0.0, start - near)
-        if far - end > 1e-9:
-            last = min(held, far - end) if tip else far - end
-            sizes = graded(far - end, right, last, level.ratio, max(body, level.largest))
-            after = end + ends_of(sizes, 0.0, far - end)
+    contact = _contact_of(shoe, radius, layers, places)
+    corners = _corners(contact, powers)
+    left, right = _end_sizes(shoe, level, contact, corners)
+    marks = _grading_points(shoe, radius, level, places, contact, (left, right))
+    angles = []
+    for a, b in pairwise(marks):
+        sizes = graded(b.at - a.at, a.size, b.size, a.ratio, level.largest, b.ratio)
+        angles.append(ends_of(sizes, a.at, b.at)[:-1])
+    before, after = _overhangs(shoe, radius, level, layers, (left, right), tip=tip)
+
     # Under a short contact the layer at the face is as thick as the columns at its ends are wide.
+    start, end = shoe.arc
+    t = contact.thickness
     face = min(
-        level.zone * min(EDGE_ZONE, t, end - start, *reached),
-        *(level.end * x for x in lengths),
+        level.zone * min(EDGE_ZONE, t, end - start, *contact.reached),
+        *(level.end * length for length in contact.lengths),
         math.inf,
     )
-    face = max(face, least)
-    tips = [_tip(level, t, length) for _, length, kind in places if kind == Kind.TIP]
+    face = max(face, contact.least)
+    tips = [_tip(level, t, length) for _, length, kind in places if kind == Singularity.TIP]
     sharp = min(*tips, *corners)
     depths, part = _depths(
         layers,
         level,
         radius * min(face, sharp),
-        radius * pressed,
-        fades=fades,
+        radius * contact.pressed,
+        fades=contact.fades,
         straight=isinstance(shoe.body, Beam),
     )
-    ends = np.array([*np.concatenate(angles), end])
-    return Division(
+    return ShoeDivision(
         level.degree,
-        ends,
+        np.array([*np.concatenate(angles), end]),
         before,
         after,
         depths,
@@ -349,57 +332,191 @@ def divide(
     )
 
 
-def _mark(level: Level, t: float, place: Place, gap: float) -> Mark:
-    """The mark of a place under a lining of thickness t [rad], so far from the lining's end [rad]
-    that this gap is columns of its own: an end of the contact to half a column, so that bodies of
-    brakes that differ by less are one and the same. Where nothing presses, columns of half a step
-    follow the cubic of its gap exactly.
+class _PressedArc(NamedTuple):
+    """The contact of a lining as far as a division depends on it; lengths and sizes in rad.
 
-    At an end of the contact p rises as the root of the distance x, at the end of a step it goes as
-    x ln x, so that columns of size w leave errors in L2 that go as w and as w^1.5. Columns at a
-    step, in parts of the step, need to shrink less from level to level, therefore: as the root of
-    `end`. On 10 and 12 steps that is as accurate on the second level as the power 2/3, of which
-    both errors would fall alike, with an eighth fewer unknowns.
+    `thickness` is the lining's, `least` the smallest size of a column. `lengths` are those at the
+    ends of contacts, `pressed` the length that rules the grading far from the contact. `beyond` are
+    the distances of the outermost contacts from the lining's ends, and `reached` the lengths of
+    contacts that reach them, inf where none does. `fades` says whether corners far from the contact
+    may be coarser.
+    """
+
+    thickness: float
+    least: float
+    lengths: list[float]
+    pressed: float
+    beyond: tuple[float, float]
+    reached: tuple[float, float]
+    fades: bool
+
+
+def _contact_of(
+    shoe: Shoe, radius: float, layers: list[ShoeLayer], places: Sequence[SingularPoint]
+) -> _PressedArc:
+    """The contact that the singular points describe; the whole lining where they have no ends."""
+    start, end = shoe.arc
+    t = layers[0].thickness / radius
+    ends = [x for x, _, kind in places if kind == Singularity.END] or [start, end]
+    lengths = [length for _, length, kind in places if kind == Singularity.END]
+    least = FINEST * t
+    pressed = max(*lengths, least) if lengths else end - start
+    # A column that is deeper than long bears a force down to its foot, and corners there feel it.
+    deep = 2 * sum(layer.thickness for layer in layers) > radius * (end - start)
+    # The force of one short contact follows from balance. The forces of several on an elastic shoe
+    # depend on how the shoe bends, and far corners feel the bending too.
+    one_short = len(lengths) == 2 and pressed < t
+    fades = not deep and (shoe.body is None or one_short)
+    beyond = ends[0] - start, end - ends[-1]
+    reached = _reached(start, end, places)
+    return _PressedArc(t, least, lengths, pressed, beyond, reached, fades)
+
+
+def _corners(contact: _PressedArc, powers: tuple[float, float]) -> list[float]:
+    """The sizes of columns that the corners at both ends of the lining ask for [rad]."""
+    return [
+        max(_corner(length, power), contact.least)
+        for length, power in zip(contact.reached, powers, strict=True)
+    ]
+
+
+def _end_sizes(
+    shoe: Shoe, level: Level, contact: _PressedArc, corners: list[float]
+) -> tuple[float, float]:
+    """The sizes of columns at both ends of the lining [rad]."""
+    start, end = shoe.arc
+    t, least = contact.thickness, contact.least
+    scale = min(level.edge * min(t, 0.5 * (end - start)), level.zone * EDGE_ZONE)
+    sizes = []
+    for x, length, corner in zip(contact.beyond, contact.reached, corners, strict=True):
+        # An open gap before the contact is two columns long at least.
+        gap = max(0.5 * x, least) if x > 0 and math.isinf(length) else math.inf
+        layer_end = faded(level.back, x / contact.pressed, fades=contact.fades) * min(t, x)
+        without_contact = max(min(scale, gap), layer_end)
+        with_contact = max(level.edge * 0.5 * length, least)
+        sizes.append(min(without_contact, with_contact, corner))
+    return sizes[0], sizes[1]
+
+
+def _grading_points(
+    shoe: Shoe,
+    radius: float,
+    level: Level,
+    places: Sequence[SingularPoint],
+    contact: _PressedArc,
+    end_sizes: tuple[float, float],
+) -> list[GradingPoint]:
+    """The grading points along the lining: its ends, the singular points, and the ends of a grip."""
+    start, end = shoe.arc
+    first = GradingPoint(start, end_sizes[0], level.ratio)
+    last = GradingPoint(end, end_sizes[1], level.ratio)
+    inner = [
+        _mark(level, contact.thickness, place, min(place[0] - start, end - place[0]))
+        for place in places
+    ]
+    marks = _marks(first, last, inner)
+    grip = shoe.grip(radius)
+    if grip is None:
+        return marks
+    size = level.hinge * layers_of(shoe, radius)[-1].thickness / radius
+    kept = []
+    for mark in marks[1:-1]:
+        if min(abs(mark.at - x) for x in grip) > max(mark.size, size):
+            kept.append(mark)
+    held = [GradingPoint(x, size, level.ratio) for x in grip]
+    return [marks[0], *sorted([*kept, *held]), marks[-1]]
+
+
+def _overhangs(
+    shoe: Shoe,
+    radius: float,
+    level: Level,
+    layers: list[ShoeLayer],
+    end_sizes: tuple[float, float],
+    *,
+    tip: bool,
+) -> tuple[Floats, Floats]:
+    """Ends of the columns of the body before and behind the lining [rad], starting at the lining."""
+    start, end = shoe.arc
+    near, far = _beyond(shoe, radius, start, end)
+    before, after = np.array([start]), np.array([end])
+    if layers[-1].part != "shoe":
+        return before, after
+    left, right = end_sizes
+    body = layers[-1].thickness / radius
+    held = level.hinge * body
+    largest = max(body, level.largest)
+    if start - near > 1e-9:
+        sizes = graded(start - near, left, held, level.ratio, largest)
+        before = start - ends_of(sizes, 0.0, start - near)
+    if far - end > 1e-9:
+        last = min(held, far - end) if tip else far - end
+        sizes = graded(far - end, right, last, level.ratio, largest)
+        after = end + ends_of(sizes, 0.0, far - end)
+    return before, after
+
+
+def _mark(level: Level, t: float, place: SingularPoint, gap: float) -> GradingPoint:
+    """The grading point of a singular point.
+
+    `t` [rad] is the lining's thickness. `gap` [rad] is the distance from the lining's end, which
+    two columns at least fill. An end of the contact is rounded to half a column, so that the bodies
+    of brakes that differ by less are the same. Where nothing presses, columns of half a step follow
+    the cubic of the gap exactly.
+
+    At an end of the contact p rises as the root of the distance x, and at the end of a step it goes
+    as x ln x. So columns of size w leave errors in L2 that go as w and as w^1.5. Columns at a step,
+    relative to the step, therefore shrink less from level to level: as the root of `end`. On brakes
+    with 10 and 12 steps the root is as accurate on the second level as the power 2/3, with which
+    both errors would fall alike, and takes an eighth fewer unknowns.
     """
     x, length, kind = place
-    if kind == Kind.OPEN_STEP:
-        return Mark(x, 0.5 * length, level.ratio)
-    if kind == Kind.STEP:
-        return Mark(x, length * math.sqrt(level.end), level.ratio)
+    if kind == Singularity.OPEN_STEP:
+        return GradingPoint(x, 0.5 * length, level.ratio)
+    if kind == Singularity.STEP:
+        return GradingPoint(x, length * math.sqrt(level.end), level.ratio)
     size = min(level.end * min(length, math.sqrt(t * length)), max(0.5 * gap, SAME * length))
     size = 2.0 ** math.floor(math.log2(max(size, FINEST * t)))
-    if kind == Kind.KINK:
-        return Mark(x, size, level.ratio)
-    if kind == Kind.TIP:
-        return Mark(x, _tip(level, t, length), level.ratio)
-    return Mark(round(2 * x / size) * size / 2, size, level.opening if length <= t else level.ratio)
+    if kind == Singularity.KINK:
+        return GradingPoint(x, size, level.ratio)
+    if kind == Singularity.TIP:
+        return GradingPoint(x, _tip(level, t, length), level.ratio)
+    return GradingPoint(
+        round(2 * x / size) * size / 2, size, level.opening if length <= t else level.ratio
+    )
 
 
 def _tip(level: Level, t: float, length: float) -> float:
     """Size of columns and layers at a tip of the gap [rad], under a lining of thickness t [rad]."""
-    return 2.0 ** math.floor(
-        math.log2(max(tip_size(length, level.degree, level.end), SHARPEST * t))
-    )
+    size = max(tip_size(length, level.degree, level.end), SHARPEST * t)
+    return 2.0 ** math.floor(math.log2(size))
 
 
 def _corner(length: float, power: float) -> float:
-    """Size of columns and layers at a corner [rad] that a contact of this length [rad] reaches; inf
-    where p is bounded there or does not count."""
+    """Size of columns and layers at a corner that a contact of this length reaches [rad].
+
+    It is inf where p is bounded at the corner or where the corner does not count.
+    """
     return CORNER_SIZE * length if power < 0 and length <= CORNER_COUNTS else math.inf
 
 
-def _reached(start: float, end: float, places: Sequence[Place]) -> tuple[float, float]:
-    """The length of the contact that reaches either end of the lining; inf where none does."""
-    contact = [(x, size) for x, size, kind in places if kind == Kind.END]
+def _reached(start: float, end: float, places: Sequence[SingularPoint]) -> tuple[float, float]:
+    """Lengths of the contacts that reach the lining's ends [rad]; inf where no contact does."""
+    contact = [(x, size) for x, size, kind in places if kind == Singularity.END]
     near = [size for x, size in contact if x - start < SAME * size]
     far = [size for x, size in contact if end - x < SAME * size]
     return min(near, default=math.inf), min(far, default=math.inf)
 
 
-def _marks(start: Mark, end: Mark, places: Sequence[Mark]) -> list[Mark]:
-    """Ends and places without those that lie in the column at an end, or in the smaller one at a
-    place and the place before: an end of the contact stays that is nearer to a step than the
-    columns there are wide."""
+def _marks(
+    start: GradingPoint, end: GradingPoint, places: Sequence[GradingPoint]
+) -> list[GradingPoint]:
+    """All grading points without those that stand too near to another one.
+
+    A point is left out if it lies in the column at a lining's end, or in the smaller of the columns
+    at the point and the point before. An end of the contact stays that is nearer to a step than the
+    columns there are wide.
+    """
     marks = [start]
     for mark in places:
         last = marks[-1]
@@ -409,13 +526,14 @@ def _marks(start: Mark, end: Mark, places: Sequence[Mark]) -> list[Mark]:
         if mark.at - last.at > nearest(last.size, mark.size):
             marks.append(mark)
         elif len(marks) > 1 and mark.size < last.size:
-            marks[-1] = Mark(last.at, mark.size, max(last.ratio, mark.ratio))
+            marks[-1] = GradingPoint(last.at, mark.size, max(last.ratio, mark.ratio))
     return [*marks, end]
 
 
 def _beyond(shoe: Shoe, radius: float, start: float, end: float) -> tuple[float, float]:
-    """Where the body begins and ends [rad]; beyond the lining of a straight beam distances along it
-    over R + t.
+    """Where the body begins and ends [rad].
+
+    Beyond the lining of a straight beam the values are distances along the beam over R + t.
     """
     if isinstance(shoe.body, Beam):
         axis, back = axis_of(shoe.pin.xy, shoe.actuation.point.xy), radius + shoe.lining.thickness
@@ -429,21 +547,37 @@ def _beyond(shoe: Shoe, radius: float, start: float, end: float) -> tuple[float,
 
 
 def _depths(
-    layers: list[Layer], level: Level, face: float, pressed: float, *, fades: bool, straight: bool
+    layers: list[ShoeLayer],
+    level: Level,
+    face: float,
+    pressed: float,
+    *,
+    fades: bool,
+    straight: bool,
 ) -> tuple[Floats, tuple[str, ...]]:
+    """Ends (l + 1,) of the layers from the contact inwards, and the part of each.
+
+    Parameters
+    ----------
+    layers : of the shoe
+    level : its grading through the layers
+    face : size of the layer at the contact [m]
+    pressed : length of the contact [m]
+    fades : see `faded`
+    straight : whether depths count in layers, as those of a beam
+    """
     depths, part, at = [np.zeros(1)], [], 0.0
-    deep = np.cumsum([layer.thickness for layer in layers]) / pressed
+    relative_depth = np.cumsum([layer.thickness for layer in layers]) / pressed
     for k, layer in enumerate(layers):
         t = layer.thickness
-        outer = (
-            face
-            if k == 0
-            else faded(level.back, deep[k - 1], fades=fades) * min(t, layers[k - 1].thickness)
-        )
-        inner = faded(level.back, deep[k], fades=fades) * (
-            min(t, layers[k + 1].thickness) if k + 1 < len(layers) else t
-        )
-        if layer.part == "shoe":  # the last layer is held
+        outer = face
+        if k > 0:
+            thinner = min(t, layers[k - 1].thickness)
+            outer = faded(level.back, relative_depth[k - 1], fades=fades) * thinner
+        thinner = min(t, layers[k + 1].thickness) if k + 1 < len(layers) else t
+        inner = faded(level.back, relative_depth[k], fades=fades) * thinner
+        # The hinge holds the last layer.
+        if layer.part == "shoe":
             inner = level.hinge * t
         sizes = graded(t, outer, inner, level.through, t)
         ends = ends_of(sizes, 0.0, t)[1:]

@@ -1,9 +1,8 @@
-"""The isoparametric quadrilateral of degree p: its shape functions, its stiffness, elimination of
-what is inside it.
+"""The isoparametric quadrilateral of degree p: shape functions, stiffness, static condensation.
 
 Nodes lie at Gauss-Lobatto points in both directions. skfem's ElementQuadP spans the same
-polynomials; its values at the nodes turn its hierarchical functions into these nodal ones, once a
-degree. Displacements use the functions that map the element, so rigid motions are exact
+polynomials; its values at the nodes turn its hierarchical functions into these nodal ones, once for
+each degree. Displacements use the functions that map the element, so that rigid-body modes are exact
 (Zienkiewicz & Taylor, The Finite Element Method, section 8).
 """
 
@@ -19,16 +18,28 @@ from drumlin.base.lapack import dgemm, dpotrf, dtrsm
 from drumlin.fem.substructure.elasticity import across, split
 from drumlin.response.resultants import lobatto
 
-CHUNK = 32_000  # slopes that are worked on at once: they stay in the processor's cache
-SINGULAR = "singular stiffness: a part hangs on nothing, or moduli or sizes are too far apart"
+SLOPES_AT_ONCE = 32_000
+"""Number of slopes of shape functions that are worked on at once, so that they stay in the
+processor's cache. Larger and smaller numbers give the same stiffness, more slowly.
+"""
+SINGULAR_ELEMENT = (
+    "singular stiffness: a part hangs on nothing, or moduli or sizes are too far apart"
+)
 
 
 class Element(NamedTuple):
-    """The element of degree p: `slopes` (a, 2 q) of its shape functions by both coordinates at q
-    Gauss points, `weights` (q,) of these, `values` (a, q) of the shape functions there. Its a nodes
-    are those of the grid (p + 1)^2 in the order `order` (a,), where i p + i + j stands for the i-th
-    place across the layers and the j-th along them: first the `outer` on its boundary, those on its
-    left and its right side, on what is left of its first and of its last edge."""
+    """The element of degree p, with a = (p + 1)^2 nodes and q Gauss points.
+
+    Attributes
+    ----------
+    slopes : (a, 2 q) derivatives of the shape functions by both coordinates at the Gauss points
+    weights : (q,) weights of the Gauss points
+    order : (a,) the element's nodes as numbers of the (p + 1)^2 grid, which counts the nodes along
+        the layers first: those on the boundary, then those inside
+    outer : number of nodes on the boundary, which stand in the order left side, right side, rest of
+        the first edge, rest of the last edge
+    values : (a, q) shape functions at the Gauss points
+    """
 
     slopes: Any
     weights: Any
@@ -39,7 +50,7 @@ class Element(NamedTuple):
 
 @cache
 def element(p: int, *, precise: bool = False) -> Element:
-    """The element of degree p >= 2; precise: in long double."""
+    """The element of degree p >= 2; with `precise` its slopes are computed in long double."""
     x, w = leggauss(p + 1)
     x, w = 0.5 * (x + 1), 0.5 * w
     number = np.arange((p + 1) ** 2).reshape(p + 1, p + 1)
@@ -56,10 +67,12 @@ def element(p: int, *, precise: bool = False) -> Element:
 
 
 def shape_functions(p: int, x: Floats) -> tuple[Floats, Floats]:
-    """Values (a, q) and slopes (a, 2, q) of the nodal functions, nodes by rows, at points x (2, q)
-    of [0, 1]^2.
+    """Values (a, q) and slopes (a, 2, q) of the nodal functions at points x (2, q) of [0, 1]^2.
+
+    The nodes are counted by rows of the grid.
     """
-    import skfem  # noqa: PLC0415  (laws need none of it)
+    # The laws need no scikit-fem.
+    import skfem  # noqa: PLC0415
 
     hierarchical = skfem.ElementQuadP(p) if p > 2 else skfem.ElementQuad2()
     count = (p + 1) ** 2
@@ -75,48 +88,44 @@ def shape_functions(p: int, x: Floats) -> tuple[Floats, Floats]:
 
 
 def _grid(x: Floats) -> Floats:
-    """The points (2, n n) of the grid of x (n,), the first coordinate growing by rows."""
+    """The points (2, n n) of the grid of x (n,); the first coordinate grows by rows."""
     return np.array([np.repeat(x, len(x)), np.tile(x, len(x))])
 
 
 def _product_functions(p: int, x: Floats) -> tuple[Any, Any]:
-    """Values (a, q) and slopes (a, 2, q) at the grid of x, as products of Lagrange's polynomials,
-    in long double."""
-    nodes, x = (0.5 * (lobatto(p) + 1)).astype(np.longdouble), x.astype(np.longdouble)
+    """Values (a, q) and slopes (a, 2, q) of the nodal functions at the grid of x, in long double.
+
+    They are products of Lagrange's polynomials.
+    """
+    nodes = (0.5 * (lobatto(p) + 1)).astype(np.longdouble)
+    x = x.astype(np.longdouble)
     apart = nodes[:, None] - nodes + np.eye(p + 1)
-    value = np.array(
-        [
-            np.prod([(x - nodes[j]) / apart[i, j] for j in range(p + 1) if j != i], axis=0)
-            for i in range(p + 1)
-        ]
-    )
-    slope = np.array(
-        [
-            sum(
-                np.prod(
-                    [(x - nodes[j]) / apart[i, j] for j in range(p + 1) if j not in (i, k)], axis=0
-                )
-                / apart[i, k]
-                for k in range(p + 1)
-                if k != i
-            )
-            for i in range(p + 1)
-        ]
-    )
+
+    def factors(i: int, *others: int) -> Any:
+        """The product of the factors of polynomial i, without those of the nodes `others`."""
+        kept = [j for j in range(p + 1) if j != i and j not in others]
+        return np.prod([(x - nodes[j]) / apart[i, j] for j in kept], axis=0)
+
+    def derivative(i: int) -> Any:
+        """The derivative of polynomial i, by the product rule."""
+        return sum(factors(i, k) / apart[i, k] for k in range(p + 1) if k != i)
+
+    value = np.array([factors(i) for i in range(p + 1)])
+    slope = np.array([derivative(i) for i in range(p + 1)])
     both = [np.einsum("ik,jl->ijkl", slope, value), np.einsum("ik,jl->ijkl", value, slope)]
     slopes = np.stack([each.reshape((p + 1) ** 2, -1) for each in both], axis=1)
     return np.einsum("ik,jl->ijkl", value, value).reshape((p + 1) ** 2, -1), slopes
 
 
 def gauss_points(xy: Any, p: int) -> Any:
-    """The Gauss points (e, 2, q) [m] of elements with nodes xy (e, 2, a) in the element's order, in
-    their precision."""
+    """The Gauss points (e, 2, q) [m] of elements with nodes xy (e, 2, a), in the precision of xy."""
     return xy @ element(p, precise=xy.dtype == np.longdouble).values
 
 
 def stiffness(xy: Any, elasticity: Any, p: int, along: Any = None) -> Any:
-    """Plane-stress stiffness (e, a, 2, a, 2) of elements, nodes in the element's order, in the
-    precision of xy.
+    """The plane-stress stiffness (e, a, 2, a, 2) of elements, in the precision of xy.
+
+    The nodes stand in the element's order.
 
     With the constants of `elasticity.split` and the unit vectors d = t along and n through the
     layers
@@ -129,19 +138,22 @@ def stiffness(xy: Any, elasticity: Any, p: int, along: Any = None) -> Any:
     xy : (e, 2, a) nodes [m]
     elasticity : (e, 3, 3) elasticity matrices times the width [N/m]
     p : degree
-    along : (e, 2, q) unit vectors along the layers at the `gauss_points`; not needed where all
-        are isotropic
+    along : (e, 2, q) unit vectors along the layers at the `gauss_points`; None where all layers are
+        isotropic
     """
     return _integrals(xy, elasticity, p, along).stiffness(slice(None), slice(None))
 
 
-class _Integrals(NamedTuple):
-    """What the stiffness of elements is made of.
+class _ElementIntegrals(NamedTuple):
+    """The integrals that make the stiffness of elements.
 
-    `products` Int psi_a,i psi_b,j dA (e, 2, a, 2, a) for i, a, j, b; `constants` (e, 4) of
-    `elasticity.split`; of the `directed` (m,) elements, which are not isotropic, the strains along
-    and through their layers that unit displacements make, times the root of dA, `strains` (2, m, a,
-    2, q).
+    Attributes
+    ----------
+    products : (e, 2, a, 2, a) Int psi_a,i psi_b,j dA for i, a, j, b
+    constants : (e, 4) lambda, mu, a, b of `elasticity.split`
+    directed : (m,) the elements whose layers are not isotropic
+    strains : (2, m, a, 2, q) strains of the directed elements along and through their layers due to
+        unit displacements, times the root of dA
     """
 
     products: Any
@@ -164,23 +176,22 @@ class _Integrals(NamedTuple):
         return K
 
     def _directed(self, rows: slice, columns: slice) -> Any:
-        """What the directed elements are stiffer, (m, rows, 2, columns, 2)."""
+        """The stiffness (m, rows, 2, columns, 2) that the directions of layers add."""
 
         def work(strain: Any) -> Any:
             left, right = strain[:, rows], strain[:, columns]
             count, points = len(strain), strain.shape[-1]
-            found = left.reshape(count, -1, points) @ right.reshape(count, -1, points).transpose(
-                0, 2, 1
-            )
-            return found.reshape(*left.shape[:3], *right.shape[1:3])
+            flat_right = right.reshape(count, -1, points).transpose(0, 2, 1)
+            product = left.reshape(count, -1, points) @ flat_right
+            return product.reshape(*left.shape[:3], *right.shape[1:3])
 
         a, b = self.constants[self.directed, 2:].T[:, :, None, None, None, None]
         along, through = self.strains
         return a * work(along) + b * work(through)
 
 
-def _integrals(xy: Any, elasticity: Any, p: int, along: Any) -> _Integrals:
-    """The integrals over elements; parameters as of `stiffness`."""
+def _integrals(xy: Any, elasticity: Any, p: int, along: Any) -> _ElementIntegrals:
+    """The integrals over elements; the parameters are those of `stiffness`."""
     slopes, constants = _rooted_slopes(xy, p), split(elasticity)
     e, _, a, q = slopes.shape
     flat = slopes.reshape(e, 2 * a, q)
@@ -190,20 +201,24 @@ def _integrals(xy: Any, elasticity: Any, p: int, along: Any) -> _Integrals:
     if len(directed):
         t = np.moveaxis(along[directed], 1, 0)  # (2, m, q)
         strains = tuple(_stretches(slopes[directed], d) for d in (t, across(t)))
-    return _Integrals(products, constants, directed, strains)
+    return _ElementIntegrals(products, constants, directed, strains)
 
 
 def _stretches(slopes: Any, direction: Any) -> Any:
-    """Strains (m, a, 2, q) in a direction (2, m, q) that unit displacements make; slopes (m, 2, a,
-    q)."""
+    """Strains (m, a, 2, q) in a direction (2, m, q) due to unit displacements.
+
+    `slopes` (m, 2, a, q) are the gradients of the shape functions.
+    """
     grown = direction[0][:, None] * slopes[:, 0] + direction[1][:, None] * slopes[:, 1]
     return np.stack([direction[0][:, None] * grown, direction[1][:, None] * grown], axis=2)
 
 
 def _rooted_slopes(xy: Any, p: int) -> Any:
-    """Gradients (e, 2, a, q) of the shape functions of elements with nodes xy (e, 2, a) at their
-    Gauss points, times the root of the area of each; of an element whose map is turned over with
-    the other sign."""
+    """Gradients (e, 2, a, q) of the shape functions, times the root of each Gauss point's area.
+
+    `xy` (e, 2, a) are the nodes. The gradients of an element whose map is inverted have the other
+    sign.
+    """
     ref = element(p, precise=xy.dtype == np.longdouble)
     e, _, a = xy.shape
     q = len(ref.weights)
@@ -211,43 +226,49 @@ def _rooted_slopes(xy: Any, p: int) -> Any:
     det = J[:, 0, 0] * J[:, 1, 1] - J[:, 0, 1] * J[:, 1, 0]
     J *= np.sqrt(ref.weights / np.abs(det))[:, None, None]
     first, second = ref.slopes[:, :q], ref.slopes[:, q:]
-    G = np.empty(
-        (e, 2, a, q), dtype=xy.dtype
-    )  # d psi / d x_c times the root of dA, up to the sign of det
+    # G is d psi / d x_c times the root of dA, but for the sign of det.
+    G = np.empty((e, 2, a, q), dtype=xy.dtype)
     np.subtract(J[:, 1, 1][:, None] * first, J[:, 1, 0][:, None] * second, out=G[:, 0])
     np.subtract(J[:, 0, 0][:, None] * second, J[:, 0, 1][:, None] * first, out=G[:, 1])
     return G
 
 
-def without(K: Floats, C: Floats, inner: Floats) -> Floats:
-    """K - C^T inner^-1 C: (k, k), (m, k), (m, m), each in rows without gaps, all overwritten.
+def schur_complement(K: Floats, C: Floats, inner: Floats) -> Floats:
+    """The Schur complement K - C^T inner^-1 C (k, k), for C (m, k) and inner (m, m).
 
-    Raises NoAnswer for an `inner` that is not positive definite. Backward stable, by Cholesky's
-    factors: an inverse loses digits in thin columns. What BLAS is given in rows without gaps it
-    works on where it lies.
+    All three are in rows without gaps and are overwritten, so that BLAS works on them in place. The
+    Cholesky factors are backward stable; an inverse would lose digits in thin columns.
+
+    Raises
+    ------
+    NoAnswer
+        for an `inner` that is not positive definite
     """
     assert K.flags.c_contiguous and C.flags.c_contiguous and inner.flags.c_contiguous
     L, info = dpotrf(inner.T, lower=1, clean=0, overwrite_a=1)
     if info:
-        raise NoAnswer(SINGULAR)
+        raise NoAnswer(SINGULAR_ELEMENT)
     Y = dtrsm(1.0, L, C.T, side=1, lower=1, trans_a=1, overwrite_b=1)
     dgemm(-1.0, Y, Y, 1.0, K.T, trans_b=1, overwrite_c=1)
     return K
 
 
-def without_each(K: Floats, C: Floats, inner: Floats) -> Floats:
-    """`without` for batches (b, k, k), (b, m, k), (b, m, m), one after the other: numpy's own need
-    more copies.
+def schur_complements(K: Floats, C: Floats, inner: Floats) -> Floats:
+    """The Schur complements of batches (b, k, k), (b, m, k), (b, m, m), one after the other.
+
+    numpy's batched functions would need more copies.
     """
     for own in zip(K, C, inner, strict=True):
-        without(*own)
+        schur_complement(*own)
     return K
 
 
 def condensed_elements(
     xy: Floats, elasticity: Floats, p: int, along: Floats | None = None
 ) -> Floats:
-    """Stiffness (l, c, 8 p, 8 p) of elements on their boundary nodes, x and y of a node together.
+    """The condensed stiffness (l, c, 8 p, 8 p) of elements on their boundary nodes.
+
+    x and y of a node stand together.
 
     Parameters
     ----------
@@ -257,60 +278,60 @@ def condensed_elements(
     along : (l, c, 2, q), see `stiffness`
     """
     ref, shape = element(p), xy.shape[:2]
-    outer, inside = slice(ref.outer), slice(ref.outer, None)
-    xy, elasticity = xy.reshape(-1, *xy.shape[2:]), np.repeat(elasticity, shape[1], axis=0)
+    xy = xy.reshape(-1, *xy.shape[2:])
+    elasticity = np.repeat(elasticity, shape[1], axis=0)
     along = None if along is None else along.reshape(len(xy), 2, -1)
-    out = np.empty((len(xy), 2 * ref.outer, 2 * ref.outer))
-    step = max(1, CHUNK // ref.slopes.size)
+    outer, inside = slice(ref.outer), slice(ref.outer, None)
+    outer_count, inner_count = 2 * ref.outer, 2 * (len(ref.order) - ref.outer)
+    out = np.empty((len(xy), outer_count, outer_count))
+    step = max(1, SLOPES_AT_ONCE // ref.slopes.size)
     for k in range(0, len(xy), step):
         part = slice(k, k + step)
-        found = _integrals(xy[part], elasticity[part], p, None if along is None else along[part])
-        e, sizes = len(found.products), (2 * ref.outer, 2 * (len(ref.order) - ref.outer))
-        out[part] = without_each(
-            *(
-                found.stiffness(rows, columns).reshape(e, n, m)
-                for rows, columns, n, m in (
-                    (outer, outer, sizes[0], sizes[0]),
-                    (inside, outer, sizes[1], sizes[0]),
-                    (inside, inside, sizes[1], sizes[1]),
-                )
-            )
-        )
+        directions = None if along is None else along[part]
+        found = _integrals(xy[part], elasticity[part], p, directions)
+        e = len(found.products)
+        K = found.stiffness(outer, outer).reshape(e, outer_count, outer_count)
+        C = found.stiffness(inside, outer).reshape(e, inner_count, outer_count)
+        inner = found.stiffness(inside, inside).reshape(e, inner_count, inner_count)
+        out[part] = schur_complements(K, C, inner)
     return out.reshape(*shape, *out.shape[1:])
 
 
 def inner_displacements(
     xy: Floats, elasticity: Floats, p: int, along: Floats | None, u: Floats
 ) -> Floats:
-    """Displacements (e, 2 i, m) of the i nodes inside elements, which no force acts on.
+    """Displacements (e, 2 i, m) of the i nodes inside elements, on which no force acts.
 
-    xy (e, 2, a), elasticity (e, 3, 3) and along (e, 2, q) are as of `stiffness`; u (e, 8 p, m) are
-    the displacements of the boundary nodes.
+    Parameters
+    ----------
+    xy, elasticity, p, along : as of `stiffness`
+    u : (e, 8 p, m) displacements of the boundary nodes
     """
     ref = element(p)
     outer, inside = slice(ref.outer), slice(ref.outer, None)
     found = np.empty((len(xy), 2 * (len(ref.order) - ref.outer), u.shape[2]))
-    step = max(1, CHUNK // ref.slopes.size)
+    step = max(1, SLOPES_AT_ONCE // ref.slopes.size)
     for k in range(0, len(xy), step):
         part = slice(k, k + step)
-        own = _integrals(xy[part], elasticity[part], p, None if along is None else along[part])
-        coupling, inner = (
-            own.stiffness(inside, columns).reshape(len(own.products), found.shape[1], -1)
-            for columns in (outer, inside)
-        )
+        directions = None if along is None else along[part]
+        own = _integrals(xy[part], elasticity[part], p, directions)
+        e = len(own.products)
+        coupling = own.stiffness(inside, outer).reshape(e, found.shape[1], -1)
+        inner = own.stiffness(inside, inside).reshape(e, found.shape[1], -1)
         found[part] = -np.linalg.solve(inner, coupling @ u[part])
     return found
 
 
 def gradients(xy: Floats, p: int) -> tuple[Floats, Floats]:
-    """Gradients (e, 2, a, q) [1/m] of the shape functions of elements with nodes xy (e, 2, a) at
-    the Gauss points, and the areas (e, q) [m^2] that these stand for."""
+    """Gradients (e, 2, a, q) [1/m] of the shape functions, and areas (e, q) [m^2] of the Gauss points.
+
+    `xy` (e, 2, a) are the nodes of the elements.
+    """
     ref = element(p)
     q = len(ref.weights)
     J = (xy @ ref.slopes).reshape(*xy.shape[:2], 2, q)  # d x_c / d xi_d
     det = J[:, 0, 0] * J[:, 1, 1] - J[:, 0, 1] * J[:, 1, 0]
-    inverse = (
-        np.array([[J[:, 1, 1], -J[:, 0, 1]], [-J[:, 1, 0], J[:, 0, 0]]]) / det
-    )  # d xi_d / d x_c, (d, c, e, q)
+    # d xi_d / d x_c, (d, c, e, q)
+    inverse = np.array([[J[:, 1, 1], -J[:, 0, 1]], [-J[:, 1, 0], J[:, 0, 0]]]) / det
     slopes = ref.slopes.reshape(len(ref.order), 2, q)
     return np.einsum("adq,dceq->ecaq", slopes, inverse), np.abs(det) * ref.weights

@@ -1,7 +1,7 @@
-"""All nodes and elements of a body of columns, numbered: what pictures, files, slopes and
-refinement need, made if asked.
+"""All nodes and elements of a body of columns, numbered.
 
-It stands where skfem's basis stands for a body on a mesh.
+Pictures, files, slopes and refinement of round-off need them; they are made when asked for. The
+grid stands where skfem's basis stands for a body on a mesh.
 """
 
 from collections.abc import Callable, Mapping
@@ -26,8 +26,14 @@ from drumlin.response.resultants import lobatto
 
 @dataclass(frozen=True)
 class Block:
-    """A rectangle of elements: `id` (rows, columns) of its nodes, their `depth` (rows,) and place
-    `along` (columns,).
+    """A rectangle of elements.
+
+    Attributes
+    ----------
+    id : (rows, columns) numbers of its nodes
+    depth : (rows,) their depths
+    along : (columns,) their positions along the lining
+    part : (layers,) the part that each layer of elements belongs to
     """
 
     id: Ints
@@ -37,12 +43,16 @@ class Block:
 
 
 @dataclass(frozen=True)
-class Grid:
-    """Nodes and elements of degree `degree` in `blocks`; `place`(depth, along) are their points (2,
-    ...) [m].
+class ColumnGrid:
+    """Nodes and elements of one degree.
 
-    The contact nodes come first, by growing angle where the blocks have them so. `sets`: nodes by
-    name.
+    Attributes
+    ----------
+    degree : of the elements
+    blocks : the rectangles of elements
+    place : from depths and positions along the lining to points (2, ...) [m]
+    sets : nodes by the name of their set
+    N : number of nodes; the contact nodes come first, by growing angle where the blocks have them so
     """
 
     degree: int
@@ -76,14 +86,14 @@ class Grid:
         """Elements of each part."""
         names: list[str] = []
         for block in self.blocks:
-            names += [
-                part for part in block.part for _ in range((block.id.shape[1] - 1) // self.degree)
-            ]
+            columns = (block.id.shape[1] - 1) // self.degree
+            for part in block.part:
+                names += [part] * columns
         return {name: np.flatnonzero(np.array(names) == name) for name in dict.fromkeys(names)}
 
     @cached_property
     def quarters(self) -> Ints:
-        """Places in an element of the corners (4, p p) of the quadrilaterals between its nodes."""
+        """Corners (4, p p) of the quadrilaterals between the nodes of an element, as its local nodes."""
         at = np.arange((self.degree + 1) ** 2).reshape(self.degree + 1, -1)
         return np.array(
             [at[:-1, :-1].ravel(), at[:-1, 1:].ravel(), at[1:, 1:].ravel(), at[1:, :-1].ravel()]
@@ -98,7 +108,7 @@ class Grid:
         ]
 
     def gradients(self, elements: Ints) -> Floats:
-        """Gradients (a, 2, elements, a) [1/m] of an element's shape functions at its nodes."""
+        """Gradients (a, 2, elements, a) [1/m] of the shape functions of elements at their nodes."""
         p = self.degree
         nodes = 0.5 * (lobatto(p) + 1)
         _, slopes = shape_functions(p, np.array([np.repeat(nodes, p + 1), np.tile(nodes, p + 1)]))
@@ -123,8 +133,11 @@ class Grid:
         return found
 
     def along(self, layers: Mapping[str, ElasticLayer], xy: Any) -> Any:
-        """Unit vectors along the layers (elements, 2, q) at the Gauss points of elements with nodes
-        xy (elements, 2, a); None where all layers are isotropic."""
+        """Unit vectors (elements, 2, q) along the layers at the Gauss points of all elements.
+
+        `xy` (elements, 2, a) are the nodes of the elements. The result is None where all layers are
+        isotropic.
+        """
         if not any(has_directions(layers[name].elasticity) for name in self.subdomains):
             return None
         points = gauss_points(xy, self.degree)
@@ -136,8 +149,10 @@ class Grid:
         return found
 
     def stiffness(self, layers: Mapping[str, ElasticLayer], *, precise: bool = False) -> Any:
-        """Plane-stress stiffness (2 N, 2 N), unknown 2 i + c for component c of node i [N/m];
-        precise: long double."""
+        """The plane-stress stiffness (2 N, 2 N) [N/m]; with `precise` in long double.
+
+        Unknown 2 i + c is component c of node i.
+        """
         kind = np.longdouble if precise else float
         xy = np.ascontiguousarray(
             self.doflocs.astype(kind)[:, self.ordered_dofs].transpose(1, 0, 2)
@@ -147,7 +162,7 @@ class Grid:
 
     @cached_property
     def skeleton(self) -> "Skeleton":
-        """Its nodes on the sides of elements."""
+        """The nodes on the sides of the elements."""
         dofs = self.ordered_dofs[:, : element(self.degree).outer]
         nodes = np.unique(dofs)
         place = np.full(self.N, -1)
@@ -157,15 +172,20 @@ class Grid:
 
 @dataclass(frozen=True)
 class Skeleton:
-    """The nodes on the sides of a grid's elements, `nodes` (N,) of the grid's, without those inside
-    elements.
+    """The nodes on the sides of a grid's elements, without those inside.
 
-    `place` (grid nodes,): which of them a node of the grid is, -1 for a node inside; `element_dofs`
-    (4 p, elements). It stands where a basis stands: a grid of high degree has most of its unknowns
-    inside its elements, and their elimination touches no other element.
+    It stands where a basis stands. A grid of high degree has most of its unknowns inside its
+    elements, and the elimination of these couples no two elements.
+
+    Attributes
+    ----------
+    grid : the grid
+    nodes : (N,) numbers of the nodes in the grid
+    place : (grid nodes,) number of each node of the grid here, -1 for a node inside an element
+    element_dofs : (4 p, elements) nodes of each element
     """
 
-    grid: Grid
+    grid: ColumnGrid
     nodes: Ints
     place: Ints
     element_dofs: Ints
@@ -182,19 +202,21 @@ class Skeleton:
 
     @property
     def dofs(self) -> Ints:
-        """Its displacements (2 N,) among those of the grid, x and y of a node together."""
+        """The numbers (2 N,) of its displacements in the grid, x and y of a node together."""
         return np.asarray((2 * self.nodes[:, None] + np.arange(2)).ravel())
 
     def stiffness(self, layers: Mapping[str, ElasticLayer]) -> Any:
-        """Stiffness (2 N, 2 N) [N/m] without what is inside the elements."""
+        """The stiffness (2 N, 2 N) [N/m], with the insides of the elements condensed."""
         grid = self.grid
         xy, along = grid.element_nodes, grid.along(layers, grid.element_nodes)
         K = condensed_elements(xy[:, None], grid.elasticity(layers), grid.degree, along)
         return _assembled(K, self.element_dofs.T, self.N)
 
     def everywhere(self, layers: Mapping[str, ElasticLayer], u: Floats) -> Floats:
-        """Displacements (2 grid nodes, m) of all nodes by those of its own, u (2 N, m); no force
-        acts on the others."""
+        """Displacements (2 grid nodes, m) of all nodes of the grid, from u (2 N, m) of its own.
+
+        No force acts on the nodes inside elements.
+        """
         grid = self.grid
         found = np.empty((grid.N, 2, u.shape[1]))
         on = u.reshape(self.N, 2, -1)
@@ -210,9 +232,12 @@ class Skeleton:
 
 
 def _assembled(K: Any, dofs: Ints, N: int) -> Any:
-    """The sparse stiffness (2 N, 2 N) of elements with nodes dofs (e, a); K: (e, 2 a, 2 a), x and y
-    of a node together."""
-    import scipy.sparse as sp  # noqa: PLC0415  (only where the whole system is put together)
+    """The sparse stiffness (2 N, 2 N) of elements with nodes `dofs` (e, a).
+
+    K (e, 2 a, 2 a) is the stiffness of the elements, x and y of a node together.
+    """
+    # Only whole systems load scipy.sparse.
+    import scipy.sparse as sp  # noqa: PLC0415
 
     both = (2 * dofs[:, :, None] + np.arange(2)).reshape(len(dofs), -1).astype(np.int32)
     rows = np.broadcast_to(both[:, :, None], (*both.shape, both.shape[1]))

@@ -1,4 +1,4 @@
-"""The drum's ring of columns: a closed row, in contact under the linings."""
+"""The drum's ring in hp elements: a closed row of columns, in contact under the linings."""
 
 import math
 from functools import partial
@@ -14,26 +14,40 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.components import Section
 from drumlin.brake.elasticity import ElasticLayer, has_directions
 from drumlin.fem.hp.arc import angular, arc_columns, elements
-from drumlin.fem.hp.columns import Piece, closed, merged, stack, turned, turned_rows
+from drumlin.fem.hp.columns import (
+    ColumnSubstructure,
+    assembled,
+    stack,
+    turned,
+    turned_rows,
+    without_line,
+)
 from drumlin.fem.hp.division import Level, ends_of, graded
-from drumlin.fem.hp.grid import Block, Grid, Skeleton
+from drumlin.fem.hp.grid import Block, ColumnGrid, Skeleton
 from drumlin.fem.hp.shoe import directions, distinct, line_of, within
-from drumlin.fem.substructure.body import FRAME, Condensed, Inside, tie
+from drumlin.fem.substructure.body import FRAME, CondensedBody, InnerSystem, constrain
 from drumlin.fem.substructure.elasticity import ring_layers, stacked
-from drumlin.fem.substructure.elimination import SINGULAR
+from drumlin.fem.substructure.elimination import SINGULAR_BODY
 from drumlin.fem.substructure.interface import ContactLine
 from drumlin.fem.substructure.loads import LoadColumns
-from drumlin.fem.substructure.ring import Free, RingBody, coupled_ring, determinate
+from drumlin.fem.substructure.ring import FreeRing, RingSubstructure, coupled_ring, determinate
 from drumlin.response.resultants import WEIGHTS, at_gauss, lobatto
 
-TURN = 2 * math.pi
-CLOSE = 1e-9  # rad: ends of columns that are nearer to each other are one
+FULL_TURN = 2 * math.pi
+"""A whole turn [rad]."""
+SAME_ANGLE = 1e-9
+"""Distance of two ends of columns [rad] below which they count as one: they differ by round-off."""
 
 
-class Division(NamedTuple):
-    """Columns of a ring: their ends `angles` (m + 1,), the last a whole turn after the first; which
-    of them lie under a lining, `contact` (m,); `depths` (l + 1,) [m] of the ends of the layers from
-    the friction surface on.
+class RingDivision(NamedTuple):
+    """The columns of a ring.
+
+    Attributes
+    ----------
+    degree : of the elements
+    angles : (m + 1,) ends of the columns [rad], the last one a whole turn after the first
+    contact : (m,) whether each column lies under a lining
+    depths : (l + 1,) ends of the layers from the friction surface on [m]
     """
 
     degree: int
@@ -44,46 +58,59 @@ class Division(NamedTuple):
 
 def divide(
     section: Section, radius: float, linings: list[Floats], level: Level, sharp: float = math.inf
-) -> Division:
-    """The division of a ring; `linings`: ends of the columns of each, growing, in the brake's
-    angles [rad]; sharp [m]: as of the linings' `division.Division`, that of the thinnest layer.
+) -> RingDivision:
+    """The division of a ring under linings.
+
+    Parameters
+    ----------
+    section : of the ring
+    radius : of the friction surface [m]
+    linings : ends of the columns of each lining, growing, in the brake's angles [rad]
+    level : degree and grading
+    sharp : size of the thinnest layer [m], as of `division.ShoeDivision`
     """
-    origin = min(float(ends[0]) % TURN for ends in linings)
-    parts = [ends - ends[0] + (float(ends[0]) - origin) % TURN for ends in linings]
-    places = np.sort(np.concatenate([part % TURN for part in parts]))
-    places = places[np.append(True, np.diff(places) > CLOSE)]
-    places = np.append(places[places < TURN - CLOSE], TURN)
-    under = [
-        any(_within(0.5 * (a + b), part) for part in parts) for a, b in pairwise(places.tolist())
-    ]
+    # The ends of all linings' columns within one turn from the first lining on.
+    origin = min(float(ends[0]) % FULL_TURN for ends in linings)
+    parts = [ends - ends[0] + (float(ends[0]) - origin) % FULL_TURN for ends in linings]
+    places = np.sort(np.concatenate([part % FULL_TURN for part in parts]))
+    places = places[np.append(True, np.diff(places) > SAME_ANGLE)]
+    places = np.append(places[places < FULL_TURN - SAME_ANGLE], FULL_TURN)
+
+    # Between linings the columns grow away from both neighbours.
     angles, contact = [places[:1]], []
     sizes = np.diff(places)
-    for k, (a, b, covered) in enumerate(zip(places[:-1], places[1:], under, strict=True)):
-        pieces = (
-            [b - a]
-            if covered
-            else graded(
-                b - a, sizes[k - 1], sizes[(k + 1) % len(sizes)], level.ratio, level.largest
-            )
-        )
+    for k, (a, b) in enumerate(pairwise(places)):
+        middle = 0.5 * (float(a) + float(b))
+        covered = any(_within(middle, part) for part in parts)
+        pieces = [b - a]
+        if not covered:
+            before, after = sizes[k - 1], sizes[(k + 1) % len(sizes)]
+            pieces = graded(b - a, before, after, level.ratio, level.largest)
         angles.append(ends_of(pieces, a, b)[1:])
         contact += [covered] * len(pieces)
+
     t = section.thickness
     layers = graded(t, min(level.back * t, sharp), t, level.through, t)
-    return Division(
-        level.degree, origin + np.concatenate(angles), np.array(contact), ends_of(layers, 0.0, t)
-    )
+    ends = origin + np.concatenate(angles)
+    return RingDivision(level.degree, ends, np.array(contact), ends_of(layers, 0.0, t))
 
 
 def _within(angle: float, ends: Floats) -> bool:
-    return any(ends[0] < angle + turn < ends[-1] for turn in (0.0, TURN))
+    """Whether an angle of the first turn lies between the ends of a lining, whatever the turn."""
+    return any(ends[0] < angle + turn < ends[-1] for turn in (0.0, FULL_TURN))
 
 
 def ring_body(
     brake: Brake, level: Level, linings: tuple[ContactLine, ...], *, sharp: float = math.inf
-) -> RingBody:
-    """The ring condensed under the linings, given by their contact lines in the shoes' frames;
-    sharp: see `divide`.
+) -> RingSubstructure:
+    """The ring condensed under the linings.
+
+    Parameters
+    ----------
+    brake : the brake, which has a ring with a section
+    level : degree and grading
+    linings : contact line of each lining, in its shoe's frame
+    sharp : see `divide` [m]
     """
     ring, radius, sign = brake.ring, brake.size, brake.shoes[0].sign
     assert ring is not None and ring.section is not None  # scene.why_not
@@ -93,41 +120,55 @@ def ring_body(
     ]
     div = divide(ring.section, radius, ends, level, sharp)
     free = ring.support == "free"
-    made, line = _columns(ring.section, radius, sign, div, free=free)
+    made = _columns(ring.section, radius, sign, div, free=free)
+    line = stack(level.degree, len(div.depths) - 1, contact=True, held=not free).line
     grid = grid_of(radius, sign, div)
     contact = ContactLine(
         grid.sets["contact"], grid.doflocs[:, grid.sets["contact"]], *_pieces(div)
     )
     n, extra = 2 * len(contact.nodes), FRAME * free
     A = _closed(made, div, line, extra)
-    if free:  # three unknowns of the rim hold it, statically determinate
+    # Three unknowns of the rim hold a free ring, statically determinate.
+    if free:
         A = _held(A, extra, n, line, div)
-    A = closed(Piece(A, 0, len(A) - extra - n), right=True).K
+    A = without_line(ColumnSubstructure(A, 0, len(A) - extra - n), right=True).K
     back = -directions(div.angles, div.degree)[_touching(div)]
     S = turned(A[extra:, extra:], back)
     L, info = dpotrf(S, lower=1)
     if info:
-        raise NoAnswer(SINGULAR)
+        raise NoAnswer(SINGULAR_BODY)
     load = turned_rows(A[:extra, extra:], back).T
     work = -A[:extra, :extra]
     rim = np.zeros((2 * grid.N, 0))
     if free:
         rim = rim_of(radius + sign * ring.section.thickness, div, grid)
-    inside, recover = partial(_inside, brake, grid, rim), partial(_recovered, brake, grid, rim)
-    to_frame, on_frame = np.zeros((FRAME, n)), np.zeros((FRAME, extra))
-    named = LoadColumns((("rim", extra),))
-    condensed = Condensed(L, to_frame, -load, on_frame, work, inside, recover, named)
-    held = None
-    if free:
-        held = Free.of(grid, rim, condensed, contact)
-    return coupled_ring(brake, linings, grid, grid, contact, condensed, grid.sets["support"], held)
+    condensed = CondensedBody(
+        L,
+        L_fc=np.zeros((FRAME, n)),
+        load_on_contact=-load,
+        load_on_frame=np.zeros((FRAME, extra)),
+        load_work=work,
+        inside=partial(_inside, brake, grid, rim),
+        recover=partial(_recovered, brake, grid, rim),
+        columns=LoadColumns((("rim", extra),)),
+    )
+    balance = FreeRing.of(grid, rim, condensed, contact) if free else None
+    support = grid.sets["support"]
+    return coupled_ring(brake, linings, grid, grid, contact, condensed, support, balance)
 
 
 def _columns(
-    section: Section, radius: float, sign: int, div: Division, *, free: bool
-) -> tuple[list[tuple[bool, Floats]], int]:
-    """Pieces of columns, in contact and not, merged, in their order from the first angle on;
-    unknowns of a line.
+    section: Section, radius: float, sign: int, div: RingDivision, *, free: bool
+) -> list[tuple[bool, Floats]]:
+    """The assembled runs of columns, from the first angle on: whether in contact, and stiffness.
+
+    Parameters
+    ----------
+    section : of the ring
+    radius : of the friction surface [m]
+    sign : 1 where the ring's depth grows outwards, -1 where it grows inwards
+    div : division of the ring
+    free : whether the far edge is free; its unit loads are then extra unknowns
     """
     p, layers = div.degree, len(div.depths) - 1
     sizes, which = distinct(np.diff(div.angles))
@@ -135,46 +176,46 @@ def _columns(
     elasticity = stacked(ring_layers(section), ("drum",) * layers)
     A = angular(along, p, directed=bool(has_directions(elasticity).any()))
     K = elements(radius + sign * div.depths, A, elasticity, p)
-    loads = None
-    if free:
-        loads = _rim_loads(radius + sign * section.thickness, along, p)
-        for at, k in (
-            (slice(2), 0),
-            (slice(-2, None), -1),
-        ):  # in the directions of the columns' sides
-            loads[:, at] = turned_rows(
-                loads[:, at].transpose(0, 2, 1), along[:, k, None]
-            ).transpose(0, 2, 1)
+    loads = _side_loads(radius + sign * section.thickness, along, p) if free else None
     extra = FRAME * free
-    pieces = []
     middle = 0.5 * (div.angles[1:] + div.angles[:-1])
     runs = _runs(div)
-    for first, last in zip(runs, [*runs[1:], len(which)], strict=True):
+    pieces = []
+    for first, last in pairwise([*runs, len(which)]):
         touching = bool(div.contact[first])
-        kinds, place_of = np.unique(which[first:last], return_inverse=True)
-        of, own = (
-            stack(p, layers, contact=touching, held=not free),
-            None if loads is None else loads[kinds],
-        )
+        kinds, kind_of = np.unique(which[first:last], return_inverse=True)
+        of = stack(p, layers, contact=touching, held=not free)
+        own = None if loads is None else loads[kinds]
         made = arc_columns(K[:, :, kinds], p, contact=touching, held=not free, loads=own)
         if free:
-            made, place_of = (
-                _turned_loads(made[place_of], middle[first:last]),
-                np.arange(last - first),
-            )
-        row = [Piece(each, of.line, of.line) for each in made]
-        pieces.append((touching, merged([row[k] for k in place_of], 2 * touching, extra).K))
-    return pieces, stack(p, layers, contact=True, held=not free).line
+            # The loads have their own direction in each column: no two columns are equal.
+            made = _turned_loads(made[kind_of], middle[first:last])
+            kind_of = np.arange(last - first)
+        row = [ColumnSubstructure(each, of.line, of.line) for each in made]
+        run = assembled([row[k] for k in kind_of], 2 * touching, extra)
+        pieces.append((touching, run.K))
+    return pieces
+
+
+def _side_loads(radius: float, along: Floats, p: int) -> Floats:
+    """The loads of `_rim_loads` with the end nodes in the directions of the columns' sides."""
+    loads = _rim_loads(radius, along, p)
+    for at, k in ((slice(2), 0), (slice(-2, None), -1)):
+        nodal = loads[:, at].transpose(0, 2, 1)
+        loads[:, at] = turned_rows(nodal, along[:, k, None]).transpose(0, 2, 1)
+    return loads
 
 
 def _rim_loads(radius: float, along: Floats, p: int) -> Floats:
-    """Forces (c, 2 (p + 1), 3) on the rim's nodes of columns at the angles `along`, as the rigid
-    motions, in the columns' frames; all over the rim's length of a round ring.
+    """Forces (c, 2 (p + 1), 3) on the rim's nodes of columns, spread like the rigid-body modes.
+
+    They are in the columns' frames, for unit loads on the whole rim of a round ring. `along`
+    (c, p + 1) are the angles of the nodes about the columns' middle [rad].
     """
     xy = radius * np.array([np.cos(along), np.sin(along)])  # (2, c, p + 1)
     psi, slope = at_gauss(p)
     x = xy @ psi
-    ds = np.hypot(*(xy @ slope)) * WEIGHTS / (TURN * radius)
+    ds = np.hypot(*(xy @ slope)) * WEIGHTS / (FULL_TURN * radius)
     one, zero = np.ones_like(ds), np.zeros_like(ds)
     modes = np.array([[one, zero], [zero, one], [-x[1], x[0]]])  # (3, 2, c, q)
     found = np.einsum("aq,kicq,cq->caik", psi, modes, ds)
@@ -182,8 +223,9 @@ def _rim_loads(radius: float, along: Floats, p: int) -> Floats:
 
 
 def _turned_loads(K: Floats, angle: Floats) -> Floats:
-    """Columns (c, n, n) in place: their extra unknowns, loads in the column's own frame, in the
-    brake's.
+    """Columns (c, n, n) with their loads turned from the columns' frames to the brake's.
+
+    `angle` (c,) [rad] is that of each column's middle.
     """
     T = np.zeros((len(angle), FRAME, FRAME))
     T[:, 0, 0] = T[:, 1, 1] = np.cos(angle)
@@ -194,12 +236,12 @@ def _turned_loads(K: Floats, angle: Floats) -> Floats:
     return K
 
 
-def _closed(pieces: list[tuple[bool, Floats]], div: Division, line: int, extra: int) -> Floats:
-    """The ring on [extra | contact nodes by growing angle | inner part of the lines between the
-    pieces].
+def _closed(pieces: list[tuple[bool, Floats]], div: RingDivision, line: int, extra: int) -> Floats:
+    """Stiffness of the closed ring on [extra | contact nodes by growing angle | inner lines].
 
-    The first node of a line touches, since one side of it at least does; `line`: the unknowns of
-    its inner part.
+    The lines stand between the runs of columns `pieces`. The first node of a line is in contact,
+    since one of both runs is. `line` is the number of unknowns of the rest of a line, and `extra`
+    that of the extra unknowns.
     """
     count = len(pieces)
     inner = [len(K) - extra - 2 * line - 4 if touching else 0 for touching, K in pieces]
@@ -221,30 +263,32 @@ def _closed(pieces: list[tuple[bool, Floats]], div: Division, line: int, extra: 
     return A
 
 
-def _held(A: Floats, extra: int, contact: int, line: int, div: Division) -> Floats:
-    """Without three unknowns at the rim that hold it against rigid motion: a node, and another one
-    that turns about it.
+def _held(A: Floats, extra: int, contact: int, line: int, div: RingDivision) -> Floats:
+    """The stiffness without three unknowns at the rim, which hold the ring against rigid motion.
+
+    They are both displacements of one node, and one displacement of another node that turns about
+    the first.
     """
     angles = div.angles[_runs(div)]
     away = 0.5 * (angles - angles[0])
     k = int(np.abs(np.sin(away)).argmax())
-    along = abs(math.sin(away[k])) > abs(
-        math.cos(away[k])
-    )  # a turn moves it rather around than along the radius
+    # A rotation moves the other node rather around the drum than along the radius.
+    along = abs(math.sin(away[k])) > abs(math.cos(away[k]))
     node = extra + contact + line - 2
     other = extra + contact + (k + 1) * line - 2 + along
     keep = np.setdiff1d(np.arange(len(A)), [node, node + 1, other])
     return A[keep[:, None], keep]
 
 
-def _runs(div: Division) -> Ints:
-    """The first columns of the pieces, each under one lining or between two."""
+def _runs(div: RingDivision) -> Ints:
+    """The first columns of the runs, each of which is under one lining or between two."""
     runs = np.flatnonzero(np.diff(div.contact, prepend=not div.contact[0]))
-    return runs if len(runs) > 1 else np.array([0, 1])  # in contact all around
+    # A ring in contact all around has two runs, so that a line between them closes it.
+    return runs if len(runs) > 1 else np.array([0, 1])
 
 
-def _pieces(div: Division) -> tuple[Floats, Ints]:
-    """Angles of the contact nodes and their positions in each piece under a lining (p + 1, m)."""
+def _pieces(div: RingDivision) -> tuple[Floats, Ints]:
+    """Angles of the contact nodes, and their positions (p + 1, m) in each column in contact."""
     touching = _touching(div)
     place = np.full(len(div.contact) * div.degree, -1)
     place[touching] = np.arange(len(touching))
@@ -252,16 +296,14 @@ def _pieces(div: Division) -> tuple[Floats, Ints]:
     return line_of(div.angles, div.degree)[touching], place[at % len(place)]
 
 
-def _touching(div: Division) -> Ints:
-    """The nodes of the friction surface that lie under a lining, of all of them from the first
-    angle on.
-    """
+def _touching(div: RingDivision) -> Ints:
+    """The nodes of the friction surface that lie under a lining, counted from the first angle on."""
     at = np.flatnonzero(div.contact) * div.degree + np.arange(div.degree + 1)[:, None]
     return np.unique(at % (len(div.contact) * div.degree))
 
 
-def grid_of(radius: float, sign: int, div: Division) -> Grid:
-    """All nodes and elements of a ring; sets "contact", by growing angle, "surface" and "support"."""
+def grid_of(radius: float, sign: int, div: RingDivision) -> ColumnGrid:
+    """All nodes and elements of a ring, with the sets "contact", "surface" and "support"."""
     p = div.degree
     depth, along = line_of(div.depths, p), line_of(div.angles, p)
     rows, n = len(depth), len(along) - 1
@@ -277,13 +319,13 @@ def grid_of(radius: float, sign: int, div: Division) -> Grid:
         "surface": under[0, :-1],
         "support": under[-1, :-1],
     }
-    return Grid(
+    return ColumnGrid(
         p, (Block(under, depth, along, ("drum",) * (len(div.depths) - 1)),), place, sets, rows * n
     )
 
 
-def rim_of(radius: float, div: Division, grid: Grid) -> Floats:
-    """Nodal forces (2 N, 3) spread over the rim as the rigid motions are."""
+def rim_of(radius: float, div: RingDivision, grid: ColumnGrid) -> Floats:
+    """Nodal forces (2 N, 3) that are spread over the rim like the rigid-body modes."""
     p, found = div.degree, np.zeros((grid.N, 2, FRAME))
     pieces = _rim_loads(radius, within(div.angles, p), p).reshape(len(div.contact), p + 1, 2, FRAME)
     rim = np.append(grid.sets["support"], grid.sets["support"][0])
@@ -292,14 +334,15 @@ def rim_of(radius: float, div: Division, grid: Grid) -> Floats:
     return found.reshape(-1, FRAME)
 
 
-def _inside(brake: Brake, grid: Grid, rim: Floats) -> Inside:
+def _inside(brake: Brake, grid: ColumnGrid, rim: Floats) -> InnerSystem:
+    """The whole system of a ring."""
     return _reduced(brake, grid, grid.sets["support"], grid.sets["contact"], rim)
 
 
 def _recovered(
-    brake: Brake, grid: Grid, rim: Floats, nodal: Floats, frame: Floats, loads: Floats
+    brake: Brake, grid: ColumnGrid, rim: Floats, nodal: Floats, frame: Floats, loads: Floats
 ) -> Floats:
-    """What `Condensed.displacements` returns, with the elements' insides eliminated one by one."""
+    """The displacements of `CondensedBody`, with the insides of elements eliminated one by one."""
     sides = grid.skeleton
     support, contact = (sides.place[grid.sets[name]] for name in ("support", "contact"))
     inside = _reduced(brake, sides, support, contact, rim[sides.dofs])
@@ -307,20 +350,23 @@ def _recovered(
 
 
 def _layers(brake: Brake) -> dict[str, ElasticLayer]:
+    """The one layer of the brake's ring, by the name of its subdomain."""
     ring = brake.ring
     assert ring is not None and ring.section is not None  # scene.why_not
     return ring_layers(ring.section)
 
 
 def _reduced(
-    brake: Brake, basis: Grid | Skeleton, support: Ints, contact: Ints, rim: Floats
-) -> Inside:
+    brake: Brake, basis: ColumnGrid | Skeleton, support: Ints, contact: Ints, rim: Floats
+) -> InnerSystem:
     """The stiffness of a ring and the unit loads `rim` (2 nodes, l) on its reduced unknowns."""
     K, ring = basis.stiffness(_layers(brake)), brake.ring
     if ring is not None and ring.support == "fixed":
-        ties = tie(basis, contact, support, np.zeros(2))
-        loads = np.zeros((ties.matrix.shape[1], 0))
+        constraints = constrain(basis, contact, support, np.zeros(2))
+        loads = np.zeros((constraints.matrix.shape[1], 0))
     else:
-        ties = tie(basis, contact, support[:0], np.zeros(2), determinate(basis, support))
-        loads = ties.matrix.T @ rim
-    return Inside((ties.matrix.T @ K @ ties.matrix).tocsc(), ties, loads)
+        constraints = constrain(
+            basis, contact, support[:0], np.zeros(2), determinate(basis, support)
+        )
+        loads = constraints.matrix.T @ rim
+    return InnerSystem((constraints.matrix.T @ K @ constraints.matrix).tocsc(), constraints, loads)

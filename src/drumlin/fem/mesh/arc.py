@@ -9,25 +9,23 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drumlin.base.arrays import Floats
+from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Shoe
-from drumlin.brake.components import Beam
+from drumlin.brake.components import Bar, Beam
 from drumlin.fem.mesh.beam import beam_mesh
 from drumlin.fem.mesh.grading import (
     MOST_LAYERS,
     MOST_THIN,
-    Division,
+    LiningDivision,
     divide,
     layers_behind,
     overhang,
 )
 
 
-class Kind(NamedTuple):
-    """A kind of mesh: the names of skfem's mesh and element, meshio's of its cells and of their
-    edges.
-    """
+class MeshKind(NamedTuple):
+    """A kind of mesh: the names of skfem's classes, and meshio's of cells and of their edges."""
 
     mesh_name: str
     element_name: str
@@ -46,106 +44,159 @@ class Kind(NamedTuple):
 
 
 def _skfem(name: str) -> Any:
-    import skfem  # noqa: PLC0415  (meshes alone load it)
+    """A class of scikit-fem, which only meshes load."""
+    import skfem  # noqa: PLC0415
 
     return getattr(skfem, name)
 
 
-KINDS = {
-    "quad2": Kind("MeshQuad2", "ElementQuad2", "quad9", "line3"),
-    "quad1": Kind("MeshQuad1", "ElementQuad1", "quad", "line"),
-    "tri2": Kind("MeshTri2", "ElementTriP2", "triangle6", "line3"),
-    "tri1": Kind("MeshTri1", "ElementTriP1", "triangle", "line"),
+MESH_KINDS = {
+    "quad2": MeshKind("MeshQuad2", "ElementQuad2", "quad9", "line3"),
+    "quad1": MeshKind("MeshQuad1", "ElementQuad1", "quad", "line"),
+    "tri2": MeshKind("MeshTri2", "ElementTriP2", "triangle6", "line3"),
+    "tri1": MeshKind("MeshTri1", "ElementTriP1", "triangle", "line"),
 }
+"""The kinds of meshes by their names in options: quadrilaterals or triangles, of degree 1 or 2."""
 DEFAULT_KIND = "quad2"
+"""The kind of a mesh for which no option asks otherwise."""
 
 
-def kind_of(mesh: Any) -> Kind:
+def kind_of(mesh: Any) -> MeshKind:
     """The kind of a mesh."""
-    return next(kind for kind in KINDS.values() if kind.mesh is type(mesh))
+    return next(kind for kind in MESH_KINDS.values() if kind.mesh is type(mesh))
 
 
 def _moved_to(angles: Floats, places: tuple[float, ...]) -> Floats:
-    """The angles (n,) with the inner ones that are nearest to the places moved there; one that has
-    moved to a place already, or is not there, is added.
+    """The angles (n,) with the nearest inner ones moved to the `places`.
+
+    Where the nearest angle has moved to another place already, or no inner angle exists, the place
+    is added.
     """
     inner = angles[1:-1]
-    moved = (
-        list(dict.fromkeys(int(np.abs(inner - x).argmin()) for x in places)) if len(inner) else []
-    )
+    moved: list[int] = []
+    if len(inner):
+        nearest = [int(np.abs(inner - x).argmin()) for x in places]
+        moved = list(dict.fromkeys(nearest))
     return np.sort(np.concatenate([angles[:1], np.delete(inner, moved), places, angles[-1:]]))
 
 
-def shoe_mesh(shoe: Shoe, radius: float, elements: int | Division, kind: str = DEFAULT_KIND) -> Any:
-    """Mesh of a shoe in its own frame; the nodes lie on the arcs, the edges of quadratic kinds
-    follow them.
+FACE_SLACK = 1e-9
+"""Distance, in radii or radians, below which a facet counts as lying on a face: round-off alone."""
 
-    `kind`: "quad2", "quad1", "tri2" or "tri1" (quadrilaterals or triangles, quadratic or linear).
 
-    `elements`: number along the lining, graded to its edges, or its division. Without a body the
-    back of the lining (or backing) is the rigid line "hinge" and the mesh has no "actuation".
+class _Layout(NamedTuple):
+    """The rectangle of depths and angles that an arc is cut from.
+
+    `layers` are the names and thicknesses [m] from the contact inwards, `bounds` (layers,) the
+    depths where they end [m], `depths` and `angles` the ends of the elements [m], [rad], and `body`
+    the angles where the body ends [rad].
     """
-    if kind not in KINDS:
-        raise BadInput(f"--kind = {kind!r}: unknown kind of mesh; allowed: {', '.join(KINDS)}")
-    phi_1, phi_2 = shoe.arc
-    division = elements if isinstance(elements, Division) else divide(shoe, radius, elements)
+
+    layers: list[tuple[str, float]]
+    bounds: Floats
+    depths: Floats
+    angles: Floats
+    body: tuple[float, float]
+
+    @property
+    def lining_depth(self) -> float:
+        """Depth of the lining and its backing [m]."""
+        return sum(thickness for name, thickness in self.layers if name in {"lining", "backing"})
+
+
+def shoe_mesh(
+    shoe: Shoe, radius: float, elements: int | LiningDivision, kind: str = DEFAULT_KIND
+) -> Any:
+    """The mesh of a shoe in its own frame, with nodes and quadratic edges on the arcs.
+
+    Without a body the back of the lining (or backing) is the rigid line "hinge", and the mesh has
+    no "actuation".
+
+    Parameters
+    ----------
+    shoe : the shoe
+    radius : of the drum [m]
+    elements : number along the lining, graded to its ends, or the lining's division
+    kind : "quad2", "quad1", "tri2" or "tri1" (quadrilaterals or triangles, quadratic or linear)
+
+    Raises
+    ------
+    BadInput
+        for an unknown kind
+    """
+    if kind not in MESH_KINDS:
+        raise BadInput(f"--kind = {kind!r}: unknown kind of mesh; allowed: {', '.join(MESH_KINDS)}")
+    division = elements if isinstance(elements, LiningDivision) else divide(shoe, radius, elements)
     if isinstance(shoe.body, Beam):
-        return beam_mesh(shoe, radius, division, KINDS[kind].mesh)
+        return beam_mesh(shoe, radius, division, MESH_KINDS[kind].mesh)
+    layout = _layout(shoe, radius, division, kind)
+    grid = _cut_grid(shoe, layout, kind)
+    depth, _ = grid.p[:, grid.t].mean(axis=1)
+    layer = np.searchsorted(layout.bounds, depth)
+    subdomains = {name: np.flatnonzero(layer == i) for i, (name, _) in enumerate(layout.layers)}
+    boundaries = _boundaries(shoe, radius, layout, grid)
+
+    # The grid of depths and angles is mapped to the arcs.
+    shape = MESH_KINDS[kind].mesh
+    mesh = shape.from_mesh(grid)
+    depth, phi = mesh.doflocs
+    return shape(
+        shoe.at(depth, phi, radius), mesh.t, _subdomains=subdomains, _boundaries=boundaries
+    )
+
+
+def _layout(shoe: Shoe, radius: float, division: LiningDivision, kind: str) -> _Layout:
+    """The rectangle of depths and angles of a shoe."""
+    phi_1, phi_2 = shoe.arc
     layers = [("lining", shoe.lining.thickness)]
     if shoe.backing is not None:
         layers.append(("backing", shoe.backing.thickness))
-    lining_depth = sum(thickness for _, thickness in layers)
     angles = division.angles
     body = (phi_1, phi_2)
-    if shoe.body is not None:
+    if isinstance(shoe.body, Bar):
         layers += [(name, plate.thickness) for name, plate in shoe.body.plates.items()]
         ends = shoe.frame.phi(np.array([shoe.body.start, shoe.body.end]))
         body = (float(ends.min()), float(ends.max()))
-        grip = shoe.grip(radius)
-        angles = _moved_to(angles, grip or ())
-        angles = np.concatenate(
-            [
-                overhang(phi_1, body[0], division)[:0:-1],
-                angles,
-                overhang(phi_2, body[1], division)[1:],
-            ]
-        )
-    most = (
-        MOST_LAYERS if kind.endswith("2") else MOST_THIN
-    )  # linear elements bend well only in thin layers
+        angles = _moved_to(angles, shoe.grip(radius) or ())
+        before = overhang(phi_1, body[0], division)[:0:-1]
+        after = overhang(phi_2, body[1], division)[1:]
+        angles = np.concatenate([before, angles, after])
+
+    # Linear elements bend well only in thin layers.
+    most = MOST_LAYERS if kind.endswith("2") else MOST_THIN
     depths = [division.depths]
     for _, thickness in layers[1:]:
         parts = layers_behind(thickness, division, division.step * radius, most)
         depths.append(depths[-1][-1] + parts * thickness)
     bounds = np.array([part[-1] for part in depths])
-    grid = _skfem("MeshQuad").init_tensor(np.concatenate(depths), angles)
+    return _Layout(layers, bounds, np.concatenate(depths), angles, body)
+
+
+def _cut_grid(shoe: Shoe, layout: _Layout, kind: str) -> Any:
+    """The grid of depths and angles, without the parts of the lining's layers beyond the lining."""
+    phi_1, phi_2 = shoe.arc
+    grid = _skfem("MeshQuad").init_tensor(layout.depths, layout.angles)
     depth, phi = grid.p[:, grid.t].mean(axis=1)
-    grid = grid.restrict(np.flatnonzero((depth > lining_depth) | ((phi > phi_1) & (phi < phi_2))))
-    if kind.startswith("tri"):
-        grid = grid.to_meshtri()
-    depth, phi = grid.p[:, grid.t].mean(axis=1)
-    layer = np.searchsorted(bounds, depth)
-    middle = grid.p[:, grid.facets].mean(axis=1)
+    of_body = depth > layout.lining_depth
+    under_lining = (phi > phi_1) & (phi < phi_2)
+    grid = grid.restrict(np.flatnonzero(of_body | under_lining))
+    return grid.to_meshtri() if kind.startswith("tri") else grid
+
+
+def _boundaries(shoe: Shoe, radius: float, layout: _Layout, grid: Any) -> dict[str, Ints]:
+    """The facets of each named boundary of a grid of depths and angles."""
+    depth, phi = grid.p[:, grid.facets].mean(axis=1)
     outer = np.isin(np.arange(grid.nfacets), grid.boundary_facets())
-    slack = 1e-9
-    on = {"contact": outer & (middle[0] < slack * radius)}
+    on = {"contact": outer & (depth < FACE_SLACK * radius)}
+    grip = shoe.grip(radius) if shoe.body is not None else None
     if shoe.body is None:
-        on["hinge"] = outer & (middle[0] > lining_depth * (1 - slack))
+        on["hinge"] = outer & (depth > layout.lining_depth * (1 - FACE_SLACK))
+    elif grip is None:
+        near, far = sorted(layout.body, key=abs)
+        behind = outer & (depth > layout.lining_depth)
+        on["hinge"] = behind & (np.abs(phi - near) < FACE_SLACK)
+        on["actuation"] = behind & (np.abs(phi - far) < FACE_SLACK)
     else:
-        near, far = sorted(body, key=abs)
-        behind = outer & (middle[0] > lining_depth)
-        if grip is None:
-            on["hinge"] = behind & (np.abs(middle[1] - near) < slack)
-            on["actuation"] = behind & (np.abs(middle[1] - far) < slack)
-        else:
-            back = outer & (middle[0] > bounds[-1] * (1 - slack))
-            on["hinge"] = back & (middle[1] > grip[0] - slack) & (middle[1] < grip[1] + slack)
-    shape = KINDS[kind].mesh
-    mesh = shape.from_mesh(grid)
-    depth, phi = mesh.doflocs
-    return shape(
-        shoe.at(depth, phi, radius),
-        mesh.t,
-        _subdomains={name: np.flatnonzero(layer == i) for i, (name, _) in enumerate(layers)},
-        _boundaries={name: np.flatnonzero(where) for name, where in on.items()},
-    )
+        back = outer & (depth > layout.bounds[-1] * (1 - FACE_SLACK))
+        on["hinge"] = back & (phi > grip[0] - FACE_SLACK) & (phi < grip[1] + FACE_SLACK)
+    return {name: np.flatnonzero(where) for name, where in on.items()}

@@ -1,12 +1,11 @@
-"""Mesh of a straight-beam shoe: lining, block that fills the space up to the beam, beam; in the
-shoe's frame.
+"""The mesh of a straight-beam shoe in its own frame: lining, block and beam.
 
-The block is cut square to the beam: behind the lining's back at the angle theta it reaches the
-beam's face at the same distance along the beam.
+The block fills the space between lining and beam and is cut square to the beam: behind the lining's
+back at the angle theta it reaches the beam's face at the same distance along the beam.
 """
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -15,13 +14,17 @@ from drumlin.brake.beam_axis import Axis, axis_of
 from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Beam, Section
 from drumlin.brake.units import mm
-from drumlin.fem.mesh.grading import MOST_LAYERS, MOST_THIN, Division, layers_behind, overhang
+from drumlin.fem.mesh.grading import MOST_LAYERS, MOST_THIN, LiningDivision, layers_behind, overhang
 
 PARTS = ("lining", "backing", "shoe")
+"""The subdomains of the mesh from the contact inwards; the backing is the block."""
+BEAM_SLACK = 1e-9
+"""Distance, in layers or along the beam over the lining's back radius, below which a facet counts as
+lying on a face: round-off alone."""
 
 
 def why_not(shoe: Shoe, radius: float) -> str | None:
-    """Why a shoe with a straight beam cannot be meshed (None: it can, or has no beam)."""
+    """Why a shoe with a straight beam cannot be meshed; None where it can, or has no beam."""
     if not isinstance(shoe.body, Beam) or shoe.mesh is not None:
         return None
     section = shoe.body.section
@@ -35,6 +38,7 @@ def why_not(shoe: Shoe, radius: float) -> str | None:
 
 
 def _no_room(shoe: Shoe, axis: Axis, section: Section, radius: float) -> str | None:
+    """Why no block fits between lining and beam; None where one fits."""
     back = radius + shoe.lining.thickness
     ends = axis.angle(np.array([shoe.lining.start, shoe.lining.end]))
     x = axis.foot + back * np.sin(ends)
@@ -47,70 +51,125 @@ def _no_room(shoe: Shoe, axis: Axis, section: Section, radius: float) -> str | N
     return None
 
 
-def beam_mesh(shoe: Shoe, radius: float, division: Division, shape: Any) -> Any:
-    """Mesh of a straight-beam shoe in its own frame, groups as those of an arc; `shape`: skfem's
-    class of it.
+class _BeamShape(NamedTuple):
+    """The geometry of a straight-beam shoe; lengths in m, in the axes of the beam.
+
+    `back` is the radius of the lining's back. `start` and `end` are the angles of the lining's ends
+    from the foot of the axis [rad]; `low` and `high` the beam's ends, as distances along the beam
+    over `back`. `thickness` is that of the lining, `beam` that of the beam.
+    """
+
+    axis: Axis
+    radius: float
+    thickness: float
+    beam: float
+    back: float
+    start: float
+    end: float
+    low: float
+    high: float
+
+    @property
+    def face(self) -> float:
+        """Distance of the beam's face from the drum's centre [m]."""
+        return self.axis.distance - self.beam / 2
+
+    def points(self, depth: Floats, s: Floats) -> Floats:
+        """Points in the brake's frame, for depths in layers and positions s.
+
+        Under the lining s is the angle from the axis's foot. Beyond the lining it is the distance
+        along the beam over `back`.
+        """
+        r = self.radius + self.thickness * np.minimum(depth, 1)
+        in_lining = self.axis.foot + r * np.sin(s)
+        x = np.where(depth < 1, in_lining, self._along(s))
+        y = self.axis.distance - r * np.cos(s)
+        beam_face = self.axis.distance - self.face
+        in_block = y + np.minimum(depth - 1, 1) * (beam_face - y)
+        y = np.where(depth > 1, in_block, y)
+        in_beam = beam_face - (depth - 2) * self.beam
+        y = np.where(depth > 2, in_beam, y)
+        return self.axis.to_brake(x, y)
+
+    def _along(self, s: Floats) -> Floats:
+        """Distances along the beam behind the positions s [m]."""
+        start, end = self.start, self.end
+        inside = self.axis.foot + self.back * np.sin(np.clip(s, start, end))
+        beyond = np.minimum(s - start, 0) + np.maximum(s - end, 0)
+        return np.asarray(inside + self.back * beyond)
+
+
+def beam_mesh(shoe: Shoe, radius: float, division: LiningDivision, shape: Any) -> Any:
+    """The mesh of a straight-beam shoe in its own frame, with the groups of an arc's mesh.
 
     "hinge" and "actuation" are the beam's end faces.
+
+    Parameters
+    ----------
+    shoe : the shoe, whose beam has a constant section
+    radius : of the drum [m]
+    division : of the lining
+    shape : skfem's class of the mesh
     """
-    import skfem  # noqa: PLC0415  (meshes alone load it)
+    # Only meshes load scikit-fem.
+    import skfem  # noqa: PLC0415
 
     assert isinstance(shoe.body, Beam) and shoe.body.section is not None  # why_not
-    axis, section, thickness = (
-        axis_of(shoe.pin.xy, shoe.actuation.point.xy),
-        shoe.body.section,
-        shoe.lining.thickness,
-    )
+    axis = axis_of(shoe.pin.xy, shoe.actuation.point.xy)
     angles = np.sort(axis.angle(shoe.frame.theta(division.angles)))
-    start, end, back = float(angles[0]), float(angles[-1]), radius + thickness
-    foot = axis.foot + back * np.sin(np.array([start, end]))
-
-    # s: the angle under the lining; before and behind it the distance along the beam over the
-    # back's radius.
-    low, high = start - foot[0] / back, end + (axis.length - foot[1]) / back
-    s = np.concatenate(
-        [overhang(start, low, division)[:0:-1], angles, overhang(end, high, division)[1:]]
-    )
-    face = axis.distance - section.thickness / 2
+    form = _shape_of(shoe, shoe.body.section, axis, radius, angles)
     linear = shape in {skfem.MeshQuad1, skfem.MeshTri1}
-    most = MOST_THIN if linear else MOST_LAYERS  # linear elements bend well only in thin layers
-    deepest = face - back * min(math.cos(start), math.cos(end))
-    block, beam = (
-        layers_behind(t, division, division.step * radius, most)
-        for t in (deepest, section.thickness)
-    )
-    grid = skfem.MeshQuad.init_tensor(
-        np.concatenate([division.depths / thickness, 1 + block, 2 + beam]), s
-    )
-    depth, place = grid.p[:, grid.t].mean(axis=1)
-    grid = grid.restrict(np.flatnonzero((depth > 2) | ((place > start) & (place < end))))
+    grid = _cut_grid(form, division, angles, linear=linear)
     if shape in {skfem.MeshTri1, skfem.MeshTri2}:
         grid = grid.to_meshtri()
+
     layer = np.floor(grid.p[0, grid.t].mean(axis=0)).astype(int)
-    middle = grid.p[:, grid.facets].mean(axis=1)
+    depth, s = grid.p[:, grid.facets].mean(axis=1)
     outer = np.isin(np.arange(grid.nfacets), grid.boundary_facets())
-    slack = 1e-9
     on = {
-        "contact": outer & (middle[0] < slack),
-        "hinge": outer & (middle[0] > 2) & (middle[1] < low + slack),
-        "actuation": outer & (middle[0] > 2) & (middle[1] > high - slack),
+        "contact": outer & (depth < BEAM_SLACK),
+        "hinge": outer & (depth > 2) & (s < form.low + BEAM_SLACK),
+        "actuation": outer & (depth > 2) & (s > form.high - BEAM_SLACK),
     }
     mesh = shape.from_mesh(grid)
-    depth, place = mesh.doflocs
-
-    def along(s: Floats) -> Floats:
-        inside = axis.foot + back * np.sin(np.clip(s, start, end))
-        return np.asarray(inside + back * (np.minimum(s - start, 0) + np.maximum(s - end, 0)))
-
-    r = radius + thickness * np.minimum(depth, 1)
-    x = np.where(depth < 1, axis.foot + r * np.sin(place), along(place))
-    y = axis.distance - r * np.cos(place)  # of lining and of the lining's back
-    inner = axis.distance - face
-    y = np.where(depth > 1, y + np.minimum(depth - 1, 1) * (inner - y), y)
-    y = np.where(depth > 2, inner - (depth - 2) * section.thickness, y)
+    depth, s = mesh.doflocs
     return shape(
-        shoe.frame.to_shoe(axis.to_brake(x, y)).T.copy(),
+        shoe.frame.to_shoe(form.points(depth, s)).T.copy(),
         mesh.t,
         _subdomains={name: np.flatnonzero(layer == i) for i, name in enumerate(PARTS)},
         _boundaries={name: np.flatnonzero(where) for name, where in on.items()},
     )
+
+
+def _shape_of(
+    shoe: Shoe, section: Section, axis: Axis, radius: float, angles: Floats
+) -> _BeamShape:
+    """The geometry of a shoe whose lining has elements at these `angles` from the axis's foot."""
+    start, end = float(angles[0]), float(angles[-1])
+    thickness = shoe.lining.thickness
+    back = radius + thickness
+    foot = axis.foot + back * np.sin(np.array([start, end]))
+    low = start - foot[0] / back
+    high = end + (axis.length - foot[1]) / back
+    return _BeamShape(axis, radius, thickness, section.thickness, back, start, end, low, high)
+
+
+def _cut_grid(form: _BeamShape, division: LiningDivision, angles: Floats, *, linear: bool) -> Any:
+    """The grid of depths in layers and positions s, without lining and block beyond the lining."""
+    import skfem  # noqa: PLC0415
+
+    start, end, back = form.start, form.end, form.back
+    before = overhang(start, form.low, division)[:0:-1]
+    after = overhang(end, form.high, division)[1:]
+    s = np.concatenate([before, angles, after])
+    # Linear elements bend well only in thin layers.
+    most = MOST_THIN if linear else MOST_LAYERS
+    deepest = form.face - back * min(math.cos(start), math.cos(end))
+    size = division.step * form.radius
+    block = layers_behind(deepest, division, size, most)
+    beam = layers_behind(form.beam, division, size, most)
+    depths = np.concatenate([division.depths / form.thickness, 1 + block, 2 + beam])
+    grid = skfem.MeshQuad.init_tensor(depths, s)
+    depth, place = grid.p[:, grid.t].mean(axis=1)
+    under_lining = (place > start) & (place < end)
+    return grid.restrict(np.flatnonzero((depth > 2) | under_lining))

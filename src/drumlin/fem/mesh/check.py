@@ -1,6 +1,4 @@
-"""What a user's mesh must fulfil; each fault is one line that names the file and says what is
-allowed.
-"""
+"""The checks of a user's mesh; each fault is one line that names the file and says what is allowed."""
 
 import dataclasses
 import math
@@ -19,22 +17,48 @@ from drumlin.brake.units import mm
 from drumlin.fem.mesh.arc import kind_of
 from drumlin.fem.mesh.edges import edge_nodes
 
-ARC_SLACK = math.radians(2)  # between the lining's arc in the file and in a user's mesh
-APART = 1e-7  # of the mesh's size: nodes closer than this stand in one place
-MOST_PAIRS = 1000  # nodes in one place that are counted
-LARGEST = 1e6  # drum's radii, or lengths of a pad, that a mesh may reach: beyond it not even the checks are sure
-BENT = 0.5  # of an edge's length, by which its middle node may lie off its middle: half a circle
-OFF = 0.01  # of the drum's radius, or a pad's length, by which the contact may lie off drum or plane, where p is
-DEEP = 0.1  # of the lining's thickness, by which its mesh may lie in drum or plane without the file's saying so
-STEEP = (
-    0.1  # slope against drum or plane at which an edge of the contact is no part of a lining's face
-)
-UPRIGHT = 1e-6  # smallest Jacobian determinant in an element, relative to its largest
+ARC_SLACK = math.radians(2)
+"""Largest difference [rad] between the ends of the lining's arc in the brake's file and in the mesh.
+A larger one says that mesh and brake are not the same shoe."""
+SAME_POINT = 1e-7
+"""Distance of two nodes, relative to the mesh's size, below which both stand in one point. The parts
+of such a mesh are not bonded to each other, and it is refused."""
+MOST_COINCIDENT = 1000
+"""Number of nodes in one point up to which their pairs are counted for the message. More of them
+would make far more pairs than the memory holds."""
+LARGEST_REACH = 1e6
+"""Largest coordinate of a mesh in drum radii, or in lengths of a pad. Farther away round-off makes
+even these checks unsure; nearly always the unit of length is wrong."""
+MIDDLE_NODE_OFFSET = 0.5
+"""Largest distance of an edge's middle node from the middle of its chord, relative to the chord. An
+edge that is bent as far is half a circle."""
+CONTACT_OFFSET = 0.01
+"""Largest distance of the contact from the drum or the plane, in drum radii or lengths of a pad. The
+pressure is computed where the nodes are, and stated on the drum."""
+CONTACT_DEPTH = 0.1
+"""Largest depth of the contact in the drum or the plane, in thicknesses of the lining. A deeper one
+is an interference fit, which the brake's file must declare."""
+CONTACT_SLOPE = 0.1
+"""Slope of an edge against the drum or the plane above which the edge is no part of a lining's face."""
+JACOBIAN_RATIO = 1e-6
+"""Smallest Jacobian determinant in an element, relative to the sum over its nodes. Below it the element has no area
+in a corner, or is inverted."""
 
 
 def check(mesh: Any, shoe: Shoe, radius: float, fault: str) -> Any:
-    """The mesh (in the shoe's frame [m]) with the groups that the shoe needs; raises BadInput, led
-    by `fault`.
+    """The mesh with the groups that the shoe needs, after all checks.
+
+    Parameters
+    ----------
+    mesh : skfem's mesh in the shoe's frame [m]
+    shoe : the shoe
+    radius : of the drum [m]; on a plane the length of the pad
+    fault : beginning of each message
+
+    Raises
+    ------
+    BadInput
+        for the first fault that is found
     """
     mesh = _check_groups(mesh, shoe, fault)
     _check_nodes(mesh, shoe, radius, fault)
@@ -46,16 +70,24 @@ def check(mesh: Any, shoe: Shoe, radius: float, fault: str) -> Any:
 
 
 def check_cells(cells: Ints, corners: int, fault: str) -> None:
-    """Refuse cells (m, k), in meshio's order, whose nodes do not make them a mesh."""
+    """Refuse cells whose nodes do not make them a mesh.
+
+    Parameters
+    ----------
+    cells : (m, k) nodes of the cells in meshio's order
+    corners : number of corners of a cell
+    fault : beginning of each message
+    """
     ends, middles, centres = np.split(cells, [corners, 2 * corners], axis=1)
     edges = np.sort(np.stack([ends, np.roll(ends, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1)
     distinct = [len(np.unique(nodes)) for nodes in (ends, middles, centres)]
-    if (np.diff(np.sort(cells, axis=1), axis=1) == 0).any() or sum(distinct) > len(
-        np.unique(cells)
-    ):
+    repeated = (np.diff(np.sort(cells, axis=1), axis=1) == 0).any()
+    of_two_kinds = sum(distinct) > len(np.unique(cells))
+    if repeated or of_two_kinds:
         raise BadInput(
             f"{fault}: has nodes that a cell has twice, or that are a corner here and inside an edge there"
         )
+    # Edges, middle nodes and pairs of both are equally many.
     bonds = {len(np.unique(edges, axis=0))}
     if middles.size:
         bonds |= {distinct[1], len(np.unique(np.column_stack([edges, middles.ravel()]), axis=0))}
@@ -66,11 +98,13 @@ def check_cells(cells: Ints, corners: int, fault: str) -> None:
 
 
 def _check_groups(mesh: Any, shoe: Shoe, fault: str) -> Any:
+    """The mesh with only the groups that the shoe needs; each element must be in one of them."""
     subdomains, boundaries = mesh.subdomains, mesh.boundaries
     needed = {"lining"} | ({"backing"} if shoe.backing else set())
-    needed |= (
-        set(shoe.body.plates) if isinstance(shoe.body, Bar) else {"shoe"} if shoe.body else set()
-    )
+    if isinstance(shoe.body, Bar):
+        needed |= set(shoe.body.plates)
+    elif shoe.body:
+        needed.add("shoe")
     lines = {"contact", "hinge"} | ({"actuation"} if shoe.body and not shoe.gripped else set())
     missing = sorted((needed - set(subdomains)) | (lines - set(boundaries)))
     if missing:
@@ -92,8 +126,9 @@ def _check_groups(mesh: Any, shoe: Shoe, fault: str) -> Any:
 
 
 def _check_nodes(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
+    """Refuse nodes that are too far from the drum, and nodes that stand in one point."""
     size = float(np.abs(mesh.doflocs).max())
-    if size > LARGEST * radius:
+    if size > LARGEST_REACH * radius:
         where = (
             f"on a plane, its lining {mm(radius)} long"
             if shoe.flat
@@ -102,12 +137,13 @@ def _check_nodes(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
         raise BadInput(
             f"{fault}: reaches {size:.3g} m far; must be a shoe {where} (coordinates are read in {shoe.mesh_unit})"
         )
-    cells = np.unique(
-        np.round(mesh.doflocs / (APART * size)), axis=1
-    )  # many in one place make far more pairs
-    if cells.shape[1] < mesh.doflocs.shape[1] - MOST_PAIRS:
+    # Many nodes in one point would make far more pairs, which are not counted.
+    cells = np.unique(np.round(mesh.doflocs / (SAME_POINT * size)), axis=1)
+    if cells.shape[1] < mesh.doflocs.shape[1] - MOST_COINCIDENT:
         raise BadInput(f"{fault}: many nodes stand in one place; merge them, the parts are bonded")
-    pairs = scipy.spatial.cKDTree(mesh.doflocs.T).query_pairs(APART * size, output_type="ndarray")
+    pairs = scipy.spatial.cKDTree(mesh.doflocs.T).query_pairs(
+        SAME_POINT * size, output_type="ndarray"
+    )
     if len(pairs):
         raise BadInput(
             f"{fault}: {len(pairs)} pairs of nodes stand in one place; merge them, the parts are bonded"
@@ -115,23 +151,23 @@ def _check_nodes(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
 
 
 def _check_elements(mesh: Any, shoe: Shoe, fault: str) -> None:
+    """Refuse bent, inverted and folded elements, and meshes of more than one part."""
     basis = skfem.Basis(mesh, kind_of(mesh).element(), quadrature=(np.zeros((2, 1)), np.ones(1)))
-    first, *middles, last = basis.doflocs[:, edge_nodes(basis, np.arange(mesh.nfacets))].transpose(
-        1, 0, 2
-    )
+    on_edges = basis.doflocs[:, edge_nodes(basis, np.arange(mesh.nfacets))]
+    first, *middles, last = on_edges.transpose(1, 0, 2)
     for middle in middles:
-        bent = np.hypot(*(middle - (first + last) / 2)) > BENT * np.hypot(*(last - first))
+        bent = np.hypot(*(middle - (first + last) / 2)) > MIDDLE_NODE_OFFSET * np.hypot(
+            *(last - first)
+        )
         if bent.any():
             where = _some(mesh, mesh.f2t[0, np.flatnonzero(bent)], shoe)
             raise BadInput(f"{fault}: {where} with the middle node of an edge far off that edge")
+    # Either orientation will do, as long as it is one throughout an element.
     determinant = mesh.mapping().detDF(kind_of(mesh).element().doflocs.T)
     determinant = np.broadcast_to(determinant, (mesh.nelements, determinant.shape[-1]))
-    upright = (
-        np.abs(determinant.sum(axis=1)) * UPRIGHT
-    )  # either orientation will do, one throughout an element
-    inverted = (np.abs(determinant).min(axis=1) <= upright) | (
-        np.ptp(np.sign(determinant), axis=1) > 0
-    )
+    smallest = np.abs(determinant.sum(axis=1)) * JACOBIAN_RATIO
+    flat = np.abs(determinant).min(axis=1) <= smallest
+    inverted = flat | (np.ptp(np.sign(determinant), axis=1) > 0)
     if inverted.any():
         raise BadInput(
             f"{fault}: {_some(mesh, np.flatnonzero(inverted), shoe)} inverted or without area in a corner"
@@ -152,20 +188,21 @@ def _check_elements(mesh: Any, shoe: Shoe, fault: str) -> None:
 
 
 def _some(mesh: Any, elements: Ints, shoe: Shoe) -> str:
-    """How many elements, and where the first lies: the subject of a sentence about them."""
+    """The subject of a sentence about some elements: their number, and where the first lies."""
     ((x,), (y,)) = shoe.points(mesh.p[:, mesh.t[:, elements[0]]].mean(axis=1, keepdims=True)) * 1e3
     count = len(np.unique(elements))
     return f"{count} element{'s are' if count > 1 else ' is'} (the first at x = {x:.4g} mm, y = {y:.4g} mm)"
 
 
 def _side(mesh: Any, facets: Ints, elements: Ints) -> Floats:
-    """Sign of the side of each facet (by its straight line) on which an element's centre lies."""
+    """The side, by its sign, of each facet's straight line on which an element's centre lies."""
     a, b = mesh.p[:, mesh.facets[:, facets]].transpose(1, 0, 2)
     to = mesh.p[:, mesh.t[:, elements]].mean(axis=1) - a
     return np.sign((b - a)[0] * to[1] - (b - a)[1] * to[0])
 
 
 def _check_boundaries(mesh: Any, fault: str) -> None:
+    """Refuse named edges inside the mesh, and a hinge that touches the contact."""
     outer = mesh.boundary_facets()
     for name, facets in mesh.boundaries.items():
         inside = len(np.setdiff1d(facets, outer))
@@ -179,6 +216,7 @@ def _check_boundaries(mesh: Any, fault: str) -> None:
 
 
 def _check_contact(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
+    """Refuse a contact that is not the lining's face on the drum or the plane."""
     facets = mesh.boundaries["contact"]
     if not np.isin(mesh.f2t[0, facets], mesh.subdomains["lining"]).all():
         raise BadInput(f"{fault}: the group contact must be edges of the lining only")
@@ -186,27 +224,29 @@ def _check_contact(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
     line = basis.doflocs[:, edge_nodes(basis, facets)]
     off, word = shoe.off(line, radius), shoe.surface.word
     most, deep = float(np.abs(off).max()), -float(off.min())
-    if most > OFF * radius:
+    if most > CONTACT_OFFSET * radius:
         surface = "plane" if shoe.flat else f"drum's radius {mm(radius)}"
         raise BadInput(
             f"{fault}: the group contact lies up to {mm(most)} off the {surface}; "
-            f"must be within {mm(OFF * radius)} of it (coordinates are read in {shoe.mesh_unit})"
+            f"must be within {mm(CONTACT_OFFSET * radius)} of it (coordinates are read in {shoe.mesh_unit})"
         )
     behind = shoe.off(mesh.p[:, mesh.t[:, mesh.subdomains["lining"]]].mean(axis=1), radius)
     if behind.mean() < 0 and not shoe.mesh_interference:
         raise BadInput(
             f"{fault}: the lining's elements lie in the {word}; must lie behind the group contact"
         )
-    if deep > DEEP * shoe.lining.thickness and not shoe.mesh_interference:
+    if deep > CONTACT_DEPTH * shoe.lining.thickness and not shoe.mesh_interference:
         raise BadInput(
-            f"{fault}: the group contact lies up to {mm(deep)} in the {word}, over {DEEP:g} of the lining's "
+            f"{fault}: the group contact lies up to {mm(deep)} in the {word}, over {CONTACT_DEPTH:g} of the lining's "
             f"thickness of {mm(shoe.lining.thickness)}; say mesh_interference = true if that is meant"
         )
-    steep = (np.abs(np.diff(off, axis=0)) > STEEP * np.hypot(*np.diff(line, axis=1))).any(axis=0)
+    steep = (np.abs(np.diff(off, axis=0)) > CONTACT_SLOPE * np.hypot(*np.diff(line, axis=1))).any(
+        axis=0
+    )
     if steep.any():
         where = _some(mesh, mesh.f2t[0, facets[steep]], shoe)
         raise BadInput(
-            f"{fault}: {where} with an edge of the contact that is steeper than {STEEP:g} against the {word}"
+            f"{fault}: {where} with an edge of the contact that is steeper than {CONTACT_SLOPE:g} against the {word}"
         )
     nodes, ends = np.unique(mesh.facets[:, facets], return_inverse=True)
     xy = mesh.p[:, nodes]
@@ -220,17 +260,19 @@ def _check_contact(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
             f"{text(shoe.lining.start)} to {text(shoe.lining.end)}, within {text(shoe.frame.unit * ARC_SLACK)} "
             f"(coordinates are read in the {shoe.mesh_frame}'s frame)"
         )
+    # By growing angle each edge leads from one node to the next.
     steps = np.sort(np.argsort(np.argsort(phi))[ends.reshape(2, -1)], axis=0)
     steps = steps[:, np.argsort(steps[0])]
-    if not (
-        np.array_equal(steps[0], np.arange(len(phi) - 1)) and np.array_equal(steps[1], steps[0] + 1)
-    ):
+    from_each = np.array_equal(steps[0], np.arange(len(phi) - 1))
+    to_next = np.array_equal(steps[1], steps[0] + 1)
+    if not (from_each and to_next):
         raise BadInput(
             f"{fault}: the group contact must be one line without gaps or turns, one edge after the other"
         )
 
 
 def _check_ends(mesh: Any, shoe: Shoe, fault: str) -> None:
+    """Refuse a mesh whose hinge and actuation are swapped."""
     nodes = {name: np.unique(mesh.facets[:, facets]) for name, facets in mesh.boundaries.items()}
     if "actuation" in nodes and not shoe.gripped:
         away = {

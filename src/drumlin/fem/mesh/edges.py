@@ -8,6 +8,6 @@ from drumlin.base.arrays import Ints
 
 
 def edge_nodes(basis: Any, facets: Ints) -> Ints:
-    """Nodes (order + 1, m) of boundary edges, from one end to the other, of a scalar basis."""
+    """The nodes (order + 1, m) of m edges of a scalar basis, from one end to the other."""
     ends = basis.nodal_dofs[0][basis.mesh.facets[:, facets]]
     return np.vstack([ends[:1], *(row[None, facets] for row in basis.facet_dofs), ends[1:]])

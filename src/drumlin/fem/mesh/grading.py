@@ -1,4 +1,4 @@
-"""How a parametric lining is divided into elements: along its arc and through its thickness.
+"""The division of a parametric lining into elements along its arc and through its thickness.
 
 Elements shrink linearly towards the lining's edges, where the pressure is singular.
 """
@@ -12,30 +12,36 @@ from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Shoe
 
 EDGE_SIZE = 1 / 32
-"""Size of an element at the lining's sharp edge, relative to one in its middle, and of a layer at
-its faces. The pressure is singular at the edge. With four times this size the error of p is a
-quarter larger in the median of 22 random brakes, at most six times; with half of it, it is the
-same.
+"""Size of an element at the lining's sharp edge relative to one in its middle, and of a layer at its
+faces. The pressure is singular at the edge. With four times this size the error of p is a quarter
+larger in the median of 22 random brakes, and up to six times as large; with half of it the error is
+the same.
 """
 MOST_BEYOND = 200
-"""Limit of memory: elements along the body on either side of the lining."""
+"""Largest number of elements along the body on either side of the lining; longer overhangs have
+larger elements. The limit saves memory.
+"""
 MOST_LAYERS = 8
-"""Limit of memory: layers through backing and body each, so that unknowns grow with the number of
-elements along the lining and not with its square. On 22 random brakes twice as many have 1.4 times
-the unknowns and the same error of p, half as many up to 2.4 times that error.
+"""Largest number of layers through backing and body each. It makes the unknowns grow with the number
+of elements along the lining and not with its square. On 22 random brakes twice as many layers take
+1.4 times the unknowns for the same error of p; half as many make the error up to 2.4 times as large.
 """
 MOST_THIN = 80
-"""The same limit for linear elements, which bend well only in thin layers: as many as the default
-number along a lining. On 22 random brakes 40 and 160 give the same errors."""
+"""The limit of MOST_LAYERS for linear elements, which bend well only in thin layers: the default
+number of elements along a lining. On 22 random brakes 40 and 160 give the same errors.
+"""
 
 
 @dataclass(frozen=True)
-class Division:
-    """Where elements meet: `angles` phi (m + 1,) along the lining [rad], `depths` (l + 1,) below
-    its surface [m].
+class LiningDivision:
+    """The division of a lining, and of the parts around it.
 
-    `step` [rad]: length of the elements elsewhere, in the body and its overhangs; `behind`: least
-    number of layers through backing and body each.
+    Attributes
+    ----------
+    angles : (m + 1,) phi of the ends of the elements along the lining [rad]
+    depths : (l + 1,) ends of its layers below its surface [m]
+    step : length of the elements elsewhere, in the body and its overhangs [rad]
+    behind : smallest number of layers through backing and body each
     """
 
     angles: Floats
@@ -44,11 +50,11 @@ class Division:
     behind: int = 1
 
 
-def divide(shoe: Shoe, radius: float, elements: int) -> Division:
-    """`elements` along the lining, graded to its edges; layers in proportion, graded to both faces."""
+def divide(shoe: Shoe, radius: float, elements: int) -> LiningDivision:
+    """The division of a lining into `elements`, graded to its ends, with layers in proportion."""
     start, end = shoe.arc
     thickness = shoe.lining.thickness
-    return Division(
+    return LiningDivision(
         angles=start + lining_angles(end - start, shoe, radius, elements),
         depths=graded(0, thickness, lining_layers(elements), thickness / 2, EDGE_SIZE),
         step=(end - start) / elements,
@@ -56,20 +62,20 @@ def divide(shoe: Shoe, radius: float, elements: int) -> Division:
 
 
 def lining_angles(arc: float, shoe: Shoe, radius: float, elements: int) -> Floats:
-    """Ends of the elements along a lining, from 0 to `arc` [rad]: symmetric, fine at its ends."""
+    """Ends of the elements along a lining from 0 to `arc` [rad], graded to both of its ends."""
     return graded(0.0, arc, elements, shoe.lining.thickness / radius, EDGE_SIZE)
 
 
 def lining_layers(elements: int) -> int:
-    """Layers through a lining with this number of elements along it."""
+    """The number of layers through a lining with this number of elements along it."""
     return min(max(2, round(elements / 15)), 12)
 
 
-def overhang(near: float, far: float, division: Division) -> Floats:
-    """Places from `near`, where the lining ends, to `far`, about a step apart; both ends once even
-    where they coincide.
+def overhang(near: float, far: float, division: LiningDivision) -> Floats:
+    """Ends of the elements from `near`, where the lining ends, to `far`, about a step apart.
 
-    Where that would be more than MOST_BEYOND, their distances grow by one ratio from a step on.
+    Both ends stand once even where they coincide. Where the elements would be more than MOST_BEYOND,
+    their lengths grow by one ratio from a step on.
     """
     length, step = abs(far - near), division.step
     if length < 1e-9:
@@ -84,17 +90,22 @@ def overhang(near: float, far: float, division: Division) -> Floats:
     return places
 
 
-def layers_behind(thickness: float, division: Division, size: float, most: int) -> Floats:
-    """Where the layers of backing or body end, as parts (m,) of its thickness, the last of them 1.
+def layers_behind(thickness: float, division: LiningDivision, size: float, most: int) -> Floats:
+    """Ends (m,) of the layers of backing or body, as parts of its thickness, the last of them 1.
 
-    `size` [m]: their thickness, where that makes no more than `most`.
+    Parameters
+    ----------
+    thickness : of backing or body [m]
+    division : of the lining
+    size : thickness of the layers [m], where that makes no more than `most`
+    most : largest number of layers
     """
     count = max(division.behind, min(math.ceil(thickness / size), most))
     return np.arange(1, count + 1) / count
 
 
 def half_geometric(length: float, smallest: float, ratio: float, largest: float) -> Floats:
-    """Points from 0 to `length`; steps grow by `ratio` from about `smallest` up to `largest`."""
+    """Points from 0 to `length` whose steps grow by `ratio` from about `smallest` to `largest`."""
     points, step = [0.0], min(smallest, length / 2)
     while points[-1] < length:
         points.append(points[-1] + step)
@@ -103,35 +114,37 @@ def half_geometric(length: float, smallest: float, ratio: float, largest: float)
 
 
 def _growth(total: float) -> float:
-    """g of MOST_BEYOND steps 1, e^g, e^2g, ... whose sum is `total`, by halving."""
+    """The g of MOST_BEYOND steps 1, e^g, e^2g, ... whose sum is `total`, by halving an interval."""
     low, high = 0.0, 1.0
     while high - low > 1e-12:
         middle = 0.5 * (low + high)
-        low, high = (
-            (middle, high)
-            if math.expm1(MOST_BEYOND * middle) < total * math.expm1(middle)
-            else (low, middle)
-        )
+        if math.expm1(MOST_BEYOND * middle) < total * math.expm1(middle):
+            low = middle
+        else:
+            high = middle
     return high
 
 
 def graded(start: float, end: float, count: int, zone: float, smallest: float) -> Floats:
-    """count + 1 points from start to end; steps shrink linearly over `zone` at each end to
-    `smallest` of the inner.
+    """count + 1 points from start to end, whose steps shrink linearly over a zone at each end.
 
-    The step is h(d) = h_0 min(1, smallest + d / zone) at the distance d from the nearer end: points
-    lie at equal parts of Int dd / h.
+    At the distance d from the nearer end the step is h(d) = h_0 min(1, smallest + d / zone). The
+    points lie at equal parts of Int dd / h.
+
+    Parameters
+    ----------
+    start, end : the ends
+    count : number of steps
+    zone : length over which the steps shrink at each end
+    smallest : smallest step relative to the inner steps h_0
     """
     half = (end - start) / 2
     total = inner_steps(half, half, zone, smallest)
     part = total * np.minimum(np.arange(count + 1), np.arange(count + 1)[::-1]) / (count / 2)
     reach = min(zone * (1 - smallest), half)
     inner = inner_steps(reach, half, zone, smallest)
-    d = np.where(
-        part <= inner,
-        zone * smallest * np.expm1(np.minimum(part, inner) / zone),
-        reach + part - inner,
-    )
+    in_zone = zone * smallest * np.expm1(np.minimum(part, inner) / zone)
+    d = np.where(part <= inner, in_zone, reach + part - inner)
     left = np.arange(count + 1) <= count / 2
     points = np.where(left, start + d, end - d)
     points[0], points[-1] = start, end
@@ -139,9 +152,9 @@ def graded(start: float, end: float, count: int, zone: float, smallest: float) -
 
 
 def inner_steps(d: float, half: float, zone: float, smallest: float) -> float:
-    """Int_0^d dd h_0 / h of `graded`: the inner steps h_0 that its steps up to `d` stand for.
+    """The number of inner steps h_0 that the steps of `graded` up to `d` stand for.
 
-    Beyond the reach of the grading all steps are h_0.
+    It is Int_0^d dd h_0 / h. Beyond the reach of the grading all steps are h_0.
     """
     reach = min(zone * (1 - smallest), half)
     return zone * math.log1p(min(d, reach) / (zone * smallest)) + max(d - reach, 0.0)

@@ -1,8 +1,8 @@
-"""How much a .vtu file holds when it is unpacked, found out before anything of it is kept.
+"""The check of how much a .vtu file holds when it is unpacked, before anything of it is kept.
 
-Compressed arrays are a head of integers (count of blocks, size of a block, size of the last one,
-packed size of each) and the blocks. The sizes in the head are not believed: each block is unpacked
-here, up to the limit.
+A compressed array has a header of integers (number of blocks, size of a block, size of the last
+block, packed size of each block) and the blocks. The check does not trust the sizes in the header:
+it unpacks each block, up to the limit.
 """
 
 import base64
@@ -13,17 +13,28 @@ from collections.abc import Callable, Iterator
 from typing import Any
 from xml.etree import ElementTree
 
-MOST_UNPACKED = 400_000_000  # bytes of all arrays: some 2 million nodes with their cells and groups
+MOST_UNPACKED = 400_000_000
+"""Largest size [bytes] of all arrays of a file when unpacked: some 2 million nodes with their cells
+and groups. A file that holds more is refused.
+"""
 MOST_ARRAYS = 200
-_HEADS = {"UInt32": 4, "UInt64": 8}
-_RAW = re.compile(rb"<AppendedData[^>]*>")
+"""Largest number of arrays in a file; a file with more is refused, so that the check takes no longer
+than reading."""
+_HEADER_WIDTHS = {"UInt32": 4, "UInt64": 8}
+"""Size [bytes] of an integer in the header of an array, by the header's type."""
+_RAW_APPENDED = re.compile(rb"<AppendedData[^>]*>")
+"""The tag in front of appended data, which may be raw bytes."""
 
 
 def check_unpacked(data: bytes) -> None:
-    """Raise ValueError for the content of a .vtu file that would unpack to more than MOST_UNPACKED
-    bytes.
+    """Refuse the content of a .vtu file that would unpack to more than MOST_UNPACKED bytes.
 
-    What is wrong otherwise is left to whoever reads it.
+    Other faults are left to the reader of the file.
+
+    Raises
+    ------
+    ValueError
+        with a line that says why the file is refused
     """
     if b"<!DOCTYPE" in data or b"<!ENTITY" in data:
         raise ValueError("defines entities of its own")
@@ -33,7 +44,7 @@ def check_unpacked(data: bytes) -> None:
     root = ElementTree.fromstring(head)
     if root.get("compressor") is None:
         return
-    width = _HEADS[root.get("header_type", "UInt32")]
+    width = _HEADER_WIDTHS[root.get("header_type", "UInt32")]
     order = "big" if root.get("byte_order") == "BigEndian" else "little"
     unpacker = (
         lzma.LZMADecompressor if "LZMA" in str(root.get("compressor")) else zlib.decompressobj
@@ -44,8 +55,8 @@ def check_unpacked(data: bytes) -> None:
 
 
 def _parts(data: bytes) -> tuple[bytes, bytes | None]:
-    """The XML of a file, and the raw bytes that may stand in the middle of it."""
-    found = _RAW.search(data)
+    """The XML of a file, and the raw bytes that may stand in its middle (None: it has none)."""
+    found = _RAW_APPENDED.search(data)
     if found is None or b'encoding="raw"' not in found.group():
         return data, None
     end = data.rindex(b"</AppendedData>")
@@ -53,7 +64,7 @@ def _parts(data: bytes) -> tuple[bytes, bytes | None]:
 
 
 def _arrays(root: Any, raw: bytes | None, width: int, order: Any) -> Iterator[bytes]:
-    """The packed blocks of all arrays."""
+    """The packed blocks of all arrays, one after the other."""
     if raw is not None:
         at = 0
         while at + width <= len(raw):
@@ -69,11 +80,9 @@ def _arrays(root: Any, raw: bytes | None, width: int, order: Any) -> Iterator[by
         kind = array.get("format")
         if kind not in {"binary", "appended"}:
             continue
-        text = (
-            rest[int(array.get("offset", "0")) :]
-            if kind == "appended"
-            else (array.text or "").strip()
-        )
+        text = (array.text or "").strip()
+        if kind == "appended":
+            text = rest[int(array.get("offset", "0")) :]
         sizes = _sizes(base64.b64decode(text[: _letters(width)])[:width], width, order, text)
         at = _letters(width * (3 + len(sizes)))
         content = base64.b64decode(text[at : at + _letters(sum(sizes))])
@@ -83,8 +92,10 @@ def _arrays(root: Any, raw: bytes | None, width: int, order: Any) -> Iterator[by
 
 
 def _sizes(data: bytes, width: int, order: Any, text: str | None = None) -> list[int]:
-    """The packed sizes of the blocks, from the head of an array; `text`: the array in base64, which
-    data begins.
+    """The packed sizes of the blocks of an array, from its header.
+
+    `data` begins the array. Where the array is in base64, `text` is all of it, of which data is the
+    unpacked beginning.
     """
     count = int.from_bytes(data[:width], order)
     length = width * (3 + count)
@@ -98,12 +109,12 @@ def _sizes(data: bytes, width: int, order: Any, text: str | None = None) -> list
 
 
 def _letters(count: int) -> int:
-    """Letters of base64 that `count` bytes take."""
+    """The number of letters of base64 that `count` bytes take."""
     return -(-count // 3) * 4
 
 
 def _unpacked(packed: bytes, unpacker: Callable[[], Any], room: int) -> int:
-    """How many bytes a block unpacks to. Raises ValueError beyond `room`."""
+    """The number of bytes that a block unpacks to; ValueError beyond `room`."""
     machine, size = unpacker(), 0
     while True:
         piece = machine.decompress(packed, 1 << 20)

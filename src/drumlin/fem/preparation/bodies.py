@@ -10,7 +10,7 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Shoe
-from drumlin.fem.substructure.body import Condensed
+from drumlin.fem.substructure.body import CondensedBody
 from drumlin.fem.substructure.interface import ContactLine, Coupling, radial, straight
 from drumlin.fem.substructure.loads import ACTUATION, LoadColumns
 
@@ -24,68 +24,89 @@ class Actuated(Protocol):
 
     @property
     def columns(self) -> LoadColumns:
-        """Which load column is which load."""
+        """The load columns of the body, by name."""
 
 
 @dataclass(frozen=True)
-class Body:
-    """One shoe with its lining, condensed, in its own frame (angle phi from the hinge).
+class ShoeSubstructure:
+    """One shoe with its lining as a substructure, in its own frame (angle phi from the hinge).
 
-    The frame is held, while the nodal forces -N^T (pressed) and T^T (dragged) and the l unit loads
-    act. `columns` names the loads; those of the actuation are force x, force y and couple about
-    `load_centre`. `closing_pressed`, `closing_dragged` (n, n) and `closing_loaded` (n, l) are N
-    times the contact displacements, by which the weighted gap closes. `tip_dragged` (l, n) and
-    `tip_loaded` (l, l) are the displacements that the unit loads work on. `held_*` (3, ...) are
-    force x, y and moment that hold the frame meanwhile. The dragged ones are None where mu = 0.
-    `turned` (2n,) is the contact displacement per turn [rad] about the pin.
+    The flexibility is that of the body whose frame is held. Three kinds of forces act on the body:
+    the nodal forces -N^T of the pressure at the n contact nodes, the nodal forces T^T of its
+    friction, and the l unit loads. An array about friction is None in a brake with mu = 0.
+
+    Attributes
+    ----------
+    mesh, basis : the division of the body and its nodes
+    line : the contact line
+    coupling : the matrices that couple contact line and counterface
+    condensed : the statically condensed body
+    load_centre : (2,) point that the unit actuations (force x, force y, couple) act about [m]
+    rotation_mode : (2n,) contact displacement per radian of a rotation about the pin [m]
+    closure_by_pressure, closure_by_friction : (n, n) compliance blocks, N times the contact
+        displacement, by which the weighted gap closes
+    closure_by_load : (n, l) the same due to the unit loads
+    load_motion_by_friction : (l, n) displacements of the unit loads' points due to friction
+    load_motion_by_load : (l, l) the same due to the unit loads
+    reaction_to_pressure, reaction_to_friction : (3, n) force x, force y and moment that hold the
+        frame
+    reaction_to_load : (3, l) the same due to the unit loads
     """
 
     mesh: Any
     basis: Any
     line: ContactLine
     coupling: Coupling
-    condensed: Condensed
+    condensed: CondensedBody
     load_centre: Floats
-    turned: Floats
-    closing_pressed: Floats
-    closing_dragged: Floats | None
-    closing_loaded: Floats
-    tip_dragged: Floats | None
-    tip_loaded: Floats
-    held_pressed: Floats
-    held_dragged: Floats | None
-    held_loaded: Floats
+    rotation_mode: Floats
+    closure_by_pressure: Floats
+    closure_by_friction: Floats | None
+    closure_by_load: Floats
+    load_motion_by_friction: Floats | None
+    load_motion_by_load: Floats
+    reaction_to_pressure: Floats
+    reaction_to_friction: Floats | None
+    reaction_to_load: Floats
 
     @property
     def columns(self) -> LoadColumns:
-        """Which of the load columns is which load."""
+        """The load columns of the body, by name."""
         return self.condensed.columns
 
     @property
     def unknowns(self) -> int:
-        """Number of displacement unknowns of the mesh."""
+        """Number of degrees of freedom of the mesh."""
         return int(2 * self.basis.N)
 
     @cached_property
-    def turning(self) -> tuple[Floats, Floats]:
-        """N u and T u (n, 1) of a turn by one radian."""
-        return self.coupling.N @ self.turned[:, None], self.coupling.T @ self.turned[:, None]
+    def rotation_closure(self) -> tuple[Floats, Floats]:
+        """Weighted closure N u and slip T u (n, 1) due to a rotation of one radian about the pin.
+
+        They are given per radian [m^3].
+        """
+        mode = self.rotation_mode[:, None]
+        return self.coupling.N @ mode, self.coupling.T @ mode
 
     @cached_property
     def forces(self) -> Floats:
         """Force x, y and moment about the centre (2, 3, n) of the nodal forces N^T and T^T."""
-        (x, y), none, ones = (
-            self.line.xy,
-            np.zeros(self.line.xy.shape[1]),
-            np.ones(self.line.xy.shape[1]),
-        )
-        rigid = np.array([[ones, none], [none, ones], [-y, x]]).transpose(0, 2, 1).reshape(3, -1)
-        return np.array([rigid @ self.coupling.N.T, rigid @ self.coupling.T.T])
+        x, y = self.line.xy
+        count = self.line.xy.shape[1]
+        zeros = np.zeros(count)
+        ones = np.ones(count)
+        # The rigid-body modes of the contact nodes: their work is the resultant of nodal forces.
+        modes = np.array([[ones, zeros], [zeros, ones], [-y, x]])
+        modes = modes.transpose(0, 2, 1).reshape(3, -1)
+        return np.array([modes @ self.coupling.N.T, modes @ self.coupling.T.T])
 
 
 class BodyNodes(NamedTuple):
-    """The nodes of a body: points `xy` (2, nodes) [m], and the force `load` (2, nodes) [1] on each
-    per newton of the actuation, where this acts on the body itself; both in the shoe's frame."""
+    """The nodes of a body and the actuation on them, in the shoe's frame.
+
+    `xy` (2, nodes) [m] are their points. `load` (2, nodes) [1] is the force on each node per newton
+    of an actuation that acts on the body itself, and zero where the actuation acts on the frame.
+    """
 
     xy: Floats
     load: Floats
@@ -93,80 +114,105 @@ class BodyNodes(NamedTuple):
 
 def coupling_of(line: ContactLine, shoe: Shoe) -> Coupling:
     """The coupling of a shoe's contact line with the drum or the plane."""
-    return line.couple(shoe.lining.width, straight if shoe.flat else radial(shoe.sign))
+    directions = straight if shoe.flat else radial(shoe.sign)
+    return line.couple(shoe.lining.width, directions)
 
 
-def coupled(
-    made: Callable[..., Body],
+def coupled_shoe(
+    made: Callable[..., ShoeSubstructure],
     shoe: Shoe,
     line: ContactLine,
-    condensed: Condensed,
+    condensed: CondensedBody,
     centre: Floats,
     *,
     friction: bool,
-) -> Body:
-    """The condensed body of a shoe, coupled with the drum along its contact line; `made` takes the
-    rest of a Body.
+) -> ShoeSubstructure:
+    """The substructure of a shoe: its condensed body, coupled along the contact line.
+
+    Parameters
+    ----------
+    made : makes the substructure from the fields that this function finds
+    shoe : the shoe
+    line : its contact line
+    condensed : its condensed body
+    centre : (2,) centre of the unit actuations [m]
+    friction : whether the brake has friction
     """
     n = len(line.nodes)
     coupling = coupling_of(line, shoe)
-    forces = [-coupling.N.T, condensed.load_c] + ([coupling.T.T] if friction else [])
+    forces = [-coupling.N.T, condensed.load_on_contact]
+    if friction:
+        forces.append(coupling.T.T)
+
+    # The columns of Y and of the blocks made from it: pressure, unit loads, friction.
     Y = condensed.half(np.concatenate(forces, axis=1))
-    closing, holding = -Y[:, :n].T @ Y, condensed.L_fc @ Y
-    beyond = n + condensed.columns.count
-    pressed, loaded, dragged = slice(n), slice(n, beyond), slice(beyond, None)
+    first_friction = n + condensed.columns.count
+    pressed, loaded, dragged = slice(n), slice(n, first_friction), slice(first_friction, None)
+    closure = -Y[:, :n].T @ Y
+    reaction = condensed.L_fc @ Y
+
     x, y = line.xy - shoe.own_pin[:, None]
     return made(
         coupling=coupling,
         condensed=condensed,
         load_centre=centre,
-        turned=np.array([-y, x]).T.ravel(),
-        closing_pressed=closing[:, pressed],
-        closing_loaded=closing[:, loaded],
-        closing_dragged=closing[:, dragged] if friction else None,
-        tip_dragged=Y[:, loaded].T @ Y[:, dragged] if friction else None,
-        tip_loaded=Y[:, loaded].T @ Y[:, loaded] + condensed.load_work,
-        held_pressed=holding[:, pressed],
-        held_loaded=holding[:, loaded] - condensed.load_f,
-        held_dragged=holding[:, dragged] if friction else None,
+        rotation_mode=np.array([-y, x]).T.ravel(),
+        closure_by_pressure=closure[:, pressed],
+        closure_by_load=closure[:, loaded],
+        closure_by_friction=closure[:, dragged] if friction else None,
+        load_motion_by_friction=Y[:, loaded].T @ Y[:, dragged] if friction else None,
+        load_motion_by_load=Y[:, loaded].T @ Y[:, loaded] + condensed.load_work,
+        reaction_to_pressure=reaction[:, pressed],
+        reaction_to_load=reaction[:, loaded] - condensed.load_on_frame,
+        reaction_to_friction=reaction[:, dragged] if friction else None,
     )
 
 
 def actuation(body: Actuated, shoe: Shoe) -> tuple[Floats, float]:
-    """Factors (l,) of all load columns of the body under its actuation, and the moment about the
-    pin [m], per newton of force.
+    """Factors (l,) of the body's load columns under its actuation, and the moment about the pin.
 
-    In the shoe's frame; a negative force counts as one newton the other way. Columns of other loads
-    than the actuation have the factor zero.
+    Both are given per newton of force, the moment in metres, in the shoe's frame. A negative force
+    counts as one newton in the opposite direction. Columns of other loads have the factor zero.
     """
     own, moment = load_on(body.load_centre, shoe)
     return body.columns.factors({ACTUATION: own}), moment
 
 
 def load_on(centre: Floats, shoe: Shoe) -> tuple[Floats, float]:
-    """Factors (3,) of force x, y and couple about a `centre` (2,) [m] in the shoe's frame, and the
-    moment about the pin [m], per newton of the actuation.
+    """Factors (3,) of force x, force y and couple of a shoe's actuation, and its moment.
+
+    The couple acts about the `centre` (2,) [m] in the shoe's frame, the moment [m] about the pin.
+    Both are given per newton of the actuation.
     """
     direction = math.copysign(1.0, shoe.actuation.force) * shoe.actuation.direction_vector
-    (fx, fy), (x, y) = (
-        shoe.frame.to_shoe(direction).tolist(),
-        shoe.own_points(shoe.actuation.point.xy).tolist(),
-    )
-    (centre_x, centre_y), (pin_x, pin_y) = centre.tolist(), shoe.own_pin.tolist()
-    couple_ = (x - centre_x) * fy - (y - centre_y) * fx
-    return np.array([fx, fy, couple_]), (x - pin_x) * fy - (y - pin_y) * fx
+    fx, fy = shoe.frame.to_shoe(direction).tolist()
+    x, y = shoe.own_points(shoe.actuation.point.xy).tolist()
+    centre_x, centre_y = centre.tolist()
+    pin_x, pin_y = shoe.own_pin.tolist()
+    couple = (x - centre_x) * fy - (y - centre_y) * fx
+    moment = (x - pin_x) * fy - (y - pin_y) * fx
+    return np.array([fx, fy, couple]), moment
 
 
-def held(body: Body, p: Floats, drag: float, load: Floats) -> Floats:
-    """Force x, y and moment about the pin (3,) that hold the frame, under p (n,), drag mu s and
-    factors
-    load (l,) of the load columns.
+def held(body: ShoeSubstructure, p: Floats, drag: float, load: Floats) -> Floats:
+    """The support reaction (3,): force x, force y and moment about the pin that hold the frame.
+
+    Parameters
+    ----------
+    body : the substructure
+    p : (n,) pressure at the contact nodes [Pa]
+    drag : friction coefficient mu times the sense s of sliding
+    load : (l,) factors of the load columns
     """
-    forces = body.held_pressed @ p + body.held_loaded @ load
-    return forces if body.held_dragged is None else forces + drag * (body.held_dragged @ p)
+    reaction = body.reaction_to_pressure @ p + body.reaction_to_load @ load
+    if body.reaction_to_friction is None:
+        return reaction
+    return reaction + drag * (body.reaction_to_friction @ p)
 
 
 def contact_stiffness(shoe: Shoe, penalty: float) -> float:
-    """eps = penalty E/t of the lining, the contact's stiffness per area [Pa/m]; E through its
-    thickness."""
+    """The penalty stiffness of the contact per area [Pa/m]: `penalty` times E/t of the lining.
+
+    E is the modulus through the lining's thickness t.
+    """
     return penalty * shoe.lining.material.E_through / shoe.lining.thickness

@@ -1,11 +1,11 @@
-"""What a finite width does to a lining, put into the modulus of plane stress: a correction, off by
-default.
+"""The correction of plane stress for a lining of finite width, off by default.
 
-Two things that plane stress leaves out. A lining bonded to a stiff table cannot contract freely
-across the width but near its sides: its Lame constant lies between those of plane stress and of
-plane strain. And a table that reaches beyond its web bends back like a cantilever plate on the
-lining as foundation (Hetenyi 1946, Beams on Elastic Foundation): its sides press less, and the
-whole lining is softer in the mean.
+Plane stress neglects two effects. A lining that is bonded to a stiff table cannot contract freely
+across its width except near its sides: its Lame constant lies between the constants of plane stress
+and plane strain. And a table that is wider than its web bends away from the lining like a
+cantilever plate on an elastic foundation (Hetenyi 1946, Beams on Elastic Foundation): the sides of
+the lining press less, and the whole lining is softer on average. The correction puts both effects
+into the modulus of the lining.
 """
 
 import numpy as np
@@ -20,100 +20,132 @@ from drumlin.brake.file import vary
 from drumlin.brake.orthotropic import isotropic_only
 from drumlin.brake.surface import DRUM
 
-HELD = 0.5
-"""The share of plane strain in a wide lining, by solid shoes: the shoe behind it contracts as well.
+PLANE_STRAIN_SHARE = 0.5
+"""Share of plane strain in a lining that is much wider than thick: 0 is plane stress, 1 plane
+strain. The value is that of solid shoes, since the shoe behind the lining contracts as well.
 """
-LARGEST_NU = 0.45  # of a lining up to which the correction has been held against solid shoes
-TORQUE, PRESSURE = 0.015, 0.08  # largest errors over all brakes of the study plane_stress
+LARGEST_CHECKED_NU = 0.45
+"""Poisson's ratio of a lining up to which the correction has been compared with solid shoes. Linings
+with a larger ratio are refused.
+"""
+TORQUE_DEVIATION = 0.015
+"""Largest relative error of the corrected torque over all brakes of the study plane_stress, against
+solid shoes. The answer's note states it.
+"""
+PRESSURE_DEVIATION = 0.08
+"""Largest relative error in L2 of the corrected pressure, averaged over the width, over all brakes of
+the study plane_stress. The answer's note states it.
+"""
 
 
 def between(material: Material, share: float) -> Material:
-    """The material of the same nu, as stiff through a lining that is held along the arc as `share`
-    plane strain.
+    """The material of the same nu that is as stiff through a lining with this `share` of plane strain.
 
-    E' = (lambda + 2 mu) (1 - nu^2), lambda that share of the way from plane stress to plane strain.
+    The stiffness through a lining that is held along the arc is lambda + 2 mu, with the Lame
+    constant lambda between those of plane stress and plane strain. The modulus that has this
+    stiffness in plane stress is E' = (lambda + 2 mu) (1 - nu^2).
     """
     E, nu = material.E, material.nu
     matrix = elasticity_matrix(material)
-    stress, mu = matrix[0, 1], matrix[2, 2]
-    strain = E * nu / ((1 + nu) * (1 - 2 * nu))
-    stiff = stress + share * (strain - stress) + 2 * mu
-    return material.model_copy(update={"E": float(stiff * (1 - nu**2))})
+    plane_stress, mu = matrix[0, 1], matrix[2, 2]
+    plane_strain = E * nu / ((1 + nu) * (1 - 2 * nu))
+    through = plane_stress + share * (plane_strain - plane_stress) + 2 * mu
+    return material.model_copy(update={"E": float(through * (1 - nu**2))})
 
 
 def held_share(width: float, thickness: float) -> float:
-    """The share of plane strain in a lining: none where it is no wider than thick."""
-    return HELD * max(0.0, 1 - thickness / width)
+    """The share of plane strain in a lining; zero where the lining is no wider than thick."""
+    return PLANE_STRAIN_SHARE * max(0.0, 1 - thickness / width)
 
 
 def flange_mean(reach: float, stiffness: float, foundation: float) -> float:
-    """Mean pressure under a flange over that at the web, which it is clamped to: a strip that
-    reaches so far [m].
+    """Mean pressure under a flange relative to the pressure at the web.
 
-    D y'''' + K y = 0, y(0) = 1, y'(0) = 0, y''(c) = y'''(c) = 0, with D [N m] of the strip and K
-    [Pa/m] of the foundation; the mean of y is -(D/(K c)) (y'''(c) - y'''(0)).
+    The flange is a strip that is clamped to the web and free at its side. Its deflection y, with
+    which the pressure falls, is that of a cantilever on an elastic foundation:
+
+        D y'''' + K y = 0,  y(0) = 1, y'(0) = 0, y''(c) = y'''(c) = 0.
+
+    The mean of y over the reach c is -(D/(K c)) (y'''(c) - y'''(0)).
+
+    Parameters
+    ----------
+    reach : distance c from the web to the side [m]
+    stiffness : plate stiffness D of the strip [N m]
+    foundation : stiffness K of the lining per area [Pa/m]
     """
     beta = (foundation / (4 * stiffness)) ** 0.25
+    # Below this length the flange is rigid, and the linear system is singular to round-off.
     if beta * reach < 1e-3:
         return 1.0
+
+    # Of the four exponentials, growing ones are scaled to one at the free end: no term overflows.
     roots = beta * np.array([1 + 1j, 1 - 1j, -1 + 1j, -1 - 1j])
-    scale = np.exp(-np.maximum(roots.real, 0) * reach)  # growing parts count from the free end
+    scale = np.exp(-np.maximum(roots.real, 0) * reach)
     at_end = scale * np.exp(roots * reach)
-    rows = np.array(
-        [scale, scale * roots, at_end * roots**2 / beta**2, at_end * roots**3 / beta**3]
-    )
-    factors = np.linalg.solve(rows, np.array([1.0, 0, 0, 0], dtype=complex))
+    moment_at_end = at_end * roots**2 / beta**2
+    shear_at_end = at_end * roots**3 / beta**3
+    conditions = np.array([scale, scale * roots, moment_at_end, shear_at_end])
+    factors = np.linalg.solve(conditions, np.array([1.0, 0, 0, 0], dtype=complex))
     return float((factors @ ((at_end - scale) / roots)).real / reach)
 
 
 def corrected(shoe: Shoe) -> Material:
-    """The lining's material for plane stress of a shoe of finite width.
+    """The lining's material that corrects the plane stress of a shoe for its width.
 
-    Flanges are those of a table, or of a backing that stands for one, beyond a narrower part behind
-    it.
+    Flanges are the parts of a table beyond a narrower web. A backing counts as the table of a shoe
+    without one.
     """
     lining = shoe.lining
     assert isinstance(lining.material, Material)  # why_not
     material = between(lining.material, held_share(lining.width, lining.thickness))
     if not isinstance(shoe.body, Bar):
         return material
-    body = shoe.body.plates["shoe"]
+    web = shoe.body.plates["shoe"]
     table = shoe.body.plates.get("table", shoe.backing)
-    if table is None or body.width >= lining.width:
+    if table is None or web.width >= lining.width:
         return material
-    reach = (lining.width - body.width) / 2
+    reach = (lining.width - web.width) / 2
     assert isinstance(table.material, Material)  # why_not
-    plate = table.material.E * table.thickness**3 / (12 * (1 - table.material.nu**2))
-    stretch = material.E / (1 - material.nu**2)  # across the lining, held along the arc
-    mean = flange_mean(reach, plate, stretch / lining.thickness)
-    share = (body.width + 2 * reach * mean) / lining.width
-    return material.model_copy(update={"E": material.E * share})
+    plate_stiffness = table.material.E * table.thickness**3 / (12 * (1 - table.material.nu**2))
+    # The lining is stretched through its thickness while it is held along the arc.
+    modulus = material.E / (1 - material.nu**2)
+    mean = flange_mean(reach, plate_stiffness, modulus / lining.thickness)
+    bearing_share = (web.width + 2 * reach * mean) / lining.width
+    return material.model_copy(update={"E": material.E * bearing_share})
 
 
 def why_not(brake: Brake) -> str | None:
-    """Why the correction does not apply to a brake (None: it does)."""
+    """Why the correction does not apply to a brake; None where it applies."""
     unlike = brake.surface.unlike(DRUM)
     if unlike is not None:
         return unlike
     for shoe in brake.shoes:
         if shoe.mesh is not None:
             return f"shoe {shoe.name!r}: a mesh of its own is a section without widths"
-        nu = shoe.lining.material.nu_along_through
-        if isinstance(shoe.lining.material, Material) and nu > LARGEST_NU:
-            return f"shoe {shoe.name!r}: lining.material.nu = {nu:g}, the correction holds up to {LARGEST_NU:g}"
+        material = shoe.lining.material
+        nu = material.nu_along_through
+        if isinstance(material, Material) and nu > LARGEST_CHECKED_NU:
+            return (
+                f"shoe {shoe.name!r}: lining.material.nu = {nu:g}, "
+                f"the correction holds up to {LARGEST_CHECKED_NU:g}"
+            )
     return isotropic_only(brake, "the correction")
 
 
 def said(brake: Brake, other: Brake) -> str:
-    """What the correction has made of a brake, and how far it is to be trusted, in a line."""
-    pairs = zip(brake.shoes, other.shoes, strict=True)
+    """The note of an answer on the correction from `brake` to `other`, with its largest errors."""
     factors = [
-        after.lining.material.E_through / shoe.lining.material.E_through for shoe, after in pairs
+        after.lining.material.E_through / before.lining.material.E_through
+        for before, after in zip(brake.shoes, other.shoes, strict=True)
     ]
-    times = ", ".join(f"{factor:.3f}" for factor in dict.fromkeys(np.round(factors, 3)))
+    different = dict.fromkeys(np.round(factors, 3))
+    times = ", ".join(f"{factor:.3f}" for factor in different)
+    torque = formatted(TORQUE_DEVIATION, ".1%")
+    pressure = formatted(PRESSURE_DEVIATION, ".0%")
     return (
         f"corrected for the finite width: modulus of the lining times {times}; torque within "
-        f"{formatted(TORQUE, '.1%')}, p averaged over the width within {formatted(PRESSURE, '.0%')} (L2) of the solid "
+        f"{torque}, p averaged over the width within {pressure} (L2) of the solid "
         "shoes in the study plane_stress"
     )
 
@@ -121,15 +153,15 @@ def said(brake: Brake, other: Brake) -> str:
 def finite_width(brake: Brake) -> Brake:
     """The brake whose plane stress is corrected for the widths of its shoes, lining by lining.
 
-    Raises BadInput where the correction does not apply.
+    Raises
+    ------
+    BadInput
+        where the correction does not apply
     """
     reason = why_not(brake)
     if reason is not None:
         raise BadInput(f"--finite-width: does not apply to this brake: {reason}")
-    return vary(
-        brake,
-        {
-            f"shoe[{i}].lining.material.E": material.E
-            for i, material in enumerate(map(corrected, brake.shoes))
-        },
-    )
+    moduli = {}
+    for i, shoe in enumerate(brake.shoes):
+        moduli[f"shoe[{i}].lining.material.E"] = corrected(shoe).E
+    return vary(brake, moduli)

@@ -12,10 +12,17 @@ from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.fields import AnyMaterial
 from drumlin.fem.mesh.arc import shoe_mesh
-from drumlin.fem.preparation.bodies import Body, BodyNodes, coupled, load_on
+from drumlin.fem.preparation.bodies import BodyNodes, ShoeSubstructure, coupled_shoe, load_on
 from drumlin.fem.preparation.cache import Cache, bare, bare_shoe, content, shape_of, size_of
 from drumlin.fem.preparation.scene import DividedBodies, Seconds, clock
-from drumlin.fem.substructure.body import FRAME, Ties, condense, scalar_basis, stiffness, tie
+from drumlin.fem.substructure.body import (
+    FRAME,
+    Constraints,
+    condense,
+    constrain,
+    scalar_basis,
+    stiffness,
+)
 from drumlin.fem.substructure.elasticity import layers_of
 from drumlin.fem.substructure.interface import ContactLine, contact_line, end_loads
 from drumlin.fem.substructure.loads import ACTUATION, LoadColumns
@@ -23,15 +30,18 @@ from drumlin.fem.substructure.ring import ring_body
 from drumlin.response.response import own_edge_zone
 
 ELEMENTS = 80
-"""Default number along a lining. On most brakes p is then within about 0.2 % in L2 and the torque
-within 1e-5. With half of it the errors of 22 random brakes are two and three times as large in the
-median, with twice as many 0.7 and 0.5 times, at four times the work.
+"""Default number of elements along a lining. On most brakes the error of p in L2 is then about 0.2 %
+and that of the torque 0.001 %. Half the number made the median errors of 22 random brakes two times
+(p) and three times (torque) as large. Twice the number made them 0.7 and 0.5 times as large, at four
+times the work.
 """
-MOST_ELEMENTS = 4000
-"""Largest number along a lining: the dense matrices of its contact then fill 2 GB."""
+MOST_LINING_ELEMENTS = 4000
+"""Largest number of elements along a lining. The dense matrices of its contact then fill 2 GB; larger
+numbers are refused.
+"""
 
 Mesher = Callable[[Shoe, float], Any]
-"""Makes the mesh of a shoe in its own frame, from the shoe and the drum's radius [m]."""
+"""Makes the mesh of a shoe in the shoe's frame, from the shoe and the drum's radius [m]."""
 
 
 def on_meshes(
@@ -46,24 +56,25 @@ def on_meshes(
 
     Parameters
     ----------
+    brake : the brake
     elements : number along each parametric lining, and along the linings' part of an elastic ring
     kind : "quad2", "quad1", "tri2" or "tri1"
     mesher : makes the mesh of a shoe without a file, in place of `shoe_mesh`; its bodies are not
         taken from the cache
-    cache : bodies of earlier scenes, taken from there and put there
-    seconds : time of each phase, which this adds to
+    cache : keeps condensed bodies; found ones are taken from it, and new ones put there
+    seconds : time of each phase [s], which this function adds to
 
     Raises
     ------
     BadInput
         for a number of elements out of range, and for a mesh file that cannot serve
     """
-    if not 1 <= elements <= MOST_ELEMENTS:
-        raise BadInput(f"--elements = {elements}: must be from 1 to {MOST_ELEMENTS}")
+    if not 1 <= elements <= MOST_LINING_ELEMENTS:
+        raise BadInput(f"--elements = {elements}: must be from 1 to {MOST_LINING_ELEMENTS}")
     cache = cache if mesher is None else Cache()
     mesher = mesher or partial(shoe_mesh, elements=elements, kind=kind)
     setting = (elements, kind)
-    made: dict[tuple[object, ...], Body] = {}
+    made: dict[tuple[object, ...], ShoeSubstructure] = {}
     for shoe in brake.shoes:
         shape = shape_of(brake, shoe)
         if shape not in made:
@@ -71,66 +82,79 @@ def on_meshes(
             make = partial(_body, brake, shoe, mesher, seconds)
             made[shape] = cache.get(key, make, size_of)
     bodies = tuple(made[shape_of(brake, shoe)] for shoe in brake.shoes)
-    ring, ring_under = None, partial(ring_body, brake, elements)
+    ring = None
+    ring_under = partial(ring_body, brake, elements)
     if brake.ring is not None:
         with clock(seconds, "ring"):
             lines = tuple(body.line for body in bodies)
-            own = (bare(brake), setting, *map(content, brake.shoes))
-            ring = cache.get(own, partial(ring_under, lines), size_of)
-    return DividedBodies(bodies, ring, partial(_nodes_of, mesher, brake.size, bodies), ring_under)
+            ring_key = (bare(brake), setting, *map(content, brake.shoes))
+            ring = cache.get(ring_key, partial(ring_under, lines), size_of)
+    nodes_of = partial(_nodes_of, mesher, brake.size, bodies)
+    return DividedBodies(bodies, ring, nodes_of, ring_under)
 
 
 def _nodes_of(
-    mesher: Mesher, radius: float, bodies: tuple[Body, ...], i: int, shoe: Shoe
+    mesher: Mesher, radius: float, bodies: tuple[ShoeSubstructure, ...], i: int, shoe: Shoe
 ) -> BodyNodes:
-    """As `Scene.nodes_of`, on meshes; one from a file is the same in the frame of any shoe."""
+    """The nodes of the body that shoe `i` would have as another `shoe`; see `PreparedModel`.
+
+    A mesh from a file is the same in the frame of any shoe.
+    """
     mesh = mesher(shoe, radius) if shoe.mesh is None else bodies[i].mesh
     basis = scalar_basis(mesh)
     if "actuation" not in mesh.boundaries or shoe.gripped:
         return BodyNodes(basis.doflocs, np.zeros(basis.doflocs.shape))
-    full, centre = end_loads(basis, mesh.boundaries["actuation"])
-    return BodyNodes(basis.doflocs, (full @ load_on(centre, shoe)[0]).reshape(-1, 2).T)
+    unit_loads, centre = end_loads(basis, mesh.boundaries["actuation"])
+    factors, _ = load_on(centre, shoe)
+    load = unit_loads @ factors
+    return BodyNodes(basis.doflocs, load.reshape(-1, 2).T)
 
 
 @dataclass(frozen=True)
 class Assembled:
-    """One shoe with its lining, meshed and assembled, in its own frame: what condensation starts
-    from.
+    """One shoe with its lining, meshed and assembled, in its own frame: the input of condensation.
 
-    `K` (2 nodes, 2 nodes): stiffness; `loads`: the unit loads (unknowns, k) on the reduced unknowns
-    of `ties`, by name; `load_centre` (2,) [m]: what those of the actuation act about.
+    Attributes
+    ----------
+    mesh, basis : the mesh and its scalar basis
+    line : the contact line
+    K : (2 nodes, 2 nodes) stiffness, without boundary conditions [N/m]
+    constraints : the multi-point constraints of hinge and loaded end
+    loads : unit loads (unknowns, k) on the reduced unknowns of the constraints, by name
+    load_centre : (2,) point that the unit actuations act about [m]
     """
 
     mesh: Any
     basis: Any
     line: ContactLine
     K: Any
-    ties: Ties
+    constraints: Constraints
     loads: dict[str, Floats]
     load_centre: Floats
 
     @cached_property
     def columns(self) -> LoadColumns:
-        """Which load column is which load."""
+        """The load columns, by name."""
         return LoadColumns.of(self.loads)
 
 
 def line_of(basis: Any, facets: Ints, shoe: Shoe, radius: float) -> ContactLine:
-    """The contact line of a shoe on the `facets` of a scalar basis; radius [m]: of the drum."""
-    return contact_line(
-        basis, facets, sum(shoe.arc) / 2, radius if shoe.flat else None, own_edge_zone(shoe, radius)
-    )
+    """The contact line of a shoe on the `facets` of a scalar basis; `radius` [m] is the drum's."""
+    middle = sum(shoe.arc) / 2
+    unit = radius if shoe.flat else None
+    return contact_line(basis, facets, middle, unit, own_edge_zone(shoe, radius))
 
 
 def assemble(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Assembled:
-    """Mesh and assemble a shoe. Raises BadInput for a mesh file that cannot serve."""
-    with clock(seconds, "mesh"):
-        if shoe.mesh is None:
-            mesh = mesher(shoe, brake.size)
-        else:
-            from drumlin.fem.mesh.file import read_mesh  # noqa: PLC0415  (meshio: 0.1 s, for a mesh in a file only)
+    """The mesh of a shoe with its stiffness, constraints and unit loads.
 
-            mesh = read_mesh(shoe.mesh, shoe, brake.size, f"shoe {shoe.name!r}: mesh")
+    Raises
+    ------
+    BadInput
+        for a mesh file that cannot serve
+    """
+    with clock(seconds, "mesh"):
+        mesh = _mesh_of(brake, shoe, mesher)
         basis = scalar_basis(mesh)
     with clock(seconds, "assembly"):
         K = stiffness(basis, layers_of(shoe))
@@ -138,25 +162,38 @@ def assemble(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Asse
         pin = shoe.own_pin
         line = line_of(basis, mesh.boundaries["contact"], shoe, brake.size)
         rigid = basis.get_dofs(mesh.boundaries["hinge"]).flatten()
-        ties = tie(basis, line.nodes, rigid, pin)
+        constraints = constrain(basis, line.nodes, rigid, pin)
         if "actuation" in mesh.boundaries and not shoe.gripped:
-            full, load_centre = end_loads(basis, mesh.boundaries["actuation"])
-            actuated = ties.matrix.T @ full
-        else:  # the force acts on the rigid shoe itself, or on what holds the back of the body
-            actuated, load_centre = np.zeros((ties.matrix.shape[1], FRAME)), pin
+            unit_loads, load_centre = end_loads(basis, mesh.boundaries["actuation"])
+            actuated = constraints.matrix.T @ unit_loads
+        else:
+            # The force acts on the frame: the rigid shoe itself, or the grip behind the body.
+            load_centre = pin
+            actuated = np.zeros((constraints.matrix.shape[1], FRAME))
             actuated[-FRAME:] = np.eye(FRAME)
-    return Assembled(mesh, basis, line, K, ties, {ACTUATION: actuated}, load_centre)
+    return Assembled(mesh, basis, line, K, constraints, {ACTUATION: actuated}, load_centre)
 
 
-def _body(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Body:
+def _mesh_of(brake: Brake, shoe: Shoe, mesher: Mesher) -> Any:
+    """The mesh of a shoe in its own frame, made by the mesher or read from the shoe's file."""
+    if shoe.mesh is None:
+        return mesher(shoe, brake.size)
+    # meshio takes 0.1 s to load, for a mesh in a file only.
+    from drumlin.fem.mesh.file import read_mesh  # noqa: PLC0415
+
+    return read_mesh(shoe.mesh, shoe, brake.size, f"shoe {shoe.name!r}: mesh")
+
+
+def _body(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> ShoeSubstructure:
+    """The condensed body of a meshed shoe, coupled with its counterface."""
     parts = assemble(brake, shoe, mesher, seconds)
     with clock(seconds, "condensation"):
-        condensed = condense(parts.K, parts.ties, parts.loads, 2 * len(parts.line.nodes))
-    made = partial(Body, parts.mesh, parts.basis, parts.line)
+        contact_unknowns = 2 * len(parts.line.nodes)
+        condensed = condense(parts.K, parts.constraints, parts.loads, contact_unknowns)
+    made = partial(ShoeSubstructure, parts.mesh, parts.basis, parts.line)
+    friction = brake.friction > 0
     with clock(seconds, "coupling"):
-        return coupled(
-            made, shoe, parts.line, condensed, parts.load_centre, friction=brake.friction > 0
-        )
+        return coupled_shoe(made, shoe, parts.line, condensed, parts.load_centre, friction=friction)
 
 
 def materials_of(shoe: Shoe) -> dict[str, tuple[AnyMaterial, float]]:

@@ -8,36 +8,37 @@ from drumlin.fem.hp.division import Level
 from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.preparation.cache import alike as equal_shapes
-from drumlin.fem.preparation.columns import Places, in_columns
+from drumlin.fem.preparation.columns import PointsByShape, in_columns
 from drumlin.fem.preparation.meshes import ELEMENTS, Mesher, on_meshes
-from drumlin.fem.preparation.scene import Scene, Seconds, lacking, why_not
+from drumlin.fem.preparation.scene import PreparedModel, Seconds, lacking, why_not
 
 
 def prepare(
     brake: Brake,
     level: Level | None = None,
-    places: Places | None = None,
+    places: PointsByShape | None = None,
     *,
     alike: Sequence[int] = (),
     elements: int = ELEMENTS,
     kind: str = DEFAULT_KIND,
     mesher: Mesher | None = None,
     cache: Cache | None = None,
-) -> Scene:
+) -> PreparedModel:
     """The prepared model of a brake: in hp elements at a `level`, or else on meshes.
 
     Shoes of one shape share one body.
 
     Parameters
     ----------
-    level : degree and grading of hp elements; None: every shoe is meshed
-    places : grading points of a level, where the pressure is not smooth
-    alike : for each shoe the first one of its shape, see `cache.alike`, where it is known
-    elements : number along each parametric lining of a mesh
-    kind : of a mesh, "quad2", "quad1", "tri2" or "tri1"
+    brake : the brake
+    level : degree and grading of hp elements; with None every shoe is meshed
+    places : singular points of the pressure by shape, for hp elements
+    alike : for each shoe the first one of its shape, see `cache.alike`; found here if empty
+    elements : number of elements along each parametric lining of a mesh
+    kind : kind of a mesh, "quad2", "quad1", "tri2" or "tri1"
     mesher : makes the mesh of a shoe without a file, in place of `shoe_mesh`; `elements` then
-        count for an elastic ring only, and nothing is taken from the cache
-    cache : bodies of earlier scenes, taken from there and put there
+        divides an elastic ring only, and no body is taken from the cache
+    cache : keeps condensed bodies; found ones are taken from it, and new ones put there
 
     Raises
     ------
@@ -57,23 +58,24 @@ def prepare(
         made = on_meshes(brake, elements, kind, mesher, cache, seconds)
     else:
         made = in_columns(brake, level, places, alike, cache, seconds)
-    return Scene(
+    left_out = _left_out(brake, len(set(alike))) + lacking(brake)
+    return PreparedModel(
         brake,
         made.bodies,
         made.ring,
         seconds,
-        (*_left_out(brake, len(set(alike))), *lacking(brake)),
+        tuple(left_out),
         nodes_of=made.nodes_of,
         ring_under=made.ring_under,
     )
 
 
 def _left_out(brake: Brake, shapes: int) -> list[str]:
-    """Lines that say what is not computed; shapes: number of different shapes of shoes."""
+    """Lines that say what is not computed; `shapes` is the number of different shapes of shoes."""
     count = len(brake.shoes)
-    found = ["interior fields: recovered only for a picture"]
+    lines = ["interior fields: recovered only for a picture"]
     if shapes < count:
-        found.append(f"{count - shapes} of {count} shoes: same shape as another, condensed once")
+        lines.append(f"{count - shapes} of {count} shoes: same shape as another, condensed once")
     if brake.friction == 0:
-        found.append("friction: mu = 0, symmetric, without the flexibility under drag")
-    return found
+        lines.append("friction: mu = 0, symmetric, without the flexibility under drag")
+    return lines

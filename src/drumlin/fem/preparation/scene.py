@@ -1,4 +1,4 @@
-"""The prepared model of a brake: its condensed bodies, and what they leave out."""
+"""The prepared model of a brake: its condensed bodies, and what the bodies neglect."""
 
 import time
 from collections.abc import Callable, Iterator
@@ -9,13 +9,14 @@ from typing import NamedTuple
 
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.fem.mesh import beam as beam_mesh
-from drumlin.fem.preparation.bodies import Body, BodyNodes
+from drumlin.fem.preparation.bodies import BodyNodes, ShoeSubstructure
 from drumlin.fem.preparation.cache import shape_of
 from drumlin.fem.substructure.interface import ContactLine
-from drumlin.fem.substructure.ring import RingBody
+from drumlin.fem.substructure.ring import RingSubstructure
 from drumlin.laws import rigid
 
 Seconds = dict[str, float]
+"""Time [s] that each phase of a solve has taken, by the phase's name."""
 
 
 @contextmanager
@@ -30,35 +31,42 @@ class DividedBodies(NamedTuple):
     """The condensed bodies of a brake's shoes, one for each shoe, and of its ring.
 
     `nodes_of` and `ring_under` divide a changed shoe, or a ring under other contact lines, by the
-    rule that divided these bodies; see `Scene`.
+    rule that divided these bodies; see `PreparedModel`.
     """
 
-    bodies: tuple[Body, ...]
-    ring: RingBody | None
+    bodies: tuple[ShoeSubstructure, ...]
+    ring: RingSubstructure | None
     nodes_of: Callable[[int, Shoe], BodyNodes]
-    ring_under: Callable[[tuple[ContactLine, ...]], RingBody]
+    ring_under: Callable[[tuple[ContactLine, ...]], RingSubstructure]
 
 
 @dataclass(frozen=True)
-class Scene:
-    """A brake made ready: a condensed body for each shoe (equal shoes share one) and the ring, if
-    it has one.
+class PreparedModel:
+    """The prepared model of a brake: a substructure for each shoe, and one for its ring.
 
-    `apart`: each shoe meets the ring as if the others did not press it. `model`: whose bodies they
-    are. Where the bodies can be divided anew by the rule that divided them: `nodes_of`(i, shoe),
-    the nodes of the body that shoe i would have as another shoe, and `ring_under`(lines), the ring
-    under other contact lines.
+    Attributes
+    ----------
+    brake : the brake
+    bodies : the substructure of each shoe; shoes of one shape share one
+    ring : the substructure of the drum's ring; None of a rigid drum
+    seconds : time of each phase of the preparation [s]
+    left_out : a line for each part of the model that is neglected or not computed
+    apart : whether each shoe meets the ring as if the other shoes did not press it
+    model : name of the model whose bodies these are
+    nodes_of : (i, shoe) to the nodes of the body that shoe i would have as another shoe, divided by
+        the same rule; None where the bodies cannot be divided anew
+    ring_under : other contact lines to the ring under them; None likewise
     """
 
     brake: Brake
-    bodies: tuple[Body, ...]
-    ring: RingBody | None
+    bodies: tuple[ShoeSubstructure, ...]
+    ring: RingSubstructure | None
     seconds: Seconds
     left_out: tuple[str, ...]
     apart: bool = False
     model: str = "fem"
     nodes_of: Callable[[int, Shoe], BodyNodes] | None = None
-    ring_under: Callable[[tuple[ContactLine, ...]], RingBody] | None = None
+    ring_under: Callable[[tuple[ContactLine, ...]], RingSubstructure] | None = None
 
     @cached_property
     def shapes(self) -> list[tuple[object, ...]]:
@@ -67,12 +75,12 @@ class Scene:
 
     @cached_property
     def laws(self) -> list[float]:
-        """mu_lock of each shoe by the rigid-shoe law."""
+        """The friction coefficient at which each shoe locks by the rigid-shoe law."""
         return [rigid.locking_friction(self.brake, shoe) for shoe in self.brake.shoes]
 
 
 def why_not(brake: Brake) -> str | None:
-    """Why finite elements do not apply to a brake (None: they do)."""
+    """Why finite elements do not apply to a brake; None where they apply."""
     if brake.unmeshable() is not None:
         return brake.unmeshable()
     if brake.ring is not None and len({shoe.side for shoe in brake.shoes}) > 1:
@@ -87,11 +95,11 @@ def why_not(brake: Brake) -> str | None:
 
 
 def lacking(brake: Brake) -> list[str]:
-    """What is not computed because the brake has it not, in words."""
-    rigid_drum = brake.ring is None and not brake.surface.straight
-    drum = ["drum: rigid, no [drum.ring] in the brake"] if rigid_drum else []
-    return drum + [
-        f"shoe {shoe.name!r}: rigid, no [shoe.body]; only its lining is meshed"
-        for shoe in brake.shoes
-        if shoe.mesh is None and shoe.body is None
-    ]
+    """A line for each elastic part that the brake's file does not have, and that is rigid here."""
+    lines = []
+    if brake.ring is None and not brake.surface.straight:
+        lines.append("drum: rigid, no [drum.ring] in the brake")
+    for shoe in brake.shoes:
+        if shoe.mesh is None and shoe.body is None:
+            lines.append(f"shoe {shoe.name!r}: rigid, no [shoe.body]; only its lining is meshed")
+    return lines

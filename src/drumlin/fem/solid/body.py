@@ -16,12 +16,12 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.elasticity import ElasticLayer, solid_elasticity_matrix
 from drumlin.brake.fields import Material
 from drumlin.fem.mesh.edges import edge_nodes
-from drumlin.fem.preparation.bodies import Body, coupled
+from drumlin.fem.preparation.bodies import ShoeSubstructure, coupled_shoe
 from drumlin.fem.preparation.meshes import line_of, materials_of
 from drumlin.fem.preparation.scene import Seconds, clock
 from drumlin.fem.solid.face import ContactFace, contact_face, width_matrix
 from drumlin.fem.solid.mesh import Solid, solid_mesh
-from drumlin.fem.substructure.body import FRAME, Ties, condense, stiffness
+from drumlin.fem.substructure.body import FRAME, Constraints, condense, stiffness
 from drumlin.fem.substructure.elimination import dissection
 from drumlin.fem.substructure.interface import end_loads
 from drumlin.fem.substructure.loads import ACTUATION
@@ -29,7 +29,7 @@ from drumlin.fem.substructure.loads import ACTUATION
 HALVES = 2.0
 
 
-class SolidBody(Body):
+class SolidBody(ShoeSubstructure):
     """A condensed body whose mesh is of hexahedra."""
 
     @property
@@ -66,7 +66,7 @@ def face_of(solid: Solid, shoe: Shoe, radius: float) -> ContactFace:
     return contact_face(line, solid.node, solid.z[: solid.levels("lining")])
 
 
-def tie(solid: Solid, contact: Ints, rigid: Ints, pin: Floats, *, bonded: bool) -> Ties:
+def tie(solid: Solid, contact: Ints, rigid: Ints, pin: Floats, *, bonded: bool) -> Constraints:
     """The reduced unknowns, in the order of a dissection: inner ones, contact nodes as x, y pairs,
     frame.
 
@@ -94,7 +94,7 @@ def tie(solid: Solid, contact: Ints, rigid: Ints, pin: Floats, *, bonded: bool) 
         np.concatenate([np.ones(len(dofs)), ones, -y, ones, x]),
         (np.concatenate(rows), np.concatenate(columns)),
     )
-    return Ties(sp.csc_matrix(entries, shape=(3 * basis.N, len(dofs) + FRAME)), region)
+    return Constraints(sp.csc_matrix(entries, shape=(3 * basis.N, len(dofs) + FRAME)), region)
 
 
 def end_forces(solid: Solid) -> tuple[Floats, Floats]:
@@ -111,21 +111,25 @@ def end_forces(solid: Solid) -> tuple[Floats, Floats]:
     return forces, centre
 
 
-def loads_on(solid: Solid, shoe: Shoe, ties: Ties) -> tuple[dict[str, Floats], Floats]:
+def loads_on(
+    solid: Solid, shoe: Shoe, constraints: Constraints
+) -> tuple[dict[str, Floats], Floats]:
     """Unit loads (unknowns, k) on the reduced unknowns by name, and the point (2,) that those of the
     actuation act at.
     """
     if (
         "actuation" not in solid.section.boundaries or shoe.gripped
     ):  # it acts on the rigid shoe, or on what holds it
-        loads = np.zeros((ties.matrix.shape[1], 3))
+        loads = np.zeros((constraints.matrix.shape[1], 3))
         loads[-FRAME:] = np.eye(3)
         return {ACTUATION: loads}, shoe.own_pin
     forces, centre = end_forces(solid)
-    return {ACTUATION: np.asarray(ties.matrix.T @ forces.reshape(-1, 3))}, centre
+    return {ACTUATION: np.asarray(constraints.matrix.T @ forces.reshape(-1, 3))}, centre
 
 
-def solid_body(brake: Brake, shoe: Shoe, elements: int, across: int, seconds: Seconds) -> Body:
+def solid_body(
+    brake: Brake, shoe: Shoe, elements: int, across: int, seconds: Seconds
+) -> ShoeSubstructure:
     """Mesh, assemble and condense a shoe."""
     with clock(seconds, "mesh"):
         solid = solid_mesh(shoe, brake.size, elements, across)
@@ -133,10 +137,10 @@ def solid_body(brake: Brake, shoe: Shoe, elements: int, across: int, seconds: Se
         K = stiffness(solid.basis, solid_layers(shoe))
     with clock(seconds, "ties"):
         face, rigid = face_of(solid, shoe, brake.size), hinged(solid, shoe)
-        ties = tie(solid, face.nodes, rigid, shoe.own_pin, bonded=shoe.body is None)
-        loads, centre = loads_on(solid, shoe, ties)
+        constraints = tie(solid, face.nodes, rigid, shoe.own_pin, bonded=shoe.body is None)
+        loads, centre = loads_on(solid, shoe, constraints)
     with clock(seconds, "condensation"):
-        condensed = condense(K, ties, loads, 2 * len(face.nodes))
+        condensed = condense(K, constraints, loads, 2 * len(face.nodes))
     with clock(seconds, "coupling"):
         made = partial(SolidBody, solid.mesh, solid.basis, face)
-        return coupled(made, shoe, face, condensed, centre, friction=brake.friction > 0)
+        return coupled_shoe(made, shoe, face, condensed, centre, friction=brake.friction > 0)

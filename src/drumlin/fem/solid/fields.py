@@ -9,7 +9,7 @@ from drumlin.base.arrays import Floats, Ints
 from drumlin.brake.brake import Brake
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.fem.analysis.fields import displaced, mean_of
-from drumlin.fem.preparation.scene import Scene
+from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.solid.body import solid_layers
 from drumlin.response.balance import loaded
 from drumlin.response.response import Response
@@ -90,7 +90,7 @@ class SolidFields(NamedTuple):
     cell_type: str = "hexahedron20"
 
 
-def recover(scene: Scene, brake: Brake, response: Response, index: int) -> SolidFields:
+def recover(scene: PreparedModel, brake: Brake, response: Response, index: int) -> SolidFields:
     """Recover the fields of shoe `index` from the contact pressure of its response."""
     brake = loaded(brake, response)
     shoe, body, answer = brake.shoes[index], scene.bodies[index], response.shoes[index]

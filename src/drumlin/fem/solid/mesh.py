@@ -17,7 +17,7 @@ from scipy.spatial import cKDTree
 from drumlin.base.arrays import Floats, Ints
 from drumlin.brake.brake import Shoe
 from drumlin.fem.mesh.arc import shoe_mesh
-from drumlin.fem.mesh.grading import Division, graded
+from drumlin.fem.mesh.grading import LiningDivision, graded
 from drumlin.fem.preparation.meshes import materials_of
 from drumlin.fem.substructure.body import scalar_basis
 
@@ -74,7 +74,7 @@ def width_levels(half: Mapping[str, float], across: int, zone: float) -> Floats:
     return np.concatenate(pieces)
 
 
-def solid_mesh(shoe: Shoe, radius: float, elements: int | Division, across: int) -> Solid:
+def solid_mesh(shoe: Shoe, radius: float, elements: int | LiningDivision, across: int) -> Solid:
     """Mesh of half a shoe, in its own frame: `elements` along the lining or its division, `across`
     over half of its width.
     """

@@ -8,9 +8,9 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.fields import Material
 from drumlin.brake.orthotropic import isotropic_only
 from drumlin.fem.model import PENALTY, check_penalty, respond
-from drumlin.fem.preparation.bodies import Body
+from drumlin.fem.preparation.bodies import ShoeSubstructure
 from drumlin.fem.preparation.cache import Cache, bare_shoe, shape_of, size_of
-from drumlin.fem.preparation.scene import Scene, Seconds, lacking
+from drumlin.fem.preparation.scene import PreparedModel, Seconds, lacking
 from drumlin.fem.preparation.scene import why_not as plane_why_not
 from drumlin.fem.solid import MOST_ACROSS, MOST_ELEMENTS
 from drumlin.fem.solid.body import solid_body
@@ -58,7 +58,7 @@ def across_of(shoe: Shoe, elements: int) -> int:
 
 def prepare(
     brake: Brake, *, elements: int = ELEMENTS, across: int | None = None, cache: Cache | None = None
-) -> Scene:
+) -> PreparedModel:
     """Mesh and condense the solid shoes of a brake; shoes of one shape share one body.
 
     elements: number along each lining; across: over half its width; cache: bodies of earlier
@@ -74,7 +74,7 @@ def prepare(
         if value is not None and not 1 <= value <= most:
             raise BadInput(f"--{name} = {value}: must be from 1 to {most}")
     seconds: Seconds = {}
-    made: dict[tuple[object, ...], Body] = {}
+    made: dict[tuple[object, ...], ShoeSubstructure] = {}
     cache = Cache() if cache is None else cache
     keys = [shape_of(brake, shoe) for shoe in brake.shoes]
     for key, shoe in zip(keys, brake.shoes, strict=True):
@@ -93,10 +93,10 @@ def prepare(
             f"{len(keys) - len(made)} of {len(keys)} shoes: same shape as another, condensed once"
         )
     bodies = tuple(made[key] for key in keys)
-    return Scene(brake, bodies, None, seconds, (*left_out, *lacking(brake)), model="solid")
+    return PreparedModel(brake, bodies, None, seconds, (*left_out, *lacking(brake)), model="solid")
 
 
-def _size_of(body: Body) -> int:
+def _size_of(body: ShoeSubstructure) -> int:
     """What a condensed body keeps, about: its matrices, and the stiffness that fields are recovered
     with.
     """

@@ -1,9 +1,10 @@
-"""An elastic body: its stiffness, and its condensation to the unknowns that contact and hinge need.
+"""An elastic body as a substructure: its stiffness, and its static condensation.
 
-Unknowns kept: the displacements c of the contact nodes and the frame f = (dx, dy, turn) of the
-rigid line that the hinge holds. All others are eliminated once. With the frame held (f = 0) and
-S_cc = L_cc L_cc^T, Y = L_cc^-1 G gives the work G^T S_cc^-1 G = Y^T Y of nodal forces G, and L_fc
-Y, with L_fc = S_fc L_cc^-T, the forces that hold the frame meanwhile.
+Condensation keeps two groups of degrees of freedom: the displacements c of the contact nodes, and
+the frame f = (dx, dy, rotation) of the rigid line that the hinge holds. All others are eliminated
+once, which leaves the Schur complement S. With the frame held (f = 0), the Cholesky factor of
+S_cc = L_cc L_cc^T and Y = L_cc^-1 G, nodal forces G do the work G^T S_cc^-1 G = Y^T Y. The frame is
+then held by the forces L_fc Y, with L_fc = S_fc L_cc^-T.
 """
 
 from collections.abc import Callable, Mapping
@@ -19,65 +20,78 @@ from drumlin.base.lapack import dpotrf, solve_lower
 from drumlin.brake.elasticity import ElasticLayer, has_directions
 from drumlin.fem.mesh.arc import kind_of
 from drumlin.fem.substructure.elasticity import across, split
-from drumlin.fem.substructure.elimination import SINGULAR, dissection, eliminate, solve
+from drumlin.fem.substructure.elimination import SINGULAR_BODY, dissection, eliminate, solve
 from drumlin.fem.substructure.loads import LoadColumns, stacked_loads
 
-FRAME = 3  # unknowns of a rigid line: dx, dy, turn about the pin
+FRAME = 3
+"""Number of degrees of freedom of a rigid line: dx, dy and the rotation about the pin."""
 
 
-class Ties(NamedTuple):
-    """Reduced unknowns of a body: `matrix` (2 nodes, unknowns) from them to the displacements of
-    all nodes, and the `region` of elimination of each inner one. Order: inner, contact nodes as x,
-    y pairs by growing angle, frame.
+class Constraints(NamedTuple):
+    """The multi-point constraints of a body: which degrees of freedom remain.
+
+    `matrix` (2 nodes, unknowns) maps the reduced unknowns to the displacements of all nodes.
+    `region` is the number of the region in which elimination removes each inner unknown. The
+    unknowns stand in the order: inner nodes, contact nodes as x, y pairs by growing angle, frame.
     """
 
     matrix: Any
     region: Ints
 
 
-class Inside(NamedTuple):
-    """Stiffness `A` on the reduced unknowns `ties`, and the unit loads (unknowns, l) on them."""
+class InnerSystem(NamedTuple):
+    """The whole system of a body on its reduced unknowns.
+
+    `A` is the stiffness, `constraints` are the unknowns, and `loads` (unknowns, l) the unit loads.
+    """
 
     A: Any
-    ties: Ties
+    constraints: Constraints
     loads: Floats
 
     def displacements(self, nodal: Floats, frame: Floats, loads: Floats) -> Floats:
-        """Displacements (2 nodes, m) [m]; see `Condensed.displacements`."""
+        """Displacements (2 nodes, m) of all nodes [m]; see `CondensedBody.displacements`."""
         right = self.loads[:-FRAME] @ loads - self.A[:-FRAME, -FRAME:] @ frame
+        # The nodal forces act on the contact nodes, the last unknowns before the frame.
         right[len(right) - len(nodal) :] += nodal
-        u = solve(self.A[:-FRAME, :-FRAME], self.ties.region, right)
-        return np.asarray(self.ties.matrix @ np.vstack([u, frame]))
+        free = solve(self.A[:-FRAME, :-FRAME], self.constraints.region, right)
+        return np.asarray(self.constraints.matrix @ np.vstack([free, frame]))
 
 
 @dataclass(frozen=True)
-class Condensed:
-    """A body seen from its 2n contact displacements and its frame.
+class CondensedBody:
+    """A body reduced to its 2n contact displacements and its frame by static condensation.
 
-    `L_cc` (2n, 2n) lower triangular, `L_fc` (3, 2n): see above. `load_c` (2n, l) and `load_f` (3,
-    l): unit loads condensed to contact and frame; `load_work` (l, l): their work with both held;
-    `columns`: which of the l columns is which load.
-    `inside`: makes, where it is asked for, the whole system; `recover`: solves it, see
-    `displacements`. `lost`: by how much round-off of the elimination puts a unit force out of
-    balance, and `moved` (2n, 3): how far it moves the contact [m] as the frame moves by one; as far
-    as known.
+    Attributes
+    ----------
+    L_cc : (2n, 2n) lower Cholesky factor of the contact's stiffness with the frame held
+    L_fc : (3, 2n) see the module's first lines
+    load_on_contact, load_on_frame : (2n, l), (3, l) unit loads, condensed to contact and frame
+    load_work : (l, l) work of the unit loads with contact and frame held
+    inside : makes the whole system, for those who need it
+    recover : solves the whole system, see `displacements`
+    columns : the l load columns by name
+    force_imbalance : estimate of the force by which round-off of the elimination puts a unit force
+        out of balance; 0 where it is not known
+    rigid_mode_error : (2n, 3) estimate of the contact displacement [m] that round-off adds to each
+        rigid-body mode of the frame; None where it is not known
     """
 
     L_cc: Floats
     L_fc: Floats
-    load_c: Floats
-    load_f: Floats
+    load_on_contact: Floats
+    load_on_frame: Floats
     load_work: Floats
-    inside: Callable[[], Inside]
+    inside: Callable[[], InnerSystem]
     recover: Callable[[Floats, Floats, Floats], Floats]
     columns: LoadColumns
-    lost: float = 0.0
-    moved: Floats | None = None
+    force_imbalance: float = 0.0
+    rigid_mode_error: Floats | None = None
 
     @property
-    def ties(self) -> Ties:
+    def constraints(self) -> Constraints:
         """The reduced unknowns."""
-        return self.inside().ties
+        return self.inside().constraints
 
     @property
     def loads(self) -> Floats:
@@ -85,126 +99,153 @@ class Condensed:
         return self.inside().loads
 
     def half(self, forces: Floats) -> Floats:
-        """Y = L_cc^-1 forces, for nodal forces (2n, m) on the contact nodes."""
+        """The half flexibility Y = L_cc^-1 G of nodal forces G (2n, m) on the contact nodes."""
         return solve_lower(self.L_cc, forces)
 
     def displacement(self, nodal: Floats, frame: Floats, loads: Floats) -> Floats:
-        """Displacement of all nodes (2, nodes) [m], by an elimination of the inside that is
-        substituted back.
+        """Displacement (2, nodes) of all nodes [m], with the eliminated ones recovered.
 
-        nodal (2n,): forces on the contact nodes [N]; frame (3,): its displacement; loads (l,):
-        factors of the unit loads.
+        Parameters
+        ----------
+        nodal : (2n,) forces on the contact nodes [N]
+        frame : (3,) displacement of the frame
+        loads : (l,) factors of the unit loads
         """
         u = self.displacements(nodal[:, None], frame[:, None], loads[:, None])
         return np.asarray(u.reshape(-1, 2).T)
 
     def displacements(self, nodal: Floats, frame: Floats, loads: Floats) -> Floats:
-        """Displacements (2 nodes, m) [m] of m cases: nodal (2n, m), frame (3, m), loads (l, m) as
-        above.
+        """Displacements (2 nodes, m) of all nodes [m] in m load cases.
+
+        The parameters are those of `displacement` with one column for each case: nodal (2n, m),
+        frame (3, m), loads (l, m).
         """
         return self.recover(nodal, frame, loads)
 
 
 def scalar_basis(mesh: Any) -> Any:
-    """skfem's basis of one component; quadrature of order 4 in a quadratic element, 2 in a linear."""
-    import skfem  # noqa: PLC0415  (meshes alone load it)
+    """skfem's basis of one component, with quadrature of order 4 (quadratic elements) or 2 (linear)."""
+    # Only bodies on meshes load scikit-fem.
+    import skfem  # noqa: PLC0415
 
     element = kind_of(mesh).element()
     return skfem.Basis(mesh, element, intorder=4 if element.facet_dofs else 2)
 
 
 def stiffness(basis: Any, layers: Mapping[str, ElasticLayer], *, precise: bool = False) -> Any:
-    """Stiffness (d nodes, d nodes) of plane stress, d = 2, or of a solid, d = 3; unknown d i + c
-    for component c of node i [N/m].
+    """Sparse stiffness (d nodes, d nodes) of plane stress (d = 2) or of a solid (d = 3) [N/m].
 
-    layers: by subdomain; those of a solid are isotropic; precise: in long double, from the nodes on
-    (plane stress only).
+    Unknown d i + c is component c of node i. The isotropic part of the layers is
 
         K_ai,bj = b Int lambda psi_a,i psi_b,j + mu psi_a,j psi_b,i + mu delta_ij psi_a,k psi_b,k dA
 
-    and what layers are stiffer in their own directions, see `hp.element.stiffness`. The gradients
-    of all shape functions meet in one batched matrix product an element, instead of one form
-    evaluation a pair of shape functions.
-    """
-    if hasattr(basis, "stiffness"):  # a grid of columns knows its own
-        return basis.stiffness(layers, precise=precise)
-    import scipy.sparse as sp  # noqa: PLC0415  (meshes alone load it)
+    and layers with directions add the terms of `hp.element.stiffness`. The gradients of all shape
+    functions meet in one batched matrix product for each element, in place of one evaluation of the
+    form for each pair of shape functions.
 
-    gradients, dx = (
-        _precise_gradients(basis)
-        if precise
-        else (np.array([psi[0].grad for psi in basis.basis]), basis.dx)
-    )  # (a, i, elements, points), (elements, points)
+    Parameters
+    ----------
+    basis : scalar basis of a mesh, or a grid of columns, which makes its own stiffness
+    layers : elastic layers by subdomain; those of a solid are isotropic
+    precise : whether to compute in long double from the nodes on (plane stress only)
+    """
+    if hasattr(basis, "stiffness"):
+        return basis.stiffness(layers, precise=precise)
+    if precise:
+        gradients, dx = _precise_gradients(basis)
+    else:
+        gradients, dx = np.array([psi[0].grad for psi in basis.basis]), basis.dx
+    K = _isotropic(basis, layers, gradients, dx)
+    dimensions = gradients.shape[1]
+    for name, members in basis.mesh.subdomains.items():
+        if dimensions == 2 and has_directions(layers[name].elasticity):
+            points = points_of(basis, precise=precise)[:, members]
+            K[members] += _stiffer(layers[name], gradients[:, :, members], dx[members], points)
+    return _assembled_elements(basis, K, dimensions)
+
+
+def _isotropic(basis: Any, layers: Mapping[str, ElasticLayer], gradients: Any, dx: Any) -> Any:
+    """The isotropic part (elements, a, d, a, d) of the element stiffness [N/m].
+
+    Parameters
+    ----------
+    basis : scalar basis of the mesh
+    layers : elastic layers by subdomain
+    gradients : (a, d, elements, points) gradients of the shape functions [1/m]
+    dx : (elements, points) weights of the quadrature [m^d]
+    """
     a, d, elements, points = gradients.shape
     lame = np.zeros((2, basis.mesh.nelements))
     for name, members in basis.mesh.subdomains.items():
         matrix = layers[name].stiffness
         lame[:, members] = np.array([matrix[0, 1], matrix[-1, -1]])[:, None]
     lam, mu = lame[:, :, None, None, None, None]
+
+    # H is the integral of psi_a,i psi_b,j.
     G = np.ascontiguousarray(gradients.transpose(2, 0, 1, 3)).reshape(elements, d * a, points)
-    H = (G * dx[:, None, :] @ G.transpose(0, 2, 1)).reshape(
-        elements, a, d, a, d
-    )  # Int psi_a,i psi_b,j
+    H = (G * dx[:, None, :] @ G.transpose(0, 2, 1)).reshape(elements, a, d, a, d)
     K = lam * H + mu * H.transpose(0, 1, 4, 3, 2)
     for i in range(d):
         K[:, :, i, :, i] += mu[:, :, 0, :, 0] * np.trace(H, axis1=2, axis2=4)
-    for name, members in basis.mesh.subdomains.items():
-        if d == 2 and has_directions(layers[name].elasticity):
-            own = gradients[:, :, members]
-            K[members] += _stiffer(
-                layers[name], own, dx[members], points_of(basis, precise=precise)[:, members]
-            )
-    dofs = (
-        (d * basis.element_dofs.T[:, :, None] + np.arange(d))
-        .reshape(elements, d * a)
-        .astype(np.int32)
-    )
+    return K
+
+
+def _assembled_elements(basis: Any, K: Any, d: int) -> Any:
+    """The sparse stiffness (d nodes, d nodes) from that of the elements (elements, a, d, a, d)."""
+    # Only bodies on meshes load scipy.sparse.
+    import scipy.sparse as sp  # noqa: PLC0415
+
+    elements, a = K.shape[:2]
+    dofs = d * basis.element_dofs.T[:, :, None] + np.arange(d)
+    dofs = dofs.reshape(elements, d * a).astype(np.int32)
     rows = np.broadcast_to(dofs[:, :, None], (elements, d * a, d * a))
     columns = np.broadcast_to(dofs[:, None, :], rows.shape)
-    return sp.coo_matrix(
-        (K.ravel(), (rows.ravel(), columns.ravel())), shape=(d * basis.N, d * basis.N)
-    ).tocsc()
+    size = d * basis.N
+    entries = K.ravel(), (rows.ravel(), columns.ravel())
+    return sp.coo_matrix(entries, shape=(size, size)).tocsc()
 
 
 def values_of(basis: Any, *, precise: bool = False) -> Any:
-    """The shape functions (a, points) of a basis on a mesh at its points of quadrature; precise: in
-    long double."""
+    """Values (a, points) of a basis's shape functions at its quadrature points.
+
+    With `precise` they are computed in long double.
+    """
     at = basis.X.astype(np.longdouble) if precise else basis.X
     return np.array([basis.elem.lbasis(at, i)[0] for i in range(len(basis.element_dofs))])
 
 
 def points_of(basis: Any, *, precise: bool = False) -> Any:
-    """The points of quadrature (2, elements, points) [m] of a basis on a mesh; precise: in long
-    double."""
-    return np.einsum(
-        "cae,aq->ceq", basis.doflocs[:, basis.element_dofs], values_of(basis, precise=precise)
-    )
+    """Quadrature points (2, elements, points) of a basis [m]; `precise`: in long double."""
+    nodes = basis.doflocs[:, basis.element_dofs]
+    return np.einsum("cae,aq->ceq", nodes, values_of(basis, precise=precise))
 
 
 def _stiffer(layer: ElasticLayer, gradients: Any, dx: Any, points: Any) -> Any:
-    """What elements (e, a, 2, a, 2) are stiffer in the directions of their layer than its isotropic
-    part [N/m].
+    """Stiffness (e, a, 2, a, 2) that a layer's directions add to its isotropic part [N/m].
 
-    gradients (a, 2, e, q) of the shape functions [1/m], areas dx (e, q) [m^2], points (2, e, q)
-    [m].
+    Parameters
+    ----------
+    layer : the layer
+    gradients : (a, 2, e, q) gradients of the shape functions [1/m]
+    dx : (e, q) areas of the quadrature points [m^2]
+    points : (2, e, q) quadrature points [m]
     """
     a, d, elements, _ = gradients.shape
     along = layer.directions(points)
 
     def work(direction: Any) -> Any:
-        """Of the stretches in a direction (2, e, q) by unit displacements, (e, d a, d a)."""
+        """Work (e, d a, d a) of the stretches in a direction (2, e, q) by unit displacements."""
         grown = np.einsum("ceq,aceq->aeq", direction, gradients)
         stretch = np.einsum("ceq,aeq->eacq", direction, grown).reshape(elements, d * a, -1)
         return (stretch * dx[:, None]) @ stretch.transpose(0, 2, 1)
 
     _, _, by_along, by_through = split(layer.stiffness)
-    found = by_along * work(along) + by_through * work(across(along))
-    return found.reshape(elements, a, d, a, d)
+    added = by_along * work(along) + by_through * work(across(along))
+    return added.reshape(elements, a, d, a, d)
 
 
 def _precise_gradients(basis: Any) -> tuple[Any, Any]:
-    """Gradients (a, 2, elements, points) of the shape functions and area weights (elements,
-    points), long double.
+    """Gradients (a, 2, elements, points) and areas (elements, points) in long double.
 
     The elements are isoparametric: the nodes of the shape functions are those of the map.
     """
@@ -218,29 +259,38 @@ def _precise_gradients(basis: Any) -> tuple[Any, Any]:
     return np.einsum("adq,dcjq->acjq", slopes, inverse), np.abs(det) * basis.W
 
 
-def tie(basis: Any, contact: Ints, rigid: Ints, pin: Floats, alone: Ints | None = None) -> Ties:
-    """The reduced unknowns: inner nodes in the order of a dissection, contact nodes, then the
-    frame.
+def constrain(
+    basis: Any, contact: Ints, rigid: Ints, pin: Floats, alone: Ints | None = None
+) -> Constraints:
+    """The multi-point constraints of a body: inner nodes by dissection, contact nodes, frame.
 
-    The `rigid` nodes move with u = (dx, dy) + turn k x (x - pin). Without rigid nodes three
-    unknowns `alone` (3,) of other nodes stand in the frame's place.
+    Parameters
+    ----------
+    basis : scalar basis of the mesh
+    contact : (n,) contact nodes by growing angle
+    rigid : nodes of the rigid line, which move with u = (dx, dy) + rotation k x (x - pin)
+    pin : (2,) point of the pin [m]
+    alone : (3,) unknowns of a body without rigid nodes that stand in the frame's place
     """
-    import scipy.sparse as sp  # noqa: PLC0415  (meshes alone load it)
+    # Only whole systems load scipy.sparse.
+    import scipy.sparse as sp  # noqa: PLC0415
 
     order = dissection(basis.doflocs, basis.element_dofs)
     inner = np.ones(basis.N, dtype=bool)
     inner[contact] = inner[rigid] = False
-    inside = inner[order.nodes]
-    nodes = np.concatenate([order.nodes[inside], contact])
-    region = np.repeat(order.region[inside], 2)
+    is_inner = inner[order.nodes]
+    nodes = np.concatenate([order.nodes[is_inner], contact])
+    region = np.repeat(order.region[is_inner], 2)
     dofs = np.column_stack([2 * nodes, 2 * nodes + 1]).ravel()
+
     if alone is not None:
         others = ~np.isin(dofs, alone)
         dofs = np.concatenate([dofs[others], alone])
         entries = np.ones(len(dofs)), (dofs, np.arange(len(dofs)))
-        return Ties(
-            sp.csc_matrix(entries, shape=(2 * basis.N, len(dofs))), region[others[: len(region)]]
-        )
+        matrix = sp.csc_matrix(entries, shape=(2 * basis.N, len(dofs)))
+        return Constraints(matrix, region[others[: len(region)]])
+
+    # The entries of the free unknowns, then those of the rigid nodes: dx, rotation, dy, rotation.
     frame = np.arange(len(dofs), len(dofs) + FRAME)
     x, y = basis.doflocs[:, rigid] - pin[:, None]
     ones = np.ones(len(rigid))
@@ -248,15 +298,19 @@ def tie(basis: Any, contact: Ints, rigid: Ints, pin: Floats, alone: Ints | None 
     columns = [np.arange(len(dofs)), *(np.full(len(rigid), frame[k]) for k in (0, 2, 1, 2))]
     values = [np.ones(len(dofs)), ones, -y, ones, x]
     entries = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
-    return Ties(sp.csc_matrix(entries, shape=(2 * basis.N, len(dofs) + FRAME)), region)
+    matrix = sp.csc_matrix(entries, shape=(2 * basis.N, len(dofs) + FRAME))
+    return Constraints(matrix, region)
 
 
-def condense(K: Any, ties: Ties, loads: Mapping[str, Floats], contact: int) -> Condensed:
-    """Eliminate all but the last `contact` + 3 unknowns.
+def condense(
+    K: Any, constraints: Constraints, loads: Mapping[str, Floats], contact: int
+) -> CondensedBody:
+    """The statically condensed body: only contact nodes and frame remain.
 
     Parameters
     ----------
-    K : (2 nodes, 2 nodes) stiffness
+    K : (2 nodes, 2 nodes) stiffness [N/m]
+    constraints : the reduced unknowns
     loads : unit loads (unknowns, k) on the reduced unknowns, by name
     contact : number of displacements of the contact nodes
 
@@ -265,21 +319,21 @@ def condense(K: Any, ties: Ties, loads: Mapping[str, Floats], contact: int) -> C
     NoAnswer
         for a singular stiffness
     """
-    A = (ties.matrix.T @ K @ ties.matrix).tocsc()
+    A = (constraints.matrix.T @ K @ constraints.matrix).tocsc()
     all_loads = stacked_loads(loads, A.shape[0])
-    S, left, work = eliminate(A, ties.region, all_loads)
+    S, condensed_loads, work = eliminate(A, constraints.region, all_loads)
     L_cc, info = dpotrf(S[:contact, :contact], lower=1)
     if info:
-        raise NoAnswer(SINGULAR)
+        raise NoAnswer(SINGULAR_BODY)
     L_fc = solve_lower(L_cc, S[:contact, contact:]).T
-    inside = Inside(A, ties, all_loads)
-    return Condensed(
+    system = InnerSystem(A, constraints, all_loads)
+    return CondensedBody(
         L_cc,
         L_fc,
-        left[:contact],
-        left[contact:],
+        condensed_loads[:contact],
+        condensed_loads[contact:],
         work,
-        partial(Inside, *inside),
-        inside.displacements,
-        LoadColumns.of(loads),
+        inside=partial(InnerSystem, *system),
+        recover=system.displacements,
+        columns=LoadColumns.of(loads),
     )

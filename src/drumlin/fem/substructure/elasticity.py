@@ -1,13 +1,12 @@
-"""The layers of shoes and rings with their elasticity, and what kernels make of it.
+"""The elastic layers of shoes and rings, and the constants that element kernels make of them.
 
 The elasticity matrix D of a layer (brake.elasticity) is split into an isotropic part, which kernels
-integrate once for all layers, and what the layer is stiffer in its two directions,
+integrate once for all layers, and the stiffness that the layer's two directions add,
 
     sigma = lambda tr(eps) 1 + 2 mu eps + a eps_along t t^T + b eps_through n n^T
 
 with the unit vectors t along and n through the layer, lambda = D_12, mu = D_33, a = D_11 - lambda -
-2 mu and b = D_22 - lambda - 2 mu. Isotropic layers have a = b = 0, and nothing is integrated for
-these two.
+2 mu and b = D_22 - lambda - 2 mu. Isotropic layers have a = b = 0, and kernels skip both terms.
 """
 
 from collections.abc import Mapping, Sequence
@@ -23,11 +22,10 @@ from drumlin.brake.elasticity import ElasticLayer, stiffer_along_and_through
 
 
 def layers_of(shoe: Shoe) -> dict[str, ElasticLayer]:
-    """The layers of a shoe by the names of its subdomains, with their directions in the shoe's
-    frame.
+    """The elastic layers of a shoe by subdomain, with their directions in the shoe's frame.
 
-    On a drum layers turn with the arc. A pad's are straight, as are a straight beam and the block
-    that is cut to it.
+    On a drum the directions turn with the arc. The layers of a pad are straight, as are a straight
+    beam and the block that is cut to it.
     """
     lining, backing, body = shoe.lining, shoe.backing, shoe.body
     around: Floats | None = None
@@ -36,13 +34,13 @@ def layers_of(shoe: Shoe) -> dict[str, ElasticLayer]:
         around = behind = np.array([1.0, 0.0])
     elif isinstance(body, Beam):
         behind = shoe.frame.to_shoe(axis_of(shoe.pin.xy, shoe.actuation.point.xy).along)
-    found = {"lining": ElasticLayer.of(lining.material, lining.width, around)}
+    layers = {"lining": ElasticLayer.of(lining.material, lining.width, around)}
     if backing is not None:
-        found["backing"] = ElasticLayer.of(backing.material, lining.width, behind)
+        layers["backing"] = ElasticLayer.of(backing.material, lining.width, behind)
     if body is not None:
         for name, plate in body.plates.items():
-            found[name] = ElasticLayer.of(plate.material, plate.width, behind)
-    return found
+            layers[name] = ElasticLayer.of(plate.material, plate.width, behind)
+    return layers
 
 
 def ring_layers(section: Section) -> dict[str, ElasticLayer]:
@@ -51,14 +49,16 @@ def ring_layers(section: Section) -> dict[str, ElasticLayer]:
 
 
 def split(elasticity: Any) -> Any:
-    """lambda, mu, a, b (..., 4) of elasticity matrices (..., 3, 3), in their unit; see the module's
-    first lines."""
+    """The constants lambda, mu, a, b (..., 4) of elasticity matrices (..., 3, 3).
+
+    They have the unit of the matrices; see the module's first lines.
+    """
     isotropic = np.stack([elasticity[..., 0, 1], elasticity[..., 2, 2]], axis=-1)
     return np.concatenate([isotropic, stiffer_along_and_through(elasticity)], axis=-1)
 
 
 def stacked(layers: Mapping[str, ElasticLayer], part: Sequence[str]) -> Floats:
-    """The elasticity matrices times the width (l, 3, 3) [N/m] of layers by their names."""
+    """Elasticity matrices times the width (l, 3, 3) [N/m] of the layers named by `part` (l,)."""
     return np.array([layers[name].stiffness for name in part])
 
 

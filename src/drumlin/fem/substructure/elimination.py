@@ -1,11 +1,11 @@
-"""Eliminating the inside of a body: dense fronts over a nested dissection.
+"""Static condensation of a body by dense fronts over a nested dissection.
 
-The elements are halved again and again; a node belongs to the smallest region that holds all its
-elements. Its region's unknowns are eliminated together, by one dense Cholesky factorisation of a
-front: the region's own unknowns and those of later regions that they touch. What the front leaves
-on the later ones is added to the front of the region that comes next among them (multifrontal
-elimination: Duff & Reid 1983). The work is matrix products, and the kept unknowns come last
-whatever the sparsity. The factors are kept only where the displacements inside are asked for.
+The elements are halved again and again. A node belongs to the smallest region that holds all its
+elements. The unknowns of a region are eliminated together, by one dense Cholesky factorisation of a
+front: the region's own unknowns and those of later regions that they touch. The Schur complement of
+the front is added to the front of the next region among the later ones (multifrontal elimination:
+Duff & Reid 1983). The work consists of matrix products, and the kept unknowns come last whatever
+the sparsity. The factors are kept only where the eliminated displacements are asked for.
 """
 
 from collections.abc import Iterator
@@ -17,23 +17,35 @@ from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import NoAnswer
 from drumlin.base.lapack import dpotrf, dtrsm
 
-LEAF = 5  # halvings that a smallest region goes without: it has up to 32 elements
+LEAF_HALVINGS = 5
+"""Number of halvings that the smallest regions go without: they have up to 32 elements. Smaller
+regions cost more calls, larger ones more multiplications with zeros; the answer is the same but for
+round-off.
+"""
 
-_Left = list[list[tuple[Ints, Floats]]]
+_Complements = list[list[tuple[Ints, Floats]]]
+"""For each region the Schur complements of earlier fronts that are to be added to its front: the
+numbers of the unknowns (m,) and the lower triangle (m, m) of each."""
 
-SINGULAR = "singular stiffness: a part hangs on nothing, or moduli are too far apart"
+SINGULAR_BODY = "singular stiffness: a part hangs on nothing, or moduli are too far apart"
 
 
 class Order(NamedTuple):
-    """Nodes in the order of elimination (n,), and the region (n,) of each, numbered in that order."""
+    """The order of elimination.
+
+    `nodes` (n,) are the nodes in this order, and `region` (n,) the number of the region of each,
+    which does not decrease.
+    """
 
     nodes: Ints
     region: Ints
 
 
 class Eliminated(NamedTuple):
-    """What the elimination of the inside leaves: S (k, k) on the k kept unknowns, the loads (k, l)
-    on them, and the work (l, l) of the loads with the kept unknowns held.
+    """The result of elimination.
+
+    `S` (k, k) is the Schur complement on the k kept unknowns, `loads` (k, l) are the condensed
+    loads, and `work` (l, l) is the work of the loads with the kept unknowns held.
     """
 
     S: Floats
@@ -42,44 +54,51 @@ class Eliminated(NamedTuple):
 
 
 def dissection(xy: Floats, elements: Ints) -> Order:
-    """Nested dissection of a mesh: nodes xy (2, n) or (3, n) [m]; elements (k, m): nodes of each
-    element.
+    """The order of elimination by a nested dissection of a mesh.
 
     The elements are halved across the long direction of their region. A node comes after all nodes
     of the regions inside its own.
+
+    Parameters
+    ----------
+    xy : (2, n) or (3, n) nodes [m]
+    elements : (k, m) nodes of each of m elements
     """
+    # The bits of `path` say which half of each region an element belongs to, the first bit first.
     centre = xy[:, elements].mean(axis=1)
     count = elements.shape[1]
-    half = np.zeros(count, dtype=np.int64)  # binary path of halvings
+    path = np.zeros(count, dtype=np.int64)
     depth = max(0, int(np.ceil(np.log2(count))))
     resolution = 1e-9 * float(np.ptp(centre, axis=1).max()) or 1.0
     for level in range(depth):
-        size = np.bincount(half, minlength=1 << level)
-        place = np.round(_along(half, centre - _means(half, centre)) / resolution)
-        order = np.lexsort((place, half))
+        size = np.bincount(path, minlength=1 << level)
+        position = np.round(_along(path, centre - _means(path, centre)) / resolution)
+        order = np.lexsort((position, path))
         rank = np.empty(count, dtype=np.int64)
-        rank[order] = np.arange(count) - (np.cumsum(size) - size)[half[order]]
-        half = 2 * half + (rank >= (size[half] + 1) // 2)
+        rank[order] = np.arange(count) - (np.cumsum(size) - size)[path[order]]
+        path = 2 * path + (rank >= (size[path] + 1) // 2)
+
+    # The region of a node is the common beginning of the paths of its elements.
     first = np.full(xy.shape[1], 1 << depth)
     last = np.full(xy.shape[1], -1)
     for nodes in elements:
-        np.minimum.at(first, nodes, half)
-        np.maximum.at(last, nodes, half)
-    height = np.ceil(np.log2((first ^ last) + 1.0)).astype(
-        np.int64
-    )  # levels up to the common region
-    height = np.maximum(height, min(LEAF, depth))
+        np.minimum.at(first, nodes, path)
+        np.maximum.at(last, nodes, path)
+    differing_bits = np.ceil(np.log2((first ^ last) + 1.0)).astype(np.int64)
+    height = np.maximum(differing_bits, min(LEAF_HALVINGS, depth))
+
+    # Regions are eliminated in the order of their ends, smaller ones first.
     end = (first >> height << height) + (1 << height)
     nodes = np.lexsort((height, end))
-    new = np.diff(end[nodes], prepend=-1).astype(bool) | np.diff(height[nodes], prepend=-1).astype(
-        bool
-    )
-    return Order(nodes, np.cumsum(new) - 1)
+    other_end = np.diff(end[nodes], prepend=-1).astype(bool)
+    other_height = np.diff(height[nodes], prepend=-1).astype(bool)
+    return Order(nodes, np.cumsum(other_end | other_height) - 1)
 
 
 def _along(group: Ints, x: Floats) -> Floats:
-    """Places (m,) of the points x (d, m) of groups (m,), off the middle of each, along its
-    principal axis.
+    """Positions (m,) of points along the principal axis of their group.
+
+    `x` (d, m) are the points relative to the middle of their group, and `group` (m,) the groups.
     """
     if len(x) == 2:
         xy, xx_yy = _means(group, np.array([x[0] * x[1], x[0] * x[0] - x[1] * x[1]]))
@@ -91,59 +110,85 @@ def _along(group: Ints, x: Floats) -> Floats:
 
 
 def _means(group: Ints, values: Floats) -> Floats:
-    """Mean of each row of `values` (k, m) over the members of a member's group (m,): (k, m)."""
+    """The mean (k, m) of each row of `values` (k, m) over the group of each member (m,)."""
     size = np.bincount(group)
     return np.array([(np.bincount(group, row) / np.maximum(size, 1))[group] for row in values])
 
 
 def eliminate(A: Any, region: Ints, loads: Floats) -> Eliminated:
-    """Eliminate the first len(region) unknowns of a symmetric positive definite sparse A (n, n).
+    """The Schur complement of a sparse matrix, without its first len(region) unknowns.
 
-    region: number of the region of each of them, not decreasing; loads (n, l). Raises NoAnswer for
-    a matrix that is not positive definite on them.
+    Parameters
+    ----------
+    A : (n, n) symmetric positive definite sparse matrix
+    region : number of the region of each unknown that is eliminated, not decreasing
+    loads : (n, l) loads
+
+    Raises
+    ------
+    NoAnswer
+        for a matrix that is not positive definite on the eliminated unknowns
     """
-    lower, inner, left = _lower(A), len(region), _nothing(region)
+    lower = _lower(A)
+    inner = len(region)
+    complements = _empty_complements(region)
     f = np.array(loads, dtype=float)
     work = np.zeros((f.shape[1], f.shape[1]))
-    for front in _fronts(lower, region, left):
+    for front in _fronts(lower, region, complements):
         if f.shape[1]:
             y = dtrsm(1.0, front.L, f[front.own], lower=1)
             f[front.later] -= front.below @ y
             work += y.T @ y
-    S = _kept(lower, inner, left)
+    S = _kept(lower, inner, complements)
     return Eliminated(np.tril(S) + np.tril(S, -1).T, f[inner:], work)
 
 
 def solve(A: Any, region: Ints, right: Floats) -> Floats:
-    """The solution (n, m) of A x = right for a symmetric positive definite sparse A (n, n).
+    """The solution (n, m) of A x = right, with the fronts kept for the back substitution.
 
-    The fronts of the elimination are kept until the solution is substituted back. `region` is as of
-    `eliminate`; the unknowns behind them are solved for together. Raises NoAnswer for a matrix that
-    is not positive definite.
+    Parameters
+    ----------
+    A : (n, n) symmetric positive definite sparse matrix
+    region : as of `eliminate`; the unknowns behind them are solved for together
+    right : (n, m) right-hand sides
+
+    Raises
+    ------
+    NoAnswer
+        for a matrix that is not positive definite
     """
-    lower, inner, left = _lower(A), len(region), _nothing(region)
+    lower = _lower(A)
+    inner = len(region)
+    complements = _empty_complements(region)
     x = np.array(right, dtype=float)
+
+    # Forward substitution, front by front.
     fronts = []
-    for front in _fronts(lower, region, left):
+    for front in _fronts(lower, region, complements):
         x[front.own] = dtrsm(1.0, front.L, x[front.own], lower=1)
         x[front.later] -= front.below @ x[front.own]
         fronts.append(front)
-    L, info = dpotrf(_kept(lower, inner, left), lower=1)
+
+    L, info = dpotrf(_kept(lower, inner, complements), lower=1)
     if info:
-        raise NoAnswer(SINGULAR)
+        raise NoAnswer(SINGULAR_BODY)
     x[inner:] = dtrsm(1.0, L, dtrsm(1.0, L, x[inner:], lower=1), lower=1, trans_a=1)
+
+    # Back substitution, which frees the memory of each front.
     while fronts:
         front = fronts.pop()
-        x[front.own] = dtrsm(
-            1.0, front.L, x[front.own] - front.below.T @ x[front.later], lower=1, trans_a=1
-        )
+        rest = x[front.own] - front.below.T @ x[front.later]
+        x[front.own] = dtrsm(1.0, front.L, rest, lower=1, trans_a=1)
     return x
 
 
 class _FrontFactor(NamedTuple):
-    """What the elimination of the unknowns `own` of a region is: the Cholesky factor `L` (k, k) of
-    their part of the front, and the rows `below` (m, k) of the factor for the unknowns `later` (m,)
-    that they touch."""
+    """The Cholesky factor of one front.
+
+    `own` are the unknowns that the front eliminates, `later` (m,) the unknowns of later regions
+    that they touch. `L` (k, k) is the factor of the own part, and `below` (m, k) its rows for the
+    later unknowns.
+    """
 
     own: slice
     later: Ints
@@ -151,62 +196,67 @@ class _FrontFactor(NamedTuple):
     below: Floats
 
 
-def _nothing(region: Ints) -> _Left:
-    """A place for each region, and a last one for the kept unknowns, for what earlier fronts leave
-    on its unknowns."""
+def _empty_complements(region: Ints) -> _Complements:
+    """An empty list of Schur complements for each region, and a last one for the kept unknowns."""
     regions = int(region[-1]) + 1 if len(region) else 0
     return [[] for _ in range(regions + 1)]
 
 
 def _lower(A: Any) -> Any:
-    """The lower triangle of a sparse matrix, by columns in order."""
-    import scipy.sparse as sp  # noqa: PLC0415  (meshes alone load it)
+    """The lower triangle of a sparse matrix, with sorted columns."""
+    # Only whole systems load scipy.sparse.
+    import scipy.sparse as sp  # noqa: PLC0415
 
     lower = sp.tril(A, format="csc")
     lower.sort_indices()
     return lower
 
 
-def _fronts(lower: Any, region: Ints, left: _Left) -> Iterator[_FrontFactor]:
-    """The fronts of all regions in turn; what they leave on later unknowns goes to `left`."""
-    inner, regions = len(region), len(left) - 1
+def _fronts(lower: Any, region: Ints, complements: _Complements) -> Iterator[_FrontFactor]:
+    """The factorised fronts of all regions in turn; their Schur complements go to `complements`."""
+    inner, regions = len(region), len(complements) - 1
     starts = np.searchsorted(region, np.arange(regions + 1))
     indptr, indices, data = lower.indptr, lower.indices, lower.data
     for r in range(regions):
-        a, b = starts[r], starts[r + 1]
-        if a == b:
+        start, end = starts[r], starts[r + 1]
+        if start == end:
             continue
-        span = slice(indptr[a], indptr[b])
+        # The front holds the region's own unknowns first, and those that they touch.
+        span = slice(indptr[start], indptr[end])
         rows = indices[span]
-        columns = np.repeat(np.arange(b - a), np.diff(indptr[a : b + 1]))
-        touched = np.unique(np.concatenate([rows, *(unknowns for unknowns, _ in left[r])]))
+        columns = np.repeat(np.arange(end - start), np.diff(indptr[start : end + 1]))
+        touched = np.unique(np.concatenate([rows, *(numbers for numbers, _ in complements[r])]))
         F = np.zeros((len(touched), len(touched)), order="F")
         F[np.searchsorted(touched, rows), columns] = data[span]
-        _gather(F, touched, left, r)
-        own, later = b - a, touched[b - a :]
+        _gather(F, touched, complements, r)
+
+        own = end - start
+        later = touched[own:]
         L, info = dpotrf(F[:own, :own], lower=1)
         if info:
-            raise NoAnswer(SINGULAR)
+            raise NoAnswer(SINGULAR_BODY)
         below = dtrsm(1.0, L, F[own:, :own], side=1, lower=1, trans_a=1)
         if len(later):
-            after = regions if later[0] >= inner else int(region[later[0]])
-            left[after].append((later, np.subtract(F[own:, own:], below @ below.T, order="F")))
-        yield _FrontFactor(slice(a, b), later, L, below)
+            next_region = regions if later[0] >= inner else int(region[later[0]])
+            complement = np.subtract(F[own:, own:], below @ below.T, order="F")
+            complements[next_region].append((later, complement))
+        yield _FrontFactor(slice(start, end), later, L, below)
 
 
-def _kept(lower: Any, inner: int, left: _Left) -> Floats:
-    """The lower triangle of the stiffness (k, k) that the elimination of the `inner` ones leaves on
-    the others."""
+def _kept(lower: Any, inner: int, complements: _Complements) -> Floats:
+    """The lower triangle (k, k) of the Schur complement on the unknowns behind the first `inner`."""
     S: Floats = lower[inner:, inner:].toarray(order="F")
-    _gather(S, np.arange(inner, lower.shape[0]), left, len(left) - 1)
+    _gather(S, np.arange(inner, lower.shape[0]), complements, len(complements) - 1)
     return S
 
 
-def _gather(F: Floats, touched: Ints, left: _Left, region: int) -> None:
-    """Add what earlier fronts left on the unknowns `touched` (n,) to the lower triangle of a front
-    F (n, n).
+def _gather(F: Floats, touched: Ints, complements: _Complements, region: int) -> None:
+    """Add the Schur complements of earlier fronts to the lower triangle of a region's front.
+
+    `F` (n, n) is the front and `touched` (n,) are its unknowns.
     """
-    for unknowns, rest in left[region]:
-        place = np.searchsorted(touched, unknowns)
-        F.T[np.ix_(place, place)] += rest.T  # rows that lie together in memory
-    left[region] = []
+    for unknowns, complement in complements[region]:
+        position = np.searchsorted(touched, unknowns)
+        # The transposes have rows that lie together in memory.
+        F.T[np.ix_(position, position)] += complement.T
+    complements[region] = []

@@ -1,10 +1,10 @@
 """The load columns of a body, by the names of its unit loads.
 
-A body is condensed once for all unit loads that its scene needs. Each load has a name and as many
-columns as it has components. The actuation has three: unit force x, unit force y and unit couple on
-the loaded end, or on the frame of a body whose back is held. A further force, or a strain without
-stress (heat), is one more name. Whoever combines the columns asks for the factors of all of them
-and names the loads that act.
+A body is condensed once for all unit loads that its model needs. Each load has a name and as many
+columns as components. The actuation has three: unit force x, unit force y and unit couple on the
+loaded end, or on the frame of a body whose back is held. A further force, or a thermal strain, adds
+one more name. A caller that combines the columns names the loads that act and receives the factors
+of all columns.
 """
 
 from collections.abc import Mapping
@@ -16,12 +16,12 @@ import numpy as np
 from drumlin.base.arrays import Floats, in_turn
 
 ACTUATION = "actuation"
-"""The name of the unit loads by which a shoe's own force acts on its body: force x, y, couple."""
+"""Name of the unit loads of a shoe's own force on its body: force x, force y and couple."""
 
 
 @dataclass(frozen=True)
 class LoadColumns:
-    """The columns of the unit loads of a body: name and number of components of each load."""
+    """The columns of a body's unit loads: `sizes` has the name and number of columns of each."""
 
     sizes: tuple[tuple[str, int], ...] = ()
 
@@ -32,7 +32,7 @@ class LoadColumns:
 
     @cached_property
     def places(self) -> dict[str, slice]:
-        """The place of each load among all columns."""
+        """The columns of each load among all columns, by name."""
         names = [name for name, _ in self.sizes]
         return dict(zip(names, in_turn(size for _, size in self.sizes), strict=True))
 
@@ -44,13 +44,19 @@ class LoadColumns:
     def factors(self, acting: Mapping[str, Floats]) -> Floats:
         """Factors (l,) of all columns, zero for the loads that do not act.
 
-        acting: the factors (k,) of each load that acts, by name. Raises KeyError for an unknown
-        name.
+        Parameters
+        ----------
+        acting : factors (k,) of each load that acts, by name
+
+        Raises
+        ------
+        KeyError
+            for an unknown name
         """
-        found = np.zeros(self.count)
+        factors = np.zeros(self.count)
         for name, own in acting.items():
-            found[self.places[name]] = own
-        return found
+            factors[self.places[name]] = own
+        return factors
 
     def part(self, name: str, factors: Floats) -> Floats:
         """The factors (k, ...) of one load among those of all columns (l, ...)."""

@@ -1,20 +1,21 @@
-"""The elastic drum ring: its mesh, its condensation, and how the linings of all shoes load it.
+"""The elastic drum ring: its mesh, its static condensation, and its coupling with all linings.
 
-The ring is met by the same pressures as the linings, on meshes that need not match: the pressure's
-shape functions psi_i of a lining and the ring's phi_j are integrated on the common refinement of
-both angle grids,
+The linings load the ring with the same pressures that act on themselves, on meshes that need not
+match. The pressure's shape functions psi_i of a lining and the ring's phi_j are integrated on the
+common refinement of both angle grids,
 
     N_i,jc = b Int psi_i phi_j n_c ds
     T_i,jc = b Int psi_i [phi_j e_c + (r - r_ring) (k x tau)_c d phi_j/ds_ring] ds
 
-with the lining's ds and radius r and the ring's tangent tau. Both arcs are only nearly round: where
-the drag acts at r, off the ring's own arc at r_ring, the bracket moves it by a couple that is exact
-for rigid motions. So forces and torques of both sides cancel to round-off.
+with the lining's ds and radius r and the ring's tangent tau. Both discrete arcs are only nearly
+round: the friction acts at r, off the ring's own arc at r_ring. The second term in the bracket moves
+the friction there by a couple that is exact for rigid-body modes. So the forces and torques of both
+sides cancel to round-off.
 """
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -23,36 +24,53 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Section
 from drumlin.fem.mesh.edges import edge_nodes
 from drumlin.fem.mesh.grading import EDGE_SIZE, graded, lining_angles, lining_layers
-from drumlin.fem.substructure.body import FRAME, Condensed, condense, scalar_basis, stiffness, tie
+from drumlin.fem.substructure.body import (
+    FRAME,
+    CondensedBody,
+    condense,
+    constrain,
+    scalar_basis,
+    stiffness,
+)
 from drumlin.fem.substructure.elasticity import ring_layers
 from drumlin.fem.substructure.interface import ContactLine, contact_line, edge_points
 from drumlin.response.resultants import GAUSS, WEIGHTS, shape, slopes
 
 
 @dataclass(frozen=True)
-class RingBody:
+class RingSubstructure:
     """The ring, condensed to its nodes under the linings, in the brake's frame.
 
-    `pressed[i]`, `dragged[i]` (m, n_i): for shoe i the half flexibilities under the nodal forces
-    N^T and -T^T of its pressure: the weighted gap of shoe i opens under the pressure of shoe j by
-    pressed[i]^T (pressed[j] + drag dragged[j]) p_j. `coupled[i]`: N and T (n_i, 2n) of shoe i.
-    `support`: nodes of the far edge. `free`: what makes a free ring determinate, None where that
-    edge is fixed.
+    Attributes
+    ----------
+    mesh, basis : mesh and scalar basis, or a grid of columns
+    line : the contact line
+    condensed : the statically condensed ring
+    pressed, dragged : for each shoe i the half flexibilities (m, n_i) under the nodal forces N^T
+        and -T^T of its pressure. The weighted gap of shoe i opens under the pressure of shoe j by
+        pressed[i]^T (pressed[j] + drag dragged[j]) p_j.
+    coupled : N and T (n_i, 2n) of each shoe
+    support : nodes of the far edge
+    free : the balance of a free ring; None where the far edge is fixed
     """
 
     mesh: Any
     basis: Any
     line: ContactLine
-    condensed: Condensed
+    condensed: CondensedBody
     pressed: tuple[Floats, ...]
     dragged: tuple[Floats, ...]
     coupled: tuple[tuple[Floats, Floats], ...]
     support: Ints
-    free: "Free | None"
+    free: "FreeRing | None"
 
     def displacement(self, pressures: list[Floats], drag: float) -> Floats:
-        """Displacement of all nodes (2, nodes) [m] under the pressures (n_i,) [Pa] of the linings,
-        drag = mu s.
+        """Displacement (2, nodes) of all nodes [m] under the pressures of the linings.
+
+        Parameters
+        ----------
+        pressures : (n_i,) nodal pressure of each lining [Pa]
+        drag : friction coefficient mu times the sense s of sliding
         """
         forces = sum(
             N.T @ p - drag * (T.T @ p) for (N, T), p in zip(self.coupled, pressures, strict=True)
@@ -62,55 +80,80 @@ class RingBody:
         if self.free is None:
             return self.condensed.displacement(nodal, frame, np.zeros(0))
         u = self.condensed.displacement(nodal, frame, -self.free.balance @ nodal)
+        # The rigid-body motion that makes the mean motion of the rim zero.
         x, y = self.basis.doflocs
-        rigid = np.array([[1 + 0 * x, 0 * x], [0 * x, 1 + 0 * x], [-y, x]])
-        mean = np.einsum("kci,cil->kl", rigid, self.free.rim)
-        motion = np.linalg.solve(mean.T, np.einsum("ci,cil->l", u, self.free.rim))
-        return np.asarray(u - np.einsum("k,kci->ci", motion, rigid))
+        modes = np.array([[1 + 0 * x, 0 * x], [0 * x, 1 + 0 * x], [-y, x]])
+        mean_of_modes = np.einsum("kci,cil->kl", modes, self.free.rim)
+        mean = np.einsum("ci,cil->l", u, self.free.rim)
+        amounts = np.linalg.solve(mean_of_modes.T, mean)
+        return np.asarray(u - np.einsum("k,kci->ci", amounts, modes))
 
 
 def ring_mesh(ring: Section, radius: float, shoes: tuple[Shoe, ...], elements: int) -> Any:
-    """Quadratic quadrilateral mesh of the whole ring, away from the shoes; finer where linings end.
+    """Quadratic quadrilateral mesh of the whole ring, finer where linings end.
 
-    `elements`: number along each lining. Boundaries: "contact" (all of the friction surface),
-    "support".
+    The boundary "contact" is all of the friction surface, "support" the far edge.
+
+    Parameters
+    ----------
+    ring : section of the ring
+    radius : of the friction surface [m]
+    shoes : shoes whose linings press the ring
+    elements : number along each lining
     """
     sign = shoes[0].sign
+    angles = _ring_angles(radius, shoes, elements)
+    layers = lining_layers(elements)
+    depths = graded(0, ring.thickness, layers, ring.thickness / 2, EDGE_SIZE)
+    return closed_mesh(angles, depths, radius, sign, "drum")
+
+
+def _ring_angles(radius: float, shoes: tuple[Shoe, ...], elements: int) -> Floats:
+    """Angles [rad] at which elements of a ring meet: as the linings', with equal ones between."""
     arcs = sorted((s.lining.start % (2 * math.pi), s.lining.end - s.lining.start, s) for s in shoes)
     step = min(arc for _, arc, _ in arcs) / elements
     parts = [start + lining_angles(arc, shoe, radius, elements) for start, arc, shoe in arcs]
     angles = np.unique(np.concatenate(parts) % (2 * math.pi))
-    angles = angles[np.append(True, np.diff(angles) > 0.01 * step)] if len(arcs) > 1 else angles
+    # Linings may overlap: angles that are nearly the same would make slivers.
+    if len(arcs) > 1:
+        angles = angles[np.append(True, np.diff(angles) > 0.01 * step)]
     gaps = np.diff(np.append(angles, angles[0] + 2 * math.pi))
-    filled = [
-        a + g * np.arange(k := max(1, round(g / (1.5 * step)))) / k
-        for a, g in zip(angles, gaps, strict=True)
-    ]
-    angles = np.concatenate(filled)
-    depths = graded(0, ring.thickness, lining_layers(elements), ring.thickness / 2, EDGE_SIZE)
-    return closed_mesh(angles, depths, radius, sign, "drum")
+    filled = []
+    for angle, gap in zip(angles, gaps, strict=True):
+        count = max(1, round(gap / (1.5 * step)))
+        filled.append(angle + gap * np.arange(count) / count)
+    return np.concatenate(filled)
 
 
 def closed_mesh(angles: Floats, depths: Floats, radius: float, sign: int, name: str) -> Any:
     """Quadratic quadrilateral mesh of a closed ring from `radius` to radius + sign depth [m].
 
-    `angles` (m,) within one turn and `depths` from 0: the ends of the elements. Subdomain `name`;
-    boundaries "contact" at depth 0 and "support" at the other side.
+    The boundary "contact" lies at depth 0, "support" at the other side.
+
+    Parameters
+    ----------
+    angles : (m,) ends of the elements within one turn [rad]
+    depths : (l + 1,) ends of the layers from 0 [m]
+    radius : of the contact [m]
+    sign : 1 where the depth grows outwards, -1 where it grows inwards
+    name : of the subdomain
     """
-    import skfem  # noqa: PLC0415  (meshes alone load it)
+    # Only bodies on meshes load scikit-fem.
+    import skfem  # noqa: PLC0415
 
     m = len(angles)
     depth, theta = np.repeat(depths, m), np.tile(angles, len(depths))
     corner = np.arange(len(depths) * m).reshape(len(depths), m)
     after = np.roll(corner, -1, axis=1)
     cells = np.array([corner[:-1], corner[1:], after[1:], after[:-1]]).reshape(4, -1)
-    grid = skfem.MeshQuad(np.array([np.cos(theta), np.sin(theta)]), cells, validate=False)
-    direction = skfem.MeshQuad2.from_mesh(
-        grid
-    ).doflocs  # of a midside node: that of its edge's middle
-    height = skfem.MeshQuad2.from_mesh(
-        skfem.MeshQuad(np.array([depth, theta]), cells, validate=False)
-    ).doflocs[0]
+
+    # A midside node has the direction of its chord's middle, and the depth of both ends' mean.
+    circle = np.array([np.cos(theta), np.sin(theta)])
+    grid = skfem.MeshQuad(circle, cells, validate=False)
+    direction = skfem.MeshQuad2.from_mesh(grid).doflocs
+    unrolled = skfem.MeshQuad(np.array([depth, theta]), cells, validate=False)
+    height = skfem.MeshQuad2.from_mesh(unrolled).doflocs[0]
+
     outer = np.isin(np.arange(grid.nfacets), grid.boundary_facets())
     middle = depth[grid.facets].mean(axis=0)
     return skfem.MeshQuad2(
@@ -124,9 +167,14 @@ def closed_mesh(angles: Floats, depths: Floats, radius: float, sign: int, name: 
     )
 
 
-def ring_body(brake: Brake, elements: int, linings: tuple[ContactLine, ...]) -> RingBody:
-    """Mesh and condense the ring under the linings, given by their contact lines in the shoes'
-    frames.
+def ring_body(brake: Brake, elements: int, linings: tuple[ContactLine, ...]) -> RingSubstructure:
+    """The meshed and condensed ring under the linings.
+
+    Parameters
+    ----------
+    brake : the brake, which has a ring with a section
+    elements : number along each lining
+    linings : contact line of each lining, in its shoe's frame
     """
     ring = brake.ring
     assert ring is not None and ring.section is not None  # scene.why_not
@@ -135,19 +183,23 @@ def ring_body(brake: Brake, elements: int, linings: tuple[ContactLine, ...]) -> 
     basis = scalar_basis(mesh)
     K = stiffness(basis, ring_layers(section))
     angles = [shoe.frame.theta(line.phi) for shoe, line in zip(brake.shoes, linings, strict=True)]
-    under = _facets_under(mesh, [(float(a.min()), float(a.max())) for a in angles])
+    arcs = [(float(own.min()), float(own.max())) for own in angles]
+    under = _facets_under(mesh, arcs)
     line = contact_line(basis, under, math.pi)
     n = 2 * len(line.nodes)
     support = basis.get_dofs(mesh.boundaries["support"]).flatten()
     if ring.support == "fixed":
-        ties = tie(basis, line.nodes, support, np.zeros(2))
-        condensed = condense(K, ties, {}, n)
+        constraints = constrain(basis, line.nodes, support, np.zeros(2))
+        condensed = condense(K, constraints, {}, n)
         free = None
     else:
-        ties = tie(basis, line.nodes, support[:0], np.zeros(2), determinate(basis, support))
+        constraints = constrain(
+            basis, line.nodes, support[:0], np.zeros(2), determinate(basis, support)
+        )
         rim = rim_loads(basis, mesh.boundaries["support"])
-        condensed = condense(K, ties, {"rim": ties.matrix.T @ rim}, n)
-        free = Free.of(basis, rim, condensed, line)
+        rim_load = {"rim": constraints.matrix.T @ rim}
+        condensed = condense(K, constraints, rim_load, n)
+        free = FreeRing.of(basis, rim, condensed, line)
     return coupled_ring(brake, linings, mesh, basis, line, condensed, support, free)
 
 
@@ -157,25 +209,27 @@ def coupled_ring(
     mesh: Any,
     basis: Any,
     line: ContactLine,
-    condensed: Condensed,
+    condensed: CondensedBody,
     support: Ints,
-    free: "Free | None",
-) -> RingBody:
-    """A condensed ring, coupled with the linings, given by their contact lines in the shoes'
-    frames.
+    free: "FreeRing | None",
+) -> RingSubstructure:
+    """A condensed ring, coupled with the linings.
+
+    Parameters
+    ----------
+    brake : the brake
+    linings : contact line of each lining, in its shoe's frame
+    mesh, basis, line, condensed, support, free : as of `RingSubstructure`
     """
-    coupled = tuple(
-        couple_ring(
-            replace(lining, xy=shoe.frame.to_brake(lining.xy.T).T),
-            line,
-            shoe.lining.width,
-            shoe.sign,
-        )
-        for shoe, lining in zip(brake.shoes, linings, strict=True)
-    )
+    coupled = []
+    for shoe, lining in zip(brake.shoes, linings, strict=True):
+        in_brake = replace(lining, xy=shoe.frame.to_brake(lining.xy.T).T)
+        coupled.append(couple_ring(in_brake, line, shoe.lining.width, shoe.sign))
     pressed = tuple(_half(condensed, N.T, free) for N, _ in coupled)
     dragged = tuple(_half(condensed, -T.T, free) for _, T in coupled)
-    return RingBody(mesh, basis, line, condensed, pressed, dragged, coupled, support, free)
+    return RingSubstructure(
+        mesh, basis, line, condensed, pressed, dragged, tuple(coupled), support, free
+    )
 
 
 def _facets_under(mesh: Any, arcs: list[tuple[float, float]]) -> Ints:
@@ -183,88 +237,136 @@ def _facets_under(mesh: Any, arcs: list[tuple[float, float]]) -> Ints:
     facets = mesh.boundaries["contact"]
     x, y = mesh.p[:, mesh.facets[:, facets]]
     first, second = np.arctan2(y, x)
-    half = 0.5 * np.abs((second - first + math.pi) % (2 * math.pi) - math.pi)
+    half_facet = 0.5 * np.abs(_within_half_turn(second - first))
     middle = np.arctan2(y.sum(axis=0), x.sum(axis=0))
     under = np.zeros(len(facets), dtype=bool)
     for start, end in arcs:
-        away = np.abs((middle - 0.5 * (start + end) + math.pi) % (2 * math.pi) - math.pi)
-        under |= away < 0.5 * (end - start) + half * (1 - 1e-9)
+        away = np.abs(_within_half_turn(middle - 0.5 * (start + end)))
+        half_arc = 0.5 * (end - start)
+        under |= away < half_arc + half_facet * (1 - 1e-9)
     return facets[under]
+
+
+def _within_half_turn(angle: Floats) -> Floats:
+    """The angles [rad] moved by whole turns to the interval from -pi to pi."""
+    return np.asarray((angle + math.pi) % (2 * math.pi) - math.pi)
 
 
 def couple_ring(
     lining: ContactLine, ring: ContactLine, width: float, sign: int
 ) -> tuple[Floats, Floats]:
-    """N and T (n, 2 n_ring) of a lining's pressure on the ring; n = sign e_r.
+    """N and T (n, 2 n_ring) of a lining's pressure on the ring, with the normal sign e_r.
 
-    Both lines in the brake's frame. Integrated on the common refinement of both angle grids.
+    They are integrated on the common refinement of both angle grids.
+
+    Parameters
+    ----------
+    lining, ring : contact lines in the brake's frame
+    width : of the lining [m]
+    sign : 1 where the lining presses outwards, -1 where it presses inwards
     """
-    order, xy = lining.order, lining.xy
-    pieces_of_lining, starts, ends = _arcs(lining)
-    pieces, a, b = _arcs(ring)
-    whole_turns = (
-        2 * math.pi * np.round(0.5 * np.subtract.outer(starts + ends, a + b) / (2 * math.pi))
-    )
-    first = np.maximum(starts[:, None], a + whole_turns)
-    last = np.minimum(ends[:, None], b + whole_turns)
-    i, j = np.nonzero(first < last - 1e-13)
-    low, high = first[i, j], last[i, j]
-    angle = low[:, None] + 0.5 * (high - low)[:, None] * (1 + GAUSS)
-    xi = _local(xy[:, pieces_of_lining[:, i]], angle)
-    eta = _local(ring.xy[:, pieces[:, j]], angle)
-    psi, slope = shape(order, xi.ravel()).reshape(-1, *xi.shape), slopes(order, xi)
+    own = _arcs(lining)
+    other = _arcs(ring)
+    overlaps = _common_refinement(own, other)
+    own_nodes = own.pieces[:, overlaps.lining]
+    ring_nodes = other.pieces[:, overlaps.ring]
+    own_xy, ring_xy = lining.xy[:, own_nodes], ring.xy[:, ring_nodes]
+
+    # The quadrature points of all overlaps, and both local coordinates there.
+    length = (overlaps.end - overlaps.start)[:, None]
+    angle = overlaps.start[:, None] + 0.5 * length * (1 + GAUSS)
+    xi = _local(own_xy, angle)
+    eta = _local(ring_xy, angle)
+    psi = shape(lining.order, xi.ravel()).reshape(-1, *xi.shape)
     phi = shape(ring.order, eta.ravel()).reshape(-1, *eta.shape)
-    x = np.einsum("cki,kiq->ciq", xy[:, pieces_of_lining[:, i]], psi)
-    dx = np.einsum("cki,kiq->ciq", xy[:, pieces_of_lining[:, i]], slope)
+    x = np.einsum("cki,kiq->ciq", own_xy, psi)
+    dx = np.einsum("cki,kiq->ciq", own_xy, slopes(lining.order, xi))
     r = np.hypot(*x)
-    turning = np.abs(x[0] * dx[1] - x[1] * dx[0]) / r**2  # d angle / d xi
-    ds = np.hypot(*dx) / turning * 0.5 * (high - low)[:, None] * WEIGHTS * width
-    nodes = ring.xy[:, pieces[:, j]]
-    r_ring = np.hypot(*np.einsum("cki,kiq->ciq", nodes, phi))
-    tau = np.einsum("cki,kiq->ciq", nodes, slopes(ring.order, eta))
-    length = np.hypot(*tau)
-    aside = np.array([-tau[1], tau[0]]) / length * (r - r_ring)
+    angle_per_xi = np.abs(x[0] * dx[1] - x[1] * dx[0]) / r**2
+    ds = np.hypot(*dx) / angle_per_xi * 0.5 * length * WEIGHTS * width
+
+    # The couple that moves the friction from the lining's arc to the ring's.
+    r_ring = np.hypot(*np.einsum("cki,kiq->ciq", ring_xy, phi))
+    ring_slopes = slopes(ring.order, eta)
+    tau = np.einsum("cki,kiq->ciq", ring_xy, ring_slopes)
+    tangent_length = np.hypot(*tau)
+    arm = np.array([-tau[1], tau[0]]) / tangent_length * (r - r_ring)
+    phi_slope = ring_slopes / tangent_length
+
     n, m = len(lining.nodes), len(ring.nodes)
     N, T = np.zeros((n, m, 2)), np.zeros((n, m, 2))
-    where = (pieces_of_lining[:, None, i], pieces[None][:, :, j])
+    where = (own_nodes[:, None], ring_nodes[None])
     normal, tangent = sign * x / r, np.array([-x[1], x[0]]) / r
     np.add.at(N, where, np.einsum("aiq,biq,ciq,iq->abic", psi, phi, normal, ds))
     np.add.at(T, where, np.einsum("aiq,biq,ciq,iq->abic", psi, phi, tangent, ds))
-    np.add.at(
-        T,
-        where,
-        np.einsum("aiq,biq,ciq,iq->abic", psi, slopes(ring.order, eta) / length, aside, ds),
-    )
+    np.add.at(T, where, np.einsum("aiq,biq,ciq,iq->abic", psi, phi_slope, arm, ds))
     return N.reshape(n, 2 * m), T.reshape(n, 2 * m)
 
 
-def _arcs(line: ContactLine) -> tuple[Ints, Floats, Floats]:
-    """The edges of a line (order + 1, m), each by growing angle, and the angles of their ends (m,)."""
+class _Overlaps(NamedTuple):
+    """Where edges of a lining lie over edges of the ring.
+
+    `lining` (k,) and `ring` (k,) are the numbers of both edges of each overlap, `start` and `end`
+    (k,) its angles [rad].
+    """
+
+    lining: Ints
+    ring: Ints
+    start: Floats
+    end: Floats
+
+
+def _common_refinement(lining: "_Arcs", ring: "_Arcs") -> _Overlaps:
+    """The overlaps of the edges of a lining with those of the ring, whatever the whole turns."""
+    turns = np.subtract.outer(lining.start + lining.end, ring.start + ring.end)
+    whole_turns = 2 * math.pi * np.round(0.5 * turns / (2 * math.pi))
+    first = np.maximum(lining.start[:, None], ring.start + whole_turns)
+    last = np.minimum(lining.end[:, None], ring.end + whole_turns)
+    # Shorter overlaps are round-off.
+    i, j = np.nonzero(first < last - 1e-13)
+    return _Overlaps(i, j, first[i, j], last[i, j])
+
+
+class _Arcs(NamedTuple):
+    """The edges of a contact line: nodes `pieces` (order + 1, m) of each, and its angles [rad]."""
+
+    pieces: Ints
+    start: Floats
+    end: Floats
+
+
+def _arcs(line: ContactLine) -> _Arcs:
+    """The edges of a line, each by growing angle, with the angles (m,) of both ends."""
     z = line.xy[0] + 1j * line.xy[1]
     first, last = z[line.pieces[0]], z[line.pieces[-1]]
     turn = np.angle(last / first)
     pieces = np.where(turn > 0, line.pieces, line.pieces[::-1])
     start = np.angle(np.where(turn > 0, first, last))
-    return pieces, start, start + np.abs(turn)
+    return _Arcs(pieces, start, start + np.abs(turn))
 
 
 def _local(xy: Floats, angle: Floats) -> Floats:
-    """Local coordinates xi in [-1, 1] where the pieces with nodes xy (2, k, m) cross the rays
-    `angle` (m, points).
+    """Local coordinates xi (m, points) in [-1, 1] where edges cross rays from the drum's centre.
+
+    `xy` (2, k, m) are the nodes of the edges, and `angle` (m, points) the angles of the rays [rad].
     """
     order = xy.shape[1] - 1
-    ray = np.array([-np.sin(angle), np.cos(angle)])  # normal of the ray: x . ray = 0 on it
-    side = np.einsum("cki,ciq->kiq", xy, ray)
+    # On a ray the product with its normal is zero.
+    normal = np.array([-np.sin(angle), np.cos(angle)])
+    side = np.einsum("cki,ciq->kiq", xy, normal)
     xi = (side[0] + side[-1]) / (side[0] - side[-1])
+    # Newton's iteration from the crossing of the chord, which is exact for straight edges.
     for _ in range(8 if order > 1 else 0):
-        value = np.einsum("kiq,kiq->iq", shape(order, xi.ravel()).reshape(-1, *xi.shape), side)
+        functions = shape(order, xi.ravel()).reshape(-1, *xi.shape)
+        value = np.einsum("kiq,kiq->iq", functions, side)
         xi = xi - value / np.einsum("kiq,kiq->iq", slopes(order, xi), side)
     return np.clip(xi, -1.0, 1.0)
 
 
 def rim_loads(basis: Any, facets: Ints) -> Floats:
-    """Nodal forces (2 nodes, 3) spread over the rim as the rigid motions are: the mean motions are
-    their work.
+    """Nodal forces (2 nodes, 3) that are spread over the rim like the rigid-body modes.
+
+    Their work on a displacement is the mean motion of the rim.
     """
     nodes = edge_nodes(basis, facets)
     psi, x, ds = edge_points(basis.doflocs[:, nodes])
@@ -276,8 +378,9 @@ def rim_loads(basis: Any, facets: Ints) -> Floats:
 
 
 def determinate(basis: Any, support: Ints) -> Ints:
-    """Three unknowns of rim nodes that hold the body against rigid motion, statically determinate:
-    (3,).
+    """Three unknowns (3,) of rim nodes that hold the body against its rigid-body modes.
+
+    The support is statically determinate: it takes no force under balanced loads.
     """
     angle = np.arctan2(basis.doflocs[1, support], basis.doflocs[0, support])
     right = support[np.argmin(np.abs(angle))]
@@ -286,13 +389,21 @@ def determinate(basis: Any, support: Ints) -> Ints:
 
 
 @dataclass(frozen=True)
-class Free:
-    """A free ring: contact forces f are met by rim forces -B lambda, and the mean motion of the rim
-    is zero.
+class FreeRing:
+    """The balance of a free ring: forces on its rim balance the forces on its contact nodes.
 
-    With R the rigid motions,  lambda = (R^T B)^-1 R^T f;  held at three determinate unknowns, which then carry
-    nothing, the work of the displacements is (Y - Y_B lambda)^T (Y - Y_B lambda) + lambda^T beta
-    lambda, where beta is the work of B with the contact nodes held too.
+    The rim forces -B lambda meet the contact forces f, and the mean motion of the rim is zero. With
+    the rigid-body modes R,  lambda = (R^T B)^-1 R^T f. The ring is held at three determinate
+    unknowns, which then take no force. The displacements do the work
+    (Y - Y_B lambda)^T (Y - Y_B lambda) + lambda^T beta lambda, where beta is the work of B with the
+    contact nodes held too.
+
+    Attributes
+    ----------
+    rim : (2, nodes, 3) the rim forces B
+    balance : (3, 2n) lambda per nodal force on the contact
+    half_rim : (2n, 3) Y_B, the half flexibility under B
+    root : (3, 3) square root of beta
     """
 
     rim: Floats
@@ -301,30 +412,35 @@ class Free:
     root: Floats
 
     @classmethod
-    def of(cls, basis: Any, rim: Floats, condensed: Condensed, line: ContactLine) -> "Free":
-        """From the rim's forces B (2 nodes, FRAME) `rim`, and the ring condensed with B as its
-        loads.
+    def of(cls, basis: Any, rim: Floats, condensed: CondensedBody, line: ContactLine) -> "FreeRing":
+        """The balance of a ring that is condensed with the rim forces B as its loads.
+
+        Parameters
+        ----------
+        basis : scalar basis, or a grid of columns
+        rim : (2 nodes, 3) rim forces B
+        condensed : the condensed ring
+        line : its contact line
         """
         x, y = basis.doflocs
-        rigid = np.zeros((basis.N, 2, FRAME))
-        rigid[:, 0, 0] = rigid[:, 1, 1] = 1.0
-        rigid[:, 0, 2], rigid[:, 1, 2] = -y, x
-        balance = np.linalg.solve(
-            rigid.reshape(-1, FRAME).T @ rim, rigid[line.nodes].reshape(-1, FRAME).T
-        )
-        from scipy.linalg import sqrtm  # noqa: PLC0415  (rings alone load it)
+        modes = np.zeros((basis.N, 2, FRAME))
+        modes[:, 0, 0] = modes[:, 1, 1] = 1.0
+        modes[:, 0, 2], modes[:, 1, 2] = -y, x
+        on_contact = modes[line.nodes].reshape(-1, FRAME).T
+        balance = np.linalg.solve(modes.reshape(-1, FRAME).T @ rim, on_contact)
+        # Only rings load scipy.linalg.
+        from scipy.linalg import sqrtm  # noqa: PLC0415
 
-        root = sqrtm(condensed.load_work).real
         return cls(
-            rim.reshape(-1, 2, FRAME).transpose(1, 0, 2),
-            np.asarray(balance),
-            condensed.half(condensed.load_c),
-            root,
+            rim=rim.reshape(-1, 2, FRAME).transpose(1, 0, 2),
+            balance=np.asarray(balance),
+            half_rim=condensed.half(condensed.load_on_contact),
+            root=sqrtm(condensed.load_work).real,
         )
 
 
-def _half(condensed: Condensed, forces: Floats, free: Free | None) -> Floats:
-    """W (m, k) with W^T W the work of the displacements under nodal forces (2n, k)."""
+def _half(condensed: CondensedBody, forces: Floats, free: FreeRing | None) -> Floats:
+    """The half flexibility W (m, k): W^T W is the work of nodal forces (2n, k)."""
     Y = condensed.half(forces)
     if free is None:
         return Y
