@@ -21,7 +21,7 @@ from drumlin.fem.solve import solve
 from drumlin.response.norms import pressure_distance
 from drumlin.response.response import NO_CHANGE, ShoeChange, reaction_size
 from drumlin.response.resultants import cross, integrate
-from drumlin.verification.triangles import Level, sequence
+from drumlin.verification.triangles import TriangleLevel, sequence
 from drumlin_studies import stated_true
 from drumlin_studies.random_brake import SHAPE_KINDS, random_brake
 from drumlin_studies.stated_true import (
@@ -35,7 +35,7 @@ from drumlin_studies.stated_true import (
     summary,
 )
 
-LEVELS = (Level(3, 5, 1.4, 1.0), Level(4, 7, 1.2, 1.0))
+LEVELS = (TriangleLevel(3, 5, 1.4, 1.0), TriangleLevel(4, 7, 1.2, 1.0))
 
 
 @pytest.fixture(scope="module")

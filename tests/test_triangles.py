@@ -15,7 +15,7 @@ from drumlin.brake.elasticity import ElasticLayer
 from drumlin.brake.fields import Material
 from drumlin.brake.file import brake_from, read_brake, vary
 from drumlin.fem.solve import solve
-from drumlin.verification.triangles import Level, contact, lagrange, levels, sequence
+from drumlin.verification.triangles import TriangleLevel, contact, lagrange, levels, sequence
 from drumlin.verification.triangles.face import along, edge_nodes, shaped
 from drumlin.verification.triangles.outline import Outline
 from drumlin.verification.triangles.triangulation import (
@@ -30,7 +30,7 @@ from drumlin_studies.stated_true import pressure_error
 
 pytestmark = pytest.mark.slow
 
-SMALL = (Level(3, 5, 1.4, 1.0), Level(5, 7, 1.2, 1.0))
+SMALL = (TriangleLevel(3, 5, 1.4, 1.0), TriangleLevel(5, 7, 1.2, 1.0))
 
 
 def block(a, b):
