@@ -96,6 +96,8 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "LARGEST_NUMBER": MEMORY,
         "METRES_PER_UNIT": FORMAT,
     },
+    "fem/mesh/arc.py": {"FACE_SLACK": ROUND_OFF},
+    "fem/mesh/beam.py": {"BEAM_SLACK": ROUND_OFF},
     "fem/mesh/grading.py": {"MOST_BEYOND": MEMORY, "MOST_LAYERS": MEMORY, "MOST_THIN": MEMORY},
     "fem/mesh/vtu.py": {"MOST_UNPACKED": MEMORY, "MOST_ARRAYS": MEMORY, "_HEADER_WIDTHS": FORMAT},
     "fem/model.py": {

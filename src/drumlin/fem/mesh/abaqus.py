@@ -50,7 +50,7 @@ NUMBERS_PER_LINE = 12
 """Number of labels on a line that is written; the formats allow 16."""
 
 
-class _Section(NamedTuple):
+class _InputSection(NamedTuple):
     """A section of an input file: keyword, options and data rows, in upper case."""
 
     keyword: str
@@ -83,7 +83,7 @@ class _Content:
         self.element_sets: dict[str, list[int]] = {}
         self.room = MOST_MEMBERS
 
-    def add(self, section: _Section) -> None:
+    def add(self, section: _InputSection) -> None:
         """Read a section; other keywords than those of nodes, elements and sets are passed over."""
         keyword, options, rows = section
         ranges = "GENERATE" in options
@@ -162,7 +162,7 @@ def read_inp(text: str) -> Any:
     return content.mesh()
 
 
-def _sections(text: str) -> Iterator[_Section]:
+def _sections(text: str) -> Iterator[_InputSection]:
     """The sections of a file; a row of elements that ends with a comma goes on in the next line."""
     keyword, options, rows, goes_on = "", dict[str, str](), list[list[str]](), False
     for line_text in text.splitlines():
@@ -171,7 +171,7 @@ def _sections(text: str) -> Iterator[_Section]:
             continue
         words = [word.strip().upper() for word in line.split(",")]
         if line.startswith("*"):
-            yield _Section(keyword, options, rows)
+            yield _InputSection(keyword, options, rows)
             keyword, rows, goes_on = words[0][1:].strip(), [], False
             pairs = [word.partition("=") for word in words[1:]]
             options = {key.strip(): value.strip() for key, _, value in pairs}
@@ -182,7 +182,7 @@ def _sections(text: str) -> Iterator[_Section]:
         else:
             rows.append(row)
         goes_on = line.endswith(",") and keyword == "ELEMENT"
-    yield _Section(keyword, options, rows)
+    yield _InputSection(keyword, options, rows)
 
 
 def _elements(kind: str, rows: list[list[str]]) -> _ElementRows:

@@ -84,7 +84,7 @@ FACE_SLACK = 1e-9
 """Distance, in radii or radians, below which a facet counts as lying on a face: round-off alone."""
 
 
-class _Layout(NamedTuple):
+class _ArcLayout(NamedTuple):
     """The rectangle of depths and angles that an arc is cut from.
 
     `layers` are the names and thicknesses [m] from the contact inwards, `bounds` (layers,) the
@@ -145,7 +145,7 @@ def shoe_mesh(
     )
 
 
-def _layout(shoe: Shoe, radius: float, division: LiningDivision, kind: str) -> _Layout:
+def _layout(shoe: Shoe, radius: float, division: LiningDivision, kind: str) -> _ArcLayout:
     """The rectangle of depths and angles of a shoe."""
     phi_1, phi_2 = shoe.arc
     layers = [("lining", shoe.lining.thickness)]
@@ -169,10 +169,10 @@ def _layout(shoe: Shoe, radius: float, division: LiningDivision, kind: str) -> _
         parts = layers_behind(thickness, division, division.step * radius, most)
         depths.append(depths[-1][-1] + parts * thickness)
     bounds = np.array([part[-1] for part in depths])
-    return _Layout(layers, bounds, np.concatenate(depths), angles, body)
+    return _ArcLayout(layers, bounds, np.concatenate(depths), angles, body)
 
 
-def _cut_grid(shoe: Shoe, layout: _Layout, kind: str) -> Any:
+def _cut_grid(shoe: Shoe, layout: _ArcLayout, kind: str) -> Any:
     """The grid of depths and angles, without the parts of the lining's layers beyond the lining."""
     phi_1, phi_2 = shoe.arc
     grid = _skfem("MeshQuad").init_tensor(layout.depths, layout.angles)
@@ -183,7 +183,7 @@ def _cut_grid(shoe: Shoe, layout: _Layout, kind: str) -> Any:
     return grid.to_meshtri() if kind.startswith("tri") else grid
 
 
-def _boundaries(shoe: Shoe, radius: float, layout: _Layout, grid: Any) -> dict[str, Ints]:
+def _boundaries(shoe: Shoe, radius: float, layout: _ArcLayout, grid: Any) -> dict[str, Ints]:
     """The facets of each named boundary of a grid of depths and angles."""
     depth, phi = grid.p[:, grid.facets].mean(axis=1)
     outer = np.isin(np.arange(grid.nfacets), grid.boundary_facets())
