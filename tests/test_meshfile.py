@@ -15,9 +15,9 @@ import pytest
 from conftest import ROOT
 from drumlin.base.errors import BadInput, DrumlinError
 from drumlin.brake.file import read_brake, vary
-from drumlin.fem.mesh.abaqus import read_inp
 from drumlin.fem.mesh.arc import KINDS, shoe_mesh
 from drumlin.fem.mesh.file import read_mesh, write_mesh
+from drumlin.fem.mesh.inp import read_inp
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import check_divided, solve
 from drumlin.models import pick
@@ -151,16 +151,16 @@ def test_an_input_file_as_people_write_it(tmp_path, brake):
 """
     )
     mesh = read_inp((tmp_path / "m.inp").read_text())
-    assert mesh.cells_dict["quad"].tolist() == [[0, 1, 4, 3], [1, 2, 5, 4]]
-    assert mesh.cell_sets_dict["left"]["quad"].tolist() == [0]
-    assert mesh.cell_sets_dict["right"]["quad"].tolist() == [1]
-    assert mesh.cell_sets_dict["both"]["quad"].tolist() == [0, 1]
-    assert mesh.cell_sets_dict["edge"]["line"].tolist() == [0]
-    assert mesh.cells_dict["line3"].tolist() == [
+    assert mesh.cells["quad"].tolist() == [[0, 1, 4, 3], [1, 2, 5, 4]]
+    assert mesh.cell_groups["left"]["quad"].tolist() == [0]
+    assert mesh.cell_groups["right"]["quad"].tolist() == [1]
+    assert mesh.cell_groups["both"]["quad"].tolist() == [0, 1]
+    assert mesh.cell_groups["edge"]["line"].tolist() == [0]
+    assert mesh.cells["line3"].tolist() == [
         [0, 2, 1]
     ]  # end, middle, end in the file; here the middle is last
-    assert mesh.point_sets["bottom"].tolist() == [0, 1, 2]
-    assert len(mesh.point_sets["all"]) == 7
+    assert mesh.node_groups["bottom"].tolist() == [0, 1, 2]
+    assert len(mesh.node_groups["all"]) == 7
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,7 @@ allowed.
 
 import dataclasses
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,8 @@ from drumlin.brake.units import mm
 from drumlin.fem.mesh.arc import kind_of
 from drumlin.fem.mesh.edges import edge_nodes
 
+MOST_NAMES = 30
+"""Names of groups that a refusal lists at most."""
 ARC_SLACK = math.radians(2)  # between the lining's arc in the file and in a user's mesh
 APART = 1e-7  # of the mesh's size: nodes closer than this stand in one place
 MOST_PAIRS = 1000  # nodes in one place that are counted
@@ -32,11 +35,15 @@ STEEP = (
 UPRIGHT = 1e-6  # smallest Jacobian determinant in an element, relative to its largest
 
 
-def check(mesh: Any, shoe: Shoe, radius: float, fault: str) -> Any:
+def check(
+    mesh: Any, shoe: Shoe, radius: float, fault: str, names: Sequence[str] = ()
+) -> Any:
     """The mesh (in the shoe's frame [m]) with the groups that the shoe needs; raises BadInput, led
     by `fault`.
+
+    names: of all groups in the file.
     """
-    mesh = _check_groups(mesh, shoe, fault)
+    mesh = _check_groups(mesh, shoe, fault, names)
     _check_nodes(mesh, shoe, radius, fault)
     _check_elements(mesh, shoe, fault)
     _check_boundaries(mesh, fault)
@@ -65,7 +72,7 @@ def check_cells(cells: Ints, corners: int, fault: str) -> None:
         )
 
 
-def _check_groups(mesh: Any, shoe: Shoe, fault: str) -> Any:
+def _check_groups(mesh: Any, shoe: Shoe, fault: str, names: Sequence[str]) -> Any:
     subdomains, boundaries = mesh.subdomains, mesh.boundaries
     needed = {"lining"} | ({"backing"} if shoe.backing else set())
     needed |= (
@@ -74,9 +81,10 @@ def _check_groups(mesh: Any, shoe: Shoe, fault: str) -> Any:
     lines = {"contact", "hinge"} | ({"actuation"} if shoe.body and not shoe.gripped else set())
     missing = sorted((needed - set(subdomains)) | (lines - set(boundaries)))
     if missing:
-        found = ", ".join([*subdomains, *boundaries]) or "none"
+        found = ", ".join(dict.fromkeys([*subdomains, *boundaries, *names][:MOST_NAMES])) or "none"
         raise BadInput(
-            f"{fault}: named groups missing or empty: {', '.join(missing)}; found: {found}"
+            f"{fault}: named groups missing or empty: {', '.join(missing)}; found: {found} "
+            f"(names or numbers of its own: groups = {{ {missing[0]} = ... }})"
         )
     named = np.concatenate([subdomains[name] for name in needed])
     if len(np.unique(named)) < mesh.nelements or len(named) > mesh.nelements:

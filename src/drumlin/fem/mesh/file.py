@@ -1,13 +1,15 @@
 """A shoe's mesh in a file: Gmsh, Abaqus/CalculiX or VTU, with named groups.
 
-A group is a set of cells or edges with that name (Gmsh's physical names, ELSET), a set of nodes
-(NSET), or cell or point data of that name that is 1 on its members and 0 elsewhere (VTU). A set of
-nodes names the outer edges whose nodes all belong to it. Capital letters do not matter.
+A group is a set of cells or edges with that name (Gmsh's physical names, ELSET, SURFACE), a set of
+nodes (NSET), or cell or point data of that name that is 1 on its members and 0 elsewhere (VTU). A set
+of nodes names the outer edges whose nodes all belong to it. Capital letters do not matter. The key
+`groups` of a shoe names groups that the file calls otherwise, by name or by number.
 """
 
 import contextlib
 import dataclasses
 import io
+import itertools
 import stat
 import warnings
 from collections.abc import Mapping
@@ -18,22 +20,31 @@ import meshio
 import numpy as np
 import skfem
 
-from drumlin.base.arrays import Floats, Ints
+from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.base.errors import BadInput, reason_of
 from drumlin.base.files import replacing
 from drumlin.brake.brake import Shoe
-from drumlin.fem.mesh.abaqus import read_inp, write_inp
+from drumlin.fem.mesh.abaqus import write_inp
 from drumlin.fem.mesh.arc import KINDS, kind_of
 from drumlin.fem.mesh.check import check, check_cells
+from drumlin.fem.mesh.contact_surface import put_on_surface
 from drumlin.fem.mesh.content import mesh_bytes
+from drumlin.fem.mesh.content_of_file import FileContent, rounding_of
 from drumlin.fem.mesh.edges import edge_nodes
+from drumlin.fem.mesh.from_file import ShoeMesh
+from drumlin.fem.mesh.inp import read_inp
+from drumlin.fem.mesh.msh4 import is_msh4, read_msh4
+from drumlin.fem.mesh.of_meshio import content_of
+from drumlin.fem.mesh.plane_cells import BESIDE, PlaneCells, plane_cells
 from drumlin.fem.mesh.vtu import check_unpacked
 
 FORMATS = (".msh", ".inp", ".vtu")
 GROUPS = ("lining", "backing", "table", "shoe", "contact", "hinge", "actuation")
 MOST_NODES = 1_000_000
 LARGEST_NUMBER = 10_000_000  # of a node in an .msh file: its reader makes an array of that length
-SCALE = {"m": 1.0, "mm": 1e-3}
+SCALE = {"m": 1.0, "mm": 1e-3, "in": 0.0254}
+LONGEST_REASON = 160
+"""Characters of a reader's own words that a refusal repeats."""
 
 
 def write_mesh(path: Path, mesh: Any, shoe: Shoe) -> None:
@@ -114,7 +125,39 @@ def read_mesh(path: Path, shoe: Shoe, radius: float, key: str = "mesh") -> Any:
 
     Raises BadInput, naming `key` and the file, for a file that cannot be read or used.
     """
+    return read_shoe_mesh(path, shoe, radius, key).mesh
+
+
+def read_shoe_mesh(path: Path, shoe: Shoe, radius: float, key: str = "mesh") -> ShoeMesh:
+    """A user's mesh as `read_mesh`, with what was moved and passed over."""
     fault = f"{key} = '{path}'"
+    content = _content(path, shoe, fault)
+    if len(content.points) > MOST_NODES:
+        raise BadInput(f"{fault}: has {len(content.points)} nodes; must have at most {MOST_NODES}")
+    unit = SCALE[shoe.mesh_unit]
+    points = _plane_points(content, fault)
+    rounding = content.rounding
+    if rounding is None:
+        rounding = rounding_of(points)
+    points = points * unit
+    if shoe.mesh_frame == "brake":
+        points = shoe.own_points(points)
+    plane = plane_cells(content, points, fault)
+    # Nodes that were added stand where other nodes put them.
+    slack = np.zeros((len(plane.points), 2))
+    slack[: len(points)] = rounding * unit
+    mesh, vertex = _mesh(plane.cell, plane.cells, plane.points, fault)
+    nodal, _ = _mesh(plane.cell, plane.cells, slack, fault)
+    mesh = _with_groups(content, shoe, plane, mesh, vertex, fault)
+    mesh = check(mesh, shoe, radius, fault, content.group_names)
+    contact = put_on_surface(mesh, nodal.doflocs, shoe, radius)
+    if contact.mesh is not mesh:
+        check(contact.mesh, shoe, radius, f"{fault}: with its contact line on the {shoe.surface.word}")
+    return ShoeMesh(contact.mesh, contact, content.notes + plane.notes)
+
+
+def _content(path: Path, shoe: Shoe, fault: str) -> FileContent:
+    """What a mesh file holds. Raises BadInput, led by `fault`, for one that cannot be read."""
     try:
         regular = stat.S_ISREG(path.stat().st_mode)
     except (OSError, ValueError) as error:
@@ -138,7 +181,7 @@ def read_mesh(path: Path, shoe: Shoe, radius: float, key: str = "mesh") -> Any:
             # numpy before 2.3 warns where newer ones refuse: counts that promise other numbers than
             # there are.
             warnings.filterwarnings("error", "string or file could not be read", DeprecationWarning)
-            raw = _raw(path, suffix, data)
+            return _read(path, suffix, data, shoe)
     except MemoryError as error:
         raise BadInput(
             f"{fault}: is not a mesh that can be read (it needs more memory than there is)"
@@ -148,28 +191,32 @@ def read_mesh(path: Path, shoe: Shoe, radius: float, key: str = "mesh") -> Any:
         reason = (
             said.getvalue().strip().removeprefix("Error: ")
             if gave_up
+            else str(error)
+            if type(error) is ValueError
             else f"{type(error).__name__}: {error}"
         )
         raise BadInput(
-            f"{fault}: is not a mesh that can be read ({' '.join(reason.split())[:120]})"
+            f"{fault}: is not a mesh that can be read ({' '.join(reason.split())[:LONGEST_REASON]})"
         ) from error
-    if len(raw.points) > MOST_NODES:
-        raise BadInput(f"{fault}: has {len(raw.points)} nodes; must have at most {MOST_NODES}")
-    points = _plane_points(raw, fault) * SCALE[shoe.mesh_unit]
-    if shoe.mesh_frame == "brake":
-        points = shoe.own_points(points)
-    cell, cells, points = _plane_cells(raw, points, fault)
-    mesh = _with_groups(raw, cell, *_mesh(cell, cells, points, fault), cells, fault)
-    return check(mesh, shoe, radius, fault)
 
 
-def _raw(path: Path, suffix: str, data: bytes) -> Any:
-    """The mesh of a file as meshio.Mesh; `data` is its content."""
-    if suffix == ".inp":
-        return read_inp(data.decode(errors="replace"))
+def _read(path: Path, suffix: str, data: bytes, shoe: Shoe) -> FileContent:
+    """What a file holds; `data` is its content. The content tells the format, not the name alone."""
+    start = data.lstrip()[:1]
+    # The mesher of CalculiX writes Abaqus text into files named .msh.
+    if suffix == ".inp" or (suffix == ".msh" and start == b"*"):
+        return read_inp(data.decode(errors="replace"), path.parent, _element_groups(shoe))
+    if suffix == ".msh" and is_msh4(data):
+        return read_msh4(data.decode(errors="replace"))
     if suffix == ".vtu":
         check_unpacked(data)
-    return meshio.read(path, "vtu" if suffix == ".vtu" else "gmsh")
+    return content_of(meshio.read(path, "vtu" if suffix == ".vtu" else "gmsh"))
+
+
+def _element_groups(shoe: Shoe) -> list[str]:
+    """The names in the file of the groups of elements that a shoe may have."""
+    names = ("lining", "backing", "table", "shoe")
+    return list(itertools.chain.from_iterable(shoe.groups.names_of(name) for name in names))
 
 
 def _check_numbers(path: Path, fault: str) -> None:
@@ -206,44 +253,22 @@ def _numbers(file: Any, count: int) -> Floats:
     return np.fromfile(file, count=max(count, 0), sep=" ")
 
 
-def _plane_points(raw: Any, fault: str) -> Floats:
-    """x, y of all nodes (n, 2), in the file's unit."""
-    points = np.asarray(raw.points, dtype=float)
+def _plane_points(content: FileContent, fault: str) -> Floats:
+    """x, y of all nodes (n, 2), in the file's unit. Nodes that no plane cell has may lie anywhere."""
+    points = content.points
+    used = [cells.ravel() for name, cells in content.cells.items() if name not in BESIDE]
+    nodes = np.unique(np.concatenate(used)) if used else np.zeros(0, dtype=np.int64)
+    nodes = nodes[(nodes >= 0) & (nodes < len(points))]
     if not np.isfinite(points).all():
         raise BadInput(f"{fault}: has coordinates that are not finite")
     if points.ndim != 2 or not 2 <= points.shape[1] <= 3 or not len(points):
         raise BadInput(f"{fault}: has no nodes with coordinates x, y")
-    if points.shape[1] == 3 and np.ptp(points[:, 2]) > 1e-9 * np.ptp(points):
-        raise BadInput(
-            f"{fault}: is not plane, its z coordinates differ; must lie in the plane x, y"
-        )
+    if points.shape[1] == 3 and len(nodes):
+        if np.ptp(points[nodes, 2]) > 1e-9 * np.ptp(points[nodes]):
+            raise BadInput(
+                f"{fault}: is not plane, its z coordinates differ; must lie in the plane x, y"
+            )
     return points[:, :2]
-
-
-def _plane_cells(raw: Any, points: Floats, fault: str) -> tuple[str, Ints, Floats]:
-    """Type and nodes (m, k) of the plane cells, with centre nodes where the file's quadrilaterals
-    lack them.
-    """
-    kinds = {block.type for block in raw.cells if block.dim > 1}
-    allowed = [kind.cell for kind in KINDS.values()] + ["quad8"]
-    if len(kinds) != 1 or not kinds <= set(allowed):
-        raise BadInput(
-            f"{fault}: has cells {sorted(kinds)}; allowed is one kind of: {', '.join(allowed)}"
-        )
-    (cell,) = kinds
-    cells = raw.cells_dict[cell].astype(np.int64)
-    if not len(cells) or cells.min() < 0 or cells.max() >= len(points):
-        raise BadInput(f"{fault}: has cells with nodes that the file does not define")
-    if cell != "quad8":
-        return cell, cells, points
-    centres = (
-        points[cells[:, 4:]].sum(axis=1) / 2 - points[cells[:, :4]].sum(axis=1) / 4
-    )  # of the same shape
-    return (
-        "quad9",
-        np.column_stack([cells, len(points) + np.arange(len(cells))]),
-        np.vstack([points, centres]),
-    )
 
 
 def _mesh(cell: str, cells: Ints, points: Floats, fault: str) -> tuple[Any, Ints]:
@@ -262,38 +287,92 @@ def _mesh(cell: str, cells: Ints, points: Floats, fault: str) -> tuple[Any, Ints
     return mesh, vertex
 
 
-def _with_groups(raw: Any, cell: str, mesh: Any, vertex: Ints, cells: Ints, fault: str) -> Any:
-    """The mesh with the named groups of the file: subdomains from its cells, boundaries from edges
-    or nodes.
+def _with_groups(
+    content: FileContent, shoe: Shoe, plane: PlaneCells, mesh: Any, vertex: Ints, fault: str
+) -> Any:
+    """The mesh with the groups of the file: subdomains from its cells, boundaries from edges or
+    nodes.
+
+    `vertex` (n,): the number in the mesh of each point that is a corner.
     """
     subdomains, boundaries = {}, {}
-    filed = "quad8" if cell == "quad9" and "quad9" not in raw.cells_dict else cell
-    edge = kind_of(mesh).edge
-    for name, members in _named_cells(raw).items():
-        if name not in GROUPS:
-            continue
-        if len(members.get(filed, ())):
-            subdomains[name] = members[filed]
-        if len(members.get(edge, ())):
-            boundaries[name] = _facets(
-                mesh, vertex[raw.cells_dict[edge][members[edge], :2]], f"{fault}: group {name}"
-            )
-    corners = len(mesh.t)
-    outer = mesh.boundary_facets()
-    for name, nodes in _named_nodes(raw).items():
-        if name not in GROUPS or name in boundaries:
-            continue
-        inside = np.zeros(len(vertex), dtype=bool)
-        inside[nodes] = True
-        ends = cells[:, :corners]
-        pairs = np.stack([ends, np.roll(ends, -1, axis=1)], axis=-1)
-        whole = inside[pairs].all(axis=-1)
-        if cells.shape[1] > corners:
-            whole &= inside[cells[:, corners : 2 * corners]]
-        found = np.intersect1d(_facets(mesh, vertex[pairs[whole]], fault), outer)
+    for name in GROUPS:
+        wanted = shoe.groups.names_of(name)
+        for alias in wanted:
+            if alias in content.broken:
+                raise BadInput(f"{fault}: group {name}: {content.broken[alias]}")
+        found = _cells_of(content, plane, wanted)
         if len(found):
-            boundaries[name] = found
-    return dataclasses.replace(mesh, _subdomains=subdomains, _boundaries=boundaries)
+            subdomains[name] = found
+        facets = _edges_of(content, plane, mesh, vertex, wanted, f"{fault}: group {name}")
+        if len(facets):
+            boundaries[name] = facets
+    mesh = dataclasses.replace(mesh, _subdomains=subdomains, _boundaries=boundaries)
+    _check_given(content, shoe, fault)
+    return mesh
+
+
+def _check_given(content: FileContent, shoe: Shoe, fault: str) -> None:
+    """Refuse names in the key `groups` that the file does not have."""
+    for name in shoe.groups.given:
+        missing = [alias for alias in shoe.groups.names_of(name) if alias not in content.group_names]
+        if missing:
+            found = ", ".join(content.group_names) or "none"
+            raise BadInput(f"{fault}: groups.{name} = {missing[0]!r}: not in the file; found: {found}")
+
+
+def _cells_of(content: FileContent, plane: PlaneCells, names: list[str]) -> Ints:
+    """Numbers of the elements in the groups of these names, each once."""
+    found = [np.zeros(0, dtype=np.int64)]
+    for name in names:
+        for cell, rows in content.cell_groups.get(name, {}).items():
+            if cell in plane.parent:
+                found.append(plane.made_of(cell, rows))
+    return np.unique(np.concatenate(found))
+
+
+def _edges_of(
+    content: FileContent,
+    plane: PlaneCells,
+    mesh: Any,
+    vertex: Ints,
+    names: list[str],
+    fault: str,
+) -> Ints:
+    """Numbers of the facets in the groups of these names: of edges, or else of nodes."""
+    ends = [np.zeros((0, 2), dtype=np.int64)]
+    outer_ends = list(ends)
+    for name in names:
+        for cell, rows in content.cell_groups.get(name, {}).items():
+            if cell.startswith("line"):
+                ends.append(content.cells[cell][rows, :2])
+        ends += [content.edge_groups[name]] if name in content.edge_groups else []
+        outer_ends += [content.outer_groups[name]] if name in content.outer_groups else []
+    found = _facets(mesh, vertex[np.concatenate(ends)], fault)
+    outlined = _facets(mesh, vertex[np.concatenate(outer_ends)], fault)
+    outer = mesh.boundary_facets()
+    found = np.union1d(found, np.intersect1d(outlined, outer))
+    nodes = [content.node_groups[name] for name in names if name in content.node_groups]
+    if len(found) or not nodes:
+        return found
+    inside = np.zeros(len(vertex), dtype=bool)
+    inside[np.concatenate(nodes)] = True
+    return np.intersect1d(_between(plane, mesh, vertex, inside, fault), outer)
+
+
+def _between(plane: PlaneCells, mesh: Any, vertex: Ints, inside: Bools, fault: str) -> Ints:
+    """The facets whose nodes all belong to a set of nodes, `inside` (n,).
+
+    A set without any middle node names the corners of its edges alone.
+    """
+    corners = plane.corners
+    ends = plane.cells[:, :corners]
+    pairs = np.stack([ends, np.roll(ends, -1, axis=1)], axis=-1)
+    whole = inside[pairs].all(axis=-1)
+    middles = plane.cells[:, corners : 2 * corners]
+    if middles.size and inside[middles].any():
+        whole &= inside[middles] | plane.added[middles]
+    return _facets(mesh, vertex[pairs[whole]], fault)
 
 
 def _facets(mesh: Any, ends: Ints, fault: str) -> Ints:
@@ -307,37 +386,3 @@ def _facets(mesh: Any, ends: Ints, fault: str) -> Ints:
     if strange:
         raise BadInput(f"{fault}: {strange} of its {len(wanted)} edges are not edges of the cells")
     return np.sort(place)
-
-
-def _named_cells(raw: Any) -> dict[str, dict[str, Ints]]:
-    """Group name -> cell type -> numbers of its cells of that type."""
-    groups: dict[str, dict[str, Ints]] = {}
-    for name, members in raw.cell_sets_dict.items():
-        if not name.startswith("gmsh:"):
-            groups[name.lower()] = dict(members)
-    tags = raw.cell_data_dict.get("gmsh:physical", {})
-    for name, (tag, dim) in raw.field_data.items():
-        for cell, values in tags.items():  # the same number may stand for a line and for a surface
-            members = np.flatnonzero(np.asarray(values) == tag)
-            if len(members) and meshio._mesh.topological_dimension[cell] == dim:
-                groups.setdefault(name.lower(), {}).setdefault(cell, members)
-    for name, by_cell in raw.cell_data_dict.items():
-        if ":" not in name:
-            for cell, values in by_cell.items():
-                if _is_membership(values):
-                    groups.setdefault(name.lower(), {})[cell] = np.flatnonzero(values)
-    return groups
-
-
-def _named_nodes(raw: Any) -> dict[str, Ints]:
-    """Group name -> numbers of its nodes."""
-    groups = {name.lower(): np.asarray(members) for name, members in raw.point_sets.items()}
-    for name, values in raw.point_data.items():
-        if ":" not in name and _is_membership(values):
-            groups[name.lower()] = np.flatnonzero(values)
-    return groups
-
-
-def _is_membership(values: Any) -> bool:
-    values = np.asarray(values)
-    return values.ndim == 1 and bool(np.isin(values, (0, 1)).all())

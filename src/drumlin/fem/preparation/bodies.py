@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, NamedTuple, Protocol
 
@@ -10,6 +10,7 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Shoe
+from drumlin.fem.mesh.from_file import ShoeMesh
 from drumlin.fem.substructure.body import Condensed
 from drumlin.fem.substructure.interface import ContactLine, Coupling, radial, straight
 from drumlin.fem.substructure.loads import ACTUATION, LoadColumns
@@ -37,7 +38,8 @@ class Body:
     times the contact displacements, by which the weighted gap closes. `tip_dragged` (l, n) and
     `tip_loaded` (l, l) are the displacements that the unit loads work on. `held_*` (3, ...) are
     force x, y and moment that hold the frame meanwhile. The dragged ones are None where mu = 0.
-    `turned` (2n,) is the contact displacement per turn [rad] about the pin.
+    `turned` (2n,) is the contact displacement per turn [rad] about the pin. `of_file`: what was done
+    to the mesh of a file.
     """
 
     mesh: Any
@@ -55,6 +57,7 @@ class Body:
     held_pressed: Floats
     held_dragged: Floats | None
     held_loaded: Floats
+    of_file: ShoeMesh | None = field(default=None, kw_only=True)
 
     @property
     def columns(self) -> LoadColumns:

@@ -41,7 +41,12 @@ def shape_of(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
         behind,
         None
         if shoe.mesh is None
-        else (shoe.mesh, shoe.mesh_unit, shoe.mesh_frame == "shoe" or shoe.frame),
+        else (
+            shoe.mesh,
+            shoe.mesh_unit,
+            shoe.mesh_frame == "shoe" or shoe.frame,
+            shoe.groups,
+        ),
     )
 
 

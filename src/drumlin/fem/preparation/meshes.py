@@ -12,6 +12,7 @@ from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.fields import AnyMaterial
 from drumlin.fem.mesh.arc import shoe_mesh
+from drumlin.fem.mesh.from_file import ShoeMesh
 from drumlin.fem.preparation.bodies import Body, BodyNodes, coupled, load_on
 from drumlin.fem.preparation.cache import Cache, bare, bare_shoe, content, shape_of, size_of
 from drumlin.fem.preparation.scene import DividedBodies, Seconds, clock
@@ -99,6 +100,7 @@ class Assembled:
 
     `K` (2 nodes, 2 nodes): stiffness; `loads`: the unit loads (unknowns, k) on the reduced unknowns
     of `ties`, by name; `load_centre` (2,) [m]: what those of the actuation act about.
+    `of_file`: what was done to the mesh of a file.
     """
 
     mesh: Any
@@ -108,6 +110,7 @@ class Assembled:
     ties: Ties
     loads: dict[str, Floats]
     load_centre: Floats
+    of_file: ShoeMesh | None = None
 
     @cached_property
     def columns(self) -> LoadColumns:
@@ -124,13 +127,15 @@ def line_of(basis: Any, facets: Ints, shoe: Shoe, radius: float) -> ContactLine:
 
 def assemble(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Assembled:
     """Mesh and assemble a shoe. Raises BadInput for a mesh file that cannot serve."""
+    of_file = None
     with clock(seconds, "mesh"):
         if shoe.mesh is None:
             mesh = mesher(shoe, brake.size)
         else:
-            from drumlin.fem.mesh.file import read_mesh  # noqa: PLC0415  (meshio: 0.1 s, for a mesh in a file only)
+            from drumlin.fem.mesh.file import read_shoe_mesh  # noqa: PLC0415  (meshio: 0.1 s, for a mesh in a file only)
 
-            mesh = read_mesh(shoe.mesh, shoe, brake.size, f"shoe {shoe.name!r}: mesh")
+            of_file = read_shoe_mesh(shoe.mesh, shoe, brake.size, f"shoe {shoe.name!r}: mesh")
+            mesh = of_file.mesh
         basis = scalar_basis(mesh)
     with clock(seconds, "assembly"):
         K = stiffness(basis, layers_of(shoe))
@@ -145,14 +150,14 @@ def assemble(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Asse
         else:  # the force acts on the rigid shoe itself, or on what holds the back of the body
             actuated, load_centre = np.zeros((ties.matrix.shape[1], FRAME)), pin
             actuated[-FRAME:] = np.eye(FRAME)
-    return Assembled(mesh, basis, line, K, ties, {ACTUATION: actuated}, load_centre)
+    return Assembled(mesh, basis, line, K, ties, {ACTUATION: actuated}, load_centre, of_file)
 
 
 def _body(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Body:
     parts = assemble(brake, shoe, mesher, seconds)
     with clock(seconds, "condensation"):
         condensed = condense(parts.K, parts.ties, parts.loads, 2 * len(parts.line.nodes))
-    made = partial(Body, parts.mesh, parts.basis, parts.line)
+    made = partial(Body, parts.mesh, parts.basis, parts.line, of_file=parts.of_file)
     with clock(seconds, "coupling"):
         return coupled(
             made, shoe, parts.line, condensed, parts.load_centre, friction=brake.friction > 0
