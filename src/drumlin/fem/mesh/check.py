@@ -35,9 +35,7 @@ STEEP = (
 UPRIGHT = 1e-6  # smallest Jacobian determinant in an element, relative to its largest
 
 
-def check(
-    mesh: Any, shoe: Shoe, radius: float, fault: str, names: Sequence[str] = ()
-) -> Any:
+def check(mesh: Any, shoe: Shoe, radius: float, fault: str, names: Sequence[str] = ()) -> Any:
     """The mesh (in the shoe's frame [m]) with the groups that the shoe needs; raises BadInput, led
     by `fault`.
 

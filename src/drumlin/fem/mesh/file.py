@@ -152,7 +152,9 @@ def read_shoe_mesh(path: Path, shoe: Shoe, radius: float, key: str = "mesh") -> 
     mesh = check(mesh, shoe, radius, fault, content.group_names)
     contact = put_on_surface(mesh, nodal.doflocs, shoe, radius)
     if contact.mesh is not mesh:
-        check(contact.mesh, shoe, radius, f"{fault}: with its contact line on the {shoe.surface.word}")
+        check(
+            contact.mesh, shoe, radius, f"{fault}: with its contact line on the {shoe.surface.word}"
+        )
     return ShoeMesh(contact.mesh, contact, content.notes + plane.notes)
 
 
@@ -263,11 +265,11 @@ def _plane_points(content: FileContent, fault: str) -> Floats:
         raise BadInput(f"{fault}: has coordinates that are not finite")
     if points.ndim != 2 or not 2 <= points.shape[1] <= 3 or not len(points):
         raise BadInput(f"{fault}: has no nodes with coordinates x, y")
-    if points.shape[1] == 3 and len(nodes):
-        if np.ptp(points[nodes, 2]) > 1e-9 * np.ptp(points[nodes]):
-            raise BadInput(
-                f"{fault}: is not plane, its z coordinates differ; must lie in the plane x, y"
-            )
+    spatial = points.shape[1] == 3 and len(nodes) > 0
+    if spatial and np.ptp(points[nodes, 2]) > 1e-9 * np.ptp(points[nodes]):
+        raise BadInput(
+            f"{fault}: is not plane, its z coordinates differ; must lie in the plane x, y"
+        )
     return points[:, :2]
 
 
@@ -315,10 +317,14 @@ def _with_groups(
 def _check_given(content: FileContent, shoe: Shoe, fault: str) -> None:
     """Refuse names in the key `groups` that the file does not have."""
     for name in shoe.groups.given:
-        missing = [alias for alias in shoe.groups.names_of(name) if alias not in content.group_names]
+        missing = [
+            alias for alias in shoe.groups.names_of(name) if alias not in content.group_names
+        ]
         if missing:
             found = ", ".join(content.group_names) or "none"
-            raise BadInput(f"{fault}: groups.{name} = {missing[0]!r}: not in the file; found: {found}")
+            raise BadInput(
+                f"{fault}: groups.{name} = {missing[0]!r}: not in the file; found: {found}"
+            )
 
 
 def _cells_of(content: FileContent, plane: PlaneCells, names: list[str]) -> Ints:

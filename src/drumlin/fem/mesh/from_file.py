@@ -9,7 +9,6 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Shoe
-from drumlin.brake.units import mm
 from drumlin.response.response import ShoeResponse
 
 SAID_MOVE = 1e-3
@@ -114,7 +113,7 @@ def mean_compression(shoe: Shoe, response: ShoeResponse) -> float:
 def _size(distance: float, compression: float) -> str:
     """A distance [m] in words, beside the lining's mean compression [m]."""
     ratio = f"{distance / compression:.2g}"
-    return f"{distance * 1e6:.2g} um ({ratio} of the lining's mean compression p t/E)"
+    return f"{distance * 1e6:.3g} um ({ratio} of the lining's mean compression p t/E)"
 
 
 def _check_smooth(off: Floats, compression: float, lead: str, surface: str) -> None:

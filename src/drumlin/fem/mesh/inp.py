@@ -36,9 +36,7 @@ class ElementPlace(NamedTuple):
     row: int
 
 
-def read_inp(
-    text: str, folder: Path | None = None, wanted: Collection[str] = ()
-) -> FileContent:
+def read_inp(text: str, folder: Path | None = None, wanted: Collection[str] = ()) -> FileContent:
     """The mesh in the text of an input file; group names in lower case.
 
     Parameters
@@ -160,7 +158,9 @@ class _Assembled:
         names = {body.name for body in self.bodies}
         for body in self.deck.bodies:
             if body.name not in names and body.part.blocks:
-                notes.append(f"passed over: the instance {body.name}, which holds no group of the shoe")
+                notes.append(
+                    f"passed over: the instance {body.name}, which holds no group of the shoe"
+                )
         if self.plane_strain:
             kinds = ", ".join(self.plane_strain)
             notes.append(f"TYPE={kinds} is plane strain; it is solved in plane stress")

@@ -119,9 +119,7 @@ class Deck:
         labels = Section("ELSET", {}, [[str(label)] for label in found])
         self._add_to(self._scope.element_sets, labels, section.options.get("ELSET"))
 
-    def _add_to(
-        self, sets: dict[str, list[Member]], section: Section, name: str | None
-    ) -> None:
+    def _add_to(self, sets: dict[str, list[Member]], section: Section, name: str | None) -> None:
         """Add the data lines of a section to a set: labels, names of sets, or first, last, step."""
         if not name:
             return
@@ -173,9 +171,9 @@ class Deck:
         own = self._scope
         named = self.instances.get(own.name)
         # What stands between *INSTANCE and its end belongs to the instance alone.
-        if section.keyword == "END INSTANCE" and named is not None and named.part is not own:
-            if own.nodes or own.labels:
-                raise ValueError(f"*INSTANCE, NAME={own.name} adds nodes or elements to its part")
+        placed = section.keyword == "END INSTANCE" and named is not None and named.part is not own
+        if placed and (own.nodes or own.labels):
+            raise ValueError(f"*INSTANCE, NAME={own.name} adds nodes or elements to its part")
         if section.keyword == "END ASSEMBLY":
             self._outer = self.root
         self._scope = self._outer
@@ -196,8 +194,8 @@ class Deck:
         if name in body.part.refused:
             raise ValueError(f"the set {name.upper()}: {body.part.refused[name]}")
         above = (*above, (body.name, name))
-        for owner, word in getattr(body.part, which)[name]:
-            holder = self.instance(owner) if owner else body
+        for owner, given in getattr(body.part, which)[name]:
+            holder, word = self.instance(owner) if owner else body, given
             if isinstance(word, str) and word not in getattr(holder.part, which) and "." in word:
                 # An assembly writes Shoe-1.12 or Shoe-1.Contact for what belongs to an instance.
                 before, _, word = word.rpartition(".")

@@ -10,7 +10,6 @@ import numpy as np
 from drumlin.base.arrays import Floats
 
 
-
 class Member(NamedTuple):
     """Members of a set: a range of labels, one label, or the name of a set; `owner`: the instance
     that they belong to, "" for that of the set itself."""
@@ -143,7 +142,7 @@ def system_of(rows: list[list[str]]) -> Placement:
     origin, along = np.array(given[:3]), np.array(given[3:6])
     if len(given) == 3:
         return Placement(np.eye(3), origin)
-    third = numbers(rows[1], "*SYSTEM") if len(rows) == 2 else [*origin + [0.0, 0.0, 1.0]]
+    third = numbers(rows[1], "*SYSTEM") if len(rows) == 2 else [0.0, 0.0, 1.0]
     if len(given) != 6 or len(rows) > 2 or len(third) not in (2, 3):
         raise ValueError("*SYSTEM needs an origin, a point on its x-axis and one in its x-y plane")
     beside = np.array([*third, 0.0][:3]) - origin

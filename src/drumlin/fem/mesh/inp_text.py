@@ -4,11 +4,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from drumlin.fem.mesh.content import mesh_bytes
-
-MOST_NESTED = 8
-"""Depth to which files that include each other are followed. Decks have one or two; a file that
-includes itself would never end."""
+from drumlin.fem.mesh.content import MOST_NESTED, mesh_bytes
 
 DATA_STARTS = frozenset("*+-.0123456789")
 """First characters of a line that is no more options of a keyword line before it: a keyword or a
@@ -93,7 +89,9 @@ def _included(section: Section, folder: Path | None, depth: int) -> tuple[str, P
     if not name or folder is None:
         raise ValueError("*INCLUDE names no file that can be found; its option INPUT must name one")
     if depth >= MOST_NESTED:
-        raise ValueError(f"*INCLUDE, INPUT={name}: files include each other over {MOST_NESTED} deep")
+        raise ValueError(
+            f"*INCLUDE, INPUT={name}: files include each other over {MOST_NESTED} deep"
+        )
     path = folder / name.replace("\\", "/")
     if not path.is_file():
         raise ValueError(f"*INCLUDE, INPUT={name}: there is no such file beside the mesh file")

@@ -33,7 +33,9 @@ Entity = tuple[int, int]
 def is_msh4(data: bytes) -> bool:
     """Whether a file is text in Gmsh's format 4.0 or 4.1."""
     words = data[:256].split()[:3]
-    return len(words) == 3 and words[0] == b"$MeshFormat" and words[1][:1] == b"4" and words[2] == b"0"
+    return (
+        len(words) == 3 and words[0] == b"$MeshFormat" and words[1][:1] == b"4" and words[2] == b"0"
+    )
 
 
 def read_msh4(text: str) -> FileContent:

@@ -54,9 +54,9 @@ def _numbered(raw: Any) -> dict[str, dict[str, Ints]]:
     """
     arrays = {}
     for name, by_cell in raw.cell_data_dict.items():
-        if name == "gmsh:physical" or ":" not in name:
-            if all(_is_numbering(values) for values in by_cell.values()):
-                arrays[name] = by_cell
+        ours = name == "gmsh:physical" or ":" not in name
+        if ours and all(_is_numbering(values) for values in by_cell.values()):
+            arrays[name] = by_cell
     groups: dict[str, dict[str, Ints]] = {}
     for name, by_cell in arrays.items():
         for cell, values in by_cell.items():

@@ -71,7 +71,9 @@ def plane_cells(content: FileContent, points: Floats, fault: str) -> PlaneCells:
 
     Raises BadInput, led by `fault`, for cells that are not plane or have nodes that are not there.
     """
-    kinds = {name: cells for name, cells in content.cells.items() if name not in BESIDE and len(cells)}
+    kinds = {
+        name: cells for name, cells in content.cells.items() if name not in BESIDE and len(cells)
+    }
     strange = sorted(set(kinds) - set(PLANE))
     if strange or not kinds:
         raise BadInput(
@@ -111,9 +113,7 @@ def _with_centres(cells: Ints, points: Floats) -> tuple[str, Ints, Floats]:
     return "quad9", np.column_stack([cells, numbers]), np.vstack([points, centres])
 
 
-def _second_order(
-    kinds: dict[str, Ints], points: Floats
-) -> tuple[dict[str, Ints], Floats]:
+def _second_order(kinds: dict[str, Ints], points: Floats) -> tuple[dict[str, Ints], Floats]:
     """Cells of third order with the nodes of second order, by the names in the file; the points."""
     middles: dict[tuple[int, int], int] = {}
     new: list[Floats] = []
@@ -148,7 +148,9 @@ def _triangles(kinds: dict[str, Ints], points: Floats, own: int) -> PlaneCells:
         corners = PLANE[name]
         for side in range(corners if cells.shape[1] > corners else 0):
             ends = np.sort(cells[:, [side, (side + 1) % corners]], axis=1)
-            middles |= zip(map(tuple, ends.tolist()), cells[:, corners + side].tolist(), strict=True)
+            middles |= zip(
+                map(tuple, ends.tolist()), cells[:, corners + side].tolist(), strict=True
+            )
     new: list[Floats] = []
 
     def added(place: Floats) -> int:
