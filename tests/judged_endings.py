@@ -1,9 +1,9 @@
 """Endings of a command that the judge of broken inputs must refuse, and what was given."""
 
 from drumlin_studies.fuzzing.endings import Ending
-from drumlin_studies.fuzzing.inputs import Input
+from drumlin_studies.fuzzing.inputs import BrokenInput
 
-GIVEN = Input("x", {"b.toml": b"title"}, ["solve", "b.toml"])
+GIVEN = BrokenInput("x", {"b.toml": b"title"}, ["solve", "b.toml"])
 GOOD = Ending(0, "torque 3 N m\n", "", {"r.json": b'{"p": 1.0}', "r.csv": b"shoe,p\nleft,1\n"}, 0.1)
 REFUSED = Ending(2, "", "drumlin: friction = 2: must be less\n", {}, 0.1)
 BAD = {

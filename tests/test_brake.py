@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from conftest import STUDY
 from drumlin.base.errors import BadInput
-from drumlin.brake.brake import Frame
+from drumlin.brake.brake import ShoeFrame
 from drumlin.brake.file import brake_from, read_brake, vary
 from drumlin.brake.units import to_si
 
@@ -231,7 +231,7 @@ def test_a_changed_copy_of_a_shoe_has_a_frame_of_its_own(brake):
 
 @given(st.floats(-4, 4), st.sampled_from([-1, 1]), st.floats(-9, 9), st.floats(-9, 9))
 def test_the_frame_of_a_shoe_and_back_is_the_identity_and_keeps_lengths(origin, sense, x, y):
-    frame = Frame(origin, sense)
+    frame = ShoeFrame(origin, sense)
     v = np.array([x, y])
     assert frame.to_shoe(frame.to_brake(v)) == pytest.approx(v, abs=1e-12)
     assert np.linalg.norm(frame.to_brake(v)) == pytest.approx(np.linalg.norm(v), rel=1e-12)

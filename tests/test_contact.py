@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from drumlin.base.errors import NoAnswer
 from drumlin.contact import active_set
 from drumlin.contact.equations import (
-    LARGE,
+    BORDERED_ABOVE,
     Changed,
     Equations,
     Problem,
@@ -367,10 +367,14 @@ def test_equilibration_makes_units_of_a_b_and_c_and_is_undone():
     assert np.abs(scaled.B).max() == np.abs(scaled.C).max() == 1 and scaled.B[
         1, 0
     ] == pytest.approx(1 / 3)
-    assert scaled.h / scaled.C[0, 0] * system.across[0] == pytest.approx(8 / 4)
-    assert system.across[2:] == pytest.approx([1 / 3]) and system.down[2:] == pytest.approx([1 / 2])
+    assert scaled.h / scaled.C[0, 0] * system.column_scales[0] == pytest.approx(8 / 4)
+    assert system.column_scales[2:] == pytest.approx([1 / 3]) and system.row_scales[
+        2:
+    ] == pytest.approx([1 / 2])
     whole = np.block([[problem.A, problem.B], [problem.C, np.zeros((1, 1))]])
-    np.testing.assert_allclose(system.K, system.down[:, None] * whole * system.across, rtol=1e-15)
+    np.testing.assert_allclose(
+        system.K, system.row_scales[:, None] * whole * system.column_scales, rtol=1e-15
+    )
 
 
 def test_coarse_problems_are_those_on_every_other_node():
@@ -398,13 +402,19 @@ def test_a_few_changed_nodes_use_the_factors_that_there_are():
     def changed(base, count):
         return base.on ^ (np.arange(len(base.on)) < count)
 
-    base, few = start(LARGE + 8), few_changed
-    assert few(base, changed(base, LARGE // 8))
-    assert not few(base, changed(base, LARGE // 8 + 1))  # more than an eighth of what is on
-    assert not few(start(LARGE + 7), changed(start(LARGE + 7), 1))  # as fast factorised
-    other = base.on ^ np.isin(np.arange(len(base.on)), [4, 9, LARGE + 5])
-    x = Changed(base, np.eye(LARGE + 8) + 0.1, other).solve(-np.arange(1.0, LARGE + 9))
-    assert x[[4, 9, LARGE + 4]].tolist() == [0, 0, 0] and (x != 0).sum() == LARGE
+    base, few = start(BORDERED_ABOVE + 8), few_changed
+    assert few(base, changed(base, BORDERED_ABOVE // 8))
+    assert not few(
+        base, changed(base, BORDERED_ABOVE // 8 + 1)
+    )  # more than an eighth of what is on
+    assert not few(
+        start(BORDERED_ABOVE + 7), changed(start(BORDERED_ABOVE + 7), 1)
+    )  # as fast factorised
+    other = base.on ^ np.isin(np.arange(len(base.on)), [4, 9, BORDERED_ABOVE + 5])
+    x = Changed(base, np.eye(BORDERED_ABOVE + 8) + 0.1, other).solve(
+        -np.arange(1.0, BORDERED_ABOVE + 9)
+    )
+    assert x[[4, 9, BORDERED_ABOVE + 4]].tolist() == [0, 0, 0] and (x != 0).sum() == BORDERED_ABOVE
 
 
 def test_pairs_of_nodes_that_carry_no_two_motions_are_passed_over_in_silence():
@@ -428,8 +438,8 @@ def test_with_the_scales_of_another_problem_the_answer_is_the_same():
     other = one._replace(A=3 * A + np.eye(6), C=-0.5 * x[None])
     found, like = active_set.settle(other), active_set.settle(one).system
     scaled = active_set.settle(other, like=like)
-    assert equilibrated(other, like).down is like.down and not np.array_equal(
-        found.system.down, like.down
+    assert equilibrated(other, like).row_scales is like.row_scales and not np.array_equal(
+        found.system.row_scales, like.row_scales
     )
     np.testing.assert_array_equal(scaled.active, found.active)
     np.testing.assert_allclose(scaled.p, found.p, rtol=1e-12)

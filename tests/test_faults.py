@@ -20,7 +20,7 @@ from drumlin_studies.fuzzing import endings, soundness, trials
 from drumlin_studies.fuzzing.broken_meshes import MESH_SUFFIXES, mesh_files, meshed
 from drumlin_studies.fuzzing.endings import fault_of, in_process, in_subprocess
 from drumlin_studies.fuzzing.faults import reference_text, result_text, shown
-from drumlin_studies.fuzzing.inputs import Input, brake_text
+from drumlin_studies.fuzzing.inputs import BrokenInput, brake_text
 from judged_endings import BAD, GIVEN, GOOD, REFUSED
 
 SECONDS = 15.0
@@ -92,7 +92,7 @@ def test_a_warning_and_a_run_that_works_without_end_are_found(monkeypatch):
         while True:
             pass
 
-    monkeypatch.setattr(endings, "LONGEST", 0.2)
+    monkeypatch.setattr(endings, "LONGEST_RUN", 0.2)
     monkeypatch.setattr(process, "run", slow)
     assert "took" in fault_of(GIVEN, in_process(GIVEN))
 
@@ -161,7 +161,7 @@ def test_brake_files_that_used_to_fall(case):
     before, after = TEXTS[case]
     text = brake_text(BRAKE).decode()
     assert before in text
-    given = Input(
+    given = BrokenInput(
         case,
         {"b.toml": text.replace(before, after, 1).encode()},
         ["solve", "b.toml", "--elements", "6"],
@@ -186,7 +186,7 @@ WORDS = {
 @pytest.mark.parametrize("case", WORDS)
 def test_command_lines_that_used_to_fall(case):
     files = {"b.toml": brake_text(BRAKE), "post.toml": brake_text("post_brake/brake")}
-    given = Input(case, files, WORDS[case])
+    given = BrokenInput(case, files, WORDS[case])
     end = in_process(given)
     assert end.status == 2 and fault_of(given, end) == ""
 
@@ -221,7 +221,7 @@ def test_sets_of_a_mesh_that_fill_the_memory_are_refused_before(text):
 
 
 def test_the_sound_files_are_sound():
-    given = Input("x", {"b.toml": brake_text(BRAKE), "ref.json": reference_text(), "r.csv": result_text()},
+    given = BrokenInput("x", {"b.toml": brake_text(BRAKE), "ref.json": reference_text(), "r.csv": result_text()},
                   ["check", "b.toml", "r.csv", "--reference", "ref.json"])  # fmt: skip
     end = in_process(given)
     assert end.status == 0 and fault_of(given, end) == "" and "of the reference" in end.out

@@ -105,7 +105,7 @@ def test_the_whole_system_refined_is_the_same_answer() -> None:
             refined = refined_group(group, found.active, order)
             np.testing.assert_allclose(refined.p[0], found.p, atol=1e-8 * found.p.max())
             np.testing.assert_allclose(
-                refined.motions[0], found.y, rtol=1e-6, atol=1e-9 * abs(found.y).max()
+                refined.coordinates[0], found.y, rtol=1e-6, atol=1e-9 * abs(found.y).max()
             )
 
 

@@ -40,7 +40,7 @@ from drumlin.fem.substructure.elasticity import layers_of
 from drumlin.laws import sine
 from drumlin.lining_wear.worn_in import solve as solve_worn_in
 from drumlin.response.norms import pressure_distance
-from drumlin.response.resultants import Inside, largest, lobatto
+from drumlin.response.resultants import InnerPart, largest, lobatto
 from drumlin.sweeps.cases import SweepCase, solved
 from drumlin_studies.random_brake import random_brake
 
@@ -269,7 +269,7 @@ def test_what_round_off_took_from_the_answer_is_little_and_seen(flexible, which,
     (group, *_) = groups_of(made, brake, PENALTY)
     group, found = group.settled(None)
     refined = refined_group(group, found.active)
-    p, error = found.p[group.parts[0]], refined.p[0] - found.p[group.parts[0]]
+    p, error = found.p[group.node_ranges[0]], refined.p[0] - found.p[group.node_ranges[0]]
     lost, lever = response.shoes[0].lost, group.bodies[0].coupling.lever
     assert np.linalg.norm(error) < 1e-6 * np.linalg.norm(p)
     assert np.linalg.norm(error) < max(ROUND_OFF * lost.pressure, 1e-8) * np.linalg.norm(p)
@@ -706,8 +706,8 @@ def test_the_largest_value_of_a_polynomial_is_found_between_its_nodes():
     theta = np.concatenate([0.5 * (x + 1), 1 + 0.5 * (x[1:] + 1)])
     values = 3.0 - (theta - 0.3) ** 2
     assert largest(theta, values, 4) == pytest.approx(3.0, abs=1e-6)
-    assert Inside(theta, 4, 0.5).largest(values) == pytest.approx(3.0 - 0.04, abs=1e-6)
-    assert Inside(theta, 4, 5.0).largest(values) == pytest.approx(3.0, abs=1e-6)
+    assert InnerPart(theta, 4, 0.5).largest(values) == pytest.approx(3.0 - 0.04, abs=1e-6)
+    assert InnerPart(theta, 4, 5.0).largest(values) == pytest.approx(3.0, abs=1e-6)
 
 
 def test_fields_recovered_on_a_grid_are_in_balance(brake):
@@ -862,5 +862,5 @@ def test_columns_with_a_ring_are_refined_to_the_answer_of_their_condensed_bodies
     found = group.answer()
     refined = refined_group(group, found.active)
     assert refined.correction < 1e-10
-    for part, p in zip(group.parts, refined.p, strict=True):
+    for part, p in zip(group.node_ranges, refined.p, strict=True):
         np.testing.assert_allclose(found.p[part], p, rtol=0, atol=1e-8 * p.max())

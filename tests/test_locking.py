@@ -201,7 +201,7 @@ def test_a_large_problem_is_answered_as_if_it_were_followed_on_all_nodes(flexibl
         for mu in (0.2 * end, 0.6 * end, 0.9 * end, 1.001 * end, 2 * end):
             answers = []
             for large in (n, 10):
-                monkeypatch.setattr(self_locking, "LARGE", large)
+                monkeypatch.setattr(self_locking, "HALVED_ABOVE", large)
                 try:
                     answers.append(self_locking.answer(problems.at, mu, law=1e3, brake="").p)
                 except NoAnswer as error:
@@ -216,7 +216,7 @@ def test_a_large_problem_is_answered_as_if_it_were_followed_on_all_nodes(flexibl
 
 def test_of_a_large_problem_the_fine_answer_is_solved_once(flexible, monkeypatch):
     (_, group) = groups_of(prepare(flexible, elements=24), flexible, 1e4)
-    monkeypatch.setattr(self_locking, "LARGE", 30)
+    monkeypatch.setattr(self_locking, "HALVED_ABOVE", 30)
     sizes = settled_sizes(monkeypatch)
     self_locking.answer(group.problem_at, 0.4, law=1.0, brake="")
     assert sizes.count(len(group.problem.q)) == 1 and len(sizes) > 2
@@ -259,7 +259,7 @@ def test_of_two_stable_answers_the_one_that_friction_leads_to(elements, large, m
     """At mu = 0.822, a hundredth below where its contact jumps, this shoe has another one of four
     times the torque.
     """
-    monkeypatch.setattr(self_locking, "LARGE", large)
+    monkeypatch.setattr(self_locking, "HALVED_ABOVE", large)
     brake = vary(random_brake(37, "locking"), {"friction": 0.82245})
     group = next(iter(groups_of(prepare(brake, elements=elements), brake, 1e6)))
     end = limit(group.sliding, brake.friction)

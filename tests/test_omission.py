@@ -24,7 +24,7 @@ from drumlin_studies.omission_table import (
     time_saved,
     worst_straight,
 )
-from drumlin_studies.reduced import SHORT, ring_modes, sketcher
+from drumlin_studies.reduced import HALF_PLANE_WAVE, ring_modes, sketcher
 
 BRAKE = read_brake(STUDY / "brake.toml")
 POST = read_brake(STUDY.parent / "post_brake" / "brake.toml")
@@ -79,7 +79,7 @@ def test_the_sketched_ring_is_the_thick_walled_ring_and_the_thin_one_of_theory(s
     outer = [b, 1 / b] if support == "fixed" else stress(b)
     A, B = np.linalg.solve(np.array([stress(R), outer]), [-1.0, 0.0])
     assert radial[0] == pytest.approx(A * R + B / R, rel=1e-6)
-    below = int(SHORT * R / t)  # the last wave that is not that of a half-plane
+    below = int(HALF_PLANE_WAVE * R / t)  # the last wave that is not that of a half-plane
     assert radial[below] == pytest.approx(2 * R / (E * below), rel=5e-3)
     assert shear[below] == pytest.approx((1 - nu) * R / (E * below), rel=2e-2)
     assert radial[250] == pytest.approx(2 * R / (E * 250), rel=1e-12)

@@ -24,7 +24,7 @@ def test_the_short_fault_study_finds_no_fault_and_shows_one(tmp_path):
     page = module.report(result, tmp_path).read_text(encoding="utf-8")
     assert "no fault" in page and "test_faults.py::" in page and "143" in page
     assert "commit 17da584" in page and "several lines" in page
-    result.within["words"][0] = trials.Verdict(0, 1, 0.1, "x: a traceback")
+    result.within["words"][0] = trials.InputVerdict(0, 1, 0.1, "x: a traceback")
     assert "1 faults" in module.report(result, tmp_path).read_text(encoding="utf-8")
     assert trials.table(result.within)[-1]["faults"] == 1
 

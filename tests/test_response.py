@@ -18,9 +18,9 @@ from drumlin.response.balance import contact_resultant, relative_balance, shoe_b
 from drumlin.response.response import (
     Balance,
     Deformation,
+    PressureOverWidth,
     Response,
     ShoeResponse,
-    Surface,
     nodal_peak,
     pressed_shoe,
     untouched,
@@ -211,7 +211,7 @@ def test_an_elastic_lining_by_growing_angles(brake):
                          hinge_reaction=np.zeros(2))  # fmt: skip
     rows = p[:, None] * np.ones(3)
     over_width = pressed_shoe(shoe, 0.15, theta, p, order=2, torque=3.0, normal_force=4.0, self_energising=False,
-                              hinge_reaction=np.zeros(2), surface=Surface(np.arange(3.0), rows))  # fmt: skip
+                              hinge_reaction=np.zeros(2), surface=PressureOverWidth(np.arange(3.0), rows))  # fmt: skip
     assert over_width.surface.pressure.mean(axis=1) == pytest.approx(over_width.pressure)
     assert other.theta == pytest.approx(theta[::-1]) and other.pressure == pytest.approx(p)
     assert other.turn is None and 0 < other.contact_arcs[0][0] < 0.125  # p = 0 at the first node

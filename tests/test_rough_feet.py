@@ -194,7 +194,7 @@ def test_solve_is_the_drum_that_slides_already_as_the_force_comes_on(count: int)
             problem, lever = holding_problem(group)
             feet = Feet.of(group)
             slid = problem._replace(q_s=problem.q_s + lever * 0.01 * brake.spin / group.unit_force)
-            nothing, n = np.zeros(len(lever)), group.parts[-1].stop
+            nothing, n = np.zeros(len(lever)), group.node_ranges[-1].stop
             slips = np.full(n, FORWARD if brake.spin > 0 else BACKWARD)
             start = np.append(slips, np.full(len(feet.on), STICK))
             at = stick_slip.solve(slid, feet.friction(), History(nothing, nothing), start)

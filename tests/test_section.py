@@ -14,7 +14,7 @@ import drumlin
 from drumlin.base.errors import BadInput
 from drumlin.brake import read_any, vary
 from drumlin.brake.brake import Brake
-from drumlin.brake.components import STEEL, Section, bonded
+from drumlin.brake.components import ASSUMED_STEEL, Section, bonded
 from drumlin.brake.fields import Material
 from drumlin.brake.file import brake_from, validated
 from drumlin.brake.plane_brake import FlatBrake
@@ -225,7 +225,7 @@ def test_files_of_both_read_as_they_were_written(tmp_path: Any) -> None:
         assert read_any(tmp_path / "b.toml", text) == brake
     only = arc(thickness=0.03, bending_stiffness=3e3)
     assert 'bending_stiffness = "3000.0 N m^2"' in brake_text(only)
-    assert only.shoes[0].body.plates["shoe"].material == STEEL  # type: ignore[union-attr]
+    assert only.shoes[0].body.plates["shoe"].material == ASSUMED_STEEL  # type: ignore[union-attr]
 
 
 @pytest.mark.parametrize(

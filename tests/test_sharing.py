@@ -44,7 +44,7 @@ def test_under_a_cam_the_tips_of_elastic_shoes_go_the_same_way() -> None:
     tips = []
     for i, group in enumerate(groups_of(scene, alone, 1e6)):
         found = group.answer()
-        own = group.pushed(group.brake.friction)[0]
+        own = group.force_effects(group.brake.friction)[0]
         tip = group.unit_force * (own.tip @ found.p + own.yields + own.moves @ found.y)
         tips.append(tip)
         shoe = respond(scene, alone).shoes[i]
@@ -82,9 +82,9 @@ def test_the_tip_moves_as_the_energy_says() -> None:
     )
     scene = prepare(brake, elements=30)
     (group, _) = groups_of(scene, brake, math.inf)
-    found, own = group.answer(), group.pushed(group.brake.friction)[0]
+    found, own = group.answer(), group.force_effects(group.brake.friction)[0]
     tip = own.tip @ found.p + own.yields + own.moves @ found.y
-    body, part = group.bodies[0], group.parts[0]
+    body, part = group.bodies[0], group.node_ranges[0]
     nodal = -body.coupling.N.T @ found.p[part]
     u = body.condensed.displacement(nodal, np.array([0.0, 0.0, found.y[0]]), _load(group))
     from drumlin.fem.substructure.body import stiffness

@@ -19,7 +19,7 @@ from drumlin.fem.model import respond
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin.response.norms import pressure_distance
-from drumlin.response.response import NONE, Change, reaction_size
+from drumlin.response.response import NO_CHANGE, ShoeChange, reaction_size
 from drumlin.response.resultants import cross, integrate
 from drumlin.verification.triangles import Level, sequence
 from drumlin_studies import stated_true
@@ -126,7 +126,7 @@ def test_an_estimate_is_a_factor_of_the_last_step_and_what_lies_beside_it(brake)
     response = solve(brake, elements=10)
 
     def with_torque(part, **more):
-        beside = {"softness": NONE, "lost": NONE} | more
+        beside = {"softness": NO_CHANGE, "lost": NO_CHANGE} | more
         shoes = (replace(shoe, torque=shoe.torque * part, **beside) for shoe in response.shoes)
         return replace(response, shoes=tuple(shoes))
 
@@ -136,10 +136,10 @@ def test_an_estimate_is_a_factor_of_the_last_step_and_what_lies_beside_it(brake)
     step = FACTORS.force * 1e-3
     assert stated()["torque"] == pytest.approx(step)
     assert stated()["pressure"] == 0.0
-    yielding = stated(softness=Change(1.0, 1e-3, 1.0))
+    yielding = stated(softness=ShoeChange(1.0, 1e-3, 1.0))
     assert yielding["torque"] == pytest.approx(step + SOFTER * 1e-3)
     assert yielding["pressure"] == 0.0  # which does not differ at all
-    rounded = stated(lost=Change(1.0, 1e-3, 1.0))
+    rounded = stated(lost=ShoeChange(1.0, 1e-3, 1.0))
     assert rounded["torque"] == pytest.approx(step + ROUND_OFF * 1e-3)
 
 
@@ -265,7 +265,7 @@ def test_the_penalty_changes_torque_and_pressure_as_a_response_says(brake, index
     firm, soft = (solve(brake, penalty=penalty).shoes[index] for penalty in (math.inf, 1e4))
     assert abs(soft.torque / firm.torque - 1) == pytest.approx(soft.softness.torque, rel=0.02)
     assert pressure_distance(soft, firm) == pytest.approx(soft.softness.pressure, rel=0.05)
-    assert soft.softness.torque > 1e-9 and firm.softness == NONE
+    assert soft.softness.torque > 1e-9 and firm.softness == NO_CHANGE
 
 
 @pytest.mark.parametrize("penalty", [30.0, 1.0, 0.1, 1e-3])
@@ -336,7 +336,7 @@ def test_columns_that_lost_digits_are_no_truth_beyond_them(brake, monkeypatch):
 
     def losing(brake, respond):
         for made, found in steps(brake, respond):
-            shoes = tuple(replace(shoe, lost=Change(1e-4, 2e-4, 3e-4)) for shoe in found.shoes)
+            shoes = tuple(replace(shoe, lost=ShoeChange(1e-4, 2e-4, 3e-4)) for shoe in found.shoes)
             yield Step(made, replace(found, shoes=shoes))
 
     sure = by_columns(brake, 1e-2).unsure

@@ -13,7 +13,7 @@ from conftest import STUDY
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.file import read_brake, vary
 from drumlin.contact import equations, stick_slip
-from drumlin.contact.stick_slip import BACKWARD, FORWARD, OPEN, STICK, History, Problem
+from drumlin.contact.stick_slip import BACKWARD, FORWARD, OPEN, STICK, FrictionalProblem, History
 from drumlin.fem.analysis.at_rest import holding_problem
 from drumlin.fem.analysis.holding import as_dict, full_slip_rotation, hold, turned
 from drumlin.fem.equilibrium.group import ShoeGroup
@@ -30,7 +30,7 @@ def spring(push, shift, stiffness=100.0, penalty=0.0):
     by `shift`.
     """
     one, none = np.ones((1, 1)), np.zeros((1, 1))
-    return Problem(
+    return FrictionalProblem(
         A_wp=one / stiffness, A_wt=none, A_sp=none, A_st=-one / stiffness,
         B_w=np.zeros((1, 0)), B_s=np.zeros((1, 0)), C_p=np.zeros((0, 1)), C_t=np.zeros((0, 1)),
         q_w=np.array([-push / stiffness]), q_s=np.array([shift]), h=np.zeros(0), Q=penalty * one,
@@ -312,7 +312,7 @@ def test_a_path_ends_at_an_answer_also_where_it_turns_back(way, monkeypatch):
         rng = np.random.default_rng(seed)
         root = rng.normal(size=(2 * n, 2 * n))
         A = root @ root.T + 0.05 * np.eye(2 * n)
-        problem = Problem(
+        problem = FrictionalProblem(
             A_wp=A[:n, :n], A_wt=A[:n, n:], A_sp=-A[n:, :n], A_st=-A[n:, n:],
             B_w=np.zeros((n, 0)), B_s=np.zeros((n, 0)), C_p=np.zeros((0, n)), C_t=np.zeros((0, n)),
             q_w=rng.normal(size=n), q_s=rng.normal(size=n), h=none, Q=np.zeros((n, n)),

@@ -12,6 +12,7 @@ import pytest
 from drumlin_studies.sharpness import (
     complaints,
     judge_folder,
+    losses,
     read_sharpness,
     scaled,
     truth_files,
@@ -34,13 +35,42 @@ def written():
 
 def test_stated_errors_are_large_enough_and_no_larger_than_they_were(rows, written):
     assert len(rows) >= 120
-    assert complaints(rows, written) == []
+    assert complaints(rows, written.spreads) == []
 
 
-BELOW_HALF = {("post_on_free_ring", "1e-4", "reaction")}
-"""Stated errors that are known to be below half of the true ones, a fault that is open. The
-reaction of this post on a ring has the error 1.1 d on the fourth level, d its last step: errors of
-forces under rings fall slowly from the third level on.
+def test_answers_are_as_exact_and_as_cheap_as_they_were(rows, written):
+    assert losses(rows, written.worths) == []
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda one: one._replace(unknowns=int(1.2 * one.unknowns)), "unknowns in all"),
+        (lambda one: one._replace(true={k: 1.4 * e for k, e in one.true.items()}), "true error of"),
+        (lambda one: one._replace(stated={k: 2 * e for k, e in one.stated.items()}), "reach it"),
+    ],
+)
+def test_answers_that_are_less_exact_or_cost_more_are_noticed(rows, written, change, said):
+    assert any(said in line for line in losses([change(one) for one in rows], written.worths))
+
+
+def test_one_brake_that_takes_far_more_unknowns_is_noticed(rows, written):
+    slow = [
+        one._replace(unknowns=one.unknowns * 2) if one.name == "short_contact" else one
+        for one in rows
+    ]
+    assert any("short_contact takes" in line for line in losses(slow, written.worths))
+
+
+BELOW_HALF = {
+    ("corner_dragged_inwards", "default", "torque"),
+    ("corner_dragged_inwards", "default", "reaction"),
+}
+"""Stated errors that are known to be below half of the true ones, a fault that is open.
+
+The torque of this brake is off by 4e-5 on the second level and stated to 9e-6. It presses with a
+corner on a contact of a few columns, which the first two levels resolve equally badly: their errors
+have one sign and nearly one size. No brake of the fit presses with a corner.
 """
 
 
@@ -58,7 +88,7 @@ def test_no_other_stated_error_is_below_half_of_the_true_one(rows):
 def test_a_quantity_whose_stated_errors_are_halved_or_doubled_is_noticed(
     rows, written, quantity, factor
 ):
-    said = complaints(scaled(rows, quantity, factor), written)
+    said = complaints(scaled(rows, quantity, factor), written.spreads)
     assert said and all(line.startswith(quantity) for line in said)
 
 

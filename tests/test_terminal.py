@@ -15,7 +15,7 @@ from drumlin.brake.file import vary
 from drumlin.brake.plane_brake import read_any
 from drumlin.door import solve
 from drumlin.response.merit import brake_factor
-from drumlin.response.response import Place, edge_zone, peak_place
+from drumlin.response.response import PeakPlace, edge_zone, peak_place
 
 BRAKE = STUDY / "brake.toml"
 
@@ -115,7 +115,7 @@ def test_a_shoe_that_is_lifted_off_and_a_warning_are_said_at_once(tmp_path):
 def test_where_the_pressure_peaks(root, brake):
     flat = read_any(root / "studies/laws/pad.toml")
     pad = solve(flat, "linear")
-    assert peak_place(flat, 0, pad.shoes[0]) == Place(flat.shoes[0].lining.end, 0.0)
+    assert peak_place(flat, 0, pad.shoes[0]) == PeakPlace(flat.shoes[0].lining.end, 0.0)
     assert brake_factor(flat, pad) == pytest.approx(
         pad.merits[0].braking_force / flat.shoes[0].actuation.force
     )

@@ -15,9 +15,9 @@ from drumlin.brake.plane_brake import FlatBrake, read_any
 from drumlin.response.balance import shoe_balance, worst
 from drumlin.response.norms import pressure_distance
 from drumlin.response.response import Balance, Response, ShoeResponse
-from drumlin.response.resultants import Inside, cross, edge_left_out, lobatto
+from drumlin.response.resultants import InnerPart, cross, edge_left_out, lobatto
 from drumlin_studies.fuzzing.endings import fault_of, in_process
-from drumlin_studies.fuzzing.inputs import Input, brake_text
+from drumlin_studies.fuzzing.inputs import BrokenInput, brake_text
 from drumlin_studies.textbook_brakes import hinged
 
 
@@ -149,7 +149,7 @@ def test_the_force_between_the_zones_is_that_of_the_polynomial_wherever_they_end
     ends = ((0.0, 0.3), (0.3, 1.0), (1.0, 2.0))
     theta = np.concatenate([[0.0], *(a + (b - a) * (lobatto(3)[1:] + 1) / 2 for a, b in ends)])
     exact = max(((2 - zone) ** 4 - zone**4) / 16, 0.0)
-    assert Inside(theta, 3, zone).part(theta**3) == pytest.approx(exact, abs=1e-14)
+    assert InnerPart(theta, 3, zone).part(theta**3) == pytest.approx(exact, abs=1e-14)
 
 
 THIN = """
@@ -213,7 +213,7 @@ WORN = (
 def test_running_in_says_no_number_that_is_not_finite(tmp_path, words):
     """What has no value, an energy balance for another exponent, is left out."""
     more = [] if "--elements" in words else ["--elements", "6"]
-    given = Input(
+    given = BrokenInput(
         "wear",
         {"b.toml": brake_text("double_shoe/brake")},
         ["wear", "b.toml", "--json", "r.json", *words],

@@ -512,7 +512,7 @@ def self_locking(
     >>> [limit.shoes for limit in limits]
     [('right',), ('left',)]
     """
-    from drumlin.contact.self_locking import LARGEST
+    from drumlin.contact.self_locking import LARGEST_SOUGHT_FRICTION
     from drumlin.fem.analysis.self_locking import limits
     from drumlin.fem.model import check_penalty
     from drumlin.fem.solve import scene_of
@@ -521,7 +521,12 @@ def self_locking(
     check_penalty(penalty)
     whole = _brake_of(brake)
     whole.check_meshable()
-    found = limits(scene_of(whole, **on_mesh), whole, LARGEST if most is None else most, penalty)
+    found = limits(
+        scene_of(whole, **on_mesh),
+        whole,
+        LARGEST_SOUGHT_FRICTION if most is None else most,
+        penalty,
+    )
     return tuple(
         LockingLimit(tuple(whole.shoes[i].name for i in members), end.friction, end.bounded)
         for members, end in found.items()

@@ -146,14 +146,19 @@ MODELS: Mapping[str, Model] = {
         _hinged("block"),
         _hinged("uniform"),
         _law("short", LAWS["short"].assumes, _short_why_not, _short),
-        _law("pivoted", pivoted.ASSUMES, pivoted.why_not, partial(rigid.solve, name="pivoted")),
+        _law(
+            "pivoted",
+            pivoted.PIVOTED_ASSUMES,
+            pivoted.why_not,
+            partial(rigid.solve, name="pivoted"),
+        ),
         _law(
             "linear",
             flat.LINEAR.assumes,
             partial(flat.why_not, flat.LINEAR),
             partial(rigid.solve, name="linear"),
         ),
-        _law("rigid", rigid.ASSUMES, naming.why_not, rigid.solve),
+        _law("rigid", rigid.RIGID_ASSUMES, naming.why_not, rigid.solve),
         Model(
             "solid",
             "solid shoes of finite width, contact and friction as fem",

@@ -1,9 +1,9 @@
-"""The paper's own way to the same answer: displacements as unknowns, contact revised until it
-agrees.
+"""The paper's own iteration on displacements, in which the contact is revised until it agrees.
 
-For every station inside the beam (12), for every sector (17), and M_0 = 0 (19), with k* = k where
-the sector is pressed, t = w cos(theta) - z - Delta > 0, and else k* = 0 (20). The terms in z and
-Delta have the signs that follow from t; they are printed with that of the terms in w.
+The equations are (12) for each station inside the beam, (17) for each sector, and M_0 = 0 (19). By
+(20) a sector has the stiffness k* = k where it is pressed, t = w cos(theta) - z - Delta > 0, and
+k* = 0 elsewhere. The terms in z and Delta have the signs that follow from t. The paper prints them
+with the sign of the terms in w.
 """
 
 from typing import NamedTuple
@@ -17,11 +17,20 @@ from drumlin.foundation.model import ring_of
 from drumlin.foundation.post import Post, post
 
 MOST_REVISIONS = 100
+"""Revisions of the contact after which the iteration counts as not converged."""
 
 
 class Iterated(NamedTuple):
-    """Displacements w (m,) [m] at the stations, z (n,) [m] and forces N (n,) [N] at the sectors;
-    rounds taken.
+    """The answer of the iteration.
+
+    Attributes
+    ----------
+    w : array (m,)
+        Deflection of the beam at its stations [m].
+    z, N : array (n,)
+        Displacement of the rim [m] and force [N] at the sectors.
+    rounds : int
+        Number of revisions.
     """
 
     w: Floats
@@ -31,7 +40,9 @@ class Iterated(NamedTuple):
 
 
 def iterate(brake: Brake, index: int, sections: int) -> Iterated:
-    """Shoe `index` by the paper's iteration, with all of the paper's simplifications.
+    """A shoe by the paper's iteration, with all of the paper's simplifications.
+
+    index : number of the shoe; sections : number of sectors along the lining.
 
     Raises NoAnswer where the contact does not settle or the equations are singular.
     """
@@ -51,9 +62,20 @@ def iterate(brake: Brake, index: int, sections: int) -> Iterated:
 
 
 def _displacements(p: Post, c: Floats, k: Floats) -> tuple[Floats, Floats]:
-    """w (m,) and z (n,) [m] for the spring stiffnesses k* (n,) [N/m] and the ring c (n, n) [m/N]."""
+    """Displacements w (m,) and z (n,) [m] for a contact.
+
+    Parameters
+    ----------
+    p : Post
+        The post.
+    c : array (n, n)
+        Flexibility of the ring [m/N].
+    k : array (n,)
+        Stiffness k* of the sectors [N/m].
+    """
     m, n = p.pressed.shape
-    bent = (p.pressed + p.drag * p.dragged) * k  # B of eq. 11, times dx
+    # B of eq. 11, times dx.
+    bent = (p.pressed + p.drag * p.dragged) * k
     matrix, right = np.zeros((m + n, m + n)), np.zeros(m + n)
     inner = np.arange(1, m - 1)
     before, after = np.diff(p.x)[:-1], np.diff(p.x)[1:]
@@ -64,10 +86,12 @@ def _displacements(p: Post, c: Floats, k: Floats) -> tuple[Floats, Floats]:
     matrix[np.ix_(inner, p.under)] += bent[inner] * np.cos(p.theta)
     matrix[inner, m:] -= bent[inner]
     right[inner] = p.loaded[inner] + bent[inner] @ p.gap
-    matrix[0, p.under] = bent[0] * np.cos(p.theta)  # M_0 = 0
+    # M_0 = 0.
+    matrix[0, p.under] = bent[0] * np.cos(p.theta)
     matrix[0, m:] = -bent[0]
     right[0] = p.loaded[0] + bent[0] @ p.gap
-    matrix[m - 1, 0] = stiff.mean()  # w_0 = 0
+    # w_0 = 0, scaled to the size of the other equations.
+    matrix[m - 1, 0] = stiff.mean()
     matrix[m:, p.under] = -(c * k) * np.cos(p.theta)
     matrix[m:, m:] = np.eye(n) + c * k
     right[m:] = -(c * k) @ p.gap

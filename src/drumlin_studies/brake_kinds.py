@@ -1,6 +1,4 @@
-"""Brakes of every kind by finite elements and by their rigid-shoe law, new and worn in, in both
-senses of motion.
-"""
+"""Brakes of every kind by finite elements and by rigid-shoe law, new and worn in, both ways."""
 
 import math
 from collections.abc import Mapping
@@ -10,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drumlin.base.errors import NoAnswer
-from drumlin.brake.brake import Brake
+from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.surface import DRUM, PLANE
 from drumlin.comparison import Outcome, edge_of, run
 from drumlin.fem.analysis.self_locking import limits
@@ -23,13 +21,32 @@ from drumlin.response.merit import brake_factor
 from drumlin.response.norms import pressure_distance, relative
 from drumlin.response.response import Response
 
-TRUSTED, ROUGH = 0.05, 0.15  # relative errors up to which a law is trusted, and is an estimate
-NO_EFFECT_ERROR = 1e-9  # below it the effect is no matter of the pressure
+TRUSTED = 0.05
+"""Relative error up to which a law can be trusted."""
+ROUGH = 0.15
+"""Relative error up to which a law is an estimate."""
+NO_EFFECT_ERROR = 1e-9
+"""Relative error below which the effect of a brake follows from equilibrium alone.
+
+The law and finite elements then agree to round-off, whatever their pressures.
+"""
 
 
 class BrakeInMotion(NamedTuple):
-    """A brake in one sense of motion: by its law, new, and worn in; `others`: by the other models
-    that apply.
+    """A brake in one sense of motion, by several models.
+
+    Attributes
+    ----------
+    file : str
+        Name of the brake file.
+    brake : Brake
+        The brake.
+    law : Response
+        By its rigid-shoe law.
+    new, worn : Response
+        By finite elements, with new and with worn-in linings.
+    others : mapping
+        By the other models that apply, by name.
     """
 
     file: str
@@ -41,13 +58,28 @@ class BrakeInMotion(NamedTuple):
 
 
 def both_ways(brake: Brake) -> tuple[Brake, Brake]:
-    """The brake as its file says, and with the drum or the body moving the other way."""
+    """The brake as in its file, and with the opposite motion of the drum or the body."""
     return brake, brake.reversed()
 
 
 def case(file: str, brake: Brake, elements: int, *, solid: bool = False) -> BrakeInMotion:
-    """A brake by law and finite elements; elements: along the worn-in linings; solid: also with
-    solid shoes, where these apply. Raises NoAnswer.
+    """A brake by its law, by finite elements and by the other models that apply.
+
+    Parameters
+    ----------
+    file : str
+        Name of the brake file.
+    brake : Brake
+        The brake.
+    elements : int
+        Elements along the worn-in linings.
+    solid : bool
+        Whether solid shoes are included, where they apply.
+
+    Raises
+    ------
+    NoAnswer
+        The law or finite elements have no answer.
     """
     by_law = law(brake)
     others = [model for model in applicable(brake) if model.name not in {"fem", by_law.model}]
@@ -64,8 +96,9 @@ def case(file: str, brake: Brake, elements: int, *, solid: bool = False) -> Brak
 
 
 def mu_lock(brake: Brake, most: float = 2.0, elements: int = 20) -> float:
-    """The friction [1] up to which the elastic brake has an answer; inf where there is one up to
-    `most`.
+    """The friction up to which the elastic brake has an answer.
+
+    inf where it has one up to `most`, nan where it has none at all.
     """
     try:
         found = limits(prepare(brake, elements=elements), brake, most, penalty=1e6)
@@ -75,14 +108,18 @@ def mu_lock(brake: Brake, most: float = 2.0, elements: int = 20) -> float:
 
 
 def row_of(found: BrakeInMotion, limit: float | None) -> dict[str, Any]:
-    """One row of the table of brakes; `factor`, `factor_worn`: brake factors by finite elements,
-    new and worn in.
+    """The row of a brake: its law against finite elements, new and worn in.
+
+    `factor` and `factor_worn` are brake factors by finite elements, `p` and `p_worn` the relative
+    L2 distances of the law's pressure.
+
+    limit : friction up to which the brake has an answer.
     """
     brake, new = found.brake, found.new
     size = new.effect
 
     def distance(by: Response) -> float:
-        """Of the law's pressure, L2, the worst shoe."""
+        """Relative L2 distance of the law's pressure, the largest of all shoes."""
         pairs = zip(found.law.shoes, by.shoes, strict=True)
         return max(pressure_distance(a, b, edge_of(brake)) for a, b in pairs if b.contact_arcs)
 
@@ -107,9 +144,7 @@ def row_of(found: BrakeInMotion, limit: float | None) -> dict[str, Any]:
 
 
 def others_of(found: BrakeInMotion) -> list[dict[str, Any]]:
-    """A row for each other model that applies: how far its effect is from finite elements, new and
-    worn in.
-    """
+    """A row for each other model: its relative error against finite elements, new and worn in."""
     base: dict[str, Any] = {"file": found.file, "motion": found.brake.sense}
     rows: list[dict[str, Any]] = []
     for name, outcome in found.others.items():
@@ -123,40 +158,39 @@ def others_of(found: BrakeInMotion) -> list[dict[str, Any]]:
 
 
 def cam_factor(brake: Brake) -> float:
-    """4 B1 B2/(B1 + B2) of an S-cam brake with equal displacement of both tips: T/(F R) of rigid
-    worn-in shoes, from the shoe factors B = T/(F R) that each has alone.
+    """Brake factor T/(F R) = 4 B1 B2/(B1 + B2) of an S-cam brake with rigid worn-in shoes.
+
+    The cam moves both tips by the same distance. B1 and B2 are the shoe factors T/(F R) that each
+    shoe has alone.
     """
-    one, two = (
-        law(brake.model_copy(update={"actuation": None, "shoes": (shoe.under(1e3),)})).torque
-        / (1e3 * brake.size)
-        for shoe in brake.shoes
-    )
+
+    def shoe_factor(shoe: Shoe) -> float:
+        # The shoe alone under 1 kN.
+        alone = brake.model_copy(update={"actuation": None, "shoes": (shoe.under(1e3),)})
+        return law(alone).torque / (1e3 * brake.size)
+
+    one, two = map(shoe_factor, brake.shoes)
     return 4 * one * two / (one + two)
 
 
 def verdict(rows: list[dict[str, Any]]) -> str:
-    """Whether the law of a brake can be trusted, from its rows of both senses of motion."""
+    """Whether the law of a brake can be trusted, in words, by its rows of both senses of motion."""
     surface, name = PLANE if rows[0]["unit"] == PLANE.effect_unit else DRUM, rows[0]["law"]
     effect_ = surface.effect
 
     def judged(key: str) -> str:
         error = max(abs(row[key]) for row in rows)
-        word = (
-            "can be trusted"
-            if error <= TRUSTED
-            else "is an estimate"
-            if error <= ROUGH
-            else "cannot be trusted"
-        )
-        return f"{word} ({f'off by up to {100 * error:.2g}' if error > 1e-4 else 'off by less than 0.01'} %)"
+        word = "is an estimate" if error <= ROUGH else "cannot be trusted"
+        word = "can be trusted" if error <= TRUSTED else word
+        size = f"up to {100 * error:.2g}" if error > 1e-4 else "less than 0.01"
+        return f"{word} (off by {size} %)"
 
     if all(abs(row["new"]) < NO_EFFECT_ERROR for row in rows):
         return (
-            f"The {effect_} follows from equilibrium alone, whatever the pressure. The pressure of the law {name!r} "
+            f"The {effect_} follows from equilibrium alone, whatever the pressure. "
+            f"The pressure of the law {name!r} "
             f"{judged('p')} new, and {judged('p_worn')} worn in."
         )
-    new, worn = (
-        f"{judged(key)}, its pressure {judged(more)}"
-        for key, more in (("new", "p"), ("worn", "p_worn"))
-    )
+    new = f"{judged('new')}, its pressure {judged('p')}"
+    worn = f"{judged('worn')}, its pressure {judged('p_worn')}"
     return f"New, the {effect_} of the law {name!r} {new}; worn in, the {effect_} {worn}."

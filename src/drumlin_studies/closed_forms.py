@@ -1,10 +1,11 @@
-"""Closed forms of elasticity, contact, friction and wear: what the benchmark ladder is judged by.
+"""Closed forms of elasticity, contact, friction and wear, which judge the benchmark ladder.
 
-Plane stress, unit width unless said. Nothing here is computed by the parts of drumlin that it
-judges.
+They hold for plane stress and, unless a docstring says otherwise, for unit width. They use no part
+of drumlin that they judge.
 """
 
 import math
+from itertools import pairwise
 
 import numpy as np
 from scipy.optimize import brentq
@@ -13,22 +14,34 @@ from drumlin.base.arrays import Floats
 
 
 def hertz(load: float, radius: float, modulus: float) -> tuple[float, float]:
-    """Half-width [m] and peak pressure [Pa] of a line contact (Hertz 1881): a^2 = 4 P R/(pi E*),
-    p_0 = 2 P/(pi a).
+    """Half-width a [m] and peak pressure p_0 [Pa] of a line contact (Hertz 1881).
+
+        a^2 = 4 P R/(pi E*),   p_0 = 2 P/(pi a)
+
+    Parameters
+    ----------
+    load : float
+        Force P per width [N/m].
+    radius : float
+        Relative radius of curvature R [m].
+    modulus : float
+        Contact modulus E* [Pa].
     """
     half = math.sqrt(4 * load * radius / (math.pi * modulus))
     return half, 2 * load / (math.pi * half)
 
 
 def persson_clearance(b: float) -> float:
-    """E dR / Q of a disc in a hole of the same material, b = tan(eps/2) (Persson 1964; Ciavarella &
-    Decuzzi 2001).
+    """Clearance E dR/Q of a disc in a hole of the same material, by b = tan(eps/2).
+
+    dR is the difference of the radii, Q the force per width, eps the half-angle of contact (Persson
+    1964; Ciavarella & Decuzzi 2001).
     """
     return (2 - 2 * b**4 - math.log(1 + b**2)) / (math.pi * b**2 * (1 + b**2))
 
 
 def persson_pressure(b: float, theta: Floats) -> Floats:
-    """p R / Q (n,) of that disc at theta (n,) [rad]; 0 outside |theta| < eps."""
+    """Pressure p R/Q (n,) of a disc in a hole at theta (n,) [rad]; zero beyond the contact."""
     y = np.tan(theta / 2)
     root = np.sqrt(np.maximum(b**2 - y**2, 0))
     q = math.sqrt(b**2 + 1)
@@ -38,10 +51,17 @@ def persson_pressure(b: float, theta: Floats) -> Floats:
 
 
 def westergaard(mean: float, full: float, psi: Floats) -> Floats:
-    """p at psi = pi x/lambda of a wavy half-plane under a mean pressure (Westergaard 1939), p* =
-    `full`.
+    """Pressure [Pa] of a wavy half-plane (Westergaard 1939).
 
-    For mean >= p* all is in contact, p = mean + p* cos 2 psi.
+    Parameters
+    ----------
+    mean : float
+        Mean pressure [Pa].
+    full : float
+        Mean pressure p* [Pa] from which on the whole surface is in contact; then
+        p = mean + p* cos 2 psi.
+    psi : array
+        Places pi x/lambda along the wave of length lambda [rad].
     """
     if mean >= full:
         return np.asarray(mean + full * np.cos(2 * psi))
@@ -51,8 +71,9 @@ def westergaard(mean: float, full: float, psi: Floats) -> Floats:
 
 
 def lame(inner: float, outer: float, pressure: float, E: float, nu: float) -> tuple[float, float]:
-    """Radial displacements [m] at both edges of a ring under inner pressure (Lame 1852), plane
-    stress.
+    """Radial displacements [m] of the inner and outer edge of a ring under inner pressure.
+
+    After Lame (1852). The radii `inner` and `outer` are in m, `pressure` and E in Pa.
     """
     c = pressure * inner**2 / (outer**2 - inner**2) / E
     return (
@@ -62,11 +83,21 @@ def lame(inner: float, outer: float, pressure: float, E: float, nu: float) -> tu
 
 
 def ring_yield(n: int, free: float, held: float, E: float, nu: float) -> float:
-    """Radial displacement at r = free, over cos(n theta), under the pressure cos(n theta) there,
-    held fast at r = held.
+    """Radial displacement [m/Pa] of a ring's free edge under the pressure cos(n theta) there.
 
-    Michell's solution (1899; Barber, Elasticity, table 9.1), no shear at r = free: [m/Pa], negative
-    where the ring lies inside of its free edge.
+    The displacement goes with cos(n theta) as well. It is negative where the ring lies inside its
+    free edge. By Michell's solution (1899; Barber, Elasticity, table 9.1).
+
+    Parameters
+    ----------
+    n : int
+        Order of the harmonic.
+    free : float
+        Radius of the edge with the pressure and without shear [m].
+    held : float
+        Radius of the edge that is held fast [m].
+    E, nu : float
+        Young's modulus [Pa] and Poisson's ratio.
     """
     k, two_mu = (3 - nu) / (1 + nu), E / (1 + nu)
     if n == 0:
@@ -77,9 +108,10 @@ def ring_yield(n: int, free: float, held: float, E: float, nu: float) -> float:
         return float(-(u @ ratio) / (s @ ratio))
 
     def columns(r: float) -> Floats:
-        """u_r, u_theta (times 2 mu), s_rr, s_rtheta of the four terms."""
+        """2 mu u_r, 2 mu u_theta, s_rr and s_rtheta (4, 4) at a radius, a column for each term."""
         fourth: list[float]
-        if n == 1:  # r theta sin and r ln r cos, so that displacements are those of one value
+        if n == 1:
+            # The terms r theta sin and r ln r cos, combined for single-valued displacements.
             log = math.log(r)
             fourth = [2 * k * log - 1, -1 - 2 * k * log, (k + 3) / r, -(k - 1) / r]
         else:
@@ -119,49 +151,55 @@ def ring_yield(n: int, free: float, held: float, E: float, nu: float) -> float:
 
 
 def corner_exponent(mu: float, nu: float) -> float:
-    """lambda of p ~ r^(lambda - 1) at a right-angled edge on a rigid plane that slides onto it,
-    plane stress.
+    """The exponent lambda of p ~ r^(lambda - 1) at a right-angled edge on a rigid sliding plane.
 
-    Williams' (1952) stress function r^(lambda + 1) F(theta): no traction at theta = pi/2; u_theta =
-    0 and shear mu times pressure at theta = 0. The smallest root above 1/4; 1 without friction.
+    The plane slides onto the edge. Williams' (1952) stress function is r^(lambda + 1) F(theta),
+    without traction at theta = pi/2. At theta = 0 the displacement u_theta is zero and the shear is
+    mu times the pressure. The result is the smallest root above 1/4, or 1 without friction.
     """
     if mu == 0:
         return 1.0
     k, right = (3 - nu) / (1 + nu), math.pi / 2
 
     def determinant(e: float) -> float:
-        """Of the conditions on A cos(e+1) + B sin(e+1) + C cos(e-1) + D sin(e-1)."""
+        """Determinant of the conditions on A cos(e+1) + B sin(e+1) + C cos(e-1) + D sin(e-1)."""
         a, b = e + 1, e - 1
-        sa, ca, sb, cb = (
-            math.sin(a * right),
-            math.cos(a * right),
-            math.sin(b * right),
-            math.cos(b * right),
-        )
+        sa, ca = math.sin(a * right), math.cos(a * right)
+        sb, cb = math.sin(b * right), math.cos(b * right)
+        # s_rtheta = -e F' and s_thetatheta = e (e + 1) F.
         rows = [
             [0.0, a, 0.0, k + e],
-            [mu * (e + 1), a, mu * (e + 1), b],  # s_rt = -e F', s_tt = e (e + 1) F
+            [mu * (e + 1), a, mu * (e + 1), b],
             [ca, sa, cb, sb],
             [-a * sa, a * ca, -b * sb, b * cb],
         ]
         return float(np.linalg.det(np.array(rows)))
 
-    places = np.linspace(0.25, 0.999, 400)
-    values = [determinant(float(e)) for e in places]
-    for low, high, before, after in zip(places, places[1:], values, values[1:], strict=False):
-        if before * after < 0:
+    exponents = np.linspace(0.25, 0.999, 400)
+    for low, high in pairwise(exponents):
+        if determinant(float(low)) * determinant(float(high)) < 0:
             return float(brentq(determinant, low, high, xtol=1e-14))
     return 1.0
 
 
 def capstan(mu: float, angle: float) -> float:
-    """Ratio of a belt's tensions, e^(mu angle) (Euler 1769; Eytelwein 1808)."""
+    """Ratio of the tensions at the ends of a belt, e^(mu angle) (Euler 1769; Eytelwein 1808)."""
     return math.exp(mu * angle)
 
 
 def sine_shoe_limit(R: float, a: float, phi_1: float, phi_2: float) -> float:
-    """Friction at which a rigid shoe on a Winkler lining locks itself: moments of p ~ sin phi about
-    its hinge.
+    """Friction at which a rigid shoe with a lining of springs locks itself.
+
+    The moments of p ~ sin phi and of its friction about the hinge balance each other.
+
+    Parameters
+    ----------
+    R : float
+        Radius of the drum [m].
+    a : float
+        Distance of the hinge from the drum's centre [m].
+    phi_1, phi_2 : float
+        Ends of the lining, from the hinge [rad].
     """
     normal = a * ((phi_2 - phi_1) / 2 - (math.sin(2 * phi_2) - math.sin(2 * phi_1)) / 4)
     friction = (
@@ -172,21 +210,32 @@ def sine_shoe_limit(R: float, a: float, phi_1: float, phi_2: float) -> float:
 
 
 def bonded_layer(E: float, nu: float, thickness: float) -> float:
-    """Stiffness [Pa/m] of a thin layer that cannot spread along its back, plane stress: E/((1 -
-    nu^2) t).
-    """
+    """Stiffness E/((1 - nu^2) t) [Pa/m] of a thin layer that cannot spread along its back."""
     return E / ((1 - nu**2) * thickness)
 
 
 def flat_punch(load: float, half: float, x: Floats) -> Floats:
-    """p (n,) under a rigid frictionless flat punch (Sadowsky 1928): P/(pi sqrt(a^2 - x^2)), |x| <
-    a.
+    """Pressure (n,) [Pa] under a rigid frictionless flat punch (Sadowsky 1928).
+
+        p = P/(pi sqrt(a^2 - x^2)),   |x| < a
+
+    Parameters
+    ----------
+    load : float
+        Force P per width [N/m].
+    half : float
+        Half-width a of the punch [m].
+    x : array (n,)
+        Places, from the middle of the punch [m].
     """
     return np.asarray(load / (math.pi * np.sqrt(half**2 - x**2)))
 
 
 def equivalent_block(half: float) -> float:
-    """mu'/mu of a block of this half-arc [rad] under p = p_0 cos: 4 sin/(2 half + sin 2 half)
-    (NPTEL lesson 12.1).
+    """Equivalent over actual friction of a block under p = p_0 cos phi (NPTEL lesson 12.1).
+
+        mu'/mu = 4 sin half/(2 half + sin 2 half)
+
+    half : half of the block's arc [rad].
     """
     return 4 * math.sin(half) / (2 * half + math.sin(2 * half))

@@ -1,8 +1,8 @@
-"""Two ways of drumlin to the same quantity, held against each other on random brakes.
+"""Checks that two paths through drumlin lead to the same number, on random brakes.
 
-A holding brake that is turned to full slip must end where the sliding brake is, wear must begin
-there, and an exact slope must be the difference of two solves. Each module `consistency_*` draws
-the random brake of a seed, takes both ways and returns one row for each quantity that it compared.
+For example, a holding brake that is turned to full slip must end with the torque of the sliding
+brake, and an exact slope must agree with the difference of two solves. Each module `consistency_*`
+draws the random brake of a seed, follows both paths and returns a row for each quantity.
 """
 
 from collections import Counter
@@ -10,16 +10,33 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 CHECK_OUTCOMES = ("agrees", "said", "differs", "refused")
+"""How a comparison can end.
+
+"said" means that the numbers differ and that drumlin itself tells the reason; "refused" that both
+paths have no answer. "differs" is a fault of drumlin.
+"""
 
 
 class Check(NamedTuple):
-    """One quantity of one random brake, by two ways.
+    """One quantity of one random brake, by two paths.
 
-    `check`: what is held against what; `brake`: kind and seed, so that the brake can be drawn
-    again; `quantity`: what is compared; `difference`: relative difference of the two values;
-    `allowed`: the largest difference that counts as agreement; `said`: the line in which drumlin
-    itself says that and why the two differ, or refuses both, empty where drumlin says nothing;
-    `refused`: whether neither way has an answer.
+    Attributes
+    ----------
+    check : str
+        Which paths are compared.
+    brake : str
+        Kind and seed, so that the brake can be drawn again.
+    quantity : str
+        What is compared.
+    difference : float
+        Relative difference of the two values.
+    allowed : float
+        Largest difference that counts as agreement.
+    said : str
+        The line in which drumlin tells that and why the two differ, or why it refuses both; empty
+        where drumlin says nothing.
+    refused : bool
+        Whether neither path has an answer.
     """
 
     check: str
@@ -32,7 +49,7 @@ class Check(NamedTuple):
 
     @property
     def outcome(self) -> str:
-        """One of CHECK_OUTCOMES; "differs" is a fault of drumlin."""
+        """How the comparison ended, one of CHECK_OUTCOMES."""
         if self.refused:
             return "refused"
         if self.difference <= self.allowed:
@@ -43,8 +60,16 @@ class Check(NamedTuple):
 class Count(NamedTuple):
     """How the comparisons of one check ended.
 
-    `compared`: rows in which at least one way has an answer; `agree`, `said`, `differ`, `refused`:
-    rows of each outcome; `largest`: largest difference over what is allowed among those that agree.
+    Attributes
+    ----------
+    check : str
+        Which paths are compared.
+    compared : int
+        Number of rows in which at least one path has an answer.
+    agree, said, differ, refused : int
+        Number of rows of each outcome.
+    largest : float
+        Largest difference over the allowed difference, among the rows that agree.
     """
 
     check: str
@@ -57,15 +82,14 @@ class Count(NamedTuple):
 
 
 def counted(rows: Sequence[Check]) -> list[Count]:
-    """How the rows of each check ended, checks in the order of their first row."""
-    found = []
+    """How the rows of each check ended, the checks in the order of their first row."""
+    counts = []
     for check in dict.fromkeys(row.check for row in rows):
         own = [row for row in rows if row.check == check]
         outcomes = Counter(row.outcome for row in own)
-        largest = max(
-            (row.difference / row.allowed for row in own if row.outcome == "agrees"), default=0.0
-        )
-        found.append(
+        agreeing = [row for row in own if row.outcome == "agrees"]
+        largest = max((row.difference / row.allowed for row in agreeing), default=0.0)
+        counts.append(
             Count(
                 check=check,
                 compared=len(own) - outcomes["refused"],
@@ -76,4 +100,4 @@ def counted(rows: Sequence[Check]) -> list[Count]:
                 largest=largest,
             )
         )
-    return found
+    return counts

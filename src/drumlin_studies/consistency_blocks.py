@@ -5,6 +5,8 @@ blocks. The steps are shallow or deep against the compression that the brake's o
 that in some brakes all blocks press and in others few of them do.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from drumlin.base.errors import BadInput, NoAnswer
@@ -19,29 +21,41 @@ from drumlin_studies.consistency import Check
 from drumlin_studies.stated_true import JUDGED_QUANTITIES, Truth, by_columns, errors
 
 BLOCKS_CHECK = "blocks: error stated by the default solve, error against finer levels"
+"""Name of the check in rows."""
 FEWEST_BLOCK_STEPS, MOST_BLOCK_STEPS = 7, 30
-"""Rows of `misfit.blocks`, each of which is a step with two kinks."""
+"""Smallest and largest number of rows of `misfit.blocks`. Each row is a step with two kinks."""
 BLOCK_ATTEMPTS = 200
+"""Draws for one seed before the generator gives up."""
 BLOCK_TRIAL_ELEMENTS = 40
-"""Elements of the mesh that shows how far a brake is compressed, and whether it has an answer with
-its blocks."""
+"""Elements of the mesh that shows how far a lining is compressed and whether all shoes press."""
 STEP_SPACING = 1.05
-"""Least distance between two steps over the arc of a step. `misfit.blocks` asks for more than 1."""
+"""Smallest distance between two steps, over the arc of a step. `misfit.blocks` needs more than 1.
+"""
 STEP_DEPTH_DECADES = (-1.0, 1.0)
-"""Decades between which the largest step lies, over the compression that the brake's force
-makes."""
+"""Range of the largest step over the compression by the brake's force, as powers of ten."""
 BLOCKS_TRUTH_TOLERANCE = 2.5e-3
-"""Tolerance for which finer levels are taken as true: they end where p moves by a tenth of it."""
+"""Tolerance of the finer levels that serve as truth. They end where p changes by a tenth of it."""
 BLOCK_KINDS = (*random_brake.SHAPE_KINDS, *random_kinds.HOLDING_KINDS)
+"""The kinds of both generators, in the order in which seeds draw them."""
 Rng = np.random.Generator
 
 
 def random_blocks(seed: int, steps: int | None = None) -> Brake:
-    """The brake of a seed with blocks on each of its linings; its kind is the seed modulo the
-    number of BLOCK_KINDS.
+    """The brake of a seed with blocks on each of its linings.
 
-    steps: number of the steps of each lining, by default FEWEST_BLOCK_STEPS to MOST_BLOCK_STEPS of the seed. With fewer
-    steps it is the same brake. Raises NoAnswer where no brake of the kind has room for its steps.
+    Parameters
+    ----------
+    seed : int
+        The same seed always gives the same brake. The seed modulo the number of BLOCK_KINDS chooses
+        the kind.
+    steps : int, optional
+        Number of steps on each lining, by default FEWEST_BLOCK_STEPS to MOST_BLOCK_STEPS by the
+        seed. Another number of steps does not change the brake behind them.
+
+    Raises
+    ------
+    NoAnswer
+        No brake of the kind has room for its steps in BLOCK_ATTEMPTS draws.
     """
     kind = BLOCK_KINDS[seed % len(BLOCK_KINDS)]
     for attempt in range(BLOCK_ATTEMPTS):
@@ -62,16 +76,32 @@ def random_blocks(seed: int, steps: int | None = None) -> Brake:
 
 
 def _of_kind(seed: int, kind: str) -> Brake:
+    """The brake of a seed and a kind of either generator."""
     if kind in random_brake.SHAPE_KINDS:
         return random_brake.random_brake(seed, kind)
     return random_kinds.random_kind(seed, kind)
 
 
 def _with_blocks(brake: Brake, rng: Rng, steps: int, depth: float) -> Brake:
-    """The brake with so many steps on each lining, of depths up to `depth` times its compression.
+    """The brake with steps on each lining.
 
-    Raises BadInput where a lining has no room for them, NoAnswer where a shoe does not press or
-    locks.
+    Parameters
+    ----------
+    brake : Brake
+        The brake without blocks.
+    rng : numpy.random.Generator
+        What places and depths are drawn from.
+    steps : int
+        Number of steps on each lining.
+    depth : float
+        Largest depth of a step, over the compression of the lining.
+
+    Raises
+    ------
+    BadInput
+        A lining has no room for the steps.
+    NoAnswer
+        A shoe does not press or locks.
     """
     fitting = solve(brake, elements=BLOCK_TRIAL_ELEMENTS)
     changes: dict[str, list[list[float]]] = {}
@@ -87,8 +117,10 @@ def _with_blocks(brake: Brake, rng: Rng, steps: int, depth: float) -> Brake:
 
 
 def _places(rng: Rng, shoe: Shoe, steps: int) -> np.ndarray:
-    """Where its blocks begin [rad]: random, with room for each step. Raises BadInput where there is
-    none."""
+    """Random beginnings of the blocks of a lining (steps,) [rad], with room for each step.
+
+    Raises BadInput where the lining is too short.
+    """
     lining, room = shoe.lining, STEP_SPACING * shoe.lining.step
     free = lining.end - lining.start - (steps + 1) * room
     if free <= 0:
@@ -97,44 +129,45 @@ def _places(rng: Rng, shoe: Shoe, steps: int) -> np.ndarray:
 
 
 def _compression(brake: Brake, shoe: Shoe, found: ShoeResponse) -> float:
-    """How far the mean pressure of a shoe presses its lining together [m], about."""
+    """Compression of a lining by the mean pressure of its shoe [m]."""
     lining = shoe.lining
     area = brake.scale_factor * (lining.end - lining.start) * lining.width
     return found.normal_force / area * lining.thickness / lining.material.E_through
 
 
-def stated_and_true(brake: Brake) -> tuple[Response, Truth, dict[str, float]]:
-    """The response of a default solve, the truth by finer levels, and the errors of the one against
-    the other.
+class StatedAndTrue(NamedTuple):
+    """A response, the truth of its brake, and its errors against the truth by JUDGED_QUANTITIES."""
 
-    Raises NoAnswer where one of the two has none.
+    response: Response
+    truth: Truth
+    errors: dict[str, float]
+
+
+def stated_and_true(brake: Brake) -> StatedAndTrue:
+    """The default solve of a brake and its truth by finer levels.
+
+    Raises NoAnswer where the solve or the truth has no answer.
     """
-    found = adapt(brake, DEFAULT, respond, must=False).response
+    response = adapt(brake, DEFAULT, respond, must=False).response
     true = by_columns(brake, BLOCKS_TRUTH_TOLERANCE)
-    return found, true, errors(brake, found.shoes, true.shoes)
+    return StatedAndTrue(response, true, errors(brake, response.shoes, true.shoes))
 
 
 def checks(seed: int) -> list[Check]:
-    """A row for each of QUANTITIES of the brake of a seed: its true error, and the stated one that
-    is allowed.
+    """A row for each of JUDGED_QUANTITIES of the brake of a seed: true against stated error.
 
-    The truth's own uncertainty is added to the stated error. A peak that is said to be unbounded
-    has a stated error of 1.
+    The stated error plus the uncertainty of the truth is the allowed difference. The stated error
+    of a peak that drumlin calls unbounded is 1.
     """
     brake = random_blocks(seed)
     name = f"{BLOCK_KINDS[seed % len(BLOCK_KINDS)]} {seed}"
     try:
-        found, true, off = stated_and_true(brake)
+        response, truth, true_errors = stated_and_true(brake)
     except NoAnswer as error:
         return [Check(BLOCKS_CHECK, name, "p", 0.0, 0.0, str(error), refused=True)]
-    assert found.error is not None
-    return [
-        Check(
-            BLOCKS_CHECK,
-            name,
-            quantity,
-            off[quantity],
-            found.error[quantity] + true.unsure[quantity],
-        )
-        for quantity in JUDGED_QUANTITIES
-    ]
+    assert response.error is not None
+    rows = []
+    for quantity in JUDGED_QUANTITIES:
+        allowed = response.error[quantity] + truth.unsure[quantity]
+        rows.append(Check(BLOCKS_CHECK, name, quantity, true_errors[quantity], allowed))
+    return rows

@@ -1,7 +1,7 @@
-"""The end of a holding brake held against the sliding brake, on random brakes of all kinds.
+"""Checks that a holding brake ends with the torque of the sliding brake, on random brakes.
 
-The drum is turned as the command `hold` turns it: to full slip, in a few increments. Its moment
-there must be the torque of `solve`, or a line of the last state says both and why they differ.
+The drum is turned to full slip in a few increments, as by the command `hold`. The moment there must
+be the torque of `solve`, or a line of the last state must tell both numbers and why they differ.
 """
 
 import math
@@ -20,48 +20,52 @@ from drumlin_studies import random_brake, random_kinds
 from drumlin_studies.consistency import Check
 
 HOLD_CHECK = "hold's end = solve"
+"""Name of the check in rows."""
 HOLD_STEPS = 4
-"""Increments of the rotation; full slip is reached in any number of increments."""
+"""Increments of the rotation. Full slip does not depend on their number."""
 MESH_ELEMENTS = 12
-"""Elements of the mesh, which both ways share, so that its error does not matter."""
+"""Elements along a lining. Both paths share the mesh, so that its error does not matter."""
 LOCKED_ROTATION = 1.0
-"""Rotation [rad] to which a brake is held that `solve` refuses: one that locks still sticks there.
-"""
+"""Rotation [rad] of a brake that `solve` refuses. A brake that locks still sticks there."""
 TWO_ANSWERS_LINE = "more than one answer"
-"""How the line of `full_slip_rotation` begins that has the moments of both ways."""
+"""Words of the line in which `full_slip_rotation` tells the moments of both paths."""
 
 
 def checks(seed: int) -> list[Check]:
-    """One row for the random brake of a seed: the torque held at full slip and that of the sliding
-    brake.
+    """The row of the random brake of a seed: its torque at full slip against that of `solve`.
 
-    Seeds go through the kinds of both generators, on one mesh and on columns in turn. No row where
-    the generator has no brake of the seed, and for a brake without friction, which holds nothing.
+    Seeds go through the kinds of both generators, on a mesh and on hp elements in turn. There is no
+    row where the generator has no brake of the seed, and none for a brake without friction.
     """
     kinds = _kinds()
     generator, kind = kinds[seed % len(kinds)]
     try:
-        draw = random_kinds.random_kind if generator is random_kinds else random_brake.random_brake
-        brake = draw(seed, kind)
+        if generator is random_kinds:
+            brake = random_kinds.random_kind(seed, kind)
+        else:
+            brake = random_brake.random_brake(seed, kind)
     except NoAnswer:
         return []
     if brake.friction == 0:
         return []
-    on_columns = seed // len(kinds) % 2 == 1
-    scene = prepare(brake, LEVELS[1]) if on_columns else prepare(brake, elements=MESH_ELEMENTS)
+    on_hp_elements = seed // len(kinds) % 2 == 1
+    scene = prepare(brake, LEVELS[1]) if on_hp_elements else prepare(brake, elements=MESH_ELEMENTS)
     return [_check(f"{kind} {seed}", scene, brake)]
 
 
 def _kinds() -> list[tuple[ModuleType, str]]:
-    """The generators and their kinds."""
-    return [(module, kind) for module in (random_kinds, random_brake) for kind in module.KINDS]
+    """Each generator with each of its kinds."""
+    of_holding = [(random_kinds, kind) for kind in random_kinds.HOLDING_KINDS]
+    of_shape = [(random_brake, kind) for kind in random_brake.SHAPE_KINDS]
+    return of_holding + of_shape
 
 
 def _check(name: str, scene: Scene, brake: Brake) -> Check:
-    """The row of a brake on a scene."""
+    """The row of a brake on a prepared model."""
     row = Check(
         check=HOLD_CHECK, brake=name, quantity="torque", difference=math.inf, allowed=TWO_ANSWERS
     )
+    # Where `solve` refuses a brake, it must still stick after a large rotation.
     try:
         sliding = respond(scene, brake).torque
     except NoAnswer as error:
@@ -79,7 +83,7 @@ def _check(name: str, scene: Scene, brake: Brake) -> Check:
 
 
 def _end(scene: Scene, brake: Brake, rotation: float) -> Hold | None:
-    """The state after a rotation [rad]; None where there is none."""
+    """The state of the brake after a rotation [rad], or None where there is no answer."""
     try:
         return hold(scene, brake, np.linspace(0.0, rotation, HOLD_STEPS + 1))[-1]
     except NoAnswer:

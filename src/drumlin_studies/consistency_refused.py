@@ -1,9 +1,9 @@
-"""Whether a refusal of the default solve is one: three meshes must refuse the brake, or disagree.
+"""Checks that the default solve refuses only brakes that three meshes refuse as well.
 
-The default solve divides a brake by levels that follow the contact. A mesh knows nothing of the
-contact and is nowhere coarse, so that its answer is the independent one. Half of the seeds draw a
-brake whose lining stands off by far more than its force compresses it, the other half one of all
-kinds of both generators.
+The default solve divides a brake by levels that follow the contact. A mesh is uniform and does not
+depend on the contact, so that its answer is independent. Where the default solve has no answer, the
+meshes must have none, or must disagree. Half of the seeds draw a brake whose clearance is far
+larger than its compression, the other half a brake of any kind of both generators.
 """
 
 from drumlin.base.errors import NoAnswer
@@ -16,46 +16,49 @@ from drumlin_studies.consistency import Check
 from drumlin_studies.standing_off import standing_off
 
 MESH_SIZES = 20, 40, 80
-"""Elements along the lining of the three meshes."""
+"""Elements along a lining of the three meshes."""
 SAME_FORCE = 0.05
-"""Relative spread of the contact force up to which three meshes count as of one answer. Above it
-the meshes are too coarse for the contact and prove nothing.
+"""Relative spread of the contact force up to which three meshes count as one answer.
+
+Above it the meshes are too coarse for the contact and prove nothing.
 """
 HELD_AGAINST = 10
-"""One brake in this many is held against the meshes although the default solve answers it. A
-refused one always is. The meshes of one brake cost a second or so.
+"""One brake in so many is solved on the meshes although the default solve answers it.
+
+A refused brake is always solved on the meshes. They cost about one second a brake.
 """
 
 
 def checks(seed: int) -> list[Check]:
-    """The row of the brake of a seed: refused on levels and on meshes, or the two answers compared.
+    """The row of the brake of a seed: the default solve against three meshes.
 
-    No row for an answered brake whose meshes are not asked for or show nothing.
+    There is no row for a brake with an answer whose meshes are not asked for or disagree.
     """
     brake = drawn(seed)
     found = _answer(brake, None)
     refused = isinstance(found, str)
     if not refused and seed // 2 % HELD_AGAINST:
         return []
+    # Meshes with one common answer prove that the brake has an answer.
     on_meshes = [_answer(brake, elements) for elements in MESH_SIZES]
     forces = [force(mesh) for mesh in on_meshes if not isinstance(mesh, str)]
     one_answer = len(forces) == len(MESH_SIZES) and spread(forces) <= SAME_FORCE
     if isinstance(found, str):
         if one_answer:
-            # Columns of high degree lose more digits than a mesh, and drumlin says that this is
-            # why.
+            # Hp elements lose more digits than a mesh. Drumlin gives this as the reason.
             said = found if TOO_FAR in found else ""
             return [_row(brake, f"an answer, refused: {found}", 1.0, 0.0, said=said)]
         return [_row(brake, "an answer", 0.0, 0.0, said=found, refused=True)]
     if not one_answer:
         return []
     difference = max(abs(each / force(found) - 1) for each in forces)
-    # The error of the coarsest mesh is about the spread; twice it leaves room for slow convergence.
+    # The error of the coarsest mesh is about the spread. Twice the spread allows for slow
+    # convergence.
     return [_row(brake, "contact force", difference, max(2 * spread(forces), 1e-3))]
 
 
 def drawn(seed: int) -> Brake:
-    """The brake of a seed."""
+    """The brake of a seed: even seeds stand off the drum, odd ones are of all kinds."""
     half, odd = divmod(seed, 2)
     if not odd:
         return standing_off(half)
@@ -72,12 +75,12 @@ def force(response: Response) -> float:
 
 
 def spread(values: list[float]) -> float:
-    """The largest difference of some values, relative to the last one."""
+    """The largest difference of some values, relative to the last value."""
     return (max(values) - min(values)) / values[-1]
 
 
 def _answer(brake: Brake, elements: int | None) -> Response | str:
-    """The response on levels, or on a mesh, or the line that refuses it."""
+    """The response of the default solve (None) or on a mesh, or the line of the refusal."""
     try:
         return solve(brake, elements=elements)
     except NoAnswer as refusal:
@@ -93,6 +96,7 @@ def _row(
     said: str = "",
     refused: bool = False,
 ) -> Check:
+    """A row of this check; arguments as the attributes of `Check`."""
     return Check(
         "default solve = three meshes", brake.title, quantity, difference, allowed, said, refused
     )

@@ -1,10 +1,10 @@
-"""Printed slopes of random brakes of all kinds, held against central differences of solves.
+"""Checks that printed slopes agree with central differences of solves, on random brakes.
 
 `drumlin sensitivity` prints how the torque changes with friction, forces, moduli, bending
-stiffnesses, clearances and what holds the shoes. Each slope must be that of `solve`: the central
-difference over each of three steps, of solves that divide the brake anew each time. A brake is
-divided into the elements of a mesh or into columns of a fixed level, in turn, because the default
-refines until a stated error is small, and two of its answers may stand on two levels.
+stiffnesses, clearances and supports. Each slope must agree with the central difference of two
+solves, for each of three steps. Each solve divides the brake anew, into a mesh or into hp elements
+of a fixed level. The default solve cannot be used: it refines until its error is small, so that two
+of its answers may have different levels.
 """
 
 import math
@@ -14,12 +14,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
-from drumlin.brake.brake import Brake
+from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Bar
 from drumlin.brake.fields import AnyMaterial
 from drumlin.brake.file import vary
-from drumlin.fem.analysis.sensitivity import Sensitivity, sensitivity
+from drumlin.fem.analysis.sensitivity import Sensitivity, ShoeSensitivity, sensitivity
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import respond
 from drumlin.fem.preparation.cache import Cache
@@ -29,34 +30,55 @@ from drumlin_studies import random_brake, random_kinds
 from drumlin_studies.consistency import Check
 
 SLOPE_MESH_ELEMENTS = 10
-"""Elements along a lining of the meshes. The slope is exact for the discrete brake, so that few
-elements are enough."""
+"""Elements along a lining of the meshes.
+
+The slope is exact for the discrete brake, so that few elements are enough.
+"""
 SLOPE_LEVEL = LEVELS[0]
-"""The level of the columns, the coarsest, for the same reason."""
+"""Level of the hp elements, the coarsest for the same reason."""
 DIFFERENCE_STEPS = (1e-3, 3e-4, 1e-4)
-"""Steps of the differences, relative to the size of the quantity. A larger step changes the contact
-set and has the error of the difference itself, a smaller one has the round-off of the solves, some
-1e-11 of the torque."""
+"""Steps of the central differences, relative to the size of the quantity.
+
+A larger step changes the contact set and has a larger error of the difference itself. In a smaller
+step the round-off of the solves counts, some 1e-11 of the torque.
+"""
 STEP_FACTORS = (1.0, 0.1, 0.01)
-"""Factors of the steps, tried in turn until no step changes the contact set."""
+"""Factors on all steps, tried in turn until no step changes the contact set."""
 ALLOWED_SLOPE_DIFFERENCE = 0.01
-"""Largest relative difference of a slope that counts as agreement; the aim of the project for
-printed slopes."""
+"""Largest relative difference of a slope that counts as agreement.
+
+It is the project's aim for printed slopes.
+"""
 SMALLEST_SLOPE = 1e-3
-"""A slope below this part of the torque over the quantity's size is compared with this part instead
-of itself, so that ALLOWED_SLOPE_DIFFERENCE of it is 1e-5 of the torque: below that the differences have no
-digits."""
+"""Smallest slope to which a difference is relative, as a fraction of torque over size of quantity.
+
+ALLOWED_SLOPE_DIFFERENCE of this slope is 1e-5 of the torque. Smaller slopes cannot be resolved by
+differences.
+"""
 SLOPES_PER_BRAKE = 3
-"""Slopes of a brake that are compared, drawn by the seed; all of them would take some ten seconds
-of a large brake."""
+"""Number of slopes of a brake that are compared, drawn by the seed.
+
+All slopes of a large brake would take some ten seconds.
+"""
 
 Changes = Callable[[float], dict[str, Any]]
+"""Changes of a brake file's keys, as a function of a step."""
 
 
 class Slope(NamedTuple):
-    """A printed slope: `what` it is over, its value `exact` [N m per unit, on a plane N], the keys
-    that `changes` by a step gives, and the `size` of the quantity in its unit, 1 for a
-    logarithm."""
+    """A printed slope.
+
+    Attributes
+    ----------
+    what : str
+        The quantity over which the slope is taken.
+    exact : float
+        The printed value [N m per unit of the quantity, on a plane N per unit].
+    changes : function
+        Keys of the brake file after a step of the quantity.
+    size : float
+        Size of the quantity in its unit; 1 where the slope is over a logarithm.
+    """
 
     what: str
     exact: float
@@ -65,44 +87,57 @@ class Slope(NamedTuple):
 
 
 class TorqueOnDivision(NamedTuple):
-    """The `torque` of a brake [N m], on a plane its braking force [N], the number of unknowns of
-    each of its `bodies`, and which nodes of each shoe are `touching` the drum."""
+    """A torque, and the division and the contact set with which it was computed.
+
+    Attributes
+    ----------
+    torque : float
+        Torque [N m], or on a plane the braking force [N].
+    bodies : tuple of int
+        Number of unknowns of each body and of the ring.
+    touching : tuple of bytes
+        Which nodes of each shoe touch the drum.
+    """
 
     torque: float
     bodies: tuple[int, ...]
     touching: tuple[bytes, ...]
 
     def alike(self, other: "TorqueOnDivision") -> bool:
-        """Whether both stand on the same division and the same contact set."""
+        """Whether both have the same division and the same contact set."""
         return self.bodies == other.bodies and self.touching == other.touching
 
 
 @dataclass(frozen=True)
 class Divided:
-    """How a brake is divided into elements: on a mesh of `elements` along a lining, or in columns
-    of SLOPE_LEVEL."""
+    """How a brake is divided into elements.
+
+    Attributes
+    ----------
+    elements : int or None
+        Elements of a mesh along a lining; None for hp elements of SLOPE_LEVEL.
+    cache : Cache
+        Substructures of equal shape that several solves share.
+    """
 
     elements: int | None
     cache: Cache
 
     def scene(self, own: Brake) -> Scene:
-        """The prepared scene of a brake."""
+        """The prepared model of a brake."""
         if self.elements is None:
             return prepare(own, SLOPE_LEVEL, cache=self.cache)
         return prepare(own, elements=self.elements, cache=self.cache)
 
     def solved(self, brake: Brake) -> "TorqueOnDivision":
-        """The torque of a brake, and on what it stands. Raises as `solve`."""
+        """The torque of a brake with its division and contact set. Raises as `solve`."""
         scene = self.scene(brake)
         response = respond(scene, brake)
-        bodies = [body.unknowns for body in scene.bodies] + (
-            [scene.ring.basis.N] if scene.ring else []
-        )
-        return TorqueOnDivision(
-            response.torque,
-            tuple(bodies),
-            tuple((shoe.pressure > 0).tobytes() for shoe in response.shoes),
-        )
+        bodies = [body.unknowns for body in scene.bodies]
+        if scene.ring:
+            bodies.append(scene.ring.basis.N)
+        touching = tuple((shoe.pressure > 0).tobytes() for shoe in response.shoes)
+        return TorqueOnDivision(response.torque, tuple(bodies), touching)
 
     def slopes(self, brake: Brake) -> Sensitivity:
         """The slopes of a brake. Raises as `sensitivity`."""
@@ -110,12 +145,15 @@ class Divided:
 
 
 def scaled(key: str, value: float) -> Changes:
-    """Changes of a key by a part of its value."""
+    """Changes of a key by a fraction of its value."""
     return lambda s: {key: value * (1 + s)}
 
 
 def scaled_moduli(key: str, material: AnyMaterial) -> Changes:
-    """Changes of all moduli of the material of the part `key` by one part of their values."""
+    """Changes of all moduli of a part's material by the same fraction of their values.
+
+    key : path of the part in the brake file, with a dot at its end.
+    """
     return lambda s: {
         f"{key}material.{name}": value * (1 + s) for name, value in material.moduli.items()
     }
@@ -127,12 +165,12 @@ def shifted(key: str, value: float) -> Changes:
 
 
 def moved(key: str, x: float, y: float, way: int) -> Changes:
-    """Changes of a point along x (0) or y (1)."""
+    """Changes of a point along x (way 0) or y (way 1)."""
     return lambda s: {key: {"x": x + s * (way == 0), "y": y + s * (way == 1)}}
 
 
 def slopes_of(brake: Brake, found: Sensitivity) -> list[Slope]:
-    """All slopes that are printed of a brake."""
+    """All slopes that `drumlin sensitivity` prints of a brake."""
     table = [Slope("friction", found.friction, shifted("friction", brake.friction), brake.friction)]
     table += _of_drive(brake, found)
     ring = brake.ring
@@ -151,6 +189,7 @@ def slopes_of(brake: Brake, found: Sensitivity) -> list[Slope]:
 
 
 def _of_drive(brake: Brake, found: Sensitivity) -> Iterator[Slope]:
+    """The slope over the drive that all shoes share, where the brake has one."""
     drive = brake.actuation
     if drive is None or found.drive is None:
         return
@@ -161,57 +200,63 @@ def _of_drive(brake: Brake, found: Sensitivity) -> Iterator[Slope]:
 
 
 def _of_shoe(brake: Brake, found: Sensitivity, i: int) -> Iterator[Slope]:
+    """The slopes over the quantities of shoe number i."""
     shoe, own, key = brake.shoes[i], found.shoes[i], f"shoe[{i}]."
-    lining, body, radius = shoe.lining, shoe.body, brake.size
     behind_strut = any(link.to == shoe.name for link in brake.links)
     if own.force is not None and own.torque and brake.actuation is None and not behind_strut:
         force = shoe.actuation.force
         yield Slope("force", own.force * force, scaled(f"{key}actuation.force", force))
-    yield Slope(
-        "E of the lining", own.moduli["lining"], scaled_moduli(f"{key}lining.", lining.material)
-    )
-    if "backing" in own.moduli and shoe.backing is not None:
-        yield Slope(
-            "E of the backing",
-            own.moduli["backing"],
-            scaled_moduli(f"{key}backing.", shoe.backing.material),
-        )
-    if "shoe" in own.moduli and body is not None and body.material is not None:
-        yield Slope(
-            "E of the body", own.moduli["shoe"], scaled_moduli(f"{key}body.", body.material)
-        )
-    if (
-        own.bending_stiffness is not None
-        and body is not None
-        and isinstance(body.bending_stiffness, float)
-    ):
+    yield from _of_stiffness(shoe, own, key)
+    clearance = shoe.lining.clearance
+    if isinstance(clearance, float):
+        changes = shifted(f"{key}lining.clearance", clearance)
+        yield Slope("clearance", own.clearance, changes, _compression(brake, shoe))
+    for what, value in own.held.items():
+        yield from _of_support(brake, i, what, value)
+
+
+def _of_stiffness(shoe: Shoe, own: ShoeSensitivity, key: str) -> Iterator[Slope]:
+    """The slopes over the moduli and the bending stiffness of a shoe."""
+    moduli, body = own.moduli, shoe.body
+    lining = scaled_moduli(f"{key}lining.", shoe.lining.material)
+    yield Slope("E of the lining", moduli["lining"], lining)
+    if "backing" in moduli and shoe.backing is not None:
+        backing = scaled_moduli(f"{key}backing.", shoe.backing.material)
+        yield Slope("E of the backing", moduli["backing"], backing)
+    if body is None:
+        return
+    if "shoe" in moduli and body.material is not None:
+        changes = scaled_moduli(f"{key}body.", body.material)
+        yield Slope("E of the body", moduli["shoe"], changes)
+    if own.bending_stiffness is not None and isinstance(body.bending_stiffness, float):
         EI = scaled(f"{key}body.bending_stiffness", body.bending_stiffness)
         yield Slope("bending_stiffness of the body", own.bending_stiffness, EI)
-    if isinstance(lining.clearance, float):
-        force = abs(shoe.actuation.force) or max(abs(each.actuation.force) for each in brake.shoes)
-        area = brake.scale_factor * (lining.end - lining.start) * lining.width
-        squeezed = force / area * lining.thickness / lining.material.E_through
-        yield Slope(
-            "clearance",
-            own.clearance,
-            shifted(f"{key}lining.clearance", lining.clearance),
-            squeezed,
-        )
-    for what, value in own.held.items():
-        at: Any = brake.shoes[i]
-        for name in what.split("."):
-            at = getattr(at, name)
-        if len(value) == 1:
-            size = at if what.endswith("friction") else 1.0
-            yield Slope(what, float(value[0]), shifted(f"{key}{what}", at), size)
-            continue
-        for way, axis in enumerate("xy"):
-            yield Slope(
-                f"{what} along {axis}",
-                float(value[way]),
-                moved(f"{key}{what}", at.x, at.y, way),
-                radius,
-            )
+
+
+def _compression(brake: Brake, shoe: Shoe) -> float:
+    """Compression of a lining [m] by the shoe's force, or by the largest force where it has none."""
+    lining = shoe.lining
+    force = abs(shoe.actuation.force) or max(abs(each.actuation.force) for each in brake.shoes)
+    area = brake.scale_factor * (lining.end - lining.start) * lining.width
+    return force / area * lining.thickness / lining.material.E_through
+
+
+def _of_support(brake: Brake, i: int, what: str, value: Floats) -> Iterator[Slope]:
+    """The slopes over a number or a point of the support of shoe number i.
+
+    what : path of the number or point in the shoe; value : its slope (1,) or slopes (2,).
+    """
+    at: Any = brake.shoes[i]
+    for name in what.split("."):
+        at = getattr(at, name)
+    key = f"shoe[{i}].{what}"
+    if len(value) == 1:
+        size = at if what.endswith("friction") else 1.0
+        yield Slope(what, float(value[0]), shifted(key, at), size)
+        return
+    for way, axis in enumerate("xy"):
+        changes = moved(key, at.x, at.y, way)
+        yield Slope(f"{what} along {axis}", float(value[way]), changes, brake.size)
 
 
 def difference(
@@ -219,25 +264,48 @@ def difference(
 ) -> float | None:
     """The largest relative difference of a slope from the central differences over three steps.
 
-    None where a step of each size changes the contact set, or the number of elements, so that there
-    is no slope.
+    None where steps of all sizes change the contact set or the division, so that the torque has no
+    slope.
+
+    Parameters
+    ----------
+    brake : Brake
+        The brake.
+    slope : Slope
+        The printed slope.
+    divided : Divided
+        How the brake is divided into elements.
+    base : TorqueOnDivision
+        The torque of the brake itself.
     """
     for factor in STEP_FACTORS:
-        worst = 0.0
+        largest = 0.0
         for step in DIFFERENCE_STEPS:
-            h = factor * step * slope.size
-            try:
-                up, down = (divided.solved(vary(brake, slope.changes(s))) for s in (h, -h))
-            except (BadInput, NoAnswer):
+            apart = _difference(brake, slope, divided, base, factor * step * slope.size)
+            if apart is None:
                 break
-            if not (up.alike(base) and down.alike(base)):
-                break
-            near = (up.torque - down.torque) / (2 * h)
-            least = SMALLEST_SLOPE * base.torque / slope.size
-            worst = max(worst, abs(slope.exact - near) / max(abs(near), least))
+            largest = max(largest, apart)
         else:
-            return worst
+            return largest
     return None
+
+
+def _difference(
+    brake: Brake, slope: Slope, divided: Divided, base: TorqueOnDivision, step: float
+) -> float | None:
+    """Relative difference of a slope from the central difference over a step in its unit.
+
+    None where the step changes the contact set or the division.
+    """
+    try:
+        up, down = (divided.solved(vary(brake, slope.changes(h))) for h in (step, -step))
+    except (BadInput, NoAnswer):
+        return None
+    if not (up.alike(base) and down.alike(base)):
+        return None
+    central = (up.torque - down.torque) / (2 * step)
+    smallest = SMALLEST_SLOPE * base.torque / slope.size
+    return abs(slope.exact - central) / max(abs(central), smallest)
 
 
 SLOPE_KINDS = (*random_brake.SHAPE_KINDS, *random_kinds.HOLDING_KINDS)
@@ -245,8 +313,10 @@ SLOPE_KINDS = (*random_brake.SHAPE_KINDS, *random_kinds.HOLDING_KINDS)
 
 
 def brake_of(seed: int) -> tuple[str, Brake]:
-    """Kind and brake of a seed, with friction; every other one with a body or a ring has a bending
-    stiffness."""
+    """Kind and brake of a seed, with friction.
+
+    In half of the brakes the body and the ring are given a bending stiffness.
+    """
     kind = SLOPE_KINDS[seed % len(SLOPE_KINDS)]
     draw = (
         random_brake.random_brake if kind in random_brake.SHAPE_KINDS else random_kinds.random_kind
@@ -255,14 +325,16 @@ def brake_of(seed: int) -> tuple[str, Brake]:
     while brake.friction == 0:
         seed += 10**6
         brake = draw(seed, kind)
-    return kind, brake if seed // len(SLOPE_KINDS) % 2 else _with_bending_stiffness(
-        brake, np.random.default_rng(seed)
-    )
+    if seed // len(SLOPE_KINDS) % 2:
+        return kind, brake
+    return kind, _with_bending_stiffness(brake, np.random.default_rng(seed))
 
 
 def _with_bending_stiffness(brake: Brake, rng: np.random.Generator) -> Brake:
-    """The brake with the bending stiffness of its first body and of its ring given, near to what
-    each has."""
+    """The brake with a given bending stiffness of its first body and of its ring.
+
+    Each is drawn near the bending stiffness that the part already has.
+    """
     changes: dict[str, Any] = {}
     body = brake.shoes[0].body
     if body is not None and not (isinstance(body, Bar) and body.table is not None):
@@ -274,12 +346,15 @@ def _with_bending_stiffness(brake: Brake, rng: np.random.Generator) -> Brake:
 
 
 def checks(seed: int, most: int | None = SLOPES_PER_BRAKE) -> list[Check]:
-    """The printed slopes of the brake of a seed against differences of solves: some, or with most =
-    None all."""
+    """The printed slopes of the brake of a seed against differences of solves.
+
+    most : largest number of slopes that are compared; None for all.
+    """
     kind, brake = brake_of(seed)
-    columns = bool(seed // len(SLOPE_KINDS) // 2 % 2)
-    divided = Divided(None if columns else SLOPE_MESH_ELEMENTS, Cache())
-    name = f"{kind} {seed}, {'columns' if columns else 'mesh'}"
+    on_hp_elements = bool(seed // len(SLOPE_KINDS) // 2 % 2)
+    divided = Divided(None if on_hp_elements else SLOPE_MESH_ELEMENTS, Cache())
+    name = f"{kind} {seed}, {'columns' if on_hp_elements else 'mesh'}"
+    no_slopes = Check("slopes", name, "all", math.inf, ALLOWED_SLOPE_DIFFERENCE)
     try:
         base = divided.solved(brake)
     except NoAnswer as error:
@@ -287,19 +362,9 @@ def checks(seed: int, most: int | None = SLOPES_PER_BRAKE) -> list[Check]:
     try:
         found = divided.slopes(brake)
     except NoAnswer as error:
-        return [
-            Check(
-                "slopes",
-                name,
-                "all",
-                math.inf,
-                ALLOWED_SLOPE_DIFFERENCE,
-                str(error),
-                refused=base is None,
-            )
-        ]
+        return [no_slopes._replace(said=str(error), refused=base is None)]
     if base is None:
-        return [Check("slopes", name, "all", math.inf, ALLOWED_SLOPE_DIFFERENCE, refusal)]
+        return [no_slopes._replace(said=refusal)]
     table = slopes_of(brake, found)
     if most is not None:
         table = [table[k] for k in np.random.default_rng(seed).permutation(len(table))[:most]]

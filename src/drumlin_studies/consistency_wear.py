@@ -1,9 +1,9 @@
-"""Beginning, middle and end of wear held against `solve`, the worn-in state and the law.
+"""Checks beginning, middle and end of wear against `solve`, the worn-in state and the law.
 
-The unworn linings must bear as `solve` says, and so must worn ones at every distance, whichever
-way the drum turns. In the end all points wear as the rigid motions of the shoe close the gap: the
-pressure must be that of the linings that are set up as worn in, and both must be the rigid-shoe
-law as nearly as the mesh can have it.
+Unworn linings must have the torque and the pressure of `solve`. So must worn linings, at every
+distance and in both senses of rotation. At the end all points wear at the rate at which a
+rigid-body motion of the shoe closes the gap. The pressure must then be that of the worn-in state,
+and both must be that of the rigid-shoe law, within the error of the mesh.
 """
 
 import math
@@ -37,44 +37,61 @@ from drumlin_studies import random_brake, random_kinds
 from drumlin_studies.consistency import Check
 
 WORN_ELEMENTS = 24
-"""Elements along each lining that is worn. More of them bring the end nearer to the law."""
+"""Elements along each worn lining. With more elements the end is nearer to the law."""
 SAME_TORQUE = 1e-6
-"""Relative difference in torque of two answers on one mesh. Both are without a penalty, which wear
-does without. Round-off reaches 5e-8 where a lining is much softer than its shoe."""
+"""Allowed relative difference of the torques of two answers on one mesh.
+
+Both answers have exact contact. Round-off reaches 5e-8 where a lining is much softer than its shoe.
+"""
 SAME_PRESSURE = 2e-5
-"""The same of the pressure in L2, which round-off changes by up to 1e-5."""
+"""Allowed relative L2 difference of the pressures on one mesh. Round-off reaches 1e-5."""
 LAW_TORQUE = 1e-3
-"""Relative difference in torque of the law and the worn-in pressure on WORN_ELEMENTS; it falls with
-their number squared where the law presses part of the lining, and faster elsewhere."""
+"""Allowed relative difference of the torques by the law and in the worn-in state.
+
+With WORN_ELEMENTS it is the error of the mesh. It falls with the square of their number where the
+law has partial contact, and faster elsewhere.
+"""
 LAW_PRESSURE = 0.02
-"""The same of the pressure in L2. At the end of its contact the law has a kink within an
-element."""
+"""Allowed relative L2 difference of the pressures by the law and in the worn-in state.
+
+The pressure of the law has a kink at the end of its contact, within an element.
+"""
 END_REACHED = 1.1 * WEAR_SETTLED
-"""The same of the end of wear and its limit: WEAR_SETTLED, and a little for the mesh and the penalty."""
+"""Allowed difference of torque and pressure at the end of wear from its limit.
+
+Wear ends at a difference of WEAR_SETTLED. The factor allows for the mesh and the penalty.
+"""
 
 TRUE_REASONS = ("small displacements hold up to", "without its ever touching", "lost digits")
-"""Parts of lines that refuse one way only and tell why. The first two: linings set up as worn in
-leave a very soft shoe so much room that it would have to turn too far. The third: `solve` finds
-that its condensed bodies have lost digits; wear does not look for lost digits."""
+"""Words of lines that refuse one path only and give a valid reason.
+
+By the first two, a worn-in lining leaves a very soft shoe so much clearance that it would have to
+turn too far. By the third, `solve` finds that static condensation has lost digits, which wear does
+not check.
+"""
 EXACT_CONTACT = partial(respond, penalty=math.inf)
-"""How brakes are solved here: without a penalty."""
-
-
+"""Solves a brake without a penalty, as wear does."""
 ELASTIC_ONLY_KINDS = ("table", "grip")
-"""Kinds that are what they are by their elastic bodies: without these they are others."""
+"""Kinds that need their elastic bodies: without them they would be brakes of another kind."""
 WEAR_KINDS = (
     *random_brake.SHAPE_KINDS,
     *random_kinds.HOLDING_KINDS,
     *(f"rigid {kind}" for kind in random_kinds.HOLDING_KINDS if kind not in ELASTIC_ONLY_KINDS),
 )
-"""The kinds of brakes that are drawn: those of both generators, and the second ones without
-elastic bodies."""
+"""The kinds that are drawn: those of both generators, and HOLDING_KINDS without elastic bodies."""
 
 
 class _Bearing(NamedTuple):
-    """How linings bear: torque [N m], and pressure (n,) [Pa] at the unknowns of a setup.
+    """Torque and pressure of worn linings by one path.
 
-    `said`: the line in which drumlin says that other ways than this one lose digits.
+    Attributes
+    ----------
+    torque : float
+        Torque [N m].
+    pressure : array (n,)
+        Pressure at the unknowns of a setup [Pa].
+    said : str
+        The line in which drumlin tells that other paths lose digits.
     """
 
     torque: float
@@ -83,9 +100,9 @@ class _Bearing(NamedTuple):
 
 
 def checks(seed: int) -> list[Check]:
-    """The rows of the brake of a seed; none where the generator has no brake of the seed.
+    """The rows of the brake of a seed. The seed modulo the number of WEAR_KINDS chooses the kind.
 
-    The seed modulo the number of kinds is the kind.
+    There are no rows where the generator has no brake of the seed.
     """
     kind = WEAR_KINDS[seed % len(WEAR_KINDS)]
     try:
@@ -98,6 +115,7 @@ def checks(seed: int) -> list[Check]:
 
 
 def _drawn(seed: int, kind: str) -> Brake:
+    """The brake of a seed and one of WEAR_KINDS."""
     if kind in random_brake.SHAPE_KINDS:
         return random_brake.random_brake(seed, kind)
     return random_kinds.random_kind(
@@ -106,12 +124,12 @@ def _drawn(seed: int, kind: str) -> Brake:
 
 
 def _beginning(name: str, brake: Brake) -> list[Check]:
-    """The unworn linings, on the division that `solve` ends on."""
+    """Rows of the unworn linings, on the last division of `solve`."""
     scene = scene_of(brake)
     setup = fem_setup(scene, brake)
 
     def solved() -> _Bearing:
-        # As `solve` does it: each level begins with the contact that the level before has found.
+        # As in `solve`, each level starts from the contact set of the level before.
         return _borne(setup, adapt(brake, DEFAULT, EXACT_CONTACT, must=False).response)
 
     def begun() -> _Bearing:
@@ -121,7 +139,10 @@ def _beginning(name: str, brake: Brake) -> list[Check]:
 
 
 def _later(name: str, brake: Brake) -> list[Check]:
-    """The linings on the way, turned back and in the end, on a mesh. The drum must be round."""
+    """Rows of the worn linings: on the way, turned back and at the end.
+
+    They are on a mesh, and the drum is round.
+    """
     scene = prepare(brake, elements=WORN_ELEMENTS)
     setup = fem_setup(scene, brake)
 
@@ -136,30 +157,36 @@ def _later(name: str, brake: Brake) -> list[Check]:
         states = run_in(setup)
     except NoAnswer as error:
         return _rows(name, "wear's end = worn in", setup, (partial(_refused, error), set_up))
-    rows = _rows(
-        name,
-        "wear's end = worn in",
-        setup,
-        (partial(_of, states[-1]), set_up),
-        END_REACHED,
-        END_REACHED,
-    )
+    last = partial(_of, states[-1])
+    ends = last, set_up
+    rows = _rows(name, "wear's end = worn in", setup, ends, END_REACHED, END_REACHED)
     rows += _rows(name, "worn in = law", setup, (set_up, by_law), LAW_TORQUE, LAW_PRESSURE)
     middle = states[len(states) // 2]
     if middle.s == 0:
         return rows
-    then = partial(_solved, setup, scene, worn(setup, middle))
-    rows += _rows(
-        name, "wear's middle = solve of the worn linings", setup, (partial(_of, middle), then)
-    )
-    other = brake.reversed()
-    return rows + _turned_back(name, setup, fem_setup(scene, other), scene, middle.s)
+    solved = partial(_solved, setup, scene, worn(setup, middle))
+    middles = partial(_of, middle), solved
+    rows += _rows(name, "wear's middle = solve of the worn linings", setup, middles)
+    backward = fem_setup(scene, brake.reversed())
+    return rows + _turned_back(name, setup, backward, scene, middle.s)
 
 
 def _turned_back(
     name: str, setup: WearSetup, backward: WearSetup, scene: Scene, s: float
 ) -> list[Check]:
-    """The linings as the drum begins to turn back after the distance s [m]."""
+    """Rows of the linings as the drum begins to turn back.
+
+    Parameters
+    ----------
+    name : str
+        Kind and seed.
+    setup, backward : WearSetup
+        The linings as the drum turns forward and backward.
+    scene : Scene
+        The prepared model of the brake.
+    s : float
+        Sliding distance before the drum turns back [m].
+    """
     forward = run_in(setup, distance=s)[-1]
 
     def turned() -> _Bearing:
@@ -171,19 +198,22 @@ def _turned_back(
 
 
 def _refused(error: NoAnswer) -> _Bearing:
+    """A path that has no answer: raises its error."""
     raise error
 
 
 def _of(state: WearState) -> _Bearing:
+    """Torque and pressure of a state of wear."""
     return _Bearing(state.torque, state.pressure)
 
 
 def _solved(setup: WearSetup, scene: Scene, brake: Brake) -> _Bearing:
-    """By the contact of the brake itself."""
+    """Torque and pressure by the contact of a brake whose linings are worn."""
     return _borne(setup, EXACT_CONTACT(scene, brake))
 
 
 def _borne(setup: WearSetup, response: Response) -> _Bearing:
+    """Torque and pressure of a response, at the unknowns of a setup."""
     by_lining = [
         response.shoes[surface.shoe].pressure[surface.forward] for surface in setup.surfaces
     ]
@@ -199,22 +229,37 @@ def _rows(
     torque: float = SAME_TORQUE,
     pressure: float = SAME_PRESSURE,
 ) -> list[Check]:
-    """The rows of a check: torque and pressure by two ways, with the differences allowed."""
-    found, refusals = list[_Bearing](), list[str]()
+    """The rows of a check: torque and pressure by two paths.
+
+    Parameters
+    ----------
+    brake : str
+        Kind and seed.
+    check : str
+        Which paths are compared.
+    setup : WearSetup
+        The linings, whose areas weigh the difference of pressures.
+    ways : two functions
+        Torque and pressure by each path.
+    torque, pressure : float
+        Allowed relative differences.
+    """
+    answers, refusals = list[_Bearing](), list[str]()
     for way in ways:
         try:
-            found.append(way())
+            answers.append(way())
         except NoAnswer as error:
             refusals.append(str(error))
     if refusals:
-        both = not found
+        both = not answers
         tells = both or any(reason in refusals[0] for reason in TRUE_REASONS)
         said = "; ".join(refusals) if tells else ""
         return [Check(check, brake, "answer", math.inf, 0.0, said, refused=both)]
-    a, b = found
-    off = apart(setup, a.pressure, b.pressure)
-    rows = [Check(check, brake, "pressure", off, pressure, a.said or b.said)]
-    if b.torque == 0:
+    first, second = answers
+    said = first.said or second.said
+    difference = apart(setup, first.pressure, second.pressure)
+    rows = [Check(check, brake, "pressure", difference, pressure, said)]
+    if second.torque == 0:
         return rows
-    off = abs(a.torque / b.torque - 1)
-    return [Check(check, brake, "torque", off, torque, a.said or b.said), *rows]
+    difference = abs(first.torque / second.torque - 1)
+    return [Check(check, brake, "torque", difference, torque, said), *rows]

@@ -1,8 +1,7 @@
-"""Stated and true errors of brakes that press with a corner alone or under a tip: a table of their
-own.
+"""Stated and true errors of brakes that press with a corner alone or under a tip.
 
-They are kept apart from the random brakes by which the promise on stated errors is judged: their p
-has no bound, and where friction makes it steep enough no solution reaches a small error.
+They have a table of their own, apart from the random brakes that judge the promise on stated
+errors. Their p has no bound. Where friction makes it steep enough, no solution has a small error.
 """
 
 from collections.abc import Mapping, Sequence
@@ -19,24 +18,25 @@ from drumlin_studies.stated_true import ratio, row
 from drumlin_studies.stored_truth import by_deep_triangles
 
 CORNER_TOLERANCES = (5e-3, 1e-3, 1e-4)
+"""Relative tolerances to which each brake is solved."""
 FIRST_CORNER = 410_000
 """Seed of the first brake. The rules for corners and tips were found on seeds 400000 to 400099."""
 STEEPEST_JUDGED = -0.3
-"""Power of p at a corner below which 0.1 % of p cannot be had with angles as floating-point
-numbers.
+"""Power of p at a corner below which no solution has an error of 0.1 % of p.
 
-The smallest piece of p is 1e-12 rad (`corner.SMALLEST_PIECE`), 1e-10 of a contact of half a degree.
-Of x^a it leaves `left_by_power` (1e-10)^(a + 1/2) of p: 0.13 % at a = -0.3 and degree 7, 0.8 % at
--0.38, 5 % at -0.45; at -0.5 p is not square-integrable. On a rigid drum a friction of 0.31, 0.42 and
-0.52 has these powers, where it drags away from the corner.
+The limit is set by angles as floating-point numbers. The smallest piece of p is 1e-12 rad
+(`corner.SMALLEST_PIECE`), 1e-10 of a contact of half a degree. Of a pressure x^a this piece leaves
+an error of about (1e-10)^(a + 1/2) (`left_by_power`): with degree 7 it is 0.13 % at a = -0.3, 0.8 %
+at -0.38 and 5 % at -0.45. At -0.5 p is not square-integrable. On a rigid drum these powers belong
+to a friction of 0.31, 0.42 and 0.52 that drags away from the corner.
 """
 
 
 def rows(seed: int) -> list[dict[str, Any]]:
-    """Stated against true errors of the brake of a seed, one row a tolerance: as of
-    `stated_true.row`.
+    """A row of stated and true errors of the brake of a seed, for each tolerance.
 
-    Besides its `kind`, and as `power` the smallest of p at its pressed corners, 0 without one.
+    The rows are those of `stated_true.row` with the `kind` of the brake and the smallest `power` of
+    p at its pressed corners (0 without a pressed corner).
     """
     try:
         brake = random_corner(seed)
@@ -55,24 +55,22 @@ def rows(seed: int) -> list[dict[str, Any]]:
 
 
 def power_of(brake: Brake) -> float:
-    """The smallest power of p at the pressed corners of a brake, 0 without one."""
-    found = solve(brake).shoes
-    return min(
-        (power for i, one in enumerate(found) for _, power in steep_corners(brake, i, one)),
-        default=0.0,
-    )
+    """The smallest power of p at the pressed corners of a brake; 0 without a pressed corner."""
+    powers: list[float] = []
+    for i, shoe in enumerate(solve(brake).shoes):
+        powers += [power for _, power in steep_corners(brake, i, shoe)]
+    return min(powers, default=0.0)
 
 
 def by_kind(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
-    """For each kind and tolerance: brakes, the share that reaches it, and stated over true errors
-    of p.
+    """A row for each kind and tolerance: number of brakes, share that reaches it, error ratios.
 
-    Two last groups hold all brakes, and all but those that press with a corner steeper than STEEPEST_JUDGED.
+    The ratios are of stated to true errors of p. The last two groups hold all brakes, and all but
+    those with a power below STEEPEST_JUDGED.
     """
-    kinds = {
-        kind: [one for one in rows if one["kind"] == kind]
-        for kind in sorted({one["kind"] for one in rows})
-    }
+    kinds: dict[str, list[Mapping[str, Any]]] = {}
+    for kind in sorted({one["kind"] for one in rows}):
+        kinds[kind] = [one for one in rows if one["kind"] == kind]
     gentle = [one for one in rows if one["power"] >= STEEPEST_JUDGED]
     table = []
     for kind, mine in {**kinds, "all": list(rows), "all but the steepest corners": gentle}.items():

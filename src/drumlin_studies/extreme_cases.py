@@ -1,8 +1,8 @@
-"""Brakes with their knobs turned to the ends: a designed set of cases, and what became of each.
+"""A designed set of brakes whose parameters (knobs) go to their ends.
 
-A case starts from one internal shoe like that of a car's rear brake and changes a few knobs of it.
-The set sweeps each knob to its ends, crosses pairs of ends, and adds a Latin hypercube over all of
-them at once.
+A case starts from one internal shoe like that of a car's rear brake and changes a few knobs. The
+set sweeps each knob to its ends, combines the ends of several knobs and adds a Latin hypercube over
+all knobs at once.
 """
 
 import dataclasses
@@ -22,13 +22,12 @@ from drumlin.fem.mesh.arc import shoe_mesh
 from drumlin.fem.mesh.grading import Division, divide
 
 HYPERCUBE_SEED = 7
-SHORT_ELEMENTS = 12  # elements along the lining in the short setting, at most
-RADIUS, WIDTH = 0.15, 0.04  # m
-PIN = (0.125, math.radians(-75.0))  # radius [m], angle
-MODULUS = 3e8  # Pa, of the lining
-
-# Clearance in mm over the arc, from the end at the hinge (0, the heel) to the loaded one (1, the
-# toe).
+"""Seed of the Latin hypercube."""
+SHORT_ELEMENTS = 12
+"""Largest number of elements along a lining in the short set."""
+CASE_RADIUS, CASE_WIDTH = 0.15, 0.04  # m
+CASE_PIN = (0.125, math.radians(-75.0))  # radius [m], angle [rad]
+CASE_MODULUS = 3e8  # Pa
 CLEARANCES: dict[str, tuple[tuple[float, float], ...]] = {
     "toe": ((0, 3.0), (0.7, 1.0), (1, 0.0)),
     "heel": ((0, 0.0), (0.3, 1.0), (1, 6.0)),
@@ -36,18 +35,50 @@ CLEARANCES: dict[str, tuple[tuple[float, float], ...]] = {
     "point": ((0, 4.0), (0.5, 0.0), (1, 4.0)),
     "waves": ((0, 0.0), (0.2, 0.05), (0.4, 0.0), (0.6, 0.05), (0.8, 0.0), (1, 0.05)),
 }
+"""Tables of clearance by name: fraction of the arc, from heel (0) to toe (1), and clearance [mm].
+
+The heel is the end at the hinge, the toe the loaded end.
+"""
 
 
 @dataclass(frozen=True)
 class KnobCase:
-    """The knobs of a case. SI, but for the arc [deg] and what is relative.
+    """The knobs of a case, in SI units.
 
-    `knob`: which sweep it belongs to; `assisted`: whether friction turns the shoe as its actuation
-    does; `shoes`: 1, or 2 as each other's mirror image; `shoe`, `ring`: modulus of shoe and drum
-    ring over that of the lining, None: rigid; `thickness`: of the lining over R; `arc` of the
-    lining [deg]; `clearance` [m] or a name of CLEARANCES; `lever`: distance of the line of force
-    from the pin [m]; `aspect`: length of the elements at the heel's surface over their depth, None:
-    as meshed otherwise; `size`: factor of all lengths, with `pressure`, that of all moduli.
+    Attributes
+    ----------
+    knob : str
+        The sweep that the case belongs to.
+    shoes : int
+        1, or 2 for a second shoe that is the mirror image of the first.
+    assisted : bool
+        Whether the shoe is self-energising.
+    friction : float
+        Coefficient of friction.
+    shoe, ring : float or None
+        Young's modulus of the shoe and of the drum's ring, over that of the lining; None: rigid.
+    support : str
+        Support of the ring, "fixed" or "free".
+    penalty : float
+        Penalty factor of the contact.
+    thickness : float
+        Thickness of the lining over the drum's radius.
+    arc : float
+        Arc of the lining [deg].
+    clearance : float or str
+        Clearance [m], or a name of CLEARANCES.
+    force : float
+        Actuating force [N].
+    lever : float
+        Distance of the line of force from the pin [m].
+    nu : float
+        Poisson's ratio of the lining.
+    elements, kind : int, str
+        Elements along a lining, and their kind.
+    aspect : float or None
+        Length over depth of the elements at the heel's surface; None for the usual mesh.
+    size, pressure : float
+        Factors on all lengths and on all moduli.
     """
 
     knob: str = "base"
@@ -72,38 +103,35 @@ class KnobCase:
 
     @property
     def changes(self) -> dict[str, Any]:
-        """The knobs that are not at their first value."""
-        base = dataclasses.asdict(KnobCase())
-        return {
-            key: value
-            for key, value in dataclasses.asdict(self).items()
-            if value != base[key] and key != "knob"
-        }
+        """The knobs that differ from their default values."""
+        base, own = dataclasses.asdict(KnobCase()), dataclasses.asdict(self)
+        del own["knob"]
+        return {key: value for key, value in own.items() if value != base[key]}
 
     def brake(self) -> Brake:
-        """The brake; raises BadInput where the knobs make none."""
+        """The brake of the case. Raises BadInput where the knobs make no valid brake."""
+        title = ", ".join(f"{key} {value}" for key, value in self.changes.items())
         data: dict[str, Any] = {
-            "title": ", ".join(f"{key} {value}" for key, value in self.changes.items())[:80]
-            or "base",
+            "title": title[:80] or "base",
             "rotation": "counter-clockwise" if not self.assisted else "clockwise",
             "friction": self.friction,
-            "drum": {"radius": RADIUS * self.size},
+            "drum": {"radius": CASE_RADIUS * self.size},
             "shoe": [self._shoe(1)] + ([self._shoe(-1)] if self.shoes > 1 else []),
         }
         if self.ring is not None:
             data["drum"]["ring"] = {
                 "thickness": 0.015 * self.size,
-                "width": WIDTH * self.size,
-                "material": {"E": MODULUS * self.ring * self.pressure, "nu": 0.25},
+                "width": CASE_WIDTH * self.size,
+                "material": {"E": CASE_MODULUS * self.ring * self.pressure, "nu": 0.25},
                 "support": self.support,
             }
         return brake_from(data)
 
     def _shoe(self, side: int) -> dict[str, Any]:
-        """The shoe on the right (1), or its mirror image (-1)."""
+        """The data of the shoe on the right (side 1), or of its mirror image (side -1)."""
         arc, size = math.radians(self.arc), self.size
-        start = PIN[1] + math.radians(5.0)
-        pin = PIN[0] * size * np.array([math.cos(PIN[1]), math.sin(PIN[1])])
+        start = CASE_PIN[1] + math.radians(5.0)
+        pin = CASE_PIN[0] * size * np.array([math.cos(CASE_PIN[1]), math.sin(CASE_PIN[1])])
 
         def placed(a: float, b: float) -> dict[str, float]:
             return (
@@ -122,9 +150,9 @@ class KnobCase:
             "hinge": {"x": side * float(pin[0]), "y": float(pin[1])},
             "lining": {
                 **placed(start, start + arc),
-                "thickness": self.thickness * RADIUS * size,
-                "width": WIDTH * size,
-                "material": {"E": MODULUS * self.pressure, "nu": self.nu},
+                "thickness": self.thickness * CASE_RADIUS * size,
+                "width": CASE_WIDTH * size,
+                "material": {"E": CASE_MODULUS * self.pressure, "nu": self.nu},
                 "clearance": clearance,
             },
             "actuation": {
@@ -135,21 +163,22 @@ class KnobCase:
         }
         if self.shoe is not None:
             shoe["body"] = {
-                **placed(PIN[1], start + arc + math.radians(5.0)),
+                **placed(CASE_PIN[1], start + arc + math.radians(5.0)),
                 "thickness": 0.024 * size,
-                "width": WIDTH * size,
-                "material": {"E": MODULUS * self.shoe * self.pressure, "nu": 0.3},
+                "width": CASE_WIDTH * size,
+                "material": {"E": CASE_MODULUS * self.shoe * self.pressure, "nu": 0.3},
             }
         return shoe
 
     def mesher(self) -> Callable[[Shoe, float], Any] | None:
-        """What meshes the shoes, where the case has elements of its own shape."""
+        """The mesher of the shoes, where the case has elements of a given aspect ratio."""
         return None if self.aspect is None else partial(_slender, self)
 
 
 def _slender(case: KnobCase, shoe: Shoe, radius: float) -> Any:
-    """The mesh whose elements at the heel's surface have the case's aspect ratio, growing tenfold
-    from there.
+    """The mesh whose elements at the heel's surface have the aspect ratio of the case.
+
+    From there each element is ten times as large as the one before.
     """
     division = divide(shoe, radius, case.elements)
     start, end = shoe.arc
@@ -166,21 +195,23 @@ def _slender(case: KnobCase, shoe: Shoe, radius: float) -> Any:
 
 
 def _growing(first: float, whole: float) -> Floats:
-    """Points from 0 to `whole`, the first `first` from 0, each then ten times as far."""
+    """Points from 0 to `whole`: the first at a distance `first`, each next ten times as far."""
     steps = max(0, math.ceil(math.log10(whole / first) - 0.5)) if first < whole else 0
     return np.array([0.0, *(first * 10.0**k for k in range(steps)), whole])
 
 
 def cases(*, short: bool = False) -> list[KnobCase]:
-    """The designed set; `short`: the ends and the middle of every sweep and a tenth of the crossed
-    ones, coarser.
+    """The designed set of cases.
+
+    short : whether coarser meshes, the ends and the middle of each sweep, and about a tenth of the
+    other cases are enough.
     """
     sweeps = [_sweep(knob, settings) for knob, settings in _sweeps().items()]
     if not short:
-        return (
-            [case for sweep in sweeps for case in sweep] + _corners() + _grids() + _hypercube(100)
-        )
-    ends = [sweep[i] for sweep in sweeps for i in sorted({0, len(sweep) // 2, len(sweep) - 1})]
+        return [*itertools.chain(*sweeps), *_corners(), *_grids(), *_hypercube(100)]
+    ends: list[KnobCase] = []
+    for sweep in sweeps:
+        ends += [sweep[i] for i in sorted({0, len(sweep) // 2, len(sweep) - 1})]
     chosen = ends + _corners()[::8] + _grids()[::12] + _hypercube(8)
     coarse = (
         dataclasses.replace(case, elements=min(case.elements, SHORT_ELEMENTS)) for case in chosen
@@ -189,37 +220,22 @@ def cases(*, short: bool = False) -> list[KnobCase]:
 
 
 def _decades(first: int, last: int, step: int = 1) -> list[float]:
+    """Powers of ten from 10^first to 10^last."""
     return [10.0**k for k in range(first, last + 1, step)]
 
 
 def _over(name: str, values: list[Any], **rest: Any) -> list[dict[str, Any]]:
+    """A knob over its values, with further knobs fixed."""
     return [{name: value, **rest} for value in values]
 
 
 def _sweeps() -> dict[str, list[dict[str, Any]]]:
-    """Each knob to its ends."""
+    """The sweeps: for each its changes of the knobs, case by case."""
+    # Values of the knobs that several sweeps share, in the units of KnobCase.
     arcs = [0.1, 0.3, 1.0, 5.0, 20.0, 60.0, 180.0, 240.0, 300.0, 340.0]
     gaps = [-1e-2, -1e-3, -1e-4, -1e-6, -1e-9, 1e-9, 1e-6, 1e-5, 1e-4, 1e-3, 3e-3, 1e-2, 3e-2]
-    mu = [
-        0.0,
-        1e-9,
-        0.05,
-        0.2,
-        0.5,
-        0.8,
-        1.0,
-        1.1,
-        1.15,
-        1.17,
-        1.18,
-        1.19,
-        1.2,
-        1.3,
-        1.5,
-        2.0,
-        3.0,
-        5.0,
-    ]
+    mu = [0.0, 1e-9, 0.05, 0.2, 0.5, 0.8, 1.0, 1.1, 1.15, 1.17, 1.18, 1.19, 1.2, 1.3, 1.5, 2.0]
+    mu += [3.0, 5.0]
     moduli = _decades(-8, 8)
     return {
         "shoe over lining": _over("shoe", moduli)
@@ -256,10 +272,9 @@ def _sweeps() -> dict[str, list[dict[str, Any]]]:
         "Poisson's ratio": _over("nu", [-0.99, -0.5, 0.0, 0.4, 0.45, 0.49, 0.499, 0.4999]),
         "lever": _over("lever", [*_decades(-12, -1), 0.0, -1e-6]),
         "size": [
-            *(
-                {"size": 1e3, "pressure": 1e-6, **more}
-                for more in ({}, {"penalty": math.inf}, {"thickness": 1e-4})
-            ),
+            {"size": 1e3, "pressure": 1e-6},
+            {"size": 1e3, "pressure": 1e-6, "penalty": math.inf},
+            {"size": 1e3, "pressure": 1e-6, "thickness": 1e-4},
             {"size": 1e3, "pressure": 1e-6, "shoes": 2, "ring": 400.0},
             {"size": 1e-6, "force": 2e-9},
             {"size": 1e3, "force": 2e9},
@@ -271,11 +286,12 @@ def _sweeps() -> dict[str, list[dict[str, Any]]]:
 
 
 def _sweep(knob: str, settings: list[dict[str, Any]]) -> list[KnobCase]:
+    """The cases of a sweep, from their changes of the knobs."""
     return [KnobCase(knob=knob, **setting) for setting in settings]
 
 
 def _corners() -> list[KnobCase]:
-    """Five knobs at both ends, all combinations."""
+    """All combinations of five knobs at both ends."""
     ends: dict[str, tuple[Any, Any]] = {
         "shoe": (1e-4, 1e6),
         "penalty": (1.0, math.inf),
@@ -283,65 +299,60 @@ def _corners() -> list[KnobCase]:
         "clearance": (-1e-4, 1e-3),
         "friction": (0.01, 0.6),
     }
-    return [
-        KnobCase(knob="corners", **dict(zip(ends, chosen, strict=True)))
-        for chosen in itertools.product(*ends.values())
-    ]
+    combinations = itertools.product(*ends.values())
+    settings = [dict(zip(ends, chosen, strict=True)) for chosen in combinations]
+    return _sweep("corners", settings)
 
 
 def _grids() -> list[KnobCase]:
-    """Two pairs of knobs over their whole ranges."""
+    """Two pairs of knobs, each pair over the whole ranges of both."""
     moduli, mu = _decades(-8, 8, 2), [0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 1.1, 1.5, 2.5, 5.0]
     thicknesses, penalties = [1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1 / 3], [*_decades(-2, 16, 3), math.inf]
-    return [
-        *(KnobCase(knob="shoe × friction", shoe=E, friction=f) for E in moduli for f in mu),
-        *(
-            KnobCase(knob="thickness × penalty", thickness=t, penalty=a)
-            for t in thicknesses
-            for a in penalties
-        ),
-    ]
+    result = []
+    for E, friction in itertools.product(moduli, mu):
+        result.append(KnobCase(knob="shoe × friction", shoe=E, friction=friction))
+    for t, penalty in itertools.product(thicknesses, penalties):
+        result.append(KnobCase(knob="thickness × penalty", thickness=t, penalty=penalty))
+    return result
 
 
 def _hypercube(count: int) -> list[KnobCase]:
-    """All knobs at once, drawn from their whole range, most of them on a logarithmic scale."""
-    found = []
+    """A Latin hypercube over all knobs, most of them on a logarithmic scale."""
     rng = np.random.default_rng(HYPERCUBE_SEED)
     strata = np.array([rng.permutation(count) for _ in range(13)]).T
-    for row in (strata + rng.random(strata.shape)) / count:
-        u = iter(row.tolist())
+    samples = (strata + rng.random(strata.shape)) / count
+    return [_sampled(row.tolist()) for row in samples]
 
-        def log(low: float, high: float, u: Any = u) -> float:
-            return float(f"{10 ** (low + (high - low) * next(u)):.3g}")
 
-        shoe, penalty, thickness, arc = (
-            log(-8, 8),
-            log(-2, 16),
-            log(-5, math.log10(1 / 3)),
-            log(-1, math.log10(340)),
-        )
-        force, lever, elements = (
-            log(-9, 12),
-            log(-6, math.log10(0.25)),
-            round(log(math.log10(2), 2)),
-        )
-        gap = log(-8, -2)
-        friction = round(5 * next(u) ** 2.5, 3)
-        found.append(
-            KnobCase(
-                knob="hypercube",
-                shoe=shoe,
-                penalty=penalty,
-                thickness=thickness,
-                arc=arc,
-                force=force,
-                lever=lever,
-                elements=elements,
-                clearance=gap if next(u) < 0.5 else -gap,
-                friction=friction,
-                assisted=next(u) < 0.5,
-                nu=round(0.4999 * next(u), 4),
-                kind=("quad2", "tri2", "quad1")[int(next(u) * 3)],
-            )
-        )
-    return found
+def _sampled(sample: list[float]) -> KnobCase:
+    """A case of the hypercube, from 13 numbers between 0 and 1."""
+    u = iter(sample)
+
+    def log(low: float, high: float) -> float:
+        return float(f"{10 ** (low + (high - low) * next(u)):.3g}")
+
+    # The numbers are used up in the order of these lines.
+    shoe = log(-8, 8)
+    penalty = log(-2, 16)
+    thickness = log(-5, math.log10(1 / 3))
+    arc = log(-1, math.log10(340))
+    force = log(-9, 12)
+    lever = log(-6, math.log10(0.25))
+    elements = round(log(math.log10(2), 2))
+    gap = log(-8, -2)
+    friction = round(5 * next(u) ** 2.5, 3)
+    return KnobCase(
+        knob="hypercube",
+        shoe=shoe,
+        penalty=penalty,
+        thickness=thickness,
+        arc=arc,
+        force=force,
+        lever=lever,
+        elements=elements,
+        clearance=gap if next(u) < 0.5 else -gap,
+        friction=friction,
+        assisted=next(u) < 0.5,
+        nu=round(0.4999 * next(u), 4),
+        kind=("quad2", "tri2", "quad1")[int(next(u) * 3)],
+    )

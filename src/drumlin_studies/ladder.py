@@ -1,7 +1,7 @@
-"""The benchmark ladder: cases with known answers, from a textbook's brake up to frictional contact
-of two bodies.
+"""The benchmark ladder: known answers, from textbook brakes to frictional contact of two bodies.
 
-Each is judged by a closed form, a balance or a published number; none by what drumlin gave before.
+Each case is judged by a closed form, a balance or a published number. No case is judged by an
+earlier result of drumlin.
 """
 
 from collections.abc import Sequence
@@ -18,17 +18,20 @@ LADDER_CASES: tuple[KnownAnswer, ...] = (*LAWS, *BODIES, *CONTACT, *PADS, *FRICT
 
 
 def families(cases: Sequence[KnownAnswer] = LADDER_CASES) -> tuple[str, ...]:
-    """The families of some cases, in their order."""
+    """The families of some cases, each once, in the order of the cases."""
     return tuple(dict.fromkeys(case.family for case in cases))
 
 
 def within(case: KnownAnswer, value: float) -> bool:
-    """Whether a value is the expected one to the case's tolerance; nan never is."""
+    """Whether a value agrees with the expected one to the tolerance of the case.
+
+    nan never agrees.
+    """
     return abs(value - case.expected) <= case.tolerance * abs(case.expected)
 
 
 def row(case: KnownAnswer) -> dict[str, Any]:
-    """A case and what drumlin gives for it, as a row of a table."""
+    """The row of a case: what is expected, and what drumlin finds."""
     value = case.found()
     return {
         "family": case.family,

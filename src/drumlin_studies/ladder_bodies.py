@@ -1,10 +1,8 @@
-"""The ladder's elastic bodies and numerical methods: stiffness, orders, rings, extrapolation,
-equations.
-"""
+"""The ladder's elastic bodies and numerical methods: stiffness, order, rings, extrapolation."""
 
 import math
 from functools import cache, partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import skfem
@@ -23,37 +21,54 @@ from drumlin_studies.ladder_case import DISCRETE, EXACT, PRINTED, KnownAnswer
 from drumlin_studies.two_bodies import LADDER_STEEL, closed
 from drumlin_studies.uncertainty import Index, grid_convergence
 
-# Values on three meshes, each twice as fine as the one before.
 ROACHE = (0.96178, 0.96854, 0.97050)
+"""Roache's values on three meshes, coarse to fine, each twice as fine as the one before."""
+ON_AXIS = 1e-9
+"""Distance from a line or an edge up to which a node lies on it [m]."""
 
 
 def _roache() -> Index:
-    """The grid convergence index of these values."""
+    """The grid convergence index of Roache's values."""
     coarse, medium, fine = ROACHE
     return grid_convergence(fine, medium, coarse)
 
 
 def _rectangle(length: float, height: float, along: int, through: int) -> tuple[Any, Any]:
-    """Basis and stiffness of quadratic quadrilaterals on [0, length] x [-height/2, height/2]."""
-    return _stiff(
-        skfem.MeshQuad2.from_mesh(
-            skfem.MeshQuad.init_tensor(
-                np.linspace(0, length, along + 1), np.linspace(-height / 2, height / 2, through + 1)
-            )
-        ),
-        LADDER_STEEL,
-    )
+    """Basis and stiffness of a steel rectangle of quadratic quadrilaterals.
+
+    Parameters
+    ----------
+    length, height : float
+        The rectangle is [0, length] x [-height/2, height/2] [m].
+    along, through : int
+        Number of elements along and through it.
+    """
+    x = np.linspace(0, length, along + 1)
+    y = np.linspace(-height / 2, height / 2, through + 1)
+    grid = skfem.MeshQuad.init_tensor(x, y)
+    return _stiff(skfem.MeshQuad2.from_mesh(grid), LADDER_STEEL)
 
 
 def _stiff(mesh: Any, material: Material) -> tuple[Any, Any]:
+    """Basis and stiffness matrix of a body of one material and unit width."""
     mesh = mesh.with_subdomains({"body": np.arange(mesh.nelements)})
     basis = scalar_basis(mesh)
     return basis, stiffness(basis, {"body": ElasticLayer.of(material, 1.0)}).tocsc()
 
 
 def solved(K: Any, f: Floats, held: Any, at: Floats | float = 0.0) -> Floats:
-    """Displacements (2 nodes,) under the forces f (2 nodes,), the unknowns `held` at the values
-    `at`.
+    """Displacements (2 nodes,) under forces, with some unknowns given.
+
+    Parameters
+    ----------
+    K : sparse matrix (2 nodes, 2 nodes)
+        Stiffness.
+    f : array (2 nodes,)
+        Nodal forces.
+    held : array of int
+        Indices of the given unknowns.
+    at : array or float
+        Values of the given unknowns.
     """
     u = np.zeros(len(f))
     u[held] = at
@@ -63,7 +78,7 @@ def solved(K: Any, f: Floats, held: Any, at: Floats | float = 0.0) -> Floats:
 
 
 def _stretched() -> float:
-    """End force of a bar under the strain 1e-3, displacements e x, -nu e y."""
+    """End force [N] of a bar under the strain e = 1e-3: u = e x, v = -nu e y."""
     basis, K = _rectangle(2, 1, 4, 3)
     x, y = basis.doflocs
     u = np.column_stack([1e-3 * x, -LADDER_STEEL.nu * 1e-3 * y]).ravel()
@@ -71,8 +86,9 @@ def _stretched() -> float:
 
 
 def _bent() -> float:
-    """End moment of a bar of height 1 bent to the curvature 1e-3: u = -k x y, v = k (x^2 + nu
-    y^2)/2.
+    """End moment [N m] of a bar of height 1 m, bent to the curvature k = 1e-3 1/m.
+
+    The displacements are u = -k x y, v = k (x^2 + nu y^2)/2.
     """
     basis, K = _rectangle(2, 1, 4, 3)
     x, y = basis.doflocs
@@ -82,10 +98,10 @@ def _bent() -> float:
 
 
 def _cantilever() -> float:
-    """Tip force of a beam, length 4, height 1, over the closed form, from its displacements on both
-    ends.
+    """Tip force of a cantilever of length 4 and height 1 over the closed form.
 
-    Timoshenko & Goodier, art. 21: cubic displacements, so that the elements have an error.
+    The displacements of both ends are given (Timoshenko & Goodier, art. 21). They are cubic, so
+    that quadratic elements have an error.
     """
     L, c, P = 4.0, 0.5, 1.0
     E, nu, I = LADDER_STEEL.E, LADDER_STEEL.nu, 2 * 0.5**3 / 3  # noqa: E741
@@ -97,19 +113,20 @@ def _cantilever() -> float:
     both = np.column_stack([u, v]).ravel()
     ends = np.flatnonzero((x < 1e-12) | (x > L - 1e-12))
     held = np.concatenate([2 * ends, 2 * ends + 1])
-    found = solved(K, np.zeros(2 * basis.N), held, both[held])
-    return abs(float((K @ found)[1::2][x < 1e-12].sum()))
+    displacements = solved(K, np.zeros(2 * basis.N), held, both[held])
+    return abs(float((K @ displacements)[1::2][x < 1e-12].sum()))
 
 
 def _curved_bar() -> float:
-    """P u_0 of the quarter ring, a = 1, b = 2, E = 1e4, nu = 1/4, moved by u_0 = .01 at its end."""
+    """Work P u_0 of a quarter ring between the radii 1 and 2, moved by u_0 = 0.01 at its end.
+
+    The ring has E = 1e4 and nu = 1/4.
+    """
     grid = skfem.MeshQuad.init_tensor(np.linspace(1, 2, 13), np.linspace(0, math.pi / 2, 25))
     mesh = skfem.MeshQuad2.from_mesh(grid)
     r, phi = mesh.doflocs
-    basis, K = _stiff(
-        skfem.MeshQuad2(np.array([r * np.cos(phi), r * np.sin(phi)]), mesh.t),
-        Material(E=1e4, nu=0.25),
-    )
+    curved = skfem.MeshQuad2(np.array([r * np.cos(phi), r * np.sin(phi)]), mesh.t)
+    basis, K = _stiff(curved, Material(E=1e4, nu=0.25))
     x, y = basis.doflocs
     base, tip = np.flatnonzero(np.abs(x) < 1e-12), np.flatnonzero(np.abs(y) < 1e-12)
     pinned = base[np.argmin(np.abs(y[base] - 1))]
@@ -119,274 +136,299 @@ def _curved_bar() -> float:
     return float(u @ (K @ u))
 
 
+class EdgeDisplacements(NamedTuple):
+    """Mean radial displacement [m] of the inner and of the outer edge of a ring."""
+
+    inner: float
+    outer: float
+
+
 @cache
-def _lame() -> tuple[float, float]:
-    """Mean radial displacements [m] at both edges of the ring under 60 MPa inside."""
+def _lame() -> EdgeDisplacements:
+    """A ring between the radii 0.1 m and 0.2 m under 60 MPa inside."""
     mesh = closed(np.linspace(-math.pi, math.pi, 33)[:-1], np.linspace(0, 0.1, 7), 0.1, 1)
     basis, K = _stiff(mesh, Material(E=200e9, nu=0.3))
     line = contact_line(basis, mesh.boundaries["contact"], 0.0)
+    # Consistent nodal forces of the pressure on the inner edge.
     force = couple(line, 1.0, radial(1)).N.T @ np.full(len(line.nodes), 60e6)
     f = np.zeros((basis.N, 2))
     f[line.nodes] = force.reshape(-1, 2)
     x, y = basis.doflocs
-    on_x, on_y = np.flatnonzero(np.abs(y) < 1e-9), np.flatnonzero(np.abs(x) < 1e-9)
+    on_x, on_y = np.flatnonzero(np.abs(y) < ON_AXIS), np.flatnonzero(np.abs(x) < ON_AXIS)
     u = solved(K, f.ravel(), np.concatenate([2 * on_x + 1, 2 * on_y]))
     r = np.hypot(x, y)
-    moved = (u[0::2] * x + u[1::2] * y) / r
-    return float(moved[r < 0.1 + 1e-9].mean()), float(moved[r > 0.2 - 1e-9].mean())
+    radial_u = (u[0::2] * x + u[1::2] * y) / r
+    inner, outer = radial_u[r < 0.1 + 1e-9], radial_u[r > 0.2 - 1e-9]
+    return EdgeDisplacements(float(inner.mean()), float(outer.mean()))
+
+
+class DiameterChanges(NamedTuple):
+    """Changes of the diameters of a ring along and across two forces, times EI/(F R^3)."""
+
+    closing: float
+    widening: float
 
 
 @cache
-def _thin_ring() -> tuple[float, float]:
-    """Changes of both diameters of a thin ring under a diametral pair of forces, times EI/(F R^3):
-    t/R = .02.
-    """
+def _thin_ring() -> DiameterChanges:
+    """A thin ring, t/R = 0.02, under a diametral pair of forces."""
     R, t, E = 1.0, 0.02, 1e9
     mesh = closed(np.linspace(-math.pi, math.pi, 241)[:-1], np.array([0.0, t]), R - t / 2, 1)
     basis, K = _stiff(mesh, Material(E=E, nu=0.0))
     x, y = basis.doflocs
     f = np.zeros((basis.N, 2))
+    # The forces act on the middle line of the ring, at its top and its bottom.
     middle = np.abs(np.hypot(x, y) - R) < 1e-9
-    top = np.flatnonzero(middle & (np.abs(x) < 1e-9) & (y > 0))
-    bottom = np.flatnonzero(middle & (np.abs(x) < 1e-9) & (y < 0))
-    right = np.flatnonzero(middle & (np.abs(y) < 1e-9) & (x > 0))
+    top = np.flatnonzero(middle & (np.abs(x) < ON_AXIS) & (y > 0))
+    bottom = np.flatnonzero(middle & (np.abs(x) < ON_AXIS) & (y < 0))
+    right = np.flatnonzero(middle & (np.abs(y) < ON_AXIS) & (x > 0))
     f[top, 1], f[bottom, 1] = -1.0, 1.0
-    on_x, on_y = np.flatnonzero(np.abs(y) < 1e-9), np.flatnonzero(np.abs(x) < 1e-9)
+    on_x, on_y = np.flatnonzero(np.abs(y) < ON_AXIS), np.flatnonzero(np.abs(x) < ON_AXIS)
     u = solved(K, f.ravel(), np.concatenate([2 * on_x + 1, 2 * on_y]))
     size = E * t**3 / 12 / R**3
-    return float(-2 * u[2 * top[0] + 1] * size), float(2 * u[2 * right[0]] * size)
+    closing, widening = -2 * u[2 * top[0] + 1] * size, 2 * u[2 * right[0]] * size
+    return DiameterChanges(float(closing), float(widening))
 
 
 def _rate(kind: str) -> float:
-    """Observed order of the L2 error on u = (sin pi x sin pi y, x y) with its body force."""
+    """Observed order of the L2 error on a manufactured solution, of "quad2" or "tri1" elements."""
+    coarse, fine = (_manufactured_error(kind, n) for n in (8, 16))
+    return math.log2(coarse / fine)
+
+
+def _manufactured_error(kind: str, n: int) -> float:
+    """L2 error on u = (sin pi x sin pi y, x y) with its body force, n elements to a side."""
     make, raised = {"quad2": (skfem.MeshQuad, skfem.MeshQuad2), "tri1": (skfem.MeshTri, None)}[kind]
     E, nu, pi = 1000.0, 0.3, math.pi
     lam, mu = E * nu / (1 - nu**2), E / (2 * (1 + nu))
-    errors = []
-    for n in (8, 16):
-        grid = make.init_tensor(np.linspace(0, 1, n + 1), np.linspace(0, 1, n + 1))
-        basis, K = _stiff(raised.from_mesh(grid) if raised else grid, Material(E=E, nu=nu))
-        points = np.asarray(basis.global_coordinates())
-        ss, cc = (g(pi * points[0]) * g(pi * points[1]) for g in (np.sin, np.cos))
-        force = ((lam + 3 * mu) * pi**2 * ss - (lam + mu), -(lam + mu) * pi**2 * cc)
-        f = np.zeros((basis.N, 2))
-        for psi, dofs in zip(basis.basis, basis.element_dofs, strict=True):
-            for c in (0, 1):
-                np.add.at(f[:, c], dofs, (psi[0] * force[c] * basis.dx).sum(axis=1))
-        exact = _manufactured(*basis.doflocs)
-        edge = basis.get_dofs().flatten()
-        held = np.concatenate([2 * edge, 2 * edge + 1])
-        u = solved(K, f.ravel(), held, exact.T.ravel()[held])
-        off = np.array([np.asarray(basis.interpolate(u[c::2])) for c in (0, 1)]) - _manufactured(
-            *points
-        )
-        errors.append(math.sqrt(float(((off**2).sum(axis=0) * basis.dx).sum())))
-    return math.log2(errors[0] / errors[1])
+    grid = make.init_tensor(np.linspace(0, 1, n + 1), np.linspace(0, 1, n + 1))
+    basis, K = _stiff(raised.from_mesh(grid) if raised else grid, Material(E=E, nu=nu))
+    points = np.asarray(basis.global_coordinates())
+    ss, cc = (g(pi * points[0]) * g(pi * points[1]) for g in (np.sin, np.cos))
+    force = ((lam + 3 * mu) * pi**2 * ss - (lam + mu), -(lam + mu) * pi**2 * cc)
+    # Consistent nodal forces of the body force.
+    f = np.zeros((basis.N, 2))
+    for psi, dofs in zip(basis.basis, basis.element_dofs, strict=True):
+        for c in (0, 1):
+            np.add.at(f[:, c], dofs, (psi[0] * force[c] * basis.dx).sum(axis=1))
+    # The displacements of the whole edge are given.
+    exact = _manufactured(*basis.doflocs)
+    edge = basis.get_dofs().flatten()
+    held = np.concatenate([2 * edge, 2 * edge + 1])
+    u = solved(K, f.ravel(), held, exact.T.ravel()[held])
+    computed = np.array([np.asarray(basis.interpolate(u[c::2])) for c in (0, 1)])
+    error = computed - _manufactured(*points)
+    return math.sqrt(float(((error**2).sum(axis=0) * basis.dx).sum()))
 
 
 def _manufactured(x: Floats, y: Floats) -> Floats:
+    """The manufactured displacements (2, ...)."""
     return np.array([np.sin(math.pi * x) * np.sin(math.pi * y), x * y])
 
 
 def _murty() -> float:
-    """Largest pressure of the P-matrix on which plain pivoting of all wrong nodes cycles."""
+    """Largest pressure of a problem on which an active set that swaps all wrong nodes cycles."""
     A = np.array([[1.0, 2, 0], [0, 1, 2], [2, 0, 1]])
     none = np.zeros((3, 0))
     return float(active_set.solve(Problem(A, -np.ones(3), none, none.T, np.zeros(0))).p.max())
 
 
 def _lever() -> float:
-    """Force of the outer one of two equal springs at 1 and 2 m on a hinged rigid lever under 3 N at
-    2 m.
+    """Force [N] of the outer spring of a hinged rigid lever under 3 N at 2 m.
+
+    Two equal springs support the lever at 1 m and 2 m from the hinge.
     """
     B = -np.array([[1.0], [2.0]])
     problem = Problem(np.eye(2), np.zeros(2), B, B.T.copy(), np.array([-6.0]))
     return float(active_set.solve(problem).p[1])
 
 
-LAME = closed_forms.lame(0.1, 0.2, 60e6, 200e9, 0.3)
+LAME_EDGES = closed_forms.lame(0.1, 0.2, 60e6, 200e9, 0.3)
 STEEL_MODULUS, STEEL_POISSON = LADDER_STEEL.E, LADDER_STEEL.nu
-ROACHE_SAYS = "Roache, Verification and Validation (1998): f = .97050, .96854, .96178, r = 2; in single precision"
+ROACHE_SAYS = (
+    "Roache, Verification and Validation (1998): f = .97050, .96854, .96178, r = 2; "
+    "in single precision"
+)
 TIMOSHENKO = "Timoshenko & Goodier, Theory of Elasticity"
 BODY_CASES = (
     KnownAnswer(
-        "grid convergence index",
-        "Richardson extrapolation",
-        ROACHE_SAYS,
-        "order",
-        1.78618479,
-        1e-5,
-        PRINTED,
-        lambda: _roache().order,
+        family="grid convergence index",
+        shows="Richardson extrapolation",
+        source=ROACHE_SAYS,
+        quantity="order",
+        expected=1.78618479,
+        tolerance=1e-5,
+        tier=PRINTED,
+        found=lambda: _roache().order,
     ),
     KnownAnswer(
-        "grid convergence index",
-        "Richardson extrapolation",
-        ROACHE_SAYS,
-        "extrapolated",
-        0.971300304,
-        1e-7,
-        PRINTED,
-        lambda: _roache().extrapolated,
+        family="grid convergence index",
+        shows="Richardson extrapolation",
+        source=ROACHE_SAYS,
+        quantity="extrapolated",
+        expected=0.971300304,
+        tolerance=1e-7,
+        tier=PRINTED,
+        found=lambda: _roache().extrapolated,
     ),
     KnownAnswer(
-        "grid convergence index",
-        "uncertainty of an extrapolation",
-        ROACHE_SAYS,
-        "GCI, fine [%]",
-        0.103080,
-        5e-5,
-        PRINTED,
-        lambda: 100 * _roache().fine,
+        family="grid convergence index",
+        shows="uncertainty of an extrapolation",
+        source=ROACHE_SAYS,
+        quantity="GCI, fine [%]",
+        expected=0.103080,
+        tolerance=5e-5,
+        tier=PRINTED,
+        found=lambda: 100 * _roache().fine,
     ),
     KnownAnswer(
-        "grid convergence index",
-        "uncertainty of an extrapolation",
-        ROACHE_SAYS,
-        "GCI, coarse [%]",
-        0.356244,
-        5e-5,
-        PRINTED,
-        lambda: 100 * _roache().coarse,
+        family="grid convergence index",
+        shows="uncertainty of an extrapolation",
+        source=ROACHE_SAYS,
+        quantity="GCI, coarse [%]",
+        expected=0.356244,
+        tolerance=5e-5,
+        tier=PRINTED,
+        found=lambda: 100 * _roache().coarse,
     ),
     KnownAnswer(
-        "uniaxial stress",
-        "plane-stress stiffness",
-        "s = E e",
-        "end force [N]",
-        STEEL_MODULUS * 1e-3,
-        1e-11,
-        EXACT,
-        _stretched,
+        family="uniaxial stress",
+        shows="plane-stress stiffness",
+        source="s = E e",
+        quantity="end force [N]",
+        expected=STEEL_MODULUS * 1e-3,
+        tolerance=1e-11,
+        tier=EXACT,
+        found=_stretched,
     ),
     KnownAnswer(
-        "pure bending",
-        "quadratic elements",
-        f"{TIMOSHENKO}: M = E I k",
-        "end moment [N m]",
-        STEEL_MODULUS * 1e-3 / 12,
-        1e-11,
-        EXACT,
-        _bent,
+        family="pure bending",
+        shows="quadratic elements",
+        source=f"{TIMOSHENKO}: M = E I k",
+        quantity="end moment [N m]",
+        expected=STEEL_MODULUS * 1e-3 / 12,
+        tolerance=1e-11,
+        tier=EXACT,
+        found=_bent,
     ),
     KnownAnswer(
-        "cantilever under end shear",
-        "quadratic elements",
-        f"{TIMOSHENKO}, art. 21",
-        "end force [N]",
-        1.0,
-        1e-4,
-        DISCRETE,
-        _cantilever,
+        family="cantilever under end shear",
+        shows="quadratic elements",
+        source=f"{TIMOSHENKO}, art. 21",
+        quantity="end force [N]",
+        expected=1.0,
+        tolerance=1e-4,
+        tier=DISCRETE,
+        found=_cantilever,
     ),
     KnownAnswer(
-        "curved bar under end shear",
-        "curved quadratic elements",
-        f"{TIMOSHENKO}: (ln 2 - .6)/pi",
-        "P u_0",
-        (math.log(2) - 0.6) / math.pi,
-        2e-5,
-        DISCRETE,
-        _curved_bar,
+        family="curved bar under end shear",
+        shows="curved quadratic elements",
+        source=f"{TIMOSHENKO}: (ln 2 - .6)/pi",
+        quantity="P u_0",
+        expected=(math.log(2) - 0.6) / math.pi,
+        tolerance=2e-5,
+        tier=DISCRETE,
+        found=_curved_bar,
     ),
     KnownAnswer(
-        "ring under inner pressure",
-        "pressure on a curved edge",
-        "Lame 1852",
-        "u at the inner edge [m]",
-        LAME[0],
-        2e-4,
-        DISCRETE,
-        lambda: _lame()[0],
+        family="ring under inner pressure",
+        shows="pressure on a curved edge",
+        source="Lame 1852",
+        quantity="u at the inner edge [m]",
+        expected=LAME_EDGES[0],
+        tolerance=2e-4,
+        tier=DISCRETE,
+        found=lambda: _lame().inner,
     ),
     KnownAnswer(
-        "ring under inner pressure",
-        "pressure on a curved edge",
-        "Lame 1852",
-        "u at the outer edge [m]",
-        LAME[1],
-        2e-4,
-        DISCRETE,
-        lambda: _lame()[1],
+        family="ring under inner pressure",
+        shows="pressure on a curved edge",
+        source="Lame 1852",
+        quantity="u at the outer edge [m]",
+        expected=LAME_EDGES[1],
+        tolerance=2e-4,
+        tier=DISCRETE,
+        found=lambda: _lame().outer,
     ),
     KnownAnswer(
-        "thin ring under a diametral pair, by elements",
-        "slender elements",
-        "Timoshenko, Strength of Materials II",
-        "closing E I/(F R^3)",
-        math.pi / 4 - 2 / math.pi,
-        3e-3,
-        DISCRETE,
-        lambda: _thin_ring()[0],
+        family="thin ring under a diametral pair, by elements",
+        shows="slender elements",
+        source="Timoshenko, Strength of Materials II",
+        quantity="closing E I/(F R^3)",
+        expected=math.pi / 4 - 2 / math.pi,
+        tolerance=3e-3,
+        tier=DISCRETE,
+        found=lambda: _thin_ring().closing,
     ),
     KnownAnswer(
-        "thin ring under a diametral pair, by elements",
-        "slender elements",
-        "Timoshenko, Strength of Materials II",
-        "widening E I/(F R^3)",
-        2 / math.pi - 0.5,
-        3e-3,
-        DISCRETE,
-        lambda: _thin_ring()[1],
+        family="thin ring under a diametral pair, by elements",
+        shows="slender elements",
+        source="Timoshenko, Strength of Materials II",
+        quantity="widening E I/(F R^3)",
+        expected=2 / math.pi - 0.5,
+        tolerance=3e-3,
+        tier=DISCRETE,
+        found=lambda: _thin_ring().widening,
     ),
     KnownAnswer(
-        "thin ring under a diametral pair, as a series",
-        "ring of the foundation model",
-        "Timoshenko, Strength of Materials II",
-        "closing E I/(F R^3)",
-        math.pi / 4 - 2 / math.pi,
-        1e-12,
-        EXACT,
-        lambda: 2 * float(two_forces(np.array(0.0))) / math.pi,
+        family="thin ring under a diametral pair, as a series",
+        shows="ring of the foundation model",
+        source="Timoshenko, Strength of Materials II",
+        quantity="closing E I/(F R^3)",
+        expected=math.pi / 4 - 2 / math.pi,
+        tolerance=1e-12,
+        tier=EXACT,
+        found=lambda: 2 * float(two_forces(np.array(0.0))) / math.pi,
     ),
     KnownAnswer(
-        "thin ring under a diametral pair, as a series",
-        "ring of the foundation model",
-        "Timoshenko, Strength of Materials II",
-        "widening E I/(F R^3)",
-        2 / math.pi - 0.5,
-        1e-12,
-        EXACT,
-        lambda: -2 * float(two_forces(np.array(math.pi / 2))) / math.pi,
+        family="thin ring under a diametral pair, as a series",
+        shows="ring of the foundation model",
+        source="Timoshenko, Strength of Materials II",
+        quantity="widening E I/(F R^3)",
+        expected=2 / math.pi - 0.5,
+        tolerance=1e-12,
+        tier=EXACT,
+        found=lambda: -2 * float(two_forces(np.array(math.pi / 2))) / math.pi,
     ),
     KnownAnswer(
-        "manufactured solution",
-        "quadratic quadrilaterals",
-        "Roache 2002; order of the element",
-        "order",
-        3.0,
-        0.03,
-        DISCRETE,
-        partial(_rate, "quad2"),
+        family="manufactured solution",
+        shows="quadratic quadrilaterals",
+        source="Roache 2002; order of the element",
+        quantity="order",
+        expected=3.0,
+        tolerance=0.03,
+        tier=DISCRETE,
+        found=partial(_rate, "quad2"),
     ),
     KnownAnswer(
-        "manufactured solution",
-        "linear triangles",
-        "Roache 2002; order of the element",
-        "order, tri1",
-        2.0,
-        0.03,
-        DISCRETE,
-        partial(_rate, "tri1"),
+        family="manufactured solution",
+        shows="linear triangles",
+        source="Roache 2002; order of the element",
+        quantity="order, tri1",
+        expected=2.0,
+        tolerance=0.03,
+        tier=DISCRETE,
+        found=partial(_rate, "tri1"),
     ),
     KnownAnswer(
-        "Murty's cycle",
-        "active set",
-        "Murty 1974: p = 1/3 at each node",
-        "p",
-        1 / 3,
-        1e-13,
-        EXACT,
-        _murty,
+        family="Murty's cycle",
+        shows="active set",
+        source="Murty 1974: p = 1/3 at each node",
+        quantity="p",
+        expected=1 / 3,
+        tolerance=1e-13,
+        tier=EXACT,
+        found=_murty,
     ),
     KnownAnswer(
-        "lever on two springs",
-        "equilibrium of a free motion",
-        "statics: F_2 = 2 F_1, F_1 + 2 F_2 = 6 N",
-        "force of the outer spring [N]",
-        2.4,
-        1e-12,
-        EXACT,
-        _lever,
+        family="lever on two springs",
+        shows="equilibrium of a free motion",
+        source="statics: F_2 = 2 F_1, F_1 + 2 F_2 = 6 N",
+        quantity="force of the outer spring [N]",
+        expected=2.4,
+        tolerance=1e-12,
+        tier=EXACT,
+        found=_lever,
     ),
 )

@@ -1,9 +1,8 @@
-"""The ladder's contact without friction history: half-planes, discs, rings, layers, sharp sliding
-edges.
-"""
+"""The ladder's contact without stick: half-planes, discs, rings, layers and sharp sliding edges."""
 
 import math
 from functools import cache, partial
+from typing import NamedTuple
 
 import numpy as np
 
@@ -34,37 +33,55 @@ Thick sectors of radius 1 m stand for the half-planes. The contact is so short a
 that the curvature of the sectors has no effect.
 """
 GAP_RADIUS = 2.0
+"""Relative radius of curvature of the contact between half-planes [m]."""
+CONTACT_LINING = Material(E=3e8, nu=0.25)
+"""Lining of the thin bonded layer."""
 RING_WAVES = 40
+"""Number of waves around a wavy ring."""
 
 
 def half_plane(sign: int, per_half: int, material: Material = LADDER_STEEL) -> ContactBody:
-    """A thick sector of radius 1 with even elements, `per_half` to the half-width A, near the
-    contact.
+    """A thick sector of radius 1 m, with uniform elements near the contact.
+
+    Parameters
+    ----------
+    sign : int
+        1 where the body lies outside the contact, -1 inside.
+    per_half : int
+        Elements to the half-width of the contact.
+    material : Material
+        Its material.
     """
     angles = both_sides(2 * HALF_WIDTH, 4 * per_half, 1.35, 0.5)
     return body(sector(angles, towards(HALF_WIDTH / per_half, 1.3, 0.5), 1.0, sign), material)
 
 
 def answer(problem: Problem) -> Floats:
-    """Pressures (n,) [Pa]."""
+    """The pressures (n,) [Pa] that solve a contact problem."""
     return active_set.solve(problem, nested_start(problem)).p
 
 
 def _hertz() -> float:
-    """Peak pressure of equal half-planes over the closed form."""
+    """Peak pressure between equal half-planes over the closed form."""
     load = HALF_WIDTH**2 * math.pi * LADDER_STEEL.E / 2 / (4 * GAP_RADIUS)
     pair = BodyPair.of(half_plane(-1, 16), half_plane(1, 13), motions="x")
     p = answer(pair.normal(pair.angle**2 / (2 * GAP_RADIUS), [load]))
     return float(p.max() / closed_forms.hertz(load, GAP_RADIUS, LADDER_STEEL.E / 2)[1])
 
 
-@cache
-def _cylinder_on_block() -> tuple[float, float]:
-    """Peak pressure [N/mm^2] and half-width [mm] of the benchmark's steel cylinder on aluminium, 35
-    kN on 1 mm.
+class PeakAndWidth(NamedTuple):
+    """Peak pressure [N/mm^2] and half-width [mm] of a contact."""
 
-    Plane strain is plane stress of E/(1 - nu^2), nu/(1 - nu); lengths are scaled so that the
-    half-width is A.
+    peak: float
+    half_width: float
+
+
+@cache
+def _cylinder_on_block() -> PeakAndWidth:
+    """The benchmark's steel cylinder of radius 50 mm on aluminium, under 35 kN on 1 mm.
+
+    Plane strain is the plane stress of E/(1 - nu^2), nu/(1 - nu). Lengths are scaled so that the
+    half-width is HALF_WIDTH.
     """
     steel, aluminium = (Material(E=E / (1 - 0.3**2), nu=0.3 / 0.7) for E in (210e9, 70e9))
     scale = 6.21e-3 / HALF_WIDTH
@@ -72,14 +89,14 @@ def _cylinder_on_block() -> tuple[float, float]:
     pair = BodyPair.of(half_plane(-1, 16, steel), half_plane(1, 13, aluminium), motions="x")
     s = pair.angle
     p = answer(pair.normal(s**2 / (2 * 0.05 / scale), [load]))
-    # p^2 falls linearly in s^2 towards a^2
+    # p^2 falls linearly with s^2 and is zero at the half-width a, whatever the nodes near it.
     near = np.abs(s) < 0.8 * HALF_WIDTH
     slope, top = np.polyfit(s[near] ** 2, p[near] ** 2, 1)
-    return float(p.max() * 1e-6), math.sqrt(-top / slope) * scale * 1e3
+    return PeakAndWidth(float(p.max() * 1e-6), math.sqrt(-top / slope) * scale * 1e3)
 
 
 def _flat_punch() -> float:
-    """Pressure in the middle of a rigid punch of half-width A on a half-plane, over P/(pi A)."""
+    """Pressure under the middle half of a rigid flat punch, over the closed form."""
     pair = BodyPair.of(half_plane(-1, 24), None, motions="x")
     s = pair.angle
     load = 1e6
@@ -88,17 +105,23 @@ def _flat_punch() -> float:
     return float(np.mean(p[inside] / closed_forms.flat_punch(load, HALF_WIDTH, s[inside])))
 
 
+class DiscInHole(NamedTuple):
+    """Pressure in the middle, and half-angle of contact, of a disc over Persson's."""
+
+    pressure: float
+    half_angle: float
+
+
 @cache
-def _disc(half_angle: float) -> tuple[float, float]:
-    """Pressure in the middle and contact half-angle over Persson's, of a disc in a hole of a large
-    plate.
-    """
+def _disc(half_angle: float) -> DiscInHole:
+    """A disc in a hole of a large plate, loaded for a half-angle of contact [deg]."""
     eps, load = math.radians(half_angle), 1e6
 
     def angles(count: int) -> Floats:
         inner = graded(-eps, eps, count, eps / 2, 1 / 40)
         return np.concatenate([inner, graded(eps, 2 * math.pi - eps, count, 0.4, eps / 200)[1:-1]])
 
+    # The disc and the edge of the hole have different meshes, fine at the ends of the contact.
     disc = body(closed(angles(30), towards(0.01, 1.3, 0.985), 1.0, -1), LADDER_STEEL)
     plate = body(closed(angles(36), towards(0.01, 1.3, 39.0), 1.0, 1), LADDER_STEEL)
     pair = BodyPair.of(disc, plate, motions="x")
@@ -108,12 +131,13 @@ def _disc(half_angle: float) -> tuple[float, float]:
     middle = int(np.argmin(np.abs(pair.angle)))
     touching = pair.angle[p > 0]
     exact = closed_forms.persson_pressure(b, pair.angle[[middle]])[0] * load
-    return float(p[middle] / exact), float(np.ptp(touching) / (2 * eps))
+    return DiscInHole(float(p[middle] / exact), float(np.ptp(touching) / (2 * eps)))
 
 
 def _wavy(share: float) -> float:
-    """Pressure at the crests of a ring in a wavy ring over Westergaard's, mean pressure about
-    `share` of p*.
+    """Pressure at the crests of a wavy ring in a ring over Westergaard's closed form.
+
+    share : mean pressure over the pressure p* of full contact, about.
     """
     count = 12 * RING_WAVES
     angles = np.linspace(-math.pi, math.pi, count + 1)[:-1]
@@ -122,10 +146,9 @@ def _wavy(share: float) -> float:
     pair = BodyPair.of(inner, outer)
     height = 1e-6
     full = math.pi * LADDER_STEEL.E / 2 * height * RING_WAVES / (2 * math.pi)
-    soft = sum(
-        abs(closed_forms.ring_yield(0, 1.0, held, LADDER_STEEL.E, LADDER_STEEL.nu))
-        for held in (0.5, 1.5)
-    )
+    # A uniform pressure moves both rings apart by this distance per pressure.
+    E, nu = LADDER_STEEL.E, LADDER_STEEL.nu
+    soft = sum(abs(closed_forms.ring_yield(0, 1.0, held, E, nu)) for held in (0.5, 1.5))
     p = active_set.solve(
         pair.normal(-height * np.cos(RING_WAVES * pair.angle) - share * full * soft)
     ).p
@@ -136,7 +159,7 @@ def _wavy(share: float) -> float:
 
 @cache
 def _rings() -> tuple[BodyPair, Floats]:
-    """Two concentric rings held at .6 and 1.4, on meshes that do not match; and their angles."""
+    """Two concentric rings held at the radii 0.6 and 1.4, on different meshes; and their angles."""
     circle = [np.linspace(-math.pi, math.pi, count + 1)[:-1] for count in (48, 60)]
     inner = body(closed(circle[0], np.linspace(0, 0.4, 6), 1.0, -1), LADDER_STEEL)
     outer = body(closed(circle[1] + 0.01, np.linspace(0, 0.4, 7), 1.0, 1), LADDER_STEEL)
@@ -144,27 +167,34 @@ def _rings() -> tuple[BodyPair, Floats]:
     return pair, pair.angle
 
 
+class Harmonics(NamedTuple):
+    """Mean and one harmonic of a pressure around a ring [Pa]."""
+
+    mean: float
+    harmonic: float
+
+
 @cache
-def _pressed_rings(n: int) -> tuple[float, float]:
-    """Mean and n-th harmonic [Pa] of p between the rings, where the gap is that of 3 MPa + 1 MPa
-    cos(n theta).
-    """
+def _pressed_rings(n: int) -> Harmonics:
+    """Pressure between two rings under the gap that 3 MPa + 1 MPa cos(n theta) closes."""
     pair, angle = _rings()
-    soft = [
-        closed_forms.ring_yield(k, 1.0, 0.6, LADDER_STEEL.E, LADDER_STEEL.nu)
-        - closed_forms.ring_yield(k, 1.0, 1.4, LADDER_STEEL.E, LADDER_STEEL.nu)
-        for k in (0, n)
-    ]
+
+    def apart(k: int) -> float:
+        """How far cos(k theta) moves the rings apart [m/Pa]."""
+        E, nu = LADDER_STEEL.E, LADDER_STEEL.nu
+        inner = closed_forms.ring_yield(k, 1.0, 0.6, E, nu)
+        return inner - closed_forms.ring_yield(k, 1.0, 1.4, E, nu)
+
+    soft = [apart(0), apart(n)]
     p = active_set.solve(pair.normal(3e6 * soft[0] + 1e6 * soft[1] * np.cos(n * angle))).p
+    # A least-squares fit of mean, cosine and sine finds the harmonics.
     columns = np.column_stack([np.ones_like(angle), np.cos(n * angle), np.sin(n * angle)])
     fit = np.linalg.lstsq(columns, p, rcond=None)[0]
-    return float(fit[0]), float(fit[1])
+    return Harmonics(float(fit[0]), float(fit[1]))
 
 
 def _bonded_layer() -> float:
-    """Stiffness [Pa/m] in the middle of a thin lining, held at its back, under a rigid drum pressed
-    in evenly.
-    """
+    """Stiffness [Pa/m] in the middle of a thin lining on a rigid back, pressed in evenly."""
     thickness, depth = 1e-3, 1e-6
     angles = np.linspace(-0.03, 0.03, 61)
     pair = BodyPair.of(
@@ -176,8 +206,9 @@ def _bonded_layer() -> float:
 
 @cache
 def _strip(nu: float) -> BodyPair:
-    """A strip with sharp edges, rigid at its back; elements shrink to 1e-7 of its thickness at its
-    ends and face.
+    """A strip with sharp edges on a rigid back.
+
+    The elements shrink to some 1e-7 of its thickness at its ends and its face.
     """
     fine = towards(1e-8, 1.45, 0.1)
     angles = np.concatenate([-0.1 + fine, (0.1 - fine)[::-1][1:]])
@@ -187,18 +218,18 @@ def _strip(nu: float) -> BodyPair:
 
 
 def _edge_exponent(mu: float, nu: float) -> float:
-    """lambda of p ~ r^(lambda - 1) at the edge that the drum runs onto."""
+    """The exponent lambda of p ~ r^(lambda - 1) at the edge that the drum runs onto."""
     pair, thickness = _strip(nu), 0.05
     matrix = pair.pressed.T @ (pair.pressed + mu * pair.dragged)
     n = len(pair.angle)
     q = pair.coupling.M @ np.full(n, -1e-4 * thickness)
     p = active_set.solve(Problem(matrix, q, np.zeros((n, 0)), np.zeros((0, n)), np.zeros(0))).p
     r = pair.angle - pair.angle[0]
+    # The exponent is the slope of log p over log r, away from the smallest elements.
     near = (r > 1e-5 * thickness) & (r < 3e-3 * thickness)
     return float(1 + np.polyfit(np.log(r[near]), np.log(p[near]), 1)[0])
 
 
-CONTACT_LINING = Material(E=3e8, nu=0.25)
 KONTER = "Konter, Advanced FE contact benchmarks (NAFEMS 2006), 2D cylinder; Hertz"
 MICHELL, PERSSON = (
     "Michell 1899, rings held at .6 and 1.4",
@@ -206,138 +237,138 @@ MICHELL, PERSSON = (
 )
 CONTACT_CASES = (
     KnownAnswer(
-        "equal cylinders",
-        "contact of two bodies",
-        "Hertz 1881",
-        "p_0 over the closed form",
-        1.0,
-        4e-3,
-        DISCRETE,
-        _hertz,
+        family="equal cylinders",
+        shows="contact of two bodies",
+        source="Hertz 1881",
+        quantity="p_0 over the closed form",
+        expected=1.0,
+        tolerance=4e-3,
+        tier=DISCRETE,
+        found=_hertz,
     ),
     KnownAnswer(
-        "cylinder on a block",
-        "contact of two materials",
-        KONTER,
-        "peak pressure [N/mm^2]",
-        3585.37,
-        1e-2,
-        DISCRETE,
-        lambda: _cylinder_on_block()[0],
+        family="cylinder on a block",
+        shows="contact of two materials",
+        source=KONTER,
+        quantity="peak pressure [N/mm^2]",
+        expected=3585.37,
+        tolerance=1e-2,
+        tier=DISCRETE,
+        found=lambda: _cylinder_on_block().peak,
     ),
     KnownAnswer(
-        "cylinder on a block",
-        "contact of two materials",
-        KONTER,
-        "half-width [mm]",
-        6.21,
-        1e-2,
-        DISCRETE,
-        lambda: _cylinder_on_block()[1],
+        family="cylinder on a block",
+        shows="contact of two materials",
+        source=KONTER,
+        quantity="half-width [mm]",
+        expected=6.21,
+        tolerance=1e-2,
+        tier=DISCRETE,
+        found=lambda: _cylinder_on_block().half_width,
     ),
     KnownAnswer(
-        "rigid flat punch",
-        "contact with a sharp end",
-        "Sadowsky 1928",
-        "p over the closed form, |x| < a/2",
-        1.0,
-        2e-2,
-        DISCRETE,
-        _flat_punch,
+        family="rigid flat punch",
+        shows="contact with a sharp end",
+        source="Sadowsky 1928",
+        quantity="p over the closed form, |x| < a/2",
+        expected=1.0,
+        tolerance=2e-2,
+        tier=DISCRETE,
+        found=_flat_punch,
     ),
     *(
         KnownAnswer(
-            "disc in a hole",
-            "conforming contact",
-            PERSSON,
-            f"p(0) over the closed form, {angle} deg",
-            1.0,
-            1e-2,
-            DISCRETE,
-            partial(lambda angle: _disc(angle)[0], angle),
+            family="disc in a hole",
+            shows="conforming contact",
+            source=PERSSON,
+            quantity=f"p(0) over the closed form, {angle} deg",
+            expected=1.0,
+            tolerance=1e-2,
+            tier=DISCRETE,
+            found=partial(lambda angle: _disc(angle).pressure, angle),
         )
         for angle in (30, 75)
     ),
     KnownAnswer(
-        "disc in a hole",
-        "conforming contact",
-        PERSSON,
-        "half-angle of contact over the closed form, 75 deg",
-        1.0,
-        1e-2,
-        DISCRETE,
-        lambda: _disc(75)[1],
+        family="disc in a hole",
+        shows="conforming contact",
+        source=PERSSON,
+        quantity="half-angle of contact over the closed form, 75 deg",
+        expected=1.0,
+        tolerance=1e-2,
+        tier=DISCRETE,
+        found=lambda: _disc(75).half_angle,
     ),
     KnownAnswer(
-        "wavy surface, full contact",
-        "contact without ends",
-        "Westergaard 1939",
-        "p at crests over the closed form",
-        1.0,
-        1e-2,
-        DISCRETE,
-        partial(_wavy, 1.5),
+        family="wavy surface, full contact",
+        shows="contact without ends",
+        source="Westergaard 1939",
+        quantity="p at crests over the closed form",
+        expected=1.0,
+        tolerance=1e-2,
+        tier=DISCRETE,
+        found=partial(_wavy, 1.5),
     ),
     KnownAnswer(
-        "wavy surface, partial contact",
-        "many contacts",
-        "Westergaard 1939",
-        "p at crests over the closed form",
-        1.0,
-        3e-2,
-        DISCRETE,
-        partial(_wavy, 0.2),
+        family="wavy surface, partial contact",
+        shows="many contacts",
+        source="Westergaard 1939",
+        quantity="p at crests over the closed form",
+        expected=1.0,
+        tolerance=3e-2,
+        tier=DISCRETE,
+        found=partial(_wavy, 0.2),
     ),
     KnownAnswer(
-        "ring pressed into a ring",
-        "patch test on the arc, other meshes",
-        "Lame 1852",
-        "mean p [Pa]",
-        3e6,
-        2e-4,
-        DISCRETE,
-        lambda: _pressed_rings(2)[0],
+        family="ring pressed into a ring",
+        shows="patch test on the arc, other meshes",
+        source="Lame 1852",
+        quantity="mean p [Pa]",
+        expected=3e6,
+        tolerance=2e-4,
+        tier=DISCRETE,
+        found=lambda: _pressed_rings(2).mean,
     ),
     KnownAnswer(
-        "rings pressed by p_0 + p_1 cos 2 theta",
-        "contact of rings, other meshes",
-        MICHELL,
-        "p_1 [Pa]",
-        1e6,
-        5e-4,
-        DISCRETE,
-        lambda: _pressed_rings(2)[1],
+        family="rings pressed by p_0 + p_1 cos 2 theta",
+        shows="contact of rings, other meshes",
+        source=MICHELL,
+        quantity="p_1 [Pa]",
+        expected=1e6,
+        tolerance=5e-4,
+        tier=DISCRETE,
+        found=lambda: _pressed_rings(2).harmonic,
     ),
     KnownAnswer(
-        "eccentric ring in a ring",
-        "contact of rings, other meshes",
-        MICHELL + ", off centre: cos theta",
-        "p_1 [Pa]",
-        1e6,
-        5e-4,
-        DISCRETE,
-        lambda: _pressed_rings(1)[1],
+        family="eccentric ring in a ring",
+        shows="contact of rings, other meshes",
+        source=MICHELL + ", off centre: cos theta",
+        quantity="p_1 [Pa]",
+        expected=1e6,
+        tolerance=5e-4,
+        tier=DISCRETE,
+        found=lambda: _pressed_rings(1).harmonic,
     ),
     KnownAnswer(
-        "thin bonded lining",
-        "lining as springs",
-        "E/((1 - nu^2) t) in the limit",
-        "stiffness [Pa/m]",
-        closed_forms.bonded_layer(CONTACT_LINING.E, CONTACT_LINING.nu, 1e-3),
-        5e-3,
-        MODEL,
-        _bonded_layer,
+        family="thin bonded lining",
+        shows="lining as springs",
+        source="E/((1 - nu^2) t) in the limit",
+        quantity="stiffness [Pa/m]",
+        expected=closed_forms.bonded_layer(CONTACT_LINING.E, CONTACT_LINING.nu, 1e-3),
+        tolerance=5e-3,
+        tier=MODEL,
+        found=_bonded_layer,
     ),
     *(
         KnownAnswer(
-            "sharp sliding edge",
-            "singular pressure",
-            "eigenvalue of the corner (Williams 1952)",
-            f"lambda, nu = {nu}, mu = {mu}",
-            closed_forms.corner_exponent(mu, nu),
-            1e-2,
-            DISCRETE,
-            partial(_edge_exponent, mu, nu),
+            family="sharp sliding edge",
+            shows="singular pressure",
+            source="eigenvalue of the corner (Williams 1952)",
+            quantity=f"lambda, nu = {nu}, mu = {mu}",
+            expected=closed_forms.corner_exponent(mu, nu),
+            tolerance=1e-2,
+            tier=DISCRETE,
+            found=partial(_edge_exponent, mu, nu),
         )
         for nu, mu in ((0.1, 0.3), (0.3, 0.3), (0.3, 0.5), (0.45, 0.3))
     ),

@@ -1,5 +1,6 @@
-"""The ladder's friction and wear: stick and slip, belts, plates, self-locking, running in, a whole
-brake.
+"""The ladder's friction and wear: stick and slip, belts, plates, self-locking, running in.
+
+The last cases judge a whole brake.
 """
 
 import math
@@ -15,7 +16,7 @@ from drumlin.brake.elasticity import ElasticLayer
 from drumlin.brake.fields import Material
 from drumlin.brake.file import vary
 from drumlin.contact import active_set, equations, self_locking, stick_slip
-from drumlin.contact.stick_slip import OPEN, STICK, History, Problem
+from drumlin.contact.stick_slip import OPEN, STICK, FrictionalProblem, History
 from drumlin.fem.solve import solve
 from drumlin.fem.substructure.body import scalar_basis, stiffness
 from drumlin.fem.substructure.interface import (
@@ -36,11 +37,21 @@ from drumlin_studies.ladder_contact import GAP_RADIUS, HALF_WIDTH, half_plane
 from drumlin_studies.two_bodies import LADDER_STEEL, BodyPair, nested_start
 
 
-def _spring(push: float, shift: float, k: float = 100.0) -> Problem:
-    """One node on springs k, pushed against a drum that has moved by `shift`."""
+def _spring(push: float, shift: float, k: float = 100.0) -> FrictionalProblem:
+    """One node on springs, pushed against a drum that has moved.
+
+    Parameters
+    ----------
+    push : float
+        Normal force on the node [N].
+    shift : float
+        Displacement of the drum [m].
+    k : float
+        Stiffness of both springs [N/m].
+    """
     one, none = np.ones((1, 1)), np.zeros((1, 1))
     across, along = np.zeros((1, 0)), np.zeros((0, 1))
-    return Problem(
+    return FrictionalProblem(
         A_wp=one / k,
         A_wt=none,
         A_sp=none,
@@ -57,41 +68,43 @@ def _spring(push: float, shift: float, k: float = 100.0) -> Problem:
 
 
 def _traction(shift: float) -> float:
-    """Of one node under 10 N at mu = .5."""
-    return float(
-        stick_slip.solve(
-            _spring(10.0, shift), 0.5, History(np.zeros(1), np.zeros(1)), np.array([STICK])
-        ).t[0]
-    )
+    """Traction of one node under 10 N at mu = 0.5, after a displacement of the drum [m]."""
+    untouched = History(np.zeros(1), np.zeros(1))
+    answer = stick_slip.solve(_spring(10.0, shift), 0.5, untouched, np.array([STICK]))
+    return float(answer.t[0])
 
 
 def _loop() -> float:
-    """Energy that one node dissipates over a closed loop of the drum between +-.2 m."""
+    """Energy [J] that one node dissipates as the drum moves in a closed loop between +-0.2 m."""
     path = np.concatenate(
         [np.linspace(0, 0.2, 21), np.linspace(0.2, -0.2, 41), np.linspace(-0.2, 0.2, 41)]
     )
-    history, state, lost = History(np.zeros(1), np.zeros(1)), np.array([STICK]), 0.0
+    history, state, dissipated = History(np.zeros(1), np.zeros(1)), np.array([STICK]), 0.0
     for i, shift in enumerate(path):
-        found = stick_slip.solve(_spring(10.0, shift), 0.5, history, state)
-        lost += float(found.t[0] * (found.s[0] - history.s[0])) if i > 20 else 0.0
-        history, state = found.history, found.state
-    return lost
+        answer = stick_slip.solve(_spring(10.0, shift), 0.5, history, state)
+        # The first 21 positions lead from zero to the loop.
+        if i > 20:
+            dissipated += float(answer.t[0] * (answer.s[0] - history.s[0]))
+        history, state = answer.history, answer.state
+    return dissipated
 
 
 def _along(normal: Floats, tangent: Floats) -> Directions:
+    """Directions of a plane contact: the same normal and tangent (2,) at all points."""
+
     def directions(points: Floats) -> tuple[Floats, Floats]:
         shape = (2, *([1] * (points.ndim - 1)))
-        return normal.reshape(shape) * np.ones_like(points), tangent.reshape(shape) * np.ones_like(
-            points
-        )
+        ones = np.ones_like(points)
+        return normal.reshape(shape) * ones, tangent.reshape(shape) * ones
 
     return directions
 
 
 def _wedge() -> float:
-    """Push over weight of a block that moves up a wedge of tan a = .1 at mu = .3."""
+    """Push over weight of a block that slides up a wedge of slope 0.1 at mu = 0.3."""
     slope, x = math.atan(0.1), np.linspace(0, 1, 5)
     up = np.array([math.cos(slope), math.sin(slope)])
+    # A straight contact line of two quadratic edges.
     line = ContactLine(np.arange(5), up[:, None] * x, x, np.array([[0, 2], [1, 3], [2, 4]]))
     coupling = couple(line, 1.0, _along(np.array([up[1], -up[0]]), -up))
     p = np.full(5, 7.0)
@@ -101,10 +114,10 @@ def _wedge() -> float:
 
 @cache
 def _cattaneo(share: float) -> float:
-    """Half-width of the sticking zone over that of contact, under the tangential load share mu P.
+    """Half-width c of the sticking zone over half-width a of contact.
 
-    From the tractions, which do not depend on where nodes lie: (1 - t/(mu p))^2 in the middle is
-    c^2/a^2.
+    The tangential load is `share` times mu P. The ratio follows from the tractions in the middle,
+    (1 - t/(mu p))^2 = c^2/a^2, because the ends of a zone depend on where nodes lie.
     """
     mu, load = 0.3, HALF_WIDTH**2 * math.pi * LADDER_STEEL.E / 2 / (4 * GAP_RADIUS)
     pair = BodyPair.of(half_plane(-1, 14), half_plane(1, 12), motions="xy")
@@ -113,16 +126,16 @@ def _cattaneo(share: float) -> float:
     along = BodyPair(pair.inner, pair.coupling, pair.pressed, pair.dragged, pair.motions[:, :1])
     pressing = along.normal(gap, [load])
     state = np.where(active_set.solve(pressing, nested_start(pressing)).active, STICK, OPEN)
-    found = stick_slip.solve(
-        pair.frictional(gap, [load, 0.0]), mu, History(np.zeros(n), np.zeros(n)), state
-    )
+    # The normal load comes first, then the tangential load in two steps.
+    untouched = History(np.zeros(n), np.zeros(n))
+    found = stick_slip.solve(pair.frictional(gap, [load, 0.0]), mu, untouched, state)
     for part in (0.5, 1.0):
         loads = [load, part * share * mu * load]
         found = stick_slip.solve(pair.frictional(gap, loads), mu, found.history, found.state)
     middle = np.abs(s) < 0.2 * HALF_WIDTH
     ratio = np.abs(found.t[middle]).mean() / (mu * found.p[middle].mean())
-    # t/(mu p) in the middle: 1 - c/a to second order of the window, which the same window of the
-    # closed form takes off
+    # In the middle t/(mu p) = 1 - c/a, but for a term of second order in the width of the window.
+    # The same window of the closed form corrects this term.
     exact_p = np.sqrt(1 - (s[middle] / HALF_WIDTH) ** 2)
     c = math.sqrt(1 - share)
     exact_t = exact_p - c * np.sqrt(1 - (s[middle] / (c * HALF_WIDTH)) ** 2)
@@ -130,8 +143,16 @@ def _cattaneo(share: float) -> float:
 
 
 class Flexible(NamedTuple):
-    """A body with some unknowns held: displacements (2 nodes, .) of its contact line under forces
-    (2 nodes, .).
+    """An elastic body with some unknowns held.
+
+    Attributes
+    ----------
+    basis, K : skfem basis, sparse matrix
+        Finite elements and stiffness of the body.
+    line, coupling : ContactLine, Coupling
+        Contact line, and how displacements of its nodes open the gap.
+    free : array of int
+        Unknowns that are not held.
     """
 
     basis: Any
@@ -144,6 +165,21 @@ class Flexible(NamedTuple):
     def of(
         cls, mesh: Any, material: Material, held: Ints, directions: Directions, middle: float
     ) -> "Flexible":
+        """The body of a mesh with the boundary "contact".
+
+        Parameters
+        ----------
+        mesh : skfem mesh
+            Its mesh.
+        material : Material
+            Its material.
+        held : array of int
+            Unknowns that are held.
+        directions : function
+            Normal and tangent at points of the contact.
+        middle : float
+            Angle of the middle of the contact [rad].
+        """
         basis = scalar_basis(mesh)
         K = stiffness(basis, {"body": ElasticLayer.of(material, 1.0)}).tocsc()
         line = contact_line(basis, mesh.boundaries["contact"], middle)
@@ -156,7 +192,7 @@ class Flexible(NamedTuple):
         )
 
     def spread(self, matrix: Floats) -> Floats:
-        """Forces (2 nodes, n) of the columns of a coupling's matrix (n, 2 n)."""
+        """Nodal forces (2 nodes, n) of unit pressures or tractions, from a coupling matrix (n, 2 n)."""
         f = np.zeros((self.basis.N, 2, len(matrix)))
         f[self.line.nodes] = matrix.T.reshape(-1, 2, len(matrix))
         return f.reshape(2 * self.basis.N, -1)
@@ -169,8 +205,16 @@ class Flexible(NamedTuple):
 
 
 def _meshed(grid: Any, to: Any, held: Any) -> Any:
-    """Quadratic mesh of a tensor grid, its contact at the first coordinate's 0, moved to the places
-    `to`.
+    """Quadratic mesh of a tensor grid, in contact where the first coordinate is zero.
+
+    Parameters
+    ----------
+    grid : skfem mesh
+        The tensor grid.
+    to : function
+        Places (2, nodes) of the nodes, by both coordinates of the grid.
+    held : function
+        Whether an edge is held, by both coordinates of its middle.
     """
     middle = grid.p[:, grid.facets].mean(axis=1)
     mesh = skfem.MeshQuad2.from_mesh(grid)
@@ -186,7 +230,7 @@ def _meshed(grid: Any, to: Any, held: Any) -> Any:
 
 
 def _belt(mu: float, wrap: float) -> float:
-    """Tension at the held end of a thin belt around a sliding drum over that at its pulled end."""
+    """Ratio of the tensions at the held and the pulled end of a belt around a sliding drum."""
     t = 0.002
     grid = skfem.MeshQuad.init_tensor(np.array([0.0, t]), np.linspace(0, wrap, 161))
     mesh = _meshed(
@@ -203,23 +247,24 @@ def _belt(mu: float, wrap: float) -> float:
     pulled = np.flatnonzero((np.abs(y) < 1e-12) & (x > 0))
     f = np.zeros((belt.basis.N, 2))
     weights = np.where(np.abs(x[pulled] - 1 - t / 2) < 1e-9, 4.0, 1.0) / 6
-    f[pulled, 1] = -weights  # a tension of 1 N, even through the thickness
+    # A tension of 1 N, uniform through the thickness.
+    f[pulled, 1] = -weights
     u = belt.moved(np.column_stack([f.ravel(), belt.spread(N) + mu * belt.spread(T)]))
     on = np.column_stack([2 * belt.line.nodes, 2 * belt.line.nodes + 1]).ravel()
     n = len(N)
-    p = active_set.solve(
-        equations.Problem(
-            N @ u[on, 1:], -N @ u[on, 0], np.zeros((n, 0)), np.zeros((0, n)), np.zeros(0)
-        )
-    ).p
+    without_motions = np.zeros((n, 0)), np.zeros((0, n)), np.zeros(0)
+    problem = equations.Problem(N @ u[on, 1:], -N @ u[on, 0], *without_motions)
+    p = active_set.solve(problem).p
     whole = u @ np.concatenate([[1.0], -p])
     reaction = (belt.K @ whole).reshape(-1, 2)[at].sum(axis=0)
     return float(np.array([-math.sin(wrap), math.cos(wrap)]) @ reaction)
 
 
 def _flat_patch(turned: float) -> float:
-    """Largest pressure [Pa] of a strip of height 1, nu = 0, pressed by .05 on a plane at an
-    inclination.
+    """Largest pressure [Pa] of a strip that is pressed by 0.05 m on an inclined plane.
+
+    The strip is 1 m high and has nu = 0, so that the pressure is uniform. turned : inclination of
+    the plane [rad].
     """
     c, s = math.cos(turned), math.sin(turned)
     grid = skfem.MeshQuad.init_tensor(np.array([0, 0.4, 0.5, 1.0]), np.array([0, 0.3, 1.1, 2.0]))
@@ -245,8 +290,14 @@ def _flat_patch(turned: float) -> float:
 
 
 class Plate(NamedTuple):
-    """Moment of the plane's pressures about the plate's corner over that of all other forces;
-    states of its nodes.
+    """A plate on a rigid plane.
+
+    Attributes
+    ----------
+    moment : float
+        Moment of the plane's pressures about the plate's corner, over that of all other forces.
+    states : frozenset of int
+        The states that occur among the contact nodes: open, stick or slip.
     """
 
     moment: float
@@ -255,12 +306,11 @@ class Plate(NamedTuple):
 
 @cache
 def pressed_plate() -> Plate:
-    """An elastic plate, on a plane of symmetry at x = 0, pressed on a rigid plane at mu = 1 and
-    pushed from its side.
+    """An elastic plate on a rigid plane at mu = 1, pressed from above and pushed from its side.
 
-    After Raous, Chabrand & Lebon (1988): 40 by 40, nu = .2, 5 MPa downwards and 10 MPa from the
-    side. About the corner at O neither tractions along the plane nor what is held up there have a
-    moment.
+    After Raous, Chabrand & Lebon (1988): 40 by 40, nu = 0.2, 5 MPa from above and 10 MPa from the
+    side, with a plane of symmetry at x = 0. About the corner in the origin, tractions along the
+    plane have no moment, nor has the vertical force that holds the plate there.
     """
     L, mu = 40.0, 1.0
     grid = skfem.MeshQuad.init_tensor(np.linspace(0, L, 13), np.linspace(0, L, 25))
@@ -277,6 +327,7 @@ def pressed_plate() -> Plate:
         _along(np.array([0.0, -1.0]), np.array([1.0, 0.0])),
         math.pi / 4,
     )
+    # The loads act on the upper edge and on the side.
     f = np.zeros((basis.N, 2))
     f[:, 1] -= 5e6 * _edge(x, np.flatnonzero(y > L - 1e-9))
     f[:, 0] -= 10e6 * _edge(y, np.flatnonzero(x > L - 1e-9))
@@ -285,9 +336,10 @@ def pressed_plate() -> Plate:
     on = np.column_stack([2 * plate.line.nodes, 2 * plate.line.nodes + 1]).ravel()
     u = plate.moved(np.column_stack([f.ravel(), plate.spread(N), plate.spread(T)]))
     by_f, by_N, by_T = u[on, 0], u[on, 1 : 1 + n], u[on, 1 + n :]
+    # The plate moves up and down as a rigid body.
     up = np.tile([0.0, 1.0], n)
     B_w, B_s = -(N @ up)[:, None], -(T @ up)[:, None]
-    problem = Problem(
+    problem = FrictionalProblem(
         A_wp=N @ by_N,
         A_wt=-N @ by_T,
         A_sp=T @ by_N,
@@ -304,7 +356,8 @@ def pressed_plate() -> Plate:
     found = stick_slip.solve(problem, mu, History(np.zeros(n), np.zeros(n)), np.full(n, STICK))
     whole = u @ np.concatenate([[1.0], -found.p, found.t])
     total = f.copy()
-    total[left] = (plate.K @ whole).reshape(-1, 2)[left]  # with what holds them
+    # On the plane of symmetry the nodal forces include the reactions.
+    total[left] = (plate.K @ whole).reshape(-1, 2)[left]
     others = float((x * total[:, 1] - y * total[:, 0]).sum())
     pressures = (-N.T @ found.p).reshape(-1, 2)
     return Plate(
@@ -314,39 +367,45 @@ def pressed_plate() -> Plate:
 
 
 def _edge(along: Floats, nodes: Ints) -> Floats:
-    """Consistent forces (nodes,) of a unit traction on a straight edge of quadratic elements, all
-    its `nodes`.
+    """Consistent nodal forces (all nodes,) of a unit traction on a straight edge.
+
+    along : coordinate along the edge of all nodes; nodes : the nodes of the edge.
     """
     f = np.zeros(len(along))
     order = nodes[np.argsort(along[nodes])]
-    for a, m, b in zip(order[0:-2:2], order[1::2], order[2::2], strict=True):
-        f[[a, m, b]] += (along[b] - along[a]) / 6 * np.array([1.0, 4.0, 1.0])
+    for first, middle, last in zip(order[0:-2:2], order[1::2], order[2::2], strict=True):
+        length = along[last] - along[first]
+        f[[first, middle, last]] += length / 6 * np.array([1.0, 4.0, 1.0])
     return f
 
 
-K, RADIUS, WIDTH, PIN, MOMENT, MU = 4e10, 0.15, 0.04, 0.125, 250.0, 0.25
-ARC = (0.3, 2.2)
+SPRING_STIFFNESS = 4e10  # Pa/m
+SPRING_RADIUS, SPRING_WIDTH, SPRING_PIN = 0.15, 0.04, 0.125  # m
+SPRING_MOMENT = 250.0  # N m
+SPRING_MU = 0.25
+SPRING_ARC = (0.3, 2.2)  # rad
 SPRING_WEAR = WearLaw(1e-13)
-WEAR_UNIT = 1 / (SPRING_WEAR.coefficient * K)
+WEAR_UNIT = 1 / (SPRING_WEAR.coefficient * SPRING_STIFFNESS)
+"""Distance 1/(k K) over which the deviation from the law falls to 1/e [m]."""
 
 
 def _winkler(mu: float) -> tuple[WearInterface, Floats]:
-    """A rigid shoe on a hinge with a lining of springs, unevenly worn, and the angles of its nodes."""
-    phi = np.linspace(*ARC, 49)
-    xy = RADIUS * np.array([np.cos(phi), np.sin(phi)])
+    """A hinged rigid shoe with an unevenly worn lining of springs, and its nodes' angles (n,)."""
+    phi = np.linspace(*SPRING_ARC, 49)
+    xy = SPRING_RADIUS * np.array([np.cos(phi), np.sin(phi)])
     coupling = couple(
         ContactLine(np.arange(49), xy, phi, np.arange(0, 48, 2) + np.arange(3)[:, None]),
-        WIDTH,
+        SPRING_WIDTH,
         radial(1),
     )
-    turned = np.column_stack([-xy[1], xy[0] - PIN]).ravel()
+    turned = np.column_stack([-xy[1], xy[0] - SPRING_PIN]).ravel()
     closing = coupling.N @ turned
     problem = equations.Problem(
-        coupling.M / K,
+        coupling.M / SPRING_STIFFNESS,
         coupling.M @ (2e-6 * np.cos(3 * phi)),
         -closing[:, None],
         (mu * (coupling.T @ turned) - closing)[None],
-        np.array([MOMENT]),
+        np.array([SPRING_MOMENT]),
     )
     interface = WearInterface(
         problem, np.zeros(49), coupling.M, np.ones(49), coupling.area, mu * coupling.lever
@@ -355,45 +414,55 @@ def _winkler(mu: float) -> tuple[WearInterface, Floats]:
 
 
 def _winkler_limit() -> float:
+    """Friction at which this shoe locks itself."""
     still, unit = (_winkler(-mu)[0].problem for mu in (0.0, 1.0))
     return self_locking.limit(self_locking.Sliding.through(still, unit)).friction
 
 
 @cache
 def _worn() -> tuple[list[WearState], Floats]:
-    interface, phi = _winkler(MU)
+    """The states of the shoe as it runs in, and the pressure (n,) of the sine law at 1 N m."""
+    interface, phi = _winkler(SPRING_MU)
     return run([interface], SPRING_WEAR, distance=2 * WEAR_UNIT, tolerance=1e-4), np.sin(
         phi
     ) / float(interface.problem.C[0] @ np.sin(phi))
 
 
 def _forgotten() -> float:
-    """What is left after 2/(kK) of the deviation from the sine law."""
+    """Fraction of the deviation from the sine law that is left after a distance of 2/(k K)."""
     states, law = _worn()
-    first, last = (state.pressure - MOMENT * law for state in (states[0], states[-1]))
+    first, last = (state.pressure - SPRING_MOMENT * law for state in (states[0], states[-1]))
     return float(first @ last / (first @ first))
 
 
 def _volume() -> float:
-    """Volume worn off over k times the normal force, integrated over the distance."""
+    """Worn volume over k times the normal force integrated over the distance."""
     states, _ = _worn()
-    area = _winkler(MU)[0].area
+    area = _winkler(SPRING_MU)[0].area
     return float(
         area @ (states[-1].depth - states[0].depth) / (SPRING_WEAR.coefficient * states[-1].pressed)
     )
 
 
+class ThinLinings(NamedTuple):
+    """A brake with thin linings on rigid shoes: torque [N m] by law, response by elements."""
+
+    law_torque: float
+    response: Response
+    brake: Any
+
+
 @cache
-def _brake() -> tuple[float, Response, Any]:
+def _brake() -> ThinLinings:
     brake = DoubleShoe().brake(2000.0)
     rigid = vary(brake, {"shoe.lining.thickness": 3e-3})
     response = solve(rigid, elements=24)
-    return sine(rigid).torque, response, rigid
+    return ThinLinings(sine(rigid).torque, response, rigid)
 
 
 def _equilibrium() -> float:
-    """Moment of actuation and hinges about the drum's centre over the torque."""
-    _, response, brake = _brake()
+    """Moment of all actuations and hinges about the drum's centre, over the torque."""
+    response, brake = _brake().response, _brake().brake
     moments = []
     for spec, shoe in zip(brake.shoes, response.shoes, strict=True):
         pin, force = spec.pin.xy, shoe.hinge_reaction
@@ -405,128 +474,128 @@ def _equilibrium() -> float:
 FRICTION_CASES = (
     *(
         KnownAnswer(
-            "one node on springs",
-            "friction states",
-            "spring force k s up to mu p",
-            f"traction at s = {shift} m",
-            min(100 * shift, 5.0),
-            1e-12,
-            EXACT,
-            partial(_traction, shift),
+            family="one node on springs",
+            shows="friction states",
+            source="spring force k s up to mu p",
+            quantity=f"traction at s = {shift} m",
+            expected=min(100 * shift, 5.0),
+            tolerance=1e-12,
+            tier=EXACT,
+            found=partial(_traction, shift),
         )
         for shift in (0.02, 0.05, 0.2)
     ),
     KnownAnswer(
-        "closed loop of slip",
-        "dissipation",
-        "area of the loop, 4 mu p (s - mu p/k)",
-        "energy [J]",
-        4 * 0.5 * 10 * (0.2 - 0.5 * 10 / 100),
-        1e-9,
-        EXACT,
-        _loop,
+        family="closed loop of slip",
+        shows="dissipation",
+        source="area of the loop, 4 mu p (s - mu p/k)",
+        quantity="energy [J]",
+        expected=4 * 0.5 * 10 * (0.2 - 0.5 * 10 / 100),
+        tolerance=1e-9,
+        tier=EXACT,
+        found=_loop,
     ),
     *(
         KnownAnswer(
-            "flat patch test",
-            "even pressure",
-            "El-Abbasi & Bathe 2001: E times the strain -.05",
-            f"largest p [Pa], inclined by {turned} rad",
-            1e5,
-            1e-10,
-            EXACT,
-            partial(_flat_patch, turned),
+            family="flat patch test",
+            shows="even pressure",
+            source="El-Abbasi & Bathe 2001: E times the strain -.05",
+            quantity=f"largest p [Pa], inclined by {turned} rad",
+            expected=1e5,
+            tolerance=1e-10,
+            tier=EXACT,
+            found=partial(_flat_patch, turned),
         )
         for turned in (0.0, 0.4)
     ),
     KnownAnswer(
-        "block on a wedge",
-        "direction of friction",
-        "NAFEMS CGS-4: (tan a + mu)/(1 - mu tan a)",
-        "push over weight",
-        0.412371,
-        1e-6,
-        PRINTED,
-        _wedge,
+        family="block on a wedge",
+        shows="direction of friction",
+        source="NAFEMS CGS-4: (tan a + mu)/(1 - mu tan a)",
+        quantity="push over weight",
+        expected=0.412371,
+        tolerance=1e-6,
+        tier=PRINTED,
+        found=_wedge,
     ),
     KnownAnswer(
-        "tangentially loaded cylinders",
-        "partial slip",
-        "Cattaneo 1938, Mindlin 1949: c/a = sqrt(1 - Q/(mu P))",
-        "c/a at Q = mu P/2",
-        math.sqrt(0.5),
-        1e-2,
-        DISCRETE,
-        partial(_cattaneo, 0.5),
+        family="tangentially loaded cylinders",
+        shows="partial slip",
+        source="Cattaneo 1938, Mindlin 1949: c/a = sqrt(1 - Q/(mu P))",
+        quantity="c/a at Q = mu P/2",
+        expected=math.sqrt(0.5),
+        tolerance=1e-2,
+        tier=DISCRETE,
+        found=partial(_cattaneo, 0.5),
     ),
     KnownAnswer(
-        "belt on a drum",
-        "drag of a flexible body",
-        "capstan: e^(mu theta)",
-        "ratio of tensions, mu = .3, 120 deg",
-        closed_forms.capstan(0.3, 2 * math.pi / 3),
-        1e-2,
-        MODEL,
-        partial(_belt, 0.3, 2 * math.pi / 3),
+        family="belt on a drum",
+        shows="drag of a flexible body",
+        source="capstan: e^(mu theta)",
+        quantity="ratio of tensions, mu = .3, 120 deg",
+        expected=closed_forms.capstan(0.3, 2 * math.pi / 3),
+        tolerance=1e-2,
+        tier=MODEL,
+        found=partial(_belt, 0.3, 2 * math.pi / 3),
     ),
     KnownAnswer(
-        "plate on a rigid plane",
-        "stick, slip and open in one contact",
-        "balance of moments about a corner",
-        "moment of p over all others",
-        1.0,
-        1e-9,
-        EXACT,
-        lambda: pressed_plate().moment,
+        family="plate on a rigid plane",
+        shows="stick, slip and open in one contact",
+        source="balance of moments about a corner",
+        quantity="moment of p over all others",
+        expected=1.0,
+        tolerance=1e-9,
+        tier=EXACT,
+        found=lambda: pressed_plate().moment,
     ),
     KnownAnswer(
-        "shoe on springs, self-locking",
-        "limit of friction",
-        "moments of p ~ sin about the hinge",
-        "mu_lock",
-        closed_forms.sine_shoe_limit(RADIUS, PIN, *ARC),
-        1e-5,
-        DISCRETE,
-        _winkler_limit,
+        family="shoe on springs, self-locking",
+        shows="limit of friction",
+        source="moments of p ~ sin about the hinge",
+        quantity="mu_lock",
+        expected=closed_forms.sine_shoe_limit(SPRING_RADIUS, SPRING_PIN, *SPRING_ARC),
+        tolerance=1e-5,
+        tier=DISCRETE,
+        found=_winkler_limit,
     ),
     KnownAnswer(
-        "shoe on springs, running in",
-        "Archard wear in time",
-        "exp(-k K s), all in contact",
-        "deviation left at k K s = 2",
-        math.exp(-2),
-        1e-3,
-        DISCRETE,
-        _forgotten,
+        family="shoe on springs, running in",
+        shows="Archard wear in time",
+        source="exp(-k K s), all in contact",
+        quantity="deviation left at k K s = 2",
+        expected=math.exp(-2),
+        tolerance=1e-3,
+        tier=DISCRETE,
+        found=_forgotten,
     ),
     KnownAnswer(
-        "worn volume",
-        "Archard wear",
-        "Archard 1953: V = k N s",
-        "V over k Int N ds",
-        1.0,
-        1e-9,
-        EXACT,
-        _volume,
+        family="worn volume",
+        shows="Archard wear",
+        source="Archard 1953: V = k N s",
+        quantity="V over k Int N ds",
+        expected=1.0,
+        tolerance=1e-9,
+        tier=EXACT,
+        found=_volume,
     ),
     KnownAnswer(
-        "rigid shoe with a thin lining",
-        "whole brake by elements",
-        "sine law in the limit",
-        "torque over the law's",
-        1.0,
-        2e-2,
-        MODEL,
-        lambda: _brake()[1].torque / _brake()[0],
+        family="rigid shoe with a thin lining",
+        shows="whole brake by elements",
+        source="sine law in the limit",
+        quantity="torque over the law's",
+        expected=1.0,
+        tolerance=2e-2,
+        tier=MODEL,
+        found=lambda: _brake().response.torque / _brake().law_torque,
     ),
     KnownAnswer(
-        "balance of a whole brake",
-        "hinge reactions",
-        "moments about the drum's centre",
-        "moment over torque",
-        1.0,
-        1e-8,
-        EXACT,
-        _equilibrium,
+        family="balance of a whole brake",
+        shows="hinge reactions",
+        source="moments about the drum's centre",
+        quantity="moment over torque",
+        expected=1.0,
+        tolerance=1e-8,
+        tier=EXACT,
+        found=_equilibrium,
     ),
 )

@@ -1,10 +1,9 @@
-"""The ladder's rigid-shoe laws: worked examples of textbooks, and limits of the laws in closed
-form.
-"""
+"""The ladder's rigid-shoe laws: worked examples of textbooks, and limits in closed form."""
 
 import math
 from functools import cache, partial
 from math import cos, radians, sin
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,11 +21,12 @@ from drumlin_studies.textbook_brakes import hinged, lever_block, pad
 
 
 def _solve(model: str, brake: object) -> Response:
+    """The response of a brake by a law, given its name."""
     return MODELS[model].solve(brake)
 
 
 def _shigley_16_2() -> float:
-    """Torque [N m] of both shoes at 1 MPa on the helped one."""
+    """Torque [N m] of both shoes, the self-energising one under a peak pressure of 1 MPa."""
     shoe = {
         "R": 0.15,
         "a": math.hypot(0.112, 0.05),
@@ -41,6 +41,7 @@ def _shigley_16_2() -> float:
 
 @cache
 def _shigley_p16_1() -> Response:
+    """Two internal shoes under 2.2 kN each."""
     block = DoubleShoe(
         r_D=0.15,
         r_p=0.125,
@@ -55,6 +56,7 @@ def _shigley_p16_1() -> Response:
 
 @cache
 def _bhandari_12_7() -> Response:
+    """A block on the pivot of a lever, at a peak pressure of 0.5 MPa."""
     h = float(pivot_radius(0.25, radians(50)))
     lever = hinged(
         R=0.25,
@@ -69,9 +71,16 @@ def _bhandari_12_7() -> Response:
     return _solve("pivoted", rated(lever, MODELS["pivoted"].solve, 0.5e6))
 
 
+class ForceAndTorque(NamedTuple):
+    """Actuating force [N] and torque [N m] of a brake."""
+
+    force: float
+    torque: float
+
+
 @cache
-def _bhandari_12_8() -> tuple[float, float]:
-    """Force [N] and torque [N m]."""
+def _bhandari_12_8() -> ForceAndTorque:
+    """Two internal shoes on either side of a cylinder, the helped one at a peak of 1 MPa."""
     shoe = {
         "R": 0.125,
         "a": math.hypot(0.0866, 0.05),
@@ -80,22 +89,28 @@ def _bhandari_12_8() -> tuple[float, float]:
         "width": 0.04,
     }
     helped = rated(hinged(**shoe, moment=100.0, spin=-1), MODELS["sine"].solve, 1e6)  # type: ignore[arg-type]
-    moment = helped.shoes[0].actuation.force  # at a unit arm
+    # The shoe of `hinged` has a unit arm, so that its force is the moment.
+    moment = helped.shoes[0].actuation.force
     opposed = hinged(**shoe, moment=moment, spin=1)  # type: ignore[arg-type]
-    return moment / 0.1875, _solve("sine", helped).torque + _solve("sine", opposed).torque
+    arm = 0.1875
+    torque = _solve("sine", helped).torque + _solve("sine", opposed).torque
+    return ForceAndTorque(moment / arm, torque)
 
 
 def _block(a: float = 0.05, spin: int = 1, mu: float = 0.35, x: float = 0.2) -> Brake:
+    """A block on a lever with a half-arc of 45 degrees; see `lever_block` for the lengths."""
     return lever_block(R=0.125, arm=0.45, x=x, a=a, P=700.0, mu=mu, half=radians(45), spin=spin)
 
 
 def _block_by_statics() -> float:
+    """Torque [N m] of that block, its friction acting at psi R from the drum's centre."""
     psi = closed_forms.equivalent_block(radians(45))
     normal = 700.0 * 0.45 / (0.2 - 0.35 * (0.125 + 0.05 - psi * 0.125))
     return 0.35 * psi * 0.125 * normal
 
 
 def _lock_of_block() -> float:
+    """Friction at which a block with a high pin locks itself."""
     brake = lever_block(
         R=0.125, arm=0.45, x=0.03, a=0.15, P=700.0, mu=0.1, half=radians(20), spin=1
     )
@@ -103,7 +118,7 @@ def _lock_of_block() -> float:
 
 
 def _double_block() -> float:
-    """Torque of two blocks face to face over that of one."""
+    """Torque of two opposite blocks over that of one block."""
     one = lever_block(R=0.125, arm=0.45, x=0.2, a=0.0, P=700.0, mu=0.35, half=radians(45), spin=1)
     data = one.shoes[0].model_dump()
     data["name"] = "below"
@@ -115,6 +130,7 @@ def _double_block() -> float:
 
 
 def _gate() -> Response:
+    """A short shoe on a lever of 1 m."""
     return _solve(
         "short",
         lever_block(R=0.25, arm=1.0, x=0.5, a=0.2, P=100.0, mu=0.35, half=radians(10), spin=1),
@@ -122,31 +138,40 @@ def _gate() -> Response:
 
 
 def _two_short_shoes() -> float:
-    """Both opposite each other at 90 deg from their pins, a = R: N = M/(R (1 -+ mu)), N_1 = 400,
-    N_2 = 160 N.
+    """Torque [N m] of two short shoes opposite each other, at 90 degrees from their pins.
+
+    With a = R the normal forces are N = M/(R (1 -+ mu)): 400 N and 160 N.
     """
     shoe = {"R": 0.2, "a": 0.2, "arc": (radians(88), radians(92)), "mu": 0.25, "side": "external"}
-    turned = -math.pi / 2
-    torques = [
-        _solve("short", hinged(**shoe, moment=moment, hand=hand, turned=turned)).torque  # type: ignore[arg-type]
-        for hand, moment in ((1, 60.0), (-1, 40.0))
-    ]
-    return math.fsum(torques)
+    first = hinged(**shoe, moment=60.0, hand=1, turned=-math.pi / 2)  # type: ignore[arg-type]
+    second = hinged(**shoe, moment=40.0, hand=-1, turned=-math.pi / 2)  # type: ignore[arg-type]
+    return _solve("short", first).torque + _solve("short", second).torque
 
 
-M, H, X_1, X_2, PAD_MU = 90.0, 0.06, 0.05, 0.2, 0.4
+PAD_MOMENT = 90.0  # N m
+PIN_HEIGHT = 0.06  # m
+PAD_START, PAD_END = 0.05, 0.2  # m from the pin
+PAD_MU = 0.4
 
 
 def _long_pad() -> float:
-    return (
-        _solve("linear", pad(h=H, span=(X_1, X_2), moment=M, mu=PAD_MU, width=0.03))
-        .shoes[0]
-        .peak_pressure
-    )
+    """Peak pressure [Pa] of a long flat shoe."""
+    span = (PAD_START, PAD_END)
+    brake = pad(h=PIN_HEIGHT, span=span, moment=PAD_MOMENT, mu=PAD_MU, width=0.03)
+    return _solve("linear", brake).shoes[0].peak_pressure
+
+
+def _long_pad_by_statics() -> float:
+    """The same by the moments about the pin, of a pressure that grows linearly from the pin."""
+    normal = (PAD_END**3 - PAD_START**3) / 3
+    friction = PAD_MU * PIN_HEIGHT * (PAD_END**2 - PAD_START**2) / 2
+    return PAD_MOMENT * PAD_END / 0.03 / (normal + friction)
 
 
 def _short_pad() -> float:
-    return _solve("short", pad(h=H, span=(0.1, 0.16), moment=M, mu=PAD_MU)).shoes[0].normal_force
+    """Normal force [N] of a short flat shoe."""
+    brake = pad(h=PIN_HEIGHT, span=(0.1, 0.16), moment=PAD_MOMENT, mu=PAD_MU)
+    return _solve("short", brake).shoes[0].normal_force
 
 
 NPTEL_SHOE = {
@@ -157,10 +182,11 @@ NPTEL_SHOE = {
     "side": "external",
     "width": 0.05,
 }
+"""The long shoe of the NPTEL lesson; lengths in m."""
 
 
 def _nptel_moment() -> float:
-    """F l = M_p - M_f for 0.8 MPa."""
+    """Actuating moment [N m] for a peak of 0.8 MPa: M_p of the pressure less M_f of friction."""
     p, b, R, d, mu, t_1, t_2 = 0.8e6, 0.05, 0.2, 0.23, 0.3, radians(20), radians(130)
     M_p = 0.5 * p * b * R * d * ((t_2 - t_1) + 0.5 * (sin(2 * t_1) - sin(2 * t_2)))
     M_f = mu * p * b * R * (R * (cos(t_1) - cos(t_2)) - d / 4 * (cos(2 * t_1) - cos(2 * t_2)))
@@ -168,6 +194,7 @@ def _nptel_moment() -> float:
 
 
 def _nptel_long_shoe() -> float:
+    """Torque [N m] of the long shoe at 0.8 MPa."""
     return _solve("sine", hinged(**NPTEL_SHOE, moment=_nptel_moment(), spin=1)).torque  # type: ignore[arg-type]
 
 
@@ -181,16 +208,19 @@ SHORT_SHOE = {
 
 
 def _sensitivity() -> float:
+    """Relative change of the torque over that of friction, by differences."""
     return sensitivity(hinged(**SHORT_SHOE, moment=50.0), MODELS["short"].solve)  # type: ignore[arg-type]
 
 
 def _sensitivity_by_formula() -> float:
+    """The same by m/(m - n)."""
     m, n = 0.25 * sin(radians(75)) / (0.3 * 0.2), 1 - 0.25 * cos(radians(75)) / 0.2
     assert np.allclose(m_and_n(0.3, radians(75), 0.2, 0.25), (m, n))
     return m / (m - n)
 
 
 def _simscape(what: str) -> float:
+    """Torque over force [m] of the double-shoe block ("T/F"), or the friction that locks it."""
     block = DoubleShoe()
     return float(sum(block.shoe_torques(1.0, 1.0))) if what == "T/F" else block.mu_lock
 
@@ -202,206 +232,206 @@ LESSON, UWA = (
 )
 LAW_CASES = (
     KnownAnswer(
-        "internal shoes rated by pressure",
-        "sine law",
-        f"{SHIGLEY}, ex. 16-2, its formulas",
-        "torque [N m]",
-        527.761,
-        1e-6,
-        PRINTED,
-        _shigley_16_2,
+        family="internal shoes rated by pressure",
+        shows="sine law",
+        source=f"{SHIGLEY}, ex. 16-2, its formulas",
+        quantity="torque [N m]",
+        expected=527.761,
+        tolerance=1e-6,
+        tier=PRINTED,
+        found=_shigley_16_2,
     ),
     KnownAnswer(
-        "internal shoes under a force",
-        "sine law",
-        f"{SHIGLEY}, problem 16-1",
-        "peak pressure [kPa]",
-        734.0,
-        7e-4,
-        PRINTED,
-        lambda: _shigley_p16_1().shoes[0].peak_pressure * 1e-3,
+        family="internal shoes under a force",
+        shows="sine law",
+        source=f"{SHIGLEY}, problem 16-1",
+        quantity="peak pressure [kPa]",
+        expected=734.0,
+        tolerance=7e-4,
+        tier=PRINTED,
+        found=lambda: _shigley_p16_1().shoes[0].peak_pressure * 1e-3,
     ),
     KnownAnswer(
-        "internal shoes under a force",
-        "sine law",
-        f"{SHIGLEY}, problem 16-1, its formulas",
-        "torque [N m]",
-        422.004,
-        1.2e-6,
-        PRINTED,
-        lambda: _shigley_p16_1().torque,
+        family="internal shoes under a force",
+        shows="sine law",
+        source=f"{SHIGLEY}, problem 16-1, its formulas",
+        quantity="torque [N m]",
+        expected=422.004,
+        tolerance=1.2e-6,
+        tier=PRINTED,
+        found=lambda: _shigley_p16_1().torque,
     ),
     KnownAnswer(
-        "pivoted block",
-        "law of a shoe on a pivot",
-        f"{BHANDARI}, ex. 12.7",
-        "torque [N mm]",
-        957555.554,
-        1e-9,
-        PRINTED,
-        lambda: _bhandari_12_7().torque * 1e3,
+        family="pivoted block",
+        shows="law of a shoe on a pivot",
+        source=f"{BHANDARI}, ex. 12.7",
+        quantity="torque [N mm]",
+        expected=957555.554,
+        tolerance=1e-9,
+        tier=PRINTED,
+        found=lambda: _bhandari_12_7().torque * 1e3,
     ),
     KnownAnswer(
-        "internal shoes of a car",
-        "sine law",
-        f"{BHANDARI}, ex. 12.8",
-        "force [N]",
-        2089.795894,
-        1e-9,
-        PRINTED,
-        lambda: _bhandari_12_8()[0],
+        family="internal shoes of a car",
+        shows="sine law",
+        source=f"{BHANDARI}, ex. 12.8",
+        quantity="force [N]",
+        expected=2089.795894,
+        tolerance=1e-9,
+        tier=PRINTED,
+        found=lambda: _bhandari_12_8().force,
     ),
     KnownAnswer(
-        "internal shoes of a car",
-        "sine law",
-        f"{BHANDARI}, ex. 12.8",
-        "torque [N mm]",
-        434831.0515,
-        1e-9,
-        PRINTED,
-        lambda: _bhandari_12_8()[1] * 1e3,
+        family="internal shoes of a car",
+        shows="sine law",
+        source=f"{BHANDARI}, ex. 12.8",
+        quantity="torque [N mm]",
+        expected=434831.0515,
+        tolerance=1e-9,
+        tier=PRINTED,
+        found=lambda: _bhandari_12_8().torque * 1e3,
     ),
     KnownAnswer(
-        "block on a lever",
-        "block law",
-        "problem collection; printed with mu' rounded to .385",
-        "torque [N m]",
-        83.87,
-        5e-4,
-        PRINTED,
-        lambda: _solve("block", _block()).torque,
+        family="block on a lever",
+        shows="block law",
+        source="problem collection; printed with mu' rounded to .385",
+        quantity="torque [N m]",
+        expected=83.87,
+        tolerance=5e-4,
+        tier=PRINTED,
+        found=lambda: _solve("block", _block()).torque,
     ),
     KnownAnswer(
-        "block on a lever, exact statics",
-        "cosine law",
-        "statics of p_0 cos, mu N at psi R",
-        "torque [N m]",
-        _block_by_statics(),
-        1e-11,
-        EXACT,
-        lambda: _solve("cosine", _block()).torque,
+        family="block on a lever, exact statics",
+        shows="cosine law",
+        source="statics of p_0 cos, mu N at psi R",
+        quantity="torque [N m]",
+        expected=_block_by_statics(),
+        tolerance=1e-11,
+        tier=EXACT,
+        found=lambda: _solve("cosine", _block()).torque,
     ),
     *(
         KnownAnswer(
-            "equivalent friction of a block",
-            "block law",
-            LESSON,
-            f"mu'/mu, half-arc {angle} deg",
-            closed_forms.equivalent_block(radians(angle)),
-            1e-13,
-            EXACT,
-            partial(lambda half: float(equivalent_friction(half)), radians(angle)),
+            family="equivalent friction of a block",
+            shows="block law",
+            source=LESSON,
+            quantity=f"mu'/mu, half-arc {angle} deg",
+            expected=closed_forms.equivalent_block(radians(angle)),
+            tolerance=1e-13,
+            tier=EXACT,
+            found=partial(lambda half: float(equivalent_friction(half)), radians(angle)),
         )
         for angle in (30, 90)
     ),
     KnownAnswer(
-        "back stop",
-        "self-locking of a block",
-        f"{LESSON}: mu' = x/a",
-        "mu_lock",
-        0.03 / 0.15 / closed_forms.equivalent_block(radians(20)),
-        1e-9,
-        EXACT,
-        _lock_of_block,
+        family="back stop",
+        shows="self-locking of a block",
+        source=f"{LESSON}: mu' = x/a",
+        quantity="mu_lock",
+        expected=0.03 / 0.15 / closed_forms.equivalent_block(radians(20)),
+        tolerance=1e-9,
+        tier=EXACT,
+        found=_lock_of_block,
     ),
     KnownAnswer(
-        "double block",
-        "several shoes",
-        LESSON,
-        "torque over that of one block",
-        2.0,
-        1e-12,
-        EXACT,
-        _double_block,
+        family="double block",
+        shows="several shoes",
+        source=LESSON,
+        quantity="torque over that of one block",
+        expected=2.0,
+        tolerance=1e-12,
+        tier=EXACT,
+        found=_double_block,
     ),
     KnownAnswer(
-        "short shoe on a lever",
-        "short-shoe law",
-        "GATE examination",
-        "normal force [N]",
-        232.558,
-        2e-6,
-        PRINTED,
-        lambda: _gate().shoes[0].normal_force,
+        family="short shoe on a lever",
+        shows="short-shoe law",
+        source="GATE examination",
+        quantity="normal force [N]",
+        expected=232.558,
+        tolerance=2e-6,
+        tier=PRINTED,
+        found=lambda: _gate().shoes[0].normal_force,
     ),
     KnownAnswer(
-        "short shoe on a lever",
-        "short-shoe law",
-        "GATE examination",
-        "torque [N m]",
-        20.35,
-        2.5e-4,
-        PRINTED,
-        lambda: _gate().torque,
+        family="short shoe on a lever",
+        shows="short-shoe law",
+        source="GATE examination",
+        quantity="torque [N m]",
+        expected=20.35,
+        tolerance=2.5e-4,
+        tier=PRINTED,
+        found=lambda: _gate().torque,
     ),
     KnownAnswer(
-        "two short shoes",
-        "short-shoe law",
-        "statics by hand: .25 x .2 x (400 + 160)",
-        "torque [N m]",
-        28.0,
-        1e-9,
-        EXACT,
-        _two_short_shoes,
+        family="two short shoes",
+        shows="short-shoe law",
+        source="statics by hand: .25 x .2 x (400 + 160)",
+        quantity="torque [N m]",
+        expected=28.0,
+        tolerance=1e-9,
+        tier=EXACT,
+        found=_two_short_shoes,
     ),
     KnownAnswer(
-        "long shoe on a plane",
-        "linear law",
-        f"{UWA}, eq. iv",
-        "peak pressure [Pa]",
-        M * X_2 / 0.03 / ((X_2**3 - X_1**3) / 3 + PAD_MU * H * (X_2**2 - X_1**2) / 2),
-        1e-12,
-        EXACT,
-        _long_pad,
+        family="long shoe on a plane",
+        shows="linear law",
+        source=f"{UWA}, eq. iv",
+        quantity="peak pressure [Pa]",
+        expected=_long_pad_by_statics(),
+        tolerance=1e-12,
+        tier=EXACT,
+        found=_long_pad,
     ),
     KnownAnswer(
-        "short shoe on a plane",
-        "short-shoe law",
-        f"{UWA}, eq. iii",
-        "normal force [N]",
-        M / (0.13 + PAD_MU * H),
-        1e-12,
-        EXACT,
-        _short_pad,
+        family="short shoe on a plane",
+        shows="short-shoe law",
+        source=f"{UWA}, eq. iii",
+        quantity="normal force [N]",
+        expected=PAD_MOMENT / (0.13 + PAD_MU * PIN_HEIGHT),
+        tolerance=1e-12,
+        tier=EXACT,
+        found=_short_pad,
     ),
     KnownAnswer(
-        "external long shoe",
-        "sine law",
-        LESSON,
-        "torque [N m]",
-        0.3 * 0.8e6 * 0.05 * 0.2**2 * (cos(radians(20)) - cos(radians(130))),
-        1e-12,
-        EXACT,
-        _nptel_long_shoe,
+        family="external long shoe",
+        shows="sine law",
+        source=LESSON,
+        quantity="torque [N m]",
+        expected=0.3 * 0.8e6 * 0.05 * 0.2**2 * (cos(radians(20)) - cos(radians(130))),
+        tolerance=1e-12,
+        tier=EXACT,
+        found=_nptel_long_shoe,
     ),
     KnownAnswer(
-        "sensitivity to friction",
-        "S by differences",
-        f"{UWA}, S = m/(m - n)",
-        "S",
-        _sensitivity_by_formula(),
-        1e-6,
-        EXACT,
-        _sensitivity,
+        family="sensitivity to friction",
+        shows="S by differences",
+        source=f"{UWA}, S = m/(m - n)",
+        quantity="S",
+        expected=_sensitivity_by_formula(),
+        tolerance=1e-6,
+        tier=EXACT,
+        found=_sensitivity,
     ),
     KnownAnswer(
-        "double-shoe block of Simscape",
-        "sine law",
-        "Simscape Driveline, its formulas at its defaults",
-        "T/F [m]",
-        0.2176081,
-        5e-7,
-        PRINTED,
-        partial(_simscape, "T/F"),
+        family="double-shoe block of Simscape",
+        shows="sine law",
+        source="Simscape Driveline, its formulas at its defaults",
+        quantity="T/F [m]",
+        expected=0.2176081,
+        tolerance=5e-7,
+        tier=PRINTED,
+        found=partial(_simscape, "T/F"),
     ),
     KnownAnswer(
-        "double-shoe block of Simscape",
-        "self-locking",
-        "Simscape Driveline, its formulas at its defaults",
-        "mu_lock",
-        0.823082,
-        1e-6,
-        PRINTED,
-        partial(_simscape, "mu_lock"),
+        family="double-shoe block of Simscape",
+        shows="self-locking",
+        source="Simscape Driveline, its formulas at its defaults",
+        quantity="mu_lock",
+        expected=0.823082,
+        tolerance=1e-6,
+        tier=PRINTED,
+        found=partial(_simscape, "mu_lock"),
     ),
 )

@@ -1,6 +1,4 @@
-"""The ladder's pads on a plane: brakes from the file up, against springs and the corner's
-exponents.
-"""
+"""The ladder's pads on a plane: whole brakes against springs and the exponents of corners."""
 
 import math
 from functools import partial
@@ -17,26 +15,37 @@ from drumlin.fem.solve import solve
 from drumlin_studies import closed_forms
 from drumlin_studies.ladder_case import DISCRETE, KnownAnswer
 
-LENGTH, WIDTH, FORCE = 0.12, 0.04, 500.0
+PAD_LENGTH, PAD_WIDTH = 0.12, 0.04  # m
+PAD_FORCE = 500.0  # N
 SOFT_LINING = Material(E=3e8, nu=0.25)
 
 
 def guided(thickness: float, mu: float, lining: Material) -> Brake:
-    """A pad on a guide that is square to the plane, rigid behind its lining."""
+    """A pad with a rigid back, on a guide that is normal to the plane.
+
+    Parameters
+    ----------
+    thickness : float
+        Thickness of the lining [m].
+    mu : float
+        Coefficient of friction.
+    lining : Material
+        Material of the lining.
+    """
     shoe = {
         "name": "pad",
         "guide": {"direction": -math.pi / 2},
         "lining": {
             "start": 0.0,
-            "end": LENGTH,
-            "width": WIDTH,
+            "end": PAD_LENGTH,
+            "width": PAD_WIDTH,
             "thickness": thickness,
             "material": lining,
         },
         "actuation": {
-            "force": FORCE,
+            "force": PAD_FORCE,
             "direction": -math.pi / 2,
-            "point": {"x": LENGTH / 2, "y": 0.1},
+            "point": {"x": PAD_LENGTH / 2, "y": 0.1},
         },
     }
     data = {"title": "pad", "friction": mu, "plane": {"sliding": "+x"}, "shoe": [shoe]}
@@ -44,20 +53,23 @@ def guided(thickness: float, mu: float, lining: Material) -> Brake:
 
 
 def _squeezed() -> float:
-    """By how much a thin lining gives way over p (1 - nu^2) t/E: what its ends miss halves with t."""
-    off = []
+    """The compression of a thin lining over the closed form p (1 - nu^2) t/E.
+
+    The closed form neglects the ends of the lining. Their effect halves with the thickness t and
+    is extrapolated to zero.
+    """
+    ratios = []
     for t in (1e-3, 5e-4):
         (pad,) = solve(guided(t, 0.0, SOFT_LINING), penalty=math.inf).shoes
         assert pad.motion is not None
-        off.append(
-            -pad.motion[1]
-            / (FORCE / (LENGTH * WIDTH) * t * (1 - SOFT_LINING.nu**2) / SOFT_LINING.E)
-        )
-    return 2 * off[1] - off[0]
+        pressure = PAD_FORCE / (PAD_LENGTH * PAD_WIDTH)
+        closed_form = pressure * t * (1 - SOFT_LINING.nu**2) / SOFT_LINING.E
+        ratios.append(-pad.motion[1] / closed_form)
+    return 2 * ratios[1] - ratios[0]
 
 
 def _edge(mu: float, nu: float) -> float:
-    """lambda of p ~ r^(lambda - 1) at the edge that the plane runs onto."""
+    """The exponent lambda of p ~ r^(lambda - 1) at the leading edge of a pad."""
     brake = guided(0.02, mu, Material(E=3e8, nu=nu))
     (pad,) = respond(prepare(brake, LEVELS[5]), brake).shoes
     r = np.geomspace(2e-6, 4e-5, 12)
@@ -66,25 +78,25 @@ def _edge(mu: float, nu: float) -> float:
 
 PAD_CASES = (
     KnownAnswer(
-        "thin pad on a plane",
-        "a brake on a plane, lining as springs",
-        "Winkler, p (1 - nu^2) t/E bonded",
-        "yielding over the closed form, ends extrapolated",
-        1.0,
-        1e-3,
-        DISCRETE,
-        _squeezed,
+        family="thin pad on a plane",
+        shows="a brake on a plane, lining as springs",
+        source="Winkler, p (1 - nu^2) t/E bonded",
+        quantity="yielding over the closed form, ends extrapolated",
+        expected=1.0,
+        tolerance=1e-3,
+        tier=DISCRETE,
+        found=_squeezed,
     ),
     *(
         KnownAnswer(
-            "edge of a pad on a plane",
-            "singular pressure of a brake",
-            "eigenvalue of the corner (Williams 1952)",
-            f"lambda, nu = 0.3, mu = {mu}",
-            closed_forms.corner_exponent(mu, 0.3),
-            1e-2,
-            DISCRETE,
-            partial(_edge, mu, 0.3),
+            family="edge of a pad on a plane",
+            shows="singular pressure of a brake",
+            source="eigenvalue of the corner (Williams 1952)",
+            quantity=f"lambda, nu = 0.3, mu = {mu}",
+            expected=closed_forms.corner_exponent(mu, 0.3),
+            tolerance=1e-2,
+            tier=DISCRETE,
+            found=partial(_edge, mu, 0.3),
         )
         for mu in (0.1, 0.3, 0.5)
     ),

@@ -1,6 +1,4 @@
-"""Brakes by every law that applies: what each says of every shoe, why the others do not, and whose
-words mean what.
-"""
+"""Tables of brakes by every rigid-shoe law: results, reasons against laws, and words."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -16,12 +14,14 @@ from drumlin.response.merit import barecki_shoe_factor
 from drumlin.response.response import FlatMerit, Merit, Response, ShoeResponse
 
 LAW_NAMES = tuple(name for name in MODELS if name not in {"fem", "solid"})
+"""Names of the models that are not finite elements."""
 Row = dict[str, Any]
 
 
 def law_rows(brake: Brake, file: str) -> list[Row]:
-    """One row a shoe for every law that applies to a brake, and a row with the reason for every
-    other law.
+    """A row for each shoe by each law that applies, and a row with a reason for each other law.
+
+    file : name of the brake file, for the rows.
     """
     rows: list[Row] = []
     for name in LAW_NAMES:
@@ -40,7 +40,7 @@ def law_rows(brake: Brake, file: str) -> list[Row]:
 
 
 def shoe_row(response: Response, index: int) -> Row:
-    """What a law says of one shoe."""
+    """The row of one shoe of a response by a law."""
     shoe, merit = response.shoes[index], response.merits[index]
     row = {
         "shoe": shoe.name,
@@ -63,7 +63,7 @@ def shoe_row(response: Response, index: int) -> Row:
 
 
 def reasons(rows: Sequence[Row]) -> list[Row]:
-    """The laws without an answer among `law_rows`, together by file and reason."""
+    """The laws without an answer among `law_rows`, a row for each file and reason."""
     laws: dict[tuple[str, str], list[str]] = {}
     for row in rows:
         if row["status"] != "applies":
@@ -75,8 +75,10 @@ def reasons(rows: Sequence[Row]) -> list[Row]:
 
 
 def word_rows(brake: Brake) -> list[Row]:
-    """The shoe factor that eq. 26 of Barecki & Scieszka gives the posts of a brake, by the word it
-    uses for each.
+    """The shoe factors of the posts of a brake, by eq. 26 of Barecki & Scieszka and by each law.
+
+    Eq. 26 calls a shoe leading or trailing by the sign of a term. A row tells this word and whether
+    the shoe is self-energising.
     """
     rows = []
     for law in ("short", "cosine", "uniform", "sine"):
@@ -113,8 +115,10 @@ def word_rows(brake: Brake) -> list[Row]:
 
 
 def first_shoes(block: Brake, pad: Brake) -> dict[str, ShoeResponse]:
-    """The first shoe by every law: the drum laws and a pivot off its best place on a block, the
-    flat shoe on a pad.
+    """The first shoe by every law.
+
+    Drum laws solve the first shoe of the brake `block`. The law of the pivot gets a pivot away from
+    its best place. The law of flat shoes solves the brake `pad`.
     """
     shoes = {name: MODELS[name].solve(block).shoes[0] for name in LAWS}
     pivoted = vary(block, {"shoe.pivot": {"radius": "140 mm", "angle": "84 deg"}})

@@ -1,6 +1,4 @@
-"""What misfit makes of a brake: one at a time, over a turn of the drum, and drawn from tolerances;
-rows of tables.
-"""
+"""Rows on misfit: single misfits, a turn of an uneven drum, and brakes drawn from tolerances."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -23,15 +21,29 @@ DRAWN_QUANTITIES = {
     "brake_factor": "brake factor T/(F R)",
     "peak_pressure": "peak pressure [MPa]",
 }
+"""Quantities whose distributions are shown, with their names in tables."""
 STATES = ("new", "worn in")
-LOBES = {"run-out": 1, "oval": 2, "three lobes": 3, "five lobes": 5}  # orders
-EXPANSION, WARMING = 11e-6, 100.0  # of the drum [1/K], [K]
+"""States of the linings."""
+LOBES = {"run-out": 1, "oval": 2, "three lobes": 3, "five lobes": 5}
+"""Orders of the drum's lobes, by name."""
+EXPANSION, WARMING = 11e-6, 100.0
+"""Thermal expansion of the drum [1/K], and how much hotter than the shoes it is [K]."""
 
 
 def single_rows(
     brake: Brake, law: Response, solve: Callable[[Brake], Response]
 ) -> list[dict[str, Any]]:
-    """One misfit at a time, against the lining that fits and against the law."""
+    """A row for each of several misfits, against a lining that fits and against the law.
+
+    Parameters
+    ----------
+    brake : Brake
+        The brake without misfit.
+    law : Response
+        Its response by the law.
+    solve : function
+        Solves a brake.
+    """
     fits = solve(brake)
     growth = clearance.thermal_growth(brake.size, EXPANSION, WARMING)
 
@@ -73,16 +85,29 @@ def single_rows(
 
 
 def touching(brake: Brake, response: Response) -> float:
-    """The part of all linings that touches."""
-    arcs = sum(end - start for shoe in response.shoes for start, end in shoe.contact_arcs)
+    """Fraction of the arc of all linings that is in contact."""
+    arcs: float = 0
+    for shoe in response.shoes:
+        for start, end in shoe.contact_arcs:
+            arcs += end - start
     return arcs / sum(shoe.lining.end - shoe.lining.start for shoe in brake.shoes)
 
 
 def turn_torques(
     brake: Brake, solve: Callable[[Brake], Response], amplitude: float, angles: Sequence[float]
 ) -> dict[str, Floats]:
-    """Torque [N m] (angles,) as a drum with lobes of the amplitude [m] stands at the angles [rad],
-    by their names.
+    """Torque (angles,) [N m] over the angle of a drum with lobes, by the name of the lobes.
+
+    Parameters
+    ----------
+    brake : Brake
+        The brake with a round drum.
+    solve : function
+        Solves a brake.
+    amplitude : float
+        Amplitude of the lobes [m].
+    angles : sequence of float
+        Angles of the drum [rad].
     """
     found = {}
     for name, order in LOBES.items():
@@ -93,14 +118,26 @@ def turn_torques(
 
 
 def peak_to_valley(torques: Mapping[str, Floats]) -> dict[str, float]:
-    """The range of each torque over one turn, over its mean."""
+    """Range over mean of each torque, by name."""
     return {name: float(np.ptp(torque) / np.mean(torque)) for name, torque in torques.items()}
 
 
 def over_law(
     rows: Sequence[Row], brake: Brake, law: Response, shape: tuple[int, int]
 ) -> dict[str, Floats]:
-    """Torque and peak pressure of rows over those of the law, minus 1, as maps of a shape."""
+    """Relative errors of the law's torque and peak pressure as maps: value over law, minus 1.
+
+    Parameters
+    ----------
+    rows : sequence of mappings
+        Rows of a sweep.
+    brake : Brake
+        The brake.
+    law : Response
+        Its response by the law.
+    shape : tuple of two int
+        Shape of the maps.
+    """
     nominal = row_of(brake, law)
     return {
         name: numbers(rows, name).reshape(shape) / nominal[name] - 1
@@ -110,29 +147,32 @@ def over_law(
 
 @dataclass(frozen=True)
 class DrawnBrakes:
-    """Brakes drawn from tolerances: rows by state ("new", "worn in", "law": the same brakes by the
-    sine law).
+    """Brakes drawn from tolerances.
 
-    The first 2 n rows of each state are the independent samples A and B of `tolerances.draw`.
+    Attributes
+    ----------
+    rows : mapping
+        Rows by state: "new" and "worn in" by finite elements, "law" by the sine law. The first 2 n
+        rows of each state are the independent samples A and B of `tolerances.draw`.
+    n : int
+        Size of each of the two samples.
     """
 
     rows: Mapping[str, Sequence[Row]]
     n: int
 
     def sample(self, state: str, name: str) -> Floats:
-        """A quantity of the independent samples (2 n,); pressures in MPa."""
+        """A quantity of the independent samples (2 n,); the peak pressure in MPa."""
         values = numbers(self.rows[state][: 2 * self.n], name)
         return values * 1e-6 if name == "peak_pressure" else values
 
     def off_law(self, state: str) -> Floats:
-        """Torque of each drawn brake over the torque of the sine law for that very brake (2 n,)."""
+        """Torque of each drawn brake over its torque by the sine law (2 n,)."""
         ratio: Floats = self.sample(state, "torque") / self.sample("law", "torque")
         return ratio
 
     def law_error(self, state: str) -> tuple[float, float]:
-        """The error of the law's torque against the brake's, as a fraction: 5th and 95th
-        percentile.
-        """
+        """5th and 95th percentile of the relative error of the law's torque."""
         low, high = np.percentile(1 / self.off_law(state), (5, 95))
         return low - 1, high - 1
 
@@ -141,33 +181,34 @@ class DrawnBrakes:
         return spread(self.sample(state, "torque")).relative
 
     def peaks_over(self, pressure: float) -> tuple[float, float]:
-        """Mean and 95th percentile of the new brakes' peak pressure over a pressure [MPa]."""
+        """Mean and 95th percentile of the peak pressure of new brakes, over a pressure [MPa]."""
         peaks = self.sample("new", "peak_pressure") / pressure
         return float(peaks.mean()), float(np.percentile(peaks, 95))
 
     def healed_variance(self) -> float:
-        """The share of the torque's variance that run-in takes away: all but friction, force,
-        levers and the drum.
+        """Fraction of the torque's variance that run-in removes.
+
+        What remains comes from friction, force, levers and the drum.
         """
         new, worn = (spread(self.sample(state, "torque")).deviation for state in STATES)
         return 1 - (worn / new) ** 2
 
 
 def nominal(brake: Brake, law: Response) -> dict[str, float]:
-    """What the law says of the nominal brake, as `Drawn.sample` has it."""
+    """DRAWN_QUANTITIES of the nominal brake by the law; the peak pressure in MPa."""
     row = row_of(brake, law)
     return {name: row[name] * (1e-6 if name == "peak_pressure" else 1) for name in DRAWN_QUANTITIES}
 
 
 def spread_rows(drawn: DrawnBrakes) -> list[dict[str, Any]]:
-    """Distributions as rows; the last ones: torque over that of the sine law for the same friction,
-    force and pins.
+    """A row for the distribution of each quantity in each state.
+
+    The last rows are on the torque over that of the sine law of the same brake.
     """
-    values = {
-        (DRAWN_QUANTITIES[name], state): drawn.sample(state, name)
-        for name in DRAWN_QUANTITIES
-        for state in (*STATES, "law")
-    }
+    values: dict[tuple[str, str], Floats] = {}
+    for name, title in DRAWN_QUANTITIES.items():
+        for state in (*STATES, "law"):
+            values[title, state] = drawn.sample(state, name)
     for state in STATES:
         values["torque over the sine law's of the same brake", state] = drawn.off_law(state)
     rows = []
@@ -188,21 +229,31 @@ def share_rows(
     tolerances: Sequence[ManufacturingTolerance],
     shares: Mapping[str, Mapping[str, Sequence[Shares]]],
 ) -> list[dict[str, Any]]:
-    """Total Sobol indices as rows; shares: by state and quantity."""
-    return [
-        {"name": tolerance.name}
-        | {
-            f"{state}_{name}": found[name][i].total.value
-            for state, found in shares.items()
-            for name in DRAWN_QUANTITIES
-        }
-        for i, tolerance in enumerate(tolerances)
-    ]
+    """A row for each tolerance with its total Sobol indices.
+
+    shares : by state and quantity, in the order of the tolerances.
+    """
+    rows = []
+    for i, tolerance in enumerate(tolerances):
+        row: dict[str, Any] = {"name": tolerance.name}
+        for state, by_quantity in shares.items():
+            for name in DRAWN_QUANTITIES:
+                row[f"{state}_{name}"] = by_quantity[name][i].total.value
+        rows.append(row)
+    return rows
 
 
 def healed_after(distances: Sequence[float], torque: Floats, within: float) -> float:
-    """The distance from which on the 5th, 50th and 95th percentile of torque (brakes, distances)
-    stay within a fraction of their last values.
+    """The sliding distance after which the distribution of the torque has settled.
+
+    Parameters
+    ----------
+    distances : sequence of float
+        Sliding distances.
+    torque : array (brakes, distances)
+        Torque of each brake.
+    within : float
+        Fraction of their last values within which the 5th, 50th and 95th percentile must stay.
     """
     ends = np.percentile(torque, (5, 50, 95), axis=0)
     off = np.abs(ends / ends[:, -1:] - 1).max(axis=0)

@@ -1,11 +1,11 @@
-"""What can be left out of a brake, and how much that changes: predicted beforehand on a sketch of
-the brake.
+"""What can be neglected in a brake, and the change that this makes, predicted on a sketch.
 
-A solve leaves none of it out: on columns of high degree the whole brake takes no longer than to
-find out what may be. The prediction is the difference between two sketches (reduced.py), one of the
-brake and one of what is left of it.
-To first order it is the pressure's answer to the gap  F p  that the omitted flexibility F opened under it, so that
-it goes as the ratio of stiffnesses; but contact may also open or close, and nothing is calibrated.
+A solve neglects nothing: with hp elements the whole brake takes no longer than the decision what
+may be neglected. A sketch is a coarse model of the brake (`reduced`). The prediction is the
+difference between the sketches of the whole brake and of the simpler brake. To first order it is
+the response of the pressure to the gap F p that the neglected flexibility F would open, so that it
+grows with the ratio of stiffnesses. Contact may open or close in the sketches as well, and no
+factor is calibrated.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -28,10 +28,11 @@ from drumlin.response.response import Response
 from drumlin_studies.reduced import sketcher
 
 Make = Callable[[Brake], Scene]
+"""A function that prepares a brake."""
 
 
 class Omission(NamedTuple):
-    """A part that can be left out: its name, what is done instead, and whether a brake has it."""
+    """A part that can be neglected: its name, what replaces it, and whether a brake has it."""
 
     name: str
     instead: str
@@ -39,6 +40,7 @@ class Omission(NamedTuple):
 
 
 def _arc(shoe: Shoe) -> bool:
+    """Whether the body of a shoe follows the drum: neither a mesh of its own nor a beam."""
     return shoe.mesh is None and not isinstance(shoe.body, Beam)
 
 
@@ -73,19 +75,28 @@ OMISSIONS = {
         ),
     )
 }
-"""What changes the answer when it is left out. A post's beam and block stay: the one ends where the
-other begins.
+"""The parts whose neglect changes the answer, by name.
+
+The beam and the block of a post cannot be neglected, because the beam ends where the block begins.
 """
 
 
 class OmissionChange(NamedTuple):
-    """Relative changes that an omission makes: torque of the brake, p (L2 outside the edge zones,
-    worst shoe).
+    """Relative changes by an omission; of several shoes the largest change counts.
 
-    `shoes`: the changes of the shoes' torques, all counted with one sign, relative to the torque of
-    the brake: a bound on its own change, in which they cancel in part; `reaction`: of the hinge
-    reactions, the worst; `peak` and `each`: of the peak pressures and of the shoes' own torques,
-    the worst.
+    Attributes
+    ----------
+    torque : float
+        Change of the brake's torque.
+    pressure : float
+        L2 change of p outside the edge zones.
+    shoes : float
+        Sum of the absolute changes of the shoes' torques over the brake's torque. It bounds
+        `torque`, in which they partly cancel.
+    reaction, peak : float
+        Change of the hinge reaction and of the peak pressure.
+    each : float
+        Change of a shoe's torque over this torque.
     """
 
     torque: float
@@ -97,24 +108,28 @@ class OmissionChange(NamedTuple):
 
 
 def change(simple: Response, whole: Response) -> OmissionChange:
-    """The change from the response of the `whole` brake to that of the simpler one."""
+    """The change from the response of the whole brake to that of the simpler brake."""
     pairs = list(zip(simple.shoes, whole.shoes, strict=True))
-    off = [a.torque - b.torque for a, b in pairs]
+    torques = [a.torque - b.torque for a, b in pairs]
+    peaks = [abs(a.peak_pressure - b.peak_pressure) / (b.peak_pressure or 1.0) for a, b in pairs]
     size = whole.torque or 1.0
     return OmissionChange(
-        abs(sum(off)) / size,
-        max(_pressure(a, b) for a, b in pairs),
-        sum(map(abs, off)) / size,
-        max(
-            _length(a.hinge_reaction - b.hinge_reaction) / (_length(b.hinge_reaction) or 1.0)
-            for a, b in pairs
-        ),
-        max(abs(a.peak_pressure - b.peak_pressure) / (b.peak_pressure or 1.0) for a, b in pairs),
-        max(abs(a.torque - b.torque) / (b.torque or 1.0) for a, b in pairs),
+        torque=abs(sum(torques)) / size,
+        pressure=max(_pressure(a, b) for a, b in pairs),
+        shoes=sum(map(abs, torques)) / size,
+        reaction=max(_reaction(a.hinge_reaction, b.hinge_reaction) for a, b in pairs),
+        peak=max(peaks),
+        each=max(abs(a.torque - b.torque) / (b.torque or 1.0) for a, b in pairs),
     )
 
 
+def _reaction(simple: Floats, whole: Floats) -> float:
+    """Relative change of a force."""
+    return _length(simple - whole) / (_length(whole) or 1.0)
+
+
 def _pressure(a: Any, b: Any) -> float:
+    """Relative L2 change of p from shoe b to shoe a; 1 where only shoe a presses."""
     return pressure_distance(a, b) if b.pressure.any() else float(a.pressure.any())
 
 
@@ -123,12 +138,15 @@ def _length(vector: Floats) -> float:
 
 
 def present(brake: Brake) -> list[str]:
-    """Names of what a brake has that can be left out of it."""
+    """Names of the parts of a brake that can be neglected."""
     return [name for name, part in OMISSIONS.items() if part.in_brake(brake)]
 
 
 def simplified(brake: Brake, names: Iterable[str]) -> Brake:
-    """The brake without `names`, as far as a brake file says it: ring, shoe, backing."""
+    """The brake without some of the parts ring, shoe and backing.
+
+    The other parts of OMISSIONS are no parts of a brake file: see `scene_without`.
+    """
     names = set(names)
     if unknown := sorted(names - set(OMISSIONS)):
         raise BadInput(f"{unknown[0]!r}: cannot be left out; allowed: {', '.join(OMISSIONS)}")
@@ -139,10 +157,16 @@ def simplified(brake: Brake, names: Iterable[str]) -> Brake:
 
 
 def scene_without(brake: Brake, names: Iterable[str], make: Make = prepare) -> tuple[Scene, Brake]:
-    """The scene that `make` makes of a brake without `names`, and what is left of the brake to
-    `respond` for.
+    """The prepared model of a brake without some parts, and the simpler brake itself.
 
-    "curvature" depends on the mesh and so is the business of `make`: see `prepare_straight`.
+    Parameters
+    ----------
+    brake : Brake
+        The whole brake.
+    names : iterable of str
+        Names of OMISSIONS. "curvature" is a matter of the mesh: see `prepare_straight`.
+    make : function
+        Prepares a brake.
     """
     names = set(names)
     simple = simplified(brake, names)
@@ -154,7 +178,10 @@ def scene_without(brake: Brake, names: Iterable[str], make: Make = prepare) -> t
 
 
 def _undragged(scene: Scene, brake: Brake) -> Scene:
-    """A scene prepared for mu = 0, for a brake with friction: under drag nothing gives way."""
+    """A model that is prepared without friction, for a brake with friction.
+
+    Friction then acts on the balance of moments and causes no deformation.
+    """
     made: dict[int, Body] = {}
     for body, shoe in zip(scene.bodies, brake.shoes, strict=True):
         if id(body) not in made:
@@ -177,8 +204,7 @@ def _undragged(scene: Scene, brake: Brake) -> Scene:
 
 
 def prepare_straight(brake: Brake, *, elements: int) -> Scene:
-    """`prepare` on quadratic quadrilaterals with straight edges."""
-
+    """The prepared model of a brake on quadratic quadrilaterals with straight edges."""
     import skfem  # noqa: PLC0415  (meshes alone load it)
 
     def mesher(shoe: Shoe, radius: float) -> Any:
@@ -195,10 +221,23 @@ def prepare_straight(brake: Brake, *, elements: int) -> Scene:
 def predict(
     brake: Brake, names: Sequence[str], respond: Respond, sketch: Make | None = None
 ) -> OmissionChange:
-    """What leaving `names` out of a brake changes, predicted on sketches in some milliseconds.
+    """The change by an omission, predicted on sketches in some milliseconds.
 
-    `sketch`: a sketcher that may have meshed the linings before. Raises NoAnswer where one of the
-    two sketches has no equilibrium: then nothing is predicted.
+    Parameters
+    ----------
+    brake : Brake
+        The whole brake.
+    names : sequence of str
+        Names of OMISSIONS.
+    respond : function
+        The response of a prepared model.
+    sketch : function, optional
+        A sketcher, which may have meshed the linings already.
+
+    Raises
+    ------
+    NoAnswer
+        One of the two sketches has no equilibrium.
     """
     sketch = sketch or sketcher()
     whole = respond(sketch(brake), brake)

@@ -1,7 +1,6 @@
-"""The table of what is left out of a brake: the change that it makes, the change that was
-predicted, what it saves.
-"""
+"""The table of omissions: the change by each, the predicted change, and the saved time."""
 
+import itertools
 import math
 import time
 import tracemalloc
@@ -41,13 +40,11 @@ EXACT_OMISSIONS = {
     "second of equal shoes": "condensed once",
     "flexibility under drag, mu = 0": "symmetric part only",
 }
-"""What is left out without any change, and what is done instead."""
+"""Omissions that change no number, and what replaces each."""
 
 
 class WholeAndSimple(NamedTuple):
-    """A brake computed whole and with something left out: each a function that solves it from the
-    start.
-    """
+    """Functions that solve the whole brake and the simpler brake, each from the start."""
 
     whole: Callable[[], Response]
     simple: Callable[[], Response]
@@ -56,29 +53,37 @@ class WholeAndSimple(NamedTuple):
 def omissions(
     brake: Brake, name: str, *, elements: int = ELEMENTS, repeats: int = 5
 ) -> list[dict[str, Any]]:
-    """Rows of what can be left out of a brake: the exact ones, each of the others alone, and all of
-    these together.
+    """A row for each omission of a brake: the exact omissions, each other alone, all together.
 
-    Changes are relative, between both solutions on `elements` along each lining, as in
-    `omission.OmissionChange`; what was predicted has the same keys after "predicted_". `seconds` and
-    `memory`: shares of the whole solve's saved, medians of `repeats` taken in turn; 0 repeats leave
-    them out. A case without an answer stays as a row.
+    The keys of a change are those of `OmissionChange`; the predicted change has the same keys after
+    "predicted_". `seconds` and `memory` are the saved fractions of the whole solve. An omission
+    without an answer has a row with its reason.
+
+    Parameters
+    ----------
+    brake : Brake
+        The brake.
+    name : str
+        Its name in the rows.
+    elements : int
+        Elements along each lining.
+    repeats : int
+        Timings of each solve, whose median counts. With 0 nothing is timed.
     """
     rows: list[dict[str, Any]] = []
-    for part, instead, exact, left in _cases(brake):
-        pair = _exact_pair(brake, part, elements) if left is None else _pair(brake, left, elements)
+    for part, instead, names in _cases(brake):
+        exact = names is None
+        pair = (
+            _exact_pair(brake, part, elements) if names is None else _pair(brake, names, elements)
+        )
         if pair is None:
             continue
-        row: dict[str, Any] = {
-            "brake": name,
-            "part": part,
-            "instead": instead,
-            "exact": "yes" if exact else "no",
-        }
+        row: dict[str, Any] = {"brake": name, "part": part, "instead": instead}
+        row["exact"] = "yes" if exact else "no"
         try:
             row |= _judged(change(pair.simple(), pair.whole()), "")
-            if left is not None:
-                row |= _judged(_predicted(brake, left, elements), "predicted_")
+            if names is not None:
+                row |= _judged(_predicted(brake, names, elements), "predicted_")
             row |= (saved(pair, repeats) if repeats else {}) | {"status": "converged"}
         except NoAnswer as error:
             row["status"] = f"failed: {error}"
@@ -87,23 +92,22 @@ def omissions(
 
 
 def prediction_ratios(rows: Sequence[Mapping[str, Any]], key: str) -> list[float]:
-    """Predicted over true change `key` (as in `omission.OmissionChange`) where the true one lies between
-    0.01 % and 30 %.
+    """Predicted over true changes, where the true change lies between 0.01 % and 30 %.
 
-    Not of what is left out exactly, nor of curvature.
+    Exact omissions and curvature do not count. key : attribute of `OmissionChange`.
     """
-    return [
-        row[f"predicted_{key}"] / row[key]
-        for row in rows
-        if row["exact"] == "no"
-        and row["part"] not in {"curvature", "all"}
-        and 1e-4 < (row.get(key) or 0.0) < 0.3
-    ]
+    ratios = []
+    for row in rows:
+        is_predicted = row["exact"] == "no" and row["part"] not in {"curvature", "all"}
+        if is_predicted and 1e-4 < (row.get(key) or 0.0) < 0.3:
+            ratios.append(row[f"predicted_{key}"] / row[key])
+    return ratios
 
 
 def time_saved(rows: Sequence[Mapping[str, Any]], least: float) -> dict[str, tuple[float, float]]:
-    """The least and the largest share of time saved by leaving out each part alone, where it is
-    ever above `least`.
+    """Smallest and largest saved fraction of time by each omission alone.
+
+    least : an omission that never saves more is left out.
     """
     saving: dict[str, list[float]] = {}
     for row in rows:
@@ -115,30 +119,41 @@ def time_saved(rows: Sequence[Mapping[str, Any]], least: float) -> dict[str, tup
 
 
 def worst_straight(rows: Sequence[Mapping[str, Any]]) -> Mapping[str, Any] | None:
-    """The row on which straight edges change p most."""
+    """The row in which straight edges change p most, or None."""
     straight = [row for row in rows if row["part"] == "curvature" and row.get("pressure")]
     return max(straight, key=lambda row: row["pressure"]) if straight else None
 
 
-def _cases(brake: Brake) -> list[tuple[str, str, bool, list[str] | None]]:
-    """What is left out, what is done instead, whether that is exact, and the names of the omissions
-    if it is not.
+class _OmissionRow(NamedTuple):
+    """A row of the table before it is computed.
+
+    Attributes
+    ----------
+    part, instead : str
+        What is neglected, and what replaces it.
+    names : list of str or None
+        Names of OMISSIONS; None for an exact omission.
     """
+
+    part: str
+    instead: str
+    names: list[str] | None
+
+
+def _cases(brake: Brake) -> list[_OmissionRow]:
+    """The rows of a brake."""
     names = present(brake)
-    curved = [
-        name
-        for name in names
-        if name != "curvature" and ("ring" not in names or name != "coupling")
-    ]
-    cases: list[tuple[str, str, bool, list[str] | None]] = [
-        (part, how, True, None) for part, how in EXACT_OMISSIONS.items()
-    ]
-    cases += [(part, OMISSIONS[part].instead, False, [part]) for part in names]
-    if len(curved) > 1:
-        cases.append(("all but curvature", ", ".join(curved), False, curved))
-    if curved and "curvature" in names:
-        cases.append(("all", ", ".join([*curved, "curvature"]), False, [*curved, "curvature"]))
-    return cases
+    # An omitted ring already removes the coupling of the shoes.
+    coupling = {"coupling"} if "ring" in names else set()
+    together = [name for name in names if name not in {"curvature", *coupling}]
+    rows = [_OmissionRow(part, instead, None) for part, instead in EXACT_OMISSIONS.items()]
+    rows += [_OmissionRow(part, OMISSIONS[part].instead, [part]) for part in names]
+    if len(together) > 1:
+        rows.append(_OmissionRow("all but curvature", ", ".join(together), together))
+    if together and "curvature" in names:
+        everything = [*together, "curvature"]
+        rows.append(_OmissionRow("all", ", ".join(everything), everything))
+    return rows
 
 
 def _judged(found: OmissionChange, prefix: str) -> dict[str, float]:
@@ -146,22 +161,23 @@ def _judged(found: OmissionChange, prefix: str) -> dict[str, float]:
 
 
 def saved(pair: WholeAndSimple, repeats: int) -> dict[str, float]:
-    """Shares of time (median of the ratios of `repeats` runs in turn) and of peak memory saved by
-    the simpler solve.
+    """Fractions of time and of peak memory that the simpler solve saves.
+
+    The time is the median of the ratios of several runs, which alternate with whole solves.
     """
     ratios = [_seconds(pair.simple) / _seconds(pair.whole) for _ in range(repeats)]
     return {"seconds": 1 - median(ratios), "memory": 1 - _memory(pair.simple) / _memory(pair.whole)}
 
 
 def _seconds(solve: Callable[[], object]) -> float:
-    """The process's own time, which others on the machine do not stretch."""
+    """Processor time of a solve [s]."""
     start = time.process_time()
     solve()
     return time.process_time() - start
 
 
 def _memory(solve: Callable[[], object]) -> int:
-    """Largest memory [bytes] that Python and NumPy hold meanwhile."""
+    """Peak memory of Python and NumPy during a solve [bytes]."""
     tracemalloc.start()
     try:
         solve()
@@ -179,7 +195,7 @@ def _pair(brake: Brake, names: list[str], elements: int) -> WholeAndSimple:
 
 
 def _exact_pair(brake: Brake, part: str, elements: int) -> WholeAndSimple | None:
-    """The pair of something that is left out exactly; None where the brake does not have it."""
+    """The solves with and without an exact omission; None where a brake does not have the part."""
     make = partial(prepare, elements=elements)
 
     def simple() -> Response:
@@ -196,10 +212,8 @@ def _exact_pair(brake: Brake, part: str, elements: int) -> WholeAndSimple | None
 
         return WholeAndSimple(with_fields, simple)
     if part == "second of equal shoes":
-        if (
-            len({shape_of(brake, shoe) for shoe in brake.shoes}) == len(brake.shoes)
-            or brake.ring is not None
-        ):
+        shapes = {shape_of(brake, shoe) for shoe in brake.shoes}
+        if len(shapes) == len(brake.shoes) or brake.ring is not None:
             return None
         return WholeAndSimple(lambda: respond(_each_alone(brake, make), brake), simple)
     if brake.friction > 0:
@@ -209,16 +223,16 @@ def _exact_pair(brake: Brake, part: str, elements: int) -> WholeAndSimple | None
 
 
 def _each_alone(brake: Brake, make: Callable[[Brake], Scene]) -> Scene:
-    """The scene of a brake whose shoes are all condensed, equal or not."""
+    """The prepared model of a brake whose shoes are all condensed, even equal shoes."""
     parts = [make(brake.model_copy(update={"shoes": (shoe,)})) for shoe in brake.shoes]
-    return replace(
-        parts[0], brake=brake, bodies=tuple(body for part in parts for body in part.bodies)
-    )
+    bodies = itertools.chain(*(part.bodies for part in parts))
+    return replace(parts[0], brake=brake, bodies=tuple(bodies))
 
 
 def _predicted(brake: Brake, names: Iterable[str], elements: int) -> OmissionChange:
-    """`predict`, and for "curvature" in closed form, which a mesh of its own has on every number of
-    elements.
+    """The predicted change; the part of "curvature" is in closed form.
+
+    The effect of straight edges depends on the number of elements of the mesh.
     """
     names = list(names)
     if "curvature" not in names:
@@ -228,29 +242,24 @@ def _predicted(brake: Brake, names: Iterable[str], elements: int) -> OmissionCha
     whole = respond(sketch(brake), brake)
     scene, simple = scene_without(brake, others, sketch)
     rest = respond(scene, simple)
-    open_ = simple.model_copy(
-        update={"shoes": tuple(_straightened(brake, shoe, elements) for shoe in simple.shoes)}
-    )
-    found = change(respond(scene, open_), whole)
-    waves = max(
-        straight_edges(brake, shoe, elements) / size
-        if (size := _mean_square(answer.theta, answer.pressure))
-        else 0.0
-        for shoe, answer in zip(brake.shoes, rest.shoes, strict=True)
-    )
-    return found._replace(pressure=math.hypot(found.pressure, waves))
+    straightened = tuple(_straightened(brake, shoe, elements) for shoe in simple.shoes)
+    straight = simple.model_copy(update={"shoes": straightened})
+    found = change(respond(scene, straight), whole)
+    waves = []
+    for shoe, answer in zip(brake.shoes, rest.shoes, strict=True):
+        size = _mean_square(answer.theta, answer.pressure)
+        waves.append(straight_edges(brake, shoe, elements) / size if size else 0.0)
+    return found._replace(pressure=math.hypot(found.pressure, max(waves)))
 
 
 def _sagittas(brake: Brake, shoe: Shoe, elements: int) -> tuple[Floats, Floats]:
-    """Ends phi (m + 1,) [rad] of the elements along a lining, and how far their chords lie inside
-    the arc (m,) [m].
-    """
+    """Ends (m + 1,) [rad] of the elements along a lining, and sagittas (m,) [m] of their chords."""
     angles = divide(shoe, brake.size, elements).angles
     return angles, brake.size * (1 - np.cos(np.diff(angles) / 2))
 
 
 def _straightened(brake: Brake, shoe: Shoe, elements: int) -> Shoe:
-    """The shoe with the mean gap of its straight edges, 2/3 of their height, as a clearance."""
+    """The shoe with the mean gap of its straight edges, 2/3 of the sagitta, as a clearance."""
     angles, height = _sagittas(brake, shoe, elements)
     middle = np.sort(shoe.frame.theta((angles[:-1] + angles[1:]) / 2))
     height = height[:: shoe.frame.sense]
@@ -260,14 +269,13 @@ def _straightened(brake: Brake, shoe: Shoe, elements: int) -> Shoe:
 
 
 def straight_edges(brake: Brake, shoe: Shoe, elements: int) -> float:
-    """Root of the mean square over the lining of the pressure waves [Pa] that straight edges press
-    into it.
+    """Root mean square over the lining of the pressure waves [Pa] by straight edges.
 
-    An edge of length h whose chord lies s = R (1 - cos(dphi/2)) off the arc leaves a gap that
-    repeats itself as s (1 - (2 x/h)^2), of the waves k = 2 pi m/h with the amplitudes 4 s/(pi m)^2.
-    A layer of thickness t bonded to a rigid base, in plane stress, answers a wave w without
-    friction with the pressure below: the plane problem in waves, of which the limits are E k/2 of a
-    half-plane and E/((1 - nu^2) t) of a thin layer.
+    A chord of length h has the sagitta s = R (1 - cos(dphi/2)). It leaves a periodic gap
+    s (1 - (2 x/h)^2), whose waves k = 2 pi m/h have the amplitudes 4 s/(pi m)^2. The lining is a
+    layer of thickness t on a rigid base in plane stress, without friction. It responds to a wave w
+    with the pressure below. In the limits the stiffness is E k/2 for a half-plane and
+    E/((1 - nu^2) t) for a thin layer.
 
         p = w 4 G k/(kappa + 1) (2 kappa cosh 2kt + 1 + kappa^2 + (2kt)^2)/(2 kappa sinh 2kt - 4kt).
     """
@@ -277,7 +285,8 @@ def straight_edges(brake: Brake, shoe: Shoe, elements: int) -> float:
     kappa, G = (3 - nu) / (1 + nu), E / (2 * (1 + nu))
     h, m = brake.size * np.diff(angles)[:, None], np.arange(1, 9)
     k = 2 * math.pi * m / h
-    a = np.minimum(2 * k * lining.thickness, 50.0)  # the layer is then a half-plane
+    # Above 50 the layer is a half-plane, and larger values would overflow.
+    a = np.minimum(2 * k * lining.thickness, 50.0)
     stiff = (2 * kappa * np.cosh(a) + 1 + kappa**2 + a**2) / (2 * kappa * np.sinh(a) - 2 * a)
     p = 4 * height[:, None] / (math.pi * m) ** 2 * 4 * G * k / (kappa + 1) * stiff
     return math.sqrt(
@@ -286,5 +295,5 @@ def straight_edges(brake: Brake, shoe: Shoe, elements: int) -> float:
 
 
 def _mean_square(theta: Floats, p: Floats) -> float:
-    """Root of the mean square of p over theta, trapezoidal."""
+    """Root mean square of p over theta, by the trapezoidal rule."""
     return math.sqrt(float(np.trapezoid(p**2, theta)) / float(theta[-1] - theta[0]))

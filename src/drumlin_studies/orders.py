@@ -1,6 +1,4 @@
-"""Observed orders of convergence, error estimates against true errors, and the limit of a rigid
-shoe.
-"""
+"""Orders of convergence, error estimates against true errors, and the limit of a rigid shoe."""
 
 import math
 import time
@@ -25,15 +23,13 @@ from drumlin.response.norms import pressure_distance, relative
 from drumlin.response.response import Response, ShoeResponse
 from drumlin.verification.reference import Refinement, responses
 
-RIGID_CHANGES = {
-    "shoe.body.material.E": 2.1e15,
-    "shoe.lining.thickness": 3e-3,
-}  # E x 10^4 of steel, lining of R/50
+RIGID_CHANGES = {"shoe.body.material.E": 2.1e15, "shoe.lining.thickness": 3e-3}
+"""Changes that make a shoe nearly rigid: E of steel times 1e4, and a lining of R/50."""
 Row = dict[str, Any]
 
 
 def distance(response: Response, reference: Response) -> float:
-    """The largest of the shoes' relative L2 distances of p, outside the edge zones."""
+    """Relative L2 distance of p outside the edge zones, the largest of all shoes."""
     return max(
         pressure_distance(a, b) for a, b in zip(response.shoes, reference.shoes, strict=True)
     )
@@ -42,8 +38,22 @@ def distance(response: Response, reference: Response) -> float:
 def order_rows(
     brake: Brake, case: str, kind: str, sizes: Sequence[int], reference: Response
 ) -> list[Row]:
-    """Errors on meshes that double, with the observed orders between each and the one before; exact
-    contact.
+    """Errors on meshes that double, with exact contact.
+
+    `order` is the observed order between a mesh and the one before.
+
+    Parameters
+    ----------
+    brake : Brake
+        The brake.
+    case : str
+        Its name in the rows.
+    kind : str
+        Kind of the elements.
+    sizes : sequence of int
+        Elements along a lining of each mesh.
+    reference : Response
+        The response against which errors are taken.
     """
     rows: list[Row] = []
     for n in sizes:
@@ -57,16 +67,14 @@ def order_rows(
             "steps": response.iterations,
         }
         if rows:
-            row["order"] = math.log(rows[-1]["pressure"] / row["pressure"]) / math.log(
-                n / rows[-1]["elements"]
-            )
+            error_ratio = math.log(rows[-1]["pressure"] / row["pressure"])
+            row["order"] = error_ratio / math.log(n / rows[-1]["elements"])
         rows.append(row)
     return rows
 
 
 COARSE_LEVEL = Level(2, 0.9, 0.3, 0.4, 0.15, 0.15, math.radians(30), 1.0, 1.0, 0.1)
-"""Columns so coarse that they are off by some per cent: where the row of levels begins."""
-
+"""The first and coarsest level of `level_rows`. Its errors are some percent."""
 
 LEVEL_REFERENCE = Refinement(
     3,
@@ -76,21 +84,20 @@ LEVEL_REFERENCE = Refinement(
     ),
     (),
 )
-"""Columns against which the errors of the first four levels are known to within a half."""
+"""The reference of `level_rows`. With it the errors of four levels are known to within a half."""
 
 
 def level_rows(brake: Brake, refinement: Refinement = LEVEL_REFERENCE) -> list[Row]:
-    """Errors of columns, level by level, their ends of the contact known from the reference; exact
-    contact.
+    """Errors of hp elements, a row for each level, with exact contact.
 
-    `root`: the cube root of the unknowns of a shoe, over which the logarithm of the error falls
-    straight where every singular point is graded (Babuska & Guo 1986). Nothing is shown below twice
-    the distance of the two divisions of the reference, of which the finer one counts: there an
-    error is known to within a half.
+    The ends of the contact are those of the reference. `root` is the cube root of the unknowns of a
+    shoe. Over it the logarithm of the error falls along a straight line where all singular points
+    are graded (Babuska & Guo 1986). The rows end at twice the distance between both divisions of
+    the reference. Above this floor an error is known to within a half.
     """
-    found = responses(brake, refinement)
-    true, places = found.value, places_of(brake, found.value)
-    floor = 2 * distance(found.before, true)
+    reference = responses(brake, refinement)
+    true, places = reference.value, places_of(brake, reference.value)
+    floor = 2 * distance(reference.before, true)
     rows = []
     for level in (COARSE_LEVEL, *LEVELS):
         made = prepare(brake, level, places)
@@ -98,6 +105,7 @@ def level_rows(brake: Brake, refinement: Refinement = LEVEL_REFERENCE) -> list[R
         unknowns = max(body.unknowns for body in made.bodies)
         error = distance(response, true)
         torque = abs(relative(response.torque, true.torque))
+        # Below the floor an error is not known to within a half.
         if error < floor:
             break
         rows.append(
@@ -113,8 +121,16 @@ def level_rows(brake: Brake, refinement: Refinement = LEVEL_REFERENCE) -> list[R
 
 
 class FittedLine(NamedTuple):
-    """log10 of the error = a - fall (unknowns)^(1/3), fitted, its correlation, and the `decades`
-    that it spans.
+    """The fit log10(error) = a - fall (unknowns)^(1/3).
+
+    Attributes
+    ----------
+    fall : float
+        Decades of the error per cube root of the unknowns.
+    correlation : float
+        Correlation of both sides.
+    decades : float
+        Decades of the error that the rows span.
     """
 
     fall: float
@@ -123,13 +139,9 @@ class FittedLine(NamedTuple):
 
 
 def line(rows: Sequence[Row]) -> FittedLine:
-    """The straight line of `level_rows`."""
-    x, y = (
-        np.array(values)
-        for values in zip(
-            *((row["root"], math.log10(row["pressure"])) for row in rows), strict=True
-        )
-    )
+    """The straight line through `level_rows`."""
+    x = np.array([row["root"] for row in rows])
+    y = np.array([math.log10(row["pressure"]) for row in rows])
     return FittedLine(
         -float(np.polyfit(x, y, 1)[0]), -float(np.corrcoef(x, y)[0, 1]), float(np.ptp(y))
     )
@@ -138,8 +150,20 @@ def line(rows: Sequence[Row]) -> FittedLine:
 def estimate_row(
     brake: Brake, case: str, tolerance: float, reference: Response, floor: float
 ) -> Row:
-    """What was asked for, what was estimated, what is true as far as the reference knows, and the
-    time of it.
+    """Estimated and true errors of a solve to a tolerance, with its time.
+
+    Parameters
+    ----------
+    brake : Brake
+        The brake.
+    case : str
+        Its name in the row.
+    tolerance : float
+        Relative tolerance of the solve.
+    reference : Response
+        The response that serves as truth.
+    floor : float
+        Uncertainty of the reference.
     """
     start = time.perf_counter()
     row: Row = {"case": case, "tolerance": tolerance}
@@ -148,8 +172,10 @@ def estimate_row(
     except NoAnswer as error:
         return {**row, "seconds": time.perf_counter() - start, "status": f"failed: {error}"}
     seconds = time.perf_counter() - start
-    assert response.error is not None  # a tolerance was asked for
+    # A solve to a tolerance always estimates its errors.
+    assert response.error is not None
     true = distance(response, reference)
+    below = "converged; truth below what the reference knows"
     return {
         **row,
         "estimate": response.error["pressure"],
@@ -158,36 +184,38 @@ def estimate_row(
         "torque_estimate": response.error["torque"],
         "torque_true": abs(relative(response.torque, reference.torque)),
         "seconds": seconds,
-        "status": "converged"
-        if true > floor
-        else "converged; truth below what the reference knows",
+        "status": "converged" if true > floor else below,
     }
 
 
 def convergence_rows(convergence: Convergence) -> list[Row]:
-    """Meshes that double: torque [N m] and its distance from the limit, and for each shoe, by its
-    place in the brake, the step of p to the next finer mesh; relative.
+    """A row for each of several meshes that double.
+
+    It has the torque [N m], its relative distance from the limit, and under the name of each shoe
+    the relative change of p to the next finer mesh (None for the finest).
     """
     limit = convergence.torque.value
-    steps = [convergence.pressure_steps(i) for i in range(len(convergence.responses[0].shoes))]
     names = [shoe.name for shoe in convergence.responses[0].shoes]
-    return [
-        {
+    changes = {name: convergence.pressure_steps(i) for i, name in enumerate(names)}
+    meshes = zip(convergence.elements, convergence.responses, strict=True)
+    rows = []
+    for k, (n, response) in enumerate(meshes):
+        row: Row = {
             "elements": n,
             "unknowns_torque": response.torque,
             "torque_error": relative(response.torque, limit),
-            **{name: of[k] if k < len(of) else None for name, of in zip(names, steps, strict=True)},
-            "steps": response.iterations,
         }
-        for k, (n, response) in enumerate(
-            zip(convergence.elements, convergence.responses, strict=True)
-        )
-    ]
+        for name, of_shoe in changes.items():
+            row[name] = of_shoe[k] if k < len(of_shoe) else None
+        rows.append(row | {"steps": response.iterations})
+    return rows
 
 
 def rigid_limit(brake: Brake, elements: int) -> list[Row]:
-    """Sine law against finite elements with a nearly rigid shoe and a thin lining: torque, and p /
-    sin(phi).
+    """The sine law against finite elements with a nearly rigid shoe and a thin lining.
+
+    `spread` is the range of p/sin(phi) over its mean; by the law it is zero. The last row has the
+    torques of the whole brake.
     """
     rigid = vary(brake, RIGID_CHANGES)
     law, fem = sine(rigid), solve(rigid, elements=elements)
@@ -218,15 +246,13 @@ def rigid_limit(brake: Brake, elements: int) -> list[Row]:
 
 
 def amplitude(phi: Floats, shoe: ShoeResponse, edge: float) -> Floats:
-    """p / sin(phi) at the nodes farther than `edge` [rad] from the ends."""
+    """p/sin(phi) [Pa] at the nodes that are farther than `edge` [rad] from both ends."""
     inside = (phi > phi.min() + edge) & (phi < phi.max() - edge)
     return np.asarray(shoe.pressure[inside] / np.sin(phi[inside]))
 
 
 def largest_residual(responses: Sequence[Response]) -> float:
-    """The largest relative force or moment residual of some responses; those without one are passed
-    over.
-    """
-    return max(
-        max(r.balance.force, r.balance.moment) for r in responses if not math.isnan(r.balance.force)
-    )
+    """The largest relative residual of forces or moments of the responses that have a balance."""
+    balances = [response.balance for response in responses]
+    known = [balance for balance in balances if not math.isnan(balance.force)]
+    return max(max(balance.force, balance.moment) for balance in known)

@@ -1,6 +1,4 @@
-"""What became of many trials (`trial`): faults, counts, worst answers, times, soft
-penalties.
-"""
+"""Tables of many trials (see `trial`): faults, counts, worst answers, times and penalties."""
 
 import math
 import statistics
@@ -11,7 +9,7 @@ from typing import Any
 from drumlin_studies.trial import TRIAL_FAULTS
 
 Row = dict[str, Any]
-POINTWISE_OUTCOMES = (  # what becomes of the pointwise penalty
+POINTWISE_OUTCOMES = (
     "agrees",
     "differs",
     "cycles",
@@ -21,23 +19,28 @@ POINTWISE_OUTCOMES = (  # what becomes of the pointwise penalty
     "not for rings",
     "not tried: too large",
 )
+"""What can become of a case by the pointwise penalty."""
 TIME_KEYS = ("seconds", "seconds_whole", "pointwise_seconds", "steps", "pointwise_steps")
+"""Keys of a row that hold times [s] and numbers of steps."""
 
 
 def faults(rows: Sequence[Row]) -> list[Row]:
-    """The cases that are neither right nor refused with a physical reason."""
+    """The rows that are neither right nor refused for a physical reason."""
     return [row for row in rows if row["outcome"] in TRIAL_FAULTS]
 
 
 def worst(rows: Sequence[Row], count: int = 10) -> list[Row]:
-    """The answers with the fewest digits."""
+    """The rows whose answers have the fewest correct digits."""
     return sorted(
         (row for row in rows if row.get("digits") is not None), key=lambda row: row["digits"]
     )[:count]
 
 
 def counted(rows: Sequence[Row], key: str, names: Sequence[str]) -> list[Row]:
-    """How often each value of a key occurs, a row for each knob and one for all."""
+    """How often each value of a key occurs, in a row for each knob and a row for all.
+
+    key : key of the rows; names : the values that are counted, None where there are none.
+    """
     table = []
     for knob in [*dict.fromkeys(row["knob"] for row in rows), "all"]:
         count = Counter(row.get(key) for row in rows if knob in (row["knob"], "all"))
@@ -52,7 +55,7 @@ def counted(rows: Sequence[Row], key: str, names: Sequence[str]) -> list[Row]:
 
 
 def timings(rows: Sequence[Row]) -> list[Row]:
-    """Medians and largest values of the times and steps of a knob's cases."""
+    """Medians and largest values of TIME_KEYS, in a row for each knob and a row for all."""
     table = []
     for knob in [*dict.fromkeys(row["knob"] for row in rows), "all"]:
         there = [row for row in rows if knob in (row["knob"], "all")]
@@ -66,29 +69,31 @@ def timings(rows: Sequence[Row]) -> list[Row]:
 
 
 def softening(rows: Sequence[Row]) -> dict[str, list[tuple[float, float]]]:
-    """For each sweep of the penalty: its values and the relative change of the torque by each."""
+    """The relative change of the torque by a finite penalty, for each sweep of the penalty.
+
+    A sweep is a list of penalty factors and changes, by its name.
+    """
     found: dict[str, list[tuple[float, float]]] = {}
     swept = [row for row in rows if row["knob"] == "penalty" and row["outcome"] == "answer"]
     for clearance, name in (
         (0.0, "whole lining in contact, stiff shoe"),
         (1e-4, "partial contact, soft shoe"),
     ):
-        torque = {
-            r["knobs"]["penalty"]: r["torque"]
-            for r in swept
-            if r["knobs"]["clearance"] == clearance
-        }
-        if math.inf in torque:
-            exact = torque[math.inf]
-            found[name] = [
-                (a, abs(t / exact - 1)) for a, t in sorted(torque.items()) if a < math.inf
-            ]
+        torque: dict[float, float] = {}
+        for row in swept:
+            if row["knobs"]["clearance"] == clearance:
+                torque[row["knobs"]["penalty"]] = row["torque"]
+        if math.inf not in torque:
+            continue
+        exact = torque.pop(math.inf)
+        found[name] = [(penalty, abs(t / exact - 1)) for penalty, t in sorted(torque.items())]
     return found
 
 
 def penalty_rows(rows: Sequence[Row]) -> list[Row]:
-    """The sweep of the penalty with the whole lining in contact, with the change of the torque by a
-    finite one.
+    """The rows of the penalty sweep with the whole lining in contact.
+
+    They are given the `penalty` and the relative `change` of the torque by it.
     """
     swept = [row for row in rows if row["knob"] == "penalty" and row["knobs"]["clearance"] == 0]
     exact = next(row["torque"] for row in swept if math.isinf(row["knobs"]["penalty"]))
@@ -99,6 +104,6 @@ def penalty_rows(rows: Sequence[Row]) -> list[Row]:
 
 
 def slope(values: Sequence[tuple[float, float]], low: float = 1e2, high: float = 1e6) -> float:
-    """Slope of log error over log penalty between two penalties, from the ends."""
+    """Slope of log error over log penalty between two penalties `low` and `high`."""
     inside = [(math.log(a), math.log(e)) for a, e in values if low <= a <= high and e > 0]
     return (inside[-1][1] - inside[0][1]) / (inside[-1][0] - inside[0][0])

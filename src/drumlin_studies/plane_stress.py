@@ -1,8 +1,7 @@
-"""How far plane stress is from a solid shoe: rows of errors, maps over widths and moduli, wear
-across the width.
+"""Errors of plane stress against a solid shoe: rows, maps, and wear across the width.
 
-Both models share the section's mesh, so that its error all but drops out of their difference; what
-it leaves is told by meshes that double.
+Both models share the mesh of the section, so that its error nearly cancels in their difference.
+Meshes that double show what remains of it.
 """
 
 import time
@@ -28,7 +27,7 @@ from drumlin.laws import LAWS, hinged, sine
 from drumlin.lining_wear.archard import WearLaw, run_on
 from drumlin.lining_wear.linings import fem_setup
 from drumlin.response.norms import pressure_distance, relative, vector_distance
-from drumlin.response.response import Response, ShoeResponse, Surface, edge_zone
+from drumlin.response.response import PressureOverWidth, Response, ShoeResponse, edge_zone
 from drumlin_studies.uncertainty import Index, Validation, grid_convergence, validate
 
 WIDTH_QUANTITIES = {
@@ -40,13 +39,18 @@ WIDTH_QUANTITIES = {
     "corrected_torque": "torque, corrected",
     "corrected_pressure": "mean p, corrected",
 }
+"""Quantities of a row, with their names in tables."""
 SAID = {"torque": "the torque of each shoe", "pressure": "its mean pressure"}
+"""Quantities in sentences."""
 READER_LIMITS = (0.01, 0.05, 0.20)
-"""Errors within which a reader wants to know plane stress."""
+"""Relative errors for which the range of plane stress is told."""
 
 
 class Three(NamedTuple):
-    """One brake by the solid, by plane stress, and by plane stress corrected for the width."""
+    """The responses of a brake by solid shoes, plane stress, and plane stress with a correction.
+
+    The correction is for the finite width.
+    """
 
     brake: Brake
     solid: Response
@@ -55,7 +59,17 @@ class Three(NamedTuple):
 
 
 def solve(brake: Brake, elements: int, across: int | None = None) -> Three:
-    """A brake by all three, on one mesh of the section."""
+    """A brake by all three models, on one mesh of the section.
+
+    Parameters
+    ----------
+    brake : Brake
+        The brake.
+    elements : int
+        Elements along a lining.
+    across : int, optional
+        Elements across the width of the solid.
+    """
     other = finite_width(brake)
     return Three(
         brake, _solid(brake, elements, across), _plane(brake, elements), _plane(other, elements)
@@ -63,41 +77,43 @@ def solve(brake: Brake, elements: int, across: int | None = None) -> Three:
 
 
 def uneven(shoe: ShoeResponse, zone: float) -> float:
-    """Standard deviation of p across the width over its mean, root mean square over the lining but
-    for its ends.
+    """How uneven p is across the width: its standard deviation over its mean.
 
-    zone [rad] at each end of the lining is left out.
+    Both are root mean squares over the lining. A zone [rad] at each end of the lining is left out.
     """
     theta, surface = shoe.theta, surface_of(shoe)
     inside = (theta > theta[0] + zone) & (theta < theta[-1] - zone)
     weights = np.gradient(theta)[inside]
     z = surface.z
+    # Weights of Simpson's rule across the width.
     across = np.zeros(len(z))
     for k in range(0, len(z) - 2, 2):
         across[k : k + 3] += (z[k + 2] - z[k]) / 6 * np.array([1, 4, 1])
+    # The variance across the width, and the square of the mean, both integrated along the lining.
     off = surface.pressure[inside] - shoe.pressure[inside, None]
     variance = weights @ (off**2 @ across) / across.sum()
     size = weights @ shoe.pressure[inside] ** 2
     return float(np.sqrt(variance / size)) if size > 0 else 0.0
 
 
-def surface_of(shoe: ShoeResponse) -> Surface:
-    """The surface of a solid shoe's pressure."""
+def surface_of(shoe: ShoeResponse) -> PressureOverWidth:
+    """The pressure of a solid shoe on its face."""
     assert shoe.surface is not None
     return shoe.surface
 
 
 def highest(shoe: ShoeResponse, zone: float) -> float:
-    """The largest pressure on the face [Pa], off the lining's ends."""
+    """The largest pressure on the face [Pa], without a zone [rad] at each end of the lining."""
     inside = (shoe.theta > shoe.theta[0] + zone) & (shoe.theta < shoe.theta[-1] - zone)
     return float(surface_of(shoe).pressure[inside].max())
 
 
 def rows(three: Three, case: str = "") -> list[dict[str, Any]]:
-    """One row a shoe: errors of plane stress against the solid, as it is and corrected.
+    """A row for each shoe: relative errors of plane stress against the solid.
 
-    `torque`, `pressure` (L2 of the mean over the width, off the ends), `peak` (plane stress against
-    the largest on the face), `reaction`, and `uneven`, how far p is from its mean across the width.
+    Keys: `torque`; `pressure`, the L2 error of the mean over the width; `peak`, plane stress
+    against the largest pressure on the face; `reaction`; each also with "corrected_", for plane
+    stress with the correction for the width; `uneven`; `mid_over_side`.
     """
     table = []
     for i, (true, plane, other) in enumerate(
@@ -124,9 +140,7 @@ def rows(three: Three, case: str = "") -> list[dict[str, Any]]:
 
 
 def middle_over_side(shoe: ShoeResponse) -> float:
-    """Pressure at the mid-plane over that at the sides, in the middle of the lining's pressed
-    nodes.
-    """
+    """Pressure at the mid-plane over the pressure at the sides, in the middle of the contact."""
     p = surface_of(shoe).pressure
     pressed = np.flatnonzero((p > 0).all(axis=1))
     if not len(pressed):
@@ -136,14 +150,24 @@ def middle_over_side(shoe: ShoeResponse) -> float:
 
 
 def worst(table: Sequence[dict[str, Any]], key: str) -> float:
-    """The entry of largest size among the shoes."""
+    """The value of largest size among the rows of all shoes."""
     return float(max((row[key] for row in table), key=abs))
 
 
 @dataclass(frozen=True)
 class Map:
-    """Errors over two groups of the names `axes`: `x` (n,), `y` (m,), and by key (m, n) the worst
-    shoe's, fractions.
+    """Relative errors of plane stress over two quantities.
+
+    Attributes
+    ----------
+    name : str
+        Title of the map.
+    axes : tuple of two str
+        Names of the quantities.
+    x, y : array (n,), array (m,)
+        Their values.
+    errors : dict
+        By key of a row the errors (m, n), of the shoe with the largest error.
     """
 
     name: str
@@ -153,11 +177,11 @@ class Map:
     errors: dict[str, Floats]
 
     def share_within(self, limit: float, key: str = "torque") -> float:
-        """The share of the brakes within a limit."""
+        """Fraction of the brakes whose error is within a limit."""
         return float(np.mean(np.abs(self.errors[key]) <= limit))
 
     def where_within(self, limit: float, key: str = "torque") -> str:
-        """In which of the brakes an error is within a limit, by each group alone, in words."""
+        """The range of each quantity in which all errors are within a limit, in words."""
         within = np.abs(self.errors[key]) <= limit
         if within.all():
             return "everywhere"
@@ -181,7 +205,21 @@ def chart(
     elements: int,
     say: Callable[[str], None],
 ) -> Map:
-    """The errors over a grid of brakes."""
+    """The errors over a grid of brakes.
+
+    Parameters
+    ----------
+    name, axes : str, tuple of two str
+        As of `Map`.
+    brake_at : function
+        The brake for a value of each quantity.
+    x, y : sequence of float
+        Values of both quantities.
+    elements : int
+        Elements along a lining.
+    say : function
+        Is told how far the work is.
+    """
     keys = [*WIDTH_QUANTITIES, "mid_over_side"]
     errors = {key: np.full((len(y), len(x)), np.nan) for key in keys}
     for j, b in enumerate(y):
@@ -194,24 +232,29 @@ def chart(
 
 
 def shares(charts: Sequence[Map]) -> list[dict[str, Any]]:
-    """A row for each quantity of each chart: the share of the brakes within each of READER_LIMITS, and the
-    largest error.
-    """
-    return [
-        {
-            "map": chart.name,
-            "quantity": WIDTH_QUANTITIES[key],
-            "largest": float(np.abs(chart.errors[key]).max()),
-        }
-        | {f"within_{limit:g}": chart.share_within(limit, key) for limit in READER_LIMITS}
-        for chart in charts
-        for key in WIDTH_QUANTITIES
-    ]
+    """A row for each quantity of each map: its largest error and the share within READER_LIMITS."""
+    table = []
+    for chart in charts:
+        for key, name in WIDTH_QUANTITIES.items():
+            row: dict[str, Any] = {"map": chart.name, "quantity": name}
+            row["largest"] = float(np.abs(chart.errors[key]).max())
+            for limit in READER_LIMITS:
+                row[f"within_{limit:g}"] = chart.share_within(limit, key)
+            table.append(row)
+    return table
 
 
 class Certain(NamedTuple):
-    """A torque on three meshes, each twice as fine: `elements`, values [N m], and the index
-    `found`; None where no order shows.
+    """A torque on three meshes, each twice as fine as the one before.
+
+    Attributes
+    ----------
+    elements : tuple of int
+        Elements along a lining.
+    values : tuple of float
+        Torque on each mesh [N m].
+    found : Index or None
+        Grid convergence index; None where no order shows.
     """
 
     elements: tuple[int, ...]
@@ -220,13 +263,13 @@ class Certain(NamedTuple):
 
     @property
     def uncertainty(self) -> float:
-        """Of the finest value [N m]: its index, or the spread of the three."""
+        """Uncertainty of the finest value [N m]: by its index, or the range of all three values."""
         fine = self.values[-1]
         return self.found.fine * abs(fine) if self.found else float(np.ptp(self.values))
 
 
 def certain(torque: Callable[[int], float], elements: Sequence[int]) -> Certain:
-    """The torque on three meshes, coarse to fine."""
+    """The torque on three meshes, coarse to fine, by a function of the number of elements."""
     values = tuple(torque(n) for n in elements)
     try:
         index = grid_convergence(*values[::-1])
@@ -236,18 +279,28 @@ def certain(torque: Callable[[int], float], elements: Sequence[int]) -> Certain:
 
 
 def validation(plane: Certain, true: Certain) -> Validation:
-    """Plane stress against the solid as reference, E = S - D, each with the uncertainty of its
-    meshes.
-    """
+    """The error of plane stress against the solid, with the uncertainty of both meshes."""
     return validate(
         plane.values[-1], true.values[-1], numerical=plane.uncertainty, of_data=true.uncertainty
     )
 
 
 class Rung(NamedTuple):
-    """A way to solve a brake: seconds of processor time, and its errors of torque and pressure (L2
-    of the mean over the width, off the ends), the worst shoe's, against the solid truth and against
-    that of plane stress.
+    """Time and errors of a model on a brake.
+
+    Errors are relative and of the shoe with the largest error. That of the pressure is the L2 error
+    of the mean over the width.
+
+    Attributes
+    ----------
+    method, setting : str
+        Name of the model, and its mesh or option.
+    seconds : float
+        Processor time [s].
+    torque, pressure : float
+        Errors against the solid truth.
+    plane_torque, plane_pressure : float
+        Errors against the truth in plane stress.
     """
 
     method: str
@@ -259,46 +312,66 @@ class Rung(NamedTuple):
     plane_pressure: float
 
 
+Way = tuple[str, str, Callable[[], Response]]
+"""Name and setting of a model, and the function that solves the brake by it."""
+
+
 def ladder(brake: Brake, fine: int, meshes: Sequence[int], solids: Sequence[int]) -> list[Rung]:
-    """Laws, the foundation model where it applies, plane stress on several `meshes`, corrected for
-    the width, and solids on several, against a `fine` solid and against plane stress to 1e-4.
+    """Time and errors of laws, foundation model, plane stress and solids on a brake.
+
+    The truths are a fine solid, and plane stress to 1e-4.
+
+    Parameters
+    ----------
+    brake : Brake
+        The brake.
+    fine : int
+        Elements along a lining of the solid that serves as truth.
+    meshes : sequence of int
+        Elements along a lining in plane stress, with and without the correction for the width.
+    solids : sequence of int
+        Elements along a lining of the solids.
     """
     truths = _solid(brake, fine), by_elements(brake)
-    other = finite_width(brake)
-    ways: list[tuple[str, str, Callable[[], Response]]] = [
-        (name, "", partial(hinged.solve, LAWS[name], brake))
-        for name in ("sine", "cosine", "uniform")
-    ]
+    rungs = []
+    for method, setting, solve_once in _ways(brake, meshes, solids):
+        seconds = []
+        # The first of several calls loads and caches and is not counted. Solids run only once.
+        for _ in range(1 if method == "solid" else 4):
+            start = time.process_time()
+            response = solve_once()
+            seconds.append(time.process_time() - start)
+        errors = []
+        for truth in truths:
+            errors += [_largest_error(of, brake, response, truth) for of in _ERRORS_OF_SHOE]
+        rungs.append(Rung(method, setting, float(np.median(seconds[1:] or seconds)), *errors))
+    return rungs
+
+
+def _ways(brake: Brake, meshes: Sequence[int], solids: Sequence[int]) -> list[Way]:
+    """The models of `ladder`."""
+    ways: list[Way] = []
+    for name in ("sine", "cosine", "uniform"):
+        ways.append((name, "", partial(hinged.solve, LAWS[name], brake)))
     if foundation.why_not(brake) is None:
-        ways += [
-            (name, ", ".join(lift), partial(foundation.solve, brake, lift=lift))
-            for name, lift in (("foundation", ()), ("lifted", ("all",)))
-        ]
+        ways.append(("foundation", "", partial(foundation.solve, brake, lift=())))
+        ways.append(("lifted", "all", partial(foundation.solve, brake, lift=("all",))))
+    corrected = finite_width(brake)
     for n in meshes:
         ways.append(("plane stress", f"{n} elements", partial(_plane, brake, n)))
-        ways.append(("plane stress, corrected", f"{n} elements", partial(_plane, other, n)))
-    ways += [("solid", f"{n} elements", partial(_solid, brake, n)) for n in solids]
-    found = []
-    for method, setting, way in ways:
-        seconds = []
-        for _ in range(
-            1 if method == "solid" else 4
-        ):  # what is loaded and cached by a first call is not counted
-            start = time.process_time()
-            response = way()
-            seconds.append(time.process_time() - start)
-        errors = [
-            max(
-                (
-                    abs(of(a, b, shoe, brake))
-                    for a, b, shoe in zip(response.shoes, truth.shoes, brake.shoes, strict=True)
-                )
-            )
-            for truth in truths
-            for of in (_torque_off, _pressure_off)
-        ]
-        found.append(Rung(method, setting, float(np.median(seconds[1:] or seconds)), *errors))
-    return found
+        ways.append(("plane stress, corrected", f"{n} elements", partial(_plane, corrected, n)))
+    return ways + [("solid", f"{n} elements", partial(_solid, brake, n)) for n in solids]
+
+
+def _largest_error(
+    error: Callable[[ShoeResponse, ShoeResponse, Shoe, Brake], float],
+    brake: Brake,
+    response: Response,
+    truth: Response,
+) -> float:
+    """The largest error of all shoes of a response."""
+    trios = zip(response.shoes, truth.shoes, brake.shoes, strict=True)
+    return max(abs(error(found, true, shoe, brake)) for found, true, shoe in trios)
 
 
 def _plane(brake: Brake, elements: int) -> Response:
@@ -317,9 +390,22 @@ def _pressure_off(a: ShoeResponse, b: ShoeResponse, shoe: Shoe, brake: Brake) ->
     return pressure_distance(a, b, edge_zone(shoe, brake.scale_factor))
 
 
+_ERRORS_OF_SHOE = (_torque_off, _pressure_off)
+
+
 class WornSolid(NamedTuple):
-    """A solid lining over the sliding distance, in 1/(k K): by shoe how uneven p is, and its mean's
-    distance (L2) from the sine law; `last`: the response as it is worn in.
+    """A solid lining over the sliding distance.
+
+    Attributes
+    ----------
+    distance : tuple of float
+        Sliding distances [1/(k K)].
+    uneven : tuple of tuples
+        By shoe and distance, how uneven p is across the width.
+    from_law : tuple of tuples
+        By shoe and distance, the relative L2 distance of the mean of p from the sine law.
+    last : tuple of ShoeResponse
+        The shoes at the last distance.
     """
 
     distance: tuple[float, ...]
@@ -331,44 +417,60 @@ class WornSolid(NamedTuple):
 def wear(
     brake: Brake, elements: int, distances: Sequence[float], across: int | None = None
 ) -> WornSolid:
-    """Run a brake's solid linings in by Archard's wear; the first of `distances` is 0."""
+    """Run the solid linings of a brake in by Archard's law of wear.
+
+    Parameters
+    ----------
+    brake : Brake
+        The brake.
+    elements : int
+        Elements along a lining.
+    distances : sequence of float
+        Sliding distances [1/(k K)]; the first is 0.
+    across : int, optional
+        Elements across the width.
+    """
     scene = solid.prepare(brake, elements=elements, across=across)
     start, law = respond(scene, brake), sine(brake)
     setup = fem_setup(scene, brake)
-    unit = 1 / setup.stiffness  # of k p: a coefficient of 1/Pa
+    # With a wear coefficient of 1/Pa this is the distance 1/(k K).
+    unit = 1 / setup.stiffness
     states = run_on(setup.interfaces, WearLaw(1.0), [s * unit for s in distances[1:]])
-    shoes = [
-        [
-            _worn(scene.bodies[s.shoe].line, start.shoes[s.shoe], s.part, s.forward, at.pressure)
-            for at in states
-        ]
-        for s in setup.surfaces
-    ]
-    zones = [edge_zone(brake.shoes[s.shoe], brake.scale_factor) for s in setup.surfaces]
-    return WornSolid(
-        tuple(distances),
-        tuple(
-            tuple(uneven(shoe, zone) for shoe in each)
-            for each, zone in zip(shoes, zones, strict=True)
-        ),
-        tuple(
-            tuple(pressure_distance(shoe, law.shoes[s.shoe], zone) for shoe in each)
-            for each, zone, s in zip(shoes, zones, setup.surfaces, strict=True)
-        ),
-        tuple(each[-1] for each in shoes),
-    )
+    all_uneven, all_from_law, last = [], [], []
+    for surface in setup.surfaces:
+        line, first = scene.bodies[surface.shoe].line, start.shoes[surface.shoe]
+        part, forward = surface.part, surface.forward
+        shoes = [_worn(line, first, part, forward, state.pressure) for state in states]
+        zone = edge_zone(brake.shoes[surface.shoe], brake.scale_factor)
+        by_law = law.shoes[surface.shoe]
+        all_uneven.append(tuple(uneven(shoe, zone) for shoe in shoes))
+        all_from_law.append(tuple(pressure_distance(shoe, by_law, zone) for shoe in shoes))
+        last.append(shoes[-1])
+    return WornSolid(tuple(distances), tuple(all_uneven), tuple(all_from_law), tuple(last))
 
 
 def _worn(
     line: Any, first: ShoeResponse, part: slice, forward: slice, pressure: Floats
 ) -> ShoeResponse:
+    """The response of a worn shoe.
+
+    Parameters
+    ----------
+    line : ContactFace
+        Face of the lining.
+    first : ShoeResponse
+        The response of the shoe before wear.
+    part, forward : slice
+        The unknowns of this lining among all, and their order along growing angles.
+    pressure : array
+        Pressures of all unknowns [Pa].
+    """
     assert isinstance(line, ContactFace)
     p = pressure[part]
     _, mean = line.along(p)
-    surface = line.surface(p)
-    return replace(
-        first, pressure=mean[forward], surface=surface._replace(pressure=surface.pressure[forward])
-    )
+    face = line.surface(p)
+    surface = face._replace(pressure=face.pressure[forward])
+    return replace(first, pressure=mean[forward], surface=surface)
 
 
 def plain(brake: Brake, width: float, modulus: float) -> Brake:
@@ -385,36 +487,40 @@ def plain(brake: Brake, width: float, modulus: float) -> Brake:
 
 
 def along(curves: Mapping[str, Sequence[tuple[float, list[dict[str, Any]]]]]) -> list[str]:
-    """Of one brake over a quantity at a time: where plane stress is off most."""
+    """Sentences on where plane stress has its largest errors, one for each quantity that varies.
+
+    curves : by name of the quantity its values, each with the rows of the brake.
+    """
     lines = []
     for name, points in curves.items():
-        most = {
-            key: max(((abs(worst(table, key)), at) for at, table in points))
-            for key in ("torque", "pressure")
-        }
-        off = ", ".join(
-            f"{said} by {formatted(most[key][0], '.1%')} (at {most[key][1]:g})"
-            for key, said in SAID.items()
-        )
-        lines.append(
-            f"T-section over {name} from {points[0][0]:g} to {points[-1][0]:g}, off at most: {off}"
-        )
+        largest = []
+        for key, said in SAID.items():
+            error, at = max((abs(worst(table, key)), at) for at, table in points)
+            largest.append(f"{said} by {formatted(error, '.1%')} (at {at:g})")
+        values = f"{name} from {points[0][0]:g} to {points[-1][0]:g}"
+        lines.append(f"T-section over {values}, off at most: {', '.join(largest)}")
     return lines
 
 
 def sentence(charts: Sequence[Map]) -> list[str]:
-    """What a reader needs: of each chart, which brakes plane stress prices within 1, 5 and 20 %."""
+    """Sentences on the ranges in which plane stress is within READER_LIMITS, for each map."""
     lines = []
     for chart in charts:
-        worst_of = chart.errors["torque"].ravel()[np.abs(chart.errors["torque"]).argmax()]
+        torque = chart.errors["torque"]
+        worst_of = torque.ravel()[np.abs(torque).argmax()]
         for key, said in SAID.items():
-            found = [(limit, chart.where_within(limit, key)) for limit in READER_LIMITS]
-            last = next(
-                (k for k, (_, where) in enumerate(found) if where == "everywhere"), len(found) - 1
-            )
-            parts = "; ".join(
-                f"{formatted(limit, '.0%')}: {where}" for limit, where in found[: last + 1]
-            )
             end = f" (at worst {formatted(worst_of, '+.1%')})" if key == "torque" else ""
+            parts = "; ".join(_ranges(chart, key))
             lines.append(f"{chart.name}: plane stress has {said}{end} within {parts}")
     return lines
+
+
+def _ranges(chart: Map, key: str) -> list[str]:
+    """The range of a map within each of READER_LIMITS, up to the first that holds everywhere."""
+    parts = []
+    for limit in READER_LIMITS:
+        where = chart.where_within(limit, key)
+        parts.append(f"{formatted(limit, '.0%')}: {where}")
+        if where == "everywhere":
+            break
+    return parts

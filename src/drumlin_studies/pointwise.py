@@ -1,19 +1,19 @@
-"""The textbook way, as a baseline: penalty contact at quadrature points, one sparse factorisation a
-Newton step.
+"""Textbook contact as a baseline: a penalty at quadrature points, solved by Newton's method.
 
-At the q Gauss points of an edge (q = order + 1) the pressure is p = eps <-g>, g the gap of the
-deformed lining, and the drum drags it by mu p. Newton's method switches points on and off until
-none changes:
+At the q Gauss points of an edge (q = order + 1) the pressure is p = eps <-g>, where g is the gap of
+the deformed lining. The drum drags the lining by mu p. Newton's method switches points on and off
+until no point changes:
 
     [K + sum_on w eps psi_a psi_b (n - mu s e) n^T] u = f + sum_on w eps psi_a (n - mu s e) g0
 
-Nothing is condensed, nothing reused. It does not know whether friction has locked the shoe.
+Each step factorises the whole sparse system. The method uses no static condensation and reuses
+nothing. It does not detect that friction has locked the shoe.
 """
 
 import math
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
@@ -22,7 +22,7 @@ from scipy.sparse.linalg import splu
 from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.fem.equilibrium.group import gap_at
+from drumlin.fem.equilibrium.state import gap_at
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
 from drumlin.fem.preparation.bodies import actuation, contact_stiffness
 from drumlin.fem.preparation.meshes import ELEMENTS, Assembled, Mesher, assemble
@@ -35,10 +35,12 @@ from drumlin.response.response import Balance, Response, ShoeResponse, pressed_s
 from drumlin.response.resultants import cross
 
 POINTWISE_PENALTY = 1e3
-"""Default penalty factor alpha: eps = alpha E/t. A stiffer one locks the points, which are more
-than the nodes.
+"""Default penalty factor alpha in eps = alpha E/t.
+
+There are more points than nodes. With a larger factor they over-constrain the nodes (locking).
 """
 MOST_POINT_STEPS = 60
+"""Newton steps after which the contact counts as not converged."""
 
 
 def solve(
@@ -49,13 +51,29 @@ def solve(
     penalty: float = POINTWISE_PENALTY,
     mesher: Mesher | None = None,
 ) -> Response:
-    """Mesh and solve a brake with a rigid drum, each shoe by itself and anew.
+    """The response of a brake with a rigid drum, each shoe by itself.
 
-    Options are those of `drumlin.fem.solve.solve`.
+    The pressure of the response is linear between the Gauss points.
 
-    The pressure of the response is linear between the values at the Gauss points. Raises NoAnswer
-    where the set of touching points repeats itself or does not settle, BadInput for an elastic ring
-    and for an infinite penalty.
+    Parameters
+    ----------
+    brake : Brake
+        The brake to be solved.
+    elements : int
+        Elements along a lining.
+    kind : str
+        Kind of the elements.
+    penalty : float
+        Penalty factor alpha in eps = alpha E/t.
+    mesher : function, optional
+        Meshes a shoe for a drum's radius [m], in place of `elements` and `kind`.
+
+    Raises
+    ------
+    NoAnswer
+        The set of touching points repeats itself or does not settle.
+    BadInput
+        The brake has an elastic ring, or the penalty is infinite.
     """
     if not 0 < penalty < math.inf:
         raise BadInput(
@@ -68,20 +86,27 @@ def solve(
     answers = [_shoe(brake, shoe, mesher, penalty, seconds) for shoe in brake.shoes]
     return Response(
         model="pointwise",
-        shoes=tuple(response for response, _, _ in answers),
-        balance=worst([balance for _, balance, _ in answers]),
-        iterations=max(steps for _, _, steps in answers),
+        shoes=tuple(answer.response for answer in answers),
+        balance=worst([answer.balance for answer in answers]),
+        iterations=max(answer.steps for answer in answers),
         seconds=seconds,
     )
 
 
 @dataclass(frozen=True)
 class _Points:
-    """Quadrature points of the contact (q,): weight b ds [m^2], angle in the shoe's frame, radius
-    [m], gap [m].
+    """Quadrature points of the contact.
 
-    `closing`, `pushing` (q, unknowns): n . u at the points, and the nodal forces of unit forces
-    there with their drag.
+    Attributes
+    ----------
+    weight : array (q,)
+        Width times length of the lining at each point [m^2].
+    phi, radius, gap : array (q,)
+        Angle in the shoe's frame [rad], radius [m] and gap [m].
+    closing : sparse matrix (q, unknowns)
+        From displacements to the closure n . u of the gap.
+    pushing : sparse matrix (q, unknowns)
+        Nodal forces of a unit normal force at each point with its friction.
     """
 
     weight: Floats
@@ -92,9 +117,17 @@ class _Points:
     pushing: Any
 
 
+class PointwiseAnswer(NamedTuple):
+    """The response of a shoe, its balance and its number of Newton steps."""
+
+    response: ShoeResponse
+    balance: Balance
+    steps: int
+
+
 def _shoe(
     brake: Brake, shoe: Shoe, mesher: Mesher, penalty: float, seconds: Seconds
-) -> tuple[ShoeResponse, Balance, int]:
+) -> PointwiseAnswer:
     parts = assemble(brake, shoe, mesher, seconds)
     drag = brake.drag_on(shoe)
     unit, moment = actuation(parts, shoe)
@@ -102,20 +135,22 @@ def _shoe(
     with clock(seconds, "contact"):
         A = (parts.ties.matrix.T @ parts.K @ parts.ties.matrix).tocsc()
         points = _points(parts, brake, shoe, drag)
+        # Displacements of all unknowns as the shoe turns about its pin by 1 rad.
         turned = np.zeros(A.shape[0])
         turned[2 * -len(parts.line.nodes) - FRAME : -FRAME] = _turn(parts, shoe)
         turned[-1] = 1.0
         if force == 0 or not (moment * (points.closing @ turned) > 0).any():
-            return untouched(shoe, -shoe.actuation.vector), Balance(0.0, 0.0), 0
-        free = np.delete(
-            np.arange(A.shape[0]), [-FRAME, 1 - FRAME]
-        )  # the pin holds dx, dy of the frame
+            return PointwiseAnswer(untouched(shoe, -shoe.actuation.vector), Balance(0.0, 0.0), 0)
+        # The pin holds both displacements of the shoe's frame.
+        free = np.delete(np.arange(A.shape[0]), [-FRAME, 1 - FRAME])
         load = force * (parts.loads[ACTUATION] @ parts.columns.part(ACTUATION, unit))
         stiffness = contact_stiffness(shoe, penalty)
-        u, on, steps = _newton(A, load, points, stiffness, free, shoe.name)
+        contact_state = _newton(A, load, points, stiffness, free, shoe.name)
+        u, on = contact_state.u, contact_state.touching
         p = np.where(on, stiffness * (points.closing @ u - points.gap), 0.0)
         nodal = points.pushing.T @ (points.weight * p)
         reaction = (A @ u - load - nodal)[-FRAME : 1 - FRAME + 1]
+    # The balance of the shoe: contact, hinge and actuation.
     contact = nodal[2 * -len(parts.line.nodes) - FRAME : -FRAME].reshape(-1, 2)
     given = force * parts.columns.part(ACTUATION, unit)
     frame = shoe.frame
@@ -129,14 +164,13 @@ def _shoe(
         ],
     )
     assists = float((points.weight * p) @ ((points.pushing + points.closing) @ turned)) * moment > 0
-    return (
-        _response(shoe, points, p, abs(drag), frame.to_brake(reaction), assists, float(u[-1])),
-        balance,
-        steps,
-    )
+    to_brake, turn = frame.to_brake(reaction), float(u[-1])
+    response = _response(shoe, points, p, abs(drag), to_brake, assists, turn)
+    return PointwiseAnswer(response, balance, contact_state.steps)
 
 
 def _points(parts: Assembled, brake: Brake, shoe: Shoe, drag: float) -> _Points:
+    """The quadrature points of a shoe, with the drag of friction along growing angles."""
     line = parts.line
     at, weights = np.polynomial.legendre.leggauss(line.order + 1)
     psi, x, ds = edge_points(line.xy[:, line.pieces], at, weights)
@@ -147,7 +181,7 @@ def _points(parts: Assembled, brake: Brake, shoe: Shoe, drag: float) -> _Points:
     first = unknowns - FRAME - 2 * len(line.nodes)
 
     def spread(vectors: Floats) -> Any:
-        """psi_a v_c (points, unknowns) for vectors v (2, edges, q)."""
+        """Shape functions times vectors (2, edges, q), as a sparse matrix (points, unknowns)."""
         edges, q = x.shape[1:]
         rows = np.broadcast_to(np.arange(edges * q).reshape(edges, q), (2, len(psi), edges, q))
         columns = np.broadcast_to(
@@ -170,15 +204,39 @@ def _points(parts: Assembled, brake: Brake, shoe: Shoe, drag: float) -> _Points:
 
 
 def _turn(parts: Assembled, shoe: Shoe) -> Floats:
-    """Displacement (2n,) of the contact nodes per turn about the pin."""
+    """Displacement (2n,) of the contact nodes per angle of turn about the pin [m/rad]."""
     x, y = parts.line.xy - shoe.own_pin[:, None]
     return np.column_stack([-y, x]).ravel()
 
 
+class _PointContact(NamedTuple):
+    """Displacements (unknowns,), touching points (q,), and Newton steps that led to them."""
+
+    u: Floats
+    touching: Bools
+    steps: int
+
+
 def _newton(
     A: Any, load: Floats, points: _Points, stiffness: float, free: Ints, name: str
-) -> tuple[Floats, Bools, int]:
-    """Displacements (unknowns,), touching points and steps; every point touches at first."""
+) -> _PointContact:
+    """The contact by Newton's method, which starts with all points touching.
+
+    Parameters
+    ----------
+    A : sparse matrix (unknowns, unknowns)
+        Stiffness of the shoe.
+    load : array (unknowns,)
+        Nodal forces of the actuation [N].
+    points : _Points
+        Quadrature points.
+    stiffness : float
+        Penalty eps [Pa/m].
+    free : array of int
+        Unknowns that the pin does not hold.
+    name : str
+        Name of the shoe, for messages.
+    """
     u, on = np.zeros(A.shape[0]), np.ones(len(points.gap), dtype=bool)
     K = A[free][:, free].tocsc()
     seen: set[bytes] = set()
@@ -197,9 +255,10 @@ def _newton(
                 f"shoe {name!r}: the pointwise contact has a singular tangent in step {step}"
             ) from error
         u[free] = factors.solve(load[free] - pushing @ points.gap)
+        # A point touches where the displacement closes its gap.
         touching = points.closing @ u > points.gap
         if (touching == on).all():
-            return u, on, step
+            return _PointContact(u, on, step)
         if touching.tobytes() in seen:
             raise NoAnswer(
                 f"shoe {name!r}: not converged, the pointwise contact repeats itself after {step} steps"
@@ -220,7 +279,27 @@ def _response(
     assists: bool,
     turn: float,
 ) -> ShoeResponse:
-    """The response, p linear between the Gauss points and constant beyond the outermost ones."""
+    """The response of a shoe.
+
+    The pressure is linear between the Gauss points and constant beyond the outermost points.
+
+    Parameters
+    ----------
+    shoe : Shoe
+        The shoe.
+    points : _Points
+        Quadrature points.
+    p : array (q,)
+        Pressure at the points [Pa].
+    friction : float
+        Coefficient of friction.
+    reaction : array (2,)
+        Hinge reaction in the coordinates of the brake [N].
+    assists : bool
+        Whether friction presses the shoe to the drum.
+    turn : float
+        Turn of the shoe about its pin [rad].
+    """
     frame, by_angle = shoe.frame, np.argsort(points.phi)
     phi, q = points.phi[by_angle], p[by_angle]
     phi, q = np.concatenate([[shoe.arc[0]], phi, [shoe.arc[1]]]), np.concatenate([q[:1], q, q[-1:]])

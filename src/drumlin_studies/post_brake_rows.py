@@ -1,8 +1,7 @@
-"""A post brake by sine law, elastic foundation and finite elements: rows of tables, curves and maps
-of errors.
+"""Rows, curves and maps on a post brake by sine law, foundation model and finite elements.
 
-What each simplification of the foundation model is worth, what clearances and friction do, where
-the model's assumptions end, and how fast its grids converge.
+They show the error of each simplification of the foundation model, the effect of clearances and
+friction, the range of the model's assumptions, and the convergence of its grids.
 """
 
 import math
@@ -31,10 +30,14 @@ from drumlin.response.norms import relative
 from drumlin.response.response import Merit, Response
 
 ALL_LIFTS = ("all",)
+"""The option that lifts all simplifications of the foundation model."""
 Solver = Callable[[Brake], Response]
 Offsets = dict[str, dict[str, list[tuple[float, float]]]]
+"""By shoe and model: error of the lining's radius [m], and relative change of the torque."""
 Merits = dict[str, dict[str, list[tuple[float, Merit]]]]
-Curve = tuple[Floats, Floats]  # x and y
+"""By shoe and model: friction, and figures of merit."""
+Curve = tuple[Floats, Floats]
+"""Abscissas (n,) and ordinates (n,) of a curve."""
 POST_MODELS: dict[str, Solver] = {
     "foundation": foundation.solve,
     "lifted": partial(foundation.solve, lift=ALL_LIFTS),
@@ -50,6 +53,10 @@ MATCHED_ASSUMPTIONS = {
     "shoe.backing.material": {"E": 5e8, "nu": 0.0},
     "shoe.body.material.nu": 0.0,
 }
+"""Changes by which a brake meets the assumptions of the foundation model.
+
+The lining is soft, the block stiff against it, the drum rigid, and nothing contracts laterally.
+"""
 COMPARED_MODELS = ("foundation", "tilt", "lifted", "sine")
 MAPPED_MODELS = ("sine", "foundation", "lifted")
 MODEL_NAMES = {
@@ -62,8 +69,16 @@ MODEL_NAMES = {
 
 @dataclass(frozen=True)
 class ErrorMap:
-    """The error of a model over two groups: `x` (n,), `y` (m,), `error` (m, n) as fractions, nan
-    where none.
+    """The relative error of a model over two dimensionless groups.
+
+    Attributes
+    ----------
+    title : str
+        Title of the map.
+    x, y : array (n,), array (m,)
+        Values of the groups k R^4/EI of beam and ring.
+    error : array (m, n)
+        Relative errors, nan where a model has no answer.
     """
 
     title: str
@@ -73,34 +88,36 @@ class ErrorMap:
 
 
 def torques(response: Response) -> Floats:
-    """Torque of each shoe [N m] (shoes,)."""
+    """Torque of each shoe (shoes,) [N m]."""
     return np.array([shoe.torque for shoe in response.shoes])
 
 
 def worst(response: Response, true: Response) -> float:
-    """The error of the torque of the shoe that is farthest off."""
+    """The relative error of largest size among the torques of the shoes."""
     errors = torques(response) / torques(true) - 1
     return float(errors[np.argmax(np.abs(errors))])
 
 
 def lift_rows(brake: Brake, fem: Response) -> list[dict[str, Any]]:
-    """The paper's model with its simplifications lifted one at a time and together, against finite
-    elements.
+    """Rows of the paper's model against finite elements.
+
+    The simplifications of the model are lifted one at a time, and all together in the last row.
     """
     rows = []
     for lift in ((), *((name,) for name in foundation.LIFTS), ALL_LIFTS):
         response = foundation.solve(brake, lift=lift)
         row = {"lift": ", ".join(lift) or "none (the paper)", "torque": response.torque}
-        row |= {
-            f"error_{shoe.name}": relative(shoe.torque, true.torque)
-            for shoe, true in zip(response.shoes, fem.shoes, strict=True)
-        }
+        for shoe, true in zip(response.shoes, fem.shoes, strict=True):
+            row[f"error_{shoe.name}"] = relative(shoe.torque, true.torque)
         rows.append(row | {"error": relative(response.torque, fem.torque)})
     return rows
 
 
 def gaps(brake: Brake, gap: Callable[[Floats], Floats]) -> Brake:
-    """The brake with a clearance gap(theta) [m] on every lining, theta from the beam's normal."""
+    """The brake with a clearance on every lining.
+
+    gap : clearance [m] over the angle from the beam's normal [rad].
+    """
     changes = {}
     for i, shoe in enumerate(brake.shoes):
         theta = np.linspace(shoe.lining.start, shoe.lining.end, 181)
@@ -112,15 +129,17 @@ def gaps(brake: Brake, gap: Callable[[Floats], Floats]) -> Brake:
 
 
 def radius_gap(brake: Brake, larger: float) -> Brake:
-    """Linings of a radius `larger` [m] than the drum's, touching at their middles (< 0: at their
-    ends).
+    """The brake with linings of another radius, which touch the drum in one place.
+
+    larger : radius of the lining less that of the drum [m]. A larger lining touches with its
+    middle, a smaller one with its ends.
     """
     end = math.cos(0.5 * (brake.shoes[0].lining.end - brake.shoes[0].lining.start))
     return gaps(brake, lambda theta: larger * ((1.0 if larger > 0 else end) - np.cos(theta)))
 
 
 def clearance_rows(brake: Brake, scene: Scene) -> list[dict[str, Any]]:
-    """What clearances do: a lining that fits, new ones, one set off, one worn in."""
+    """Rows on clearances: linings that fit, of another radius, displaced, and worn in."""
     cases = {
         "fits": brake,
         "new lining, radius 1 mm larger": radius_gap(brake, 1e-3),
@@ -137,35 +156,36 @@ def clearance_rows(brake: Brake, scene: Scene) -> list[dict[str, Any]]:
     for case, varied in cases.items():
         answers = {"fem": respond(scene, varied), "lifted": POST_MODELS["lifted"](varied)}
         for model, response in answers.items():
-            merits = with_merits(varied, response).merits
-            for shoe, merit, law in zip(response.shoes, merits, nominal.shoes, strict=True):
-                assert isinstance(merit, Merit)
-                arcs = (
-                    f"{math.degrees(a):.0f} to {math.degrees(b):.0f}" for a, b in shoe.contact_arcs
-                )
-                row = {
-                    "case": case,
-                    "model": MODEL_NAMES[model],
-                    "shoe": shoe.name,
-                    "torque": shoe.torque,
-                }
-                row |= {
-                    "from_nominal": relative(shoe.torque, law.torque),
-                    "peak": shoe.peak_pressure,
-                }
-                row |= {
-                    "psi": merit.friction_radius,
-                    "angle": merit.resultant_angle,
-                    "S": merit.shoe_factor,
-                }
-                rows.append(row | {"contact": ", ".join(arcs)})
+            base = {"case": case, "model": MODEL_NAMES[model]}
+            rows += [base | row for row in _clearance_rows(varied, response, nominal)]
+    return rows
+
+
+def _clearance_rows(brake: Brake, response: Response, law: Response) -> list[dict[str, Any]]:
+    """A row for each shoe of a response, against the sine law of the brake that fits."""
+    rows = []
+    merits = with_merits(brake, response).merits
+    for shoe, merit, by_law in zip(response.shoes, merits, law.shoes, strict=True):
+        assert isinstance(merit, Merit)
+        arcs = (f"{math.degrees(a):.0f} to {math.degrees(b):.0f}" for a, b in shoe.contact_arcs)
+        row = {
+            "shoe": shoe.name,
+            "torque": shoe.torque,
+            "from_nominal": relative(shoe.torque, by_law.torque),
+            "peak": shoe.peak_pressure,
+            "psi": merit.friction_radius,
+            "angle": merit.resultant_angle,
+            "S": merit.shoe_factor,
+            "contact": ", ".join(arcs),
+        }
+        rows.append(row)
     return rows
 
 
 def radius_errors(brake: Brake, scene: Scene, errors: Floats) -> Offsets:
-    """Shoe -> model -> (error of the lining's radius [m], torque over that of the sine law - 1).
+    """Torques over the radius of the lining, relative to the sine law, minus 1.
 
-    errors (n,) [m]: radius of the lining minus that of the drum.
+    errors : radius of the lining less that of the drum (n,) [m].
     """
     nominal = torques(sine(brake))
     found: Offsets = {shoe.name: {} for shoe in brake.shoes}
@@ -181,7 +201,7 @@ def radius_errors(brake: Brake, scene: Scene, errors: Floats) -> Offsets:
 
 
 def merits_over_friction(brake: Brake, scene: Scene, friction: Floats) -> Merits:
-    """Shoe -> model -> (mu, figures of merit); models stop where they lock."""
+    """Figures of merit over friction (n,). The values of a model end where it locks."""
     found: Merits = {shoe.name: {} for shoe in brake.shoes}
     solvers: dict[str, Solver] = {**POST_MODELS, "fem": partial(respond, scene)}
     for name, solver in solvers.items():
@@ -198,7 +218,7 @@ def merits_over_friction(brake: Brake, scene: Scene, friction: Floats) -> Merits
 
 
 def with_arc(brake: Brake, half: float) -> dict[str, float]:
-    """Changes to linings of +- half [deg] about where each beam is nearest to the drum."""
+    """Changes by which each lining has an arc of +-half [deg] about its middle."""
     changes = {}
     for i, shoe in enumerate(brake.shoes):
         middle = 0.5 * (shoe.lining.start + shoe.lining.end)
@@ -208,8 +228,10 @@ def with_arc(brake: Brake, half: float) -> dict[str, float]:
 
 
 def assumption_rows(brake: Brake, elements: int) -> list[dict[str, Any]]:
-    """From a brake that meets the model's assumptions, each left in turn: errors of the worst
-    shoe's torque.
+    """Rows of brakes that violate the assumptions of the model one by one.
+
+    The first brake meets all assumptions. Each row has the relative errors of the torque by
+    COMPARED_MODELS, of the shoe with the largest error.
     """
     base = vary(brake, MATCHED_ASSUMPTIONS | with_arc(brake, 15))
     ring = brake.ring
@@ -243,7 +265,7 @@ def assumption_rows(brake: Brake, elements: int) -> list[dict[str, Any]]:
 
 
 def groups(brake: Brake) -> tuple[float, float]:
-    """k R^4/EI of the beam and of the ring, k the stiffness of the layers per length of arc."""
+    """The groups k R^4/EI of beam and ring, where k is the layers' stiffness per length of arc."""
     shoe, ring, R = brake.shoes[0], brake.ring, brake.size
     assert shoe.backing is not None and shoe.body is not None and ring is not None
     lining = shoe.lining
@@ -257,45 +279,57 @@ def groups(brake: Brake) -> tuple[float, float]:
 def error_maps(
     brake: Brake, points: int, elements: int
 ) -> tuple[list[list[ErrorMap]], list[tuple[float, float]]]:
-    """Rows of maps, for block stiff or soft against the lining; in each the worst shoe's torque
-    error of each model.
+    """Maps of the error of each model, and the groups of the brake itself.
+
+    A row of maps is for a lining that is soft against its block, another for a wooden block. The
+    error is that of the torque, of the shoe with the largest error.
+
+    Parameters
+    ----------
+    brake : Brake
+        The post brake.
+    points : int
+        Number of values of each group.
+    elements : int
+        Elements along a lining.
     """
     x, y = np.geomspace(0.3, 300, points), np.geomspace(0.3, 300, points)
+    soft_lining = {"shoe.lining.material.E": 5e6, "shoe.backing.material.E": 3e9}
     rows, places = [], []
-    for said, layers in (
-        ("soft lining", {"shoe.lining.material.E": 5e6, "shoe.backing.material.E": 3e9}),
-        ("wooden block", {}),
-    ):
-        soft = vary(brake, layers)
-        beam, ring = groups(soft)
-        body = soft.shoes[0].body
-        assert soft.ring is not None and body is not None
-        EI, EI_r = body.plates["shoe"].bending_stiffness * beam, soft.ring.EI * ring
-        error = {name: np.full((points, points), np.nan) for name in POST_MODELS}
-        for i, at_y in enumerate(y.tolist()):
-            for j, at_x in enumerate(x.tolist()):
-                varied = vary(
-                    soft,
-                    {
-                        "shoe.body.bending_stiffness": EI / at_x,
-                        "drum.ring.bending_stiffness": EI_r / at_y,
-                    },
-                )
-                try:
-                    fem = solve(varied, elements=elements)
-                    for name, model in POST_MODELS.items():
-                        error[name][i, j] = worst(model(varied), fem)
-                except NoAnswer:
-                    continue
-        rows.append(
-            [ErrorMap(f"{MODEL_NAMES[name]}, {said}", x, y, error[name]) for name in MAPPED_MODELS]
-        )
-        places.append((beam, ring))
+    for said, layers in (("soft lining", soft_lining), ("wooden block", {})):
+        varied = vary(brake, layers)
+        error = _errors_over(varied, x, y, elements)
+        titles = {name: f"{MODEL_NAMES[name]}, {said}" for name in MAPPED_MODELS}
+        rows.append([ErrorMap(titles[name], x, y, error[name]) for name in MAPPED_MODELS])
+        places.append(groups(varied))
     return rows, places
 
 
+def _errors_over(brake: Brake, x: Floats, y: Floats, elements: int) -> dict[str, Floats]:
+    """Errors (m, n) of each model over the groups of the beam (n,) and of the ring (m,)."""
+    beam, ring = groups(brake)
+    body = brake.shoes[0].body
+    assert brake.ring is not None and body is not None
+    EI, EI_r = body.plates["shoe"].bending_stiffness * beam, brake.ring.EI * ring
+    error = {name: np.full((len(y), len(x)), np.nan) for name in POST_MODELS}
+    for i, at_y in enumerate(y.tolist()):
+        for j, at_x in enumerate(x.tolist()):
+            stiffnesses = {
+                "shoe.body.bending_stiffness": EI / at_x,
+                "drum.ring.bending_stiffness": EI_r / at_y,
+            }
+            varied = vary(brake, stiffnesses)
+            try:
+                fem = solve(varied, elements=elements)
+                for name, model in POST_MODELS.items():
+                    error[name][i, j] = worst(model(varied), fem)
+            except NoAnswer:
+                continue
+    return error
+
+
 def grid_rows(brake: Brake, repeats: int) -> list[dict[str, Any]]:
-    """Errors of the foundation model against a far finer grid, their ratios, steps and cost."""
+    """Rows of grids of the foundation model: errors against a far finer grid, steps and time."""
     fixed = vary(
         brake,
         {
@@ -326,10 +360,8 @@ def grid_rows(brake: Brake, repeats: int) -> list[dict[str, Any]]:
         if n <= 720:
             names = ("torque", "N", "psi")
             row |= dict(zip(names, errors.tolist(), strict=True))
-            row |= {
-                f"{name}_ratio": ratio
-                for name, ratio in zip(names, (before / errors).tolist(), strict=True)
-            }
+            for name, ratio in zip(names, (before / errors).tolist(), strict=True):
+                row[f"{name}_ratio"] = ratio
         rows.append(row)
         before = errors
     return rows
@@ -338,8 +370,9 @@ def grid_rows(brake: Brake, repeats: int) -> list[dict[str, Any]]:
 def beam_curves(
     scene: Scene, brake: Brake, responses: Mapping[str, Response]
 ) -> list[dict[str, Curve]]:
-    """For each shoe, by each elastic model, the deformation r [m] along its beam [m], off the line
-    through its ends.
+    """Deflection [m] along the beam [m] of each shoe, by model.
+
+    It is taken from the line through both ends of the beam.
     """
     made, fem = [], respond(scene, brake)
     for i in range(len(brake.shoes)):
@@ -356,8 +389,10 @@ def beam_curves(
 def rim_curves(
     scene: Scene, brake: Brake, responses: Mapping[str, Response]
 ) -> tuple[dict[str, Curve], dict[str, Curve]]:
-    """The rim's displacement [m] over the angle [rad]: the paper's rim of each shoe, and the one
-    rim of all shoes by the foundation with all lifted and by finite elements.
+    """Radial displacement [m] of the rim over the angle [rad].
+
+    The first result has a rim for each shoe, as in the paper. The second has the rim under all
+    shoes, by the foundation model with all simplifications lifted and by finite elements.
     """
     turn = np.linspace(0, 2 * np.pi, 400)
     printed = foundation.rim(brake, responses["foundation"], turn)

@@ -147,6 +147,7 @@ def _arc_shoe(rng: np.random.Generator, R: float, ranges: ShoeOnArc) -> dict[str
     span = min(span, ranges.largest_angle - gap)
     start, end = sorted([hinge_angle + hand * gap, hinge_angle + hand * (gap + span)])
     far = hinge_angle + hand * (gap + span)
+    # Width and thickness of the lining follow the radius of the drum.
     width = R * _power_of_ten(rng, -0.9, -0.2)
     thickness = R * _power_of_ten(rng, *ranges.thickness)
     shoe: dict[str, Any] = {
@@ -222,6 +223,7 @@ def _post(rng: np.random.Generator, R: float) -> dict[str, Any]:
         c, s = math.cos(turn), math.sin(turn)
         return {"x": distance * c - hand * along * s, "y": distance * s + hand * along * c}
 
+    # The lining lies about the foot of the normal.
     start, end = sorted([turn + hand * first, turn + hand * last])
     width = R * _power_of_ten(rng, -0.9, -0.3)
     shoe: dict[str, Any] = {
@@ -389,6 +391,7 @@ def _small_contact(rng: np.random.Generator) -> dict[str, Any]:
     lining, inside = shoe["lining"], shoe["side"] == "internal"
     r = R * (1 - u(0.003, 0.04)) if inside else R * (1 + u(0.003, 0.04))
     lining["misfit"] = {"radius": float(r)}
+    # The force gives a contact of this half-width by Hertz's formula.
     half = R * math.radians(0.5 * _power_of_ten(rng, -0.3, 0.9))
     E = lining["material"]["E"]
     load = math.pi / 4 * half**2 * E * abs(1 / r - 1 / R) * lining["width"]
@@ -461,6 +464,7 @@ def _one_shoe_data(rng: np.random.Generator, seed: int) -> dict[str, Any]:
     start, end = sorted([hinge_angle + hand * gap, hinge_angle + hand * (gap + arc)])
     far = hinge_angle + hand * (gap + arc)
     even_clearance = u(-2e-4, 1e-3) * R
+    # One of no clearance, an even clearance and a table is chosen below; all are drawn.
     table = [[x, u(-2e-4, 1e-3) * R] for x in np.linspace(start, end, 5).tolist()]
     shoe: dict[str, Any] = {
         "name": "shoe",

@@ -236,6 +236,7 @@ def _cam(rng: Rng) -> dict[str, Any]:
         return _abutted(rng, R, rough=bool(rng.random() < 0.5))
 
     data = _drum(rng, lambda rng, R: [make(rng, R), facing(make(rng, R))])
+    # The cam shares its force between both shoes.
     force = 2 * min(shoe["actuation"]["force"] for shoe in data["shoe"])
     shoes = [_unforced(shoe) for shoe in data["shoe"]]
     return data | {"shoe": shoes, "actuation": {"force": force}}
@@ -362,6 +363,7 @@ def _pad(rng: Rng, support: str) -> dict[str, Any]:
             "end": start + length * u(1.02, 1.1),
             "material": {"E": 2.1e11, "nu": 0.3},
         }
+    # The force acts as far behind the middle as the pin lies before it.
     away, height = length * u(0.8, 1.5), length * u(0.1, 0.5)
     pin, at = {"x": middle - away, "y": height}, {"x": middle + away, "y": height}
     direction = -math.pi / 2
@@ -386,6 +388,7 @@ def _pad(rng: Rng, support: str) -> dict[str, Any]:
     force = float(f"{material['E'] * length * width * log_between(rng, 1e-4, 3e-3):.4g}")
     shoe["actuation"] = {"force": force, "direction": direction, "point": at}
     compression = force / (material["E"] * length * width) * thickness
+    # Misfits draw from random numbers of their own, so that they change nothing else of a pad.
     lining |= _ill_fitting(rng.spawn(1)[0], lining, compression)
     return {"plane": {"sliding": str(rng.choice(["+x", "-x"]))}, "shoe": [shoe]}
 
@@ -457,7 +460,7 @@ def _shoe_placed(
         return moved | ({"point": placed_point(part["point"])} if "point" in part else {})
 
     def placed_end(lining: float) -> float:
-        # On a plane a mirror image is taken about y: the shoe is mirrored and turned by 180 degrees.
+        # On a plane the image is about the y axis: the shoe is mirrored and turned by 180 degrees.
         return turn + sign * lining if "side" in shoe else c * lining + shift
 
     def placed_ends(part: dict[str, Any]) -> dict[str, Any]:

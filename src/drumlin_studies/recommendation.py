@@ -1,8 +1,7 @@
-"""Which method is enough for an accuracy: the fastest that keeps a target on each brake, and what
-peers take for it.
+"""Which method is enough for an accuracy, and how long the peers take for the same accuracy.
 
-Rows are those of `work_precision`, with the `brake` that they belong to; floors are by
-brake, what its reference does not know.
+Enough is the fastest method that keeps a target on a brake. Rows are those of `work_precision` with
+the name of their `brake`. Floors are the uncertainties of the references, by brake.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -14,14 +13,18 @@ TARGETS = {
     "torque_error": (0.1, 0.05, 0.01, 1e-3, 1e-4),
     "pressure_error": (0.1, 0.05, 0.01, 5e-3, 1e-3, 1e-4),
 }
+"""Relative errors for which a method is recommended, by key of a row."""
 TARGET_NAMES = {"torque_error": "torque", "pressure_error": "p (L2)"}
-HALF_PERCENT = 5e-3  # of p, at which peers are compared
+"""Names of these errors in tables."""
+HALF_PERCENT = 5e-3
+"""Relative error of p at which peers are compared with drumlin on one mesh."""
 AIMS: Mapping[str, Mapping[float, tuple[float | None, float | None]]] = {
     "GetFEM": {HALF_PERCENT: (20, 100), 1e-3: (25, 100), 1e-4: (50, 100)},
     "CalculiX": {HALF_PERCENT: (1000, None), 1e-3: (1000, None)},
 }
-"""Of an error of p, how many times as long as drumlin the peers are to take, cold and for a further
-load case.
+"""The aims of the project, by peer and relative error of p: time of the peer over that of drumlin.
+
+The first number is for a cold solve, the second for a further load case.
 """
 
 Row = Mapping[str, Any]
@@ -34,47 +37,54 @@ def of_brake(rows: Iterable[Row], name: str) -> list[Row]:
 
 
 def offered(rows: Iterable[Row]) -> list[Row]:
-    """The rows among which one is recommended: not the peers, nor the penalties that are there to
-    be compared, which cost what the exact contact on the same mesh costs, or more.
+    """The rows among which a method is recommended.
+
+    Peers and penalties are left out. A penalty costs at least as much as the exact contact on the
+    same mesh; it is there only for comparison.
     """
-    return [
-        row
-        for row in rows
-        if row["family"] not in (*PEER_FAMILIES, "weak penalty", "pointwise penalty")
-    ]
+    left_out = {*PEER_FAMILIES, "weak penalty", "pointwise penalty"}
+    return [row for row in rows if row["family"] not in left_out]
 
 
 def best_rows(rows: Sequence[Row], floors: Mapping[str, Floors]) -> list[dict[str, Any]]:
-    """For each brake and target the fastest method whose error is at most the target."""
-    found = []
+    """For each brake and target a row with the fastest method that keeps the target."""
+    best = []
     for name in floors:
-        there = offered(of_brake(rows, name))
+        candidates = offered(of_brake(rows, name))
         for key, targets in TARGETS.items():
             for target in targets:
-                fit = enough(there, key, target, floors[name])
                 row = {"brake": name, "quantity": TARGET_NAMES[key], "target": target}
-                if fit:
-                    row |= {
-                        k: fit[0].get(k)
-                        for k in ("family", "method", "seconds", "ratio", "further")
-                    }
-                    row["error"] = fit[0][key]
-                    if fit[0]["family"] == "law":
-                        row["method"] = " or ".join(r["model"] for r in fit if r["family"] == "law")
-                else:
-                    below = target < floors[name][key]
-                    row["family"] = (
-                        "not claimed: below what the reference knows"
-                        if below
-                        else "none of those tried"
-                    )
-                found.append(row)
-    return found
+                best.append(row | _best(candidates, key, target, floors[name]))
+    return best
+
+
+def _best(rows: Sequence[Row], key: str, target: float, floors: Floors) -> dict[str, Any]:
+    """The fastest of some rows on one brake that keeps a target, or why there is no such row."""
+    fit = enough(rows, key, target, floors)
+    if not fit:
+        below = target < floors[key]
+        reason = "not claimed: below what the reference knows" if below else "none of those tried"
+        return {"family": reason}
+    fastest = fit[0]
+    best = {name: fastest.get(name) for name in ("family", "method", "seconds", "ratio", "further")}
+    best["error"] = fastest[key]
+    if fastest["family"] == "law":
+        # Laws are equally fast, so that all that keep the target are named.
+        best["method"] = " or ".join(row["model"] for row in fit if row["family"] == "law")
+    return best
 
 
 class Cell(NamedTuple):
-    """What to use on a brake for a target: in words, its sort as a class of the page, the `row` of
-    `best_rows`.
+    """What to use on a brake for a target.
+
+    Attributes
+    ----------
+    what : str
+        The method in words.
+    sort : str
+        "law", "foundation", "elastic" or "none", the class of the cell on the page.
+    row : mapping
+        The row of `best_rows`.
     """
 
     what: str
@@ -83,8 +93,18 @@ class Cell(NamedTuple):
 
 
 class Matrix(NamedTuple):
-    """What to use for a quantity, brake by target: `lines` by brake, a cell each target; `by_law`:
-    on how many brakes a law keeps each.
+    """What to use for a quantity, by brake and target.
+
+    Attributes
+    ----------
+    quantity : str
+        A value of TARGET_NAMES.
+    targets : tuple of float
+        Relative errors.
+    lines : dict
+        By brake a cell for each target.
+    by_law : list of int
+        For each target the number of brakes on which a law keeps it.
     """
 
     quantity: str
@@ -101,9 +121,9 @@ def matrices(best: Sequence[Row]) -> list[Matrix]:
         for row in best:
             if row["quantity"] == TARGET_NAMES[key]:
                 lines.setdefault(row["brake"], []).append(_cell(row))
-        by_law = [
-            sum(cells[k].sort == "law" for cells in lines.values()) for k in range(len(targets))
-        ]
+        by_law = []
+        for k in range(len(targets)):
+            by_law.append(sum(cells[k].sort == "law" for cells in lines.values()))
         found.append(Matrix(TARGET_NAMES[key], targets, lines, by_law))
     return found
 
@@ -120,18 +140,28 @@ def _cell(row: Row) -> Cell:
 def fastest_seconds(
     rows: Sequence[Row], floors: Mapping[str, Floors], target: float
 ) -> list[float]:
-    """Seconds of the fastest method with at most this error of p, of each brake that has one."""
-    fit = [
-        enough(offered(of_brake(rows, name)), "pressure_error", target, known)
-        for name, known in floors.items()
-    ]
-    return [found[0]["seconds"] for found in fit if found]
+    """Times [s] of the fastest method with at most an error of p, on each brake that has one."""
+    seconds = []
+    for name, known in floors.items():
+        fastest = _fastest(offered(of_brake(rows, name)), target, known)
+        if fastest is not None:
+            seconds.append(fastest["seconds"])
+    return seconds
 
 
 class PeerTimes(NamedTuple):
-    """A peer on a brake for an error of p: its fastest solve that keeps the `target` and drumlin's,
-    None where there is none, and how many times longer the peer is to take, cold and for a further
-    load case.
+    """The times of a peer and of drumlin on one brake, for an error of p.
+
+    Attributes
+    ----------
+    peer : str
+        Name of the peer.
+    target : float
+        Relative error of p.
+    best, own : mapping or None
+        Rows of the fastest solves of the peer and of drumlin that keep the target.
+    aims : tuple of two
+        Time of the peer over that of drumlin that the project aims at, as in AIMS.
     """
 
     peer: str
@@ -142,9 +172,19 @@ class PeerTimes(NamedTuple):
 
 
 class AgainstPeers(NamedTuple):
-    """What the peers take on one brake; `alike`: (peer's, drumlin's) rows on the same mesh within
-    HALF_PERCENT; `even`: the finest row of a peer on a mesh that is graded nowhere, and drumlin's fastest
-    within HALF_PERCENT, or None.
+    """How long the peers take on one brake.
+
+    Attributes
+    ----------
+    brake : str
+        Name of the brake.
+    times : list of PeerTimes
+        The times for each peer and error.
+    alike : list of pairs
+        Rows of a peer and of drumlin on the same mesh, with an error of p within HALF_PERCENT.
+    even : pair or None
+        The finest row of a peer on a uniform mesh, and the fastest row of drumlin within
+        HALF_PERCENT.
     """
 
     brake: str
@@ -160,34 +200,34 @@ def against_peers(rows: Sequence[Row], floors: Mapping[str, Floors]) -> list[Aga
 
 
 def _against_peers(name: str, rows: Sequence[Row], floors: Floors) -> AgainstPeers:
-    mine = offered(rows)
-    times = [
-        PeerTimes(
-            peer, target, _fastest(theirs, target, floors), _fastest(mine, target, floors), aims
-        )
-        for peer, wanted in AIMS.items()
-        for theirs in [[row for row in rows if row["family"] == peer and not row.get("even")]]
-        for target, aims in wanted.items()
-    ]
-    there = [row for row in rows if row["family"] in PEER_FAMILIES and row["status"] == "converged"]
-    meshes = {(row["kind"], row["elements"]): row for row in mine if row["family"] == "graded mesh"}
-    alike = [
-        (row, meshes[place])
-        for row in there
-        for place in [(row["kind"], row["elements"])]
-        if row["pressure_error"] <= HALF_PERCENT
-        and place in meshes
-        and not row.get("even")
-        and not row.get("layers")
-    ]
-    even = [row for row in there if row.get("even")]
-    last, own = (
-        max(even, key=lambda row: row["elements"], default=None),
-        _fastest(mine, HALF_PERCENT, floors),
-    )
-    return AgainstPeers(name, times, alike, (last, own) if last and own else None)
+    own = offered(rows)
+    times = []
+    for peer, aims in AIMS.items():
+        theirs = [row for row in rows if row["family"] == peer and not row.get("even")]
+        for target, aim in aims.items():
+            best = _fastest(theirs, target, floors)
+            times.append(PeerTimes(peer, target, best, _fastest(own, target, floors), aim))
+    of_peers = [row for row in rows if row["family"] in PEER_FAMILIES]
+    of_peers = [row for row in of_peers if row["status"] == "converged"]
+    even = [row for row in of_peers if row.get("even")]
+    finest = max(even, key=lambda row: row["elements"], default=None)
+    fastest = _fastest(own, HALF_PERCENT, floors)
+    finest_and_own = (finest, fastest) if finest and fastest else None
+    return AgainstPeers(name, times, _on_same_mesh(of_peers, own), finest_and_own)
+
+
+def _on_same_mesh(of_peers: Sequence[Row], own: Sequence[Row]) -> list[tuple[Row, Row]]:
+    """Rows of peers within HALF_PERCENT, each with the row of drumlin on the same graded mesh."""
+    meshes = {(row["kind"], row["elements"]): row for row in own if row["family"] == "graded mesh"}
+    pairs = []
+    for row in of_peers:
+        mesh = row["kind"], row["elements"]
+        is_graded = not row.get("even") and not row.get("layers")
+        if is_graded and row["pressure_error"] <= HALF_PERCENT and mesh in meshes:
+            pairs.append((row, meshes[mesh]))
+    return pairs
 
 
 def _fastest(rows: Sequence[Row], target: float, floors: Floors) -> Row | None:
-    """The row that keeps an error of p in the shortest time."""
+    """The row that keeps an error of p in the shortest time, or None."""
     return next(iter(enough(rows, "pressure_error", target, floors)), None)

@@ -1,19 +1,18 @@
-"""A brake sketched: its linings on coarse meshes, shoes and ring in closed form: a scene like any
-other.
+"""Sketches of brakes: linings on coarse meshes, shoes and ring in closed form.
 
-What is behind the lining only adds flexibility to its contact nodes. Where a part is left out, the
-change of such a sketch says beforehand what that does to the brake: see omission.py.
+A sketch is a prepared model like any other. Shoe and ring only add flexibility to the contact nodes
+of their lining. The difference of two sketches predicts the change by an omission: see `omission`.
 
-Shoe: a bar that carries, beyond each of its sections, the contact's forces and the actuation
-(Timoshenko: Strength of Materials II). With bending moment m, normal force n and shear force v of
+Shoe: a bar in which each section carries the forces of the contact and of the actuation beyond it
+(Timoshenko, Strength of Materials II). With bending moment m, normal force n and shear force v of
 unit loads the flexibility is
 
     F_ij = Int (m_i m_j/EI + n_i n_j/EA + kappa v_i v_j/GA) ds.
 
-Ring: plane stress in Fourier series around the drum, u_r = U(r) cos k theta, u_theta = V(r) sin k
-theta, polynomials of degree DEGREE through its thickness: exact for both supports, thick and thin
-(DEGREE is not seen in any digit that is used). Waves much shorter than the thickness meet a
-half-plane (Johnson, Contact Mechanics, section 13.2): to 1 %.
+Ring: plane stress as a Fourier series around the drum, u_r = U(r) cos k theta and u_theta = V(r)
+sin k theta, with polynomials of degree RING_DEGREE through the thickness. It holds for both
+supports and for thick and thin rings. A wave much shorter than the thickness deforms the ring like
+a half-plane, to 1 % (Johnson, Contact Mechanics, section 13.2).
 """
 
 import math
@@ -38,37 +37,37 @@ from drumlin.fem.preparation.scene import Scene, why_not
 from drumlin.fem.substructure.interface import edge_points
 from drumlin.fem.substructure.ring import RingBody
 
-ELEMENTS = 24
-"""Default number along a lining of a sketch, whose change is to be within a factor of two."""
-SECTIONS = 4 * ELEMENTS
-"""Sections of a shoe: some a contact element, as the shoe is longer than its lining. Half of them
-is not noticed by any test of the predictions.
+SKETCH_ELEMENTS = 24
+"""Default number of elements along a lining. The predicted change is then right within a factor of
+two.
 """
-WAVES = 8
-"""Waves of the ring on the shortest contact: a pressure that rises and falls has few that are
-shorter.
+SKETCH_SECTIONS = 4 * SKETCH_ELEMENTS
+"""Sections of a shoe: several for each contact element, as a shoe is longer than its lining.
+
+No test of the predictions notices half of them.
 """
-MODES = 3 * ELEMENTS
-"""Least number of modes of the ring: as many as the nodes of a lining resolve over a third of the
-drum.
+CONTACT_WAVES = 8
+"""Waves of the ring along the shortest contact. A contact pressure has few shorter waves."""
+LEAST_RING_MODES = 3 * SKETCH_ELEMENTS
+"""Smallest number of modes of the ring: the number that the nodes of a lining over a third of the
+drum resolve.
 """
-MOST_MODES = 4000
-DEGREE = 6
-"""Degree of a ring's displacement through its thickness: it is not seen in any digit that is used.
-"""
-SHORT = 7.0
-"""Radians of a wave through the ring's thickness from which on the wave meets a half-plane, to 1 %.
-"""
-STIFF = 1e5
-"""Factor by which a sketched straight beam is meshed stiffer than it is: rigid, but for 1e-5."""
-SHEAR = 6 / 5  # kappa of a rectangular section
+MOST_RING_MODES = 4000
+"""Number of modes of the ring above which a sketch is refused."""
+RING_DEGREE = 6
+"""Degree of a ring's displacement through its thickness. A higher degree changes no used digit."""
+HALF_PLANE_WAVE = 7.0
+"""Thickness of a ring over R/k [rad] above which wave k deforms it like a half-plane, to 1 %."""
+RIGID_FACTOR = 1e5
+"""Factor on the modulus of a straight beam that is meshed as rigid."""
+SECTION_SHEAR_FACTOR = 6 / 5
+"""Shear coefficient kappa of a rectangular section."""
 
 
-def sketcher(elements: int = ELEMENTS) -> Callable[[Brake], Scene]:
-    """A function that makes the sketch of a brake, a scene to `respond` on; it meshes equal linings
-    once.
+def sketcher(elements: int = SKETCH_ELEMENTS) -> Callable[[Brake], Scene]:
+    """A function that prepares the sketch of a brake. It meshes equal linings once.
 
-    It raises BadInput for what finite elements do not cover.
+    The function raises BadInput for a brake that finite elements do not cover.
     """
     meshed: dict[Brake, Scene] = {}
 
@@ -102,8 +101,8 @@ def _with_closed_forms(scene: Scene, brake: Brake, shortest: float) -> Scene:
         bodies.append(made[key])
     ring = scene.ring
     if ring is None and brake.ring is not None:
-        count = max(MODES, math.ceil(2 * math.pi * WAVES / max(shortest, 1e-9)))
-        if count > MOST_MODES:
+        count = max(LEAST_RING_MODES, math.ceil(2 * math.pi * CONTACT_WAVES / max(shortest, 1e-9)))
+        if count > MOST_RING_MODES:
             raise NoAnswer(f"a contact of {shortest:.1e} rad is too short for the waves of a ring")
         ring = _ring(brake, brake.ring, tuple(bodies), count)
     return replace(scene, brake=brake, bodies=tuple(bodies), ring=ring)
@@ -118,9 +117,9 @@ def _rigid(brake: Brake) -> Brake:
         if not isinstance(shoe.body, Beam):
             return shoe.model_copy(update={"body": None}) if shoe.mesh is None else shoe
         section = shoe.body.section
-        assert section is not None  # why_not
+        assert section is not None
         stiff = section.material.model_copy(
-            update={key: STIFF * E for key, E in section.material.moduli.items()}
+            update={key: RIGID_FACTOR * E for key, E in section.material.moduli.items()}
         )
         body = shoe.body.model_copy(
             update={"width": section.width, "material": stiff, "bending_stiffness": None}
@@ -133,7 +132,10 @@ def _rigid(brake: Brake) -> Brake:
 
 
 def _flexible(body: Body, shoe: Shoe, radius: float) -> Body:
-    """The body of a rigid shoe with the shoe's own flexibility added."""
+    """The body of a rigid shoe with the flexibility of the shoe added.
+
+    radius : radius of the drum [m].
+    """
     bar, coupling = _bar(shoe, radius), body.coupling
     nodal = bar.half(body.line.xy)
     pressed, dragged = -nodal @ coupling.N.T, nodal @ coupling.T.T
@@ -151,11 +153,23 @@ def _flexible(body: Body, shoe: Shoe, radius: float) -> Body:
 
 
 class _Bar(NamedTuple):
-    """A shoe's axis in its own frame: section points `at` (m, 2) [m] and unit `tangent` (m, 2) away
-    from the hinge.
+    """The sections of a shoe along its axis, in the frame of the shoe.
 
-    `along` (m,): the place of a section, and `place(xy)` of a contact point, on the way from the
-    hinge; `bending`, `stretching`, `shearing` (m,): roots of ds/EI, ds/EA and kappa ds/GA.
+    Attributes
+    ----------
+    at : array (m, 2)
+        Points of the axis [m].
+    tangent : array (m, 2)
+        Unit tangents, away from the hinge.
+    along : array (m,)
+        Distance of each section from the hinged end: an angle [rad] on an arc, a length [m] on a
+        beam.
+    foot : array
+        Where the distance is zero: an angle (1,) on an arc, a point (2,) on a beam.
+    bending, stretching, shearing : array (m,)
+        Square roots of ds/EI, ds/EA and kappa ds/GA.
+    round : bool
+        Whether the axis is an arc.
     """
 
     at: Floats
@@ -168,7 +182,15 @@ class _Bar(NamedTuple):
     round: bool
 
     def half(self, xy: Floats, beyond: Floats | None = None) -> Floats:
-        """S (3 m, 2 n) with S^T S the flexibility of forces x, y at the points xy (2, n)."""
+        """Square root S (3 m, 2 n) of the flexibility S^T S of forces along x and y at n points.
+
+        Parameters
+        ----------
+        xy : array (2, n)
+            The points [m].
+        beyond : array (m, n), optional
+            1 where a point lies beyond a section, so that the section carries its force.
+        """
         if beyond is None:
             if self.round:  # place: angle from the shoe's hinged end
                 turn = np.abs(np.arctan2(xy[1], xy[0]) - self.foot[0])
@@ -179,21 +201,23 @@ class _Bar(NamedTuple):
         moment = np.stack([-arm[..., 1], arm[..., 0]], axis=-1)  # of forces x and y
         normal = np.broadcast_to(self.tangent[:, None], arm.shape)
         shear = np.stack([-normal[..., 1], normal[..., 0]], axis=-1)
-        parts = [(moment, self.bending), (normal, self.stretching), (shear, self.shearing)]
-        return np.concatenate(
-            [
-                (part * (beyond * root[:, None])[..., None]).reshape(len(root), -1)
-                for part, root in parts
-            ]
-        )
+
+        def weighted(part: Floats, root: Floats) -> Floats:
+            # Only the sections between a force and the hinge carry the force.
+            scaled = part * (beyond * root[:, None])[..., None]
+            return np.asarray(scaled.reshape(len(root), -1))
+
+        bending = weighted(moment, self.bending)
+        stretching = weighted(normal, self.stretching)
+        return np.concatenate([bending, stretching, weighted(shear, self.shearing)])
 
 
 def _bar(shoe: Shoe, radius: float) -> _Bar:
-    """The bar of a shoe. Behind its lining an arc bends as one section with its backing and lining."""
+    """The bar of a shoe. An arc bends as one section with the backing and the lining on it."""
     body = shoe.body
-    assert body is not None  # why_not
+    assert body is not None
     plates = list(body.plates.values())[::-1]
-    middle = (np.arange(SECTIONS) + 0.5) / SECTIONS
+    middle = (np.arange(SKETCH_SECTIONS) + 0.5) / SKETCH_SECTIONS
     if isinstance(body, Bar):
         near, far = sorted(shoe.frame.phis((body.start, body.end)), key=abs)
         phi = near + (far - near) * middle
@@ -206,13 +230,13 @@ def _bar(shoe: Shoe, radius: float) -> _Bar:
         along, foot = np.abs(phi - near), np.array([near])
         at = (axis * np.array([np.cos(phi), np.sin(phi)])).T
         tangent = math.copysign(1.0, far - near) * np.column_stack([-np.sin(phi), np.cos(phi)])
-        ds = axis * abs(far - near) / SECTIONS
+        ds = axis * abs(far - near) / SKETCH_SECTIONS
     else:
         hinge, end_ = shoe.frame.to_shoe(shoe.pin.xy), shoe.frame.to_shoe(shoe.actuation.point.xy)
         line = axis_of(hinge, end_)
         along, foot = line.length * middle, hinge
-        at, tangent = hinge + along[:, None] * line.along, np.tile(line.along, (SECTIONS, 1))
-        ds = np.full(SECTIONS, line.length / SECTIONS)
+        at, tangent = hinge + along[:, None] * line.along, np.tile(line.along, (SKETCH_SECTIONS, 1))
+        ds = np.full(SKETCH_SECTIONS, line.length / SKETCH_SECTIONS)
         _, EI, EA, GA = np.array(bonded(plates))[:, None]
     return _Bar(
         at=at,
@@ -221,7 +245,7 @@ def _bar(shoe: Shoe, radius: float) -> _Bar:
         foot=foot,
         bending=np.sqrt(ds / EI),
         stretching=np.sqrt(ds / EA),
-        shearing=np.sqrt(SHEAR * ds / GA),
+        shearing=np.sqrt(SECTION_SHEAR_FACTOR * ds / GA),
         round=isinstance(body, Bar),
     )
 
@@ -231,11 +255,22 @@ def _layer(shoe: Shoe, layer: Lining | Backing) -> Section:
 
 
 def _ring(brake: Brake, ring: Ring, bodies: tuple[Body, ...], count: int) -> RingBody:
-    """The ring under the linings of all shoes: half flexibilities (2 count + 2, n) of each."""
+    """The ring under the linings of all shoes, as square roots (2 count + 2, n) of its flexibility.
+
+    Parameters
+    ----------
+    brake, ring : Brake, Ring
+        The brake and its ring.
+    bodies : tuple of body
+        The body of each shoe, with its contact line.
+    count : int
+        Number of modes of the ring.
+    """
     sign, radius, section = brake.shoes[0].sign, brake.size, ring.section
-    assert section is not None  # why_not
+    assert section is not None
     k = np.arange(count + 1)
     radial, shear = ring_modes(ring, radius, sign, k)
+    # Fourier coefficients of a traction on a ring of this width, for each mode.
     share = np.where(k == 0, 0.5, 1.0) / (math.pi * radius * section.width)
     root = np.sqrt(share * radial)
     turned = np.where(k == 0, 0.0, sign * share * shear / root)
@@ -248,38 +283,52 @@ def _ring(brake: Brake, ring: Ring, bodies: tuple[Body, ...], count: int) -> Rin
 
 
 def _waves(body: Body, shoe: Shoe, k: Ints) -> tuple[Floats, Floats]:
-    """b Int psi_i cos k theta ds and that with sin, of the brake's angle theta: two arrays (modes,
-    n) [m^2].
+    """Integrals b Int psi_i cos k theta ds and b Int psi_i sin k theta ds: arrays (modes, n) [m^2].
+
+    psi_i are the shape functions of the contact nodes, theta is the angle of the brake.
     """
     line = body.line
     psi, x, ds = edge_points(line.xy[:, line.pieces])
     wave = np.exp(1j * k[:, None, None] * shoe.frame.theta(shoe.phi_of(x, 1.0)))
     found = np.zeros((len(k), len(line.nodes)), dtype=complex)
-    for value, nodes in zip(psi, line.pieces, strict=True):  # no node twice in one row of pieces
+    # No node occurs twice in one row of the pieces, so that += adds each contribution.
+    for value, nodes in zip(psi, line.pieces, strict=True):
         found[:, nodes] += shoe.lining.width * (wave * (value * ds)).sum(axis=2)
     return found.real, found.imag
 
 
 def ring_modes(ring: Ring, radius: float, sign: int, modes: Ints) -> tuple[Floats, Floats]:
-    """Radial displacement [m] of the friction surface per Pa of its traction, for the modes k (m,),
-    growing: two arrays (m,).
+    """Radial displacement [m/Pa] of the friction surface under two tractions, for each mode.
 
-    Of the traction cos k theta along the radius, and of sin k theta around the drum. The mean
-    motion of a free rim is zero and the force that it takes is spread over it as a rigid motion.
+    The first (m,) is for the radial traction cos k theta, the second (m,) for the traction
+    sin k theta around the drum. A free rim is held by a force that is spread over it like its
+    rigid-body motion, so that its mean motion is zero.
+
+    Parameters
+    ----------
+    ring : Ring
+        The ring, isotropic.
+    radius : float
+        Radius of the drum [m].
+    sign : int
+        1 where the ring lies outside the friction surface, -1 inside.
+    modes : array of int (m,)
+        Growing orders k.
     """
     section = ring.section
-    assert section is not None  # why_not
-    assert isinstance(section.material, Material)  # sketcher
+    assert section is not None
+    assert isinstance(section.material, Material)
     E, nu = section.material.E, section.material.nu
-    long = modes * section.thickness <= SHORT * radius
+    long = modes * section.thickness <= HALF_PLANE_WAVE * radius
     if not long.all():
         over = radius / (E * modes[~long])
         found = ring_modes(ring, radius, sign, modes[long])
         return np.append(found[0], 2 * over), np.append(found[1], (1 - nu) * over)
-    x = -np.cos(math.pi * np.arange(DEGREE + 1) / DEGREE)
-    V = np.linalg.inv(np.polynomial.legendre.legvander(x, DEGREE))
-    xi, w = np.polynomial.legendre.leggauss(DEGREE + 2)
-    psi = np.polynomial.legendre.legvander(xi, DEGREE) @ V
+    # Lagrange polynomials on Chebyshev points, as sums of Legendre polynomials.
+    x = -np.cos(math.pi * np.arange(RING_DEGREE + 1) / RING_DEGREE)
+    V = np.linalg.inv(np.polynomial.legendre.legvander(x, RING_DEGREE))
+    xi, w = np.polynomial.legendre.leggauss(RING_DEGREE + 2)
+    psi = np.polynomial.legendre.legvander(xi, RING_DEGREE) @ V
     derivative = np.array(
         [np.polynomial.legendre.legval(xi, np.polynomial.legendre.legder(c)) for c in V.T]
     ).T
@@ -288,8 +337,8 @@ def ring_modes(ring: Ring, radius: float, sign: int, modes: Ints) -> tuple[Float
     d, over = derivative / half, psi / r[:, None]
     zero = np.zeros_like(psi)
     n = modes[:, None, None]
-    # strains (m, q, 2 nodes): radial, around, shear
-    e_r = np.broadcast_to(np.hstack([d, zero]), (len(modes), len(xi), 2 * (DEGREE + 1)))
+    # Strains (m, q, 2 nodes) of unit displacements: radial, around the drum, and shear.
+    e_r = np.broadcast_to(np.hstack([d, zero]), (len(modes), len(xi), 2 * (RING_DEGREE + 1)))
     e_t = np.concatenate([over + 0 * n, n * over], axis=2)
     g = np.concatenate([-n * over, d - over + 0 * n], axis=2)
     weight = (w * abs(half) * r)[:, None] * E / (1 - nu**2)
@@ -298,19 +347,21 @@ def ring_modes(ring: Ring, radius: float, sign: int, modes: Ints) -> tuple[Float
         return np.asarray(a.transpose(0, 2, 1) @ (weight * b))
 
     K = product(e_r, e_r + nu * e_t) + product(e_t, e_t + nu * e_r) + (1 - nu) / 2 * product(g, g)
-    size, rim = DEGREE + 1, DEGREE
+    size, rim = RING_DEGREE + 1, RING_DEGREE
     hold = np.zeros((len(modes), 2 * size, 2))
     if ring.support == "fixed":
         hold[:, rim, 0] = hold[:, size + rim, 1] = 1.0
     else:
         hold[modes == 0, size + rim, 0] = 1.0
         hold[modes == 1, rim, 0], hold[modes == 1, size + rim, 0] = 1.0, -1.0
+    # The constraints are appended to the equations, scaled to the size of the stiffness.
     scale = np.abs(K).max()
     bordered = np.zeros((len(modes), 2 * size + 2, 2 * size + 2))
     bordered[:, : 2 * size, : 2 * size] = K
     bordered[:, : 2 * size, 2 * size :] = scale * hold
     bordered[:, 2 * size :, : 2 * size] = scale * hold.transpose(0, 2, 1)
-    for j in range(2):  # holds that a mode does not have
+    # A constraint that a mode does not have gets a unit equation of its own.
+    for j in range(2):
         bordered[:, 2 * size + j, 2 * size + j] = np.where(hold[:, :, j].any(axis=1), 0.0, scale)
     load = np.zeros((len(modes), 2 * size + 2, 2))
     load[:, 0, 0] = load[:, size, 1] = radius

@@ -1,10 +1,9 @@
-"""Whether brakes that run in end at the law of their rigid shoes, and whether the wear on the way
-can be trusted.
+"""Rows on running in: whether brakes end at their rigid-shoe law, and how exact the wear is.
 
-Rows of tables: a brake run in from new (`brake_row`, `ratio_row`), half the step (`half_row`),
-exponents of the pressure (`exponent_row`), a drum that turns both ways (`reversed_run`), and
-implicit against explicit steps (`step_rows`). Distances are in units of 1/(k K), K = E/t of the
-lining, k the wear coefficient.
+The tables are of brakes that run in from new (`brake_row`, `ratio_row`), of steps of half the size
+(`half_row`), of exponents of the pressure (`exponent_row`), of a drum that turns both ways
+(`reversed_run`), and of implicit against explicit steps (`step_rows`). Distances are in units of
+1/(k K), with the stiffness K = E/t of the lining and the wear coefficient k.
 """
 
 import math
@@ -44,14 +43,32 @@ from drumlin.lining_wear.run_in import (
 from drumlin.response.norms import relative
 
 ARCHARD = WearLaw(COEFFICIENT)
-SPENT_WITHIN = 0.01  # of the law: what "away from the law" means in the tables
+"""Archard's law, by which all brakes wear unless an exponent is given."""
+SPENT_WITHIN = 0.01
+"""Relative difference from the law above which a brake counts as "away from the law"."""
 AT_LAW = "at the law"
-PRESSURE, TORQUE = 0.01, 0.001  # what must hold after run-in
+"""Status of a brake that ends at its law."""
+PRESSURE_AT_LAW, TORQUE_AT_LAW = 0.01, 0.001
+"""Largest relative differences of pressure and torque from the law after running in."""
 
 
 @dataclass(frozen=True)
 class Run:
-    """A brake run in: its setup, its states, where it tends to, and 1/(k K) [m]."""
+    """A brake that has run in.
+
+    Attributes
+    ----------
+    name : str
+        Name of the brake and the model.
+    setup : WearSetup
+        Its linings.
+    states : list of WearState
+        The states on the way.
+    goal : Target
+        The limit of the wear.
+    unit : float
+        The distance 1/(k K) [m].
+    """
 
     name: str
     setup: WearSetup
@@ -64,24 +81,23 @@ class Run:
         return [state.s / self.unit for state in self.states]
 
     def ripple(self, state: WearState) -> float:
-        """The worst lining's checkerboard."""
+        """Checkerboard of the pressure, the largest of all linings."""
         return max(ripple(surface.along(state.pressure)) for surface in self.setup.surfaces)
 
 
 def settle(name: str, setup: WearSetup, law: WearLaw = ARCHARD, **options: Any) -> Run:
-    """Run in a setup until it is settled."""
+    """The run of a setup until wear has settled; options as of `run_in`."""
     states = run_in(setup, law, **options)
-    return Run(
-        name, setup, states, target(setup, law, options.get("torque")), unit_distance(setup, law)
-    )
+    goal = target(setup, law, options.get("torque"))
+    return Run(name, setup, states, goal, unit_distance(setup, law))
 
 
 def ways(brake: Brake) -> tuple[list[tuple[str, str, Brake]], str | None]:
-    """How a brake can be run in: words that follow its name, model, brake; and why finite elements
-    cannot.
+    """The ways to run in a brake, and why finite elements cannot (None where they can).
 
-    One shoe alone also with the drum turned back: of two, one is what the other is when the drum
-    turns back. Rigid external shoes also on a guide.
+    A way is a suffix to the brake's name, a model and a brake. A single shoe also runs in with the
+    opposite rotation; of two shoes one already shows what the other does in the opposite rotation.
+    Rigid external shoes also run in on a guide.
     """
     found, reason = list[tuple[str, str, Brake]](), why_not(brake)
     if reason is None:
@@ -97,7 +113,7 @@ def ways(brake: Brake) -> tuple[list[tuple[str, str, Brake]], str | None]:
 
 
 def turned_back(brake: Brake) -> Brake:
-    """The brake with the drum turning the other way."""
+    """The brake with the opposite rotation."""
     return vary(brake, {"rotation": "clockwise" if brake.spin > 0 else "counter-clockwise"})
 
 
@@ -110,19 +126,31 @@ def setup_of(model: str, brake: Brake, elements: int) -> WearSetup:
 
 
 def law_of(model: str, brake: Brake) -> tuple[str, float]:
-    """What the pressure of a model tends to, and the torque [N m] of the brake's law."""
+    """The form of the pressure that a model tends to, and the torque [N m] of the brake's law."""
     if model == "guided":
         return "cos", hinged.guided_torque(brake)
     if model == "fem" and brake.unhinged():
         return "A cos + B sin", law(brake).torque
-    # As published, the foundation's sections turn without tilt.
+    # In the published foundation model sections do not tilt.
     return "x cos" if model == "foundation" else "sin", hinged.sine(brake).torque
 
 
 def brake_row(
     name: str, model: str, brake: Brake, elements: int
 ) -> tuple[dict[str, Any], Run | None]:
-    """How a brake runs in, as a row; a failure stays as a row."""
+    """The row of a brake that runs in, and its run; None where the model fails.
+
+    Parameters
+    ----------
+    name : str
+        Name of the brake.
+    model : str
+        A model of `ways`.
+    brake : Brake
+        The brake.
+    elements : int
+        Elements along a lining.
+    """
     row: dict[str, Any] = {"brake": name, "model": model}
     begin = time.perf_counter()
     try:
@@ -136,19 +164,19 @@ def brake_row(
         **run_row(one),
         "seconds": time.perf_counter() - begin,
     }
-    if row["status"] == AT_LAW and abs(row["target"]) > TORQUE:
+    if row["status"] == AT_LAW and abs(row["target"]) > TORQUE_AT_LAW:
         row["status"] = "at its own limit, which is not the law"
     return row, one
 
 
 def run_row(one: Run) -> dict[str, Any]:
-    """What a run says of a brake: new, worn in, how long it took, its balances."""
+    """A run as a row: the brake new and worn in, the distance of running in, the balances."""
     setup, states, goal, unit = one.setup, one.states, one.goal, one.unit
     new, end = distance(setup, states[0], goal), distance(setup, states[-1], goal)
     spent = life(setup, states, goal, ARCHARD, within=SPENT_WITHIN)
-    close = life(setup, states, goal, ARCHARD, within=TORQUE)
+    close = life(setup, states, goal, ARCHARD, within=TORQUE_AT_LAW)
     balance = checks(setup, states, ARCHARD)
-    holds = end.pressure <= PRESSURE and abs(end.torque) <= TORQUE
+    holds = end.pressure <= PRESSURE_AT_LAW and abs(end.torque) <= TORQUE_AT_LAW
     return {
         "new_pressure": new.pressure,
         "new_torque": new.torque,
@@ -170,18 +198,19 @@ def run_row(one: Run) -> dict[str, Any]:
 
 
 def ratio_row(brake: Brake, ratio: float, elements: int) -> dict[str, Any]:
-    """How a brake with elastic shoes runs in, its linings of `ratio` times the shoe's modulus."""
+    """The row of a brake whose linings have `ratio` times the modulus of their elastic shoes."""
     body = brake.shoes[0].body
-    assert body is not None and body.material is not None  # elastic shoes, whose modulus is known
+    assert body is not None and body.material is not None
     changed = vary(brake, {"shoe.lining.material.E": ratio * body.material.E_along})
-    return {
-        "ratio": ratio,
-        **run_row(settle("", fem_setup(prepare(changed, elements=elements), changed))),
-    }
+    setup = fem_setup(prepare(changed, elements=elements), changed)
+    return {"ratio": ratio, **run_row(settle("", setup))}
 
 
 def half_row(one: Run) -> dict[str, Any]:
-    """A run against the same with every step halved, and ten times as far."""
+    """The row of a run against the same run with steps of half the size.
+
+    `long_pressure` and `long_torque` tell the distance from the limit after ten times the distance.
+    """
     s = [state.s for state in one.states]
     middles = [(a + b) / 2 for a, b in pairwise(s)]
     halved = run_on(one.setup.interfaces, ARCHARD, sorted([*s[1:], *middles]))[::2]
@@ -190,6 +219,7 @@ def half_row(one: Run) -> dict[str, Any]:
     def size(p: Floats) -> float:
         return math.sqrt(float(area @ p**2))
 
+    # Every second state of the halved run is at the distance of a state of the run.
     pairs = list(zip(one.states, halved, strict=True))
     long = run_in(one.setup, ARCHARD, distance=10 * s[-1])
     after = distance(one.setup, long[-1], one.goal)
@@ -205,7 +235,7 @@ def half_row(one: Run) -> dict[str, Any]:
 
 
 def exponent_row(setup: WearSetup, m: float) -> dict[str, Any]:
-    """A hinged brake under another exponent of the pressure: the law is then sin^(1/m)."""
+    """The row of a hinged brake whose wear goes with p^m: its law is then sin^(1/m)."""
     law = WearLaw(COEFFICIENT, m)
     states, goal = run_in(setup, law), target(setup, law)
     end = distance(setup, states[-1], goal)
@@ -222,11 +252,19 @@ def exponent_row(setup: WearSetup, m: float) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class Reversals:
-    """A run under reversals every so often [1/(k K)]: its states, and how `far` p is in each from
-    the law of its sense.
+    """A run whose drum reverses at regular distances.
 
-    `mean`: how far the wear of the last two reversals, one each way, is from that by the mean of
-    both laws.
+    Attributes
+    ----------
+    every : float
+        Distance between two reversals [1/(k K)].
+    states : list of WearState
+        The states of the run.
+    far : list of float
+        Relative distance of p from the law of its sense of rotation, for each state.
+    mean : float
+        Relative distance of the wear between the last two reversals, one in each sense, from the
+        wear by the mean of both laws.
     """
 
     every: float
@@ -236,15 +274,28 @@ class Reversals:
 
     @property
     def row(self) -> dict[str, float]:
-        """What becomes of p in the second half of the run: right `after` a reversal, and at its
-        best `before` one.
+        """Largest (`after` a reversal) and smallest (`before`) distance of p from its law.
+
+        Both are of the second half of the run.
         """
         later = self.far[len(self.far) // 2 :]
         return {"every": self.every, "after": max(later), "before": min(later), "mean": self.mean}
 
 
 def reversed_run(scene: Scene, brake: Brake, every: float, turns: int) -> Reversals:
-    """A brake worn over `turns` reversals, one every so often [1/(k K)]."""
+    """A brake that wears over several reversals.
+
+    Parameters
+    ----------
+    scene : Scene
+        The prepared model of the brake.
+    brake : Brake
+        The brake.
+    every : float
+        Distance between two reversals [1/(k K)].
+    turns : int
+        Number of reversals.
+    """
     setups = {True: fem_setup(scene, brake), False: fem_setup(scene, turned_back(brake))}
     goals = {sense: target(setup) for sense, setup in setups.items()}
     size = every * unit_distance(setups[True], ARCHARD)
@@ -256,23 +307,24 @@ def reversed_run(scene: Scene, brake: Brake, every: float, turns: int) -> Revers
         distance=turns * size,
         tolerance=5e-3,
     )
-    far = [
-        distance(setups[state.forward], state, goals[state.forward]).pressure for state in states
-    ]
-    turned = [
-        state for state, after in pairwise(states) if state.forward != after.forward
-    ] + states[-1:]
+    far = []
+    for state in states:
+        sense = state.forward
+        far.append(distance(setups[sense], state, goals[sense]).pressure)
+    # The last state before each reversal, and the last state of all.
+    turned = [state for state, after in pairwise(states) if state.forward != after.forward]
+    turned.append(states[-1])
+    # Wear between the last two reversals, against that by the mean of both laws.
     worn_off = turned[-1].depth - turned[-3].depth
     law = ARCHARD.coefficient * size * (goals[True].pressure + goals[False].pressure)
-    mean = max(
-        norm(s, s.along(worn_off - law)) / norm(s, s.along(law)) for s in setups[True].surfaces
-    )
+    surfaces = setups[True].surfaces
+    mean = max(norm(s, s.along(worn_off - law)) / norm(s, s.along(law)) for s in surfaces)
     return Reversals(every, states, far, mean)
 
 
 @dataclass(frozen=True)
 class Board:
-    """Where equal steps ended: what they were, the state, its checkerboard."""
+    """The end of a run of equal steps: title, state, and checkerboard of the pressure."""
 
     title: str
     state: WearState
@@ -282,10 +334,19 @@ class Board:
 def step_rows(
     one: Run, end: float, steps: Sequence[float]
 ) -> tuple[list[dict[str, Any]], list[Board]]:
-    """Implicit and explicit steps of equal size up to `end`, in 1/(k K): checkerboard, contact,
-    torque.
+    """Rows and ends of implicit and explicit runs of equal steps.
+
+    Parameters
+    ----------
+    one : Run
+        The brake that is run in.
+    end : float
+        Sliding distance of the runs [1/(k K)].
+    steps : sequence of float
+        Sizes of the steps [1/(k K)].
     """
-    exact = at(run_in(one.setup, ARCHARD, distance=end * one.unit, tolerance=1e-4), end * one.unit)
+    length = end * one.unit
+    exact = at(run_in(one.setup, ARCHARD, distance=length, tolerance=1e-4), length)
     rows, boards = list[dict[str, Any]](), list[Board]()
     for way, size, run in _ways_to_step(one, end, steps):
         row: dict[str, Any] = {"way": way, "step": size}
@@ -306,6 +367,7 @@ def step_rows(
 def _ways_to_step(
     one: Run, end: float, steps: Sequence[float]
 ) -> Iterator[tuple[str, float, Callable[[], list[WearState]]]]:
+    """Each way to step, with the size of its steps and the function that runs it."""
     for size in steps:
         count, ds = round(end / size), size * one.unit
         stations = [(i + 1) * size * one.unit for i in range(count)]
@@ -314,13 +376,13 @@ def _ways_to_step(
 
 
 def least_touching(runs: Iterable[Run]) -> Run:
-    """The brake of which the least lies on when new."""
+    """The run whose new linings have the smallest contact."""
     return min(runs, key=lambda one: float((one.states[0].pressure > 0).mean()))
 
 
 @dataclass(frozen=True)
 class RunFrame:
-    """A moment of a run: its state, and of each shoe the fields and the turn about its pin [rad]."""
+    """A moment of a run: the state, and of each shoe the fields and the turn about its pin [rad]."""
 
     state: WearState
     fields: Sequence[Fields]
@@ -328,15 +390,23 @@ class RunFrame:
 
 
 def frames(scene: Scene, one: Run, count: int) -> list[RunFrame]:
-    """Moments of a run, evenly spread over the logarithm of the distance, with the fields of the
-    shoes.
+    """Moments of a run with the fields of its shoes, even over the logarithm of the distance.
+
+    Parameters
+    ----------
+    scene : Scene
+        The prepared model of the brake.
+    one : Run
+        The run.
+    count : int
+        Number of moments, the first with new linings.
     """
     end = one.states[-1].s
-    found = []
+    moments = []
     for s in [0.0, *np.geomspace(3e-4 * end, end, count - 1)]:
         state = at(one.states, s)
         brake = worn(one.setup, state)
         response = respond(scene, brake, penalty=math.inf)
         shown = [fields(scene, brake, response, i) for i in range(len(brake.shoes))]
-        found.append(RunFrame(state, shown, [shoe.turn or 0.0 for shoe in response.shoes]))
-    return found
+        moments.append(RunFrame(state, shown, [shoe.turn or 0.0 for shoe in response.shoes]))
+    return moments

@@ -1,16 +1,15 @@
-"""Self-locking of elastic brakes: limit, torque up to it, uniqueness of answers, slopes against
-differences.
-"""
+"""Rows on self-locking: limits, torque up to them, uniqueness of answers, and slopes."""
 
 import math
 from typing import Any
 
 import numpy as np
 
+from drumlin.base.arrays import Bools
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
-from drumlin.contact.self_locking import agreement, first_singular, limit
+from drumlin.contact.self_locking import Sliding, agreement, first_singular, limit
 from drumlin.fem.analysis.self_locking import limits, torques
 from drumlin.fem.analysis.sensitivity import against_differences
 from drumlin.fem.equilibrium.group import ShoeGroup
@@ -20,34 +19,38 @@ from drumlin.fem.preparation.scene import Scene
 from drumlin.laws import locking_friction, sine
 from drumlin_studies.random_brake import random_brake
 
-FARTHEST_FRICTION = 3.0  # friction coefficient up to which the limit of a brake is looked for
-FARTHEST_RANDOM_FRICTION = 100.0  # and that of a random brake
-LARGEST_FRICTION = (
-    1.0  # friction coefficient up to which a shoe that never locks is asked for its uniqueness
-)
+FARTHEST_FRICTION = 3.0
+"""Friction coefficient up to which the limit of a brake is looked for."""
+FARTHEST_RANDOM_FRICTION = 100.0
+"""Friction coefficient up to which the limit of a random brake is looked for."""
+LARGEST_FRICTION = 1.0
+"""Friction coefficient up to which the answers of a shoe that never locks are checked."""
 LIMIT_FRACTIONS = (0.1, 0.3, 0.5, 0.7, 0.9, 0.99)
-BEYOND_LIMIT = (
-    1 + 1e-6,
-    1.01,
-    1.1,
-    1.5,
-    2.0,
-    3.0,
-)  # parts of the limit at which there should be no answer
-RANDOM_STARTS = 5  # random contact sets
-LOCKING_ELEMENTS = 16  # of the random brakes
-ALL_SETS_ELEMENTS = 4  # elements of the brakes on which all contact sets are tried
+"""Fractions of the limit at which a brake must have one answer only."""
+BEYOND_LIMIT = (1 + 1e-6, 1.01, 1.1, 1.5, 2.0, 3.0)
+"""Multiples of the limit at which a brake should have no answer."""
+RANDOM_STARTS = 5
+"""Number of random contact sets from which an answer is looked for."""
+LOCKING_ELEMENTS = 16
+"""Elements along a lining of the random brakes."""
+ALL_SETS_ELEMENTS = 4
+"""Elements along a lining of the brakes on which all contact sets are tried."""
 START_SEED = 7
+"""Seed of the random contact sets, together with the seed of the brake."""
 AGREEMENT_COUNTS = ("starts", "same", "others", "unstable", "lost")
+"""Counts of `agreement` that are summed over the fractions of the limit."""
 
 Row = dict[str, Any]
 
 
 def limit_row(brake: Brake, elements: int) -> Row:
-    """mu_lock of a brake, elastic and by the sine law: of its first group of shoes to lock."""
+    """The friction that locks a brake, elastic and by the sine law.
+
+    It is that of the first group of shoes to lock. elements : elements along a lining.
+    """
     scene = prepare(brake, elements=elements)
     found = min(limits(scene, brake, FARTHEST_FRICTION).values(), key=lambda end: end.friction)
-    law = _law(brake)
+    law = _locking_by_law(brake)
     mu, t_over_R = found.friction, brake.shoes[0].lining.thickness / brake.size
     off = mu / law - 1
     return {
@@ -61,13 +64,23 @@ def limit_row(brake: Brake, elements: int) -> Row:
 
 
 def torque_row(brake: Brake, name: str, elements: int) -> Row:
-    """Torque [N m] over friction up to the elastic limit, and by the sine law up to that of the
-    law.
+    """Torque [N m] over friction, elastic and by the sine law, each up to its own limit.
+
+    Parameters
+    ----------
+    brake : Brake
+        The brake.
+    name : str
+        Its name in the row.
+    elements : int
+        Elements along a lining.
     """
     scene = prepare(brake, elements=elements)
     end = min(found.friction for found in limits(scene, brake, FARTHEST_FRICTION).values())
-    law = _law(brake)
-    mu = [end * x for x in (*np.linspace(0.02, 0.9, 45), *(1 - np.logspace(-1, -6, 26)[1:]))]
+    law = _locking_by_law(brake)
+    # The fractions of the limit are even up to 0.9 and then approach 1 in even ratios.
+    fractions = (*np.linspace(0.02, 0.9, 45), *(1 - np.logspace(-1, -6, 26)[1:]))
+    mu = [end * fraction for fraction in fractions]
     of_law = [m for m in mu if m < law * 0.999]
     return {
         "name": name,
@@ -80,61 +93,55 @@ def torque_row(brake: Brake, name: str, elements: int) -> Row:
     }
 
 
-def _law(brake: Brake) -> float:
+def _locking_by_law(brake: Brake) -> float:
+    """Friction at which the first shoe locks by the sine law."""
     return min(locking_friction(brake, shoe) for shoe in brake.shoes)
 
 
 def pole(row: Row) -> tuple[float, float]:
-    """T (mu_lock - mu) [N m] nearest to the limit, and by what part of itself it still changes from
-    1e-5 of it on.
+    """The product T (mu_lock - mu) [N m] at the limit, and its relative change near the limit.
 
-    `row`: of torque_row.
+    At a pole of the torque the product is constant near the limit. The change is taken over the
+    last 1e-5 of the friction. row : a row of `torque_row`.
     """
-    products = [T * (row["mu_lock"] - mu) for mu, T in zip(row["mu"], row["torque"], strict=True)]
-    near = [
-        p for p, mu in zip(products, row["mu"], strict=True) if 1 - mu / row["mu_lock"] < 1.01e-5
-    ]
+    limit_friction, products, near = row["mu_lock"], [], []
+    for mu, torque in zip(row["mu"], row["torque"], strict=True):
+        products.append(torque * (limit_friction - mu))
+        if 1 - mu / limit_friction < 1.01e-5:
+            near.append(products[-1])
     return products[-1], abs(near[-1] / near[0] - 1)
 
 
 def uniqueness_row(seed: int, way: str) -> Row:
-    """One random brake: starts from all, no and random nodes at each fraction of its limit; beyond
-    the limit.
+    """Whether a random brake has one answer below its limit and none beyond it.
 
-    `way`: as `random_brake` takes it.
+    The answer is looked for from all nodes in contact, from none and from random contact sets.
+
+    Parameters
+    ----------
+    seed : int
+        Seed of the brake.
+    way : str
+        Its kind, one of `random_brake.LOCKING_KINDS`.
     """
     brake = random_brake(seed, way)
     scene = prepare(brake, elements=LOCKING_ELEMENTS)
     problems = ShoeGroup(scene, brake, (0,)).sliding
-    end, n, rng = (
-        limit(problems, FARTHEST_RANDOM_FRICTION),
-        len(problems.still.q),
-        np.random.default_rng([START_SEED, seed]),
-    )
-    starts = [
-        np.ones(n, bool),
-        np.zeros(n, bool),
-        *(rng.random(n) < 0.5 for _ in range(RANDOM_STARTS)),
-    ]
+    end, n = limit(problems, FARTHEST_RANDOM_FRICTION), len(problems.still.q)
+    rng = np.random.default_rng([START_SEED, seed])
+    starts = [np.ones(n, bool), np.zeros(n, bool)]
+    starts += [rng.random(n) < 0.5 for _ in range(RANDOM_STARTS)]
     top = min(end.friction, LARGEST_FRICTION)
-    total: Row = dict.fromkeys(AGREEMENT_COUNTS, 0) | {"difference": 0.0}
-    disagreeing = []
-    for fraction in LIMIT_FRACTIONS:
-        mu = fraction * top
-        answer = limit(problems, mu).last
-        found = agreement(problems.at(mu), answer, starts)
-        for key in AGREEMENT_COUNTS:
-            total[key] += getattr(found, key)
-        total["difference"] = max(total["difference"], found.difference)
-        if found.same < found.starts:
-            disagreeing.append(fraction)
+    counts, disagreeing = _agreement_below(problems, top, starts)
+    # Beyond the limit no contact set should be a stable answer, and drumlin should give none.
     beyond = answered = None
     if end.friction <= 10:
         mu_beyond = [end.friction * x for x in BEYOND_LIMIT]
         beyond = sum(agreement(problems.at(mu), end.last, starts, 0.0).others for mu in mu_beyond)
         answered = sum(_answers(scene, vary(brake, {"friction": mu})) for mu in mu_beyond)
-    small = prepare(brake, elements=ALL_SETS_ELEMENTS)
-    any_set = first_singular(ShoeGroup(small, brake, (0,)).sliding)
+    # On a coarse mesh all contact sets can be tried: the first that becomes singular.
+    coarse = prepare(brake, elements=ALL_SETS_ELEMENTS)
+    any_set = first_singular(ShoeGroup(coarse, brake, (0,)).sliding)
     shoe = brake.shoes[0]
     return {
         "brake": seed,
@@ -150,12 +157,37 @@ def uniqueness_row(seed: int, way: str) -> Row:
         "clearance": _clearance(brake),
         "shoe": "elastic" if shoe.body else "rigid",
         "t_over_R": shoe.lining.thickness / brake.size,
-        **total,
+        **counts,
     }
 
 
+def _agreement_below(problems: Sliding, top: float, starts: list[Bools]) -> tuple[Row, list[float]]:
+    """Counts of the answers below a friction, and the fractions of it at which answers disagree.
+
+    Parameters
+    ----------
+    problems : Sliding
+        The contact problems of a shoe over friction.
+    top : float
+        Friction of which LIMIT_FRACTIONS are tried.
+    starts : list of array (n,)
+        Contact sets to start from.
+    """
+    counts: Row = dict.fromkeys(AGREEMENT_COUNTS, 0) | {"difference": 0.0}
+    disagreeing = []
+    for fraction in LIMIT_FRACTIONS:
+        mu = fraction * top
+        found = agreement(problems.at(mu), limit(problems, mu).last, starts)
+        for key in AGREEMENT_COUNTS:
+            counts[key] += getattr(found, key)
+        counts["difference"] = max(counts["difference"], found.difference)
+        if found.same < found.starts:
+            disagreeing.append(fraction)
+    return counts, disagreeing
+
+
 def _answers(scene: Scene, brake: Brake) -> bool:
-    """Whether drumlin itself gives a number, the contact as stiff as that whose limit was followed."""
+    """Whether drumlin itself has an answer, with the exact contact whose limit was followed."""
     try:
         respond(scene, brake, penalty=math.inf)
     except NoAnswer:
@@ -164,18 +196,26 @@ def _answers(scene: Scene, brake: Brake) -> bool:
 
 
 def _clearance(brake: Brake) -> str:
+    """Whether the first lining has an uneven clearance, an even one or none."""
     given = brake.shoes[0].lining.clearance
     return "uneven" if isinstance(given, tuple) else "none" if given == 0 else "even"
 
 
 def slope_rows(brake: Brake, name: str, penalty: float) -> list[Row]:
-    """Slopes of the whole torque next to differences; S of the elastic brake and of the sine law in
-    the first row.
+    """Slopes of the torque of the whole brake beside differences of solves.
+
+    The first row has the sensitivity S of the elastic brake and of the sine law as well.
+
+    Parameters
+    ----------
+    brake : Brake
+        The brake.
+    name : str
+        Its name in the rows.
+    penalty : float
+        Penalty factor of the contact.
     """
     found, table = against_differences(brake, 1, elements=20, penalty=penalty)
-    return [
-        row
-        | {"brake": name}
-        | ({"S": found.S, "law": (found.law or (None,))[-1]} if k == 0 else {})
-        for k, row in enumerate(table)
-    ]
+    rows = [row | {"brake": name} for row in table]
+    rows[0] |= {"S": found.S, "law": (found.law or (None,))[-1]}
+    return rows

@@ -19,7 +19,7 @@ import sys
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import tee
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from scipy.stats import binom
@@ -30,6 +30,7 @@ from drumlin.brake.brake import Brake
 from drumlin.fem.error_control.adapt import DEFAULT, Tolerance, adapt
 from drumlin.fem.error_control.levels import Step, steps
 from drumlin.fem.model import respond
+from drumlin.fem.preparation.scene import Scene
 from drumlin.response.response import Response
 from drumlin_studies.stated_true import JUDGED_QUANTITIES as QUANTITIES
 from drumlin_studies.stated_true import errors, ratio
@@ -53,13 +54,22 @@ down, relative. Half of it would be within what a change of the levels moves the
 factor of two would pass unseen.
 """
 
+MORE = 0.1
+"""Part by which the unknowns of all answers together may grow: the time of a solve grows a little
+faster than they do, and a tenth of it is what a user would just see."""
+
+MUCH_MORE = 1.4
+"""How many times as many unknowns one brake may take as it did. An end of the contact that
+round-off moves costs one more pass on a level, of four and more."""
+
 FILE = "sharpness.json"
 
 
 class Judged(NamedTuple):
     """Stated and true errors of one brake at one of ASKED, by QUANTITIES.
 
-    `unsure`: uncertainties of the true errors.
+    `unsure`: uncertainties of the true errors; `unknowns`: number of unknowns, summed over all
+    divisions that were solved up to the answer.
     """
 
     name: str
@@ -67,6 +77,7 @@ class Judged(NamedTuple):
     stated: Mapping[str, float]
     true: Mapping[str, float]
     unsure: Mapping[str, float]
+    unknowns: int = 0
 
     def ratio(self, quantity: str) -> float:
         """Stated over true error, the true one less its uncertainty; inf where nothing is left, nan
@@ -92,18 +103,42 @@ class Spread(NamedTuple):
     tenth: float
 
 
+class Worth(NamedTuple):
+    """What a user gets and pays at one of ASKED, over all brakes.
+
+    Attributes
+    ----------
+    answers : number of brakes that reach what is asked for
+    pressure, torque : median true errors of p and of the torque
+    unknowns : number of unknowns of all divisions that were solved, by the brake's name
+    """
+
+    answers: int
+    pressure: float
+    torque: float
+    unknowns: dict[str, int]
+
+
 def judged(name: str, stored: StoredTruth) -> list[Judged]:
     """Stated and true errors of the brake of a stored truth, one for each of ASKED that has an
     answer.
     """
     brake = stored.brake
-    sequences: tuple[Iterable[Step], ...] = tee(steps(brake, respond), len(ASKED))
+    solved: list[int] = []
+
+    def counted(scene: Scene, brake: Brake, *, start: Response | None = None) -> Response:
+        """The response, counted among those that were solved."""
+        solved.append(sum(body.unknowns for body in scene.bodies))
+        return respond(scene, brake, start=start)
+
+    sequences: tuple[Iterable[Step], ...] = tee(steps(brake, counted), len(ASKED))
     found = []
     for (asked, tolerance), sequence in zip(ASKED.items(), sequences, strict=True):
         response = _answer(brake, tolerance, sequence)
         if response is not None:
             true = errors(brake, response.shoes, stored.true.shoes)
-            found.append(Judged(name, asked, response.error or {}, true, stored.true.unsure))
+            stated = response.error or {}
+            found.append(Judged(name, asked, stated, true, stored.true.unsure, sum(solved)))
     return found
 
 
@@ -133,6 +168,45 @@ def sharpness(rows: Sequence[Judged]) -> dict[str, Spread]:
     for quantity in QUANTITIES:
         seen = [one.stated[quantity] / one.true[quantity] for one in rows if one.certain(quantity)]
         found[quantity] = Spread(float(np.median(seen)), float(np.quantile(seen, 0.1)))
+    return found
+
+
+def worths(rows: Sequence[Judged]) -> dict[str, Worth]:
+    """What a user gets and pays, for each of ASKED."""
+    found = {}
+    for asked, tolerance in ASKED.items():
+        own = [one for one in rows if one.asked == asked]
+        reached = [one for one in own if one.stated["pressure"] <= tolerance.pressure]
+        pressure, torque = (
+            float(np.median([one.true[name] for one in own])) for name in ("pressure", "torque")
+        )
+        unknowns = {one.name: one.unknowns for one in own}
+        found[asked] = Worth(len(reached), pressure, torque, unknowns)
+    return found
+
+
+def losses(rows: Sequence[Judged], written: Mapping[str, Worth]) -> list[str]:
+    """What has become worse for a user, one line for each loss; none where nothing has.
+
+    written: what was written down when the factors were last fitted.
+    """
+    found = []
+    for asked, now in worths(rows).items():
+        before = written[asked]
+        if now.answers < before.answers:
+            found.append(f"{asked}: {now.answers} brakes reach it, {before.answers} did")
+        for quantity in ("pressure", "torque"):
+            error, known = getattr(now, quantity), getattr(before, quantity)
+            if error > (1 + NEAR) * known:
+                found.append(f"{asked}: true error of {quantity} {error:.1e}, was {known:.1e}")
+        both = now.unknowns.keys() & before.unknowns.keys()
+        more, most = (sum(of.unknowns[name] for name in both) for of in (now, before))
+        if more > (1 + MORE) * most:
+            found.append(f"{asked}: {more} unknowns in all, were {most}")
+        for name in sorted(both):
+            if now.unknowns[name] > MUCH_MORE * before.unknowns[name]:
+                was = before.unknowns[name]
+                found.append(f"{asked}: {name} takes {now.unknowns[name]} unknowns, took {was}")
     return found
 
 
@@ -166,21 +240,39 @@ def scaled(rows: Iterable[Judged], quantity: str, factor: float) -> list[Judged]
     ]
 
 
-def read_sharpness(folder: Path) -> dict[str, Spread]:
-    """The spreads that were written down in a folder of stored truths."""
-    data: dict[str, dict[str, float]] = json.loads((folder / FILE).read_text(encoding="utf-8"))
-    return {quantity: Spread(**values) for quantity, values in data.items()}
+class Written(NamedTuple):
+    """What FILE holds: spreads by quantity, and by each of ASKED what a user gets and pays."""
+
+    spreads: dict[str, Spread]
+    worths: dict[str, Worth]
+
+
+def read_sharpness(folder: Path) -> Written:
+    """What was written down in a folder of stored truths."""
+    data = json.loads((folder / FILE).read_text(encoding="utf-8"))
+    spreads = {quantity: Spread(**values) for quantity, values in data["sharpness"].items()}
+    return Written(spreads, {asked: Worth(**values) for asked, values in data["worth"].items()})
 
 
 def main(folder: str) -> None:
-    """Write the spreads of the stored truths of a folder into its FILE."""
-    found = sharpness(judge_folder(Path(folder)))
-    data: dict[str, Any] = {
+    """Write the sharpness and the worth of the stored truths of a folder into its FILE."""
+    rows = judge_folder(Path(folder))
+    spreads = {
         quantity: {which: round(value, 2) for which, value in spread._asdict().items()}
-        for quantity, spread in found.items()
+        for quantity, spread in sharpness(rows).items()
     }
+    worth = {
+        asked: {
+            "answers": of.answers,
+            "pressure": float(f"{of.pressure:.3g}"),
+            "torque": float(f"{of.torque:.3g}"),
+            "unknowns": of.unknowns,
+        }
+        for asked, of in worths(rows).items()
+    }
+    data = {"sharpness": spreads, "worth": worth}
     write_text(Path(folder) / FILE, json.dumps(data, indent=1) + "\n")
-    sys.stdout.write(f"{json.dumps(data)}\n")
+    sys.stdout.write(f"{json.dumps(spreads)}\n")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Cases in this process or in several, each kept in a journal as it is finished."""
+"""Work on cases in several processes, with a journal of what is finished."""
 
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
@@ -9,7 +9,7 @@ from typing import Any
 from drumlin.base.journal import Journal
 
 PROCESSES = 2
-"""Processes of a study: the machines that it is made for have two cores."""
+"""Processes of a study. Studies are made for machines with two cores."""
 
 Case = Mapping[str, Any]
 
@@ -27,17 +27,18 @@ def kept(
     Parameters
     ----------
     cases : sequence of mappings
-        What tells the cases apart.
+        The cases; each is the key of its result in the journal.
     work : function
-        From a case to its result; a function of a module, since it goes to other processes.
+        Returns the result of a case. It must be a function of a module, so that other processes
+        can import it.
     journal : Journal
-        Cases that it has are not worked on again.
+        Cases with a result in the journal are skipped.
     say : function
-        Told how far the work is.
+        Is told how far the work is.
     processes : int
         Number of processes besides this one; 0 works in this one.
     what : str
-        What cases are called where `say` is told.
+        What `say` calls the cases.
     """
     left = [case for case in cases if case not in journal]
     with (

@@ -1,5 +1,6 @@
-"""Closed forms in three dimensions for the solid shoe's parts: no brake, the same mesh, stiffness
-and contact face.
+"""Closed forms in three dimensions that judge mesh, stiffness and contact face of solid shoes.
+
+There is no brake, only parts of the model.
 """
 
 import math
@@ -24,17 +25,24 @@ from drumlin.fem.substructure.body import condense, stiffness
 from drumlin.fem.substructure.interface import ContactLine, contact_line, radial
 
 PART = "lining"
+"""Name of the only part of a body."""
 
 
 def _section(grid: Any, at: Floats, groups: Mapping[str, Any]) -> Any:
-    """A section of quadratic quadrilaterals on a straight grid, its nodes moved to `at` (2, nodes)."""
+    """A section of quadratic quadrilaterals, a grid whose nodes are moved to `at` (2, nodes)."""
     return skfem.MeshQuad2(
         at, grid.t, _subdomains={PART: np.arange(grid.nelements)}, _boundaries=dict(groups)
     )
 
 
 def ring_sector(radii: Floats, angles: Floats, z: Floats) -> Solid:
-    """A sector of a ring: contact on its outer face, "hinge" on the inner one."""
+    """A sector of a ring, with the boundary "contact" outside and "hinge" inside.
+
+    Parameters
+    ----------
+    radii, angles, z : array
+        Corners of the elements along the radius [m], the angle [rad] and the width [m].
+    """
     grid = skfem.MeshQuad.init_tensor(radii[-1] - radii[::-1], angles)
     middle = grid.p[:, grid.facets].mean(axis=1)
     thick = float(radii[-1] - radii[0])
@@ -52,7 +60,7 @@ def ring_sector(radii: Floats, angles: Floats, z: Floats) -> Solid:
 
 
 def face_on(solid: Solid) -> ContactFace:
-    """The contact face of a sector about angle 0."""
+    """The contact face of a sector whose middle has the angle 0."""
     return contact_face(
         contact_line(solid.plane, solid.section.boundaries["contact"], 0.0), solid.node, solid.z
     )
@@ -61,11 +69,21 @@ def face_on(solid: Solid) -> ContactFace:
 def lame_error(
     elements: int, material: Material, radii: tuple[float, float] = (0.6, 1.0), half: float = 0.5
 ) -> float:
-    """Error of a quarter ring under outer pressure, free faces z = +-half: largest of u over the
-    largest u.
+    """Error of a quarter ring under outer pressure: largest error of u over the largest u.
 
-    Plane stress holds exactly: u_r = A r + B/r, u_z = -nu/E (s_r + s_theta) z, whatever the width
-    (Lame).
+    The faces z = +-half are free. Plane stress holds exactly for any width (Lame):
+    u_r = A r + B/r, u_z = -nu/E (s_r + s_theta) z.
+
+    Parameters
+    ----------
+    elements : int
+        Elements through the ring.
+    material : Material
+        Its material.
+    radii : tuple of float
+        Inner and outer radius [m].
+    half : float
+        Half of the width [m].
     """
     a, b = radii
     solid = ring_sector(
@@ -87,19 +105,18 @@ def lame_error(
     u = np.zeros(int(3 * solid.basis.N))
     u[free] = splu(K[free][:, free].tocsc()).solve(load.ravel()[free])
     r = np.hypot(x[0], x[1])
-    A = -p * b**2 / (b**2 - a**2)  # s_r = A (1 - a^2/r^2), s_theta = A (1 + a^2/r^2)
+    # The stresses are s_r = A (1 - a^2/r^2) and s_theta = A (1 + a^2/r^2).
+    A = -p * b**2 / (b**2 - a**2)
     radial_u = A / E * ((1 - nu) * r + (1 + nu) * a**2 / r)
     exact = np.array([radial_u * x[0] / r, radial_u * x[1] / r, -2 * nu / E * A * x[2]])
     return float(np.abs(u.reshape(-1, 3).T - exact).max() / np.abs(exact).max())
 
 
 def patch_error(elements: int, material: Material) -> float:
-    """Nodal forces of a uniform pressure on the curved face by the coupling, against those of the
-    uniform stress.
+    """Error of the coupling on a curved face: largest error of a nodal force over the largest.
 
-    A body in the uniform strain of the hydrostatic pressure p = 1 needs the nodal forces K u
-    everywhere on its surface: on the inner nodes of the friction face they are -N^T p. Largest
-    difference over the largest force.
+    Under the uniform strain of a hydrostatic pressure p = 1 the nodal forces on the surface are
+    K u. On the inner nodes of the friction face they must be -N^T p.
     """
     z = np.array([0.0, 0.1, 0.15])
     solid = ring_sector(np.linspace(0.6, 1.0, 3), np.linspace(-0.5, 0.5, elements + 1), z)
@@ -116,8 +133,16 @@ def patch_error(elements: int, material: Material) -> float:
 
 
 class PointContact(NamedTuple):
-    """Hertz's point contact: peak pressure and L2 distance of p over the closed form, number of
-    unknowns.
+    """Hertz's point contact on a mesh.
+
+    Attributes
+    ----------
+    peak : float
+        Peak pressure over the closed form.
+    distance : float
+        Relative L2 distance of p from the closed form.
+    unknowns : int
+        Number of unknowns.
     """
 
     peak: float
@@ -126,6 +151,7 @@ class PointContact(NamedTuple):
 
 
 def _upwards(x: Floats) -> tuple[Floats, Floats]:
+    """Normal along y and tangent along x at points (2, ...)."""
     zero, one = np.zeros_like(x[0]), np.ones_like(x[0])
     return np.stack([zero, one]), np.stack([one, zero])
 
@@ -133,11 +159,20 @@ def _upwards(x: Floats) -> tuple[Floats, Floats]:
 def point_contact(
     per_radius: int, nu: float = 0.3, size: float = 6.0, growth: float = 1.6
 ) -> PointContact:
-    """A rigid sphere of radius 1 pressed into a block so that the contact's radius is 1 (Hertz
-    1882).
+    """A rigid sphere of radius 1 in a block, with a contact of radius 1 (Hertz 1882).
 
-    `size`: half the block's edges, contact radii; `per_radius`: elements to the contact's radius.
-    With E' = E/(1 - nu^2), F = 4 E'/3 and the peak 3 F/(2 pi).
+    With E' = E/(1 - nu^2) the force is F = 4 E'/3 and the peak pressure 3 F/(2 pi).
+
+    Parameters
+    ----------
+    per_radius : int
+        Elements to the radius of the contact.
+    nu : float
+        Poisson's ratio.
+    size : float
+        Half of the block's edges, over the radius of the contact.
+    growth : float
+        Ratio of neighbouring elements away from the contact.
     """
     h = 1.25 / round(1.25 * per_radius)
     s = np.concatenate([np.arange(0, 1.25, h), 1.25 + half_geometric(size - 1.25, h, growth, size)])
@@ -178,7 +213,7 @@ def point_contact(
 
 
 def _flat_line(solid: Solid) -> ContactLine:
-    """The flat top of a block; its nodes by growing x, which stand for angles."""
+    """The flat top of a block as a contact line. Its x coordinates take the place of angles."""
     ends = edge_nodes(solid.plane, solid.section.boundaries["contact"])
     at = solid.plane.doflocs
     nodes = np.unique(ends)

@@ -29,9 +29,9 @@ from drumlin.fem.hp.corner import NodalPressure
 from drumlin.fem.model import respond
 from drumlin.response.response import (
     EDGE_ZONE,
-    NONE,
-    Change,
+    NO_CHANGE,
     Response,
+    ShoeChange,
     ShoeResponse,
     edge_zone,
     reaction_size,
@@ -135,14 +135,14 @@ def by_columns(brake: Brake, tolerance: float) -> Truth:
     return of_last_three(brake, last_three, begin, round_off(solutions[best]))
 
 
-def round_off(shoes: Sequence[ShoeResponse]) -> Change:
+def round_off(shoes: Sequence[ShoeResponse]) -> ShoeChange:
     """The largest relative round-off error of each quantity by the elimination, over all shoes."""
     by_quantity = zip(*(shoe.lost for shoe in shoes), strict=True)
-    return Change(*(ROUND_OFF * max(parts) for parts in by_quantity))
+    return ShoeChange(*(ROUND_OFF * max(parts) for parts in by_quantity))
 
 
 def of_last_three(
-    brake: Brake, last: Sequence[Sequence[TrueShoe]], begin: float, lost: Change = NONE
+    brake: Brake, last: Sequence[Sequence[TrueShoe]], begin: float, lost: ShoeChange = NO_CHANGE
 ) -> Truth:
     """The truth from the last three solutions of a sequence.
 
@@ -215,6 +215,7 @@ def pressure_error(found: PressureField, true: TrueShoe, edge: float = EDGE_ZONE
     """
     zone = edge_left_out(true.theta, true.pressure, true.order, edge)
     first, last = true.theta[0] + zone, true.theta[-1] - zone
+    # Nodes of both pressures divide the lining into intervals.
     knots = np.unique(np.concatenate([[first, last], found.theta, true.theta[:: true.order]]))
     knots = knots[(knots >= first) & (knots <= last)]
     # Between two knots both pressures are smooth, so that Gauss quadrature is exact enough.

@@ -1,4 +1,4 @@
-"""Brakes from the numbers that textbooks give."""
+"""Brakes from the dimensions that textbooks use."""
 
 import math
 
@@ -7,6 +7,7 @@ from drumlin.brake.file import brake_from
 from drumlin.brake.plane_brake import any_from
 
 TEXTBOOK_LINING = {"thickness": 0.01, "width": 0.04, "material": {"E": 3e8, "nu": 0.25}}
+"""The lining of all textbook brakes, in SI units. The laws do not depend on its modulus."""
 
 
 def hinged(
@@ -23,13 +24,36 @@ def hinged(
     width: float = 0.04,
     pivot: tuple[float, float] | None = None,
 ) -> Brake:
-    """One shoe with its hinge at the angle `turned`, its lining on the `hand` side, pressed by
-    `moment` [N m].
+    """A brake with one hinged shoe that is pressed by a moment.
 
-    The force is a unit of moment away: across the hinge's radius, through the point a + 1 m from O.
+    The force has a lever of 1 m: it is normal to the radius of the hinge and acts 1 m beyond it.
+
+    Parameters
+    ----------
+    R, a : float
+        Radius of the drum, and distance of the hinge from its centre [m].
+    arc : tuple of two float
+        Ends of the lining, from the hinge [rad].
+    moment : float
+        Moment of the actuation about the hinge [N m].
+    mu : float
+        Coefficient of friction.
+    side : str
+        "internal" or "external".
+    spin : int
+        1 where the drum turns counter-clockwise, -1 clockwise.
+    hand : int
+        1 where the lining lies on the side of growing angles of the hinge, -1 on the other side.
+    turned : float
+        Angle of the hinge [rad].
+    width : float
+        Width of the lining [m].
+    pivot : tuple of two float, optional
+        Radius [m] and angle from the hinge [rad] of a pivot.
     """
     start, end = sorted(turned + hand * phi for phi in arc)
-    pressing = -hand if side == "internal" else hand  # sense of the moment
+    # Sense of the moment that presses the shoe to the drum.
+    pressing = -hand if side == "internal" else hand
     shoe = {
         "name": "shoe",
         "side": side,
@@ -66,8 +90,24 @@ def lever_block(
     half: float,
     spin: int,
 ) -> Brake:
-    """Block on top of the drum, its lever's pin x to the left and a above the line of friction, P
-    down at the arm.
+    """A brake with a block on top of the drum, pressed by a horizontal lever.
+
+    Parameters
+    ----------
+    R : float
+        Radius of the drum [m].
+    arm : float
+        Distance of the force from the lever's pin [m].
+    x, a : float
+        Distance of the pin to the left of the block, and above the top of the drum [m].
+    P : float
+        Downward force on the lever [N].
+    mu : float
+        Coefficient of friction.
+    half : float
+        Half of the block's arc [rad].
+    spin : int
+        1 where the drum turns counter-clockwise, -1 clockwise.
     """
     block = {
         "name": "block",
@@ -97,8 +137,24 @@ def pad(
     hand: int = 1,
     width: float = 0.04,
 ) -> Brake:
-    """One flat shoe, its hinge h above the plane at x = 0, its lining on the `hand` side, pressed
-    by `moment`.
+    """A brake on a plane with one hinged flat shoe that is pressed by a moment.
+
+    Parameters
+    ----------
+    h : float
+        Height of the hinge above the plane [m]; it is at x = 0.
+    span : tuple of two float
+        Distances of the lining's ends from the hinge [m].
+    moment : float
+        Moment of the actuation about the hinge [N m].
+    mu : float
+        Coefficient of friction.
+    sliding : str
+        Direction in which the plane slides, "+x" or "-x".
+    hand : int
+        1 where the lining lies at growing x of the hinge, -1 on the other side.
+    width : float
+        Width of the lining [m].
     """
     start, end = sorted(hand * x for x in span)
     return any_from(

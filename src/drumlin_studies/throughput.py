@@ -1,6 +1,4 @@
-"""What sweeps cost: cases a second by processes and by Dask workers, and a sweep that is killed
-again and again.
-"""
+"""Cost of sweeps: cases a second by processes and by Dask workers, and runs that are killed."""
 
 import importlib
 import multiprocessing
@@ -21,17 +19,31 @@ from drumlin.base.journal import Journal
 from drumlin.sweeps.cases import Row, SweepCase, run
 from drumlin.sweeps.workers import Workers, executor
 
-# glibc: freed memory below these sizes [bytes] is kept; the one that Dask sets turns off that the
-# other adapts.
 KEEP = {"MALLOC_TRIM_THRESHOLD_": str(2**28), "MALLOC_MMAP_THRESHOLD_": str(2**25)}
+"""Environment by which glibc keeps freed memory below these sizes [bytes].
+
+Dask sets the first of them. This turns off the automatic choice of the second, so that both are
+given.
+"""
 
 
 class Throughput(NamedTuple):
-    """A sweep by some workers: seconds until all are there (`started`), and then for the cases
-    (`seconds`).
+    """The time of a sweep by some workers.
 
-    `processor`: seconds of all processes from start to end, which neighbours on the machine do not
-    lengthen.
+    Attributes
+    ----------
+    by : str
+        What kind of workers.
+    workers, cases : int
+        Their number, and the number of cases.
+    started : float
+        Time until all workers are ready [s].
+    seconds : float
+        Time of the cases from then on [s].
+    rows : list of mappings
+        Rows of the cases.
+    processor : float
+        Processor time of all processes from start to end [s]. Other programs do not lengthen it.
     """
 
     by: str
@@ -44,12 +56,12 @@ class Throughput(NamedTuple):
 
     @property
     def rate(self) -> float:
-        """Cases a second, once the workers are there."""
+        """Cases a second, once the workers are ready."""
         return self.cases / self.seconds
 
 
 def processes(cases: Sequence[SweepCase], workers: int) -> Throughput:
-    """The cases by processes of this machine."""
+    """The time of the cases by processes of this machine."""
     start, before = time.perf_counter(), _processor()
     with executor(workers) as found:
         made = _timed("processes", cases, found, start)
@@ -57,15 +69,14 @@ def processes(cases: Sequence[SweepCase], workers: int) -> Throughput:
 
 
 def dask(cases: Sequence[SweepCase], workers: int) -> Throughput:
-    """The cases by a Dask scheduler and its workers, processes on the loopback interface, one
-    thread each.
-    """
+    """The time of the cases by Dask workers, processes of one thread on the loopback interface."""
     return _dask("Dask workers", cases, workers, {})
 
 
 def dask_keeping(cases: Sequence[SweepCase], workers: int) -> Throughput:
-    """The same, by workers that keep the memory that they free: Dask has it returned to the system
-    at once.
+    """The time of the cases by Dask workers that keep freed memory.
+
+    By default a Dask worker returns freed memory to the system at once.
     """
     return _dask("Dask workers that keep memory", cases, workers, KEEP)
 
@@ -92,8 +103,10 @@ def _dask(
 
 @contextmanager
 def _environment(more: dict[str, str]) -> Iterator[None]:
-    """Environment variables of a block. Dask adds some of its own for its workers and leaves them:
-    what is measured after it would be slower by them.
+    """Set environment variables for a block, and restore the environment afterwards.
+
+    Dask sets further variables for its workers and does not remove them. They would slow down what
+    is measured afterwards.
     """
     before = dict(os.environ)
     os.environ.update(more)
@@ -105,27 +118,37 @@ def _environment(more: dict[str, str]) -> Iterator[None]:
 
 
 def _processor() -> float:
-    """Processor time of this process and of those that it started and that have ended [s]."""
+    """Processor time [s] of this process and of its child processes that have ended."""
     return sum(os.times()[:4])
 
 
 def _timed(by: str, cases: Sequence[SweepCase], found: Workers, start: float) -> Throughput:
-    """The first cases are solved by the sine law before, to wake the workers; condensing shared
-    bodies counts.
+    """The time of the cases by workers that are started already.
+
+    The sine law solves some cases first, so that all workers are awake. The condensation of shared
+    bodies belongs to the measured time.
+
+    Parameters
+    ----------
+    by : str
+        What kind of workers.
+    cases : sequence of SweepCase
+        The cases.
+    found : Workers
+        The workers.
+    start : float
+        Time at which the workers were started [s].
     """
     warm = [case._replace(model="sine", options={}) for case in cases[: 20 * found.workers]]
     run(warm, executor=found.executor, workers=found.workers)
     ready = time.perf_counter()
     rows = run(cases, executor=found.executor, workers=found.workers)
-    return Throughput(
-        by, found.workers, len(cases), ready - start, time.perf_counter() - ready, rows
-    )
+    spent = time.perf_counter() - ready
+    return Throughput(by, found.workers, len(cases), ready - start, spent, rows)
 
 
 def rates(measured: Sequence[Throughput]) -> list[Row]:
-    """A row a measurement: all of it but the rows of its cases, cases a second (`rate`), `gain`
-    over one worker.
-    """
+    """A row for each measurement, with its `rate` and its `gain` over one worker."""
     found = []
     for one in measured:
         alone = next(other for other in measured if other.by == one.by)
@@ -135,21 +158,28 @@ def rates(measured: Sequence[Throughput]) -> list[Row]:
 
 
 def torques(rows: Sequence[Row]) -> Floats:
-    """Torques of the rows that have one [N m]."""
+    """Torques of the rows that are solved (n,) [N m]."""
     return np.array([row["torque"] for row in rows if row["status"] == "solved"])
 
 
 def coarser(cases: Sequence[SweepCase], elements: Sequence[int | None], fine: int) -> list[Row]:
-    """Time a case, and the largest error of the torque against `fine`, by so many elements along
-    each lining; None: by the division that `solve` ends on.
+    """Time and error of coarser meshes, a row for each number of elements.
+
+    Parameters
+    ----------
+    cases : sequence of SweepCase
+        The cases, whose largest error counts.
+    elements : sequence of int or None
+        Elements along each lining; None for the default solve.
+    fine : int
+        Elements of the mesh against which errors of the torque are taken.
     """
     true = torques(run([case._replace(options={"elements": fine}) for case in cases]))
     rows = []
     for n in elements:
         start = time.process_time()
-        found = torques(
-            run([case._replace(options={} if n is None else {"elements": n}) for case in cases])
-        )
+        options = {} if n is None else {"elements": n}
+        found = torques(run([case._replace(options=options) for case in cases]))
         spent = time.process_time() - start
         error = float(np.abs(found / true - 1).max())
         nodes = None if n is None else 2 * n + 1
@@ -158,9 +188,7 @@ def coarser(cases: Sequence[SweepCase], elements: Sequence[int | None], fine: in
 
 
 def torque_spread(rows: Sequence[Row]) -> Row:
-    """Mean [N m] and relative standard deviation of the torque, and what 2.5 % and 97.5 % of it are
-    below [N m].
-    """
+    """Mean, relative standard deviation, and 2.5 and 97.5 percentiles of the torque [N m]."""
     torque = torques(rows)
     low, high = np.percentile(torque, [2.5, 97.5])
     return {
@@ -174,8 +202,14 @@ def torque_spread(rows: Sequence[Row]) -> Row:
 
 
 class Kill(NamedTuple):
-    """A run that was killed: how many rows it found in the journal, and how many there were when it
-    was killed.
+    """A run that was killed.
+
+    Attributes
+    ----------
+    found : int
+        Rows in the journal when it began.
+    left : int
+        Rows in the journal when it was killed.
     """
 
     found: int
@@ -189,11 +223,27 @@ def killed(
     seed: int,
     say: Callable[[str], None] = lambda _: None,
 ) -> tuple[list[Kill], list[Row]]:
-    """Run cases in a process of its own with a journal at `path`, kill -9 it at random moments;
-    then let it finish.
+    """Kill runs of a sweep at random moments, then let it finish: the kills, and the final rows.
 
-    Returns what each killed run did, and the rows at the end. Raises NoAnswer where a run ends
-    before its kill.
+    Each run is a process of its own, which is ended by SIGKILL.
+
+    Parameters
+    ----------
+    cases : sequence of SweepCase
+        The cases of the sweep.
+    path : Path
+        The journal that all runs share.
+    kills : int
+        Number of runs that are killed.
+    seed : int
+        Seed of the moments.
+    say : function
+        Is told how far the work is.
+
+    Raises
+    ------
+    NoAnswer
+        A run ends before it is killed.
     """
     at = sorted(random.Random(seed).sample(range(len(cases) // 20, 9 * len(cases) // 10), kills))
     spawn = multiprocessing.get_context("spawn")
@@ -234,5 +284,5 @@ def _run(cases: Sequence[SweepCase], path: Path) -> None:
 
 
 def _rows_in(journal: Path) -> int:
-    """Whole lines of a journal, but for its stamp."""
+    """Number of complete rows of a journal. Its first line is a stamp."""
     return max(journal.read_bytes().count(b"\n") - 1, 0) if journal.exists() else 0

@@ -1,9 +1,10 @@
-"""A trial: what becomes of a case of `extreme_cases`, and whether that is right.
+"""A trial: what becomes of a case of `extreme_cases`, and whether this is right.
 
-Every trial ends in one of TRIAL_OUTCOMES. An answer is right where its own forces balance and its
-pressures and gaps are complementary to 1e-8, and where six digits of its torque agree with the
-whole system refined in long double (`drumlin.fem.error_control.refinement`), or as many as its condition allows. A
-refusal is right where it names a physical reason.
+Every trial ends in one of TRIAL_OUTCOMES. An answer is right under three conditions: its forces
+balance, its pressures and gaps are complementary to 1e-8, and six digits of its torque agree with
+the refined solution. The refined solution solves the whole system in long double
+(`drumlin.fem.error_control.refinement`); where its condition leaves fewer digits, fewer must agree.
+A refusal is right where it names a physical reason.
 """
 
 import dataclasses
@@ -27,7 +28,8 @@ from drumlin_studies import pointwise
 from drumlin_studies.extreme_cases import KnobCase
 
 ANSWERS = ("answer", "no contact")
-REFUSALS = {  # what a refusal says -> why
+"""Outcomes with a number."""
+REFUSALS = {
     "self-locking": "self-locking",
     "to touch the drum": "out of reach",
     "ever touching": "out of reach",
@@ -36,13 +38,24 @@ REFUSALS = {  # what a refusal says -> why
     "too far apart": "arithmetic",
     "singular stiffness": "arithmetic",
 }
+"""Outcome of a refusal, by words of its message."""
 TRIAL_FAULTS = ("not converged", "traceback", "inaccurate")
+"""Outcomes that must not occur."""
 TRIAL_OUTCOMES = (*ANSWERS, *dict.fromkeys(REFUSALS.values()), "bad input", *TRIAL_FAULTS)
-LARGEST_RESIDUAL = 1e-8  # relative, of balances and complementarity
-TORQUE_DIGITS = 6  # of the torque
-OTHER_ORDER = "MMD_AT_PLUS_A"  # of the elimination than the model takes where it refines
-STIFFEST_PENALTY = 1e16  # penalty of the pointwise method in the place of an infinite one
-POINTWISE_REFUSALS = {"repeats": "cycles", "singular": "singular"}  # what its refusal says -> why
+"""All outcomes of a trial."""
+LARGEST_RESIDUAL = 1e-8
+"""Largest relative residual of balances and of complementarity of a right answer."""
+TORQUE_DIGITS = 6
+"""Digits of the torque that must agree with the refined solution."""
+OTHER_ORDER = "MMD_AT_PLUS_A"
+"""Order of elimination of the refined solution.
+
+It differs from the order that the model uses, so that both have different round-off.
+"""
+STIFFEST_PENALTY = 1e16
+"""Penalty of the pointwise method in place of an infinite penalty."""
+POINTWISE_REFUSALS = {"repeats": "cycles", "singular": "singular"}
+"""Outcome of a refusal of the pointwise method, by words of its message."""
 LARGEST_POINTWISE = 12_000
 """Unknowns of a shoe up to which the pointwise method is tried.
 
@@ -56,7 +69,7 @@ A smaller difference is within the errors of the meshes.
 
 
 def trial(case: KnobCase) -> dict[str, Any]:
-    """One row: the outcome of a case, its reason, and what the answer is worth."""
+    """The row of a case: its outcome with a reason, and the accuracy of an answer."""
     row: dict[str, Any] = {"knob": case.knob, "case": said(case), "knobs": dataclasses.asdict(case)}
     start = time.perf_counter()
     brake = scene = response = None
@@ -66,62 +79,75 @@ def trial(case: KnobCase) -> dict[str, Any]:
             brake = case.brake()
             scene = prepare(brake, elements=case.elements, kind=case.kind, mesher=case.mesher())
             response = respond(scene, brake, penalty=case.penalty)
-        row["outcome"] = (
-            "answer" if any(shoe.contact_arcs for shoe in response.shoes) else "no contact"
-        )
-    except BadInput as error:
-        row |= {"outcome": "bad input", "reason": str(error)}
-    except NoAnswer as error:
-        outcome = next(
-            (why for words, why in REFUSALS.items() if words in str(error)), "not converged"
-        )
-        row |= {"outcome": outcome, "reason": str(error)}
-    except Exception as error:  # what must never happen is a row of its own
-        row |= {"outcome": "traceback", "reason": f"{type(error).__name__}: {error}"}
+        touches = any(shoe.contact_arcs for shoe in response.shoes)
+        row["outcome"] = "answer" if touches else "no contact"
+    # Any exception becomes a row, because an unexpected one is what a trial looks for.
+    except Exception as error:
+        row |= _failure(error)
     row["seconds"] = time.perf_counter() - start
     if response is not None:
         assert brake is not None and scene is not None
-        row |= {
-            "torque": response.torque,
-            "steps": response.iterations,
-            "balance": max(response.balance.force, response.balance.moment),
-            "refined": any(REFINED in note for note in response.notes),
-        }
-        if row["outcome"] == "answer":
-            row |= worth(scene, brake, response, case.penalty)
-            if not sound(row):
-                row |= {"outcome": "inaccurate"}
+        row |= _judged(row, scene, brake, response, case.penalty)
     if brake is not None and scene is not None:
-        large = max(body.unknowns for body in scene.bodies) > LARGEST_POINTWISE
-        row |= {"pointwise": "not tried: too large"} if large else beside(case, brake, response)
+        too_large = max(body.unknowns for body in scene.bodies) > LARGEST_POINTWISE
+        not_tried = {"pointwise": "not tried: too large"}
+        row |= not_tried if too_large else beside(case, brake, response)
+    return row
+
+
+def _failure(error: Exception) -> dict[str, str]:
+    """Outcome and reason of a case that raised an error."""
+    if isinstance(error, BadInput):
+        return {"outcome": "bad input", "reason": str(error)}
+    if isinstance(error, NoAnswer):
+        outcomes = (outcome for words, outcome in REFUSALS.items() if words in str(error))
+        return {"outcome": next(outcomes, "not converged"), "reason": str(error)}
+    return {"outcome": "traceback", "reason": f"{type(error).__name__}: {error}"}
+
+
+def _judged(
+    row: dict[str, Any], scene: Scene, brake: Brake, response: Response, penalty: float
+) -> dict[str, Any]:
+    """The row of a response with its accuracy, and with an outcome "inaccurate" where it fails."""
+    row = row | {
+        "torque": response.torque,
+        "steps": response.iterations,
+        "balance": max(response.balance.force, response.balance.moment),
+        "refined": any(REFINED in note for note in response.notes),
+    }
+    if row["outcome"] == "answer":
+        row |= worth(scene, brake, response, penalty)
+        if not sound(row):
+            row |= {"outcome": "inaccurate"}
     return row
 
 
 def said(case: KnobCase) -> str:
-    """What a case changes, in a few words."""
-    return ", ".join(
-        f"{key} {value:.4g}" if isinstance(value, float) else f"{key} {value}"
-        for key, value in case.changes.items()
-    )
+    """The knobs that a case changes, in a few words."""
+    words = []
+    for key, value in case.changes.items():
+        words.append(f"{key} {value:.4g}" if isinstance(value, float) else f"{key} {value}")
+    return ", ".join(words)
 
 
 def sound(row: dict[str, Any]) -> bool:
-    """Whether residuals and digits of an answer are as they must be, or as its condition allows."""
+    """Whether an answer has small residuals, and as many digits as its condition allows."""
     if row["digits"] is None:
         return False
-    return max(row["balance"], row["complementarity"]) <= LARGEST_RESIDUAL and row["digits"] >= min(
-        TORQUE_DIGITS, row["allowed"]
-    )
+    residual = max(row["balance"], row["complementarity"])
+    return residual <= LARGEST_RESIDUAL and row["digits"] >= min(TORQUE_DIGITS, row["allowed"])
 
 
 def worth(scene: Scene, brake: Brake, response: Response, penalty: float) -> dict[str, Any]:
-    """Residuals, condition and digits of an answer, the worst over its groups of shoes.
+    """Residuals, condition and digits of an answer, the worst of all groups of shoes.
 
-    `complementarity`: of the reported pressures with the gaps of the refined whole system, relative
-    to their largest terms; `condition`: 1-norm estimate of the equilibrated contact equations;
-    `torque_condition`: the torque's own, and the digits that it leaves to double precision
-    `allowed`; `digits` of the torque that agree with the refined whole system, at most 16 and at
-    most what the refinement itself is sure of; `pressure_error`: in the maximum norm.
+    Keys of the result: `complementarity`, the residual of the reported pressures with the gaps of
+    the refined solution, relative to the largest terms; `condition`, a 1-norm estimate of the
+    equilibrated contact equations; `torque_condition`, the condition of the torque; `allowed`, the
+    digits that this condition leaves to double precision; `digits`, the digits of the torque that
+    agree with the refined solution, at most 16; `sure`, the digits to which the refined solution
+    itself is known, which limit `digits`; `pressure_error`, the relative error of p in the maximum
+    norm; `sets`, the contact sets of the refinement; `seconds_whole`, its time.
     """
     rows = [_worth(response, group) for group in groups_of(scene, brake, penalty)]
     worst: dict[str, Any] = {
@@ -129,12 +155,8 @@ def worth(scene: Scene, brake: Brake, response: Response, penalty: float) -> dic
     }
     known = [row for row in rows if row["digits"] is not None]
     if len(known) < len(rows):
-        return {
-            **worst,
-            "digits": None,
-            "allowed": 0.0,
-            "whole": next(r["whole"] for r in rows if r["whole"]),
-        }
+        failure = next(row["whole"] for row in rows if row["whole"])
+        return {**worst, "digits": None, "allowed": 0.0, "whole": failure}
     return worst | {
         "complementarity": max(row["complementarity"] for row in rows),
         "digits": min(row["digits"] for row in rows),
@@ -148,48 +170,57 @@ def worth(scene: Scene, brake: Brake, response: Response, penalty: float) -> dic
 
 
 def _worth(response: Response, group: ShoeGroup) -> dict[str, Any]:
+    """As `worth`, for one group of shoes; `whole` tells why its refined solution failed."""
     group, _ = group.settled()
     size, shoes = group.unit_force, [response.shoes[i] for i in group.members]
-    p = (
-        np.concatenate(
-            [r.pressure[:: s.frame.sense] for r, s in zip(shoes, group.shoes, strict=True)]
-        )
-        / size
-    )
+    # The reported pressures per unit force, in the order of the group's unknowns.
+    pairs = zip(shoes, group.shoes, strict=True)
+    p = np.concatenate([found.pressure[:: shoe.frame.sense] for found, shoe in pairs]) / size
     active = p > 0
-    row: dict[str, Any] = {
-        "condition": condition(group.problem, active),
-        "digits": None,
-        "whole": "",
-    }
+    row: dict[str, Any] = {"condition": condition(group.problem, active)}
+    row |= {"digits": None, "whole": ""}
     start = time.perf_counter()
     try:
-        found = refined_group(group, active, OTHER_ORDER)
+        refined = refined_group(group, active, OTHER_ORDER)
     except NoAnswer as error:
         return row | {"whole": str(error), "seconds_whole": time.perf_counter() - start}
     row["seconds_whole"] = time.perf_counter() - start
+    # The refined solution is per unit force, as the group is.
     torque = sum(shoe.torque for shoe in shoes) / size
-    off = abs(torque - found.torque) / found.torque if found.torque else 0.0
-    q = np.concatenate(found.p)
+    off = abs(torque - refined.torque) / refined.torque if refined.torque else 0.0
+    exact = np.concatenate(refined.p)
+    products = np.abs(refined.gap) * p
+    known_condition = not math.isnan(refined.condition)
     return row | {
-        "complementarity": float(max(-found.gap.min(), (np.abs(found.gap) * p).max() / p.max())),
-        "digits": min(digits_of(off), digits_of(found.correction)),
-        "sure": digits_of(found.correction),
-        "allowed": digits_of(0.0 if math.isnan(found.condition) else EPSILON * found.condition),
-        "torque_condition": None if math.isnan(found.condition) else found.condition,
-        "pressure_error": float(np.abs(p - q).max() / q.max()),
-        "sets": found.sets,
+        "complementarity": float(max(-refined.gap.min(), products.max() / p.max())),
+        "digits": min(digits_of(off), digits_of(refined.correction)),
+        "sure": digits_of(refined.correction),
+        "allowed": digits_of(EPSILON * refined.condition if known_condition else 0.0),
+        "torque_condition": refined.condition if known_condition else None,
+        "pressure_error": float(np.abs(p - exact).max() / exact.max()),
+        "sets": refined.sets,
     }
 
 
 def digits_of(error: float) -> float:
-    """Digits that a relative error leaves: from 0 to 16."""
+    """Number of correct digits under a relative error, from 0 to 16."""
     return float(np.clip(-math.log10(max(error, 1e-16)), 0, 16))
 
 
 def beside(case: KnobCase, brake: Brake, response: Response | None) -> dict[str, Any]:
-    """What the classical pointwise penalty makes of a case: outcome, difference of torque, steps,
-    time.
+    """What becomes of a case by the pointwise penalty.
+
+    The result has the outcome `pointwise`, the relative difference of the torques, the Newton steps
+    and the time.
+
+    Parameters
+    ----------
+    case : KnobCase
+        The case.
+    brake : Brake
+        Its brake.
+    response : Response or None
+        The response of drumlin, None where it has refused the case.
     """
     start = time.perf_counter()
     row: dict[str, Any] = {}
@@ -216,10 +247,8 @@ def beside(case: KnobCase, brake: Brake, response: Response | None) -> dict[str,
     except BadInput:
         row["pointwise"] = "not for rings"
     except NoAnswer as error:
-        row["pointwise"] = next(
-            (why for words, why in POINTWISE_REFUSALS.items() if words in str(error)),
-            "does not end",
-        )
+        outcomes = (why for words, why in POINTWISE_REFUSALS.items() if words in str(error))
+        row["pointwise"] = next(outcomes, "does not end")
     except Exception as error:
         row["pointwise"] = f"{type(error).__name__}"
     return row | {"pointwise_seconds": time.perf_counter() - start}

@@ -1,8 +1,8 @@
-"""Two elastic bodies pressed together: made from drumlin's parts, without a brake.
+"""Two elastic bodies in contact, made from drumlin's parts without a brake.
 
-The inner body carries the pressure (as a lining does), the outer one is met on the common
-refinement of both angle grids. Each is held at its far side; the inner one's holder may move in
-`motions`.
+The pressure has its unknowns at the nodes of the inner body, as at those of a lining. The outer
+body is coupled on the common refinement of both grids of angles. Each body is held at its far side.
+The holder of the inner body may move.
 """
 
 from collections.abc import Sequence
@@ -23,7 +23,7 @@ from drumlin.fem.substructure.ring import closed_mesh, couple_ring
 
 
 def towards(fine: float, growth: float, end: float) -> Floats:
-    """Points from 0 to end whose steps start at `fine` and grow by the factor `growth`."""
+    """Points from 0 to `end`, whose steps begin with about `fine` and grow by a factor."""
     steps = [fine]
     while sum(steps) < end:
         steps.append(steps[-1] * growth)
@@ -32,15 +32,25 @@ def towards(fine: float, growth: float, end: float) -> Floats:
 
 
 def both_sides(fine_half: float, count: int, growth: float, end: float) -> Floats:
-    """Angles from -end to end: `count` even steps within +-fine_half, growing ones outside."""
+    """Angles from -end to end: `count` even steps within +-fine_half, growing steps outside."""
     inner = np.linspace(-fine_half, fine_half, count + 1)
     outer = fine_half + towards(inner[1] - inner[0], growth, end - fine_half)[1:]
     return np.concatenate([-outer[::-1], inner, outer])
 
 
 def sector(angles: Floats, depths: Floats, radius: float, sign: int) -> Any:
-    """Mesh of a sector from `radius` to radius + sign depth; contact at depth 0, held at the far
-    side.
+    """Mesh of a sector of a ring, in contact at depth 0 and held at the greatest depth.
+
+    Parameters
+    ----------
+    angles : array
+        Angles of the element corners [rad].
+    depths : array
+        Depths of the element corners [m], from 0 on.
+    radius : float
+        Radius of the contact [m].
+    sign : int
+        1 where the body lies outside the contact, -1 inside.
     """
     grid = skfem.MeshQuad.init_tensor(depths, angles)
     middle = grid.p[:, grid.facets].mean(axis=1)
@@ -59,13 +69,13 @@ def sector(angles: Floats, depths: Floats, radius: float, sign: int) -> Any:
 
 
 def closed(angles: Floats, depths: Floats, radius: float, sign: int) -> Any:
-    """Mesh of a closed ring."""
+    """Mesh of a closed ring; parameters as of `sector`."""
     return closed_mesh(angles, depths, radius, sign, "body")
 
 
 @dataclass(frozen=True)
 class ContactBody:
-    """A body with its contact line, condensed."""
+    """A body after static condensation to the nodes of its contact line."""
 
     basis: Any
     line: ContactLine
@@ -73,7 +83,19 @@ class ContactBody:
 
 
 def body(mesh: Any, material: Material, width: float = 1.0, middle: float = 0.0) -> ContactBody:
-    """A condensed body, held at its support."""
+    """The condensed body of a mesh, held at its support.
+
+    Parameters
+    ----------
+    mesh : skfem mesh
+        With the boundaries "contact" and "support".
+    material : Material
+        Isotropic material.
+    width : float
+        Width of the body [m].
+    middle : float
+        Angle in the middle of the contact [rad].
+    """
     basis = scalar_basis(mesh)
     line = contact_line(basis, mesh.boundaries["contact"], middle)
     ties = tie(basis, line.nodes, basis.get_dofs(mesh.boundaries["support"]).flatten(), np.zeros(2))
@@ -83,7 +105,20 @@ def body(mesh: Any, material: Material, width: float = 1.0, middle: float = 0.0)
 
 @dataclass(frozen=True)
 class BodyPair:
-    """Flexibilities of both bodies together: P under -N^T (normal), T under T^T (tangential)."""
+    """An inner body against an outer body or a rigid drum.
+
+    Attributes
+    ----------
+    inner : ContactBody
+        The body whose nodes carry the pressure.
+    coupling : Coupling
+        From displacements of the inner nodes to gaps and slips at the contact.
+    pressed, dragged : array (m, n)
+        Square roots of the flexibility of both bodies: their responses to unit pressures and to
+        unit tractions at the n nodes. Products such as pressed.T @ dragged are flexibilities.
+    motions : array (2 n, motions)
+        Displacements of the contact nodes as the holder of the inner body moves.
+    """
 
     inner: ContactBody
     coupling: Coupling
@@ -95,17 +130,30 @@ class BodyPair:
     def of(
         cls, inner: ContactBody, outer: ContactBody | None, sign: int = 1, motions: str = ""
     ) -> "BodyPair":
-        """An `inner` body against an outer one, or against a rigid drum; `motions` of the inner
-        holder: "x", "xy".
+        """The pair of an inner and an outer body.
+
+        Parameters
+        ----------
+        inner : ContactBody
+            The body whose nodes carry the pressure.
+        outer : ContactBody or None
+            The other body; None for a rigid drum.
+        sign : int
+            1 where the outer body lies outside the contact, -1 inside.
+        motions : str
+            Directions in which the holder of the inner body moves: "", "x", "y" or "xy".
         """
         coupling = couple(inner.line, 1.0, radial(sign))
         halves = [_half(inner, -coupling.N), _half(inner, coupling.T)]
         if outer is not None:
             N, T = couple_ring(inner.line, outer.line, 1.0, sign)
+            # The flexibilities of both bodies add up: their square roots are stacked.
+            pressed, dragged = halves
             halves = [
-                np.vstack(both)
-                for both in zip(halves, [_half(outer, -N), _half(outer, T)], strict=True)
+                np.vstack([pressed, _half(outer, -N)]),
+                np.vstack([dragged, _half(outer, T)]),
             ]
+        # Displacements of the contact nodes as the holder moves by 1 m.
         x = inner.line.xy[0]
         moves = {
             "x": np.column_stack([np.ones_like(x), 0 * x]),
@@ -120,7 +168,15 @@ class BodyPair:
         )
 
     def normal(self, gap: Floats, loads: Sequence[float] = ()) -> Problem:
-        """Frictionless problem; `loads`: force on the inner body's holder along each motion."""
+        """The frictionless contact problem.
+
+        Parameters
+        ----------
+        gap : array (n,)
+            Gap between the undeformed bodies [m].
+        loads : sequence of float
+            Force on the holder of the inner body along each motion [N].
+        """
         B = -self.coupling.N @ self.motions
         return Problem(
             self.pressed.T @ self.pressed,
@@ -132,11 +188,23 @@ class BodyPair:
 
     def frictional(
         self, gap: Floats, loads: Sequence[float], penalty_compliance: float = 0.0
-    ) -> stick_slip.Problem:
-        """Stick-slip problem; slip is that of the outer body against the inner one, along e_phi."""
+    ) -> stick_slip.FrictionalProblem:
+        """The contact problem with friction.
+
+        The slip is that of the outer body against the inner body, along growing angles.
+
+        Parameters
+        ----------
+        gap : array (n,)
+            Gap between the undeformed bodies [m].
+        loads : sequence of float
+            Force on the holder of the inner body along each motion [N].
+        penalty_compliance : float
+            Closure of the gap per pressure [m/Pa].
+        """
         n, B_s = len(gap), -self.coupling.T @ self.motions
         flat = self.normal(gap, loads)
-        return stick_slip.Problem(
+        return stick_slip.FrictionalProblem(
             A_wp=flat.A,
             A_wt=self.pressed.T @ self.dragged,
             A_sp=-self.dragged.T @ self.pressed,
@@ -153,13 +221,15 @@ class BodyPair:
 
     @property
     def angle(self) -> Floats:
-        """Angles (n,) [rad] of the contact nodes."""
+        """Angles of the contact nodes (n,) [rad]."""
         return self.inner.line.phi
 
 
 def nested_start(problem: Problem, share: int = 6) -> Bools:
-    """A starting contact set from the same problem with every `share`-th node, p linear between
-    them.
+    """A contact set to start from: the set of the same problem on fewer nodes.
+
+    The coarse problem keeps every `share`-th node, with p linear between the nodes. It starts in
+    the same way itself.
     """
     n = len(problem.q)
     kept = np.unique(np.round(np.linspace(0, n - 1, max(3, n // share))).astype(int))
@@ -172,6 +242,7 @@ def nested_start(problem: Problem, share: int = 6) -> Bools:
 
 
 def _half(one: ContactBody, forces: Floats) -> Floats:
+    """Square root of the flexibility of a body times nodal forces (n, 2 nodes)."""
     return one.condensed.half(forces.T)
 
 

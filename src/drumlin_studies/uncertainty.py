@@ -1,5 +1,6 @@
-"""Uncertainty of a mesh and of a comparison: Roache's grid convergence index, and the validation of
-ASME V&V 20.
+"""Uncertainty of a mesh and of a comparison.
+
+The first is Roache's grid convergence index, the second the validation of ASME V&V 20.
 """
 
 import math
@@ -8,17 +9,27 @@ from typing import NamedTuple
 from drumlin.comparison import extrapolate
 
 SAFETY = 1.25
-"""Factor of safety of the index where three meshes show the order (Roache 1994; 3 where only two
-are there).
+"""Factor of safety of the grid convergence index where three meshes show the order (Roache 1994).
+
+With two meshes Roache uses 3.
 """
 
 
 class Index(NamedTuple):
-    """What three meshes say of a value: observed `order`, the value `extrapolated` to no mesh size,
-    and the grid convergence index of the `fine` and of the `coarse` pair of meshes, relative to the
-    finer value of each.
+    """Richardson extrapolation and grid convergence index from three meshes.
 
-    `asymptotic`: coarse over r^p fine; near 1 the meshes show the leading term of the error.
+    Attributes
+    ----------
+    order : float
+        Observed order of convergence.
+    extrapolated : float
+        The value for a mesh size of zero.
+    fine, coarse : float
+        Grid convergence index of the finer and of the coarser pair of meshes, relative to the finer
+        value of each pair.
+    asymptotic : float
+        Index of the coarser pair over r^p times that of the finer pair. Near 1 the meshes show the
+        leading term of the error.
     """
 
     order: float
@@ -31,32 +42,51 @@ class Index(NamedTuple):
 def grid_convergence(
     fine: float, medium: float, coarse: float, ratio: float = 2.0, safety: float = SAFETY
 ) -> Index:
-    """The grid convergence index of values on three meshes, each `ratio` times as coarse as the one
-    before.
+    """The grid convergence index of values on three meshes.
 
-        p = ln((f3 - f2)/(f2 - f1))/ln r,   f = f1 + (f1 - f2)/(r^p - 1),   GCI = F |(f1 - f2)/f1|/(r^p - 1)
+        p = ln((f3 - f2)/(f2 - f1))/ln r
+        f = f1 + (f1 - f2)/(r^p - 1)
+        GCI = F |(f1 - f2)/f1|/(r^p - 1)
 
-    (Roache 1994, J. Fluids Eng. 116, 405.) Raises ValueError where the differences do not shrink
-    with one sign: there is no order then.
+    (Roache 1994, J. Fluids Eng. 116, 405.)
+
+    Parameters
+    ----------
+    fine, medium, coarse : float
+        The value on each mesh.
+    ratio : float
+        Ratio r of the mesh sizes of two neighbouring meshes.
+    safety : float
+        Factor of safety F.
+
+    Raises
+    ------
+    ValueError
+        The differences do not shrink with one sign, so that no order shows.
     """
     near, far = fine - medium, medium - coarse
     if near * far <= 0 or abs(far) <= abs(near):
         raise ValueError(
             f"no order: the differences {far:g} and {near:g} do not shrink with one sign"
         )
-    found = extrapolate(coarse, medium, fine, ratio)
-    growth = ratio**found.order
-    first = safety * found.uncertainty / abs(fine)
-    second = safety * found.uncertainty * growth / abs(medium)
-    return Index(found.order, found.value, first, second, second / (growth * first))
+    limit = extrapolate(coarse, medium, fine, ratio)
+    growth = ratio**limit.order
+    fine_index = safety * limit.uncertainty / abs(fine)
+    coarse_index = safety * limit.uncertainty * growth / abs(medium)
+    asymptotic = coarse_index / (growth * fine_index)
+    return Index(limit.order, limit.value, fine_index, coarse_index, asymptotic)
 
 
 class Validation(NamedTuple):
-    """A simulation against data (ASME V&V 20-2009, section 1-5): comparison error E = S - D, and
-    its uncertainty.
+    """A simulation against data (ASME V&V 20-2009, section 1-5).
 
-    `uncertainty`: u_val, of all that is not the model; the model's own error lies within E -+
-    u_val.
+    Attributes
+    ----------
+    error : float
+        Comparison error E = S - D.
+    uncertainty : float
+        Validation uncertainty u_val, of everything but the model. The model's error lies within
+        E -+ u_val.
     """
 
     error: float
@@ -69,19 +99,26 @@ class Validation(NamedTuple):
 
     @property
     def resolved(self) -> bool:
-        """Whether the error of the model is seen: |E| > u_val. Else it is lost in what is not
-        known.
-        """
+        """Whether |E| > u_val, so that the error of the model is larger than the uncertainty."""
         return abs(self.error) > self.uncertainty
 
 
 def validate(
     simulation: float, data: float, *, numerical: float, inputs: float = 0.0, of_data: float
 ) -> Validation:
-    """E = S - D with u_val^2 = u_num^2 + u_input^2 + u_D^2, all in the unit of the value and of one
-    coverage.
+    """The comparison error E = S - D and its u_val^2 = u_num^2 + u_input^2 + u_D^2.
 
-    `numerical`: of the simulation's mesh and solver; `inputs`: what its inputs' uncertainty does;
-    `of_data`: of the data, or of the reference that stands for it.
+    All uncertainties have the unit of the value and one coverage.
+
+    Parameters
+    ----------
+    simulation, data : float
+        The two values S and D.
+    numerical : float
+        Uncertainty u_num by the mesh and the solver.
+    inputs : float
+        Uncertainty u_input by the inputs of the simulation.
+    of_data : float
+        Uncertainty u_D of the data, or of the reference in their place.
     """
     return Validation(simulation - data, math.sqrt(numerical**2 + inputs**2 + of_data**2))

@@ -1,10 +1,10 @@
-"""Error against run time of every way to solve a brake: laws, foundation, finite elements, textbook
-contact, peers.
+"""Error against run time of every method that solves a brake.
 
-A method is data: a family, a name and options, so that it can be the key of a journal and be sent
-to another process. Its errors are those of its response against a reference; its time is the
-process's own, medians of repeats, each beside a unit of work that is measured at once, so that
-ratios hold where the machine's pace changes.
+The methods are laws, the foundation model, finite elements, textbook contact and peers (other
+programs). A method is plain data: a family, a name and options. It can so be the key of a journal
+and be sent to another process. Its errors are those of its response against a reference. Its time
+is processor time, the median of repeats. Each repeat stands beside a unit of work that is timed
+just before it, so that ratios hold even where the pace of the machine changes.
 """
 
 import math
@@ -39,27 +39,44 @@ from drumlin.verification.cost import peak_memory
 from drumlin.verification.reference import Trio, peak_away
 from drumlin_studies import pointwise
 
-TIMED_REPEATS = 5  # at least
-LEAST_SECONDS = 0.1  # of a measurement, all repeats together
+TIMED_REPEATS = 5
+"""Smallest number of repeats of a timing."""
 MOST_REPEATS = 9
-LEAST_SAMPLE = 2e-3  # s; what is faster is run several times a sample
-EQUAL_TIMES = 1.2  # times that differ by less are taken as equal
-FURTHER_FRICTION = 0.9  # of the friction coefficient, in the further load case
+"""Largest number of repeats of a timing."""
+LEAST_SECONDS = 0.1
+"""Time [s] that all repeats of a timing take together, unless MOST_REPEATS ends them earlier."""
+LEAST_SAMPLE = 2e-3
+"""Shortest sample of a timing [s]. A faster call is run several times a sample."""
+EQUAL_TIMES = 1.2
+"""Ratio of two times up to which both methods count as equally fast."""
+FURTHER_FRICTION = 0.9
+"""Friction coefficient of the further load case, over that of the first one."""
 GRADED_FROM = 36
-"""Elements along a lining from which on the smallest ones of a `refined_mesh` shrink in proportion,
-so that its error goes on falling where the pressure is singular. Coarser meshes are graded as any
-other.
+"""Elements along a lining above which the smallest elements of a `refined_mesh` shrink in
+proportion.
+
+Its error so goes on falling where the pressure is singular. Coarser meshes are graded as any other.
 """
 LAYERS_BEHIND = 4
-"""Least number of layers through backing and body each of a `refined_mesh`: their error stays below
-the lining's, where a mesh is to show how far refinement goes.
+"""Smallest number of layers through the backing and through the body of a `refined_mesh`.
+
+The error of backing and body so stays below that of the lining, whose refinement is studied.
 """
 ERROR_KEYS = ("torque_error", "peak_error", "pressure_error", "reaction_error")
+"""Keys of a row that hold relative errors."""
 
 
 class Method(NamedTuple):
-    """A way to solve a brake. `family`: of METHOD_FAMILIES or PEER_FAMILIES; `options`: its own, plain
-    data.
+    """A way to solve a brake.
+
+    Attributes
+    ----------
+    family : str
+        A key of METHOD_FAMILIES or PEER_FAMILIES.
+    name : str
+        What tables call the method.
+    options : mapping
+        Keyword arguments of the family's solver, plain data.
     """
 
     family: str
@@ -68,45 +85,69 @@ class Method(NamedTuple):
 
     @property
     def case(self) -> dict[str, Any]:
-        """What tells the method apart, for a journal."""
+        """The method as the key of a journal."""
         return {"family": self.family, "method": self.name, **self.options}
 
 
 class ColdSolve(NamedTuple):
-    """What a cold solve leaves: `further` solves another friction with what can be reused of it."""
+    """The result of a cold solve.
+
+    Attributes
+    ----------
+    response : Response
+        The response of the brake.
+    further : function
+        Solves the further load case with what can be reused of the cold solve.
+    unknowns : function, optional
+        The number of unknowns.
+    """
 
     response: Response
     further: Callable[[], Response]
     unknowns: Callable[[], int] | None = None
 
 
-def _other(brake: Brake) -> Brake:
+def _further_case(brake: Brake) -> Brake:
     """The brake of the further load case."""
     return vary(brake, {"friction": FURTHER_FRICTION * brake.friction})
 
 
-def _model(brake: Brake, *, model: str, **options: Any) -> ColdSolve:
+def _by_model(brake: Brake, *, model: str, **options: Any) -> ColdSolve:
+    """A brake by a law or by the foundation model."""
     solver = pick(model, brake).solve
-    return ColdSolve(solver(brake, **options), partial(solver, _other(brake), **options))
+    further = partial(solver, _further_case(brake), **options)
+    return ColdSolve(solver(brake, **options), further)
 
 
 def even_mesh(shoe: Shoe, radius: float, elements: int, kind: str) -> Any:
-    """A mesh of a shoe that is graded nowhere."""
+    """A mesh of a shoe with uniform elements along the lining."""
     depths = np.linspace(0, shoe.lining.thickness, lining_layers(elements) + 1)
     step = (shoe.arc[1] - shoe.arc[0]) / elements
-    return shoe_mesh(
-        shoe, radius, Division(np.linspace(*shoe.arc, elements + 1), depths, step), kind
-    )
+    division = Division(np.linspace(*shoe.arc, elements + 1), depths, step)
+    return shoe_mesh(shoe, radius, division, kind)
 
 
 def refined_mesh(shoe: Shoe, radius: float, elements: int, layers: int, kind: str) -> Any:
-    """A mesh of a shoe whose least elements at the lining's ends are the smaller, the more it has."""
+    """A mesh of a shoe by `refined_division`."""
     return shoe_mesh(shoe, radius, refined_division(shoe, radius, elements, layers), kind)
 
 
 def refined_division(shoe: Shoe, radius: float, elements: int, layers: int) -> Division:
-    """Elements of at most 1/`elements` of the lining, graded to its edges: the more, the smaller
-    the smallest.
+    """A division of a shoe that is graded to the edges of its lining.
+
+    No element is longer than 1/`elements` of the lining. Above GRADED_FROM elements, the smallest
+    elements shrink as their number grows.
+
+    Parameters
+    ----------
+    shoe : Shoe
+        The shoe.
+    radius : float
+        Radius of the drum [m].
+    elements : int
+        Smallest number of elements along the lining.
+    layers : int
+        Elements through the lining.
     """
     (start, end), zone = shoe.arc, shoe.lining.thickness / radius
     fineness = max(1.0, elements / GRADED_FROM)
@@ -121,7 +162,7 @@ def refined_division(shoe: Shoe, radius: float, elements: int, layers: int) -> D
     )
 
 
-def _mesh(
+def _by_mesh(
     brake: Brake,
     *,
     elements: int,
@@ -129,106 +170,134 @@ def _mesh(
     even: bool = False,
     penalty: float = math.inf,
 ) -> ColdSolve:
+    """A brake on one mesh, uniform along the lining or graded to its ends."""
     mesher = partial(even_mesh, elements=elements, kind=kind) if even else None
     scene = prepare(brake, elements=elements, kind=kind, mesher=mesher)
-    response = respond(scene, brake, penalty=penalty)
-    return ColdSolve(
-        response, lambda: respond(scene, _other(brake), penalty=penalty), partial(_unknowns, scene)
-    )
+    return _on_scene(brake, scene, respond(scene, brake, penalty=penalty), penalty)
+
+
+def _on_scene(brake: Brake, scene: Scene, response: Response, penalty: float) -> ColdSolve:
+    """The cold solve whose further load case reuses the prepared scene."""
+
+    def further() -> Response:
+        return respond(scene, _further_case(brake), penalty=penalty)
+
+    return ColdSolve(response, further, partial(_unknowns, scene))
 
 
 def _unknowns(scene: Scene) -> int:
-    """Of the distinct bodies and the ring."""
-    bodies = {id(body): body for body in scene.bodies}.values()
-    return sum(body.unknowns for body in bodies) + (
-        0 if scene.ring is None else int(2 * scene.ring.basis.N)
-    )
+    """The number of unknowns of the ring and of the distinct bodies.
 
-
-def _columns(brake: Brake, *, level: int) -> ColdSolve:
-    """Columns of a level without an estimate, after the coarsest one has found the ends of the
-    contact.
+    Shoes of equal shape share one body, which is counted once.
     """
-    answer = partial(respond, penalty=math.inf)
-    *_, (scene, response) = steps(brake, answer, levels=(LEVELS[0], LEVELS[level])[-level - 1 :])
-    return ColdSolve(response, lambda: answer(scene, _other(brake)), partial(_unknowns, scene))
+    bodies = {id(body): body for body in scene.bodies}.values()
+    of_bodies = sum(body.unknowns for body in bodies)
+    of_ring = 0 if scene.ring is None else int(2 * scene.ring.basis.N)
+    return of_bodies + of_ring
 
 
-def _estimated(brake: Brake, *, tolerance: float) -> ColdSolve:
-    """Columns to a tolerance that is estimated; of the torque the default, where that is less."""
-    answer, allowed = (
-        partial(respond, penalty=math.inf),
-        Tolerance(tolerance, min(tolerance, DEFAULT.torque)),
-    )
-    scene, response = adapt(brake, allowed, answer)
-    return ColdSolve(response, lambda: answer(scene, _other(brake)), partial(_unknowns, scene))
+def _by_level(brake: Brake, *, level: int) -> ColdSolve:
+    """A brake by hp elements of a level, without an error estimate.
+
+    The coarsest level finds the ends of the contact first.
+    """
+    levels = (LEVELS[0], LEVELS[level])[-level - 1 :]
+    *_, (scene, response) = steps(brake, partial(respond, penalty=math.inf), levels=levels)
+    return _on_scene(brake, scene, response, math.inf)
 
 
-def _pointwise(brake: Brake, *, elements: int, penalty: float) -> ColdSolve:
+def _by_tolerance(brake: Brake, *, tolerance: float) -> ColdSolve:
+    """A brake by hp elements to an estimated tolerance.
+
+    The torque keeps the default tolerance where this is smaller.
+    """
+    allowed = Tolerance(tolerance, min(tolerance, DEFAULT.torque))
+    scene, response = adapt(brake, allowed, partial(respond, penalty=math.inf))
+    return _on_scene(brake, scene, response, math.inf)
+
+
+def _by_points(brake: Brake, *, elements: int, penalty: float) -> ColdSolve:
+    """A brake by the textbook penalty at quadrature points."""
     solver = partial(pointwise.solve, elements=elements, penalty=penalty)
-    return ColdSolve(
-        solver(brake),
-        lambda: solver(_other(brake)),
-        lambda: _unknowns(prepare(brake, elements=elements)),
-    )
+
+    def unknowns() -> int:
+        return _unknowns(prepare(brake, elements=elements))
+
+    def further() -> Response:
+        return solver(_further_case(brake))
+
+    return ColdSolve(solver(brake), further, unknowns)
 
 
 METHOD_FAMILIES: Mapping[str, Callable[..., ColdSolve]] = {
-    "law": _model,
-    "foundation": _model,
-    "even mesh": _mesh,
-    "graded mesh": _mesh,
-    "columns": _columns,
-    "columns, error stated": _estimated,
-    "weak penalty": _mesh,
-    "pointwise penalty": _pointwise,
+    "law": _by_model,
+    "foundation": _by_model,
+    "even mesh": _by_mesh,
+    "graded mesh": _by_mesh,
+    "columns": _by_level,
+    "columns, error stated": _by_tolerance,
+    "weak penalty": _by_mesh,
+    "pointwise penalty": _by_points,
 }
+"""The solver of each family of drumlin's own methods."""
 PEER_FAMILIES = {written: name for name, written in peers.PEERS.items()}
+"""The name of each peer in `drumlin.peers`, by its written name."""
 
 
 def solved(brake: Brake, method: Method) -> ColdSolve:
-    """A brake by a method, cold. Raises BadInput where it does not apply, NoAnswer where it fails."""
+    """The cold solve of a brake by a method.
+
+    Raises BadInput where the method does not apply, NoAnswer where it fails.
+    """
     return METHOD_FAMILIES[method.family](brake, **method.options)
 
 
 def errors(brake: Brake, response: Response, truth: Response) -> dict[str, float]:
-    """Relative errors against a truth: torque of the brake, and of the worst shoe the peak pressure
-    and p in L2, both away from the edges, and the hinge reaction.
+    """Relative errors of a response against a truth, by ERROR_KEYS.
+
+    The torque is that of the brake. Of the other errors the largest of all shoes counts. Peak and
+    L2 norm of p leave out the edge zones of the lining.
     """
-    found: dict[str, list[float]] = {key: [] for key in ERROR_KEYS[1:]}
+    by_key: dict[str, list[float]] = {key: [] for key in ERROR_KEYS[1:]}
     for spec, a, b in zip(brake.shoes, response.shoes, truth.shoes, strict=True):
         edge = edge_zone(spec, brake.scale_factor)
-        found["peak_error"].append(abs(relative(peak_away(a, edge), peak_away(b, edge))))
-        found["pressure_error"].append(pressure_distance(a, b))
-        found["reaction_error"].append(vector_distance(a.hinge_reaction, b.hinge_reaction))
-    worst = {
-        key: max((v for v in values if not math.isnan(v)), default=0.0)
-        for key, values in found.items()
-    }
-    return {"torque_error": abs(relative(response.torque, truth.torque)), **worst}
+        by_key["peak_error"].append(abs(relative(peak_away(a, edge), peak_away(b, edge))))
+        by_key["pressure_error"].append(pressure_distance(a, b))
+        by_key["reaction_error"].append(vector_distance(a.hinge_reaction, b.hinge_reaction))
+    result = {"torque_error": abs(relative(response.torque, truth.torque))}
+    for key, values in by_key.items():
+        # A shoe that nothing presses has no error of p: nan.
+        result[key] = max((value for value in values if not math.isnan(value)), default=0.0)
+    return result
 
 
 def floor(brake: Brake, trio: Trio) -> dict[str, float]:
-    """The largest distance of the other responses of a reference from its value: errors below it
-    are not claimed.
+    """The uncertainty of a reference, by ERROR_KEYS: no error below it is claimed.
 
-    That of the torque is the sum of the shoes' distances, which do not cancel.
+    It is the largest distance of the other responses of the reference from its value. For the
+    torque the distances of all shoes are summed, so that they cannot cancel.
     """
-    found: dict[str, float] = {}
+    largest: dict[str, float] = {}
     for other in trio.others:
-        apart = math.fsum(
-            abs(a.torque - b.torque) for a, b in zip(trio.value.shoes, other.shoes, strict=True)
-        )
-        own = errors(brake, other, trio.value) | {
-            "torque_error": apart / trio.value.torque if apart else 0.0
-        }
-        found = {name: max(value, found.get(name, 0.0)) for name, value in own.items()}
-    return found
+        pairs = zip(trio.value.shoes, other.shoes, strict=True)
+        apart = math.fsum(abs(a.torque - b.torque) for a, b in pairs)
+        own = errors(brake, other, trio.value)
+        own["torque_error"] = apart / trio.value.torque if apart else 0.0
+        largest = {name: max(value, largest.get(name, 0.0)) for name, value in own.items()}
+    return largest
 
 
 class Timing(NamedTuple):
-    """Seconds of a call, median and quartiles of the repeats, and the median of its ratios to the
-    unit beside it.
+    """How long a call takes.
+
+    Attributes
+    ----------
+    seconds, lower, upper : float
+        Median, lower and upper quartile of the repeats [s].
+    ratio : float
+        Median of the ratios of each repeat to the unit beside it.
+    repeats : int
+        Number of repeats.
     """
 
     seconds: float
@@ -239,29 +308,50 @@ class Timing(NamedTuple):
 
 
 def timing(call: Callable[[], object], unit: Callable[[], object], first: float) -> Timing:
-    """Time a call that took `first` seconds once and, before each of its repeats, the unit."""
+    """Time a call, and before each of its repeats the unit.
+
+    Parameters
+    ----------
+    call : function
+        What is timed.
+    unit : function
+        The unit of work beside which each repeat stands.
+    first : float
+        Seconds that the call has taken once. They decide how often it is run a sample.
+    """
     loops = max(1, math.ceil(LEAST_SAMPLE / max(first, 1e-6)))
     samples: list[float] = []
     ratios: list[float] = []
-    while len(samples) < TIMED_REPEATS or (
-        sum(samples) * loops < LEAST_SECONDS and len(samples) < MOST_REPEATS
-    ):
+
+    def too_short() -> bool:
+        return sum(samples) * loops < LEAST_SECONDS and len(samples) < MOST_REPEATS
+
+    while len(samples) < TIMED_REPEATS or too_short():
+        # The unit comes first, so that both see the same pace of the machine.
         beside = _spent(unit, 1)
         samples.append(_spent(call, loops))
         ratios.append(samples[-1] / beside)
-    return Timing(*_quartiles(samples), median(ratios), len(samples))
+    quartiles = _quartiles(samples)
+    return Timing(*quartiles, median(ratios), len(samples))
 
 
-def _quartiles(samples: list[float]) -> tuple[float, float, float]:
-    """Median, lower and upper quartile."""
+class Quartiles(NamedTuple):
+    """Median, lower and upper quartile of some samples."""
+
+    median: float
+    lower: float
+    upper: float
+
+
+def _quartiles(samples: list[float]) -> Quartiles:
     if len(samples) == 1:
-        return samples[0], samples[0], samples[0]
+        return Quartiles(samples[0], samples[0], samples[0])
     lower, middle, upper = quantiles(samples, n=4, method="inclusive")
-    return middle, lower, upper
+    return Quartiles(middle, lower, upper)
 
 
 def _spent(call: Callable[[], object], loops: int = 1) -> float:
-    """The process's own seconds of one of `loops` calls."""
+    """Processor time of one call [s], the mean of `loops` calls."""
     start = time.process_time()
     for _ in range(loops):
         call()
@@ -271,42 +361,58 @@ def _spent(call: Callable[[], object], loops: int = 1) -> float:
 def measure(
     brake: Brake, method: Method, truth: Response, unit: Callable[[], object]
 ) -> dict[str, Any]:
-    """One row: errors, times, memory, unknowns; a method that fails or is refused is a row that
-    says why.
+    """The row of a method of drumlin: errors, times, memory and unknowns.
+
+    The row of a method that fails or does not apply tells the reason as its `status`.
+
+    Parameters
+    ----------
+    brake : Brake
+        The brake to be solved.
+    method : Method
+        A method of METHOD_FAMILIES.
+    truth : Response
+        The reference against which errors are taken.
+    unit : function
+        The unit of work beside which each repeat is timed.
     """
     row: dict[str, Any] = dict(method.case)
     start = time.process_time()
     try:
-        found = solved(brake, method)
+        cold = solved(brake, method)
     except DrumlinError as error:
-        return row | {"seconds": time.process_time() - start, "status": _said(error)}
+        return row | {"seconds": time.process_time() - start, "status": _reason(error)}
     first = time.process_time() - start
-    row |= errors(brake, found.response, truth) | {
-        "unknowns": None if found.unknowns is None else found.unknowns()
-    }
+    row |= errors(brake, cold.response, truth)
+    row["unknowns"] = None if cold.unknowns is None else cold.unknowns()
     row |= timing(partial(solved, brake, method), unit, first)._asdict()
     try:
-        again = timing(found.further, unit, _spent(found.further))
-        row |= {"further": again.seconds, "further_ratio": again.ratio}
+        further = timing(cold.further, unit, _spent(cold.further))
+        row |= {"further": further.seconds, "further_ratio": further.ratio}
     except DrumlinError as error:
-        row["note"] = f"further load case: {_said(error)}"
+        row["note"] = f"further load case: {_reason(error)}"
     return row | {"memory": memory(brake, method), "status": "converged"}
 
 
-def _said(error: DrumlinError) -> str:
+def _reason(error: DrumlinError) -> str:
+    """Why a method has no answer, as the `status` of its row."""
     return f"{'refused' if isinstance(error, BadInput) else 'failed'}: {error}"
 
 
 def memory(brake: Brake, method: Method) -> int:
-    """Peak memory of a cold solve beyond the loaded program [bytes], in a process of its own."""
+    """Peak memory of a cold solve beyond that of the loaded program [bytes].
+
+    The solve runs in a process of its own.
+    """
     with ProcessPoolExecutor(1, mp_context=_context()) as process:
-        return process.submit(_grown, brake, method).result()
+        return process.submit(_memory_of_solve, brake, method).result()
 
 
 @cache
 def _context() -> Any:
-    """Processes that begin with the program loaded, where the system has such, and with nothing of
-    this one.
+    """How new processes are started: by a fork of a server that has only loaded this module.
+
+    Where the system has no fork server, a process starts afresh.
     """
     if "forkserver" not in multiprocessing.get_all_start_methods():
         return multiprocessing.get_context("spawn")
@@ -315,15 +421,23 @@ def _context() -> Any:
     return context
 
 
-def _grown(brake: Brake, method: Method) -> int:
+def _memory_of_solve(brake: Brake, method: Method) -> int:
     before = peak_memory()
     solved(brake, method)
     return peak_memory() - before
 
 
 def process_seconds(brake_file: Path, *options: str, repeats: int = TIMED_REPEATS) -> float:
-    """Wall-clock seconds of a whole `drumlin solve` of a brake file, from the start of its process;
-    the median.
+    """Wall-clock time of a whole `drumlin solve` process [s], the median of some repeats.
+
+    Parameters
+    ----------
+    brake_file : Path
+        The brake file.
+    *options : str
+        Further options of the command line.
+    repeats : int
+        Number of processes.
     """
     command = [
         sys.executable,
@@ -348,43 +462,47 @@ def peer_row(
     unit: Callable[[], object],
     repeats: int = TIMED_REPEATS,
 ) -> dict[str, Any]:
-    """The row of a peer, by drumlin.peers; times are those that it states, medians of the repeats,
-    ratios to the unit that is timed before each; options `even`: on a mesh that is graded nowhere,
-    `layers`: on a `refined_mesh`.
+    """The row of a peer.
+
+    Times are those that the peer states, medians of the repeats. Ratios are to the unit, which is
+    timed before each repeat.
+
+    Parameters
+    ----------
+    brake : Brake
+        The brake to be solved.
+    method : Method
+        A method of PEER_FAMILIES. The option `even` asks for a uniform mesh, `layers` for a
+        `refined_mesh`.
+    truth : Response
+        The reference against which errors are taken.
+    unit : function
+        The unit of work beside which each repeat is timed.
+    repeats : int
+        Number of solves.
     """
     row: dict[str, Any] = dict(method.case)
-    options = dict(method.options)
-    even, layers = options.pop("even", False), options.pop("layers", None)
-    if even:
-        options["mesher"] = partial(
-            even_mesh, elements=options["elements"], kind=options.get("kind", DEFAULT_KIND)
-        )
-    if layers is not None:
-        options["mesher"] = partial(refined_mesh, layers=layers, **options)
+    options = _peer_options(method)
     start = time.perf_counter()
-    answers, beside = [], []
+    answers, units = [], []
     try:
         for _ in range(repeats):
-            beside.append(median(_spent(unit) for _ in range(TIMED_REPEATS)))
+            units.append(median(_spent(unit) for _ in range(TIMED_REPEATS)))
             answers.append(peers.solve(PEER_FAMILIES[method.family], brake, **options))
     except DrumlinError as error:
-        return row | {"seconds": time.perf_counter() - start, "status": _said(error)}
-    samples = [answer.seconds for answer in answers]
-    middle, lower, upper = _quartiles(samples)
+        return row | {"seconds": time.perf_counter() - start, "status": _reason(error)}
+    pairs = list(zip(answers, units, strict=True))
+    quartiles = _quartiles([answer.seconds for answer in answers])
     return (
         row
         | errors(brake, answers[0].response, truth)
         | {
-            "seconds": middle,
-            "lower": lower,
-            "upper": upper,
+            "seconds": quartiles.median,
+            "lower": quartiles.lower,
+            "upper": quartiles.upper,
             "repeats": repeats,
-            "ratio": median(
-                answer.seconds / pace for answer, pace in zip(answers, beside, strict=True)
-            ),
-            "further_ratio": median(
-                answer.further_seconds / pace for answer, pace in zip(answers, beside, strict=True)
-            ),
+            "ratio": median(answer.seconds / pace for answer, pace in pairs),
+            "further_ratio": median(answer.further_seconds / pace for answer, pace in pairs),
             "process": median(answer.process_seconds for answer in answers),
             "further": median(answer.further_seconds for answer in answers),
             "unknowns": answers[0].unknowns,
@@ -394,48 +512,68 @@ def peer_row(
     )
 
 
+def _peer_options(method: Method) -> dict[str, Any]:
+    """The keyword arguments of `peers.solve` for a method, with the mesher of its options."""
+    options = dict(method.options)
+    even, layers = options.pop("even", False), options.pop("layers", None)
+    if even:
+        kind = options.get("kind", DEFAULT_KIND)
+        options["mesher"] = partial(even_mesh, elements=options["elements"], kind=kind)
+    if layers is not None:
+        options["mesher"] = partial(refined_mesh, layers=layers, **options)
+    return options
+
+
 def enough(
     rows: Iterable[Mapping[str, Any]], key: str, target: float, floors: Mapping[str, float]
 ) -> list[Any]:
-    """The rows whose error `key` is at most `target`, fastest first; of equally fast ones the most
-    exact is first.
+    """The rows that keep an error below a target, fastest first.
 
-    Times are compared as ratios to the unit beside them.
+    Of equally fast rows the most exact one is first. Times are compared as ratios to the unit
+    beside them. A mesh counts only where all finer meshes of its series keep the target as well,
+    because an error that passes through zero is an accident.
 
-    A mesh counts only where every finer one of its series is below the target as well: an error
-    that passes through zero is luck. Nothing is claimed below the floor of the reference.
+    Parameters
+    ----------
+    rows : iterable of mappings
+        Rows of methods on one brake.
+    key : str
+        The error, of ERROR_KEYS.
+    target : float
+        Largest error. No row keeps a target below the floor of the reference.
+    floors : mapping
+        Uncertainties of the reference, as from `floor`.
     """
     if target < floors[key]:
         return []
-    found = []
+    enough_rows = []
     for members in series(rows).values():
+        # Only meshes beyond the last one that misses the target count.
         above = [k for k, row in enumerate(members) if row[key] > target]
-        found += members[above[-1] + 1 if above else 0 :]
-    found.sort(key=lambda row: row["ratio"])
-    ties = [row for row in found if row["ratio"] <= EQUAL_TIMES * found[0]["ratio"]]
-    return sorted(ties, key=lambda row: row[key]) + found[len(ties) :]
+        enough_rows += members[above[-1] + 1 if above else 0 :]
+    enough_rows.sort(key=lambda row: row["ratio"])
+    ties = [row for row in enough_rows if row["ratio"] <= EQUAL_TIMES * enough_rows[0]["ratio"]]
+    return sorted(ties, key=lambda row: row[key]) + enough_rows[len(ties) :]
 
 
 def series(rows: Iterable[Mapping[str, Any]]) -> dict[tuple[str, str], list[Any]]:
-    """Converged rows by family and kind, coarse to fine: by unknowns or, where they are not
-    counted, by tolerance.
-    """
-    found: dict[tuple[str, str], list[Any]] = {}
+    """Converged rows by family and name of the series, coarse to fine."""
+
+    def fineness(row: Mapping[str, Any]) -> tuple[float, float]:
+        size = row.get("elements") or row.get("sections") or row.get("level") or 0
+        return size, -(row.get("tolerance") or 0)
+
+    by_series: dict[tuple[str, str], list[Any]] = {}
     for row in rows:
         if row["status"] == "converged":
-            found.setdefault((row["family"], series_name(row)), []).append(row)
-    for members in found.values():
-        members.sort(
-            key=lambda row: (
-                row.get("elements") or row.get("sections") or row.get("level") or 0,
-                -(row.get("tolerance") or 0),
-            )
-        )
-    return found
+            by_series.setdefault((row["family"], series_name(row)), []).append(row)
+    for members in by_series.values():
+        members.sort(key=fineness)
+    return by_series
 
 
 def series_name(row: Mapping[str, Any]) -> str:
-    """What a row has in common with the finer and coarser ones of its kind."""
+    """The name of the series in which a row has finer and coarser neighbours."""
     if row["family"] == "law":
         return str(row["model"])
     if row["family"] == "foundation":
@@ -449,13 +587,14 @@ def series_name(row: Mapping[str, Any]) -> str:
 
 
 def unit_seconds(rows: Iterable[Mapping[str, Any]]) -> float:
-    """Seconds of the unit, from the rows' times and ratios; the median."""
+    """Time of the unit [s], the median over the rows of time over ratio."""
     return median(row["seconds"] / row["ratio"] for row in rows if "ratio" in row)
 
 
 def spread(rows: Iterable[Mapping[str, Any]]) -> float:
-    """The interquartile range of the repeats over their median; the median of the rows with TIMED_REPEATS
-    or more.
+    """The typical scatter of the timings: interquartile range of the repeats over their median.
+
+    It is the median over the rows with at least TIMED_REPEATS repeats.
     """
     return median(
         (row["upper"] - row["lower"]) / row["seconds"]

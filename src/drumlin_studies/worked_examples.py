@@ -1,4 +1,4 @@
-"""The laws on worked examples: what a source prints next to what is computed."""
+"""Rows on worked examples: the printed number of a source beside the number of a law."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -22,10 +22,12 @@ Row = dict[str, Any]
 
 
 def _lock(brake: Brake) -> float:
+    """Friction at which the first shoe locks by the sine law."""
     return min(locking_friction(brake, shoe) for shoe in brake.shoes)
 
 
 def _pivot(response: Response, axis: int) -> float:
+    """Size of a component [N] of the pivot reaction of the first shoe; nan without a pivot."""
     reaction = response.shoes[0].pivot_reaction
     return math.nan if reaction is None else abs(float(reaction[axis]))
 
@@ -50,11 +52,20 @@ PRINTED_QUANTITIES: dict[str, Callable[[Brake, Response], float]] = {
     "force [kN]": lambda b, r: b.shoes[0].actuation.force * 1e-3,
     "mu_lock": lambda b, r: _lock(b),
 }
+"""Functions of a brake and its response for each quantity that sources print."""
 
 
 def example_rows(example: Mapping[str, Any], folder: Path) -> list[Row]:
-    """One row a number given, for an example: its `law`, `file` in the folder, `changes`, `peak`,
-    `given` numbers.
+    """A row for each printed number of a worked example.
+
+    Parameters
+    ----------
+    example : mapping
+        `law`: name of the law; `file`: brake file in the folder; `changes`: changes of its keys;
+        `peak`: peak pressure for which the force is chosen; `given`: printed numbers by
+        PRINTED_QUANTITIES; `source`, `origin`, `remark`: texts for the rows.
+    folder : Path
+        Folder of the brake files.
     """
     law, source = example["law"], example["source"]
     solve = MODELS[law].solve
@@ -86,8 +97,22 @@ def compared(
     origin: str = "formula",
     remark: str = "",
 ) -> Row:
-    """A row: given and computed value side by side; they agree within half a unit of the last digit
-    given.
+    """The row of a printed number and a computed value.
+
+    They agree within half a unit of the last printed digit.
+
+    Parameters
+    ----------
+    law, source, quantity : str
+        What is compared.
+    given : str
+        The number as it is printed.
+    value : float
+        The computed value.
+    origin : str
+        Whether the source prints the number ("printed") or a formula for it ("formula").
+    remark : str
+        Status of a row that does not agree.
     """
     decimals = len(given.partition(".")[2])
     agrees = abs(value - float(given)) <= 0.5 * 10.0**-decimals * (1 + 1e-6)
@@ -104,8 +129,9 @@ def compared(
 
 
 def simscape_rows() -> list[Row]:
-    """The double-shoe block with its default parameters, per newton of force, both readings of
-    theta_s.
+    """Rows on the double-shoe block with its default parameters, under 1 N.
+
+    The angle theta_s of its manual can be read as the end or as the span of the lining.
     """
     rows = []
     for reading, torque, mu_lock in (
@@ -126,7 +152,7 @@ def simscape_rows() -> list[Row]:
 
 
 def friction_rows() -> list[Row]:
-    """The equivalent friction of a block over its half-arc."""
+    """Rows on the equivalent friction of a block over its half-arc."""
     printed = {15: "1.011408", 30: "1.045356", 45: "1.100214", 60: "1.170138", 90: "1.273240"}
     return [
         compared(

@@ -1,6 +1,4 @@
-"""Every kind of brake, each from a file of sizes like real ones: can its law be trusted, new and
-worn in?
-"""
+"""Can the law of each kind of brake be trusted, with new and with worn-in linings?"""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -28,13 +26,25 @@ from drumlin_studies.brake_kinds import (
 )
 
 HERE = Path(__file__).parent
-SHOWN = "simplex_abutted"  # its pressures stand in the reference report
+SHOWN = "simplex_abutted"
+"""Brake whose pressures are drawn for the reference report as well."""
 SHORT = ("simplex_abutted", "s_cam", "rail_clamp")
+"""Brakes of the short setting."""
 
 
 class Result(NamedTuple):
-    """Each brake in both senses of motion, a row for each, rows of the other models, a sentence for
-    each file; `cams`: by file of an S-cam brake the brake factor that it wears to in closed form.
+    """Everything that the report shows.
+
+    Attributes
+    ----------
+    cases : list of BrakeInMotion
+        Each brake in both senses of motion.
+    rows, others : list of dict
+        Rows of the brakes, and of the other models.
+    verdicts : dict
+        A sentence for each brake file.
+    cams : dict
+        Brake factor of worn-in S-cam brakes in closed form, by brake file.
     """
 
     cases: list[BrakeInMotion]
@@ -45,8 +55,10 @@ class Result(NamedTuple):
 
 
 def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -> Result:
-    """All files by law and finite elements; `short`: three of them, coarser worn-in linings, no
-    solid shoes, no limits of locking.
+    """Solve all brakes by law and finite elements.
+
+    short : whether three brakes, coarser worn-in linings, no solid shoes and no limits of locking
+    are enough.
     """
     cases: list[BrakeInMotion] = []
     rows: list[dict[str, Any]] = []
@@ -70,7 +82,7 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
 
 
 def report(result: Result, folder: Path) -> Path:
-    """Write page, pictures, figures and table; returns the page."""
+    """Write page, drawings, figures and tables, and return the path of the page."""
     write_text(folder / "brakes.csv", as_csv(result.rows))
     write_text(folder / "models.csv", as_csv(result.others))
     drawn: dict[str, Brake] = {}

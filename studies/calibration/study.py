@@ -1,5 +1,6 @@
-"""With which factors are stated errors at least the true ones? Fitted on random brakes, for the
-code to read.
+"""With which safety factors are stated errors at least as large as true errors?
+
+The factors are fitted on random brakes, into a file that the program reads.
 """
 
 import subprocess
@@ -31,20 +32,19 @@ from drumlin_studies.side_by_side import PROCESSES, Case, kept
 from drumlin_studies.stated_true_figure import shares
 
 HERE = Path(__file__).parent
-FEW = 4  # brakes of the short setting
+FEW = 4
+"""Number of brakes of the short setting."""
 COMPUTING = (
     "src/drumlin/fem",
     "src/drumlin/contact",
     "src/drumlin/response",
     "src/drumlin_studies",
 )
-"""Folders whose last commit is the one that the factors belong to, without the file of the factors
-itself.
-"""
+"""Folders on which the factors depend. The file of the factors itself does not count."""
 
 
 class Result(NamedTuple):
-    """What was observed of each brake, the factors that follow, and what they were fitted on."""
+    """The observations of each brake, the fitted factors, and where they come from."""
 
     rows: list[dict[str, Any]]
     factors: Factors
@@ -57,8 +57,9 @@ def study(
     say: Callable[[str], None] = lambda _: None,
     journal: Journal | None = None,
 ) -> Result:
-    """Observe all brakes, in two processes, and fit; `short`: few brakes, whose factors mean
-    nothing.
+    """Observe all brakes in two processes and fit the factors.
+
+    short : whether few brakes are enough; their factors mean nothing.
     """
     journal = journal or Journal()
     seeds = range(FIRST_SEED, FIRST_SEED + (FEW if short else BRAKES))
@@ -81,9 +82,7 @@ def levels_of(rows: list[dict[str, Any]]) -> list[Level]:
 
 
 def last_commit() -> tuple[str, str]:
-    """Hash and date of the last commit that changed what the factors hang on; empty texts outside a
-    repository.
-    """
+    """Hash and date of the last commit that changed COMPUTING; empty outside a repository."""
     own = ":!src/drumlin/fem/error_control/factors.json"
     command = ["git", "log", "-1", "--format=%h %cs", "--", *COMPUTING, own]
     try:
@@ -97,7 +96,7 @@ def last_commit() -> tuple[str, str]:
 
 
 def report(result: Result, folder: Path) -> Path:
-    """Write the factors' file, figure and page; returns the page."""
+    """Write the file of the factors, figure and page, and return the path of the page."""
     write_text(folder / "factors.json", as_text(result.factors, result.provenance))
     levels = levels_of(result.rows)
     force = result.factors.force

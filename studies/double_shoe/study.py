@@ -1,5 +1,6 @@
-"""How far is the sine law from the elastic truth? The double-shoe brake, stiff and flexible, both
-rotations.
+"""How far is the sine law from the elastic truth?
+
+The study solves a double-shoe brake with stiff and with flexible shoes, in both rotations.
 """
 
 import time
@@ -35,8 +36,9 @@ class Result(NamedTuple):
 
 
 def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -> Result:
-    """Compare, take the limit of a rigid shoe, converge, and count the cost; `short`: coarser,
-    fewer repeats.
+    """Compare the models, take the limit of a rigid shoe, refine the mesh, and measure the cost.
+
+    short : whether coarser meshes and fewer repeats are enough.
     """
     start = time.perf_counter()
     elements, repeats = (40, 1) if short else (160, 5)
@@ -49,11 +51,9 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
             comparisons.append(compare(turning, case, repeats, ("fem", "sine"), elements=elements))
     brake = comparisons[0].brake
     say("limit of a rigid shoe")
-    limit = [
-        row
-        for rotation in ROTATIONS
-        for row in rigid_limit(vary(brake, {"rotation": rotation}), elements)
-    ]
+    limit: list[dict[str, Any]] = []
+    for rotation in ROTATIONS:
+        limit += rigid_limit(vary(brake, {"rotation": rotation}), elements)
     say("convergence")
     convergence = converge(brake, (10, 20, 40) if short else (20, 40, 80, 160, 320))
     say("cost")
@@ -68,7 +68,7 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
 
 
 def report(result: Result, folder: Path) -> Path:
-    """Write page, figures, fields, CSV and JSON; returns the page."""
+    """Write page, figures, fields, CSV and JSON, and return the path of the page."""
     rows = [row for comparison in result.comparisons for row in comparison.rows]
     meshes = convergence_rows(result.convergence)
     limit = result.convergence.torque
@@ -109,7 +109,7 @@ def report(result: Result, folder: Path) -> Path:
 
 
 def draw(result: Result, folder: Path) -> None:
-    """The figures, all of them of kinds that reports share."""
+    """Write the figures, which are of kinds that several reports share."""
     stiff, flexible = (
         [p for c in result.comparisons if c.case == case for p in panels(c)]
         for case in FILES.values()

@@ -1,4 +1,4 @@
-"""The brakes of the study: all that finite elements cover, and those of which parts are left out."""
+"""The brakes of the study: those that finite elements cover, and variants for omissions."""
 
 from pathlib import Path
 from typing import Any
@@ -12,11 +12,13 @@ from drumlin.models import applicable, refusals
 STUDIES = Path(__file__).parents[1]
 MAIN = STUDIES / "double_shoe" / "brake.toml"
 IRON, LAYER = {"E": 1.2e11, "nu": 0.25}, {"E": 1e10, "nu": 0.3}
+"""Materials of rings and backings in SI units."""
 
 
 def covered() -> tuple[dict[str, Path], dict[str, str]]:
-    """The brake files of studies/ that finite elements cover, by name, and why each other one is
-    left out.
+    """The brake files of studies/ that finite elements cover, and why others are left out.
+
+    Both are by name of the brake.
     """
     found, refused = {}, {}
     for path in sorted(STUDIES.glob("*/*.toml")):
@@ -24,7 +26,8 @@ def covered() -> tuple[dict[str, Path], dict[str, str]]:
         try:
             brake = read_any(path)
         except DrumlinError:
-            continue  # data of a study, no brake
+            # The file holds data of a study, not a brake.
+            continue
         refusal = refusals(brake).get("fem")
         unlike = "its shoes press on a plane" if brake.surface.straight else brake.unhinged()
         if refusal is not None:
@@ -54,7 +57,7 @@ def _backing(thickness: float = 0.005, E: float = 1e10) -> dict[str, Any]:
 
 
 def simplified(*, short: bool = False) -> dict[str, Brake]:
-    """The brakes of the table of what leaving things out costs, by name."""
+    """The brakes on which omissions are timed, by name."""
     main = read_brake(MAIN)
     found = {
         "double shoe": main,
@@ -72,7 +75,7 @@ def simplified(*, short: bool = False) -> dict[str, Brake]:
 
 
 def stiff_to_soft(*, short: bool = False) -> dict[str, Brake]:
-    """Brakes on which predictions are held against the truth, without timing."""
+    """The brakes on which only the predictions of omissions are checked, by name."""
     main = read_brake(MAIN)
     shoes = {
         f"shoe E = {E:.0e} Pa": vary(main, {"shoe.body.material.E": E})

@@ -1,6 +1,4 @@
-"""Error over run time, a marker a solve, a colour a family of methods; what is left out: predicted
-over true change.
-"""
+"""Figures of error over run time, and of predicted over true changes by omissions."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -50,7 +48,7 @@ PANELS = {
     "torque_error": "error of the torque [%]",
     "pressure_error": "error of p, L2, worst shoe [%]",
 }
-LOOKS = {  # what is left out -> marker, colour
+LOOKS = {
     "ring": ("o", BLUE),
     "coupling": ("D", PURPLE),
     "shoe": ("s", RED),
@@ -59,15 +57,19 @@ LOOKS = {  # what is left out -> marker, colour
     "curvature": ("P", GREY),
     "all but curvature": ("*", INK),
 }
-LEAST = 1e-6  # changes below it are of no interest
+"""Marker and colour of each omission."""
+LEAST = 1e-6
+"""Relative change below which an omission is not drawn."""
 CHANGES = (("shoes", "shoes' torques (sum of sizes)"), ("pressure", "pressure p (L2, worst shoe)"))
 
 
 def work_precision(
     title: str, rows: Sequence[Mapping[str, Any]], floors: Mapping[str, float]
 ) -> Figure:
-    """Errors of torque and p over the seconds of a cold solve, log-log; the reference's floor is
-    shaded.
+    """Errors of torque and p over the time of a cold solve.
+
+    Errors below the uncertainty of the reference are shaded. A marker is a solve, a colour a family
+    of methods.
     """
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(10.6, 4.9), layout="constrained")
@@ -98,12 +100,13 @@ def work_precision(
 
 
 def _families(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """The families with a converged row, in the order of COLORS."""
     found = {row["family"] for row in rows if row["status"] == "converged"}
     return [family for family in COLORS if family in found]
 
 
 def _style(family: str, name: str) -> str:
-    """Of a series: none of single markers, dotted on even meshes, dashed where the error is stated."""
+    """Line style of a series: dotted on uniform meshes, dashed where the error is stated."""
     if family == "law":
         return ""
     return ":" if name.endswith("even") else "--" if family.endswith("stated") else "-"
@@ -144,11 +147,10 @@ def _panel(axes: Any, rows: Sequence[Mapping[str, Any]], key: str, floor: float)
 
 
 def predictions(rows: Sequence[Mapping[str, Any]]) -> Figure:
-    """Predicted over true change of the shoes' torques and of p, log-log, a marker for each thing
-    left out.
+    """Predicted over true changes of the shoes' torques and of p, a marker for each omission.
 
-    Line: equal; band: within a factor 2. rows: of `omission_table.omissions`. Changes below LEAST
-    are not drawn.
+    On the line both are equal, in the band within a factor of two. Changes below LEAST are not
+    drawn. rows : from `omission_table.omissions`.
     """
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(10.4, 4.4), layout="constrained")

@@ -1,5 +1,6 @@
-"""Which model or mesh for the accuracy one needs, and what does it cost? Errors against run time on
-every brake.
+"""Which model or mesh is enough for an accuracy, and how long does it take?
+
+Errors stand against run times on every brake.
 """
 
 import time
@@ -57,21 +58,35 @@ from drumlin_studies.work_precision import (
 )
 
 HERE = Path(__file__).parent
-UNIT_ELEMENTS = 20  # of the solve that is the unit of time
+UNIT_ELEMENTS = 20
+"""Elements along a lining of the solve whose time is the unit of all times."""
 SHORT = ("double_shoe/brake", "laws/shigley_16_2")
+"""Brakes of the short setting."""
 WITH_PEERS = ("double_shoe/brake", "double_shoe/flexible")
-QUICK = Refinement(
-    2, (LEVELS[1], LEVELS[2]), triangles.LEVELS[:2]
-)  # references of the short setting
+"""Brakes that are solved by other programs as well."""
+QUICK = Refinement(2, (LEVELS[1], LEVELS[2]), triangles.LEVELS[:2])
+"""Refinement of the references in the short setting."""
 
 Row = dict[str, Any]
 
 
 class Result(NamedTuple):
-    """Everything that the report shows; `floors` and `references` by brake, `refused`: brakes left
-    out and why.
+    """Everything that the report shows.
 
-    `left_out`: rows of what leaving things out costs; `unit` [s]: of time.
+    Attributes
+    ----------
+    rows : list of dict
+        A row for each method on each brake.
+    floors, references : dict
+        Uncertainty and values of the reference of each brake.
+    refused : dict
+        Why a brake is not in the study, by brake.
+    left_out : list of dict
+        Rows of omissions.
+    unit : float
+        The unit of time [s].
+    seconds : float
+        Run time of the study [s].
     """
 
     rows: list[Row]
@@ -89,24 +104,23 @@ def study(
     say: Callable[[str], None] = lambda _: None,
     journal: Journal | None = None,
 ) -> Result:
-    """Every method on every brake, each a case of the journal; `short`: two brakes, fewer sizes,
-    coarser references.
+    """Solve every brake by every method, each a case of the journal.
+
+    short : whether two brakes, fewer sizes and coarser references are enough.
     """
     start = time.perf_counter()
     journal = journal or Journal()
     paths, refused = covered()
     paths = {name: path for name, path in paths.items() if not short or name in SHORT}
-    paths = {
-        name: paths[name] for name in sorted(paths, key=lambda name: name not in WITH_PEERS)
-    }  # the longest first
+    # The brakes with peers take longest and come first.
+    order = sorted(paths, key=lambda name: name not in WITH_PEERS)
+    paths = {name: paths[name] for name in order}
     unit = partial(solve, read_brake(MAIN), elements=UNIT_ELEMENTS)
     unit()
     rows, floors, references = [], {}, {}
     for name, path in paths.items():
-        brake, trio = (
-            read_brake(path),
-            cache(partial(responses, read_brake(path), QUICK if short else FINE)),
-        )
+        brake = read_brake(path)
+        trio = cache(partial(responses, read_brake(path), QUICK if short else FINE))
         say(f"{name}: reference")
         known = journal.once(
             {"brake": name, "reference": True}, partial(_reference, name, path, brake, trio)
@@ -118,9 +132,8 @@ def study(
             row = journal.once(
                 {"brake": name, **method.case}, partial(_row, brake, method, trio, unit)
             )
-            if (
-                peers and method.family == "columns, error stated"
-            ):  # as a whole process, beside those of the peers
+            # Beside the processes of the peers stands the process of a whole `drumlin solve`.
+            if peers and method.family == "columns, error stated":
                 case = {"brake": name, "process": row["tolerance"]}
                 row = row | journal.once(case, partial(_process, path, row["tolerance"]))
             rows.append({"brake": name, **row})
@@ -131,6 +144,7 @@ def study(
 
 
 def _reference(name: str, path: Path, brake: Brake, trio: Callable[[], Trio]) -> Row:
+    """The reference of a brake: its floor and its values."""
     command = f"drumlin reference studies/{name}.toml"
     return {
         "floor": floor(brake, trio()),
@@ -139,21 +153,20 @@ def _reference(name: str, path: Path, brake: Brake, trio: Callable[[], Trio]) ->
 
 
 def _row(brake: Brake, method: Method, trio: Callable[[], Trio], unit: Callable[[], object]) -> Row:
+    """The row of a method on a brake. CalculiX takes long and runs only once."""
     if method.family in PEER_FAMILIES:
-        return peer_row(
-            brake, method, trio().value, unit, 1 if method.family == "CalculiX" else TIMED_REPEATS
-        )
+        repeats = 1 if method.family == "CalculiX" else TIMED_REPEATS
+        return peer_row(brake, method, trio().value, unit, repeats)
     return measure(brake, method, trio().value, unit)
 
 
 def _process(path: Path, tolerance: float) -> Row:
+    """Time of a whole `drumlin solve` of a brake file to a tolerance."""
     return {"process": process_seconds(path, "--tolerance", str(tolerance))}
 
 
 def _left_out(journal: Journal, short: bool, say: Callable[[str], None]) -> list[Row]:
-    """What leaving things out costs, each brake one case: those of the table timed, those from
-    stiff to soft not.
-    """
+    """The rows of omissions, each brake a case. Brakes from stiff to soft are not timed."""
     cases = [(name, brake, 1 if short else 5) for name, brake in simplified(short=short).items()]
     cases += [(name, brake, 0) for name, brake in stiff_to_soft(short=short).items()]
     rows: list[Row] = []
@@ -170,7 +183,7 @@ def _left_out(journal: Journal, short: bool, say: Callable[[str], None]) -> list
 
 
 def report(result: Result, folder: Path) -> Path:
-    """Write page, figures, CSV, reference values; returns the page."""
+    """Write page, figures, tables and reference values, and return the path of the page."""
     rows, floors, left_out = result.rows, result.floors, result.left_out
     best = best_rows(rows, floors)
     write_text(folder / "results.csv", as_csv(rows))
@@ -186,15 +199,15 @@ def report(result: Result, folder: Path) -> Path:
         write_values(result.references[name], folder / "values" / f"{stem}.json")
     save(predictions(left_out), folder / "left_out.svg")
     times = fastest_seconds(rows, floors, 0.01)
+    converged = [row for row in rows if row["status"] == "converged"]
+    values: list[Row] = []
+    for name, of_brake_ in result.references.items():
+        values += summary_rows(of_brake_, name)
     return fill(
         HERE / "page.html",
         folder / "index.html",
         result=result,
-        laws=[
-            row["torque_error"]
-            for row in rows
-            if row.get("model") == "sine" and row["status"] == "converged"
-        ],
+        laws=[row["torque_error"] for row in converged if row.get("model") == "sine"],
         times=times,
         matrices=matrices(best),
         figures={name: f"work_precision_{stem}.svg" for name, stem in stems.items()},
@@ -207,9 +220,7 @@ def report(result: Result, folder: Path) -> Path:
         ratios={key: prediction_ratios(left_out, key) for key in ("pressure", "shoes", "torque")},
         saved=time_saved(left_out, 0.2),
         straight=worst_straight(left_out),
-        values=[
-            row for name, values in result.references.items() for row in summary_rows(values, name)
-        ],
+        values=values,
         spread=spread(rows),
         repeats=TIMED_REPEATS,
         unit_elements=UNIT_ELEMENTS,

@@ -1,9 +1,10 @@
-"""The inputs of the study given to an earlier drumlin: python studies/faults/before.py CHECKOUT >
-before.json.
+"""Run an earlier drumlin on the inputs of the study.
 
-That drumlin runs as a program of its own, which loads it once and then forks for each input; it
-shares nothing with this one but the inputs and the judge. Journals are damaged that it wrote
-itself.
+Usage: python studies/faults/before.py CHECKOUT > before.json
+
+The earlier drumlin runs as a separate program, which is loaded once and then forks for each input.
+It shares only the inputs and the judge with the present drumlin. The damaged journals are those
+that it has written itself.
 """
 
 import json
@@ -20,7 +21,7 @@ from studies.faults.study import INPUTS, UNKNOWN
 
 from drumlin.studies import REPOSITORY
 from drumlin_studies.fuzzing import broken_sweeps, endings, trials
-from drumlin_studies.fuzzing.inputs import BRAKES, Input
+from drumlin_studies.fuzzing.inputs import SOUND_BRAKES, BrokenInput
 
 PROGRAM = r"""
 import contextlib, io, json, os, resource, signal, sys, traceback
@@ -76,13 +77,13 @@ KINDS = (
     ("holds", "not finite"),
     ("nan", "not finite"),
 )
-"""What the judge's line says, and the kind of fault that it is."""
+"""Words of the judge's line, and the kind of fault that they mean."""
 LATER = ("No such option", "No such command")
-"""What an earlier drumlin says of options that it has not yet: no fault of its own."""
+"""Words of an earlier drumlin about options that it does not have. They are no fault."""
 
 
 class Earlier:
-    """An earlier drumlin that is given one input after the other."""
+    """An earlier drumlin that runs one input after the other."""
 
     def __init__(self, checkout: Path) -> None:
         env = os.environ | {
@@ -96,7 +97,7 @@ class Earlier:
                 "-P",
                 "-c",
                 PROGRAM,
-                REPOSITORY / "studies" / f"{BRAKES[0]}.toml",
+                REPOSITORY / "studies" / f"{SOUND_BRAKES[0]}.toml",
             ],
             env=env,
             stdin=subprocess.PIPE,
@@ -104,8 +105,8 @@ class Earlier:
             text=True,
         )
 
-    def end(self, given: Input) -> endings.Ending:
-        """How it ends on an input."""
+    def end(self, given: BrokenInput) -> endings.Ending:
+        """The ending of an input."""
         assert self._process.stdin is not None and self._process.stdout is not None
         with tempfile.TemporaryDirectory() as name, tempfile.TemporaryDirectory() as beside:
             endings.lay_out(given, Path(name))
@@ -125,21 +126,25 @@ class Earlier:
 
 
 def kind_of(fault: str, status: int) -> str:
-    """The kind of fault that the judge's line says; a process that its limits ended had hung."""
-    return (
-        "hang" if status < 0 else next((kind for begins, kind in KINDS if begins in fault), "other")
-    )
+    """The kind of a fault, by the judge's line.
+
+    A process that its limits of time or memory have ended counts as a hang.
+    """
+    if status < 0:
+        return "hang"
+    return next((kind for words, kind in KINDS if words in fault), "other")
 
 
 def main(checkout: Path, share: float = 1.0) -> dict[str, Any]:
-    """Faults of an earlier drumlin by generator and kind, on a share of the inputs of each
-    generator.
+    """The faults of an earlier drumlin by generator and kind.
+
+    share : fraction of the inputs of each generator that are run.
     """
     earlier = Earlier(checkout)
-    end = earlier.end(Input("sweep", broken_sweeps.sound_files(), broken_sweeps.WORDS_OF_A_SWEEP))
+    end = earlier.end(BrokenInput("sweep", broken_sweeps.sound_files(), broken_sweeps.SWEEP_WORDS))
     if end.status:
         sys.exit(end.err or end.out)
-    table, kept = end.written[broken_sweeps.TABLE], end.written[broken_sweeps.JOURNAL]
+    table, kept = end.written[broken_sweeps.SWEEP_TABLE], end.written[broken_sweeps.SWEEP_JOURNAL]
     rows = []
     for name, whole in INPUTS.items():
         count = round(share * whole)

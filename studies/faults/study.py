@@ -1,4 +1,4 @@
-"""Broken inputs of every kind and sweeps that are killed: what does drumlin make of them?"""
+"""How does drumlin end on broken inputs and after sweeps that are killed?"""
 
 import json
 from collections.abc import Callable
@@ -11,7 +11,9 @@ from drumlin_studies.fuzzing import kills, promises, trials
 
 HERE = Path(__file__).parent
 WORKERS = 2
-UNKNOWN = "not known to it"  # inputs with options that the earlier drumlin had not: neither sound nor a fault
+"""Number of processes."""
+UNKNOWN = "not known to it"
+"""Kind of inputs with options that an earlier drumlin does not have: neither sound nor a fault."""
 INPUTS = {
     "bytes": 1000,
     "schema": 2000,
@@ -28,18 +30,29 @@ INPUTS = {
     "command lines": 1200,
     "words": 300,
 }
-APART = 30  # inputs of each generator that are run as processes of their own, besides
+"""Number of inputs of each generator."""
+APART = 30
+"""Number of inputs of each generator that run in processes of their own as well."""
 SWEEPS = {"one job": 4, "two jobs": 4, "Dask": 2}
-KILLS = 10  # of each of these sweeps
+"""Number of sweeps that are killed, by the way in which they run."""
+KILLS = 10
+"""Number of kills of each sweep."""
 
 
 class Result(NamedTuple):
-    """The verdicts on all inputs by generator, in this process and in others; the sweeps that were
-    killed.
+    """Everything that the report shows.
+
+    Attributes
+    ----------
+    within, apart : dict
+        Verdicts by generator on inputs that run in the study's process, and in processes of their
+        own.
+    killed : list of dict
+        Rows of the killed sweeps.
     """
 
-    within: dict[str, list[trials.Verdict]]
-    apart: dict[str, list[trials.Verdict]]
+    within: dict[str, list[trials.InputVerdict]]
+    apart: dict[str, list[trials.InputVerdict]]
     killed: list[dict[str, Any]]
 
 
@@ -49,7 +62,10 @@ def study(
     say: Callable[[str], None] = lambda _: None,
     journal: Journal | None = None,
 ) -> Result:
-    """Try all inputs and kill all sweeps; `short`: five inputs of each generator and no kills."""
+    """Try all inputs and kill all sweeps.
+
+    short : whether five inputs of each generator and no kills are enough.
+    """
     journal = journal or Journal()
     within = dict.fromkeys(INPUTS, 5) if short else INPUTS
     apart = {"words": 1} if short else dict.fromkeys(INPUTS, APART)
@@ -62,7 +78,7 @@ def study(
 
 
 def report(result: Result, folder: Path) -> Path:
-    """Write the page; returns it."""
+    """Write the page and return its path."""
     within, apart = trials.table(result.within), trials.table(result.apart)
     before = json.loads((HERE / "before.json").read_text(encoding="utf-8"))
     return fill(
@@ -74,21 +90,22 @@ def report(result: Result, folder: Path) -> Path:
         | {"rows": [_before(row, result.within[row["generator"]]) for row in before["rows"]]},
         killed=kills.table(result.killed),
         refusal_lines=trials.refusal_lines(result.within),
-        faults=[
-            v.fault
-            for of in (result.within, result.apart)
-            for vs in of.values()
-            for v in vs
-            if v.fault
-        ]
-        + [f"{row['way']}: {row['fault']}" for row in result.killed if row["fault"]],
+        faults=_faults(result),
         promises=promises.PROMISES,
-        statuses=promises.STATUSES,
+        statuses=promises.STATUS_MEANINGS,
     )
 
 
-def _before(row: dict[str, Any], now: list[trials.Verdict]) -> dict[str, Any]:
-    """Faults of an earlier drumlin, in words, beside those of this one on the same inputs."""
+def _faults(result: Result) -> list[str]:
+    """All faults, in words."""
+    faults = []
+    for verdicts in (*result.within.values(), *result.apart.values()):
+        faults += [verdict.fault for verdict in verdicts if verdict.fault]
+    return faults + [f"{row['way']}: {row['fault']}" for row in result.killed if row["fault"]]
+
+
+def _before(row: dict[str, Any], now: list[trials.InputVerdict]) -> dict[str, Any]:
+    """The faults of an earlier drumlin beside those of the present one on the same inputs."""
     counts: dict[str, int] = row["faults"]
     later = counts.pop(UNKNOWN, 0)
     return {

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from drumlin.brake.brake import Brake
-from drumlin.laws.shapes import SHORT, Layout, equivalent_friction
+from drumlin.laws.shapes import SHORT_LAW, Layout, equivalent_friction
 from drumlin.laws.simscape import DoubleShoe
 from drumlin.report.drawing import draw_brake
 from drumlin.report.figures import STYLE, key, name_of
@@ -47,10 +47,10 @@ def short_shoe_merits(angles: Sequence[float], a_over_r: float, arc: float = 0.0
                     rf"$\theta_\mathrm{{m}}$ = {math.degrees(angle):.0f}°, $\delta\Delta$ = {dD:+d}"
                 )
                 for axes, merit in zip(
-                    panels, (SHORT.mechanical_advantage, SHORT.sensitivity), strict=True
+                    panels, (SHORT_LAW.mechanical_advantage, SHORT_LAW.sensitivity), strict=True
                 ):
                     axes.plot(mu, merit(mu, shoe), style, color=color, lw=1.8, label=label)
-                mu_lock = float(SHORT.locking_friction(shoe))
+                mu_lock = float(SHORT_LAW.locking_friction(shoe))
                 if mu_lock < mu[-1]:
                     for axes in panels:
                         axes.axvline(mu_lock, color=color, lw=0.8, ls=":")

@@ -1,5 +1,6 @@
-"""Every rigid-shoe law on worked examples and on every kind of brake: what it assumes, gives, and
-where it fails.
+"""What does each rigid-shoe law assume, what does it give, and where does it fail?
+
+The laws are applied to worked examples and to every kind of brake.
 """
 
 import json
@@ -57,8 +58,14 @@ DRAWINGS = {
 
 
 class Result(NamedTuple):
-    """Rows of the worked examples, of every brake file by every law, and of a source's words; p of
-    every law.
+    """Everything that the report shows.
+
+    Attributes
+    ----------
+    examples, applies, words : list of dict
+        Rows of the worked examples, of every brake file by every law, and of a source's words.
+    pressures : dict
+        The response of one shoe by each law.
     """
 
     examples: list[dict[str, Any]]
@@ -68,25 +75,24 @@ class Result(NamedTuple):
 
 
 def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -> Result:
-    """Worked examples, every brake file by every law, the sources' words; `short` changes nothing,
-    all is fast.
-    """
+    """Compute all tables. The study is fast, so that `short` changes nothing."""
     say("worked examples")
     given = tomllib.loads((HERE / "examples.toml").read_text())["example"]
-    examples = (
-        [row for example in given for row in example_rows(example, HERE)]
-        + simscape_rows()
-        + friction_rows()
-    )
+    examples: list[dict[str, Any]] = []
+    for example in given:
+        examples += example_rows(example, HERE)
+    examples += simscape_rows() + friction_rows()
     say("brake files")
-    applies = [row for file in FILES for row in law_rows(read_any(HERE.parent / file), file)]
+    applies: list[dict[str, Any]] = []
+    for file in FILES:
+        applies += law_rows(read_any(HERE.parent / file), file)
     post_brake = read_any(HERE.parent / "post_brake/brake.toml")
     shoes = first_shoes(read_any(HERE / "block.toml"), read_any(HERE / "pad.toml"))
     return Result(examples, applies, word_rows(post_brake), shoes)
 
 
 def report(result: Result, folder: Path) -> Path:
-    """Write page, figures, CSV and JSON; returns the page."""
+    """Write page, figures, CSV and JSON, and return the path of the page."""
     write_text(folder / "results.csv", as_csv(result.examples + result.applies + result.words))
     data = {
         "versions": versions(),
@@ -107,11 +113,8 @@ def report(result: Result, folder: Path) -> Path:
     save(pressures(result.pressures), folder / "pressures.svg")
 
     def examples_of(law: str, source: str, but: str | None) -> list[dict[str, Any]]:
-        rows = [
-            r
-            for r in result.examples
-            if r["law"] == law and source in r["source"] and (but is None or but not in r["source"])
-        ]
+        rows = [r for r in result.examples if r["law"] == law and source in r["source"]]
+        rows = [r for r in rows if but is None or but not in r["source"]]
         assert rows, f"no worked example of {law} from {source!r}"
         return rows
 

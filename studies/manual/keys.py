@@ -2,9 +2,9 @@
 
 from drumlin.brake.components import (
     Actuation,
+    ArcBody,
     Backing,
     Beam,
-    Body,
     Drum,
     DrumLining,
     Lobes,
@@ -87,7 +87,7 @@ BRAKE: tuple[Table, ...] = (
     ("`[shoe.backing]`", Backing, {
         "thickness": "of the layer between lining and shoe; behind a straight beam the block fills the space",
         "material": "its material"}),
-    ("`[shoe.body]`, an arc", Body, {
+    ("`[shoe.body]`, an arc", ArcBody, {
         "shape": "an arc of constant section, the default", **_ARC, **_BAR,
         "thickness": "radial, of a T-section's web"}),
     ("`table` of `[shoe.body]`", SectionTable, {

@@ -16,7 +16,7 @@ from studies.manual import keys
 
 import drumlin
 from drumlin.brake.fields import Part, row_units_in, unit_in
-from drumlin.brake.units import EXAMPLES, NAMES
+from drumlin.brake.units import EXAMPLES, QUANTITY_NAMES
 from drumlin.foundation.model import LIFTS
 from drumlin.models import MODELS
 from drumlin_studies.ladder import LADDER_CASES
@@ -60,8 +60,9 @@ def _tables(tables: Sequence[keys.Table]) -> str:
 
 
 def _rows(kind: type[Part], meanings: dict[str, str]) -> list[tuple[str, str, str]]:
-    """A row for each key. Raises KeyError for a key without meaning, ValueError for a meaning
-    without key.
+    """A row for each key of a part.
+
+    Raises KeyError for a key without a meaning, ValueError for a meaning without a key.
     """
     fields = {field.alias or name: field for name, field in kind.model_fields.items()}
     if unknown := set(meanings) - set(fields):
@@ -70,7 +71,7 @@ def _rows(kind: type[Part], meanings: dict[str, str]) -> list[tuple[str, str, st
 
 
 def _value(field: FieldInfo) -> str:
-    """What a key takes, and its default."""
+    """The values that a key takes, and its default, in words."""
     annotation = (
         Annotated[field.annotation, *field.metadata] if field.metadata else field.annotation
     )
@@ -84,13 +85,16 @@ def _value(field: FieldInfo) -> str:
 
 
 def _kind(annotation: Any) -> str:
+    """The kind of value that a key takes, in words."""
     words = _literals(annotation)
     if words:
         return " or ".join(f'`"{word}"`' for word in words)
     unit, row = unit_in(annotation), row_units_in(annotation)
     rows = f'rows like `["{EXAMPLES[row[0]]}", "{EXAMPLES[row[1]]}"]`' if row else ""
     if unit:
-        return f'{NAMES[unit]} such as `"{EXAMPLES[unit]}"`' + (f", or {rows}" if rows else "")
+        return f'{QUANTITY_NAMES[unit]} such as `"{EXAMPLES[unit]}"`' + (
+            f", or {rows}" if rows else ""
+        )
     if rows:
         return rows
     if unit == "":
@@ -110,7 +114,7 @@ def _kind(annotation: Any) -> str:
 
 
 def _plain(annotation: Any) -> set[Any]:
-    """The types that a type is made of."""
+    """The plain types in an annotation."""
     if get_origin(annotation) is None:
         return {annotation}
     return {get_origin(annotation)} | {
@@ -119,12 +123,14 @@ def _plain(annotation: Any) -> set[Any]:
 
 
 def _literals(annotation: Any) -> tuple[str, ...]:
+    """The words that an annotation allows, where it allows only certain words."""
     if get_origin(annotation) is Literal:
         return tuple(map(str, get_args(annotation)))
     return next((found for part in get_args(annotation) if (found := _literals(part))), ())
 
 
 def _limits(annotation: Any) -> Iterator[str]:
+    """The limits of a number, in words."""
     marks = [m for mark in _marks(annotation) for m in (mark, *getattr(mark, "metadata", ()))]
     for name, sign in (("gt", ">"), ("ge", "≥"), ("lt", "<"), ("le", "≤")):
         for mark in marks:
@@ -133,7 +139,7 @@ def _limits(annotation: Any) -> Iterator[str]:
 
 
 def _marks(annotation: Any) -> tuple[Any, ...]:
-    """What a type is annotated with, or each of its alternatives."""
+    """The annotations of a type, or of each of its alternatives."""
     own = getattr(annotation, "__metadata__", ())
     return own or tuple(
         mark for part in get_args(annotation) for mark in getattr(part, "__metadata__", ())
@@ -184,7 +190,7 @@ def _default(param: Any) -> str:
 
 
 def laws() -> str:
-    """The models, and what can be lifted of the foundation model."""
+    """Tables of the models, and of the simplifications of the foundation model."""
     rows = [(f"`{name}`", model.assumes) for name, model in MODELS.items()]
     lifts = [(f"`{name}`", words) for name, words in LIFTS.items()]
     heading = "\n## Simplifications that `--lift` removes\n\n"
@@ -192,7 +198,7 @@ def laws() -> str:
 
 
 def ladder() -> str:
-    """The table of all rungs, to stand below the page's own words."""
+    """The table of all cases of the ladder."""
     rows = [
         (
             case.family,
@@ -214,7 +220,7 @@ def ladder() -> str:
 
 
 def api() -> str:
-    """The page of every public name: the door's with their sections, then every module's."""
+    """The page of all public names: those of `drumlin` first, then those of each module."""
     parts = ["## `import drumlin`\n"]
     parts += [
         _entry(f"drumlin.{name}", getattr(drumlin, name))
@@ -230,9 +236,7 @@ def api() -> str:
 
 
 def public_modules() -> list[str]:
-    """Names of the modules whose names are there for others: all but the command line, tests of
-    drumlin and reports.
-    """
+    """Names of the public modules: all but those of the command line, of checks and of reports."""
     aside = {"cli", "verification", "peers", "report", "explore"}
     found = pkgutil.walk_packages(drumlin.__path__, "drumlin.")
     return sorted(info.name for info in found if info.name.split(".")[1] not in aside)

@@ -15,7 +15,7 @@ from studies.manual.solve_path import picture
 from drumlin.base.errors import NoAnswer
 from drumlin.fem.error_control.adapt import DEFAULT
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.model import LARGEST_IMBALANCE, LARGEST_LOSS, MOST_LOSS, PENALTY
+from drumlin.fem.model import LARGEST_ANSWER_IMBALANCE, LARGEST_LOSS, MOST_LOSS, PENALTY
 from drumlin.fem.preparation.finite_width import LARGEST_NU
 from drumlin.fem.solid.model import SOFTEST
 from drumlin.lining_wear.run_in import COEFFICIENT, WEAR_SETTLED, WORN_OUT
@@ -43,7 +43,7 @@ def values() -> dict[str, str]:
         "edge_zone": f"{math.degrees(EDGE_ZONE):g} deg",
         "lowest_degree": str(min(level.degree for level in LEVELS)),
         "highest_degree": str(max(level.degree for level in LEVELS)),
-        "largest_imbalance": _power(LARGEST_IMBALANCE),
+        "largest_imbalance": _power(LARGEST_ANSWER_IMBALANCE),
         "largest_loss": _power(LARGEST_LOSS),
         "most_loss": _power(MOST_LOSS),
         "width_poisson": f"{LARGEST_NU:g}",

@@ -1,6 +1,4 @@
-"""Figures of misfit and tolerances: pressures, maps, one turn of the drum, distributions, shares of
-a variance.
-"""
+"""Figures of misfit and tolerances: pressures, maps, one turn, distributions, variances."""
 
 from collections.abc import Mapping, Sequence
 
@@ -38,13 +36,16 @@ LEVELS = (
     500,
     700,
     1000,
-)  # of a map [%]
+)
+"""Contour lines of the maps [%]."""
 TINTS = {NEW: "#a9d3e5", WORN: "#b5dfc6"}
 
 
 def pressures(law: Response, family: Mapping[float, Response]) -> Figure:
-    """p(theta) of mismatches [um], blue to red, and the law, a panel a shoe; cut at 2.2 times the
-    peak of the fit.
+    """Pressures of linings of other radii, and by the law, a panel for each shoe.
+
+    They are cut at 2.2 times the peak of the lining that fits. family : responses by the radius of
+    the lining less that of the drum [um].
     """
     highest = 2.2 * max(shoe.peak_pressure for shoe in family[0.0].shoes)
     with mpl.rc_context(STYLE):
@@ -80,11 +81,16 @@ def pressures(law: Response, family: Mapping[float, Response]) -> Figure:
 
 
 def maps(sides: tuple[Floats, Floats], ratios: Mapping[str, Floats]) -> Figure:
-    """Torque and peak pressure over those of the law over mismatch and offset [m], contours in per
-    cent.
+    """Maps of torque and peak pressure over those of the law.
 
-    ratios: to the law's minus 1, rows of offsets, columns of mismatches; the law's value is a thick
-    line.
+    A thick line shows the value of the law.
+
+    Parameters
+    ----------
+    sides : two arrays
+        Radius of the lining less that of the drum, and offset of the lining [m].
+    ratios : mapping
+        Value over the law's value, minus 1: a row for each offset, a column for each radius.
     """
     x, y = (1e6 * side for side in sides)
     both = {"Torque": ratios["torque"], "Peak pressure": ratios["peak_pressure"]}
@@ -179,8 +185,9 @@ def histograms(drawn: DrawnBrakes, nominal: Mapping[str, float]) -> Figure:
 
 
 def shares(found: Mapping[str, Mapping[str, Sequence[Shares]]]) -> Figure:
-    """Sobol indices, by state and quantity, as bars with confidence intervals, in the order of the
-    first totals.
+    """Sobol indices as bars with confidence intervals, sorted by the totals of the first panel.
+
+    found : indices by state and quantity.
     """
     panels = (
         ("Torque, new", found["new"]["torque"]),
@@ -230,8 +237,16 @@ def shares(found: Mapping[str, Mapping[str, Sequence[Shares]]]) -> Figure:
 def narrowing(
     distances: Floats, healed: Mapping[str, Floats], nominal: Mapping[str, float]
 ) -> Figure:
-    """Percentiles of torque and peak pressure (brakes, distances) over the sliding distance in
-    units of 1/(k K).
+    """Percentiles of torque and peak pressure over the sliding distance.
+
+    Parameters
+    ----------
+    distances : array
+        Sliding distances [1/(k K)].
+    healed : mapping
+        Torque [N m] and peak pressure [Pa] (brakes, distances).
+    nominal : mapping
+        Both of the nominal brake by the law.
     """
     panels = (
         ("torque of the brake [N m]", healed["torque"], nominal["torque"]),

@@ -1,6 +1,4 @@
-"""What do misfit and manufacturing tolerances make of a brake's torque, and how does run-in heal
-it?
-"""
+"""How do misfit and manufacturing tolerances change a brake's torque, and how far does run-in help?"""
 
 import math
 import time
@@ -46,9 +44,12 @@ from drumlin_studies.misfit_rows import DRAWN_QUANTITIES, STATES, DrawnBrakes
 
 HERE = Path(__file__).parent
 BRAKE = HERE.parent / "double_shoe" / "brake.toml"
-AMPLITUDE = 20e-6  # m, of the drums in the figure of one turn
-FAMILY = (-100.0, -50.0, -20.0, 0.0, 20.0, 50.0, 100.0)  # um, lining radius against drum radius
-SIDES = 150e-6, 100e-6  # m, the largest mismatch and offset of the map
+AMPLITUDE = 20e-6
+"""Amplitude of the drum's lobes in the figure of one turn [m]."""
+FAMILY = (-100.0, -50.0, -20.0, 0.0, 20.0, 50.0, 100.0)
+"""Radius of the lining less that of the drum in the figure of pressures [um]."""
+SIDES = 150e-6, 100e-6
+"""Largest difference of the radii, and largest offset of the lining, in the maps [m]."""
 DISTANCES = (
     0.0,
     0.1,
@@ -62,15 +63,32 @@ DISTANCES = (
     50.0,
     100.0,
     200.0,
-)  # of run-in, in units of 1/(k K)
-HEALED = 0.02  # of the last value: percentiles that have come to rest
+)
+"""Sliding distances of running in [1/(k K)]."""
+HEALED = 0.02
+"""Relative distance from their last values below which percentiles count as settled."""
 SEED = 20
+"""Seed of the draws from the tolerances."""
 
 
 @dataclass(frozen=True)
 class Setting:
-    """How fine and how many: elements along a lining (`fine`: of single brakes), draws (a power of
-    2), points of the map, angles of a turn, brakes that are run in, processes (None: one a core).
+    """How fine the meshes are, and how many brakes are solved.
+
+    Attributes
+    ----------
+    elements, fine : int
+        Elements along a lining, of drawn brakes and of single brakes.
+    draws : int
+        Size of each sample, a power of 2.
+    wide, high : int
+        Points of the maps over both quantities.
+    angles : int
+        Angles of one turn of the drum.
+    healed : int
+        Number of brakes that run in.
+    jobs : int or None
+        Number of processes; None for one a core.
     """
 
     elements: int
@@ -108,7 +126,7 @@ class Result:
 
     @property
     def drawn(self) -> DrawnBrakes:
-        """The brakes drawn from the tolerances."""
+        """The brakes that are drawn from the tolerances."""
         return DrawnBrakes(self.rows, self.deviates.shape[1])
 
 
@@ -118,8 +136,9 @@ def study(
     say: Callable[[str], None] = lambda _: None,
     journal: Journal | None = None,
 ) -> Result:
-    """One misfit at a time, radius and offset, a turn of the drum, tolerances, run-in; `short`:
-    coarser, fewer.
+    """Compute single misfits, maps, a turn of the drum, tolerances and running in.
+
+    short : whether coarser meshes and fewer brakes are enough.
     """
     start = time.perf_counter()
     setting = SHORT if short else FULL
@@ -211,7 +230,7 @@ def study(
 
 
 def report(result: Result, folder: Path) -> Path:
-    """Write page, figures and tables; returns the page."""
+    """Write page, figures and tables, and return the path of the page."""
     drawn, nominal_values = result.drawn, misfit_rows.nominal(result.brake, result.law)
     made = {
         "pressure": figures.pressures(result.law, result.family),

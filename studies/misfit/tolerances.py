@@ -10,19 +10,19 @@ from drumlin.sweeps.tolerances import ManufacturingTolerance, between, within
 
 
 def nominal(brake: Brake) -> Brake:
-    """The brake with the keys that tolerances move: the lining's own radius, and an oval of
-    nothing.
+    """The brake with the keys that tolerances change.
+
+    They are a radius of the lining that equals the drum's, and an oval of amplitude zero.
     """
     oval = [{"order": 2, "amplitude": 0.0}]
     return vary(brake, {"shoe.lining.misfit.radius": brake.size, "drum.out_of_round": oval})
 
 
 def assumed(brake: Brake) -> tuple[ManufacturingTolerance, ...]:
-    """The tolerances: limits are two standard deviations of a normal distribution cut there.
+    """The tolerances: normal distributions that are cut at their limits, two standard deviations.
 
-    Drums and linings are turned and ground to some hundredths of a millimetre of their radius, pins
-    and lines of force are held to tenths, organic linings spread by some 10 % in friction and 20 %
-    in stiffness.
+    The radii of drums and linings are made to some hundredths of a millimetre, pins and lines of
+    force to some tenths. Organic linings scatter by some 10 % in friction and 20 % in stiffness.
     """
     leading = 0 if sine(brake).shoes[0].self_energising else 1
     found = [
@@ -52,11 +52,9 @@ def assumed(brake: Brake) -> tuple[ManufacturingTolerance, ...]:
             ),
             ManufacturingTolerance(f"taper ±50 µm, {name}", within(50e-6), {f"{own}.taper": 1.0}),
         ]
-    pins = {
-        key: slope
-        for i in range(len(brake.shoes))
-        for key, slope in along_hinge(brake, i, "hinge").items()
-    }
+    pins: dict[str, float] = {}
+    for i in range(len(brake.shoes)):
+        pins |= along_hinge(brake, i, "hinge")
     return (
         *found,
         ManufacturingTolerance("pins' distance ±0.2 mm", within(0.2e-3), pins),

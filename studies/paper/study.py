@@ -1,4 +1,4 @@
-"""The paper on drumlin: its prose is a page, its numbers are those of the reports that are kept."""
+"""The paper on drumlin, whose numbers are those of the kept reports."""
 
 import csv
 from collections.abc import Callable, Mapping
@@ -12,23 +12,24 @@ from drumlin_studies.work_precision import PEER_FAMILIES
 HERE = Path(__file__).parent
 KEPT = HERE.parents[1] / "reports" / "reference"
 MAIN = "double_shoe/brake"
-HALF = 5e-3  # of p (L2), at which peers are compared
+HALF = 5e-3
+"""Relative L2 error of p at which other programs are compared."""
 LAW_ENOUGH = ("torque", "torque", 0.05), ("fine", "torque", 1e-3), ("pressure", "p (L2)", 0.05)
 
 Row = dict[str, Any]
 
 
 def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -> Mapping[str, Any]:
-    """The numbers that the prose quotes, errors as parts of one, times in seconds; `short` changes
-    nothing.
+    """The numbers that the prose quotes: errors as fractions, times in seconds.
 
-    Raises BadInput where a kept report is missing.
+    `short` changes nothing. Raises BadInput where a kept report is missing.
     """
     say("the kept reports")
     return _double_shoe() | _run_time() | _others()
 
 
 def _rows(name: str) -> list[Row]:
+    """The rows of a table of the kept reports."""
     try:
         with (KEPT / name).open(encoding="utf-8") as file:
             return [
@@ -42,6 +43,7 @@ def _rows(name: str) -> list[Row]:
 
 
 def _value(text: str) -> Any:
+    """A cell of a table, as a number where it is a number."""
     try:
         return float(text)
     except ValueError:
@@ -49,6 +51,7 @@ def _value(text: str) -> Any:
 
 
 def _double_shoe() -> Row:
+    """Errors of the sine law on the double-shoe brake."""
     made = [
         row for row in _rows("double_shoe/results.csv") if row["rotation"] == "counter-clockwise"
     ]
@@ -64,14 +67,13 @@ def _double_shoe() -> Row:
 
 
 def _run_time() -> Row:
+    """Numbers on error against run time."""
     rows = [row for row in _rows("error_vs_runtime/results.csv") if row["status"] == "converged"]
     main = [row for row in rows if row["brake"] == MAIN]
     best = _rows("error_vs_runtime/recommended.csv")
-    (half,) = [
-        row
-        for row in best
-        if (row["brake"], row["quantity"], row["target"]) == (MAIN, "p (L2)", HALF)
-    ]  # a row for each brake, quantity and target
+    # There is one row for each brake, quantity and target.
+    of_p = [row for row in best if (row["brake"], row["quantity"]) == (MAIN, "p (L2)")]
+    (half,) = [row for row in of_p if row["target"] == HALF]
     return {
         "brakes": len({row["brake"] for row in best}),
         "laws": [row["torque_error"] for row in rows if row.get("model") == "sine"],
@@ -89,8 +91,10 @@ def _run_time() -> Row:
 
 
 def _peers(rows: list[Row]) -> dict[str, list[float]]:
-    """How many times as long a peer takes, cold and for a further load case, on the mesh on which
-    both know p.
+    """Times of peers over those of drumlin, cold and for a further load case.
+
+    Each is on its fastest graded mesh of a kind with an error of p within HALF. Only equal meshes
+    are compared.
     """
     found: dict[str, list[float]] = {}
     for family in PEER_FAMILIES:
@@ -103,18 +107,15 @@ def _peers(rows: list[Row]) -> dict[str, list[float]]:
 
 
 def _quickest(rows: list[Row], family: str, kind: str) -> Row | None:
-    fit = [
-        row
-        for row in rows
-        if (row["family"], row.get("kind")) == (family, kind)
-        and row.get("even") != "True"
-        and not row.get("layers")  # nor a refined one
-        and row["pressure_error"] <= HALF
-    ]
+    """The fastest row of a family on graded meshes of a kind with an error of p within HALF."""
+    own = [row for row in rows if (row["family"], row.get("kind")) == (family, kind)]
+    graded = [row for row in own if row.get("even") != "True" and not row.get("layers")]
+    fit = [row for row in graded if row["pressure_error"] <= HALF]
     return min(fit, key=lambda row: row["seconds"], default=None)
 
 
 def _others() -> Row:
+    """Numbers on running in, on the post brake and on plane stress."""
     worn = {row["brake"]: row for row in _rows("run_in/brakes.csv") if row["model"] == "fem"}
     fits = [
         row
@@ -136,5 +137,5 @@ def _others() -> Row:
 
 
 def report(result: Mapping[str, Any], folder: Path) -> Path:
-    """Write the page; returns it."""
+    """Write the page and return its path."""
     return fill(HERE / "page.html", folder / "index.html", **result)

@@ -24,7 +24,7 @@ PANELS = {
 
 
 def maps(charts: Sequence[Map]) -> Figure:
-    """A row for each chart, a panel for each error of the worst shoe, in per cent."""
+    """Maps of errors, a row for each map and a panel for each error of the worst shoe."""
     with mpl.rc_context(STYLE | {"axes.grid": False}):
         figure = Figure(figsize=(15.5, 3.9 * len(charts)), layout="constrained")
         grid = figure.subplots(len(charts), len(PANELS), squeeze=False)
@@ -58,7 +58,7 @@ def _panel(axes: Axes, chart: Map, key: str, title: str) -> None:
 
 
 def faces(three: Three, worn: WornSolid) -> Figure:
-    """p(theta, z) on the faces of the linings, new and worn in, one scale."""
+    """Pressure on the faces of the linings, new and worn in, with one scale."""
     with mpl.rc_context(STYLE | {"axes.grid": False}):
         new = three.solid.shoes
         figure = Figure(figsize=(11.5, 2.7 * len(new) + 0.8), layout="constrained")
@@ -92,7 +92,7 @@ def _top(shoe: ShoeResponse, zone: float) -> float:
 
 
 def curves(found: Mapping[str, Sequence[tuple[float, list[dict[str, Any]]]]]) -> Figure:
-    """Errors of the worst shoe over one quantity a panel."""
+    """Errors of the worst shoe, a panel for each quantity that varies."""
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(11.5, 6.6), layout="constrained")
         panels = np.ravel(figure.subplots(2, len(found) // 2, sharey=True))
@@ -119,9 +119,7 @@ def curves(found: Mapping[str, Sequence[tuple[float, list[dict[str, Any]]]]]) ->
 
 
 def wear(worn: WornSolid) -> Figure:
-    """How uneven p is across the width, and how far its mean is from the sine law, over the sliding
-    distance.
-    """
+    """How uneven p is across the width, and its mean against the sine law, over the distance."""
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(6.6, 3.9), layout="constrained")
         axes = figure.subplots()
@@ -165,8 +163,9 @@ COLORS = {"plane stress": BLUE, "plane stress, corrected": BROWN}
 
 
 def ladder(found: Mapping[str, Sequence[Rung]]) -> Figure:
-    """Error over processor time, a row for each brake: against the solid truth (full) and against
-    that of plane stress (hollow).
+    """Error over processor time, a row for each brake.
+
+    Full marks are errors against the solid truth, hollow marks against the truth in plane stress.
     """
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(11.5, 4.4 * len(found)), layout="constrained")

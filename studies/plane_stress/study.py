@@ -1,6 +1,4 @@
-"""How far is plane stress from a solid shoe, with table and web, and which brakes may be priced by
-it?
-"""
+"""How far is plane stress from a solid shoe with table and web, and for which brakes is it enough?"""
 
 import time
 from collections.abc import Callable, Sequence
@@ -31,9 +29,11 @@ from drumlin_studies.plane_stress import Certain, Map, Rung, Three, WornSolid
 from drumlin_studies.uncertainty import Validation
 
 HERE = Path(__file__).parent
-WIDTHS: Sequence[float] = (1.0, 2.0, 5.0, 10.0, 20.0)  # over the lining's thickness
+WIDTHS: Sequence[float] = (1.0, 2.0, 5.0, 10.0, 20.0)
+"""Width of the lining over its thickness."""
 MODULI: Sequence[float] = (50.0, 150.0, 300.0, 1000.0, 3000.0)  # MPa
-WEBS: Sequence[float] = (0.1, 0.2, 0.4, 0.7, 1.0)  # over the lining's width
+WEBS: Sequence[float] = (0.1, 0.2, 0.4, 0.7, 1.0)
+"""Width of the web over that of the lining."""
 TABLES: Sequence[float] = (1.5, 2.0, 3.0, 5.0, 8.0)  # mm
 FRICTIONS: Sequence[float] = (0.1, 0.2, 0.3, 0.4, 0.5)
 POISSON: Sequence[float] = (0.0, 0.1, 0.25, 0.35, 0.45)
@@ -56,9 +56,20 @@ DISTANCES: Sequence[float] = (
 
 @dataclass(frozen=True)
 class Setting:
-    """How fine and how many: elements along a lining in maps and in the brake itself, meshes that
-    double, every how many points of the maps; of the ladder its solid truth, meshes in the plane
-    and of solids.
+    """How fine the meshes are, and how many brakes are solved.
+
+    Attributes
+    ----------
+    elements, fine : int
+        Elements along a lining, in maps and in the study's own brake.
+    doubled : tuple of three int
+        Elements of three meshes that double.
+    every : int
+        One in so many points of the maps is solved.
+    truth : int
+        Elements of the solid that serves as truth of the ladder.
+    meshes, solids : tuple of int
+        Elements of the ladder in plane stress and of its solids.
     """
 
     elements: int
@@ -91,7 +102,10 @@ class Result:
 
 
 def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -> Result:
-    """All computing; `short`: coarser, fewer points."""
+    """Compute all tables, curves and maps.
+
+    short : whether coarser meshes and fewer points are enough.
+    """
     start = time.perf_counter()
     setting = SHORT if short else FULL
     brake = read_brake(HERE / "brake.toml")
@@ -164,8 +178,9 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
 
 
 def post() -> Brake:
-    """The mine winder's post brake on a rigid drum, its beam solid, as wide as gives it its bending
-    stiffness.
+    """The mine winder's post brake on a rigid drum, with a beam of full section.
+
+    The width of the beam gives it the bending stiffness of the real beam.
     """
     brake = read_brake(HERE.parent / "post_brake" / "brake.toml")
     body = brake.shoes[0].body
@@ -178,8 +193,12 @@ def post() -> Brake:
     return vary(brake, changes)
 
 
+ENDINGS = {"map": ("svg", "png"), "ladder": ("svg", "png"), "face": ("png",)}
+"""File formats of figures that are not only SVG."""
+
+
 def report(result: Result, folder: Path) -> Path:
-    """Write page, figures, tables and fields; returns the page."""
+    """Write page, figures, tables and fields, and return the path of the page."""
     made = {
         "map": figures.maps(result.maps),
         "face": figures.faces(result.three, result.worn),
@@ -188,13 +207,7 @@ def report(result: Result, folder: Path) -> Path:
         "ladder": figures.ladder(result.ladder),
     }
     for name, figure in made.items():
-        for ending in (
-            ("svg", "png")
-            if name in {"map", "ladder"}
-            else ("png",)
-            if name == "face"
-            else ("svg",)
-        ):
+        for ending in ENDINGS.get(name, ("svg",)):
             drawing.save(figure, folder / f"{name}.{ending}")
     brake, response = result.three.brake, result.three.solid
     write_vtu(
@@ -239,5 +252,5 @@ def report(result: Result, folder: Path) -> Path:
 
 
 def _within(maps: tuple[Map, Map], limit: float, key: str) -> float:
-    """The share of all brakes of the maps within a limit."""
+    """Fraction of all brakes of the maps whose error is within a limit."""
     return float(np.mean([np.mean(np.abs(chart.errors[key]) <= limit) for chart in maps]))

@@ -15,11 +15,12 @@ from drumlin.report.figures import STYLE, key, name_of
 from drumlin.report.palette import FAINT, GRADES, INK, look_of
 from drumlin_studies.post_brake_rows import Curve, ErrorMap, Merits, Offsets
 
-BOUNDS = (0.0, 0.01, 0.05, 0.20, np.inf)  # regions of a map: error within 1, 5, 20 %, beyond
+BOUNDS = (0.0, 0.01, 0.05, 0.20, np.inf)
+"""Borders of the regions of a map: errors within 1, 5 and 20 %, and beyond."""
 
 
 def beams(brake: Brake, found: Sequence[Mapping[str, Curve]]) -> Figure:
-    """The deformation r of each post along it, by each elastic model."""
+    """Deflection r along each post, by each elastic model."""
     panels = [
         (f"{shoe.name} post", {name: (x, r * 1e3) for name, (x, r) in models.items()})
         for shoe, models in zip(brake.shoes, found, strict=True)
@@ -30,7 +31,7 @@ def beams(brake: Brake, found: Sequence[Mapping[str, Curve]]) -> Figure:
 
 
 def clearance(offsets: Offsets) -> Figure:
-    """Torque of each shoe off nominal over the error of the lining's radius."""
+    """Relative change of each shoe's torque over the error of the lining's radius."""
     panels = [
         (shoe, {name: _columns(values, 1e3, 1e2) for name, values in models.items()})
         for shoe, models in offsets.items()
@@ -44,8 +45,9 @@ def clearance(offsets: Offsets) -> Figure:
 
 
 def merits(brake: Brake, found: Merits, key: str, label: str) -> Figure:
-    """One figure of merit of each shoe over the friction; angles in degrees from the hinge's foot
-    normal.
+    """One figure of merit of each shoe over friction.
+
+    Angles are in degrees from the middle of the lining.
     """
     panels = []
     for shoe in brake.shoes:
@@ -61,6 +63,7 @@ def merits(brake: Brake, found: Merits, key: str, label: str) -> Figure:
 
 
 def _columns(values: Sequence[tuple[float, float]], x: float, y: float) -> Curve:
+    """Points as a curve, with a factor on each coordinate."""
     a, b = np.array(values).T
     return a * x, b * y
 
@@ -73,11 +76,19 @@ def curves(
     *,
     zero: bool = False,
 ) -> Figure:
-    """Panels (title, {model: (x, y)}) side by side, one scale for all; a model's curve has its own
-    colour.
+    """Curves of several models in panels with one scale.
 
-    A model's name may go on after a space; the words behind it tell curves of one model apart,
-    dashed.
+    Parameters
+    ----------
+    panels : sequence of pairs
+        Title of a panel, and its curves by name of the model. Words after the name of a model tell
+        several curves of the model apart; they are drawn dotted.
+    xlabel, ylabel : str
+        Labels of the axes.
+    columns : int
+        Panels side by side.
+    zero : bool
+        Whether a line marks y = 0.
     """
     with mpl.rc_context(STYLE):
         lines = -(-len(panels) // columns)
@@ -109,8 +120,14 @@ def curves(
 
 
 def rim(own: Mapping[str, Curve], one: Mapping[str, Curve]) -> Figure:
-    """Displacement around the rim in polar axes, inwards towards the centre: `own`, the paper's rim
-    of each shoe, by its name; `one`, the rim of all shoes, by model.
+    """Displacement around the rim in polar axes, with inward displacements towards the centre.
+
+    Parameters
+    ----------
+    own : mapping
+        The paper's rim of each shoe, by its name.
+    one : mapping
+        The rim under all shoes, by model.
     """
     panels = (
         (
@@ -145,15 +162,20 @@ def rim(own: Mapping[str, Curve], one: Mapping[str, Curve]) -> Figure:
 
 
 def _mm(curve: Curve) -> Curve:
+    """A curve in m as a curve in mm."""
     theta, z = curve
     return theta, z * 1e3
 
 
 def maps(rows: Sequence[Sequence[ErrorMap]], mark: Sequence[tuple[float, float]]) -> Figure:
-    """Maps of errors, one row each of `rows`; every cell is one pair of solutions, its number is
-    the error in %.
+    """Maps of errors. A cell is one pair of solutions with its error in %.
 
-    `mark`: in each row, the place of the study's own brake.
+    Parameters
+    ----------
+    rows : sequence of sequences of ErrorMap
+        The maps of each row.
+    mark : sequence of pairs
+        In each row the place of the study's own brake.
     """
     with mpl.rc_context(STYLE):
         columns = len(rows[0])
@@ -201,6 +223,6 @@ def maps(rows: Sequence[Sequence[ErrorMap]], mark: Sequence[tuple[float, float]]
 
 
 def _edges(centres: Floats) -> Floats:
-    """Edges (n + 1,) of cells round geometrically spaced centres (n,)."""
+    """Edges (n + 1,) of cells around geometrically spaced centres (n,)."""
     ratio = np.sqrt(centres[1] / centres[0])
     return np.append(centres / ratio, centres[-1] * ratio)

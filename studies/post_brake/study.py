@@ -1,5 +1,6 @@
-"""A mine winder's post brake: sine law, elastic foundation and finite elements side by side, and
-where each holds.
+"""Where do sine law and foundation model hold on a mine winder's post brake?
+
+Finite elements stand beside them.
 """
 
 import math
@@ -37,7 +38,7 @@ MERITS = {
 
 @dataclass(frozen=True)
 class Result:
-    """Everything that the report shows; rows as verification.post_brake_rows has them."""
+    """Everything that the report shows, with rows of tables from `post_brake_rows`."""
 
     comparison: Comparison[Brake]
     lifts: list[dict[str, Any]]
@@ -55,7 +56,10 @@ class Result:
 
 
 def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -> Result:
-    """All computing; `short`: coarser, fewer points."""
+    """Compute all tables, curves and maps.
+
+    short : whether coarser meshes and fewer points are enough.
+    """
     start = time.perf_counter()
     elements, repeats = (24, 1) if short else (80, 5)
     brake = read_brake(HERE / "brake.toml")
@@ -100,7 +104,7 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
 
 
 def report(result: Result, folder: Path) -> Path:
-    """Write page, figures, fields, CSV and JSON; returns the page."""
+    """Write page, figures, fields, CSV and JSON, and return the path of the page."""
     comparison = result.comparison
     brake, responses = comparison.brake, comparison.responses
     draw(result, folder)
@@ -129,7 +133,7 @@ def report(result: Result, folder: Path) -> Path:
 
 
 def draw(result: Result, folder: Path) -> None:
-    """All figures."""
+    """Write the figures."""
     brake = result.comparison.brake
     made = {
         "pressure": drawing.pressures(panels(result.comparison)),
@@ -145,7 +149,7 @@ def draw(result: Result, folder: Path) -> None:
 
 
 def numbers(result: Result) -> dict[str, Any]:
-    """What results.json holds beside the comparison, as plain data."""
+    """The content of results.json beside the comparison, as plain data."""
     return {
         "lifts": result.lifts,
         "clearances": result.clearances,

@@ -22,7 +22,7 @@ DISTANCE = "sliding distance s k K"
 
 
 class Series(NamedTuple):
-    """A line of a figure: its label, x, y and, where it has to be a certain one, its colour."""
+    """A line of a figure: its label, x, y, and its colour where this is given."""
 
     label: str
     x: Sequence[float]
@@ -31,8 +31,9 @@ class Series(NamedTuple):
 
 
 def pressures(one: Run, curves: Sequence[float]) -> Figure:
-    """p(theta) over the sliding distance [1/(k K)]: curves at some, and all as a picture; a row a
-    lining.
+    """Pressure over angle and sliding distance, a row for each lining.
+
+    curves : sliding distances of the curves [1/(k K)]; a picture beside them shows all distances.
     """
     setup, states = one.setup, one.states
     with mpl.rc_context(STYLE):
@@ -71,7 +72,7 @@ def pressures(one: Run, curves: Sequence[float]) -> Figure:
 
 
 def _over_distance(axes: Axes, one: Run, surface: WornLining, top: float) -> None:
-    """p over theta and the logarithm of the distance, contact's ends as the border of the colour."""
+    """Draw p over angle and logarithm of the distance. Places without contact are white."""
     end = one.states[-1].s / one.unit
     levels = np.geomspace(end * 1e-4, end, 240)
     p = np.array([surface.along(at(one.states, s * one.unit).pressure) for s in levels])
@@ -91,7 +92,7 @@ def _over_distance(axes: Axes, one: Run, surface: WornLining, top: float) -> Non
 
 
 def torques(runs: Sequence[Run]) -> Figure:
-    """Torque off the law of each run over the distance."""
+    """Relative difference of the torque from the law over the distance, a line for each run."""
     return lines(
         [torque_off(one, one.name) for one in runs], "torque off the law [%]", law="law", band=0.1
     )
@@ -188,8 +189,9 @@ def profiles(one: Run, curves: Sequence[float]) -> Figure:
 
 
 def checkerboard(surface: WornLining, boards: Sequence[Board]) -> Figure:
-    """Nodal p(theta) over the most loaded third of one lining by several ways to step; titles carry
-    the ripple.
+    """Nodal pressures of the most loaded third of a lining, a panel for each way to step.
+
+    Titles tell the checkerboard of the pressure.
     """
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(10.6, 3.6), layout="constrained")

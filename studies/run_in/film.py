@@ -22,13 +22,13 @@ from drumlin_studies.run_in_limits import Run, RunFrame
 
 
 def film(one: Run, frames: Sequence[RunFrame], path: Path) -> Path:
-    """A GIF of the deformed shoes with their stress, the pressure on the drum and over theta, while
-    they run in.
+    """Write a GIF of shoes that run in, and return its path.
+
+    It shows the deformed shoes with their stress, and the pressure on the drum and over the angle.
     """
     top = 1.15 * peak(one.setup, frames[0].state)
-    stress = (
-        float(np.percentile(np.concatenate([f.von_mises for f in frames[0].fields]), 99)) * 1e-6
-    )
+    stresses = np.concatenate([f.von_mises for f in frames[0].fields])
+    stress = float(np.percentile(stresses, 99)) * 1e-6
     move = max(float(np.abs(f.displacement).max()) for f in frames[0].fields)
     scale = float(f"{0.06 * one.setup.brake.size / move:.1g}")
     pictures = []
@@ -53,6 +53,10 @@ def film(one: Run, frames: Sequence[RunFrame], path: Path) -> Path:
 def _frame(
     one: Run, frames: Sequence[RunFrame], number: int, scales: tuple[float, float, float]
 ) -> Figure:
+    """One picture of the film.
+
+    scales : largest pressure [Pa], largest stress [MPa], factor on displacements.
+    """
     setup, goal, unit = one.setup, one.goal, one.unit
     state, top = frames[number].state, scales[0]
     with mpl.rc_context(STYLE):
@@ -92,8 +96,10 @@ def _shoes(
     first: Sequence[float],
     scales: tuple[float, float, float],
 ) -> None:
-    """The shoes deformed, without the turn beyond `first` that takes up the wear: it would leave
-    the picture.
+    """Draw the deformed shoes with the pressure on the drum.
+
+    The turn of a shoe that takes up the wear is left out, because it would move the shoe out of the
+    picture. first : turn of each shoe with new linings [rad]; scales : as of `_frame`.
     """
     top, stress, scale = scales
     brake = setup.brake

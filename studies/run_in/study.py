@@ -1,4 +1,4 @@
-"""When are the pressure laws right? Every brake of studies/ and meshes/ run in from new to the law."""
+"""When are the rigid-shoe laws right? Every brake runs in from new until it is at its law."""
 
 import time
 from collections.abc import Callable
@@ -27,22 +27,30 @@ HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
 MAIN = ROOT / "studies" / "double_shoe" / "brake.toml"
 FLEXIBLE = ROOT / "studies" / "double_shoe" / "flexible.toml"
-SHORT = {"laws/block", "laws/pivoted_block", "double_shoe/brake"}  # the brakes of the short setting
-RATIOS = (1e-4, 1e-3, 1e-2, 1e-1)  # E of the lining over that of the shoe
-EXPONENTS = (0.5, 1.0, 1.5, 2.0, 3.0)  # of the pressure
+SHORT = {"laws/block", "laws/pivoted_block", "double_shoe/brake"}
+"""Brakes of the short setting."""
+RATIOS = (1e-4, 1e-3, 1e-2, 1e-1)
+"""Young's modulus of the lining over that of the shoe."""
+EXPONENTS = (0.5, 1.0, 1.5, 2.0, 3.0)
+"""Exponents m of a wear that goes with p^m."""
 CURVES = {
     "stiff": (0.0, 0.3, 3.0, 10.0, 30.0),
     "flexible": (0.0, 3.0, 30.0, 100.0, 300.0),
-}  # in 1/(k K), as below
-OPEN_CURVES = (0.003, 0.03, 0.2)  # of the whole run
+}
+"""Sliding distances at which pressures are drawn [1/(k K)], for stiff and for flexible shoes."""
+OPEN_CURVES = (0.003, 0.03, 0.2)
+"""Sliding distances of the figure of the least contact, over the length of the whole run."""
 REVERSALS = (10.0, 50.0, 250.0)
-END, STEPS = 3.0, (0.05, 0.5)  # how far equal steps go, and their sizes
-FAR = 0.01  # torque off the law, when new, of a brake that starts far off
+"""Sliding distances between two reversals of the drum [1/(k K)]."""
+END, STEPS = 3.0, (0.05, 0.5)
+"""Sliding distance and sizes of equal steps [1/(k K)]."""
+FAR = 0.01
+"""Relative difference of the torque from the law above which a new brake is far from its law."""
 
 
 @dataclass(frozen=True)
 class Result:
-    """Everything that the report shows; rows of tables as verification.run_in_limits has them."""
+    """Everything that the report shows, with rows of tables from `run_in_limits`."""
 
     main: Run
     flexible: Run
@@ -61,7 +69,10 @@ class Result:
 
 
 def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -> Result:
-    """Run in every brake, then the main one in many ways; `short`: few brakes, coarse."""
+    """Run in every brake, and the main brake in many ways.
+
+    short : whether few brakes on coarse meshes are enough.
+    """
     start = time.perf_counter()
     elements = 30 if short else 80
     runs, brakes = list[Run](), list[dict[str, Any]]()
@@ -115,9 +126,7 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
 
 
 def cases(*, short: bool) -> tuple[list[tuple[str, str, Brake]], list[str]]:
-    """Name, model and brake of everything that can be run in; the files that cannot, with the
-    reason.
-    """
+    """Name, model and brake of all that can run in, and reasons for the files that cannot."""
     found, skipped = list[tuple[str, str, Brake]](), list[str]()
     for path in sorted([*(ROOT / "studies").glob("*/*.toml"), *(ROOT / "meshes").glob("*.toml")]):
         name = f"{path.parent.name}/{path.stem}"
@@ -126,7 +135,8 @@ def cases(*, short: bool) -> tuple[list[tuple[str, str, Brake]], list[str]]:
         try:
             brake = read_any(path)
         except BadInput:
-            continue  # another kind of file
+            # The file is no brake.
+            continue
         if brake.surface.straight:
             skipped.append(f"{name}: shoes on a plane are not modelled elastically")
             continue
@@ -137,7 +147,7 @@ def cases(*, short: bool) -> tuple[list[tuple[str, str, Brake]], list[str]]:
 
 
 def report(result: Result, folder: Path) -> Path:
-    """Write page, figures, film and tables; returns the page."""
+    """Write page, figures, film and tables, and return the path of the page."""
     for name, rows in {
         "brakes": result.brakes,
         "ratios": result.ratios,
@@ -157,7 +167,7 @@ def report(result: Result, folder: Path) -> Path:
         stiff=limits.run_row(result.main),
         soft=limits.run_row(result.flexible),
         met=sum(row["status"] == limits.AT_LAW for row in result.brakes),
-        within=(limits.PRESSURE, limits.TORQUE),
+        within=(limits.PRESSURE_AT_LAW, limits.TORQUE_AT_LAW),
         least=least,
         far=[row for row in lives if abs(row["new_torque"]) > FAR],
         volume=max(row["volume"] for row in result.brakes if "volume" in row),
@@ -167,7 +177,19 @@ def report(result: Result, folder: Path) -> Path:
 
 
 def draw(result: Result, least: Run, reversal: Reversals, folder: Path) -> None:
-    """All figures and the film; `least`: the brake that lies on least when new."""
+    """Write the figures and the film.
+
+    Parameters
+    ----------
+    result : Result
+        Everything that the report shows.
+    least : Run
+        The brake with the smallest contact when new.
+    reversal : Reversals
+        The run with reversals that is drawn.
+    folder : Path
+        Folder of the report.
+    """
     main = result.main
     for key, one in (("stiff", main), ("flexible", result.flexible)):
         for ending in ("svg", "png"):

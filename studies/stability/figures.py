@@ -1,6 +1,4 @@
-"""Outcomes and digits over the knobs, digits over condition, soft penalties; limits of
-self-locking, torque to them.
-"""
+"""Figures of outcomes and digits, of soft penalties, and of self-locking."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -15,7 +13,7 @@ from matplotlib.patches import Patch, Rectangle
 from drumlin.report.figures import STYLE, key
 from drumlin.report.palette import BLUE, BROWN, GREEN, GREY, INK, OCHRE, PURPLE, RED, SKY, color_of
 
-COLORS = {  # outcomes: answers blue to green, refusals warm, faults black
+COLORS = {
     "answer": BLUE,
     "no contact": SKY,
     "self-locking": OCHRE,
@@ -27,7 +25,9 @@ COLORS = {  # outcomes: answers blue to green, refusals warm, faults black
     "traceback": "#000000",
     "inaccurate": "#000000",
 }
+"""Colours of outcomes: blue for answers, warm colours for refusals, black for faults."""
 LEVELS = [0, 4, 6, 8, 10, 12, 14, 16]
+"""Borders of the classes of digits, each with a colour of DIGITS."""
 DIGITS = ListedColormap([RED, OCHRE, "#efe3b0", "#cfe3d4", "#8fc4b7", "#3f93a8", "#0b5a80"])
 REFUSED = "#e6e6e6"
 
@@ -37,9 +37,7 @@ Row = Mapping[str, Any]
 
 
 def strips(rows: Sequence[Row], knobs: Sequence[str]) -> Figure:
-    """Every case of every sweep as a cell in the sweep's line, coloured by its outcome, the digits
-    written in.
-    """
+    """The cases of each sweep as cells of a line, coloured by outcome, with their digits."""
     with mpl.rc_context(STYLE | {"axes.grid": False}):
         longest = max(sum(row["knob"] == knob for row in rows) for knob in knobs)
         figure = Figure(figsize=(12.5, 0.36 * len(knobs) + 1.5), layout="constrained")
@@ -70,7 +68,7 @@ def strips(rows: Sequence[Row], knobs: Sequence[str]) -> Figure:
 
 
 def grids(rows: Sequence[Row], x: str, y: str, labels: tuple[str, str]) -> Figure:
-    """Outcome and digits over two knobs, the values in the order of the cases."""
+    """Outcome and digits over two knobs, with even distances of their values."""
     across = sorted({row["knobs"][x] for row in rows})
     up = sorted({row["knobs"][y] for row in rows})
     with mpl.rc_context(STYLE | {"axes.grid": False}):
@@ -108,8 +106,9 @@ def grids(rows: Sequence[Row], x: str, y: str, labels: tuple[str, str]) -> Figur
 
 
 def condition(rows: Sequence[Row]) -> Figure:
-    """Digits of the torque against its condition, with the digits that this leaves to double
-    precision.
+    """Digits of the torque over its condition.
+
+    A line shows the digits that the condition leaves to double precision.
     """
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(7.2, 4.2), layout="constrained")
@@ -144,9 +143,7 @@ def condition(rows: Sequence[Row]) -> Figure:
 
 
 def softening(series: Mapping[str, Sequence[tuple[float, float]]]) -> Figure:
-    """Relative change of the torque by a finite penalty over the penalty, with the line of slope
-    -1.
-    """
+    """Relative change of the torque by a finite penalty over the penalty, with a line of slope -1."""
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(7.2, 4.2), layout="constrained")
         axes = figure.subplots()
@@ -168,7 +165,15 @@ def softening(series: Mapping[str, Sequence[tuple[float, float]]]) -> Figure:
 
 
 def limits(panels: Sequence[tuple[str, Mapping[str, Sequence[Row]]]], law: float) -> Figure:
-    """mu_lock over the factor on the stiffness of each panel's part: (part, {name: rows})."""
+    """Friction that locks the brake over the stiffness of a part, a panel for each part.
+
+    Parameters
+    ----------
+    panels : sequence of pairs
+        Name of a part, and rows by name of the curve.
+    law : float
+        Friction that locks the brake by the sine law.
+    """
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(5.2 * len(panels), 3.6), layout="constrained")
         grid = figure.subplots(1, len(panels), squeeze=False, sharey=True)
@@ -185,10 +190,9 @@ def limits(panels: Sequence[tuple[str, Mapping[str, Sequence[Row]]]], law: float
 
 
 def poles(rows: Sequence[Row]) -> Figure:
-    """Torque over friction with both limits, and torque times the distance from the limit over that
-    distance.
+    """Torque over friction, and torque times distance from the limit over this distance.
 
-    rows: `name`, `mu`, `torque` [N m], `mu_lock`, `law_mu`, `law_torque` [N m], `law`.
+    rows : `name`, `mu`, `torque` [N m], `mu_lock`, `law_mu`, `law_torque` [N m], `law`.
     """
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(10.4, 3.8), layout="constrained")
@@ -223,7 +227,7 @@ def poles(rows: Sequence[Row]) -> Figure:
 
 
 def short(value: float) -> str:
-    """A value for a tick: powers of ten as such."""
+    """A value as the label of a tick; powers of ten as powers."""
     if value == 0 or math.isinf(value):
         return "0" if value == 0 else "∞"
     power = math.log10(abs(value))

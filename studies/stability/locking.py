@@ -1,6 +1,4 @@
-"""Self-locking of the elastic brake: which limits, torques, random brakes and slopes the study
-computes.
-"""
+"""The tables on self-locking of elastic brakes: limits, torques, random brakes and slopes."""
 
 from collections.abc import Callable
 from functools import partial
@@ -14,22 +12,36 @@ from drumlin_studies.self_locking import limit_row, slope_rows, torque_row, uniq
 
 FILE = Path(__file__).parents[1] / "double_shoe" / "brake.toml"
 THICKNESSES = (8e-3, 3e-3, 1e-3)
+"""Thicknesses of the lining over which limits are computed [m]."""
 RING = {"thickness": 0.015, "width": 0.04, "material": {"E": 120e9, "nu": 0.25}, "support": "free"}
 WAYS = ("locking", "opposed")
-SLOPES: dict[str, tuple[dict[str, Any], float]] = {  # name -> changes of the brake, penalty
+SLOPES: dict[str, tuple[dict[str, Any], float]] = {
     "stiff shoes": ({}, PENALTY),
     "clockwise": ({"rotation": "clockwise"}, PENALTY),
     "with a free ring": ({"drum.ring": RING}, PENALTY),
     "clearance, soft contact": ({"shoe.lining.clearance": 1e-5}, 100.0),
     "friction 0.6": ({"friction": 0.6}, PENALTY),
 }
+"""Changes of the brake and penalty factor of each table of slopes, by name."""
 
 Row = dict[str, Any]
 
 
 class Result(NamedTuple):
-    """Rows of each table: limits over stiffness, over the mesh, of a rigid shoe; torque;
-    uniqueness; sensitivity.
+    """Rows of all tables.
+
+    Attributes
+    ----------
+    shoe, ring : list of dict
+        Limits over the stiffness of the shoe and of the ring.
+    rigid, mesh : list of dict
+        Limits of a rigid shoe over the thickness of its lining, and over the mesh.
+    torque : list of dict
+        Torque over friction.
+    unique : list of dict
+        Uniqueness of the answers of random brakes.
+    slopes : list of dict
+        Slopes against differences.
     """
 
     shoe: list[Row]
@@ -44,7 +56,10 @@ class Result(NamedTuple):
 def study(
     journal: Journal, *, short: bool = False, say: Callable[[str], None] = lambda _: None
 ) -> Result:
-    """Compute all rows, each kept in the journal as it comes; `short`: fewer and coarser."""
+    """Compute all rows, each a case of the journal.
+
+    short : whether fewer rows on coarser meshes are enough.
+    """
     elements = 16 if short else 40
     brake, every = read_brake(FILE), 4 if short else 1
 
@@ -57,23 +72,18 @@ def study(
 
     say("limits of self-locking")
     E = brake.shoes[0].body.material.E  # type: ignore[union-attr]
-    shoe = [
-        locked(**{"shoe.body.material.E": E * 10**k, "shoe.lining.thickness": t, "factor": 10**k})
-        for t in THICKNESSES
-        for k in [k / 2 for k in range(-6, 13)][::every]
-    ]
-    ring = [
-        locked(
-            **{
+    shoe, ring = [], []
+    for t in THICKNESSES:
+        for k in [k / 2 for k in range(-6, 13)][::every]:
+            changes = {"shoe.body.material.E": E * 10**k, "shoe.lining.thickness": t}
+            shoe.append(locked(**changes, factor=10**k))
+    for support in ("free", "fixed"):
+        for k in [k / 2 for k in range(-8, 9)][::every]:
+            changes = {
                 "drum.ring": RING | {"support": support},
                 "drum.ring.material.E": 120e9 * 10**k,
-                "factor": 10**k,
-                "support": support,
             }
-        )
-        for support in ("free", "fixed")
-        for k in [k / 2 for k in range(-8, 9)][::every]
-    ]
+            ring.append(locked(**changes, factor=10**k, support=support))
     rigid = [
         locked(**{"shoe.body": None, "shoe.lining.thickness": 8e-3 / 2**k, "n": 2 * elements})
         for k in range(3 if short else 6)
@@ -91,13 +101,11 @@ def study(
         for name, drum in drums.items()
     ]
     say("uniqueness")
-    unique = [
-        journal.once(
-            {"of": "unique", "seed": k, "way": way, "n": elements}, partial(uniqueness_row, k, way)
-        )
-        for k in range(3 if short else 30)
-        for way in WAYS
-    ]
+    unique = []
+    for k in range(3 if short else 30):
+        for way in WAYS:
+            case = {"of": "unique", "seed": k, "way": way, "n": elements}
+            unique.append(journal.once(case, partial(uniqueness_row, k, way)))
     say("sensitivities against differences")
     slopes = []
     for name, (changes, penalty) in list(SLOPES.items())[: 1 if short else None]:
@@ -108,7 +116,7 @@ def study(
 
 
 def _as_rows(compute: Callable[[], list[Row]]) -> dict[str, list[Row]]:
-    """Rows as the plain data that a journal keeps."""
+    """Rows in the form that a journal keeps."""
     return {"rows": compute()}
 
 

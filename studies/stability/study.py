@@ -1,5 +1,6 @@
-"""Every knob turned to its end: right, or refused with the reason? The classical pointwise penalty
-beside it.
+"""Is a brake with extreme parameters solved right, or refused with the true reason?
+
+The textbook penalty at quadrature points stands beside drumlin.
 """
 
 import math
@@ -41,7 +42,8 @@ from drumlin_studies.trial import (
 
 HERE = Path(__file__).parent
 WORKERS = 2
-GRIDS = {  # knob -> of x and y, with their labels
+"""Number of processes."""
+GRIDS = {
     "shoe × friction": (
         "shoe",
         "friction",
@@ -53,13 +55,24 @@ GRIDS = {  # knob -> of x and y, with their labels
         ("penalty, multiple of E/t [-]", "lining thickness over R [-]"),
     ),
 }
+"""For each grid of two knobs its knobs along x and y, with their labels."""
 
 Row = dict[str, Any]
 
 
 class Result(NamedTuple):
-    """A row for each case; self-locking; comparisons of two ways to one quantity; `seconds`
-    of this run.
+    """Everything that the report shows.
+
+    Attributes
+    ----------
+    rows : list of dict
+        A row for each case.
+    locked : locking.Result
+        Tables on self-locking.
+    compared : list of Check
+        Comparisons of two paths to one quantity.
+    seconds : float
+        Run time of the study [s].
     """
 
     rows: list[Row]
@@ -74,8 +87,9 @@ def study(
     say: Callable[[str], None] = lambda _: None,
     journal: Journal | None = None,
 ) -> Result:
-    """Try every case of the designed set, two at a time; `short`: some 70 of them, here and one by
-    one.
+    """Try every case of the designed set in two processes.
+
+    short : whether some 70 cases in this process are enough.
     """
     start = time.perf_counter()
     journal = journal or Journal()
@@ -101,7 +115,7 @@ def study(
 
 
 def report(result: Result, folder: Path) -> Path:
-    """Write page, figures and CSV; returns the page."""
+    """Write page, figures and tables, and return the path of the page."""
     rows = result.rows
     compared = [row._asdict() | {"outcome": row.outcome} for row in result.compared]
     write_text(folder / "ways.csv", as_csv(compared))
@@ -164,7 +178,19 @@ def report(result: Result, folder: Path) -> Path:
 def draw(
     result: Result, known: list[Row], swept: dict[str, list[tuple[float, float]]], folder: Path
 ) -> None:
-    """The figures; `swept`: the softening by a finite penalty, empty where too few were tried."""
+    """Write the figures.
+
+    Parameters
+    ----------
+    result : Result
+        Everything that the report shows.
+    known : list of dict
+        Rows whose digits are known.
+    swept : dict
+        Changes of the torque by a finite penalty; empty where too few penalties were tried.
+    folder : Path
+        Folder of the report.
+    """
     rows, locked = result.rows, result.locked
     knobs = [
         knob
@@ -195,7 +221,7 @@ def _file(knob: str) -> str:
 
 
 def unique_rows(rows: list[Row]) -> list[Row]:
-    """The random brakes as the page shows them: what their limit is, and where starts disagree."""
+    """Rows of the random brakes for the page: kind of the limit, and where answers disagree."""
     return [
         row
         | {

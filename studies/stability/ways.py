@@ -1,6 +1,4 @@
-"""Two ways to the same quantity on random brakes: which checks the study makes, and on how many
-brakes.
-"""
+"""The checks of two paths to one quantity: which the study makes, and on how many brakes."""
 
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
@@ -19,13 +17,13 @@ from drumlin_studies import (
 from drumlin_studies.consistency import Check
 
 WORKERS = 2
-FIRST_SEED = 200_000  # brakes on which nothing was mended
+"""Number of processes."""
+FIRST_SEED = 200_000
+"""First seed of the brakes. No error of drumlin was found and repaired on these brakes."""
 
 
 class Ways(NamedTuple):
-    """A check on random brakes: its `title` for the page, what it makes of a seed, and of how many
-    seeds.
-    """
+    """A check on random brakes: its title, the rows of a seed, and the number of brakes."""
 
     title: str
     checks: Callable[[int], list[Check]]
@@ -52,7 +50,10 @@ WAYS = {
 def study(
     journal: Journal, *, short: bool = False, say: Callable[[str], None] = lambda _: None
 ) -> list[Check]:
-    """All comparisons, two brakes at a time; `short`: two brakes a check, here and one by one."""
+    """All comparisons, in two processes.
+
+    short : whether two brakes of each check, in this process, are enough.
+    """
     rows = []
     for name, way in WAYS.items():
         say(way.title)
@@ -68,9 +69,8 @@ def study(
                 journal.add(keys[seed], make(seed))
         else:
             with ProcessPoolExecutor(WORKERS, mp_context=get_context("spawn")) as pool:
-                for done, (seed, row) in enumerate(
-                    zip(left, pool.map(make, left, chunksize=4), strict=True), 1
-                ):
+                made = zip(left, pool.map(make, left, chunksize=4), strict=True)
+                for done, (seed, row) in enumerate(made, 1):
                     journal.add(keys[seed], row)
                     if done % 50 == 0:
                         say(f"{way.title}: {done} of {len(left)}")
@@ -79,4 +79,5 @@ def study(
 
 
 def _rows(name: str, seed: int) -> dict[str, Any]:
+    """The rows of a check and a seed, in the form that a journal keeps."""
     return {"rows": [check._asdict() for check in WAYS[name].checks(seed)]}

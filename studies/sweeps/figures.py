@@ -14,7 +14,7 @@ COLORS = {"processes": BLUE, "Dask workers": OCHRE, "Dask workers that keep memo
 
 
 def throughput(measured: Mapping[str, Sequence[Throughput]]) -> Figure:
-    """Cases a second as bars, a panel a sweep."""
+    """Cases a second as bars, a panel for each sweep."""
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(9.6, 3.4), layout="constrained")
         for axes, (name, those) in zip(figure.subplots(1, 2), measured.items(), strict=True):
@@ -45,7 +45,10 @@ def throughput(measured: Mapping[str, Sequence[Throughput]]) -> Figure:
 
 
 def torque(measured: Mapping[str, Sequence[Throughput]]) -> Figure:
-    """The distribution of the torque, a panel a sweep; lines: median, 2.5 % and 97.5 %."""
+    """Distribution of the torque, a panel for each sweep.
+
+    Lines show the median and the 2.5 and 97.5 percentiles.
+    """
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(9.6, 3.2), layout="constrained")
         panels = figure.subplots(1, 2, sharex=True)

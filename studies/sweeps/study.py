@@ -1,5 +1,6 @@
-"""What sweeps cost: cases a second by processes and by Dask workers, new bodies against shared
-ones, and kill -9.
+"""How many cases a second does a sweep solve, and does it survive being killed?
+
+Processes stand beside Dask workers, cases with bodies of their own beside cases that share them.
 """
 
 import importlib.util
@@ -36,7 +37,8 @@ HERE = Path(__file__).parent
 SHARED, OWN = "loads: bodies shared", "tolerances: bodies of their own"
 FILES = {SHARED: "loads.toml", OWN: "tolerances.toml"}
 WORKERS = (1, 2)
-FINE = 160  # elements along each lining that meshes are judged against
+FINE = 160
+"""Elements along a lining of the meshes against which coarser meshes are judged."""
 
 
 @dataclass(frozen=True)
@@ -54,8 +56,9 @@ class Result:
 
 
 def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -> Result:
-    """Measure the throughput of both sweeps by all workers, judge coarser meshes, kill a run;
-    `short`: few cases.
+    """Time both sweeps by all workers, judge coarser meshes, and kill runs.
+
+    short : whether few cases are enough.
     """
     start = time.perf_counter()
     with_dask = not short and importlib.util.find_spec("distributed") is not None
@@ -92,7 +95,7 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
 
 
 def report(result: Result, folder: Path) -> Path:
-    """Write page, figures, tables; returns the page."""
+    """Write page, figures and tables, and return the path of the page."""
     drawing.save(figures.throughput(result.measured), folder / "throughput.svg")
     drawing.save(figures.torque(result.measured), folder / "torque.svg")
     for name, those in result.measured.items():

@@ -1,6 +1,4 @@
-"""How fast do the finite elements converge, can their stated error be believed, and what is right
-beyond doubt?
-"""
+"""How fast do finite elements converge, are stated errors true, and which answers are known?"""
 
 import math
 import time
@@ -33,20 +31,37 @@ CASES: dict[str, dict[str, Any]] = {
     "whole lining in contact": {},
     "partial contact": {"shoe.lining.clearance": 1e-4},
 }
-
-
+"""Changes of the double-shoe brake for each case, by name."""
 JUDGED, BRAKES, FEW = 600_000, 500, 3
-"""First seed of the random brakes that are judged, their number, and that of the short setting. No
-factor of the estimate, level or rule was found on them.
+"""First seed of the random brakes, their number, and their number in the short setting.
+
+No factor, level or rule of the error estimate was found on these brakes.
 """
 CORNERS = 40
-"""Brakes that press with a corner or under a tip: four of each kind."""
-TENTH, THIRD = 10, 3  # of the seeds: with triangles as truth, to the last tolerance too
+"""Number of brakes that press with a corner or under a tip, four of each kind."""
+TENTH, THIRD = 10, 3
+"""One brake in TENTH has triangles as truth. One in THIRD is solved to the last tolerance as well."""
 
 
 class Result(NamedTuple):
-    """Errors over meshes of every kind, stated against true errors, random brakes, those that press
-    with corners or under tips, and cases with known answers.
+    """Everything that the report shows, as rows of tables.
+
+    Attributes
+    ----------
+    orders : list of dict
+        Errors on meshes of each kind.
+    levels : list of dict
+        Errors of hp elements level by level.
+    estimates : list of dict
+        Stated and true errors of the double-shoe brake.
+    judged, corners : list of dict
+        Stated and true errors of random brakes, and of brakes that press with corners or tips.
+    floor : dict
+        Uncertainty of the reference, by case.
+    ladder : list of dict
+        Cases with known answers.
+    seconds : float
+        Run time of the study [s].
     """
 
     orders: list[dict[str, Any]]
@@ -65,7 +80,10 @@ def study(
     say: Callable[[str], None] = lambda _: None,
     journal: Journal | None = None,
 ) -> Result:
-    """Errors of p (L2) and of the torque against a far finer mesh; `short`: coarser all over."""
+    """Compute all tables.
+
+    short : whether coarser meshes and fewer brakes are enough.
+    """
     start = time.perf_counter()
     journal = journal or Journal()
     sizes, fine, other = ((10, 20, 40), 120, 80) if short else ((20, 40, 80, 160), 640, 400)
@@ -75,10 +93,9 @@ def study(
         brake = vary(read_brake(BRAKE), changes)
         say(f"{case}: reference")
         reference = solve(brake, elements=fine, penalty=math.inf)
-        # another kind of mesh as a second opinion: below their distance nothing is claimed
-        floor[case] = distance(
-            solve(brake, elements=other, kind="tri2", penalty=math.inf), reference
-        )
+        # A mesh of another kind gives a second reference. No error below their distance is claimed.
+        second = solve(brake, elements=other, kind="tri2", penalty=math.inf)
+        floor[case] = distance(second, reference)
         for kind in KINDS:
             say(f"{case}: {kind}")
             orders += order_rows(brake, case, kind, sizes, reference)
@@ -93,15 +110,15 @@ def study(
         for seed in _seeds(JUDGED, BRAKES, short)
     ]
     say("random brakes")
-    judged = [
-        one for found in kept(cases, _judged, journal, say, processes) for one in found["rows"]
-    ]
+    judged: list[dict[str, Any]] = []
+    for found in kept(cases, _judged, journal, say, processes):
+        judged += found["rows"]
     count = 1 if short else CORNERS
     cases = [{"corner": corner_rows.FIRST_CORNER + k} for k in range(count)]
     say("random corners and tips")
-    corners = [
-        one for found in kept(cases, _cornered, journal, say, processes) for one in found["rows"]
-    ]
+    corners: list[dict[str, Any]] = []
+    for found in kept(cases, _cornered, journal, say, processes):
+        corners += found["rows"]
     say("benchmark ladder")
     known = [ladder.row(case) for case in ladder.LADDER_CASES]
     return Result(
@@ -114,13 +131,10 @@ def _seeds(first: int, count: int, short: bool) -> range:
 
 
 def _tolerances(seed: int, *, short: bool) -> list[float]:
-    return list(
-        JUDGED_TOLERANCES[:1]
-        if short
-        else JUDGED_TOLERANCES
-        if seed % THIRD == 0
-        else JUDGED_TOLERANCES[:-1]
-    )
+    """The tolerances to which the brake of a seed is solved."""
+    if short:
+        return list(JUDGED_TOLERANCES[:1])
+    return list(JUDGED_TOLERANCES if seed % THIRD == 0 else JUDGED_TOLERANCES[:-1])
 
 
 def _cornered(case: Case) -> dict[str, Any]:
@@ -128,16 +142,14 @@ def _cornered(case: Case) -> dict[str, Any]:
 
 
 def _drawn(seed: int) -> Brake:
-    """A hinged brake of any shape, or, of odd seeds, one of any way to hold and push shoes on a
-    drum.
-    """
+    """The brake of a seed: of any shape for an even seed, of any support on a drum for an odd one."""
     ways = [way for way in KINDS_OF_HOLDING if not way.startswith("pad")]
     brake = random_kind(seed, ways[seed // 2 % len(ways)]) if seed % 2 else random_brake(seed)
     return brake
 
 
 def _judged(case: Case) -> dict[str, Any]:
-    """Stated against true errors of a random brake, one row a tolerance."""
+    """Stated and true errors of a random brake, a row for each tolerance."""
     seed, tolerances = case["seed"], case["tolerances"]
     brake, failure, true = _drawn(seed), "", None
     triangular = seed // 2 % TENTH == 0
@@ -152,19 +164,14 @@ def _judged(case: Case) -> dict[str, Any]:
 
 
 def report(result: Result, folder: Path) -> Path:
-    """Write page, figures and CSV; returns the page."""
+    """Write page, figures and tables, and return the path of the page."""
     for i, case in enumerate(CASES):
-        series = {
-            kind: [
-                (r["elements"], r["pressure"])
-                for r in result.orders
-                if (r["case"], r["kind"]) == (case, kind)
-            ]
-            for kind in KINDS
-        }
-        figures.save(
-            figures.convergence(series, "error of p in L2"), folder / f"orders_{i + 1}.svg"
-        )
+        series = {}
+        for kind in KINDS:
+            rows = [r for r in result.orders if (r["case"], r["kind"]) == (case, kind)]
+            series[kind] = [(r["elements"], r["pressure"]) for r in rows]
+        figure = figures.convergence(series, "error of p in L2")
+        figures.save(figure, folder / f"orders_{i + 1}.svg")
     figures.save(cloud(result.judged), folder / "stated_true.svg")
     write_text(folder / "stated_true.csv", as_csv(result.judged))
     write_text(folder / "corners.csv", as_csv(result.corners))

@@ -1,4 +1,4 @@
-"""What every other room stands on: array types, texts, errors, files, journals and LAPACK.
+"""The base of every other room: array types, texts, errors, files, journals and LAPACK.
 
 The room is for the parts that know nothing of brakes; it imports nothing else of drumlin. Values
 and exceptions come in as plain Python and numpy objects. Lines for people, the exceptions BadInput

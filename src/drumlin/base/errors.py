@@ -1,5 +1,6 @@
-"""The ways in which drumlin ends without a number, each one plain line, and the line and status of
-any other fault.
+"""The exceptions with which drumlin refuses, and the line and exit status of every exception.
+
+A refusal is one plain line for the user. Any other exception gets a line and a status here as well.
 """
 
 import errno
@@ -10,18 +11,15 @@ from pathlib import Path
 
 from drumlin.base.texts import one_line
 
-SHORT_OF = {
-    code
-    for name in ("ENOSPC", "EDQUOT", "EFBIG", "EIO", "ENOMEM", "EMFILE", "ENFILE", "EAGAIN")
-    if (code := getattr(errno, name, None)) is not None
-}
-"""Errors of a system that is short of something (disk, memory, files, processes), of which no input
-is to blame.
+_SHORTAGES = ("ENOSPC", "EDQUOT", "EFBIG", "EIO", "ENOMEM", "EMFILE", "ENFILE", "EAGAIN")
+SHORT_OF = {getattr(errno, name) for name in _SHORTAGES if hasattr(errno, name)}
+"""Error numbers of a system that is short of disk, memory, files or processes. No input is to blame
+for them, so that they end as NoAnswer, not as BadInput. Some systems lack some of the numbers.
 """
 
 
 class DrumlinError(Exception):
-    """A problem that is said in one line; `exit_status` is what the command line returns."""
+    """A problem that one line explains; `exit_status` is the status of the command line."""
 
     exit_status = 1
 
@@ -36,20 +34,22 @@ class BadInput(DrumlinError):
 
 
 class NoAnswer(DrumlinError):
-    """The input is right and the question has no answer: self-locking, no equilibrium, not
-    converged.
+    """The input is right and the question has no answer.
+
+    Such are self-locking, no equilibrium, and not converged.
     """
 
     exit_status = 3
 
 
 class LostDigits(NoAnswer):
-    """There is an answer, but stiffnesses or sizes are too far apart for the arithmetic to find it."""
+    """An answer exists, but round-off hides it: stiffnesses or sizes are too far apart."""
 
 
 class Stopped(BaseException):
-    """A signal asks the process to end; what is being written is given up, and nothing may catch it
-    on the way.
+    """A signal asks the process to end.
+
+    A file that is being written is given up. No handler of ordinary exceptions catches this one.
     """
 
     def __init__(self, signal: int) -> None:
@@ -58,39 +58,40 @@ class Stopped(BaseException):
 
 
 def reason_of(error: BaseException) -> str:
-    """What the system says of an error, without the name of the file."""
-    return (
-        (error.strerror if isinstance(error, OSError) else None)
-        or str(error)
-        or type(error).__name__
-    )
+    """The system's words on an error, without the name of the file."""
+    by_system = error.strerror if isinstance(error, OSError) else None
+    return by_system or str(error) or type(error).__name__
 
 
 def file_fault(path: object, doing: str, error: BaseException) -> DrumlinError:
-    """The fault of a file that cannot be read or written (`doing`): NoAnswer where the system is
-    short of something.
+    """The exception for a file that cannot be read or written, as `doing` says.
+
+    It is NoAnswer where the system is short of disk, memory or files, else BadInput.
     """
     short = isinstance(error, OSError) and error.errno in SHORT_OF
-    return (NoAnswer if short else BadInput)(f"{path}: cannot be {doing} ({reason_of(error)})")
+    kind = NoAnswer if short else BadInput
+    return kind(f"{path}: cannot be {doing} ({reason_of(error)})")
 
 
 def line_and_status(error: BaseException) -> tuple[str, int]:
-    """What a process says of an exception that ends it, one line (empty: nothing), and its exit
-    status.
+    """The line that a process prints about the exception that ends it, and its exit status.
 
-    2 bad input, 3 no answer, 128 + its number for a signal; 1 is a fault of drumlin itself.
+    An empty line means that nothing is printed. The status is 2 for bad input, 3 for no answer,
+    128 + its number for a signal, and 1 for a fault of drumlin itself.
     """
     line, status = _line_and_status(error)
     return one_line(line), status
 
 
 def _line_and_status(error: BaseException) -> tuple[str, int]:
+    """As `line_and_status`; the line may still be long, or have more than one row."""
     if isinstance(error, DrumlinError | Stopped):
         line, status = str(error), error.exit_status
     elif isinstance(error, KeyboardInterrupt):
         line, status = "stopped", 130
     elif isinstance(error, BrokenPipeError):
-        line, status = "", 141  # whoever read it has seen enough
+        # The reader of the output has seen enough and has closed the pipe.
+        line, status = "", 141
     elif isinstance(error, MemoryError):
         line, status = "not enough memory", 3
     elif isinstance(error, ModuleNotFoundError) and not str(error.name).startswith("drumlin"):
@@ -99,20 +100,21 @@ def _line_and_status(error: BaseException) -> tuple[str, int]:
         line, status = f"a package cannot be loaded: {error}", 3
     elif isinstance(error, OSError):
         where = "" if error.filename is None else f"{error.filename}: "
-        line, status = f"{where}{reason_of(error)}", 3 if error.errno in SHORT_OF else 2
+        line = f"{where}{reason_of(error)}"
+        status = 3 if error.errno in SHORT_OF else 2
     else:
         place = traceback.extract_tb(error.__traceback__)[-1:]
         at = "".join(f" ({Path(frame.filename).name}:{frame.lineno})" for frame in place)
-        line, status = (
-            f"unexpected {type(error).__name__}: {error}{at}; a fault of drumlin, please report it",
-            1,
-        )
+        kind = type(error).__name__
+        line = f"unexpected {kind}: {error}{at}; a fault of drumlin, please report it"
+        status = 1
     return "; ".join([line, *getattr(error, "__notes__", ())]), status
 
 
 def ended(run: Callable[[], int]) -> int:
-    """The exit status of `run`, or that of the exception that ends it, whose line goes to standard
-    error.
+    """The exit status of `run`, or of the exception that ends it.
+
+    The line of the exception goes to standard error.
     """
     try:
         return run()
@@ -121,5 +123,6 @@ def ended(run: Callable[[], int]) -> int:
     except BaseException as error:
         line, status = line_and_status(error)
         if line and sys.stderr is not None:
-            print(f"drumlin: {line}", file=sys.stderr)  # noqa: T201  (the last word of a process)
+            # The process ends here, so that no printer of the command line is left.
+            print(f"drumlin: {line}", file=sys.stderr)  # noqa: T201
         return status

@@ -1,8 +1,8 @@
-"""Where files are read and written.
+"""Files are read within limits, and written whole or not at all.
 
-What is read has a limit, and is text in UTF-8 in every locale. What is written replaces a regular
-file, whole or not at all: a temporary name beside it, then a rename. Links are followed and
-permissions stay. Pipes and devices are written to.
+Texts are in UTF-8 in every locale. A regular file that is written over is replaced: the new content
+gets a temporary name beside the file, and a rename follows. Links are followed, and permissions
+stay. Pipes and devices are written to.
 """
 
 import json
@@ -17,15 +17,17 @@ from pathlib import Path
 
 from drumlin.base.errors import BadInput, DrumlinError, file_fault
 
-# Characters of the suffix that a temporary name takes over; what is longer is no suffix.
 LONGEST_SUFFIX = 16
+"""Characters of a suffix up to which a temporary name takes it over. A longer suffix would make the
+name too long for the file system, and no program needs it.
+"""
 
 _inputs: ContextVar[list[os.stat_result] | None] = ContextVar("inputs", default=None)
 
 
 @contextmanager
 def inputs_kept() -> Iterator[None]:
-    """While the block runs, no file that it reads (or that `keep_input` names) is written over."""
+    """Protect every file that the block reads, or that `keep_input` names, from being written over."""
     token = _inputs.set([])
     try:
         yield
@@ -34,7 +36,10 @@ def inputs_kept() -> Iterator[None]:
 
 
 def keep_input(path: Path) -> None:
-    """Count the file at `path`, whatever it is called, among the inputs, also if it is never read."""
+    """Count the file at `path` among the inputs, even if it is never read.
+
+    A file is known by its place on the disk, so that a second name for it counts as well.
+    """
     inputs = _inputs.get()
     with suppress(OSError, ValueError):
         if inputs is not None and path.is_file():
@@ -45,14 +50,14 @@ def keep_input(path: Path) -> None:
 
 
 def read_bytes(path: Path, most: int, what: str, *, regular: bool = False) -> bytes:
-    """The content of a file of up to `most` bytes, which is to be `what` ("a brake file").
+    """The content of a file of up to `most` bytes.
 
     Parameters
     ----------
     path : of a file, a pipe or a device
     most : bytes that are read at most
-    what : the words for the file in the line of a refusal
-    regular : whether a file on a disk alone will do, since the content is read again later
+    what : the words for the file in the line of a refusal, such as "a brake file"
+    regular : whether only a file on a disk is accepted, because the content is read again later
 
     Raises
     ------
@@ -69,7 +74,7 @@ def read_bytes(path: Path, most: int, what: str, *, regular: bool = False) -> by
             raise BadInput(f"{path}: is empty; not {what}")
         with path.open("rb") as file:
             data = file.read(most + 1)
-    # A ValueError comes of a NUL in the name, or of a letter that the locale has not.
+    # A NUL in the name, or a letter that the locale does not have, raises a ValueError.
     except (OSError, ValueError) as error:
         raise file_fault(path, "read", error) from error
     if len(data) > most:
@@ -81,7 +86,7 @@ def read_bytes(path: Path, most: int, what: str, *, regular: bool = False) -> by
 def read_text(path: Path, most: int, what: str) -> str:
     """The text of a file of up to `most` bytes, in UTF-8.
 
-    Raises BadInput as `read_bytes` does, and for bytes that are no UTF-8.
+    Raises BadInput as `read_bytes` does, and for bytes that are not UTF-8.
     """
     data = read_bytes(path, most, what)
     try:
@@ -96,7 +101,7 @@ def read_text(path: Path, most: int, what: str) -> str:
 
 
 def check_outputs(*paths: Path | None) -> None:
-    """Raise BadInput where a path may not or cannot be written over, before anything is computed.
+    """Raise BadInput where a path must not or cannot be written, before a computation starts.
 
     Refused are a folder, a disk, one of the inputs, a second output in the same file, and any .toml
     file, since brake and sweep files are written by hand.
@@ -113,9 +118,8 @@ def check_outputs(*paths: Path | None) -> None:
 def check_folder(path: Path) -> None:
     """Raise BadInput where `path` cannot be a folder, since a file stands there or above it."""
     try:
-        above = next(
-            folder for folder in (path, *path.absolute().parents) if os.path.lexists(folder)
-        )
+        folders = (path, *path.absolute().parents)
+        above = next(folder for folder in folders if os.path.lexists(folder))
         if not above.is_dir():
             raise BadInput(f"{path}: cannot be written (not a folder: {above})")
     except (OSError, ValueError, StopIteration) as error:
@@ -123,7 +127,7 @@ def check_folder(path: Path) -> None:
 
 
 def _target(path: Path) -> tuple[Path, os.stat_result | None]:
-    """The file that a path means, links followed, and what stands there (None: nothing yet)."""
+    """The file that a path leads to through links, and its status; None where no file stands yet."""
     try:
         found = path.stat() if path.exists() else None
         target = Path(os.path.realpath(path))
@@ -150,8 +154,8 @@ def replacing(path: Path) -> Iterator[Path]:
     """A temporary path, with the suffix of `path`, that becomes `path` if the block ends well.
 
     A regular file is replaced by a rename and keeps its permissions. A link stays, and its target
-    is replaced. What is written for a pipe or a device is sent to it in the end. Raises BadInput
-    where `check_outputs` does or the system does not allow it, NoAnswer where the disk is full.
+    is replaced. The content for a pipe or a device is sent to it in the end. Raises BadInput where
+    `check_outputs` does or where the system refuses, and NoAnswer where the disk is full.
     """
     target, found = _target(path)
     suffix = path.suffix if len(path.suffix) <= LONGEST_SUFFIX else ""
@@ -170,7 +174,7 @@ def replacing(path: Path) -> Iterator[Path]:
             partial.touch(0o666 if found is None else 0o600, exist_ok=False)
             yield partial
             if found is not None:
-                # Not everyone may give a file away, and not every system can.
+                # Few users may give a file away, and some systems cannot.
                 with suppress(OSError, AttributeError):
                     os.chown(partial, found.st_uid, found.st_gid)
                 partial.chmod(stat.S_IMODE(found.st_mode) & 0o777)
@@ -179,16 +183,16 @@ def replacing(path: Path) -> Iterator[Path]:
             partial.unlink(missing_ok=True)
     except DrumlinError:
         raise
-    # A UnicodeEncodeError comes of a letter of the name that the locale has not.
+    # A letter of the name that the locale does not have raises a UnicodeEncodeError.
     except (OSError, UnicodeEncodeError) as error:
         raise file_fault(path, "written", error) from error
 
 
 def _stream(path: Path, found: os.stat_result) -> Path | int | None:
-    """What is written to and not replaced: a pipe or a device, by its path, or a standard stream.
+    """The pipe, device or standard stream that is written to and not replaced; None for other files.
 
-    A file that standard output or error goes to is written to by the stream's number: a new file in
-    its place would lose what is printed. None for all other files.
+    A file that standard output or error goes to is written to by the number of the stream: a new
+    file in its place would lose the printed lines.
     """
     if not stat.S_ISREG(found.st_mode):
         return path
@@ -202,7 +206,7 @@ def _stream(path: Path, found: os.stat_result) -> Path | int | None:
 def write_text(path: Path, text: str) -> None:
     """Write a text file in UTF-8, whole or not at all."""
     with replacing(path) as partial:
-        # Paths of bytes that no encoding has may stand in the text.
+        # The text may hold paths with bytes that are in no encoding.
         partial.write_text(text, encoding="utf-8", errors="replace")
 
 
@@ -228,8 +232,8 @@ def write_json(path: Path, data: object) -> None:
     write_text(path, json.dumps(data, indent=1, allow_nan=False) + "\n")
 
 
-# What a text begins with that a spreadsheet takes for a formula. Numbers and "-70 to 55.1" are
-# none.
+# The beginning of a text that a spreadsheet takes for a formula. Numbers and ranges such as
+# "-70 to 55.1" do not match.
 _FORMULA = re.compile(r"[=@\t\r]|[-+](?![-+0-9.,;: eEto]*\Z)")
 
 

@@ -30,23 +30,23 @@ except ImportError:
     # On a system without such locks the user takes care that no two runs write one journal.
     fcntl = None  # type: ignore[assignment]
 
-# The longest line in bytes. A case has some hundreds, a study's reference some hundred thousand.
-# In a file with another stamp a sound line is looked for up to here.
 LARGEST_LINE = 2**26
-
-# The first line begins with HEAD. Each further line holds a checksum, then its record: the number
-# tells how many bytes stand before the record.
+"""Longest line of a journal in bytes. A case has some hundreds, a study's reference some hundred
+thousand. A longer line is damaged. In a file with another stamp sound lines are looked for up to
+this many bytes.
+"""
 HEAD = b'{"stamp": "'
+"""The beginning of the first line of a journal."""
 LEAD = len('{"sum": "0123456789abcdef", ')
-
-# Libraries whose version may change a result's last digits.
+"""Bytes before the record in each further line: they hold the checksum."""
 COMPUTING = ("numpy", "scipy", "scikit-fem")
+"""Libraries whose version may change the last digits of a result."""
 
 
 def source_stamp(*folders: Path) -> str:
-    """A digest of what computes: the source of drumlin and of `folders`, and versions of libraries.
+    """A digest of the source that computes results, and of the versions of its libraries.
 
-    Of a folder it is the content of all Python and TOML files.
+    The source is that of drumlin and of `folders`: the content of all Python and TOML files.
     """
     digest = hashlib.sha256()
     for name in COMPUTING:
@@ -58,18 +58,18 @@ def source_stamp(*folders: Path) -> str:
 
 
 def key_of(case: Mapping[str, Any]) -> str:
-    """What tells cases apart: their data as JSON, keys in order.
+    """The key of a case: its data as JSON, with keys in order.
 
-    A value that JSON lacks stands there by its text.
+    A value that JSON lacks is replaced by its text.
     """
     return json.dumps(case, sort_keys=True, default=str)
 
 
 class Journal(AbstractContextManager["Journal"]):
-    """Finished cases by their data, in a file; without a path in memory only.
+    """The results of finished cases, kept in a file, or in memory only where no path is given.
 
-    `notes` are lines about the file that was found. Raises BadInput where another run holds the
-    file, where it cannot be written, or where it is no journal.
+    `notes` are lines about an existing file. Raises BadInput where another run holds the file,
+    where the file cannot be written, or where it is not a journal.
     """
 
     def __init__(self, path: Path | None = None, stamp: str = "") -> None:
@@ -84,7 +84,7 @@ class Journal(AbstractContextManager["Journal"]):
             self._open(path)
         except BlockingIOError as error:
             raise BadInput(f"{path}: another run is writing it") from error
-        # A ValueError comes of a NUL in the path.
+        # A NUL in the path raises a ValueError.
         except (OSError, ValueError) as error:
             reason = getattr(error, "strerror", None) or error
             raise BadInput(f"{path}: cannot be written ({reason})") from error
@@ -93,7 +93,7 @@ class Journal(AbstractContextManager["Journal"]):
         return len(self._rows)
 
     def __bool__(self) -> bool:
-        """An empty journal is a journal."""
+        """Always true: a journal without cases is not the same as no journal."""
         return True
 
     def __contains__(self, case: Mapping[str, Any]) -> bool:
@@ -112,7 +112,7 @@ class Journal(AbstractContextManager["Journal"]):
     def once(
         self, case: Mapping[str, Any], compute: Callable[[], dict[str, Any]]
     ) -> dict[str, Any]:
-        """The kept result of a case, or else that of `compute`, which is kept."""
+        """The kept result of a case; where there is none, the result of `compute`, which is then kept."""
         if case not in self:
             self.add(case, compute())
         return self[case]
@@ -151,7 +151,7 @@ class Journal(AbstractContextManager["Journal"]):
                 self._write(self._head)
                 return
             damaged, end = int(head != self._head), len(head)
-            # A line without its end was torn by a kill, or is longer than any that a journal has.
+            # A line without its end was torn by a kill, or is longer than a journal's lines are.
             while (line := reader.readline(LARGEST_LINE)).endswith(b"\n") or len(
                 line
             ) == LARGEST_LINE:
@@ -176,14 +176,11 @@ class Journal(AbstractContextManager["Journal"]):
             raise BadInput(f"{path}: is no journal; move it away, or write elsewhere")
 
     def _keep_aside(self, path: Path) -> None:
-        """Rename the file, which is another drumlin's journal, and begin a new one."""
-        aside = next(
-            p
-            for p in (path.with_name(f"{path.name}.{n}") for n in count(1))
-            if not os.path.lexists(p)
-        )
+        """Rename the file, which is the journal of another drumlin, and begin a new one."""
+        names = (path.with_name(f"{path.name}.{n}") for n in count(1))
+        aside = next(name for name in names if not os.path.lexists(name))
         path.rename(aside)
-        # Only now: until it is renamed no other run may take the file for its own.
+        # The lock ends only after the rename, so that no other run takes the file for its own.
         self.close()
         self.notes.append(
             f"{path}: was of another drumlin and is kept as {aside.name}; every case is solved anew"
@@ -192,7 +189,7 @@ class Journal(AbstractContextManager["Journal"]):
 
     def _write(self, data: bytes) -> None:
         assert self._file is not None
-        # A write that is not buffered may be short.
+        # A write without a buffer may write a part of the data only.
         while data:
             try:
                 data = data[os.write(self._file.fileno(), data) :]
@@ -201,9 +198,10 @@ class Journal(AbstractContextManager["Journal"]):
 
 
 def _locked(path: Path) -> FileIO:
-    """The file, made if there is none, for this run alone.
+    """The file, locked for this run alone; it is made if there is none.
 
-    Raises BadInput, OSError, and BlockingIOError where another run has it.
+    Raises BadInput for a path that is not a file, OSError, and BlockingIOError where another run
+    holds the file.
     """
     if path.exists() and not path.is_file():
         raise BadInput(f"{path}: cannot be written (is no file)")
@@ -222,6 +220,6 @@ def _locked(path: Path) -> FileIO:
 
 
 def _sealed(data: bytes, stamp: str) -> bytes:
-    """A line: a record without its opening brace, after a checksum of the record and of the stamp."""
+    """A line of the journal: a checksum of record and stamp, and the record without its brace."""
     checksum = hashlib.sha256(stamp.encode() + data).hexdigest()[:16]
     return b'{"sum": "%s", %s\n' % (checksum.encode(), data)

@@ -1,4 +1,4 @@
-"""The routines of LAPACK and BLAS that solves call: scipy's public ones, and a triangular solve."""
+"""The routines of LAPACK and BLAS that solves call, from scipy, and a triangular solve."""
 
 import numpy as np
 from scipy.linalg import block_diag
@@ -21,8 +21,9 @@ __all__ = [
 
 
 def solve_lower(L: Floats, b: Floats) -> Floats:
-    """x of L x = b; L (n, n) lower triangular, b (n,) or (n, m). Raises numpy's LinAlgError where L
-    is singular.
+    """The solution x of L x = b, for a lower triangular L (n, n) and b (n,) or (n, m).
+
+    Raises numpy's LinAlgError where L is singular.
     """
     x, info = dtrtrs(L, b, lower=1)
     if info:

@@ -1,4 +1,4 @@
-"""Modules that have moved: their old names answer with a warning."""
+"""The old names of modules that have moved: they answer with a warning."""
 
 import warnings
 from collections.abc import Callable
@@ -7,12 +7,13 @@ from typing import Any
 
 
 def moved(old: str, new: str) -> Callable[[str], Any]:
-    """The `__getattr__` of the module `old`: every public name of the module `new`, with a warning.
+    """The `__getattr__` of the old module: it gives every public name of the new one, with a warning.
 
-    Both are dotted names. The new module is loaded when its first name is asked for.
+    `old` and `new` are dotted names. The new module is loaded when its first name is asked for.
     """
 
     def attribute(name: str) -> Any:
+        """The value of a name in the new module."""
         if name.startswith("_"):
             # Python itself asks a module for such names, among them __path__.
             raise AttributeError(f"module {old!r} has no attribute {name!r}")

@@ -1,8 +1,7 @@
-"""The brake as frozen, validated data: what drums and shoes are made of, quantities with units, its
-file.
+"""The brake as frozen, validated data: parts of drums and shoes, quantities with units, its file.
 
-A `Brake` runs on a surface, a drum or a plane, see `drumlin.brake.surface`; `read_any` reads it
-from a TOML file. Imports nothing of drumlin but its lowest room, `drumlin.base`.
+A `Brake` runs on a surface, a drum or a plane, see `drumlin.brake.surface`. `read_any` reads it
+from a TOML file. Of drumlin the package imports the lowest room `drumlin.base` only.
 """
 
 import warnings
@@ -16,8 +15,9 @@ __all__ = ["Brake", "Shoe", "read_any", "read_brake", "vary"]
 
 
 def __getattr__(name: str) -> Any:
-    """The names of the times when a brake on a plane was a class of its own, with a warning."""
-    from drumlin.brake import plane_brake  # noqa: PLC0415  (only where an old name is asked for)
+    """Serve old names, of the time when a brake on a plane was a class of its own, with a warning."""
+    # The module is imported only when an old name is asked for.
+    from drumlin.brake import plane_brake  # noqa: PLC0415
 
     old = {"AnyBrake": Brake, "FlatBrake": plane_brake.FlatBrake, "FlatShoe": plane_brake.FlatShoe}
     if name not in old:

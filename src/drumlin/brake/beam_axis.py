@@ -1,9 +1,8 @@
-"""The straight shoe beam's own coordinates: x along its axis from the hinge, y towards the drum's
-centre.
+"""Coordinates of a straight shoe beam: x along its axis from the hinge, y towards the drum's centre.
 
 The angle theta of a beam counts from the beam's normal through the drum's centre O, positive
-towards the loaded end, so that a point of the friction surface has x = x_O + R sin(theta), y = D -
-R cos(theta).
+towards the loaded end. A point of the friction surface has x = x_O + R sin(theta) and
+y = D - R cos(theta).
 """
 
 import math
@@ -15,12 +14,18 @@ from drumlin.base.arrays import Floats
 
 
 class Axis(NamedTuple):
-    """A beam's axis: its `hinge` (2,) [m], unit vectors `along` it and `towards` the drum's centre
-    (2,).
+    """A beam's axis.
 
-    `length` L from hinge to loaded end, `foot` x_O of the perpendicular from O, `distance` D of O,
-    all [m]; `sense` +1 where x grows with the brake's angle, -1 where it falls; `origin`: the
-    brake's angle of the foot.
+    Attributes
+    ----------
+    hinge : (2,), position of the hinge [m]
+    along : (2,), unit vector from the hinge to the loaded end
+    towards : (2,), unit vector across the axis, towards the drum's centre O
+    length : L, from the hinge to the loaded end [m]
+    foot : x_O, place of the perpendicular from O [m]
+    distance : D, from O to the axis [m]
+    sense : +1 if x grows with the brake's angle, -1 if it falls
+    origin : the brake's angle of the foot [rad]
     """
 
     hinge: Floats
@@ -33,22 +38,23 @@ class Axis(NamedTuple):
     origin: float
 
     def angle(self, theta: Floats) -> Floats:
-        """The beam's angles of the brake's angles theta [rad], same shape, from -pi to pi."""
+        """Convert the brake's angles theta [rad] to the beam's, from -pi to pi, same shape."""
         turned = self.sense * (np.asarray(theta) - self.origin)
         return np.asarray(turned - 2 * math.pi * np.round(turned / (2 * math.pi)))
 
     def components(self, vector: Floats) -> tuple[float, float]:
-        """A vector (2,) of the brake's frame along and towards."""
+        """Components of a vector (2,) of the brake's frame along the axis and towards O."""
         return float(vector @ self.along), float(vector @ self.towards)
 
     def to_brake(self, x: Floats, y: Floats) -> Floats:
-        """Points of the beam's coordinates in the brake's frame (..., 2) [m]."""
+        """Convert points x, y [m] of the beam to the brake's frame: (..., 2) [m]."""
         return self.hinge + np.multiply.outer(x, self.along) + np.multiply.outer(y, self.towards)
 
 
 def axis_of(hinge: Floats, end: Floats) -> Axis:
-    """The axis from `hinge` (2,) to `end` (2,) [m]; the two must differ, and O must not lie on
-    their line.
+    """Make the axis from `hinge` (2,) to `end` (2,) [m].
+
+    The two points must differ, and O must not lie on their line.
     """
     length = math.dist(hinge, end)
     along = (end - hinge) / length
@@ -62,6 +68,7 @@ def axis_of(hinge: Floats, end: Floats) -> Axis:
         length=length,
         foot=float(-hinge @ along),
         distance=float(-hinge @ towards),
-        sense=int(side),  # with O to the left of the axis, the axis runs round O counter-clockwise
+        # With O to its left, the axis runs counter-clockwise round O.
+        sense=int(side),
         origin=math.atan2(-towards[1], -towards[0]),
     )

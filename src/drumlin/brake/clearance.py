@@ -1,12 +1,12 @@
-"""Misfit as clearance: lining circle against drum circle, taper, steps between blocks, a drum that
-is not round.
+"""Treat misfits as clearance: lining circle, taper, steps between blocks, a drum out of round.
 
-Every misfit is a gap along the drum's radius, or the normal of the plane, positive = open, that
-adds to the lining's `clearance`. So it acts in each model that has a clearance (finite elements,
-foundation) and shares their condensed bodies; the laws are those of a lining that fits. In plane
-stress a misfit across the width (coning, bell-mouthing) does not exist. The slope of the surfaces
-is left out: normals stay those of the drum's circle, which for lobes of order n and amplitude a
-leaves out at most n a/(mu R) of the torque.
+Every misfit is a gap along the drum's radius, or along the normal of the plane, positive = open. It
+adds to the lining's `clearance`. It therefore acts in each model that has a clearance (finite
+elements, foundation) and leaves their condensed bodies as they are. The laws assume a lining that
+fits. Plane stress knows no misfit across the width (coning, bell-mouthing).
+
+The slope of the surfaces is neglected: normals stay those of the drum's circle. For lobes of order
+n and amplitude a this neglects at most n a/(mu R) of the torque.
 """
 
 from collections.abc import Callable, Sequence
@@ -20,24 +20,22 @@ from drumlin.brake.components import Lining
 from drumlin.brake.file import vary
 
 ROUND = 1e-9
-"""Fraction of the largest change of slope in a clearance table. A smaller change is round-off, no
-tip of the gap.
+"""Change of slope in a clearance table, relative to the largest, up to which it is round-off.
+
+A larger change that points to the drum is a tip of the gap.
 """
 T = TypeVar("T")
 
 
 def gap(brake: Brake, shoe: Shoe, theta: Floats) -> Floats:
-    """Gap [m] of a shoe's unloaded lining from the surface as it stands, at the places theta, same
-    shape.
-    """
+    """Gap [m] of a shoe's unloaded lining from the surface, at the places theta, same shape."""
     lining, misfit = shoe.lining, shoe.lining.misfit
     total = lining.clearance_at(theta)
     if misfit.radius is not None or misfit.offset.radius > 0:
         total = total + shoe.misfit_gap(theta, brake.size)
     if misfit.taper:
-        total = total + misfit.taper * (shoe.frame.sense * (theta - lining.middle)) / (
-            lining.end - lining.start
-        )
+        from_middle = shoe.frame.sense * (theta - lining.middle)
+        total = total + misfit.taper * from_middle / (lining.end - lining.start)
     if misfit.blocks:
         total = total + block_gap(lining, theta)
     off = brake.surface_off(theta)
@@ -45,15 +43,17 @@ def gap(brake: Brake, shoe: Shoe, theta: Floats) -> Floats:
 
 
 def block_gap(lining: Lining, theta: Floats) -> Floats:
-    """How far the blocks of a lining stand back [m] at theta, same shape: level, with rounded steps
-    of the arc `step`.
+    """Distance [m] by which the blocks of a lining stand back at theta, same shape.
 
-    A step of height h has the smallest radius (R step)^2/(6 h).
+    Blocks are level, with rounded steps of the arc `step` between them. A step of height h has the
+    smallest radius (R step)^2/(6 h).
     """
     gap, before = np.zeros(np.shape(theta)), 0.0
     for begin, depth in lining.misfit.blocks:
+        # A cubic rises over the step from 0 to 1, level at both ends.
         x = np.clip((theta - begin) / lining.step + 0.5, 0.0, 1.0)
-        gap, before = gap + (depth - before) * x**2 * (3 - 2 * x), depth
+        gap = gap + (depth - before) * x**2 * (3 - 2 * x)
+        before = depth
     return gap
 
 
@@ -63,8 +63,10 @@ def kinks(lining: Lining) -> list[float]:
 
 
 def table_kinks(lining: Lining) -> list[float]:
-    """Angles [rad] of the rows of a lining's table of clearances, between which the clearance is
-    straight."""
+    """Angles [rad] of the rows of a lining's table of clearances.
+
+    Between these the clearance is linear.
+    """
     return [angle for angle, _ in lining.clearance] if isinstance(lining.clearance, tuple) else []
 
 
@@ -75,8 +77,10 @@ def step_kinks(lining: Lining) -> list[float]:
 
 
 def tips(lining: Lining) -> list[tuple[float, float]]:
-    """Where a lining's gap has a kink that points to the drum, under which a pressure is unbounded:
-    the angle [rad], and by how much the slope of the gap changes there [m/rad]."""
+    """Kinks of a lining's gap that point to the drum, under which the pressure is unbounded.
+
+    Each is an angle [rad] and the change of the gap's slope there [m/rad].
+    """
     change = slope_changes(lining)
     sharp = change > ROUND * np.abs(change).max(initial=0.0)
     rows = zip(table_kinks(lining), change.tolist(), sharp, strict=True)
@@ -84,8 +88,10 @@ def tips(lining: Lining) -> list[tuple[float, float]]:
 
 
 def slope_changes(lining: Lining) -> Floats:
-    """By how much the slope of the clearance [m/rad] changes at each of `table_kinks`; it is level
-    beyond the table."""
+    """Change of the clearance's slope [m/rad] at each of `table_kinks`.
+
+    Beyond the table the clearance is constant.
+    """
     if not isinstance(lining.clearance, tuple):
         return np.zeros(0)
     angle, gap = np.array(lining.clearance).T
@@ -93,41 +99,49 @@ def slope_changes(lining: Lining) -> Floats:
 
 
 def thermal_growth(R: float, expansion: float, warming: float) -> float:
-    """Growth of a drum's radius [m] by its mean warming [K], expansion [1/K]: the amplitude of
-    lobes of order 0.
+    """Growth [m] of a drum's radius, which is the amplitude of lobes of order 0.
+
+    Parameters
+    ----------
+    R : radius of the drum [m]
+    expansion : coefficient of thermal expansion [1/K]
+    warming : mean warming [K]
     """
     return expansion * warming * R
 
 
 def one_turn(brake: Brake, solve: Callable[[Brake], T], angles: Sequence[float]) -> list[T]:
-    """The responses as the drum stands at each of the angles [rad], with steady forces and without
-    inertia.
+    """Solve a brake as its drum stands at each of several angles, without inertia.
 
-    solve: any model, such as `respond` on one scene: the bodies stay. Raises what it raises.
+    Parameters
+    ----------
+    brake : the brake, whose forces stay
+    solve : any model; its errors are raised
+    angles : of the drum [rad]
     """
     return [solve(vary(brake, {"drum.angle": angle})) for angle in angles]
 
 
 def ground_to(brake: Brake, mismatch: float) -> dict[str, float]:
-    """Changes (of `vary`): every lining ground to a radius that is greater than the drum's by the
-    mismatch [m].
-    """
+    """Changes for `vary` that grind every lining to the drum's radius plus a mismatch [m]."""
     return {
         f"shoe[{i}].lining.misfit.radius": brake.size + mismatch for i in range(len(brake.shoes))
     }
 
 
 def set_off(brake: Brake, size: float) -> dict[str, float]:
-    """Changes: every lining's circle moved by `size` [m] along the radius of its hinge, away from
-    the drum's centre.
+    """Changes for `vary` that move every lining's circle by `size` [m].
+
+    The circle moves along the radius of its hinge, away from the drum's centre.
     """
     slopes = [along_hinge(brake, i, "lining.misfit.offset") for i in range(len(brake.shoes))]
     return {key: size * slope for part in slopes for key, slope in part.items()}
 
 
 def along_hinge(brake: Brake, index: int, key: str) -> dict[str, float]:
-    """How the point `key` of shoe `index` moves along the radius of its hinge: what 1 m adds to its
-    coordinates.
+    """Changes of the coordinates of a point `key` as it moves by 1 m along the hinge's radius.
+
+    The point and the hinge are those of shoe `index`.
     """
     hinge = brake.shoes[index].pin
     return {

@@ -1,6 +1,4 @@
-"""What drums and shoes are made of: ring, drum, lining, backing, bodies, actuation. Every number is
-SI.
-"""
+"""The parts of drums and shoes: ring, drum, lining, backing, bodies, actuation. All numbers are SI."""
 
 import math
 from abc import abstractmethod
@@ -41,12 +39,17 @@ Friction = Annotated[
     Field(ge=0, le=1e6, strict=True),
     AfterValidator(lambda mu: mu if mu >= SMALLEST else 0.0),
 ]
-"""A friction coefficient; one below SMALLEST is none, as with every quantity."""
+"""A friction coefficient. Below SMALLEST it counts as 0, as every quantity does."""
 
 
 class Section(NamedTuple):
-    """A rectangular section: thickness in the brake's plane and width across it [m], and its
-    material.
+    """A rectangular section.
+
+    Attributes
+    ----------
+    thickness : in the plane of the brake [m]
+    width : across that plane [m]
+    material : its material
     """
 
     thickness: float
@@ -60,8 +63,14 @@ class Section(NamedTuple):
 
 
 class Bonded(NamedTuple):
-    """Plates that bend as one: `depth` of the neutral axis from the first one's outer face [m], EI
-    [N m^2], EA [N], GA [N].
+    """Stiffnesses of plates that bend together.
+
+    Attributes
+    ----------
+    depth : of the neutral axis from the outer face of the first plate [m]
+    EI : bending stiffness [N m^2]
+    EA : stiffness in tension [N]
+    GA : stiffness in shear [N]
     """
 
     depth: float
@@ -73,50 +82,54 @@ class Bonded(NamedTuple):
 def bonded(plates: Sequence[Section]) -> Bonded:
     """The stiffnesses of plates that lie on each other in this order."""
     t = np.array([plate.thickness for plate in plates])
-    EA = np.array([plate.material.E_along * plate.width * plate.thickness for plate in plates])
-    GA = np.array(
-        [plate.material.G_along_through * plate.width * plate.thickness for plate in plates]
-    )
+    width = np.array([plate.width for plate in plates])
+    E = np.array([plate.material.E_along for plate in plates])
+    G = np.array([plate.material.G_along_through for plate in plates])
+    EA, GA = E * width * t, G * width * t
     own = np.array([plate.bending_stiffness for plate in plates])
+    # Distances of the plates' middles from the outer face of the first plate.
     middle = np.cumsum(t) - t / 2
     depth = float(EA @ middle / EA.sum())
-    return Bonded(
-        depth, float((own + EA * (middle - depth) ** 2).sum()), float(EA.sum()), float(GA.sum())
-    )
+    EI = own + EA * (middle - depth) ** 2
+    return Bonded(depth, float(EI.sum()), float(EA.sum()), float(GA.sum()))
 
 
-STEEL = Material(E=210e9, nu=0.3)
-"""The material of what is known by its bending stiffness alone: then its width follows, and plane
-stress feels only the product of both.
+ASSUMED_STEEL = Material(E=210e9, nu=0.3)
+"""Material of a part of which only the bending stiffness is known.
+
+The width then follows from the bending stiffness. Plane stress depends on the product of both only.
 """
 
 
 def _section(part: "Ring | Beam | Bar", EI: float | None) -> Section | None:
-    """The section of a ring, beam or arc; its width is such that it bends with `EI` where that is
-    given.
+    """The section of a ring, beam or arc, or None if it is unknown.
+
+    If `EI` [N m^2] is given, the width is such that the section bends with it.
     """
     if part.thickness is None:
         return None
     if EI is None:
         known = part.width is not None and part.material is not None
         return Section(part.thickness, part.width, part.material) if known else None  # type: ignore[arg-type]
-    section = Section(part.thickness, part.width or 1.0, part.material or STEEL)
+    section = Section(part.thickness, part.width or 1.0, part.material or ASSUMED_STEEL)
     return section._replace(width=section.width * EI / section.bending_stiffness)
 
 
 def _check_section(part: "Ring | Beam") -> None:
+    """Raise ValueError if a part has neither a whole section nor a bending stiffness."""
     given = {key for key in ("thickness", "width", "material") if getattr(part, key) is not None}
     if len(given) < 3 and (part.bending_stiffness is None or given - {"thickness"}):
         raise ValueError(
-            "needs thickness, width and material, or bending_stiffness, or that and thickness, or all four"
+            "needs thickness, width and material, or bending_stiffness, "
+            "or that and thickness, or all four"
         )
 
 
 class Ring(Part):
     """The elastic rim of the drum, behind its friction surface as seen from the shoe.
 
-    Its section, or its `bending_stiffness` EI [N m^2] alone, or both: then the section bends with
-    this EI. With thickness and bending stiffness it can be meshed.
+    It has a section, or a `bending_stiffness` EI [N m^2], or both; then the section bends with this
+    EI. With thickness and bending stiffness it can be meshed.
     """
 
     thickness: Thickness | None = None
@@ -132,8 +145,9 @@ class Ring(Part):
 
     @property
     def section(self) -> Section | None:
-        """The section, of a width that gives the bending stiffness; None where the file has only
-        that.
+        """The section, with a width that gives the bending stiffness.
+
+        It is None if the file has only the bending stiffness.
         """
         return _section(self, self.bending_stiffness)
 
@@ -145,10 +159,10 @@ class Ring(Part):
 
 
 class Lobes(Part):
-    """One harmonic of a drum's surface off its circle: outwards by amplitude cos(order (theta -
-    phase)) [m].
+    """One harmonic of a drum's surface off its circle.
 
-    Order 0 is growth (a hot drum), 1 run-out, 2 ovality.
+    The surface lies outwards by amplitude cos(order (theta - phase)) [m]. Order 0 is growth (a hot
+    drum), 1 run-out, 2 ovality.
     """
 
     order: Annotated[int, Field(ge=0, le=100)]
@@ -157,10 +171,10 @@ class Lobes(Part):
 
 
 class Drum(Part):
-    """The drum: friction radius R [m]; without `ring` it is rigid.
+    """The drum with its friction radius R [m]. Without `ring` it is rigid.
 
-    `out_of_round`: what its surface is off the circle, as it stands when turned to `angle` = 0
-    [rad].
+    `out_of_round` holds the harmonics of its surface off the circle at `angle` = 0 [rad]; the
+    harmonics turn with the drum.
     """
 
     radius: Thickness
@@ -177,25 +191,27 @@ Clearance = Annotated[float | Rows, number_or_table("angle", "rad", "clearance",
 
 
 LARGEST_MISFIT = 0.05
-"""Of the drum's radius, or a pad's length; beyond it normals along the drum's radii are no longer a
-model.
+"""Largest misfit, relative to the drum's radius or to a pad's length; a larger misfit is refused.
+
+Beyond it normals along the drum's radii are no longer a good model.
 """
-STEP = math.radians(1.0)  # rad
-"""Arc of the rounded step from one block's height to the next. A sharp edge, and the corner of a
-straight chamfer, carry a pressure without bound, and no mesh would settle.
+
+ROUNDED_STEP = math.radians(1.0)
+"""Arc [rad] of the rounded step from one block's height to the next.
+
+A sharp edge, and the corner of a straight chamfer, carry an unbounded pressure, on which no mesh
+would settle.
 """
 
 
 class Misfit(Part):
-    """How a lining's surface differs from the drum's circle, besides its clearance.
+    """Deviation of a lining's surface from the drum's circle, besides its clearance.
 
-    `drumlin.brake.off_circle` computes the gap that results.
-
-    `radius` [m] of the lining's own circle, by default the drum's: the circle meets the drum's in
-    the lining's middle, and is moved from there by `offset` [m]. `taper` [m]: how much farther the
-    lining stands back at its end away from the hinge than at its end near it. `blocks`: rows
-    (angle, depth) [rad, m]: from each angle on the lining stands back by this depth, before the
-    first by none.
+    `drumlin.brake.off_circle` computes the gap that results. `radius` [m] is that of the lining's own circle,
+    by default the drum's. The circle meets the drum's in the lining's middle and is moved from
+    there by `offset` [m]. `taper` [m] is how much farther the lining stands back at its end away
+    from the hinge than at its end near the hinge. `blocks` are rows (angle, depth) [rad, m]: from
+    each angle on the lining stands back by this depth, before the first angle by 0.
     """
 
     radius: Thickness | None = None
@@ -212,33 +228,35 @@ class Misfit(Part):
         most: float,
         allowed: str,
     ) -> None:
-        """Raise ValueError where it is larger than `most` [m], or its blocks are not on the lining.
+        """Raise ValueError if the misfit is too large or its blocks are not on the lining.
 
-        ends: places where the lining begins and ends; step: length of a rounded step between
-        blocks, of the same kind; text: a place in words; allowed: `most` in words.
+        Parameters
+        ----------
+        key : of the misfit in the message
+        ends : places where the lining begins and ends
+        step : length of a rounded step between blocks, in the unit of places
+        text : function that writes a place
+        most : largest misfit [m]
+        allowed : text for the largest misfit
         """
         deepest = max((abs(depth) for _, depth in self.blocks), default=0.0)
-        for name, size in (
-            ("offset", self.offset.radius),
-            ("taper", self.taper),
-            ("blocks", deepest),
-        ):
+        sizes = {"offset": self.offset.radius, "taper": self.taper, "blocks": deepest}
+        for name, size in sizes.items():
             if abs(size) > most:
                 raise ValueError(f"{key}.{name} = {mm(size)}: must be at most {allowed}")
         edges = [ends[0], *(place for place, _ in self.blocks), ends[1]]
         if self.blocks and min(b - a for a, b in pairwise(edges)) <= step:
             places = ", ".join(text(place) for place, _ in self.blocks)
             raise ValueError(
-                f"{key}.blocks at {places}: must begin on the lining, {text(ends[0])} to {text(ends[1])}, "
-                f"more than {text(step)} from its ends and from each other"
+                f"{key}.blocks at {places}: must begin on the lining, "
+                f"{text(ends[0])} to {text(ends[1])}, more than {text(step)} from its ends and from each other"
             )
 
 
 class Lining(Part):
-    """The friction lining, as all of drumlin sees it, from place `start` to `end` on the surface.
+    """The friction lining from place `start` to `end` on the surface.
 
-    `step`: length of the rounded step from one block's height to the next, in the surface's
-    coordinate.
+    All of drumlin sees this class; each shape of brake file has its own subclass.
     """
 
     # Both shapes of file have these fields, each in its own order.
@@ -261,13 +279,13 @@ class Lining(Part):
 
     @property
     def middle(self) -> float:
-        """The place of its middle."""
+        """Place of the lining's middle."""
         return 0.5 * (self.start + self.end)
 
     @property
     @abstractmethod
     def step(self) -> float:
-        """Length of the rounded step from one block's height to the next."""
+        """Length of the rounded step between blocks, in the surface's coordinate."""
 
     def clearance_at(self, theta: Floats) -> Floats:
         """Clearance [m] at the places `theta`, same shape, without the misfit."""
@@ -275,10 +293,10 @@ class Lining(Part):
 
 
 class DrumLining(Lining):
-    """The friction lining, from angle `start` to `end` on the friction surface.
+    """The friction lining from angle `start` to `end` on the friction surface.
 
-    `clearance` [m] is the gap of the unloaded lining, positive = open: one value, or a table of
-    (angle, clearance) with straight lines between. What `misfit` makes of it comes on top.
+    `clearance` [m] is the gap of the unloaded lining, positive = open: a number, or a table of
+    (angle, clearance) with straight lines between. The gap of the `misfit` is added.
     """
 
     start: Angle
@@ -292,13 +310,14 @@ class DrumLining(Lining):
     @property
     def step(self) -> float:
         """Arc [rad] of the rounded step from one block's height to the next."""
-        return STEP
+        return ROUNDED_STEP
 
     @model_validator(mode="after")
     def _arc(self) -> Self:
         if not 0 < self.end - self.start < 2 * math.pi:
             raise ValueError(
-                f"end = {deg(self.end)} must be greater than start = {deg(self.start)}, by less than 360 deg"
+                f"end = {deg(self.end)} must be greater than start = {deg(self.start)}, "
+                "by less than 360 deg"
             )
         return self
 
@@ -306,8 +325,8 @@ class DrumLining(Lining):
 class Backing(Part):
     """A layer between lining and shoe body, over the lining's arc and width (the wooden block).
 
-    Meshed behind a straight beam it is the block that fills the space up to the beam, whatever its
-    thickness.
+    In a mesh with a straight beam the backing is a block that fills the space up to the beam,
+    whatever its thickness.
     """
 
     thickness: Thickness
@@ -315,8 +334,9 @@ class Backing(Part):
 
 
 class Table(Part):
-    """The plate of a T-section, between the lining and the web: `thickness` in the brake's plane,
-    `width` across it.
+    """The plate of a T-section, between the lining and the web.
+
+    `thickness` [m] lies in the brake's plane, `width` [m] across it.
     """
 
     thickness: Thickness
@@ -326,11 +346,11 @@ class Table(Part):
 class Bar(Part):
     """A body of constant section behind lining and backing.
 
-    `thickness`, `width`: of its rectangle; with a `table` of the T-section's web.
-    `bending_stiffness` EI [N m^2]: in place of width and material, or besides them; then the width
-    is such that the body bends with it. `grip` [m]: the length of its back that a pivot or a guide
-    holds, by default its thickness; with a hinge, that which is bolted to the lever. Without it a
-    hinge holds the end face, as an abutment does.
+    `thickness` and `width` [m] are those of its rectangle; with a `table` they are those of the
+    T-section's web. `bending_stiffness` EI [N m^2] may stand in place of width and material, or
+    besides them; then the width is such that the body bends with EI. `grip` [m] is the length of
+    its back that a pivot or a guide holds, by default the thickness. With a hinge it is the length
+    that is bolted to the lever. Without grip a hinge holds the end face, as an abutment does.
     """
 
     thickness: Thickness
@@ -362,31 +382,31 @@ class Bar(Part):
             )
         if self.table is not None and self.width is not None and self.table.width < self.width:
             raise ValueError(
-                f"table.width = {mm(self.table.width)}: must be at least width = {mm(self.width)}, the web's"
+                f"table.width = {mm(self.table.width)}: must be at least "
+                f"width = {mm(self.width)}, the web's"
             )
         return self
 
     @property
     def plates(self) -> dict[str, Section]:
-        """The plates of its section by the names of their groups, from the friction surface
-        inwards: "table" if it has one, and "shoe", its rectangle or web.
+        """The plates of its section by the names of their groups, from the friction surface inwards.
+
+        They are "table", if the body has a table, and "shoe", its rectangle or web.
         """
         own = _section(self, self.bending_stiffness)
-        assert own is not None  # checked at the door
-        table = (
-            {}
-            if self.table is None
-            else {"table": Section(self.table.thickness, self.table.width, own.material)}
-        )
-        return table | {"shoe": own}
+        assert own is not None  # `_whole` has checked it
+        if self.table is None:
+            return {"shoe": own}
+        table = Section(self.table.thickness, self.table.width, own.material)
+        return {"table": table, "shoe": own}
 
     @property
     def depth(self) -> float:
-        """Its whole thickness [m]."""
+        """Whole thickness of the body [m]."""
         return self.thickness + (self.table.thickness if self.table else 0.0)
 
 
-class Body(Bar):
+class ArcBody(Bar):
     """The elastic shoe behind lining and backing: an arc of constant section from `start` to `end`."""
 
     shape: Literal["arc"] = "arc"
@@ -395,13 +415,13 @@ class Body(Bar):
 
 
 class Beam(Part):
-    """The elastic shoe as a straight beam: its axis runs from the hinge to the point of the
-    actuation.
+    """The elastic shoe as a straight beam from the hinge to the point of the actuation.
 
-    Its section, or its `bending_stiffness` EI [N m^2], one value or a table over the distance from
-    the hinge, or both: then the section bends with this EI. With thickness and one bending
-    stiffness it can be meshed. `offset` [m]: where the neutral axis is weakly curved, a table over
-    the distance from the hinge of how far it lies behind the straight line, away from the drum.
+    It has a section, or a `bending_stiffness` EI [N m^2], or both; then the section bends with this
+    EI. EI is a number, or a table over the distance from the hinge. With thickness and a constant
+    bending stiffness the beam can be meshed. A weakly curved neutral axis has an `offset` [m], a
+    table over the distance from the hinge: how far the axis lies behind the straight line, away
+    from the drum.
     """
 
     shape: Literal["beam"]
@@ -415,34 +435,35 @@ class Beam(Part):
     def _whole(self) -> Self:
         _check_section(self)
         EI = self.bending_stiffness
-        if (
-            EI is not None
-            and min([value for _, value in EI] if isinstance(EI, tuple) else [EI]) <= 0
-        ):
-            raise ValueError("bending_stiffness: must be greater than 0")
+        if EI is not None:
+            values = [value for _, value in EI] if isinstance(EI, tuple) else [EI]
+            if min(values) <= 0:
+                raise ValueError("bending_stiffness: must be greater than 0")
         if float(value_at(self.offset, np.zeros(1))[0]) != 0:
             raise ValueError(
-                'offset: must be a table that starts with 0 at the hinge, such as [["0 m", "0 mm"], ...]'
+                "offset: must be a table that starts with 0 at the hinge, "
+                'such as [["0 m", "0 mm"], ...]'
             )
         return self
 
     @property
     def section(self) -> Section | None:
-        """The section, of a width that gives the bending stiffness; None where that varies or
-        stands alone.
+        """The section, with a width that gives the bending stiffness.
+
+        It is None if the bending stiffness varies, or if the file has only the bending stiffness.
         """
         EI = self.bending_stiffness
         return None if isinstance(EI, tuple) else _section(self, EI)
 
     @property
     def plates(self) -> dict[str, Section]:
-        """As of an arc: its section."""
-        assert self.section is not None  # why_not
+        """The plates of its section by the names of their groups: only "shoe"."""
+        assert self.section is not None  # models refuse a beam without section
         return {"shoe": self.section}
 
     @property
     def depth(self) -> float:
-        """Its thickness [m], 0 where that is not known."""
+        """Thickness of the beam [m]; 0 if it is unknown."""
         return self.thickness or 0.0
 
     def bending_stiffness_at(self, x: Floats) -> Floats:
@@ -450,7 +471,7 @@ class Beam(Part):
         if self.bending_stiffness is not None:
             return value_at(self.bending_stiffness, x)
         section = self.section
-        assert section is not None  # checked at the door
+        assert section is not None  # `_whole` has checked it
         return np.full(np.shape(x), section.bending_stiffness)
 
     def offset_at(self, x: Floats) -> Floats:
@@ -459,15 +480,14 @@ class Beam(Part):
 
 
 def _shape(data: object) -> str:
-    return (
-        str(data.get("shape", "arc"))
-        if isinstance(data, Mapping)
-        else getattr(data, "shape", "arc")
-    )
+    """The shape of a body, "arc" by default."""
+    if isinstance(data, Mapping):
+        return str(data.get("shape", "arc"))
+    return getattr(data, "shape", "arc")
 
 
 AnyBody = Annotated[
-    Annotated[Body, Tag("arc")] | Annotated[Beam, Tag("beam")],
+    Annotated[ArcBody, Tag("arc")] | Annotated[Beam, Tag("beam")],
     Discriminator(
         _shape,
         custom_error_type="shape",
@@ -479,7 +499,7 @@ AnyBody = Annotated[
 class Actuation(Part):
     """The force on the shoe [N], its direction [rad] and a point of its line of action.
 
-    A brake may give the force of all its shoes (`Drive`): then a shoe's own has none.
+    If the brake gives the force of all its shoes (`Drive`), a shoe has no force of its own.
     """
 
     force: Force = 0.0

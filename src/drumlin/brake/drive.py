@@ -1,10 +1,9 @@
-"""What pushes the shoes of a brake where their own tables do not say: a wheel cylinder, a cam or
-wedge, a strut.
+"""Forces that push several shoes: a wheel cylinder, a cam or wedge, a strut.
 
-A cylinder pushes every shoe with the same force. A cam moves the tips of two shoes equally; its
-file says the sum of both forces, and how it is shared follows from the shoes. A strut passes on
-what the foot of one shoe bears on: it is the abutment of that shoe and pushes the other along the
-same line.
+They apply where the tables of the shoes give no force. A cylinder pushes every shoe with the same
+force. A cam moves the tips of two shoes equally. Its file gives the sum of both forces; the shoes'
+stiffnesses decide how the sum is shared. A strut passes on the force on the foot of one shoe: it is
+the abutment of this shoe and pushes the other along the same line.
 """
 
 import math
@@ -20,9 +19,11 @@ Efficiency = Annotated[float, Field(gt=0, le=1, strict=True)]
 
 
 class Drive(Part):
-    """What pushes all shoes: a cylinder of `pressure` [Pa] and `diameter` [m]; or a cam, by the sum
-    `force` [N] of what it does to both shoes, or by its `torque` [N m] and base `radius` [m].
-    `efficiency`: what of it arrives.
+    """Drive of all shoes: a cylinder or a cam.
+
+    A cylinder has a `pressure` [Pa] and a `diameter` [m]. A cam has the sum `force` [N] of its
+    forces on both shoes, or a `torque` [N m] and a base `radius` [m]. `efficiency` is the part of
+    the force that arrives.
     """
 
     pressure: Modulus | None = None
@@ -41,18 +42,19 @@ class Drive(Part):
         }
         if given not in ({"pressure", "diameter"}, {"force"}, {"torque", "radius"}):
             raise ValueError(
-                "needs pressure and diameter of a cylinder, or of a cam force (of both shoes) or torque and radius"
+                "needs pressure and diameter of a cylinder, "
+                "or of a cam force (of both shoes) or torque and radius"
             )
         return self
 
     @property
     def is_cam(self) -> bool:
-        """Whether it moves the tips of both shoes equally."""
+        """Whether it is a cam, which moves the tips of both shoes equally."""
         return self.pressure is None
 
     @property
     def total(self) -> float:
-        """Of a cam: the sum of the forces on both shoes [N]; of a cylinder: the force on each."""
+        """Sum of a cam's forces on both shoes [N], or a cylinder's force on each shoe [N]."""
         if self.pressure is not None and self.diameter is not None:
             return self.efficiency * self.pressure * math.pi * self.diameter**2 / 4
         if self.torque is not None and self.radius is not None:
@@ -61,8 +63,10 @@ class Drive(Part):
 
 
 class Link(Part):
-    """A strut or a strap: the abutment of the shoe `from` is on it, and it pushes or pulls the shoe
-    `to` along the line of that force. Several make a chain, named from the actuation on.
+    """A strut or a strap between two shoes.
+
+    It carries the abutment of the shoe `from`, and it pushes or pulls the shoe `to` along the line
+    of that force. Several links make a chain; they are named from the actuation on.
     """
 
     source: Annotated[Name, Field(alias="from")]
@@ -72,10 +76,41 @@ class Link(Part):
 def driven(
     shoes: tuple[Any, ...], drive: Drive | None, links: tuple[Link, ...], *, file: bool
 ) -> tuple[Any, ...]:
-    """The shoes with what pushes them: those of a drive with its force, of a cam with half of it,
-    those behind a strut with its line and no force of their own. Raises ValueError; file: what a
-    drive overrules must not be given.
+    """The shoes with the actuations that a drive and links give them.
+
+    Shoes of a cylinder get its force, shoes of a cam half of its force. A shoe behind a strut gets
+    the strut's line and no force of its own.
+
+    Parameters
+    ----------
+    shoes : as their tables give them
+    drive : drive of all shoes, if there is one
+    links : struts and straps
+    file : whether the data come from a file; a file must not give what a drive overrules
+
+    Raises
+    ------
+    ValueError
+        if shoes, drive and links do not fit together
     """
+    lines = _lines(shoes, links)
+    pushed = [i for i in range(len(shoes)) if i not in lines]
+    if drive is not None and drive.is_cam and len(pushed) != 2:
+        raise ValueError(f"actuation: a cam moves two shoes, not {len(pushed)}")
+    found = []
+    for i, shoe in enumerate(shoes):
+        if i in lines:
+            if file and "actuation" in shoe.model_fields_set:
+                raise ValueError(f"shoe[{i}].actuation: a strut pushes this shoe; leave it out")
+            actuation = lines[i]
+        else:
+            actuation = _own_actuation(f"shoe[{i}].actuation", shoe, drive, file)
+        found.append(shoe.model_copy(update={"actuation": actuation}))
+    return tuple(found)
+
+
+def _lines(shoes: tuple[Any, ...], links: tuple[Link, ...]) -> dict[int, Actuation]:
+    """Line of action of the links on the shoes that they push, by the index of the shoe."""
     places = {shoe.name: i for i, shoe in enumerate(shoes)}
     lines: dict[int, Actuation] = {}
     for k, link in enumerate(links):
@@ -84,43 +119,45 @@ def driven(
                 raise ValueError(
                     f"link[{k}].{key} = {name!r}: must be the name of a shoe: {', '.join(places)}"
                 )
-        lines[places[link.to]] = _line(f"link[{k}]", shoes[places[link.source]], link, links[:k])
-    pushed = [i for i in range(len(shoes)) if i not in lines]
-    if drive is not None and drive.is_cam and len(pushed) != 2:
-        raise ValueError(f"actuation: a cam moves two shoes, not {len(pushed)}")
-    share = 0.0 if drive is None else drive.total / (2 if drive.is_cam else 1)
-    found = []
-    for i, shoe in enumerate(shoes):
-        given = "actuation" in shoe.model_fields_set
-        force = given and "force" in shoe.actuation.model_fields_set
-        if i in lines:
-            if file and given:
-                raise ValueError(f"shoe[{i}].actuation: a strut pushes this shoe; leave it out")
-            found.append(shoe.model_copy(update={"actuation": lines[i]}))
-            continue
-        if not given:
-            raise ValueError(f"shoe[{i}].actuation: is missing")
-        if drive is None and not force:
-            raise ValueError(f"shoe[{i}].actuation.force: is missing")
-        if drive is not None and file and force:
-            raise ValueError(
-                f"shoe[{i}].actuation.force: the brake's [actuation] gives it; leave one out"
-            )
-        own = (
-            shoe.actuation if drive is None else shoe.actuation.model_copy(update={"force": share})
-        )
-        found.append(shoe.model_copy(update={"actuation": own}))
-    return tuple(found)
+        source = shoes[places[link.source]]
+        lines[places[link.to]] = _line(f"link[{k}]", source, link, links[:k])
+    return lines
+
+
+def _own_actuation(key: str, shoe: Any, drive: Drive | None, file: bool) -> Actuation:
+    """Actuation of a shoe that no strut pushes, with the force of a drive."""
+    if "actuation" not in shoe.model_fields_set:
+        raise ValueError(f"{key}: is missing")
+    own: Actuation = shoe.actuation
+    has_force = "force" in own.model_fields_set
+    if drive is None and not has_force:
+        raise ValueError(f"{key}.force: is missing")
+    if drive is not None and file and has_force:
+        raise ValueError(f"{key}.force: the brake's [actuation] gives it; leave one out")
+    if drive is None:
+        return own
+    share = drive.total / (2 if drive.is_cam else 1)
+    return own.model_copy(update={"force": share})
 
 
 def _line(key: str, source: Held, link: Link, before: tuple[Link, ...]) -> Actuation:
+    """Line of action of a link, without force.
+
+    Parameters
+    ----------
+    key : of the link in the messages of errors
+    source : shoe whose abutment the link carries
+    link : the link
+    before : links that the file names before it
+    """
     if source.abutment is None:
         raise ValueError(
             f"{key}.from = {link.source!r}: its shoe must bear on the strut by an abutment"
         )
     if source.abutment.friction > 0:
         raise ValueError(
-            f"{key}.from = {link.source!r}: a strut pushes along its line; leave out abutment.friction"
+            f"{key}.from = {link.source!r}: a strut pushes along its line; "
+            "leave out abutment.friction"
         )
     if link.to == link.source or any(other.source == link.to for other in before):
         raise ValueError(
@@ -131,12 +168,13 @@ def _line(key: str, source: Held, link: Link, before: tuple[Link, ...]) -> Actua
         raise ValueError(f"{key}.to = {link.to!r}: is pushed by two struts")
     if any(other.source == link.source for other in before):
         raise ValueError(f"{key}.from = {link.source!r}: bears on two struts")
+    # The strut pushes the other shoe against the force on the foot.
     return Actuation(
         force=0.0, direction=source.abutment.direction + math.pi, point=source.abutment.point
     )
 
 
 def shares(drive: Drive | None, links: tuple[Link, ...]) -> str | None:
-    """That the shoes share their forces, in the words of a refusal; None where each has its own."""
+    """Text of a refusal that a cam or a strut shares the forces; None if each shoe has its own."""
     by = ["a cam"] * (drive is not None and drive.is_cam) + ["a strut"] * bool(links)
     return f"its shoes share their forces by {' and '.join(by)}" if by else None

@@ -1,4 +1,4 @@
-"""The brake on a drum, the data of a brake file with [drum].
+"""The brake on a drum: data of a brake file with [drum].
 
 Conventions: the drum's centre O is the origin, angles run counter-clockwise from +x, and all
 numbers are SI (m, N, Pa, rad). The lining lies against the drum's friction surface of radius R.
@@ -17,14 +17,14 @@ from pydantic import (
 
 from drumlin.base.arrays import Floats, angle_near
 from drumlin.brake.beam_axis import axis_of
-from drumlin.brake.brake import Brake, Frame, Shoe
+from drumlin.brake.brake import Brake, Shoe, ShoeFrame
 from drumlin.brake.components import (
     LARGEST_MISFIT,
     AnyBody,
+    ArcBody,
     Backing,
     Bar,
     Beam,
-    Body,
     Drum,
     DrumLining,
     Friction,
@@ -41,9 +41,7 @@ from drumlin.brake.units import deg, mm
 
 
 class DrumShoe(Shoe):
-    """One shoe with its lining, held by a hinge or otherwise (`Held`); without `body` the shoe is
-    rigid.
-    """
+    """One shoe with its lining and its support (`Held`). Without `body` it is rigid."""
 
     surface = DRUM
     side: Literal["internal", "external"]
@@ -52,53 +50,52 @@ class DrumShoe(Shoe):
     body: AnyBody | None = None
 
     @cached_property
-    def frame(self) -> Frame:
-        """The shoe's own frame; its origin is chosen so that phi of the lining's middle is in [0,
-        pi].
-        """
+    def frame(self) -> ShoeFrame:
+        """The shoe's own frame, with phi of the lining's middle in [0, pi]."""
         middle = 0.5 * (self.lining.start + self.lining.end)
         offset = math.remainder(middle - self.pin.angle, 2 * math.pi)
         sense = 1 if offset >= 0 else -1
-        return Frame(middle - offset, sense)
+        return ShoeFrame(middle - offset, sense)
 
     @property
     def own_pin(self) -> Floats:
-        """The pin (2,) [m] in its frame."""
+        """Position (2,) [m] of the pin in the shoe's frame."""
         return np.array([self.pin.radius, 0.0])
 
     def own_points(self, xy: Floats) -> Floats:
-        """Points (..., 2) [m] of the brake's frame in its own."""
+        """Convert points (..., 2) [m] of the brake's frame to the shoe's."""
         return self.frame.to_shoe(xy)
 
     def points(self, xy: Floats) -> Floats:
-        """Points (2, n) [m] of its frame in the brake's."""
+        """Convert points (2, n) [m] of the shoe's frame to the brake's."""
         return np.asarray(self.frame.to_brake(xy.T).T)
 
     def at(self, depth: Floats, phi: Floats, size: float) -> Floats:
-        """Points (2, ...) [m] of its frame, at a depth [m] behind the friction surface and angles
-        phi [rad].
+        """Points (2, ...) [m] of the shoe's frame at a depth behind the surface and angles phi.
+
+        Parameters
+        ----------
+        depth : behind the friction surface [m], any shape
+        phi : angles [rad], any shape
+        size : radius of the drum [m]
         """
         r = size - self.sign * depth
         return np.array([r * np.cos(phi), r * np.sin(phi)])
 
     def off(self, xy: Floats, size: float) -> Floats:
-        """How far points (2, ...) [m] of its frame lie off the friction surface [m], positive =
-        open.
-        """
+        """Distance [m] of points (2, ...) [m] of the shoe's frame off the surface, positive = open."""
         return self.sign * (size - np.hypot(*xy))
 
     def phi_of(self, xy: Floats, size: float) -> Floats:
-        """Angles [rad] of points (2, ...) [m] of its frame, within half a turn of the lining's
-        middle.
-        """
+        """Angles [rad] of points (2, ...) [m] within half a turn of the lining's middle."""
         return angle_near(0.5 * sum(self.arc), xy)
 
     def place_of(self, point: Point) -> float:
-        """The angle [rad] of a point, that nearest to the lining's middle."""
+        """Angle [rad] of a point, moved by whole turns to the lining's middle."""
         return self.surface.nearest(point.angle, self.lining.middle)
 
     def back(self, size: float) -> float:
-        """Radius [m] of the back of its body."""
+        """Radius [m] of the back of the shoe's body."""
         return size - self.sign * self.depth
 
     @property
@@ -107,15 +104,13 @@ class DrumShoe(Shoe):
         return self.lining.middle + (self.sign < 0) * math.pi
 
     def misfit_gap(self, theta: Floats, size: float) -> Floats:
-        """Gap [m] of a lining of its own radius, moved by its offset, at the angles theta [rad],
-        same shape.
-        """
+        """Gap [m] of the lining's own radius and offset at the angles theta [rad], same shape."""
         misfit = self.lining.misfit
         return circle_gap(size, misfit.radius, misfit.offset, self.lining.middle, self.sign, theta)
 
 
 class DrumBrake(Brake):
-    """A brake: friction coefficient, sense of rotation, drum and shoes."""
+    """A brake on a drum: friction coefficient, sense of rotation, drum and shoes."""
 
     surface = DRUM
     direction_key = "rotation"
@@ -149,17 +144,15 @@ class DrumBrake(Brake):
         return self.model_copy(update={"rotation": self.other_direction})
 
     def bare(self) -> Self:
-        """The brake without what its bodies do not depend on, but for the shoes."""
+        """The brake without data on which its condensed bodies do not depend; the shoes stay."""
         drum = self.drum.model_copy(update={"out_of_round": (), "angle": 0.0})
-        friction = float(self.friction > 0)
-        return self.model_copy(
-            update={
-                "title": "-",
-                "rotation": self.directions[0],
-                "friction": friction,
-                "drum": drum,
-            }
-        )
+        changes = {
+            "title": "-",
+            "rotation": self.directions[0],
+            "friction": float(self.friction > 0),
+            "drum": drum,
+        }
+        return self.model_copy(update=changes)
 
     def without_ring(self) -> Self:
         """The brake on a rigid drum."""
@@ -171,22 +164,18 @@ class DrumBrake(Brake):
 
     @property
     def lobes(self) -> tuple[Lobes, ...]:
-        """What the drum's surface is off its circle."""
+        """Harmonics of the drum's deviation from its circle."""
         return self.drum.out_of_round
 
     def surface_off(self, theta: Floats) -> Floats | None:
-        """How far [m] the drum's surface lies outside its circle at theta [rad], same shape."""
+        """Distance [m] of the drum's surface outside its circle at theta [rad], same shape."""
         return off_circle(self.drum, theta) if self.drum.out_of_round else None
 
     @model_validator(mode="after")
     def _geometry(self, info: ValidationInfo) -> Self:
         check_names([shoe.name for shoe in self.shoes])
-        shoes = driven(
-            self.shoes,
-            self.actuation,
-            self.links,
-            file=bool((info.context or {}).get("unit_required")),
-        )
+        from_file = bool((info.context or {}).get("unit_required"))
+        shoes = driven(self.shoes, self.actuation, self.links, file=from_file)
         _check_thickness("drum.ring", self.drum.ring, self.drum.radius)
         _check_round(self.drum)
         for i, shoe in enumerate(shoes):
@@ -196,51 +185,60 @@ class DrumBrake(Brake):
 
 
 def _check_round(drum: Drum) -> None:
-    off, most = (
-        sum(abs(lobes.amplitude) for lobes in drum.out_of_round),
-        LARGEST_MISFIT * drum.radius,
-    )
+    """Raise ValueError if a drum is too much out of round."""
+    off = sum(abs(lobes.amplitude) for lobes in drum.out_of_round)
+    most = LARGEST_MISFIT * drum.radius
     if off > most:
         raise ValueError(
-            f"drum.out_of_round = {mm(off)} in all: must be at most {LARGEST_MISFIT:g} R = {mm(most)}"
+            f"drum.out_of_round = {mm(off)} in all: "
+            f"must be at most {LARGEST_MISFIT:g} R = {mm(most)}"
         )
 
 
 def _check_misfit(key: str, lining: DrumLining, radius: float) -> None:
-    """Raise ValueError for a misfit that is no small one of a drum of this radius [m], or blocks
-    not on the lining.
+    """Raise ValueError if a misfit is too large for a drum of this radius [m].
+
+    It is also raised for blocks that are not on the lining.
     """
     misfit, most = lining.misfit, LARGEST_MISFIT * radius
     allowed = f"{LARGEST_MISFIT:g} R = {mm(most)}"
     if misfit.radius is not None and abs(misfit.radius - radius) > most:
         raise ValueError(
-            f"{key}.radius = {mm(misfit.radius)}: must be within {allowed} of drum.radius = {mm(radius)}"
+            f"{key}.radius = {mm(misfit.radius)}: "
+            f"must be within {allowed} of drum.radius = {mm(radius)}"
         )
     misfit.check(key, (lining.start, lining.end), lining.step, deg, most, allowed)
 
 
-THINNEST = 1e-9  # of the drum's radius: a thinner layer has no elements that arithmetic can tell from nothing
+THINNEST = 1e-9
+"""Smallest thickness of a layer relative to the drum's radius; a thinner layer is refused.
+
+Round-off would decide about its elements.
+"""
 
 
 def _check_thickness(
-    key: str, part: "DrumLining | Backing | Body | Beam | Ring | Table | None", radius: float
+    key: str, part: "DrumLining | Backing | ArcBody | Beam | Ring | Table | None", radius: float
 ) -> None:
+    """Raise ValueError for a part thinner than THINNEST of the drum's radius [m]."""
     thickness = None if part is None else part.thickness
     if thickness is not None and thickness < THINNEST * radius:
         raise ValueError(
-            f"{key}.thickness = {mm(thickness)}: must be at least {THINNEST:g} of drum.radius = {mm(radius)}"
+            f"{key}.thickness = {mm(thickness)}: "
+            f"must be at least {THINNEST:g} of drum.radius = {mm(radius)}"
         )
 
 
 def _check_shoe(key: str, shoe: DrumShoe, radius: float) -> None:
-    """Raise ValueError where a shoe does not fit together or into a drum of this radius [m]."""
-    table = shoe.body.table if isinstance(shoe.body, Body) else None
+    """Raise ValueError if a shoe does not fit together or into a drum of this radius [m]."""
+    table = shoe.body.table if isinstance(shoe.body, ArcBody) else None
     parts = {"lining": shoe.lining, "backing": shoe.backing, "body": shoe.body, "body.table": table}
     for name, part in parts.items():
         _check_thickness(f"{key}.{name}", part, radius)
     if shoe.hinge is not None and shoe.hinge.radius < 1e-9 * radius:
         raise ValueError(
-            f"{key}.hinge = (0, 0): must not be the drum's centre, about which the shoe would only slide"
+            f"{key}.hinge = (0, 0): must not be the drum's centre, "
+            "about which the shoe would only slide"
         )
     check_grip(key, shoe)
     _check_support(key, shoe, radius)
@@ -249,17 +247,20 @@ def _check_shoe(key: str, shoe: DrumShoe, radius: float) -> None:
             f"{key}: lining, backing and body are {mm(shoe.depth)} thick together; "
             f"must be less than drum.radius = {mm(radius)}"
         )
-    body, lining = shoe.body, shoe.lining
-    if isinstance(body, Beam):
+    if isinstance(shoe.body, Beam):
         _check_beam(key, shoe, radius)
-    if not isinstance(body, Body):
-        return
+    if isinstance(shoe.body, ArcBody):
+        _check_arc(key, shoe.body, shoe.lining)
+
+
+def _check_arc(key: str, body: ArcBody, lining: DrumLining) -> None:
+    """Raise ValueError if an arc is not longer than nothing, or does not carry its lining."""
     if not 0 < body.end - body.start < 2 * math.pi:
         raise ValueError(
             f"{key}.body.end = {deg(body.end)}: must be greater than body.start = {deg(body.start)}, "
             "by less than 360 deg"
         )
-    slack = 1e-9
+    slack = 1e-9  # rad
     if lining.start < body.start - slack or lining.end > body.end + slack:
         raise ValueError(
             f"{key}.lining = {deg(lining.start)} to {deg(lining.end)}: must lie within the body, "
@@ -268,38 +269,41 @@ def _check_shoe(key: str, shoe: DrumShoe, radius: float) -> None:
 
 
 def check_grip(key: str, shoe: Held) -> None:
-    """Raise ValueError for a grip of the back of a body that an abutment holds by its end face."""
+    """Raise ValueError for a grip of a body that an abutment holds by its end face."""
     body = getattr(shoe, "body", None)
     if shoe.abutment is not None and isinstance(body, Bar) and body.grip is not None:
         raise ValueError(
-            f"{key}.body.grip = {mm(body.grip)}: an abutment holds the body's end face; leave it out"
+            f"{key}.body.grip = {mm(body.grip)}: "
+            "an abutment holds the body's end face; leave it out"
         )
 
 
 def _check_beam(key: str, shoe: DrumShoe, radius: float) -> None:
-    said = f'{key}.body.shape = "beam"'
+    """Raise ValueError if a straight beam does not fit outside a drum of this radius [m]."""
+    shown = f'{key}.body.shape = "beam"'
     if shoe.sign > 0 or shoe.held_by != "hinge":
-        raise ValueError(f"{said}: only for an external shoe that turns about its hinge")
+        raise ValueError(f"{shown}: only for an external shoe that turns about its hinge")
     if math.dist(shoe.actuation.point.xy, shoe.pin.xy) < 1e-6 * radius:
         raise ValueError(
-            f"{said}: the actuation's point is the beam's loaded end and must not be the hinge"
+            f"{shown}: the actuation's point is the beam's loaded end and must not be the hinge"
         )
     axis = axis_of(shoe.pin.xy, shoe.actuation.point.xy)
     if axis.distance <= radius:
         raise ValueError(
-            f"{said}: the line from the hinge to the actuation's point passes {mm(axis.distance)} from "
-            f"the drum's centre; must be more than drum.radius = {mm(radius)}"
+            f"{shown}: the line from the hinge to the actuation's point passes "
+            f"{mm(axis.distance)} from the drum's centre; must be more than drum.radius = {mm(radius)}"
         )
     ends = axis.angle(np.array([shoe.lining.start, shoe.lining.end]))
     x = axis.foot + radius * np.sin(ends)
     if np.abs(ends).max() >= 0.5 * math.pi or x.min() < 0 or x.max() > axis.length:
         raise ValueError(
-            f"{key}.lining = {deg(shoe.lining.start)} to {deg(shoe.lining.end)}: must lie between the beam's ends "
-            "and less than 90 deg from where the beam is nearest to the drum"
+            f"{key}.lining = {deg(shoe.lining.start)} to {deg(shoe.lining.end)}: "
+            "must lie between the beam's ends and less than 90 deg from where the beam is nearest to the drum"
         )
 
 
 def _check_support(key: str, shoe: DrumShoe, radius: float) -> None:
+    """Raise ValueError if a support leaves a shoe without contact or holds it at O."""
     if shoe.guide is not None:
         away = shoe.sign * math.cos(shoe.guide.direction - shoe.lining.middle)
         if away <= 0:

@@ -1,13 +1,12 @@
-"""The elasticity of materials and layers: one matrix, in directions of the layer's own.
+"""Elasticity matrices of materials and layers, in directions of the layer.
 
-All that computes strains and stresses takes this matrix: elements and columns, meshes, mutual
-works, fields, the second solver and the peers. The directions are the one along the layer, which
-runs around the drum's centre or straight on, and the one through its thickness. With the strains
-eps along and through the layer and the shear gamma between both,
+All kernels that compute strains and stresses take this matrix. Its directions are along the layer,
+around the drum's centre or straight on, and through its thickness. With the strains along and
+through the layer and the shear gamma between both,
 
     sigma = D eps,   eps = (eps_along, eps_through, gamma),   D_13 = D_23 = 0.
 
-An isotropic material has no directions: its D is the same in all, D_11 = D_22 = D_12 + 2 D_33.
+The matrix of an isotropic material is the same in all directions: D_11 = D_22 = D_12 + 2 D_33.
 """
 
 from typing import Any, NamedTuple
@@ -18,17 +17,17 @@ from drumlin.base.arrays import Bools, Floats
 from drumlin.brake.fields import AnyMaterial, Material
 
 ISOTROPIC_WITHIN = 1e-14
-"""Part of D_12 + 2 D_33 below which the difference of D_11 or D_22 to it is round-off. The
-differences of isotropic materials are some 1e-16 of it."""
+"""Relative difference between D_11 or D_22 and D_12 + 2 D_33 up to which a material is isotropic.
+
+Round-off makes differences of some 1e-16 in isotropic materials.
+"""
 
 
 def elasticity_matrix(material: AnyMaterial) -> Floats:
-    """Elasticity matrix (3, 3) [Pa] of a material in plane stress, in the layer's own directions.
+    """Elasticity matrix (3, 3) [Pa] of a material in plane stress, in directions of the layer.
 
-    It takes strains along the layer and through its thickness and the shear between both to
-    stresses. It is the inverse of the compliances
-
-        1/E_along, 1/E_through, -nu_along_through/E_along and 1/G_along_through.
+    It is the inverse of the matrix of compliances, whose entries are 1/E_along, 1/E_through,
+    -nu_along_through/E_along and 1/G_along_through.
     """
     if isinstance(material, Material):
         E, nu = material.E, material.nu
@@ -48,8 +47,10 @@ def elasticity_matrix(material: AnyMaterial) -> Floats:
 
 
 def solid_elasticity_matrix(material: Material) -> Floats:
-    """Elasticity matrix (6, 6) [Pa] of an isotropic solid: strains xx, yy, zz and shears yz, zx, xy
-    to stresses."""
+    """Elasticity matrix (6, 6) [Pa] of an isotropic solid.
+
+    Its rows and columns are the strains xx, yy, zz and the shears yz, zx, xy.
+    """
     E, nu = material.E, material.nu
     lam, mu = E * nu / ((1 + nu) * (1 - 2 * nu)), E / (2 * (1 + nu))
     found = np.diag([2 * mu] * 3 + [mu] * 3)
@@ -58,11 +59,14 @@ def solid_elasticity_matrix(material: Material) -> Floats:
 
 
 class ElasticLayer(NamedTuple):
-    """What kernels need to know of a layer.
+    """Stiffness and directions of a layer, as kernels need them.
 
-    `elasticity` (3, 3) [Pa]: its `elasticity_matrix`; of a solid (6, 6). `width` [m]: across the
-    plane; of a solid a plain factor. `along` (2,): the direction of a straight layer; None of a
-    layer around the origin, which is the drum's centre.
+    Attributes
+    ----------
+    elasticity : (3, 3), the `elasticity_matrix` [Pa]; of a solid (6, 6)
+    width : across the plane [m]; of a solid a plain factor
+    along : (2,), direction of a straight layer; None of a layer around the drum's centre, which is
+        the origin
     """
 
     elasticity: Floats
@@ -71,7 +75,7 @@ class ElasticLayer(NamedTuple):
 
     @classmethod
     def of(cls, material: AnyMaterial, width: float, along: Floats | None = None) -> "ElasticLayer":
-        """The layer of a material in plane stress."""
+        """Make the layer of a material in plane stress."""
         return cls(elasticity_matrix(material), width, along)
 
     @property
@@ -89,15 +93,17 @@ class ElasticLayer(NamedTuple):
 
 
 def stiffer_along_and_through(elasticity: Any) -> Any:
-    """D_11 and D_22 (..., 2) of elasticity matrices (..., 3, 3), less D_12 + 2 D_33; zero of
-    isotropic ones."""
+    """Excess (..., 2) of D_11 and D_22 over D_12 + 2 D_33, of elasticity matrices (..., 3, 3).
+
+    It is zero for isotropic matrices.
+    """
     isotropic = elasticity[..., 0, 1] + 2 * elasticity[..., 2, 2]
-    found = np.stack(
-        [elasticity[..., 0, 0] - isotropic, elasticity[..., 1, 1] - isotropic], axis=-1
-    )
-    return np.where(np.abs(found) > ISOTROPIC_WITHIN * np.abs(isotropic)[..., None], found, 0.0)
+    along, through = elasticity[..., 0, 0] - isotropic, elasticity[..., 1, 1] - isotropic
+    found = np.stack([along, through], axis=-1)
+    round_off = ISOTROPIC_WITHIN * np.abs(isotropic)[..., None]
+    return np.where(np.abs(found) > round_off, found, 0.0)
 
 
 def has_directions(elasticity: Floats) -> Bools:
-    """Which of the elasticity matrices (..., 3, 3) differ from an isotropic one, (...)."""
+    """Whether each of the elasticity matrices (..., 3, 3) is not isotropic, (...)."""
     return np.asarray(stiffer_along_and_through(elasticity).any(axis=-1))

@@ -1,6 +1,6 @@
-"""The small pieces that brakes are described with: quantities, tables, points, materials.
+"""Quantities, tables, points and materials, of which brakes are described.
 
-Every number is SI. Where a brake file is read the validation's context asks for units.
+Every number is SI. When a brake file is read, the context of the validation asks for units.
 """
 
 import math
@@ -24,20 +24,29 @@ from pydantic import (
 
 from drumlin.base.arrays import Floats
 from drumlin.base.texts import nearest
-from drumlin.brake.units import EXAMPLES, NAMES, to_si
+from drumlin.brake.units import EXAMPLES, QUANTITY_NAMES, to_si
 
 
 def _si(value: object, si: str, info: ValidationInfo, key: str = "") -> float:
-    """`value` in SI, where the context of the validation says whether it must carry its unit."""
+    """Convert a value to SI; the context of the validation tells whether it needs a unit.
+
+    Parameters
+    ----------
+    value : a number, or a text with its unit
+    si : the SI unit
+    info : of the validation
+    key : of the value, for the message of an error
+    """
     try:
-        return to_si(
-            value, si, unit_required=bool(info.context and info.context.get("unit_required"))
-        )
+        unit_required = bool(info.context and info.context.get("unit_required"))
+        return to_si(value, si, unit_required=unit_required)
     except ValueError as error:
         raise ValueError(f"{key} = {value!r} {error}" if key else str(error)) from error
 
 
 def _quantity(si: str) -> BeforeValidator:
+    """The validator that reads a quantity with this SI unit."""
+
     def read(value: object, info: ValidationInfo, *, si: str) -> float:
         return _si(value, si, info)
 
@@ -45,23 +54,24 @@ def _quantity(si: str) -> BeforeValidator:
 
 
 def _one_line(text: str) -> str:
-    """It heads pages and figures, where $ would begin a formula."""
+    """Check a title. It heads pages and figures, where $ would begin a formula."""
     if not text.isprintable() or "$" in text:
         raise ValueError("must be one line of printable characters, without $")
     return text
 
 
 def _name(text: str) -> str:
-    """Files are named after it, and lines in figures; "all" is the whole brake."""
+    """Check a name. Files and lines in figures are named after it; "all" is the whole brake."""
     if not re.fullmatch(r"\w([\w .+()-]*[\w+)])?", text) or text == "all":
         raise ValueError(
-            "must be letters, digits, spaces and . _ + - ( ), a letter or digit at both ends; not 'all'"
+            "must be letters, digits, spaces and . _ + - ( ), "
+            "a letter or digit at both ends; not 'all'"
         )
     return text
 
 
 def check_names(names: Sequence[str]) -> None:
-    """Raises ValueError where files of two shoes would have the same name."""
+    """Raise ValueError if files of two shoes would have the same name."""
     if len({name.replace(" ", "_").casefold() for name in names}) < len(names):
         raise ValueError(
             f"shoe.name = {list(names)}: names must differ, not in case or spaces alone"
@@ -80,7 +90,7 @@ Name = Annotated[str, Field(min_length=1, max_length=80), AfterValidator(_name)]
 
 
 class Part(BaseModel):
-    """A piece of a brake: frozen, and with no key that it does not know."""
+    """A part of a brake: frozen data that refuses unknown keys."""
 
     model_config = ConfigDict(
         frozen=True, extra="forbid", allow_inf_nan=False, populate_by_name=True, defer_build=True
@@ -93,15 +103,14 @@ class Part(BaseModel):
         if isinstance(data, Mapping):
             for key in data:
                 if key not in allowed and key not in cls.model_fields:
-                    raise ValueError(
-                        f"unknown key {key!r}{nearest(str(key), allowed)}; allowed: {', '.join(allowed)}"
-                    )
+                    meant = nearest(str(key), allowed)
+                    raise ValueError(f"unknown key {key!r}{meant}; allowed: {', '.join(allowed)}")
         elif not isinstance(data, Part):
             raise ValueError(f"must be a table with keys of {', '.join(allowed)}")
         return data
 
     def __copy__(self) -> Self:
-        """Without what cached properties keep: `model_copy` changes what it hangs on."""
+        """Copy without the values of cached properties, as `model_copy` changes their sources."""
         found = super().__copy__()
         for name in found.__dict__.keys() - type(self).model_fields:
             del found.__dict__[name]
@@ -109,9 +118,9 @@ class Part(BaseModel):
 
 
 class Material(Part):
-    """Linear elastic, isotropic: Young's modulus E [Pa] and Poisson's ratio nu.
+    """A linear elastic, isotropic material: Young's modulus E [Pa] and Poisson's ratio nu.
 
-    What an `Orthotropic` material has in directions of its layer it has as well, the same in all.
+    It also has the constants of an `Orthotropic` material, the same in all directions.
     """
 
     E: Modulus
@@ -134,12 +143,12 @@ class Material(Part):
 
     @property
     def nu_along_through(self) -> float:
-        """Poisson's ratio: how much a layer shrinks through itself as it is stretched along."""
+        """Poisson's ratio: contraction through a layer per stretch along it."""
         return self.nu
 
     @property
     def E_half_plane(self) -> float:
-        """Modulus of the isotropic half-plane that gives way like one of this material [Pa]."""
+        """Young's modulus of the isotropic half-plane with the same compliance under pressure [Pa]."""
         return self.E
 
     @property
@@ -150,18 +159,23 @@ class Material(Part):
 
 PoissonRatio = Annotated[float, Field(strict=True)]
 ACROSS = ("E_across", "G_along_across", "G_through_across", "nu_along_across", "nu_through_across")
-"""The keys of an orthotropic material that only a solid uses."""
+"""Keys of an orthotropic material that only a solid uses."""
+
 DEFINITE_WITHIN = 1e-12
-"""Least determinant of the compliances, each over the root of the product of its diagonal entries.
-Below it round-off decides whether the energy of a strain is positive."""
+"""Smallest determinant of the compliances at which the energy of every strain is positive.
+
+Each compliance is divided by the root of the product of its diagonal entries. Below this value
+round-off decides, and the material is refused.
+"""
 
 
 class Orthotropic(Part):
-    """Linear elastic, orthotropic in directions of its layer: along, through and across it.
+    """A linear elastic material, orthotropic in the directions along, through and across its layer.
 
-    Young's moduli E [Pa] of the directions, shear moduli G [Pa] between two of them, and Poisson's
-    ratios nu: a layer that is pulled along itself shrinks through its thickness by nu_along_through
-    times as much. The keys ACROSS are for solids alone: plane stress does not depend on them.
+    It has Young's moduli E [Pa] of the directions, shear moduli G [Pa] between two of them, and
+    Poisson's ratios nu. A layer that is pulled along itself shrinks through its thickness by
+    nu_along_through times its stretch. Only solids use the keys ACROSS: plane stress does not
+    depend on them.
     """
 
     E_along: Modulus
@@ -176,7 +190,7 @@ class Orthotropic(Part):
 
     @model_validator(mode="after")
     def _positive_definite(self) -> Self:
-        """Refuses constants under which some strain would have no positive energy."""
+        """Refuse constants under which some strain would have no positive energy."""
         _check_ratio(
             "nu_along_through",
             self.nu_along_through,
@@ -206,19 +220,20 @@ class Orthotropic(Part):
         low, high = self._nu_through_across_allowed(self.E_across, self.nu_along_across)
         if not low < self.nu_through_across < high:
             raise ValueError(
-                f"nu_through_across = {self.nu_through_across:g}: must be greater than {low:.6g} and less than "
-                f"{high:.6g}, beside these moduli and Poisson's ratios"
+                f"nu_through_across = {self.nu_through_across:g}: must be greater than {low:.6g} "
+                f"and less than {high:.6g}, beside these moduli and Poisson's ratios"
             )
         return self
 
     def _nu_through_across_allowed(
         self, E_across: float, nu_along_across: float
     ) -> tuple[float, float]:
-        """Between what nu_through_across must lie.
+        """Lower and upper bound of nu_through_across.
 
-        With every compliance over the root of the product of its diagonal entries, the determinant
-        1 - a^2 - b^2 - c^2 - 2 a b c must be positive, a, b, c being the Poisson's ratios
-        along-through, along-across and through-across times the root of their moduli's ratio.
+        Each compliance is divided by the root of the product of its diagonal entries. The
+        determinant 1 - a^2 - b^2 - c^2 - 2 a b c must be positive. Here a, b and c are the Poisson's
+        ratios along-through, along-across and through-across, each times the root of the ratio of
+        its moduli.
         """
         a = self.nu_along_through * math.sqrt(self.E_through / self.E_along)
         b = nu_along_across * math.sqrt(E_across / self.E_along)
@@ -228,11 +243,11 @@ class Orthotropic(Part):
 
     @property
     def E_half_plane(self) -> float:
-        """Modulus of the isotropic half-plane that gives way like one of this material [Pa].
+        """Young's modulus of the isotropic half-plane with the same compliance under pressure [Pa].
 
-        Lekhnitskii, Anisotropic Plates, section 34: under pressure the surface of a half-plane with
-        the compliances s gives way by 2/E_half_plane, the root of 2 s_nn (sqrt(s_tt s_nn) + s_tn +
-        s_gg/2), per pressure and wave number.
+        The surface of a half-plane gives way by 2/E_half_plane per pressure and wave number. With
+        the compliances s this is the root of 2 s_nn (sqrt(s_tt s_nn) + s_tn + s_gg/2) (Lekhnitskii,
+        Anisotropic Plates, section 34).
         """
         s_tt, s_nn, s_gg = 1 / self.E_along, 1 / self.E_through, 1 / self.G_along_through
         s_tn = -self.nu_along_through / self.E_along
@@ -246,8 +261,15 @@ class Orthotropic(Part):
 
 
 def _check_ratio(key: str, nu: float, E: float, other: float, names: tuple[str, str]) -> None:
-    """Raise ValueError where Poisson's ratio between directions of the moduli E and `other` is too
-    large."""
+    """Raise ValueError if Poisson's ratio between two directions is too large.
+
+    Parameters
+    ----------
+    key : of the ratio
+    nu : Poisson's ratio
+    E, other : Young's moduli of the two directions [Pa]
+    names : of the two directions
+    """
     most = math.sqrt(E / other)
     if 1 - (nu / most) ** 2 <= DEFINITE_WITHIN:
         raise ValueError(
@@ -257,7 +279,7 @@ def _check_ratio(key: str, nu: float, E: float, other: float, names: tuple[str, 
 
 
 def _kind_of_material(data: object) -> str:
-    """Which of the two kinds a material is, by the keys that only an orthotropic one has."""
+    """Kind of a material, "isotropic" or "orthotropic", by keys that only the latter has."""
     if isinstance(data, Mapping):
         return "orthotropic" if set(data) & set(Orthotropic.model_fields) else "isotropic"
     return "orthotropic" if isinstance(data, Orthotropic) else "isotropic"
@@ -292,7 +314,7 @@ class Point(Part):
 
 
 def _from_polar(data: object, info: ValidationInfo) -> object:
-    """A file may give a point as { radius, angle } in place of { x, y }."""
+    """Read a point that a file gives as { radius, angle } in place of { x, y }."""
     if not isinstance(data, Mapping) or not {"radius", "angle"} & set(data):
         return data
     if set(data) != {"radius", "angle"}:
@@ -311,25 +333,31 @@ Rows = tuple[tuple[float, float], ...]
 
 
 def number_or_table(place: str, place_si: str, name: str, si: str) -> BeforeValidator:
-    """One value, or a table of (place, value) with straight lines between; for the words of a
-    refusal: names.
+    """The validator of a number or of a table (place, value) with straight lines between.
+
+    Parameters
+    ----------
+    place, name : words for place and value in the message of an error
+    place_si, si : their SI units
     """
-    return BeforeValidator(
-        partial(_number_or_rows, si=si, place=place, name=name, row=(place_si, si))
-    )
+    read = partial(_number_or_rows, si=si, place=place, name=name, row=(place_si, si))
+    return BeforeValidator(read)
 
 
 def table(place: str, place_si: str, name: str, si: str) -> BeforeValidator:
-    """Any number of rows (place, value) with growing places; for the words of a refusal: names."""
+    """The validator of rows (place, value) with growing places; parameters of `number_or_table`."""
     return BeforeValidator(partial(_rows, place=place, name=name, row=(place_si, si)))
 
 
 def _number_or_rows(
     value: object, info: ValidationInfo, *, si: str, place: str, name: str, row: tuple[str, str]
 ) -> float | Rows:
+    """Read a number or a table; parameters as of `_rows`, `si` the unit of the number."""
     if not isinstance(value, list | tuple):
         return _si(value, si, info)
-    rows = _rows(value, info, place=place, name=name, row=row, kinds=f"{NAMES[si]} or rows")
+    rows = _rows(
+        value, info, place=place, name=name, row=row, kinds=f"{QUANTITY_NAMES[si]} or rows"
+    )
     if len(rows) < 2:
         raise ValueError(f"the table needs at least two rows, with growing {place}s")
     return rows
@@ -344,6 +372,16 @@ def _rows(
     row: tuple[str, str],
     kinds: str = "rows",
 ) -> Rows:
+    """Read the rows of a table.
+
+    Parameters
+    ----------
+    value : the rows as data
+    info : of the validation
+    place, name : words for place and value in the message of an error
+    row : SI units of place and value
+    kinds : words for what may stand here
+    """
     items: Sequence[Any] = value if isinstance(value, list | tuple) else [value]
     rows: list[tuple[float, float]] = []
     for item in items:
@@ -359,47 +397,48 @@ def _rows(
 
 
 def unit_in(annotation: Any) -> str | None:
-    """The SI unit of a field's type: "" of a pure number, None of what is no number."""
-    unit: str | None = _told(annotation, "si", pure="")
+    """The SI unit of a field's type: "" for a pure number, None if it is no number."""
+    unit: str | None = _keyword_of(annotation, "si", pure="")
     return unit
 
 
 def row_units_in(annotation: Any) -> tuple[str, str]:
     """The SI units of place and value in a row of the table that a field's type takes."""
-    units: tuple[str, str] = _told(annotation, "row")
+    units: tuple[str, str] = _keyword_of(annotation, "row")
     return units
 
 
-def _told(annotation: Any, key: str, pure: Any = None) -> Any:
-    """What the reader of a field's type is told by a key; `pure` of a number without reader, None
-    of the rest.
+def _keyword_of(annotation: Any, key: str, pure: Any = None) -> Any:
+    """Keyword that the validator of a field's type has; `pure` for a number without validator.
+
+    It is None for any other type.
     """
-    kind, *marks = (
-        (annotation.__origin__, *annotation.__metadata__)
-        if get_origin(annotation) is Annotated
-        else [annotation]
-    )
+    kind: Any = annotation
+    marks: tuple[Any, ...] = ()
+    if get_origin(annotation) is Annotated:
+        kind, marks = annotation.__origin__, annotation.__metadata__
     for mark in marks:
-        if (
-            isinstance(mark, BeforeValidator)
-            and isinstance(mark.func, partial)
-            and key in mark.func.keywords
-        ):
+        if not isinstance(mark, BeforeValidator) or not isinstance(mark.func, partial):
+            continue
+        if key in mark.func.keywords:
             return mark.func.keywords[key]
     if kind is float:
         return pure
-    return next(
-        (found for part in get_args(kind) if (found := _told(part, key, pure)) is not None), None
-    )
+    # A union: the first of its types that has the keyword counts.
+    for part in get_args(kind):
+        found = _keyword_of(part, key, pure)
+        if found is not None:
+            return found
+    return None
 
 
 def rows_of(places: Floats, values: Floats) -> Rows:
-    """The table of values (n,) at growing places (n,)."""
+    """Make the table of values (n,) at growing places (n,)."""
     return tuple(zip(places.tolist(), values.tolist(), strict=True))
 
 
 def value_at(values: float | Rows, places: Floats) -> Floats:
-    """A number or table at `places`, same shape."""
+    """Evaluate a number or table at `places`, same shape."""
     if isinstance(values, tuple):
         at, value = zip(*values, strict=True)
         return np.interp(places, at, value)

@@ -1,5 +1,6 @@
-"""Brake files: TOML with a unit on every quantity, read and refused in one line; and brakes with
-keys changed.
+"""Read brake files, TOML with a unit on every quantity, and change keys of brakes.
+
+A fault of a file is reported in one line.
 """
 
 import math
@@ -18,8 +19,10 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.drum_brake import DrumBrake
 from drumlin.brake.fields import Part, Point, unit_in
 
-LARGEST_FILE = 500_000  # bytes; a brake file has a few thousand
-ALLOWED = {
+LARGEST_BRAKE_FILE = 500_000
+"""Largest size of a brake file in bytes. Brake files have a few thousand; a larger file is refused."""
+
+FAULT_TEXTS = {
     "tuple_type": "must be tables, each under [[{key}]]",
     "dict_type": "must be a table, [{key}]",
     "too_short": "needs one entry at least",
@@ -32,30 +35,31 @@ ALLOWED = {
     "bool_type": "must be true or false",
     "bool_parsing": "must be true or false",
 }
-"""What is allowed, by pydantic's kinds of faults that it says in words of Python; the others it
-says well.
+"""Texts of what is allowed, by those faults that pydantic describes in words of Python."""
+
+
+UNION_TAGS = {"arc", "beam", "isotropic", "orthotropic", "float", "str"}
+"""Steps in the path to a fault that are no keys of the file.
+
+They name the kind of body, material or value that was read.
 """
 
 
-KINDS = {"arc", "beam", "isotropic", "orthotropic", "float", "str"}
-"""Steps to a fault that say which kind of body, material or value was read, and are no key of the
-file."""
-
-
 def _line(error: ValidationError, data: Any) -> str:
-    """The first fault of a validation as one line: key = value as written: what is allowed."""
+    """Text of the first fault of a validation: key = value as in the file: what is allowed."""
     fault = error.errors()[0]
     key = ""
     for step in fault["loc"]:
-        if step in KINDS:
+        if step in UNION_TAGS:
             continue
         key += f"[{step}]" if isinstance(step, int) else f".{step}" if key else str(step)
         try:
             data = data[step]
         except (LookupError, TypeError):
             data = None
-    said = fault["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
-    message = ALLOWED[fault["type"]].format(key=key) if fault["type"] in ALLOWED else said
+    message = fault["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
+    if fault["type"] in FAULT_TEXTS:
+        message = FAULT_TEXTS[fault["type"]].format(key=key)
     if fault["type"] == "missing":
         return f"{key}: is missing"
     shown = f" = {data!r}" if isinstance(data, str | int | float) else ""
@@ -70,11 +74,19 @@ P = TypeVar("P", bound=Part)
 def validated(
     kind: type[P], data: Mapping[str, Any], *, unit_required: bool = False, base: Path | None = None
 ) -> P:
-    """A part from nested data as a brake file has it; numbers without unit are SI unless
-    `unit_required`.
+    """Make a part from the nested data of a brake file.
 
-    `base`: folder that relative mesh paths start from. Raises BadInput with one line that names the
-    key, the value and what is allowed.
+    Parameters
+    ----------
+    kind : class of the part
+    data : its keys and values
+    unit_required : whether a number without unit is refused; otherwise it is in SI
+    base : folder from which relative paths of meshes start
+
+    Raises
+    ------
+    BadInput
+        with one line that names the key, the value and what is allowed
     """
     try:
         return kind.model_validate(data, context={"unit_required": unit_required, "base": base})
@@ -85,21 +97,17 @@ def validated(
 def brake_from(
     data: Mapping[str, Any], *, unit_required: bool = False, base: Path | None = None
 ) -> Brake:
-    """A brake from nested data as a brake file has it; numbers without unit are SI unless
-    `unit_required`.
-
-    `base`: folder that relative mesh paths start from. Raises BadInput with one line.
-    """
+    """Make a brake on a drum from the nested data of a brake file; see `validated`."""
     return validated(DrumBrake, data, unit_required=unit_required, base=base)
 
 
 def toml_text(path: Path) -> str:
-    """The text of a brake file; raises BadInput where it cannot be read."""
-    return read_text(path, LARGEST_FILE, "a brake file")
+    """Read the text of a brake file; raises BadInput if the file cannot be read."""
+    return read_text(path, LARGEST_BRAKE_FILE, "a brake file")
 
 
 def toml_data(text: str, path: Path) -> dict[str, Any]:
-    """The data of the text of the brake file `path`; raises BadInput where it is not TOML."""
+    """Parse the text of the brake file `path`; raises BadInput if it is not TOML."""
     try:
         check_toml(text)
         return tomllib.loads(text)
@@ -108,15 +116,15 @@ def toml_data(text: str, path: Path) -> dict[str, Any]:
 
 
 def read_toml(path: Path) -> dict[str, Any]:
-    """The data of a brake file; raises BadInput where the file cannot be read or is not TOML."""
+    """Read the data of a brake file; raises BadInput if it cannot be read or is not TOML."""
     return toml_data(toml_text(path), path)
 
 
 def read_brake(path: Path, text: str | None = None) -> Brake:
-    """The brake described by the TOML file `path`, every quantity with its unit; `text`: what it
-    holds, if known.
+    """Read a brake on a drum from the TOML file `path`, with every quantity with its unit.
 
-    Raises BadInput with one line that names the key, the value and what is allowed.
+    `text` is the content of the file, if it is known. Raises BadInput with one line that names the
+    key, the value and what is allowed.
     """
     data = read_toml(path) if text is None else toml_data(text, path)
     try:
@@ -157,52 +165,50 @@ def vary(brake: P, changes: Mapping[str, Any]) -> P:
 
 
 def unit_of(brake: Part, key: str) -> str | None:
-    """The SI unit of a key, written as for `vary`: "" of a pure number, None of what is no number.
+    """The SI unit of a key, written as for `vary`: "" for a pure number, None if it is no number.
 
-    Raises BadInput for a key that there is not.
+    Raises BadInput for an unknown key.
     """
     parts, name = _parts(brake, key)
     field = type(parts[0]).model_fields[name]
-    return unit_in(
-        Annotated[field.annotation, *field.metadata] if field.metadata else field.annotation
-    )
+    kind = Annotated[field.annotation, *field.metadata] if field.metadata else field.annotation
+    return unit_in(kind)
 
 
 def is_interval(brake: Part, key: str) -> bool:
-    """Whether the numbers of one sign that a key can have, all else equal, are an interval: any
-    between two of them.
+    """Whether the allowed numbers of one sign of a key, all else equal, are an interval.
 
-    True of lengths, forces, moduli and pure numbers: each limit on them is one from above or from
-    below. Not known of angles and of coordinates of points, which single values may be forbidden
-    to, as a force through the hinge.
+    This holds for lengths, forces, moduli and pure numbers: each limit on them is from above or
+    from below. It is unknown for angles and for coordinates of points. Single values of these may
+    be forbidden, such as a force through the hinge.
     """
     unit = unit_of(brake, key)
     return unit not in {None, "rad"} and not isinstance(_parts(brake, key)[0][0], Point)
 
 
 def values_of(brake: Part, key: str) -> list[Any]:
-    """The values of a key, written as for `vary`: one, or that of each shoe. Raises BadInput as
-    `unit_of` does.
+    """Values of a key, written as for `vary`: a single value, or the value of each shoe.
+
+    Raises BadInput for an unknown key.
     """
     parts, name = _parts(brake, key)
     return [getattr(part, name) for part in parts]
 
 
 def _parts(brake: Part, key: str) -> tuple[list[Part], str]:
-    """The parts that have a key, and its name in them."""
+    """The parts that have a key, and the name of its field."""
     found: list[Part] = [brake]
     *path, last = _steps(key)
     for step in path:
         if _is_number(step):
             found = found[int(step) : int(step) + 1]
             continue
-        below = [getattr(part, _name(part, step, key)) for part in found]
-        found = [
-            part
-            for item in below
-            for part in (item if isinstance(item, tuple) else [item])
-            if part is not None
-        ]
+        # A step leads to one part below each part, or to several, such as all shoes.
+        below: list[Part] = []
+        for part in found:
+            value = getattr(part, _name(part, step, key))
+            below += value if isinstance(value, tuple) else [value]
+        found = [part for part in below if part is not None]
         if not all(isinstance(part, Part) for part in found):
             raise BadInput(f"{key}: {step!r} has nothing to be set in")
     if not found:
@@ -219,8 +225,9 @@ def _name(part: Part, key: str, whole: str) -> str:
 
 
 def value_of(brake: Part, key: str) -> float:
-    """The number [SI] of a key, written as for `vary`; raises BadInput where it is none, or shoes
-    differ in it.
+    """The number [SI] of a key, written as for `vary`.
+
+    Raises BadInput if the value is no number or differs between shoes.
     """
     values = values_of(brake, key)
     if not all(isinstance(value, int | float) for value in values):
@@ -231,41 +238,59 @@ def value_of(brake: Part, key: str) -> float:
 
 
 def differing(one: Part, other: Part) -> str | None:
-    """The first key in which two brakes differ by more than round-off, their titles apart; None of
-    equal ones.
+    """The first key, other than a title, in which two brakes differ by more than round-off.
+
+    It is None for equal brakes.
     """
     return _differing(one.model_dump(by_alias=True), other.model_dump(by_alias=True), "")
 
 
 def _differing(one: Any, other: Any, key: str) -> str | None:
+    """The first key at or below `key` in which two data differ, or None."""
     if isinstance(one, dict) and isinstance(other, dict):
+        names = [name for name in {**one, **other} if name != "title"]
         pairs = [
-            (f"{key}.{name}" if key else name, one.get(name), other.get(name))
-            for name in {**one, **other}
+            (f"{key}.{name}" if key else name, one.get(name), other.get(name)) for name in names
         ]
-    elif (
-        isinstance(one, list | tuple) and isinstance(other, list | tuple) and len(one) == len(other)
-    ):
+    elif _are_lists(one, other):
         pairs = [(f"{key}[{i}]", a, b) for i, (a, b) in enumerate(zip(one, other, strict=True))]
     elif isinstance(one, float) and isinstance(other, float):
         return None if math.isclose(one, other, rel_tol=1e-12, abs_tol=1e-15) else key
     else:
         return None if one == other else key
-    return next(
-        (found for name, a, b in pairs if name != "title" and (found := _differing(a, b, name))),
-        None,
-    )
+    for name, a, b in pairs:
+        found = _differing(a, b, name)
+        if found is not None:
+            return found
+    return None
+
+
+def _are_lists(one: Any, other: Any) -> bool:
+    """Whether two data are lists of one length."""
+    lists = isinstance(one, list | tuple) and isinstance(other, list | tuple)
+    return lists and len(one) == len(other)
 
 
 def _steps(key: str) -> list[str]:
+    """Split a key into names and numbers."""
     return key.replace("[", ".").replace("]", "").split(".")
 
 
 def _is_number(step: str) -> bool:
+    """Whether a step of a key is the number of a shoe."""
     return step.isascii() and step.isdigit() and len(step) < 9
 
 
 def _set(data: Any, steps: list[str], value: Any, key: str) -> None:
+    """Set a value in nested data.
+
+    Parameters
+    ----------
+    data : nested data, which are changed
+    steps : names and numbers that lead to the value
+    value : the new value
+    key : the whole key, for the message of an error
+    """
     head, *rest = steps
     if isinstance(data, list | tuple):
         if _is_number(head) and int(head) < len(data):
@@ -281,4 +306,5 @@ def _set(data: Any, steps: list[str], value: Any, key: str) -> None:
             raise BadInput(f"{key}: unknown key {head!r}; allowed: {', '.join(data)}")
         _set(data[head], rest, value, key)
     else:
-        data[head] = deepcopy(value)  # a later key may change what lies inside
+        # A copy, as a later key may change a part of the value.
+        data[head] = deepcopy(value)

@@ -1,5 +1,6 @@
-"""How far surfaces lie off circles and planes: linings ground to a circle of their own, drums that
-are not round.
+"""Deviations of surfaces from circles and planes.
+
+A lining may be ground to a circle of its own, and a drum may be out of round.
 """
 
 import math
@@ -14,14 +15,20 @@ from drumlin.brake.fields import Point
 def circle_gap(
     R: float, radius: float | None, offset: Point, middle: float, sign: int, theta: Floats
 ) -> Floats:
-    """Gap [m] between a drum of radius R [m] and a lining of its own radius [m], exactly, along the
-    drum's radii.
+    """Exact gap [m] between a drum and a lining of its own radius, along the drum's radii.
 
-    The lining's circle meets the drum's at the angle `middle` [rad] and is moved from there by
-    `offset`: about
-    its centre c it lies at  rho = c.e_r + sqrt(r^2 - (c x e_r)^2)  from the drum's centre, and the gap is
-    sign (R - rho), to first order  sign ((R - r)(1 - cos(theta - middle)) - offset.e_r).
-    sign: +1 for an internal lining. With `radius` None the lining has the drum's.
+    The lining's circle meets the drum's at the angle `middle` and is moved from there by `offset`.
+    About its centre c it lies at rho = c.e_r + sqrt(r^2 - (c x e_r)^2) from the drum's centre. The
+    gap is sign (R - rho), to first order sign ((R - r)(1 - cos(theta - middle)) - offset.e_r).
+
+    Parameters
+    ----------
+    R : radius of the drum [m]
+    radius : r, of the lining's circle [m]; None for the drum's radius
+    offset : of the lining's circle [m]
+    middle : angle of the lining's middle [rad]
+    sign : +1 of an internal lining, -1 of an external lining
+    theta : angles [rad] at which the gap is wanted, any shape
     """
     r = R if radius is None else radius
     c = (R - r) * np.array([np.cos(middle), np.sin(middle)]) + offset.xy
@@ -31,23 +38,27 @@ def circle_gap(
 
 
 def crown_gap(radius: float | None, offset: Point, x: Floats) -> Floats:
-    """Gap [m] between a plane and a face ground to a circle of this radius [m], exactly, at x [m]
-    from its middle.
+    """Exact gap [m] between a plane and a face that is ground to a circle.
 
-    The circle meets the plane there and is moved by `offset`; a negative radius is that of a hollow
-    face, None a flat.
+    The circle meets the plane in the face's middle and is moved from there by `offset`.
+
+    Parameters
+    ----------
+    radius : of the circle [m]; negative of a hollow face, None of a flat face
+    offset : of the circle [m]
+    x : places from the face's middle [m], any shape
     """
     along = x - offset.x
     if radius is None:
         return np.full(np.shape(x), offset.y)
-    return offset.y + along**2 / (
-        radius + math.copysign(1.0, radius) * np.sqrt(radius**2 - along**2)
-    )
+    root = math.copysign(1.0, radius) * np.sqrt(radius**2 - along**2)
+    return offset.y + along**2 / (radius + root)
 
 
 def off_circle(drum: Drum, theta: Floats) -> Floats:
-    """How far [m] the drum's surface lies outside its circle at theta [rad], same shape; it turns
-    with the drum.
+    """Distance [m] of the drum's surface outside its circle at theta [rad], same shape.
+
+    The deviation turns with the drum.
     """
     at = np.asarray(theta) - drum.angle
     lobes = (part.amplitude * np.cos(part.order * (at - part.phase)) for part in drum.out_of_round)

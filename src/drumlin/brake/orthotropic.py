@@ -1,5 +1,4 @@
-"""Which part of a brake has a material with directions, for models that know isotropic ones
-alone."""
+"""Find parts of orthotropic material, for models that take isotropic materials only."""
 
 from collections.abc import Iterator
 
@@ -10,7 +9,8 @@ from drumlin.brake.fields import Orthotropic
 def orthotropic_parts(brake: Brake) -> Iterator[str]:
     """The parts of a brake whose material is orthotropic, as a refusal names them."""
     for shoe in brake.shoes:
-        for name, part in (("lining", shoe.lining), ("backing", shoe.backing), ("body", shoe.body)):
+        parts = {"lining": shoe.lining, "backing": shoe.backing, "body": shoe.body}
+        for name, part in parts.items():
             if isinstance(getattr(part, "material", None), Orthotropic):
                 yield f"shoe {shoe.name!r}: {name}.material"
     if brake.ring is not None and isinstance(brake.ring.material, Orthotropic):
@@ -18,8 +18,8 @@ def orthotropic_parts(brake: Brake) -> Iterator[str]:
 
 
 def isotropic_only(brake: Brake, model: str) -> str | None:
-    """Why a `model` that takes isotropic materials alone does not apply; None where it does."""
+    """Reason why a `model` that takes isotropic materials only does not apply, or None."""
     part = next(orthotropic_parts(brake), None)
-    return (
-        None if part is None else f"{part} is orthotropic; {model} takes isotropic materials only"
-    )
+    if part is None:
+        return None
+    return f"{part} is orthotropic; {model} takes isotropic materials only"

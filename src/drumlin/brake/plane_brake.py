@@ -1,8 +1,7 @@
-"""The brake on a plane, the data of a brake file with [plane]: shoes that press on a body which
-slides straight on.
+"""The brake on a plane: data of a brake file with [plane], whose shoes press on a sliding body.
 
-Conventions: the sliding surface is y = 0, the body lies below it, the shoes above; a lining reaches
-from x = start to x = end. It is the same kind of data as a drum brake, with lengths in place of
+Conventions: the sliding surface is y = 0, the body lies below it and the shoes above. A lining
+reaches from x = start to x = end. The data are those of a brake on a drum, with lengths in place of
 angles.
 """
 
@@ -17,8 +16,16 @@ from pydantic import Field, PrivateAttr, ValidationInfo, model_validator
 
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput
-from drumlin.brake.brake import Brake, Frame, Shoe
-from drumlin.brake.components import LARGEST_MISFIT, STEP, Backing, Bar, Friction, Lining, Misfit
+from drumlin.brake.brake import Brake, Shoe, ShoeFrame
+from drumlin.brake.components import (
+    LARGEST_MISFIT,
+    ROUNDED_STEP,
+    Backing,
+    Bar,
+    Friction,
+    Lining,
+    Misfit,
+)
 from drumlin.brake.drive import Drive, Link, driven
 from drumlin.brake.drum_brake import DrumBrake, check_grip
 from drumlin.brake.fields import (
@@ -47,11 +54,11 @@ class Plane(Part):
 
 
 class FlatMisfit(Misfit):
-    """How a pad's face is off the plane, besides its clearance.
+    """Deviation of a pad's face from the plane, besides its clearance.
 
-    `radius` [m] of a face that is ground to a circle, which meets the plane in the lining's middle:
-    positive of a crowned face, negative of a hollow one. `blocks`: rows (x, depth) [m]; the rest as
-    of a lining on a drum.
+    `radius` [m] is that of a face that is ground to a circle: positive for a crowned face, negative
+    for a hollow face. The circle meets the plane in the lining's middle. `blocks` are rows
+    (x, depth) [m]. The other keys are those of a lining on a drum.
     """
 
     radius: Length | None = None
@@ -59,11 +66,11 @@ class FlatMisfit(Misfit):
 
 
 class FlatLining(Lining):
-    """The friction lining on the plane, from x = `start` to x = `end` [m], `width` [m] across.
+    """The friction lining on the plane from x = `start` to x = `end` [m], `width` [m] across.
 
-    `thickness` [m] and `material` are what finite elements need; `clearance` [m]: how far it stands
-    off the plane, one value, or a table of (x, clearance) with straight lines between; `misfit`
-    comes on top.
+    Finite elements need `thickness` [m] and `material`. `clearance` [m] is the gap of the unloaded
+    lining: a number, or a table of (x, clearance) with straight lines between. The gap of the
+    `misfit` is added.
     """
 
     start: Length
@@ -79,10 +86,9 @@ class FlatLining(Lining):
         long, radius = self.end - self.start, self.misfit.radius
         if long <= 0:
             raise ValueError(f"end = {mm(self.end)} must be greater than start = {mm(self.start)}")
-        most, least = (
-            LARGEST_MISFIT * long,
-            long / (8 * LARGEST_MISFIT),
-        )  # of a circle that is off by so much at most
+        # A circle of the least radius stands off by the largest misfit at the lining's ends.
+        most = LARGEST_MISFIT * long
+        least = long / (8 * LARGEST_MISFIT)
         if radius is not None and abs(radius) < least:
             raise ValueError(
                 f"misfit.radius = {mm(radius)}: must be at least {mm(least)} either way, "
@@ -95,38 +101,38 @@ class FlatLining(Lining):
     @property
     def step(self) -> float:
         """Length [m] of the rounded step from one block's height to the next."""
-        return STEP * (self.end - self.start)
+        return ROUNDED_STEP * (self.end - self.start)
 
 
 class FlatBody(Bar):
-    """The elastic shoe behind lining and backing: a straight bar from x = `start` to x = `end` [m]."""
+    """The elastic shoe behind lining and backing: a bar from x = `start` to x = `end` [m]."""
 
     start: Length
     end: Length
 
     @property
     def shape(self) -> str:
-        """Its shape in phi: that of an arc."""
+        """Shape of the body in phi: that of an arc."""
         return "arc"
 
 
-class FlatFrame(Frame):
-    """A flat shoe's own frame, whose origin is the hinge's foot on the plane.
+class FlatFrame(ShoeFrame):
+    """A flat shoe's own frame, with its origin at the hinge's foot on the plane.
 
-    Its points are (distance from there towards the lining, height above the plane) [m].
+    Its points are (distance from the origin towards the lining, height above the plane) [m].
     """
 
     def to_brake(self, vectors: Floats) -> Floats:
-        """Vectors (..., 2) of the shoe's frame in the brake's."""
+        """Convert vectors (..., 2) of the shoe's frame to the brake's."""
         return np.asarray(vectors) * np.array([float(self.sense), 1.0])
 
     def to_shoe(self, vectors: Floats) -> Floats:
-        """Vectors (..., 2) of the brake's frame in the shoe's."""
+        """Convert vectors (..., 2) of the brake's frame to the shoe's."""
         return np.asarray(vectors) * np.array([float(self.sense), 1.0])
 
 
 class FlatShoe(Shoe):
-    """A shoe with a flat lining, held by a hinge or otherwise (`Held`); without `body` it is rigid."""
+    """A shoe with a flat lining and its support (`Held`). Without `body` it is rigid."""
 
     surface = PLANE
     _size: float | None = PrivateAttr(None)
@@ -137,28 +143,23 @@ class FlatShoe(Shoe):
 
     @model_validator(mode="after")
     def _on_body(self) -> Self:
-        slack = 1e-9 * (self.lining.end - self.lining.start)
-        if (
-            self.body
-            and not self.body.start - slack
-            <= self.lining.start
-            < self.lining.end
-            <= self.body.end + slack
-        ):
+        lining, body = self.lining, self.body
+        slack = 1e-9 * (lining.end - lining.start)
+        if body and not body.start - slack <= lining.start < lining.end <= body.end + slack:
             raise ValueError(
-                f"lining = {mm(self.lining.start)} to {mm(self.lining.end)}: must lie within the body, "
-                f"{mm(self.body.start)} to {mm(self.body.end)}"
+                f"lining = {mm(lining.start)} to {mm(lining.end)}: must lie within the body, "
+                f"{mm(body.start)} to {mm(body.end)}"
             )
         return self
 
     @property
     def side(self) -> str:
-        """The side of a drum whose shoes look at their lining as this one does."""
+        """Side of a drum on which shoes face their lining in the same way."""
         return "internal"
 
     @property
     def size(self) -> float:
-        """The size [m] of its brake; of a shoe that no brake has yet, the length of its own lining."""
+        """Size [m] of the brake; of a shoe outside a brake the length of its own lining."""
         return self.lining.end - self.lining.start if self._size is None else self._size
 
     def of_size(self, size: float) -> Self:
@@ -169,42 +170,41 @@ class FlatShoe(Shoe):
 
     @cached_property
     def frame(self) -> FlatFrame:
-        """The shoe's own frame; its sense is chosen so that the lining's middle is at a distance >=
-        0.
-        """
-        return FlatFrame(self.pin.x, 1 if self.lining.middle >= self.pin.x else -1, self.size)
+        """The shoe's own frame, with the lining's middle at a distance >= 0."""
+        sense = 1 if self.lining.middle >= self.pin.x else -1
+        return FlatFrame(self.pin.x, sense, self.size)
 
     @property
     def own_pin(self) -> Floats:
-        """The pin (2,) [m] in its frame."""
+        """Position (2,) [m] of the pin in the shoe's frame."""
         return np.array([0.0, self.pin.y])
 
     def own_points(self, xy: Floats) -> Floats:
-        """Points (..., 2) [m] of the brake's frame in its own."""
+        """Convert points (..., 2) [m] of the brake's frame to the shoe's."""
         return self.frame.to_shoe(np.asarray(xy) - np.array([self.pin.x, 0.0]))
 
     def points(self, xy: Floats) -> Floats:
-        """Points (2, n) [m] of its frame in the brake's."""
+        """Convert points (2, n) [m] of the shoe's frame to the brake's."""
         return np.array([self.pin.x + self.frame.sense * xy[0], xy[1]])
 
     def at(self, depth: Floats, phi: Floats, size: float) -> Floats:
-        """Points (2, ...) [m] of its frame, at a height [m] above the plane and at phi."""
+        """Points (2, ...) [m] of the shoe's frame at a height `depth` [m] above the plane and at phi."""
         return np.stack(np.broadcast_arrays(size * phi, depth))
 
     def off(self, xy: Floats, size: float) -> Floats:
-        """Height [m] of points (2, ...) [m] of its frame above the plane."""
+        """Height [m] above the plane of points (2, ...) [m] of the shoe's frame."""
         return np.asarray(xy[1])
 
     def phi_of(self, xy: Floats, size: float) -> Floats:
-        """phi of points (2, ...) [m] of its frame."""
+        """Coordinate phi of points (2, ...) [m] of the shoe's frame."""
         return np.asarray(xy[0] / size)
 
     def place_of(self, point: Point) -> float:
-        """The x [m] of a point."""
+        """Coordinate x [m] of a point."""
         return point.x
 
     def back(self, size: float) -> float:
-        """Length [m] of the back of its body per unit of phi."""
+        """Length [m] of the back of the shoe's body per unit of phi."""
         return size
 
     @property
@@ -213,12 +213,9 @@ class FlatShoe(Shoe):
         return -math.pi / 2
 
     def misfit_gap(self, theta: Floats, size: float) -> Floats:
-        """Gap [m] of a face ground to a circle, moved by its offset, at the places x [m], same
-        shape.
-        """
-        return crown_gap(
-            self.lining.misfit.radius, self.lining.misfit.offset, theta - self.lining.middle
-        )
+        """Gap [m] of a face ground to a circle, with its offset, at places x [m], same shape."""
+        misfit = self.lining.misfit
+        return crown_gap(misfit.radius, misfit.offset, theta - self.lining.middle)
 
 
 class FlatBrake(Brake):
@@ -242,31 +239,28 @@ class FlatBrake(Brake):
 
     @property
     def size(self) -> float:
-        """The length [m] of its first lining."""
+        """Length [m] of the first lining."""
         return self.shoes[0].size
 
     def reversed(self) -> Self:
         """The brake whose body slides the other way."""
-        return self.model_copy(
-            update={"plane": self.plane.model_copy(update={"sliding": self.other_direction})}
-        )
+        plane = self.plane.model_copy(update={"sliding": self.other_direction})
+        return self.model_copy(update={"plane": plane})
 
     def bare(self) -> Self:
-        """The brake without what its bodies do not depend on, but for the shoes."""
-        friction = float(self.friction > 0)
-        return self.model_copy(
-            update={"title": "-", "friction": friction, "plane": Plane(sliding="+x")}
-        )
+        """The brake without data on which its condensed bodies do not depend; the shoes stay."""
+        changes = {
+            "title": "-",
+            "friction": float(self.friction > 0),
+            "plane": Plane(sliding="+x"),
+        }
+        return self.model_copy(update=changes)
 
     @model_validator(mode="after")
     def _whole(self, info: ValidationInfo) -> Self:
         check_names([shoe.name for shoe in self.shoes])
-        shoes = driven(
-            self.shoes,
-            self.actuation,
-            self.links,
-            file=bool((info.context or {}).get("unit_required")),
-        )
+        from_file = bool((info.context or {}).get("unit_required"))
+        shoes = driven(self.shoes, self.actuation, self.links, file=from_file)
         size = shoes[0].lining.end - shoes[0].lining.start
         shoes = tuple(shoe.of_size(size) for shoe in shoes)
         for i, shoe in enumerate(shoes):
@@ -281,7 +275,7 @@ class FlatBrake(Brake):
 def any_from(
     data: Mapping[str, Any], *, unit_required: bool = False, base: Path | None = None
 ) -> Brake:
-    """As `brake_from`, with [plane] a brake on a plane."""
+    """Make a brake from the data of a brake file, on a plane for data with [plane]; see `validated`."""
     return validated(Brake.shape_of(data), data, unit_required=unit_required, base=base)
 
 
@@ -318,8 +312,9 @@ def read_any(path: Path | str, text: str | None = None) -> Brake:
 
 
 def read_drum(path: Path, what: str, text: str | None = None) -> Brake:
-    """The brake on a drum of a TOML file, for `what` takes no other. Raises BadInput as `read_any`,
-    and for a plane.
+    """Read a brake on a drum from a TOML file.
+
+    Raises BadInput as `read_any` does, and for a brake on a plane, which `what` does not take.
     """
     brake = read_any(path, text)
     if not isinstance(brake, DrumBrake):

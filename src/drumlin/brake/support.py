@@ -1,11 +1,11 @@
-"""How a shoe is held: hinge, pivot of a lever, abutment, guide; and the rigid motions that each
-leaves it.
+"""Supports of a shoe - hinge, pivot of a lever, abutment, guide - and the rigid-body modes they leave.
 
-A rigid motion of the plane is three numbers (dx, dy [m], turn [rad]) about the origin, the drum's
-centre or that of a plane's coordinates: the point x moves by (dx - turn y, dy + turn x). The
-reactions of what holds a shoe do no work on its `tests`. Its `motions` are the same but where
-friction acts at an abutment, whose reaction leans away from the face's normal: the shoe slides
-along the face, and is tested along what is square to the reaction.
+A rigid-body motion of the plane is three numbers: dx, dy [m] and turn [rad] about the origin, the
+drum's centre or that of a plane's coordinates. The point x moves by (dx - turn y, dy + turn x).
+
+The support reactions do no work on the test modes of a shoe. The test modes equal the rigid-body
+modes unless friction acts at an abutment. Then the reaction leans away from the face's normal: the
+shoe slides along the face, and its test mode is square to the reaction.
 """
 
 import math
@@ -20,7 +20,9 @@ from drumlin.base.files import keep_input
 from drumlin.brake.components import Actuation
 from drumlin.brake.fields import Angle, Name, Part, Place, Point
 
-KINDS = ("hinge", "abutment", "guide")
+MAIN_SUPPORTS = ("hinge", "abutment", "guide")
+"""Keys of the supports of which a shoe has exactly one. A pivot comes on top of a hinge."""
+
 MOVES = {
     "hinge": "it turns about its hinge",
     "pivot": "it turns about a pivot on its lever, not about its hinge",
@@ -28,14 +30,19 @@ MOVES = {
     "guide": "it moves along a guide, it has no hinge",
 }
 """How a shoe moves, in words of a refusal, by `Held.held_by`."""
-UNHELD = 2  # in place of the sense of an abutment's friction, see `Held.freedoms`
-STICKS = 1e-9  # relative, of what friction bears: round-off
+
+UNHELD = 2
+"""Value for the sense of an abutment's friction that leaves the abutment out, see `Held.freedoms`."""
+
+STICKS = 1e-9
+"""Excess over the largest friction force, relative to it, up to which a foot still sticks: round-off."""
 
 
 class Abutment(Part):
-    """A face that the shoe's foot slides on: it bears at `point`, `direction` [rad] is the face's
-    normal, the direction of its force on the foot without friction. `friction` mu_s opposes the
-    slide.
+    """A face on which the shoe's foot slides.
+
+    The foot bears at `point`. `direction` [rad] is the face's normal, the direction of its force on
+    the foot without friction. Its friction coefficient `friction` opposes the slide.
     """
 
     point: Place
@@ -44,15 +51,21 @@ class Abutment(Part):
 
 
 class Guide(Part):
-    """A straight guide: the shoe moves along `direction` [rad] only, and does not turn."""
+    """A straight guide: the shoe moves only along `direction` [rad] and does not turn."""
 
     direction: Angle
 
 
 class Freedoms(NamedTuple):
-    """The free motions of a shoe: `motions`, `tests` (k, 3), and the `work` (k,) of the actuation
-    on the tests, in N m of a turn and N of a slide; `tip` (k,): how far the actuation's point goes
-    along its force on the motions, in m. `names` (k,): "turn", "tilt" about a pivot, "slide".
+    """Rigid-body modes of a shoe.
+
+    Attributes
+    ----------
+    motions : (k, 3), the modes
+    tests : (k, 3), test modes, on which the support reactions do no work
+    work : (k,), work of the actuation on the test modes [N m of a turn, N of a slide]
+    tip : (k,), motion of the actuation's point along its force in the modes [m]
+    names : (k,), "turn", "tilt" (about a pivot), "slide" or "off"
     """
 
     motions: Floats
@@ -63,49 +76,48 @@ class Freedoms(NamedTuple):
 
 
 def turn_about(point: Point) -> Floats:
-    """The motion (3,) of a unit turn about a point."""
+    """Rigid-body motion (3,) of a unit turn about a point."""
     return np.array([point.y, -point.x, 1.0])
 
 
 def slide_along(angle: float) -> Floats:
-    """The motion (3,) of a unit slide in the direction `angle` [rad]."""
+    """Rigid-body motion (3,) of a unit slide in the direction `angle` [rad]."""
     return np.array([math.cos(angle), math.sin(angle), 0.0])
 
 
 def work_on(motions: Floats, force: Floats, point: Floats) -> Floats:
-    """Work (k,) of a force (2,) [N] at a point (2,) [m] on rigid motions (k, 3)."""
+    """Work (k,) of a force (2,) [N] at a point (2,) [m] on rigid-body motions (k, 3)."""
     (x, y), (fx, fy) = point, force
     return motions @ np.array([fx, fy, x * fy - y * fx])
 
 
 def wrench(forces: Floats, points: Floats) -> Floats:
-    """The sum (3,) of forces (..., 2) [N] at points (..., 2) [m]: x, y and moment about the origin."""
+    """Sum (3,) of forces (..., 2) [N] at points (..., 2) [m]: x, y and moment about the origin."""
     moments = points[..., 0] * forces[..., 1] - points[..., 1] * forces[..., 0]
     return np.array([forces[..., 0].sum(), forces[..., 1].sum(), moments.sum()])
 
 
 def moved(motions: Floats, xy: Floats) -> Floats:
-    """Displacements (2, n, k) of the points xy (2, n) per unit of rigid motions (k, 3)."""
+    """Displacements (2, n, k) of the points xy (2, n) per unit of rigid-body motions (k, 3)."""
     x, y = xy[..., None]
     dx, dy, turn = motions.T
     return np.array([dx - turn * y, dy + turn * x])
 
 
-class Change(NamedTuple):
-    """How `motions` and `tests` (k, 3) of a shoe's freedoms change with one number of what holds
-    it.
-    """
+class SupportChange(NamedTuple):
+    """Change of a shoe's rigid-body `motions` and `tests` (k, 3) with one number of its support."""
 
     motions: Floats
     tests: Floats
 
 
 class Held(Part):
-    """What shoes on a drum and on a plane share: a name, what holds them, what pushes them.
+    """A shoe with its name, its support and its actuation, on a drum or on a plane.
 
-    `hinge`: a pin about which the shoe turns. With a `pivot` besides, the hinge is the pin of a
-    lever, the actuation acts on the lever, and the shoe turns about the pivot at the lever's end.
-    Or an `abutment`, or a `guide`.
+    Its support is one of four. A `hinge` is a pin about which the shoe turns. With a `pivot`, the
+    hinge is the pin of a lever: the actuation acts on the lever, and the shoe turns about the pivot
+    at the lever's end. An `abutment` is a face on which the foot slides. A `guide` lets the shoe
+    move along one direction.
     """
 
     name: Name
@@ -113,20 +125,21 @@ class Held(Part):
     pivot: Place | None = None
     abutment: Abutment | None = None
     guide: Guide | None = None
-    actuation: Actuation = Actuation(
-        force=0.0, direction=0.0, point=Point(x=0.0, y=0.0)
-    )  # until a strut gives it
+    # A shoe behind a strut has this actuation until the strut gives another.
+    actuation: Actuation = Actuation(force=0.0, direction=0.0, point=Point(x=0.0, y=0.0))
 
     @model_validator(mode="after")
     def _held(self) -> Self:
-        given = [key for key in KINDS if getattr(self, key) is not None]
+        given = [key for key in MAIN_SUPPORTS if getattr(self, key) is not None]
         if not given:
             raise ValueError(
-                "hinge: is missing; a shoe is held by one of hinge, hinge and pivot, abutment, guide"
+                "hinge: is missing; "
+                "a shoe is held by one of hinge, hinge and pivot, abutment, guide"
             )
         if len(given) > 1:
             raise ValueError(
-                f"{given[1]}: a shoe is held by one of {', '.join(KINDS)}, not by {' and '.join(given)}"
+                f"{given[1]}: a shoe is held by one of {', '.join(MAIN_SUPPORTS)}, "
+                f"not by {' and '.join(given)}"
             )
         if self.pivot is not None and self.hinge is None:
             raise ValueError("pivot: is on a lever, whose pin is the hinge; hinge is missing")
@@ -134,15 +147,16 @@ class Held(Part):
 
     @property
     def held_by(self) -> str:
-        """What holds the shoe: "hinge", "pivot", "abutment" or "guide"."""
+        """The shoe's support: "hinge", "pivot", "abutment" or "guide"."""
         if self.hinge is not None:
             return "hinge" if self.pivot is None else "pivot"
         return "guide" if self.abutment is None else "abutment"
 
     @property
     def pin(self) -> Point:
-        """The point that its moments and angles count from: the hinge, the foot's on an abutment;
-        of a guided shoe, which has none, the point of its actuation.
+        """The point from which moments and angles of the shoe count.
+
+        It is the hinge, the foot on an abutment, or the point of actuation of a guided shoe.
         """
         if self.hinge is not None:
             return self.hinge
@@ -150,27 +164,31 @@ class Held(Part):
 
     def under(self, force: float) -> Self:
         """The shoe under another force [N] of its actuation."""
-        return self.model_copy(
-            update={"actuation": self.actuation.model_copy(update={"force": force})}
-        )
+        actuation = self.actuation.model_copy(update={"force": force})
+        return self.model_copy(update={"actuation": actuation})
 
     @property
     def bearing(self) -> Floats:
-        """The direction (2,) of the force of a smooth abutment on the foot."""
+        """Unit vector (2,) of the force of a smooth abutment on the foot."""
         assert self.abutment is not None
         return np.array([math.cos(self.abutment.direction), math.sin(self.abutment.direction)])
 
     @property
     def senses(self) -> tuple[int, ...]:
-        """How friction may act where the shoe is held, see `freedoms`: the first is to be tried
-        first.
-        """
+        """Possible senses of the friction at the support, see `freedoms`, in the order of trial."""
         return (1, -1, 0) if self.abutment is not None and self.abutment.friction > 0 else (1,)
 
     def stands(self, reaction: Floats, sense: int, slide: float) -> bool:
-        """Whether an abutment can give a reaction (2,) on the foot: it presses, and its friction of
-        a `sense` opposes the `slide` of the foot along it (any length), or holds the foot. True of
-        a shoe without one.
+        """Whether an abutment can give a reaction on the foot.
+
+        It can if it presses on the foot and its friction opposes the slide, or holds the foot. A
+        shoe without abutment always stands.
+
+        Parameters
+        ----------
+        reaction : (2,), force on the foot [N]
+        sense : of the friction, as of `freedoms`
+        slide : of the foot along the face, in any unit
         """
         if self.abutment is None:
             return True
@@ -183,11 +201,11 @@ class Held(Part):
         return sense * slide <= 0
 
     def freedoms(self, sense: int = 1) -> Freedoms:
-        """The free motions of the shoe.
+        """Rigid-body modes of the shoe.
 
-        sense: of an abutment's friction, +1 along the normal turned by +90 deg, -1 against it; 0
-        where the foot sticks. UNHELD: the abutment is left out, the foot may slide and come off its
-        face.
+        The `sense` of an abutment's friction is +1 along the normal turned by +90 deg, -1 against
+        it, and 0 if the foot sticks. With UNHELD the abutment is left out: the foot may slide and
+        come off its face.
         """
         at = self.actuation.point.xy
         motions, names = [turn_about(self.pin)], ["turn"]
@@ -199,10 +217,10 @@ class Held(Part):
         tests = list(motions)
         if self.abutment is not None and sense != 0:
             along = self.abutment.direction + math.pi / 2
+            # Friction turns the test mode, so that it stays square to the reaction.
+            leaning = (sense != UNHELD) * sense * math.atan(self.abutment.friction)
             motions.append(slide_along(along))
-            tests.append(
-                slide_along(along + (sense != UNHELD) * sense * math.atan(self.abutment.friction))
-            )
+            tests.append(slide_along(along + leaning))
             names.append("slide")
         if self.abutment is not None and sense == UNHELD:
             motions.append(slide_along(self.abutment.direction))
@@ -211,23 +229,23 @@ class Held(Part):
         moved, tested = np.array(motions), np.array(tests)
         work = work_on(tested, self.actuation.vector, at)
         tip = work_on(moved, self.actuation.direction_vector, at)
-        if (
-            self.pivot is not None
-        ):  # the actuation acts on the lever: it does no work where the shoe tilts on its pivot
+        # With a pivot the actuation acts on the lever, and does no work as the shoe tilts.
+        if self.pivot is not None:
             work[1] = tip[1] = 0.0
         return Freedoms(moved, tested, work, tip, tuple(names))
 
-    def changes(self, sense: int = 1) -> dict[str, tuple[Change, ...]]:
-        """How its freedoms change with what holds it, by key: points along x and y [per m],
-        directions [per rad], friction [1]. Exact: freedoms are linear in points; sense: as of
-        `freedoms`.
+    def changes(self, sense: int = 1) -> dict[str, tuple[SupportChange, ...]]:
+        """Exact changes of the rigid-body modes with the support, by key.
+
+        Points change along x and y [per m], directions [per rad], friction [per 1]. The modes are
+        linear in points. The `sense` is as of `freedoms`.
         """
         k = len(self.freedoms(sense).names)
 
-        def both(row: int, change: Floats) -> Change:
-            return Change(_rows(k, row, change), _rows(k, row, change))
+        def both(row: int, change: Floats) -> SupportChange:
+            return SupportChange(_rows(k, row, change), _rows(k, row, change))
 
-        def point(row: int) -> tuple[Change, ...]:
+        def point(row: int) -> tuple[SupportChange, ...]:
             return both(row, np.array([0.0, -1.0, 0.0])), both(row, np.array([1.0, 0.0, 0.0]))
 
         if self.guide is not None:
@@ -235,22 +253,22 @@ class Held(Part):
         if self.abutment is None:
             return {"hinge": point(0)} | ({} if self.pivot is None else {"pivot": point(1)})
         found = {"abutment.point": point(0)}
-        if sense == 0:  # the foot sticks: how its face lies does not matter
+        # If the foot sticks, the direction of its face does not matter.
+        if sense == 0:
             return found
         mu, along = self.abutment.friction, self.abutment.direction + math.pi / 2
         tested = slide_along(along + sense * math.atan(mu) + math.pi / 2)
-        found["abutment.direction"] = (
-            Change(_rows(k, 1, slide_along(along + math.pi / 2)), _rows(k, 1, tested)),
-        )
+        of_motion = slide_along(along + math.pi / 2)
+        of_direction = SupportChange(_rows(k, 1, of_motion), _rows(k, 1, tested))
+        found["abutment.direction"] = (of_direction,)
         if mu > 0:
-            found["abutment.friction"] = (
-                Change(np.zeros((k, 3)), _rows(k, 1, sense * tested / (1 + mu**2))),
-            )
+            of_test = _rows(k, 1, sense * tested / (1 + mu**2))
+            found["abutment.friction"] = (SupportChange(np.zeros((k, 3)), of_test),)
         return found
 
 
 def _found(mesh: Path | None, info: ValidationInfo) -> Path | None:
-    """The path from the folder of the brake file; what is read there is not to be written over."""
+    """The path from the folder of the brake file; the file there is protected from being written."""
     base = (info.context or {}).get("base")
     if mesh is None or base is None:
         return mesh
@@ -288,11 +306,11 @@ class MeshGroups(Part):
 
 
 class Meshed(Held):
-    """A shoe that can take a mesh file, `mesh`, in place of the parametric mesh.
+    """A shoe that may have a mesh file, `mesh`, in place of the parametric mesh.
 
-    Its coordinates are the brake's or, so that a shoe and its mirror image can share one file,
-    those of the shoe's own `frame`. `mesh_interference` says that a contact line deep in the drum
-    or the plane is meant. `groups` are the names or numbers that the file has for its groups.
+    The coordinates of the mesh are the brake's, or those of the shoe's own `frame`: then a shoe and
+    its mirror image can share a file. `mesh_interference` states that a contact line deep in the
+    drum or the plane is intended. `groups` are the names or numbers of its groups in the file.
     """
 
     mesh: Annotated[Path | None, AfterValidator(_found)] = None
@@ -312,22 +330,28 @@ class Meshed(Held):
 
 
 def _rows(count: int, row: int, change: Floats) -> Floats:
-    """Changes (count, 3) of motions of which one changes."""
+    """Changes (count, 3) of several modes of which only mode `row` changes."""
     found = np.zeros((count, 3))
     found[row] = change
     return found
 
 
 def check_motions(key: str, shoe: Held, columns: slice) -> None:
-    """Raise ValueError where two motions of a shoe close its gap alike, so that nothing fixes one
-    of them.
+    """Raise ValueError if two rigid-body modes of a shoe close its gap alike.
 
-    columns: those of a motion that close the gap, dx and dy on a drum, dy and turn on a plane.
+    Then nothing holds one of the modes.
+
+    Parameters
+    ----------
+    key : of the shoe in the message
+    shoe : the shoe
+    columns : columns of a motion that close the gap: dx and dy on a drum, dy and turn on a plane
     """
     closing = shoe.freedoms().motions[:, columns]
-    if len(closing) == 2 and abs(np.linalg.det(closing)) <= 1e-6 * np.prod(
-        np.linalg.norm(closing, axis=1)
-    ):
+    if len(closing) != 2:
+        return
+    lengths = np.linalg.norm(closing, axis=1)
+    if abs(np.linalg.det(closing)) <= 1e-6 * np.prod(lengths):
         what = (
             "pivot: the lever's pin"
             if shoe.pivot is not None

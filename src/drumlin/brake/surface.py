@@ -1,28 +1,28 @@
-"""What a brake runs on, a drum or a plane: its coordinate, what the brake does on it, and its
-words.
+"""The surface on which a brake runs, a drum or a plane: its coordinate, geometry and words.
 
-There is one `Brake` and one `Shoe`. What differs between a drum and a plane is asked of them or of
-their `surface`, DRUM or PLANE, and nothing outside `drumlin.brake` looks at the class of a brake.
+There is one class `Brake` and one class `Shoe`. They, or their `surface` DRUM or PLANE, know the
+differences between a drum and a plane. Nothing outside `drumlin.brake` looks at the class of a
+brake.
 
 The coordinate q counts along the surface: the angle theta [rad] on a drum, the place x [m] on a
 plane. Linings, tables of clearances, pressures and contact arcs of a shoe are given in q. Three
 numbers of a brake tie q to lengths:
 
-- `Brake.scale_factor`: ds/dq, the length of the surface per unit of q: the radius R on a drum, 1 on
-  a plane. It is also what a friction force contributes to the effect of the brake, by virtual work:
-  the effect is conjugate to q, a torque on a drum and a braking force on a plane.
-- `Brake.size` [m]: the length by which others are measured, and with which bodies are compared: R
+- `Brake.scale_factor` is ds/dq, the length of the surface per unit of q: the radius R on a drum, 1
+  on a plane. By virtual work it is also the effect of the brake per friction force. The effect is
+  conjugate to q: a torque on a drum, a braking force on a plane.
+- `Brake.size` [m] is the length to which others are relative, and with which bodies are compared: R
   on a drum, the length of the first lining on a plane.
-- `Frame.unit`: q per unit of phi, the coordinate of a shoe's own frame, which finite elements use:
-  phi = s/size. So phi is an angle on a drum, where the unit is 1, and a length in sizes on a plane.
+- `ShoeFrame.unit` is q per unit of phi. Finite elements use phi = s/size, the coordinate of a shoe's
+  own frame. On a drum phi is an angle and the unit is 1; on a plane phi is a length in sizes.
 
-`Frame.theta` and `Frame.phi` change between q and phi, so that a response needs no conversion. The
-rest of the geometry is that of a `Shoe`: where its frame lies, how its points and depths lie to the
-surface. Formulas that hold on one surface only, those of the laws of hinged shoes and of the
-foundation model, refuse the other one by its `word`.
+`ShoeFrame.theta` and `ShoeFrame.phi` convert between q and phi, so that a response needs no
+conversion. A `Shoe` knows the rest of the geometry: where its frame lies, and how its points and
+depths lie to the surface. Formulas that hold on one surface only refuse the other surface by its
+`word`: those of the laws of hinged shoes and of the foundation model.
 
 A brake file has two shapes of data, one with [drum] and one with [plane]. `DrumBrake` and
-`FlatBrake` are these two shapes; they are named where a file is read, and nowhere else.
+`FlatBrake` are these two shapes. They are named where a file is read, and nowhere else.
 """
 
 import math
@@ -92,38 +92,37 @@ class FrictionSurface:
         return self.period == 0
 
     def unlike(self, other: "FrictionSurface") -> str | None:
-        """That it is not the `other` that is wanted, in the words of a refusal; None where it is."""
+        """Text of a refusal that the surface is not the wanted `other`; None if it is."""
         return None if self == other else f"its shoes press on a {self.word}, not on a {other.word}"
 
     def along(self, q: Floats) -> Floats:
-        """Unit vectors (2, ...) along growing q, at the places q."""
+        """Unit vectors (2, ...) along growing q at the places q."""
         if self.straight:
             return np.array([np.ones(np.shape(q)), np.zeros(np.shape(q))])
         return np.array([-np.sin(q), np.cos(q)])
 
     def outwards(self, q: Floats) -> Floats:
-        """Unit normals (2, ...) of an internal lining, out of it and into the surface, at the
-        places q.
-        """
+        """Unit normals (2, ...) of an internal lining at the places q, into the surface."""
         if self.straight:
             return np.array([np.zeros(np.shape(q)), -np.ones(np.shape(q))])
         return np.array([np.cos(q), np.sin(q)])
 
     def levers(self, q: Floats, size: float) -> Floats:
-        """Moments about the origin [m] of unit forces `outwards` and `along` at the places q (2,
-        ...).
-        """
-        none = np.zeros(np.shape(q))
-        return np.array([-np.asarray(q), none]) if self.straight else np.array([none, none + size])
+        """Moments (2, ...) [m] about the origin of unit forces `outwards` and `along` at places q."""
+        zero = np.zeros(np.shape(q))
+        if self.straight:
+            return np.array([-np.asarray(q), zero])
+        return np.array([zero, zero + size])
 
     def turns(self, twice: float) -> float:
-        """The whole turns [q] nearest to half of `twice`, the sum of the ends of a lining less that
-        of another's.
+        """Whole turns, in q, nearest to half of `twice`.
+
+        For two linings `twice` is the sum of the ends of the first less that of the second.
         """
         return 0.0 if self.straight else self.period * round(twice / (2 * self.period))
 
     def nearest(self, q: float, middle: float) -> float:
-        """The place q, whole turns away at most, that is nearest to `middle`."""
+        """The place q, moved by whole turns, that is nearest to `middle`."""
         return q if self.straight else middle + math.remainder(q - middle, self.period)
 
 

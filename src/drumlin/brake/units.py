@@ -1,6 +1,6 @@
-"""Quantities as people write them ("150 mm", "2 kN") to SI numbers and back.
+"""Convert quantities as people write them ("150 mm", "2 kN") to SI numbers, and back.
 
-Inside drumlin every number is in m, N, Pa, rad; this module is the only door.
+Inside drumlin every number is in m, N, Pa and rad. Only this module converts.
 """
 
 import functools
@@ -11,16 +11,24 @@ from typing import Any
 from drumlin.base.errors import BadInput
 from drumlin.base.texts import LONGEST_QUANTITY
 
-# A number, then a unit: words with one-digit powers, joined by blank, * or /, the last denominator
-# perhaps in brackets. Nothing that pint would have to evaluate: m^9^9^9 would take it for ever.
+# A quantity is a number and a unit. A unit is words with one-digit powers, joined by blank, * or /;
+# the last denominator may be in brackets. Nothing else reaches pint, which would evaluate m^9^9^9
+# for ever.
 _WORD = r"[A-Za-zµμ°%][\wµμ°%]{0,30}(?: ?(?:\^|\*\*) ?-?\d(?!\d))?"
 _UNIT = rf"(?:1 ?/ ?)?{_WORD}(?:[ */]{{1,3}}{_WORD}){{0,5}}(?: ?/ ?\( ?{_WORD}(?:[ *]{{1,3}}{_WORD}){{0,5}} ?\))?"
 _QUANTITY = re.compile(
     rf"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{{1,3}})?)\s*({_UNIT})\s*", re.ASCII
 )
 
-LARGEST = 1e30  # beyond any brake, and products of such numbers are still numbers
-SMALLEST = 1e-30  # below it a quantity is nothing: squares of such numbers would vanish, but not the numbers
+LARGEST_NUMBER_SI = 1e30
+"""Largest number of a brake in SI units. No brake needs more, and products stay finite."""
+
+SMALLEST = 1e-30
+"""Smallest size of a number of a brake in SI units; a smaller number counts as 0.
+
+Squares of smaller numbers would vanish while the numbers would not.
+"""
+
 EXAMPLES = {
     "m": "8 mm",
     "N": "2 kN",
@@ -30,7 +38,7 @@ EXAMPLES = {
     "N m^2": "12 MN m^2",
     "1/Pa": "1e-5 mm^3/(N m)",
 }
-NAMES = {
+QUANTITY_NAMES = {
     "m": "a length",
     "N": "a force",
     "Pa": "a stress",
@@ -39,8 +47,8 @@ NAMES = {
     "N m^2": "a bending stiffness",
     "1/Pa": "a wear coefficient",
 }
-# Factors to SI of the units that most files keep to, so that they need no pint; the tests hold them
-# against it.
+# Factors to SI of the units of most files, which then need no pint. The tests compare the factors
+# with pint's.
 COMMON = {
     "m": {"m": 1.0, "mm": 1e-3},
     "N": {"N": 1.0, "kN": 1e3},
@@ -51,34 +59,37 @@ COMMON = {
 
 @functools.cache
 def _registry() -> Any:
-    import pint  # noqa: PLC0415  (0.25 s: only where a file has another unit)
+    """The units of pint. It takes 0.25 s to load, and only files with other units need it."""
+    import pint  # noqa: PLC0415
 
     return pint.UnitRegistry()
 
 
 @functools.cache
 def _factor(unit: str, si: str) -> float:
-    """Factor from `unit` to the SI unit `si`; raises ValueError if `unit` measures something else."""
+    """Factor from `unit` to the SI unit `si`; raises ValueError if it measures something else."""
     common = COMMON.get(si, {}).get(unit.strip())
     return _by_pint(unit, si) if common is None else common
 
 
 def _by_pint(unit: str, si: str) -> float:
+    """The same factor from pint."""
     registry = _registry()
     try:
         factor, base = registry.get_base_units(registry.parse_units(unit.strip()))
         si_factor, si_base = registry.get_base_units(si)
-    except Exception as error:  # pint raises many kinds (undefined unit, token errors, ...)
+    # pint raises errors of many kinds: undefined unit, token errors and others.
+    except Exception as error:
         raise ValueError(
-            f"unknown unit {unit.strip()!r}; allowed: {NAMES[si]} such as {EXAMPLES[si]!r}"
+            f"unknown unit {unit.strip()!r}; allowed: {QUANTITY_NAMES[si]} such as {EXAMPLES[si]!r}"
         ) from error
     if base != si_base:
-        raise ValueError(f"must be {NAMES[si]} such as {EXAMPLES[si]!r}")
+        raise ValueError(f"must be {QUANTITY_NAMES[si]} such as {EXAMPLES[si]!r}")
     return float(factor / si_factor)
 
 
 def _float(value: int | float) -> float:
-    """A number as a float; infinite where an integer is too large for one."""
+    """A number as a float; inf for an integer that is too large."""
     try:
         return float(value)
     except OverflowError:
@@ -86,34 +97,44 @@ def _float(value: int | float) -> float:
 
 
 def to_si(value: object, si: str, *, unit_required: bool) -> float:
-    """`value`, a text with its unit or (unless `unit_required`) a number in SI, as a number in SI.
+    """Convert a quantity to a number in SI.
 
-    Raises ValueError with a line that says what is allowed.
+    Parameters
+    ----------
+    value : text with a unit, or a number in SI
+    si : the SI unit
+    unit_required : whether a number without unit is refused
+
+    Raises
+    ------
+    ValueError
+        with a line that says what is allowed
     """
     if isinstance(value, str):
         if len(value) > LONGEST_QUANTITY:
             raise ValueError(
-                f"must be {NAMES[si]} in at most {LONGEST_QUANTITY} characters, such as {EXAMPLES[si]!r}"
+                f"must be {QUANTITY_NAMES[si]} in at most {LONGEST_QUANTITY} characters, "
+                f"such as {EXAMPLES[si]!r}"
             )
         match = _QUANTITY.fullmatch(value)
         if match is None:
             raise ValueError(
-                f"must be {NAMES[si]}: a number and its unit, such as {EXAMPLES[si]!r}"
+                f"must be {QUANTITY_NAMES[si]}: a number and its unit, such as {EXAMPLES[si]!r}"
             )
         number = float(match.group(1)) * _factor(match.group(2), si)
     elif isinstance(value, bool) or not isinstance(value, int | float):
-        raise ValueError(f"must be {NAMES[si]} such as {EXAMPLES[si]!r}")
+        raise ValueError(f"must be {QUANTITY_NAMES[si]} such as {EXAMPLES[si]!r}")
     elif unit_required:
-        raise ValueError(f"has no unit; write {NAMES[si]} such as {EXAMPLES[si]!r}")
+        raise ValueError(f"has no unit; write {QUANTITY_NAMES[si]} such as {EXAMPLES[si]!r}")
     else:
         number = _float(value)
-    if not abs(number) <= LARGEST:
-        raise ValueError(f"must be finite and at most {LARGEST:g} in SI units")
+    if not abs(number) <= LARGEST_NUMBER_SI:
+        raise ValueError(f"must be finite and at most {LARGEST_NUMBER_SI:g} in SI units")
     return number if abs(number) >= SMALLEST else 0.0
 
 
 def quantity(key: str, text: str, si: str) -> float:
-    """An option's text with its unit as a number in SI; raises BadInput with one line."""
+    """Convert the text of an option to a number in SI; raises BadInput with one line."""
     try:
         return to_si(text, si, unit_required=True)
     except ValueError as error:

@@ -101,12 +101,12 @@ def _refused(error: Any) -> str:
     Where the word of an option is no number, the line names the option and the word: newer versions
     of typer leave the word out.
     """
-    from drumlin.brake.file import ALLOWED
+    from drumlin.brake.file import FAULT_TEXTS
 
     if hasattr(error.__cause__, "errors") and getattr(error, "param", None) is not None:
         fault = error.__cause__.errors()[0]
-        if fault["type"] in ALLOWED:
-            return f"{error.param.opts[-1]} = {fault['input']!r}: {ALLOWED[fault['type']]}"
+        if fault["type"] in FAULT_TEXTS:
+            return f"{error.param.opts[-1]} = {fault['input']!r}: {FAULT_TEXTS[fault['type']]}"
     return str(error.format_message())
 
 

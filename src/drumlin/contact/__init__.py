@@ -1,6 +1,8 @@
-"""Unilateral contact with friction as complementarity problems on arrays: full slip (`active_set`),
-stick and slip increment by increment (`stick_slip`), and the friction at which no equilibrium is
-left (`self_locking`).
+"""Unilateral contact with friction, as complementarity problems on plain arrays.
 
-Knows nothing of brakes or meshes and imports nothing of drumlin but errors and arrays.
+`equations` factorises the linear equations of a contact set. `active_set` finds the contact set
+under full slip. `stick_slip` follows stick and slip, one load increment at a time. `self_locking`
+finds the friction coefficient at which the equilibrium ends.
+
+The package knows nothing of brakes or meshes. Of drumlin it imports `drumlin.base` only.
 """

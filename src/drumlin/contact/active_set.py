@@ -1,18 +1,17 @@
-"""The complementarity problem of unilateral contact, solved by an active-set (semismooth Newton)
-method.
+"""Solve unilateral contact by an active-set method.
 
-All wrong nodes change at once (block principal pivoting: Kostreva 1978; Judice & Pires 1994); where
-they do not become fewer, the answer is followed from wider gaps, one node changing at a time (Lemke
-1965).
-
-Find pressures p and free motions y such that
+The contact problem is a linear complementarity problem. Find nodal pressures p (n,) and rigid-body
+motions y (k,) with the weighted gaps
 
     w = q + A p + B y,    p >= 0,  w >= 0,  p w = 0,       C p = h
 
-p (n,): nodal pressures; w (n,): weighted gaps; A (n, n): compliance, unsymmetric with friction, the
-penalty included as a compliance M/eps (zero for an infinite penalty); y (k,): what equilibrium
-leaves free, for a hinged shoe its rotation; C p = h: the equilibrium in these motions, C = B^T
-where there is no friction.
+A (n, n) is the compliance. Friction makes it unsymmetric. A penalty eps adds the compliance M/eps,
+which is zero for an infinite penalty. Equilibrium leaves y free: for a hinged shoe it is the
+rotation. C p = h is the equilibrium in these modes; without friction C = B^T.
+
+The active-set method is a semismooth Newton method: all wrong nodes change at once (block principal
+pivoting: Kostreva 1978; Judice & Pires 1994). If the wrong nodes do not become fewer, `narrowed`
+follows the answer from wider gaps, where one node changes at a time (Lemke 1965).
 """
 
 import math
@@ -20,6 +19,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import combinations
+from typing import NamedTuple
 
 import numpy as np
 
@@ -29,45 +29,76 @@ from drumlin.contact.equations import (
     TINY,
     Changed,
     Equations,
+    EquilibratedSystem,
     Problem,
-    System,
     equilibrated,
     few_changed,
     regular,
 )
 
-MOST_STEPS = 120  # a brake that has an answer needs some ten
-MOST_PASSES = 10  # changes of each node while an answer is followed from wider gaps
+MOST_PIVOT_STEPS = 120
+"""Limit of the steps in which all wrong nodes change at once. A brake needs some ten."""
+
+MOST_SET_CHANGES = 10
+"""Limit of the changes per node while an answer is followed from wider gaps."""
+
 GOLDEN = (math.sqrt(5) - 1) / 2
-WIDER = math.sqrt(np.finfo(float).eps)
-"""Relative size of the lift under which no two nodes change together where a path of answers
-begins: the root of the round-off, so far above it as it is below the gaps themselves. With a lift
-as large as the gaps a path may miss an answer that it finds with all smaller ones.
+"""Golden ratio. Its multiples modulo 1 spread the lifts of the nodes unevenly."""
+
+PATH_LIFT = math.sqrt(np.finfo(float).eps)
+"""Lift of the gaps where a path of answers begins, relative to the largest gap.
+
+The lift keeps two nodes from changing together. The root of the round-off lies as far above the
+round-off as below the gaps. With a lift as large as the gaps a path may miss an answer that it
+finds with smaller lifts.
 """
+
 PATIENCE = 5
 """Steps in a row that all wrong nodes may change at once without becoming fewer.
 
-Then they change one at a time, along a path that takes as many steps as nodes change. Judice and
-Pires (1994) wait for up to ten steps. On 50 random holding brakes a patience of one takes 1.2 times
-the factorisations, five to twelve within 2 % of each other; the answers are the same with any.
+After these steps the nodes change one at a time, along a path with as many steps as nodes change.
+Judice and Pires (1994) wait for up to ten steps. On 50 random holding brakes a patience of one
+takes 1.2 times the factorisations; five to twelve lie within 2 % of each other. The answers are the
+same with any patience.
 """
-SMALL = 48
-"""Nodes below which a contact set is not guessed from a coarser problem, as it is found in no time:
-with 24 and 96 a tenth more or less of the steps, in the same time.
+
+COARSENED_FROM = 48
+"""Nodes from which the first contact set is guessed from a coarser problem.
+
+Smaller problems are solved as fast without a guess. Measured by trials: 24 and 96 change the steps
+by a tenth and the time not at all.
 """
-SLACK = (
-    1e-12  # relative: a pressure or gap below it is round-off, and does not change the contact set
-)
+
+SET_ROUND_OFF = 1e-12
+"""Relative size of a negative pressure or gap up to which it counts as round-off.
+
+Pressures are relative to the largest pressure, gaps to the largest gap. Beyond it the node changes
+between contact and separation.
+"""
+
+MOST_CANDIDATE_SETS = 2016
+"""Limit of memory: sets of k nodes among which the first touching set of k modes is sought.
+
+It admits all pairs of 64 nodes or all triples of 23. Of more nodes only every few are candidates.
+"""
 
 
 @dataclass(frozen=True)
 class Contact:
-    """Solution of a contact problem. `p` (n,), `w` (n,), `y` (k,), `active` (n,): the contact set.
+    """Solution of a contact problem.
 
-    `regular`: on the contact set every free motion meets resistance, as it does without friction:
-    the determinant has its sign and no motion's resistance is negative. Followed from mu = 0 this
-    is lost where the brake locks itself. `system`: the problem equilibrated. `tangent(dq)`: change
-    of p where the weighted gaps change by dq (n,) and the contact set stays.
+    Attributes
+    ----------
+    p : (n,), nodal pressures
+    w : (n,), weighted gaps
+    y : (k,), rigid-body motions
+    active : (n,), whether a node is in the contact set
+    steps : number of contact sets that were solved
+    regular : whether the contact resists every rigid-body mode, as without friction. Followed from
+        mu = 0, an answer loses this where the brake locks itself.
+    system : the problem, equilibrated
+    tangent : function dq (n,) -> dp (n,); change of p under a change of the weighted gaps while the
+        contact set stays
     """
 
     p: Floats
@@ -76,25 +107,8 @@ class Contact:
     active: Bools
     steps: int
     regular: bool
-    system: System
+    system: EquilibratedSystem
     tangent: Callable[[Floats], Floats]
-
-
-def solve(problem: Problem, start: Bools | None = None) -> Contact:
-    """Solve a contact problem from the contact set `start`, and from wider gaps where that leads
-    nowhere.
-
-    Without a start the set of `coarse_start` is tried first.
-
-    Raises NoAnswer where no contact set is consistent: nothing balances the actuation, or not
-    converged.
-    """
-    try:
-        return settle(problem, start)
-    except NotSettled as unsettled:
-        active, steps = narrowed(problem)
-        found = settle(problem, active)
-        return replace(found, steps=unsettled.steps + steps + found.steps)
 
 
 class NotSettled(NoAnswer):
@@ -105,93 +119,172 @@ class NotSettled(NoAnswer):
         self.steps = steps
 
 
-def settle(
-    problem: Problem, start: Bools | None = None, most: int = MOST_STEPS, like: System | None = None
-) -> Contact:
-    """The answer that changing all wrong nodes at once leads to from `start`, in at most `most`
-    steps.
+def solve(problem: Problem, start: Bools | None = None) -> Contact:
+    """Solve a contact problem from a contact set, and from wider gaps if that does not converge.
 
-    like: see `equilibrated`. Raises NotSettled where the wrong nodes do not become fewer, NoAnswer
-    where nothing balances the actuation.
+    Parameters
+    ----------
+    problem : the contact problem of n nodes
+    start : (n,), contact set of the first step; by default the set of `coarse_start`
+
+    Raises
+    ------
+    NoAnswer
+        if no contact set is consistent: nothing balances the actuation, or no convergence
+    """
+    try:
+        return settle(problem, start)
+    except NotSettled as unsettled:
+        active, steps = narrowed(problem)
+        found = settle(problem, active)
+        return replace(found, steps=unsettled.steps + steps + found.steps)
+
+
+class _Trial(NamedTuple):
+    """Scaled solution on a trial contact set.
+
+    Attributes
+    ----------
+    x : (n + k,), pressures and rigid-body motions
+    p : (n,), pressures; a view of x
+    w : (n,), weighted gaps; a view of the residual
+    residual : (n + k,), weighted gaps, then the imbalance of each mode
+    wrong : (n,), whether a node has a negative pressure or a negative gap
+    """
+
+    x: Floats
+    p: Floats
+    w: Floats
+    residual: Floats
+    wrong: Bools
+
+
+def settle(
+    problem: Problem,
+    start: Bools | None = None,
+    most: int = MOST_PIVOT_STEPS,
+    like: EquilibratedSystem | None = None,
+) -> Contact:
+    """Solve a contact problem by changing all wrong nodes at once.
+
+    Parameters
+    ----------
+    problem : the contact problem of n nodes
+    start : (n,), contact set of the first step; by default the set of `coarse_start`
+    most : limit of the steps
+    like : system whose scales are used, see `equilibrated`
+
+    Raises
+    ------
+    NotSettled
+        if the wrong nodes do not become fewer
+    NoAnswer
+        if nothing balances the actuation
     """
     system = equilibrated(problem, like)
-    K, r, n = system.K, system.r, system.n
     active = coarse_start(problem) if start is None else start.copy()
-    fewest, patience = n + 1, PATIENCE
-    largest_q = np.abs(r[:n]).max()
+    fewest, patience = system.n + 1, PATIENCE
     base: Equations | None = None
     for step in range(1, most + 1):
-        if not _resisted(problem, active):  # a motion that nothing resists yet
+        # A mode without a touching node needs one before the equations can be solved.
+        if not _resisted(problem, active):
             active = active | _first_touch(system.problem)
-        on = system.on(active)
-        if base is not None and few_changed(base, on):
-            equations: Equations = Changed(base, K, on)
-        else:
-            equations = base = Equations(K, on)
-        x = equations.solve(r)
-        p, closed, opened = x[:n], K[:, :n] @ x[:n], K[:n, n:] @ x[n:]
-        left = r + closed  # w, and what the equilibria are out of balance by
-        w = left[:n]
-        w += opened
-        p_slack = SLACK * np.abs(p).max()
-        w_slack = SLACK * max(largest_q, np.abs(opened).max(), np.abs(closed[:n]).max())
-        change = np.where(active, p < -p_slack, w < -w_slack)
-        wrong = int(np.count_nonzero(change))
-        if not wrong:
-            # One step of refinement: p and y balance to round-off even where wide gaps close on
-            # tiny compressions.
-            x = (x + equations.solve(left)) * system.across
-            w[active] = 0.0
-            return Contact(
-                p=np.maximum(x[:n], 0.0),
-                w=w / system.down[:n],
-                y=x[n:],
-                active=active,
-                steps=step,
-                regular=regular(equations, system),
-                system=system,
-                tangent=partial(_tangent, equations, system),
-            )
-        fewest, patience = (wrong, PATIENCE) if wrong < fewest else (fewest, patience - 1)
+        equations = _equations_of(system, active, base)
+        if not isinstance(equations, Changed):
+            base = equations
+        trial = _trial(system, equations, active)
+        count = int(np.count_nonzero(trial.wrong))
+        if not count:
+            return _refined(system, equations, active, trial, step)
+        fewest, patience = (count, PATIENCE) if count < fewest else (fewest, patience - 1)
         if patience < 0:
             break
-        active = _changed(problem, active, change, p, w, equations, K)
+        active = _changed(problem, system, equations, active, trial)
     raise NotSettled(step)
+
+
+def _equations_of(
+    system: EquilibratedSystem, active: Bools, base: Equations | None
+) -> Equations | Changed:
+    """The equations of a contact set (n,), from the factors of `base` if few nodes have changed."""
+    on = system.on(active)
+    if base is not None and few_changed(base, on):
+        return Changed(base, system.K, on)
+    return Equations(system.K, on)
+
+
+def _trial(system: EquilibratedSystem, equations: Equations, active: Bools) -> _Trial:
+    """Solve on a contact set (n,), and judge the sign of each pressure and gap."""
+    K, r, n = system.K, system.r, system.n
+    x = equations.solve(r)
+    p = x[:n]
+    closed = K[:, :n] @ p
+    opened = K[:n, n:] @ x[n:]
+    residual = r + closed
+    w = residual[:n]
+    w += opened
+    # Pressures and gaps are negative only beyond the round-off of their largest members.
+    largest_gap = max(np.abs(r[:n]).max(), np.abs(opened).max(), np.abs(closed[:n]).max())
+    p_round_off = SET_ROUND_OFF * np.abs(p).max()
+    w_round_off = SET_ROUND_OFF * largest_gap
+    wrong = np.where(active, p < -p_round_off, w < -w_round_off)
+    return _Trial(x, p, w, residual, wrong)
+
+
+def _refined(
+    system: EquilibratedSystem, equations: Equations, active: Bools, trial: _Trial, steps: int
+) -> Contact:
+    """The solution on a consistent contact set, after one step of iterative refinement.
+
+    After the refinement p and y balance to round-off, even where wide gaps close on tiny
+    compressions.
+    """
+    x = (trial.x + equations.solve(trial.residual)) * system.column_scales
+    trial.w[active] = 0.0
+    n = system.n
+    return Contact(
+        p=np.maximum(x[:n], 0.0),
+        w=trial.w / system.row_scales[:n],
+        y=x[n:],
+        active=active,
+        steps=steps,
+        regular=regular(equations, system),
+        system=system,
+        tangent=partial(_tangent, equations, system),
+    )
 
 
 def _changed(
     problem: Problem,
-    active: Bools,
-    change: Bools,
-    p: Floats,
-    w: Floats,
+    system: EquilibratedSystem,
     equations: Equations,
-    K: Floats,
+    active: Bools,
+    trial: _Trial,
 ) -> Bools:
-    """The contact set (n,) with the nodes `change` (n,) changed, as far as its motions stay
-    resisted.
+    """The next contact set (n,): the wrong nodes change, as far as all modes stay resisted.
 
-    A shoe with two free motions that hardly yields stands on two nodes. It cannot leave one of them
-    without a third: it turns about the other until the third one touches, see `_blocking`. In this
-    way a short contact moves along the lining node by node. p, w (n,): pressures and weighted gaps
-    of the set `active`, equilibrated as K is.
+    A stiff shoe with two rigid-body modes stands on two nodes. It cannot leave one of them without
+    a third: it turns about the other until the third node touches, see `_blocking`. In this way a
+    short contact moves along the lining node by node.
     """
-    wanted = active ^ change
+    wanted = active ^ trial.wrong
     if _resisted(problem, wanted):
         return wanted
-    found = active | change
-    leaving = np.flatnonzero(active & change)
-    leaving = leaving[np.argsort(p[leaving], kind="stable")]
+    # Nodes that touch are added. Nodes leave in the order of their pull, if the rest resists.
+    found = active | trial.wrong
+    leaving = np.flatnonzero(active & trial.wrong)
+    leaving = leaving[np.argsort(trial.p[leaving], kind="stable")]
     for node in leaving:
         found[node] = False
         found[node] = not _resisted(problem, found)
     if not np.array_equal(found, active) or not len(leaving):
         return found
-    worst = int(leaving[0])
-    touched = _blocking(K, equations, w, worst, found)
+    # Nothing could change: the node that pulls most is exchanged for the first that touches.
+    pulling = int(leaving[0])
+    touched = _blocking(system.K, equations, trial.w, pulling, found)
     if touched is None:
         return wanted
-    found[[worst, touched]] = False, True
+    found[[pulling, touched]] = False, True
     return found
 
 
@@ -202,17 +295,23 @@ def _blocking(
     leaving: int,
     active: Bools,
 ) -> int | None:
-    """The node that touches first as the node `leaving` of a contact set opens; None where none
-    does.
+    """The node that touches first as a node of the contact set opens; None if no node does.
 
-    Without that node the set leaves a motion free. So no pressure changes as the node opens, only
-    gaps change, by this motion: K of the set `active` (n,), which its `equations` have factorised,
-    says how. w (n,): the weighted gaps before.
+    Without the leaving node the set leaves one rigid-body mode free. As the node opens, the gaps
+    therefore change by this mode alone, and no pressure changes.
+
+    Parameters
+    ----------
+    K : (n + k, n + k), matrix of the equilibrated system
+    equations : those of the set `active`
+    w : (n,), scaled weighted gaps before the node opens
+    leaving : index of the node that opens
+    active : (n,), the contact set with the leaving node
     """
     unit = np.zeros(len(K))
     unit[leaving] = -1.0
     slope = (K @ equations.solve(unit))[: len(w)]
-    closes = ~active & (slope < -SLACK * np.abs(slope).max(initial=0.0))
+    closes = ~active & (slope < -SET_ROUND_OFF * np.abs(slope).max(initial=0.0))
     if not closes.any():
         return None
     reach = np.full(len(w), np.inf)
@@ -220,51 +319,65 @@ def _blocking(
     return int(reach.argmin())
 
 
+class _Line(NamedTuple):
+    """Pressures of the contact set and gaps of all other nodes, linear in s.
+
+    `value` (n,) is theirs at s = 0 and `slope` (n,) their change per s.
+    """
+
+    value: Floats
+    slope: Floats
+
+    def at(self, s: float) -> Floats:
+        """Pressures and gaps (n,) at s."""
+        return self.value + s * self.slope
+
+
 def narrowed(problem: Problem) -> tuple[Bools, int]:
-    """Contact set (n,) of the answer that gaps q + s e lead to as s goes from 1 to 0, and the steps
-    to it.
+    """Follow the answer from wide gaps q + s e, s = 1, to the true gaps, s = 0.
 
     At s = 1 only the nodes touch that the actuation closes first; e (n,) lifts all others. Between
-    two changes of the contact set p and w are linear in s, and each change is of one node; the next
-    piece begins where it leaves zero, s growing again where the path turns. Such a path ends at an
-    answer or goes on for ever (Lemke 1965; Cottle, Pang & Stone, The Linear Complementarity
+    two changes of the contact set p and w are linear in s. Each change is of one node. The next
+    piece begins where this node leaves zero; s grows again where the path turns. Such a path ends
+    at an answer or goes on for ever (Lemke 1965; Cottle, Pang & Stone, The Linear Complementarity
     Problem, section 4.5).
 
-    Raises NoAnswer where it goes on for ever.
+    Returns
+    -------
+    the contact set (n,) of the answer, and the number of steps to it
+
+    Raises
+    ------
+    NoAnswer
+        if the path goes on for ever
     """
     system = equilibrated(problem)
-    K, r, n = system.K, system.r, system.n
+    K, n = system.K, system.n
     active = _first_touch(system.problem, alone=True)
-    s, way, last, e = 1.0, -1, -1, np.zeros(len(r))
-    for step in range(MOST_PASSES * n):
+    s, direction, last = 1.0, -1, -1
+    lift = np.zeros(len(system.r))
+    for step in range(MOST_SET_CHANGES * n):
         equations = Equations(K, system.on(active))
-        x = equations.solve(r)
-        w = (r + K @ x)[:n]
         if step == 0:
-            uneven = 1 + np.arange(n) * GOLDEN % 1  # no two nodes change together
-            wider = WIDER * max(np.abs(w).max(), np.abs(r[:n]).max())
-            e[:n] = np.where(active, 0.0, np.maximum(-w, 0.0) + wider * uneven)
-        dx = equations.solve(e)
-        value, slope = (
-            np.where(active, x[:n], w),
-            np.where(active, dx[:n], (e + K @ dx)[:n]),
-        )  # at s = 0, and per s
+            lift[:n] = _start_lift(system, equations, active)
+        line = _line(system, equations, active, lift)
+        # The node that has changed last must leave zero.
         if step > 0:
-            way = 1 if slope[last] > 0 else -1  # the node that has changed leaves zero
-        falls = way * slope < 0
-        reach = np.full(n, np.inf)
-        reach[falls] = np.maximum(value + s * slope, 0.0)[falls] / np.abs(slope[falls])
-        if way < 0 and reach.min() >= s:
+            direction = 1 if line.slope[last] > 0 else -1
+        reach = _reach(line, s, direction)
+        if direction < 0 and reach.min() >= s:
             return active, step + 1
         last = int(reach.argmin())
-        s += way * reach[last]
+        s += direction * reach[last]
         if not np.isfinite(s):
             break
-        leaves, active[last] = active[last], not active[last]
+        leaves = active[last]
+        active[last] = not active[last]
         if leaves and not _resisted(problem, active):
+            # A leaving node that frees a mode is exchanged for the node that blocks the mode.
             active[last] = True
-            at = np.where(active, 0.0, value + s * slope)
-            touched = _blocking(K, equations, at, last, active)
+            gaps = np.where(active, 0.0, line.at(s))
+            touched = _blocking(K, equations, gaps, last, active)
             if touched is None:
                 break
             active[[last, touched]] = False, True
@@ -272,17 +385,44 @@ def narrowed(problem: Problem) -> tuple[Bools, int]:
     raise NoAnswer("no equilibrium found: from wider gaps the contact never reaches the true ones")
 
 
-def coarse_start(problem: Problem) -> Bools:
-    """Contact set (n,) of the problem on every other node, p linear in between: P^T A P, P^T q, P^T
-    B, C P.
+def _start_lift(system: EquilibratedSystem, equations: Equations, active: Bools) -> Floats:
+    """Lifts (n,) of the gaps at which all nodes outside a contact set (n,) are open.
 
-    A contact that is small and lies far from where a full start would look moves by its own width a
-    step; on coarser problems, each started from a coarser one, these steps are few and cost
-    nothing. The smallest problems start from all nodes.
+    The lifts differ from node to node, so that no two nodes change together.
+    """
+    r, n = system.r, system.n
+    w = (r + system.K @ equations.solve(r))[:n]
+    uneven = 1 + np.arange(n) * GOLDEN % 1
+    smallest = PATH_LIFT * max(np.abs(w).max(), np.abs(r[:n]).max())
+    return np.where(active, 0.0, np.maximum(-w, 0.0) + smallest * uneven)
+
+
+def _line(system: EquilibratedSystem, equations: Equations, active: Bools, lift: Floats) -> _Line:
+    """Pressures and gaps on a contact set (n,), at the true gaps and per lift (n + k,)."""
+    K, r, n = system.K, system.r, system.n
+    x, dx = equations.solve(r), equations.solve(lift)
+    w, dw = (r + K @ x)[:n], (lift + K @ dx)[:n]
+    return _Line(np.where(active, x[:n], w), np.where(active, dx[:n], dw))
+
+
+def _reach(line: _Line, s: float, direction: int) -> Floats:
+    """Changes of s (n,) after which each pressure or gap has fallen to zero, inf if it grows."""
+    falls = direction * line.slope < 0
+    reach = np.full(len(falls), np.inf)
+    reach[falls] = np.maximum(line.at(s), 0.0)[falls] / np.abs(line.slope[falls])
+    return reach
+
+
+def coarse_start(problem: Problem) -> Bools:
+    """Guess the contact set (n,) from the problem on every other node.
+
+    From a start with all nodes, a small contact at an unexpected place moves by its own width a
+    step. On coarser problems, each started from a coarser one, these steps are few and cheap. The
+    smallest problems start from all nodes.
     """
     count = len(problem.q)
     active = np.ones(count, dtype=bool)
-    if count < SMALL:
+    if count < COARSENED_FROM:
         return active
     try:
         coarse = settle(halved(problem)).p > 0
@@ -292,7 +432,7 @@ def coarse_start(problem: Problem) -> Bools:
 
 
 def beside(coarse: Bools, count: int) -> Bools:
-    """The nodes (count,) of a set of every other node, and those next to them."""
+    """The nodes (count,) of a set of every other node, and the nodes next to them."""
     active = np.empty(count, dtype=bool)
     between = count // 2
     active[::2] = coarse
@@ -302,7 +442,10 @@ def beside(coarse: Bools, count: int) -> Bools:
 
 
 def halved(problem: Problem) -> Problem:
-    """The problem on every other node, p linear in between."""
+    """The problem on every other node, with p linear in between.
+
+    With the interpolation P it is P^T A P, P^T q, P^T B and C P.
+    """
     A, q, B, C, h = problem
     return Problem(
         halved_sums(halved_sums(A, 1)), halved_sums(q), halved_sums(B), halved_sums(C, 1), h
@@ -310,7 +453,7 @@ def halved(problem: Problem) -> Problem:
 
 
 def between(coarse: Floats, count: int) -> Floats:
-    """Pressures (count,) of those at every other node: P p."""
+    """Interpolate pressures at every other node to all nodes (count,): P p."""
     p = np.empty(count)
     p[::2] = coarse
     p[1::2] = 0.5 * coarse[: count // 2]
@@ -319,94 +462,106 @@ def between(coarse: Floats, count: int) -> Floats:
 
 
 def halved_sums(rows: Floats, axis: int = 0) -> Floats:
-    """P^T rows: every other row with half of each neighbour (n, ...) -> ((n + 1) // 2, ...); axis
-    1: of columns.
+    """Every other row with half of each neighbour, P^T rows: (n, ...) -> ((n + 1) // 2, ...).
+
+    With axis 1 the columns are summed instead.
     """
     at = (slice(None),) * axis
-    half, between = rows[*at, ::2].copy(), 0.5 * rows[*at, 1::2]
+    half = rows[*at, ::2].copy()
+    between = 0.5 * rows[*at, 1::2]
     half[*at, : between.shape[axis]] += between
     half[*at, 1:] += between[*at, : half.shape[axis] - 1]
     return half
 
 
-def _tangent(equations: Equations, system: System, dq: Floats) -> Floats:
+def _tangent(equations: Equations, system: EquilibratedSystem, dq: Floats) -> Floats:
+    """Change of the pressures (n,) under a change dq (n,) of the weighted gaps."""
     dr = np.zeros(len(system.r))
     dr[: system.n] = dq
-    return (system.across * equations.solve(system.down * dr))[: system.n]
+    return (system.column_scales * equations.solve(system.row_scales * dr))[: system.n]
 
 
 def _resisted(problem: Problem, active: Bools) -> bool:
-    """Whether each free motion meets a node of the contact set (n,), motions of the same nodes one
-    each.
+    """Whether the contact set (n,) resists each rigid-body mode.
 
-    Where nothing acts on a motion, as on the slide of a shoe that a cam pushes, pressures have to
-    balance each other: one alone cannot.
+    Modes of the same nodes need as many touching nodes as modes. No load may act on a mode, as on
+    the slide of a shoe that a cam pushes. The pressures in such a mode have to balance each other,
+    so that a single node cannot resist it.
     """
     B, k = problem.B, len(problem.h)
     touched = B[active]
     if k < 2:
         return bool(touched.any()) or not B.size
-    idle = problem.h == 0
-    if idle.any() and (np.count_nonzero(problem.C[idle][:, active], axis=1) == 1).any():
+    unloaded = problem.h == 0
+    if unloaded.any():
+        bearing = np.count_nonzero(problem.C[unloaded][:, active], axis=1)
+        if (bearing == 1).any():
+            return False
+    moved = touched != 0
+    if not moved.any(axis=0).all():
         return False
-    touched = touched != 0
-    return bool(touched.any(axis=0).all()) and all(
-        np.count_nonzero(touched[:, of].any(axis=1)) >= len(of) for of in _together(B != 0)
-    )
+    resisting = (np.count_nonzero(moved[:, of].any(axis=1)) >= len(of) for of in _together(B != 0))
+    return all(resisting)
 
 
 def _first_touch(problem: Problem, *, alone: bool = False) -> Bools:
-    """For each free motion the nodes that the actuation closes first, when nothing touches;
-    `alone`: one of them.
+    """The nodes (n,) that the actuation closes first in each mode, if nothing touches yet.
 
-    Shoes that push others come before these, whose forces follow from the pressures of the first
-    ones.
+    With `alone` only one node of each single mode touches. Shoes that push others come before
+    these, whose loads follow from the pressures of the first shoes.
     """
     _, q, B, C, h = problem
     n = len(q)
     touching, p = np.zeros(n, dtype=bool), np.zeros(n)
-    for motions in _in_order(_together(B != 0), B != 0, C != 0):
-        own = (B[:, motions] != 0).any(axis=1)
-        load = h[motions] - C[motions] @ p
-        if len(motions) > 1:
-            first = _first_nodes(q, B[:, motions], C[motions], load, own)
+    for modes in _in_order(_together(B != 0), B != 0, C != 0):
+        load = h[modes] - C[modes] @ p
+        if len(modes) > 1:
+            moved = (B[:, modes] != 0).any(axis=1)
+            first = _first_nodes(q, B[:, modes], C[modes], load, moved)
             touching[first] = True
         else:
-            (k,) = motions
-            # The nodes whose pressure resists the actuation.
-            bearing = own & (C[k] * load > 0)
-            if not bearing.any():
-                raise NoAnswer(
-                    "no equilibrium: contact pressure cannot balance the actuation anywhere"
-                )
-            reach = np.full(n, np.inf)
-            reach[bearing] = q[bearing] / np.abs(B[bearing, k])
+            reach = _closing_motions(problem, modes[0], load)
             first = np.array([reach.argmin()])
             touching[first if alone else reach <= reach.min()] = True
-        p[first] = np.linalg.solve(C[motions][:, first], load)
+        p[first] = np.linalg.solve(C[modes][:, first], load)
     return touching
 
 
-MOST_SETS = 2016
-"""Limit of memory: sets of nodes, as many as there are motions, among which those that bear these
-motions first are looked for. It takes all pairs of 64 nodes, or all triples of 23; of more nodes
-every few.
-"""
+def _closing_motions(problem: Problem, mode: int, load: Floats) -> Floats:
+    """Motion (n,) of a mode at which each node touches; inf if its pressure resists no load.
+
+    Raises NoAnswer if no pressure resists the load.
+    """
+    _, q, B, C, _ = problem
+    moved = B[:, mode] != 0
+    bearing = moved & (C[mode] * load > 0)
+    if not bearing.any():
+        raise NoAnswer("no equilibrium: contact pressure cannot balance the actuation anywhere")
+    reach = np.full(len(q), np.inf)
+    reach[bearing] = q[bearing] / np.abs(B[bearing, mode])
+    return reach
 
 
 def _in_order(sets: list[list[int]], moves: Bools, bears: Bools) -> list[list[int]]:
-    """Sets of motions, those first whose equilibria know no pressures but their own and those of
-    earlier ones.
+    """Order sets of modes so that each equilibrium needs only pressures of earlier sets.
 
-    moves (n, k): whether a motion moves a node; bears (k, n): whether a pressure is in its
-    equilibrium.
+    Parameters
+    ----------
+    sets : modes that move the same nodes
+    moves : (n, k), whether a mode moves a node
+    bears : (k, n), whether a pressure is in a mode's equilibrium
     """
-    moved = [moves[:, motions].any(axis=1) for motions in sets]
+    moved = [moves[:, modes].any(axis=1) for modes in sets]
     known = np.zeros(len(moves), dtype=bool)
     found, left = [], list(range(len(sets)))
     while left:
-        ready = (i for i in left if not (bears[sets[i]].any(axis=0) & ~moved[i] & ~known).any())
-        following = next(ready, left[0])
+        # Modes that wait for each other have no order: then the first of them is taken.
+        following = left[0]
+        for i in left:
+            borne = bears[sets[i]].any(axis=0)
+            if not (borne & ~moved[i] & ~known).any():
+                following = i
+                break
         left.remove(following)
         known |= moved[following]
         found.append(sets[following])
@@ -414,47 +569,67 @@ def _in_order(sets: list[list[int]], moves: Bools, bears: Bools) -> list[list[in
 
 
 def _together(moved: Bools) -> list[list[int]]:
-    """The motions in sets that move the same nodes; moved (n, k)."""
+    """Group the modes that move the same nodes; moved (n, k)."""
     found: list[list[int]] = []
-    for k in range(moved.shape[1]):
-        like = next(
-            (motions for motions in found if (moved[:, k] & moved[:, motions[0]]).any()), None
-        )
-        if like is None:
-            found.append([k])
+    for mode in range(moved.shape[1]):
+        for modes in found:
+            if (moved[:, mode] & moved[:, modes[0]]).any():
+                modes.append(mode)
+                break
         else:
-            like.append(k)
+            found.append([mode])
     return found
 
 
-def _first_nodes(q: Floats, B: Floats, C: Floats, h: Floats, own: Bools) -> Ints:
-    """As many nodes as motions B (n, k), C (k, n) whose pressures balance these, with which the
-    others are most open.
+def _first_nodes(q: Floats, B: Floats, C: Floats, h: Floats, moved: Bools) -> Ints:
+    """The k nodes that balance k modes by pressure while all other nodes are most open.
 
-    own (n,): the nodes that the motions move.
+    Parameters
+    ----------
+    q : (n,), weighted gaps
+    B : (n, k), gaps per mode
+    C : (k, n), equilibria of the modes
+    h : (k,), loads on the modes
+    moved : (n,), the nodes that the modes move
+
+    Raises
+    ------
+    NoAnswer
+        if no such nodes balance the load by pressures
     """
-    k, on = len(h), np.flatnonzero(own)
-    few = len(on)
-    while math.comb(few, k) > MOST_SETS:
-        few -= 1
-    on = on[np.unique(np.linspace(0, len(on) - 1, few).astype(int))]
-    sets = on[np.array(list(combinations(range(len(on)), k)), dtype=int).reshape(-1, k)]
+    k = len(h)
+    candidates = np.flatnonzero(moved)
+    # Candidates are thinned evenly until their sets fit into the memory.
+    count = len(candidates)
+    while math.comb(count, k) > MOST_CANDIDATE_SETS:
+        count -= 1
+    evenly = np.unique(np.linspace(0, len(candidates) - 1, count).astype(int))
+    candidates = candidates[evenly]
+    indices = np.array(list(combinations(range(len(candidates)), k)), dtype=int).reshape(-1, k)
+    sets = candidates[indices]
+    # Only sets whose nodes hold all modes in place are kept.
     equilibria, closings = C.T[sets].transpose(0, 2, 1), B[sets]  # (sets, k, k)
-    fixed = _independent(equilibria) & _independent(closings.transpose(0, 2, 1))
-    sets, equilibria, closings = sets[fixed], equilibria[fixed], closings[fixed]
-    p = np.linalg.solve(equilibria, np.broadcast_to(h[:, None], (len(sets), k, 1)))[..., 0]
-    bears = (p >= 0).all(axis=1)
-    if not bears.any():
+    holds = _independent(equilibria) & _independent(closings.transpose(0, 2, 1))
+    sets, equilibria, closings = sets[holds], equilibria[holds], closings[holds]
+    loads = np.broadcast_to(h[:, None], (len(sets), k, 1))
+    p = np.linalg.solve(equilibria, loads)[..., 0]
+    pressed = (p >= 0).all(axis=1)
+    if not pressed.any():
         raise NoAnswer("no equilibrium: contact pressure cannot balance the actuation anywhere")
-    y = -np.linalg.solve(closings[bears], q[sets[bears]][..., None])[..., 0]
-    open_ = (q[on] + y @ B[on].T).min(axis=1)
-    return np.asarray(sets[bears][np.argmax(open_)])
+    # Of these sets the one counts whose motion leaves the smallest remaining gap widest.
+    gaps = q[sets[pressed]][..., None]
+    y = -np.linalg.solve(closings[pressed], gaps)[..., 0]
+    smallest_gap = (q[candidates] + y @ B[candidates].T).min(axis=1)
+    return np.asarray(sets[pressed][np.argmax(smallest_gap)])
 
 
 def _independent(matrices: Floats) -> Bools:
-    """Whether matrices (m, k, k) of motions by nodes are regular beyond round-off, whatever units
-    the motions have.
+    """Whether matrices (m, k, k) of modes by nodes are regular beyond round-off.
+
+    The rows and columns are scaled first, so that the units of the modes do not matter.
     """
-    scaled = matrices / np.maximum(np.abs(matrices).max(axis=(0, 2)), TINY)[:, None]
-    scaled = scaled / np.maximum(np.linalg.norm(scaled, axis=1, keepdims=True), TINY)
-    return np.asarray(np.abs(np.linalg.det(scaled)) > SLACK)
+    largest = np.maximum(np.abs(matrices).max(axis=(0, 2)), TINY)
+    scaled = matrices / largest[:, None]
+    length = np.maximum(np.linalg.norm(scaled, axis=1, keepdims=True), TINY)
+    scaled = scaled / length
+    return np.asarray(np.abs(np.linalg.det(scaled)) > SET_ROUND_OFF)

@@ -1,19 +1,20 @@
-"""Self-locking: the friction coefficient up to which sliding contact has an equilibrium that is
-reached from mu = 0.
+"""Find the friction coefficient up to which sliding contact has an equilibrium: self-locking.
 
 Under full slip the matrices of the contact problem grow linearly with the friction coefficient,
 
     A(mu) = A0 + mu A1,   C(mu) = C0 + mu C1.
 
-On a contact set pressures and motions solve K(mu) x = r with the bordered K = [[A, B], [C, 0]].
-They grow without bound where K0 + mu K1 is singular: at an eigenvalue of the pencil, the smallest
-above the mu at hand. The contact set changes on the way there, and so does the eigenvalue: the
-answer is followed from mu = 0, and the limit is the eigenvalue of a set that holds right up to it.
-It does not depend on force or clearance then, which nothing keeps beside pressures without bound.
-Else the answer ends where it turns back: at a change of the contact set beyond which the
-determinant has the other sign. Other answers may stand beyond, to which the contact would leap and
-grow: so a step over which the set changes is short enough that pressures grow by less than QUIET of
-themselves.
+On a contact set pressures and rigid-body motions solve K(mu) x = r with the bordered matrix
+K = [[A, B], [C, 0]]. They grow without bound where K0 + mu K1 is singular. The friction is then an
+eigenvalue of the pencil, the smallest above the current mu. The contact set changes on the way
+there, and so does the eigenvalue. The answer is therefore followed from mu = 0. The limit mu_lock
+is the eigenvalue of a contact set that holds right up to it. Such a limit does not depend on force
+or clearance, which count for nothing beside pressures without bound.
+
+Otherwise the answer ends where it turns back: at a change of the contact set beyond which the
+determinant has the other sign. Other answers may exist beyond, to which the contact would leap and
+grow. A step over which the set changes must therefore be short: the contact force may grow by at
+most LARGEST_FORCE_GROWTH.
 """
 
 from collections.abc import Callable
@@ -27,36 +28,54 @@ from drumlin.base.errors import NoAnswer
 from drumlin.contact.active_set import Contact, beside, between, halved, halved_sums, settle, solve
 from drumlin.contact.equations import Problem, equilibrated
 
-LARGEST = 1e3  # friction coefficient up to which a limit is looked for
-STEP = 0.05
-"""Largest step of mu by which an answer is followed; above mu = 1 relative to it. It is a matter of
-time: steps over which the contact set changes are halved until QUIET holds, and while it does not
-change the determinant shows the pole. On 30 brakes 0.025 takes 1.07 times the factorisations, 0.1
-the same, 0.4
-1.1 times, with the same answers.
+LARGEST_SOUGHT_FRICTION = 1e3
+"""Friction coefficient up to which a limit is sought; a brake without limit below it has none."""
+
+LARGEST_FRICTION_STEP = 0.05
+"""Largest step of mu by which an answer is followed; above mu = 1 it is relative to mu.
+
+It is a matter of time alone. Steps over which the contact set changes are halved until the growth
+of force is below LARGEST_FORCE_GROWTH; while the set stays, the determinant shows the limit. On 30
+brakes 0.025 takes 1.07 times the factorisations, 0.1 as many, 0.4 takes 1.1 times. The answers are
+the same.
 """
-CLOSE = 1e-8  # relative distance from an eigenvalue at which the contact set must hold
-QUIET = 0.5
-"""Largest relative growth of the contact force, the sum of pressures times their areas, over a step
-of friction that the answer is followed through without a look at what lies between. The force grows
-as 1/(mu_lock - mu), so that it grows by no more over the second half of any friction up to half of
-mu_lock: (1 - 1/4)/(1 - 1/2) = 1.5. Above it the step is halved.
+
+POLE_DISTANCE = 1e-8
+"""Relative distance below an eigenvalue at which the contact set must still hold.
+
+A set that holds there makes the eigenvalue a limit. It is far above round-off.
 """
-LARGE = 600
-"""Nodes above which the answer is followed on every other one, as the work goes with their cube. It
-is a matter of time alone: the answer is the same, see LIKE.
+
+LARGEST_FORCE_GROWTH = 0.5
+"""Largest relative growth of the contact force over a step of friction without a look in between.
+
+The contact force is the sum of pressures times areas. It grows as 1/(mu_lock - mu). From mu/2 to mu
+it grows by at most (1 - 1/4)/(1 - 1/2) - 1 = 0.5 for any mu up to mu_lock/2. A step over which the
+contact set changes and the force grows by more is halved.
 """
-LIKE = 0.1
-"""Part of the pressures, in the norm of their work, by which the answers on all nodes and on every
-other one may differ. Of two meshes of one answer it is 0.004, of two answers 0.7: any number
-between tells them apart, and too small a one costs time.
+
+HALVED_ABOVE = 600
+"""Nodes above which the answer is followed on every other node.
+
+It is a matter of time alone, as the work grows with the cube of the nodes. The answer is the same,
+see LARGEST_MESH_DIFFERENCE.
 """
-RESOLUTION = 1e-12  # relative, of a limit where the answer turns back
+
+LARGEST_MESH_DIFFERENCE = 0.1
+"""Largest difference between the pressures on all nodes and on every other node of one answer.
+
+It is relative to the pressures, both in the norm of their work. One answer on two meshes differs by
+0.004, two answers differ by 0.7. Any number between tells them apart; a smaller number costs time.
+"""
+
+RESOLUTION = 1e-12
+"""Resolution, relative to mu, of a limit where the answer turns back."""
 
 
 class Sliding(NamedTuple):
-    """A contact problem at every friction coefficient: `still` at mu = 0; A1 (n, n) and C1 (k, n)
-    per mu.
+    """A contact problem at every friction coefficient.
+
+    `still` is the problem at mu = 0. `A1` (n, n) and `C1` (k, n) are the changes of A and C per mu.
     """
 
     still: Problem
@@ -65,7 +84,7 @@ class Sliding(NamedTuple):
 
     @classmethod
     def through(cls, still: Problem, other: Problem, friction: float = 1.0) -> "Sliding":
-        """From the problems at mu = 0 and at another friction coefficient."""
+        """Make it from the problems at mu = 0 and at another friction coefficient."""
         return cls(still, (other.A - still.A) / friction, (other.C - still.C) / friction)
 
     def at(self, friction: float) -> Problem:
@@ -75,12 +94,16 @@ class Sliding(NamedTuple):
 
 
 class Limit(NamedTuple):
-    """Where the answer that is followed from mu = 0 ends.
+    """The end of the answer that is followed from mu = 0.
 
-    `friction`: mu_lock, inf where there is none up to LARGEST; `bounded`: whether it turns back
-    there at finite pressure, at a change of the contact set; else pressure grows without bound as
-    1/(mu_lock - mu). `last`: the answer at the last friction coefficient that was `reached`; its
-    contact set is that of the limit.
+    Attributes
+    ----------
+    friction : mu_lock; inf if there is no limit up to LARGEST_SOUGHT_FRICTION
+    bounded : whether the answer turns back at finite pressure, at a change of the contact set.
+        Otherwise the pressure grows without bound as 1/(mu_lock - mu).
+    last : the answer at the friction coefficient `reached`; its contact set is that of the limit
+    reached : last friction coefficient that was solved
+    steps : steps of friction that were tried
     """
 
     friction: float
@@ -90,10 +113,8 @@ class Limit(NamedTuple):
     steps: int
 
 
-class Ended(NoAnswer):
-    """The answer that is followed from mu = 0 ends before the friction that was asked for: at
-    `end`.
-    """
+class PathEnded(NoAnswer):
+    """The answer from mu = 0 ends, at the limit `end`, before the wanted friction coefficient."""
 
     def __init__(self, line: str, end: Limit) -> None:
         super().__init__(line)
@@ -102,49 +123,89 @@ class Ended(NoAnswer):
 
 def limit(
     sliding: Sliding,
-    most: float = LARGEST,
+    most: float = LARGEST_SOUGHT_FRICTION,
     known: tuple[float, Contact] | None = None,
     areas: Floats | None = None,
 ) -> Limit:
-    """Follow the answer from mu = 0 to its end, or to mu = `most`.
+    """Follow the answer from mu = 0 to its end, or to a largest friction coefficient.
 
-    known: a friction coefficient and the answer there, which is followed on from; areas: see
-    `answer`. Raises NoAnswer where there is no answer at mu = 0.
+    Parameters
+    ----------
+    sliding : the problem at every friction coefficient
+    most : friction coefficient at which following ends
+    known : a friction coefficient and the answer there, from which following starts
+    areas : (n,), areas of the nodes [m^2]; by default 1, see `answer`
+
+    Raises
+    ------
+    NoAnswer
+        if there is no answer at mu = 0
     """
     areas = _areas(sliding.still, areas)
     mu, found = (0.0, _without_friction(sliding.still)) if known is None else known
-    steps = 0
-    reach, critical, of = STEP, np.inf, np.zeros(0, dtype=bool)
+    steps, step = 0, LARGEST_FRICTION_STEP
+    critical, critical_set = np.inf, np.zeros(0, dtype=bool)
     while mu < most:
         steps += 1
-        target = min(mu + reach, most)
+        target = min(mu + step, most)
         after = _reached(sliding, target, found.active)
-        if after is not None and (
-            np.array_equal(after.active, found.active) or _quiet(after, found, areas)
-        ):
-            found, mu, reach = after, target, min(2 * reach, STEP * max(1.0, mu))
+        if after is not None and _continues(after, found, areas):
+            step = min(2 * step, LARGEST_FRICTION_STEP * max(1.0, mu))
+            found, mu = after, target
             continue
-        if not np.array_equal(of, found.active):
-            critical, of = next_eigenvalue(sliding, mu, found.active), found.active
-            near = mu + (critical - mu) * (1 - CLOSE)
-            met = critical - mu < RESOLUTION * max(
-                mu, 1e-3
-            )  # the step before has met the pole itself
-            if np.isfinite(critical) and (
-                met or _reached(sliding, near, found.active, 1) is not None
-            ):
+        # The step fails: the contact set may hold up to an eigenvalue, which is then the limit.
+        if not np.array_equal(critical_set, found.active):
+            critical = next_eigenvalue(sliding, mu, found.active)
+            critical_set = found.active
+            if _holds_up_to(sliding, mu, critical, found.active):
                 return Limit(critical, False, found, mu, steps)
-        reach = 0.5 * (target - mu)
-        if reach < RESOLUTION * max(mu, 1e-3):
+        step = 0.5 * (target - mu)
+        if step < RESOLUTION * max(mu, 1e-3):
             return Limit(mu, True, found, mu, steps)
     return Limit(np.inf, False, found, mu, steps)
 
 
+def _continues(after: Contact, before: Contact, areas: Floats) -> bool:
+    """Whether an answer continues the answer at less friction: same contact set or little growth."""
+    return np.array_equal(after.active, before.active) or _grows_little(after, before, areas)
+
+
+def _holds_up_to(sliding: Sliding, mu: float, critical: float, active: Bools) -> bool:
+    """Whether a contact set (n,) at mu still holds just below its next eigenvalue `critical`."""
+    if not np.isfinite(critical):
+        return False
+    # The step before may have met the eigenvalue itself.
+    if critical - mu < RESOLUTION * max(mu, 1e-3):
+        return True
+    near = mu + (critical - mu) * (1 - POLE_DISTANCE)
+    return _reached(sliding, near, active, 1) is not None
+
+
 def _without_friction(still: Problem, start: Bools | None = None) -> Contact:
+    """The answer at mu = 0; raises NoAnswer if it is unstable."""
     found = solve(still, start)
     if not found.regular:
         raise NoAnswer("no stable equilibrium without friction")
     return found
+
+
+class _AtOnce(NamedTuple):
+    """What settling at once at a friction coefficient gives.
+
+    Attributes
+    ----------
+    found : the answer, None if nothing settles
+    half : the answer at half of the friction, None if it is unknown
+    stable : whether `found` is stable and mu is below the limit of the rigid shoe
+    sure : whether `found` is the answer that is followed from mu = 0
+    reason : why `found` is no answer
+    """
+
+    found: Contact | None
+    half: Contact | None
+    stable: bool
+    sure: bool
+    reason: str
 
 
 def answer(
@@ -156,62 +217,82 @@ def answer(
     law: float,
     brake: str,
 ) -> Contact:
-    """The answer at a friction coefficient: the one that is followed from mu = 0, which is unique
-    there.
+    """The answer at a friction coefficient that is followed from mu = 0, where it is unique.
 
-    Below the limit of the rigid shoe that is the stable one that settles at once from the contact
-    set `start`, if from half of the friction on the contact force grows by less than QUIET of
-    itself, as it does up to half of the limit; else it is followed in many small steps, from half
-    of the friction on where the answer there is as quiet. Not any stable one, nor the one that
-    wider gaps lead to: near the limit, where the contact grows fast, and beyond it some stand
-    apart, reached by no friction that grows from 0.
+    A stable answer that settles at once is taken if the friction is below the limit of the rigid
+    shoe and the contact force grows by at most LARGEST_FORCE_GROWTH from half of the friction on.
+    This holds up to half of mu_lock. Otherwise the answer is followed in small steps, from half of
+    the friction if the answer there is sure. Other stable answers do not count: near the limit and
+    beyond it some stand apart, and no friction that grows from 0 reaches them. Above HALVED_ABOVE
+    nodes the answer on every other node is followed, at a fraction of the cost.
 
-    problem_at: the problem at a friction coefficient, linear in it; areas (n,): of the nodes [m^2],
-    by which pressures make a force, 1 where they are forces already; law: mu_lock of the rigid
-    shoe; brake: what there is an equilibrium of, in words. Of a LARGE problem the answer on every
-    other node is followed, at a fraction of the cost; the one that settles at once from its contact
-    set is taken where the two are LIKE each other. Raises Ended with both limits where the answer
-    ends before that friction, and NoAnswer with another reason where friction is not to blame.
+    Parameters
+    ----------
+    problem_at : function mu -> problem, linear in mu
+    friction : friction coefficient mu
+    start : (n,), contact set from which the answer may settle at once
+    areas : (n,), areas of the nodes [m^2] that turn pressures into forces; by default 1, for
+        pressures that are forces already
+    law : mu_lock of the rigid shoe
+    brake : words for the brake in the message of a refusal
+
+    Raises
+    ------
+    PathEnded
+        with both limits, if the answer ends before this friction
+    NoAnswer
+        if there is no answer for another reason
     """
     if friction == 0:
         return _without_friction(problem_at(0.0), start)
     problem = problem_at(friction)
     areas = _areas(problem, areas)
-    if len(problem.q) > LARGE:
+    if len(problem.q) > HALVED_ABOVE:
         like = _as_coarser(problem, problem_at(0.0), friction, start, areas, law)
         if like is not None:
             return like
-    half = None
-    try:
-        found = settle(problem, start)
-        stable = found.regular and friction < law
-        reason = "self-locking, no stable equilibrium"
-        if stable:
-            half = settle(problem_at(0.5 * friction), found.active, like=found.system)
-            if _quiet(found, half, areas):
-                return found
-    except NoAnswer as error:
-        stable, reason = False, str(error)
-    known = (
-        (0.5 * friction, half)
-        if half is not None and _sure(problem_at, 0.5 * friction, half, areas)
-        else None
-    )
+    at_once = _at_once(problem_at, problem, friction, start, areas, law)
+    if at_once.sure and at_once.found is not None:
+        return at_once.found
+    known = None
+    half = at_once.half
+    if half is not None and _sure(problem_at, 0.5 * friction, half, areas):
+        known = (0.5 * friction, half)
     try:
         end = limit(Sliding.through(problem_at(0.0), problem_at(1.0)), friction, known, areas)
-    except NoAnswer:  # none without friction: friction is not to blame
-        if stable:
-            return found
-        raise NoAnswer(reason) from None
+    except NoAnswer:
+        # There is no answer without friction either, so that friction is not to blame.
+        if at_once.stable and at_once.found is not None:
+            return at_once.found
+        raise NoAnswer(at_once.reason) from None
     if np.isinf(end.friction):
         return end.last
-    raise Ended(locks(friction, end.friction, law=law, brake=brake), end)
+    raise PathEnded(locks(friction, end.friction, law=law, brake=brake), end)
+
+
+def _at_once(
+    problem_at: Callable[[float], Problem],
+    problem: Problem,
+    friction: float,
+    start: Bools | None,
+    areas: Floats,
+    law: float,
+) -> _AtOnce:
+    """Settle at once at a friction coefficient and at half of it; parameters as of `answer`."""
+    found = half = None
+    try:
+        found = settle(problem, start)
+        if not (found.regular and friction < law):
+            return _AtOnce(found, None, False, False, "self-locking, no stable equilibrium")
+        half = settle(problem_at(0.5 * friction), found.active, like=found.system)
+        sure = _grows_little(found, half, areas)
+    except NoAnswer as error:
+        return _AtOnce(found, half, False, False, str(error))
+    return _AtOnce(found, half, True, sure, "self-locking, no stable equilibrium")
 
 
 def locks(friction: float, limit: float, *, law: float, brake: str) -> str:
-    """The reason of a refusal at a friction coefficient beyond the limit; law, brake: as of
-    `answer`.
-    """
+    """Text of a refusal at a friction coefficient beyond the limit; law and brake as of `answer`."""
     return (
         f"self-locking, no equilibrium at friction {friction:g}; {brake} there is one up to "
         f"mu_lock = {limit:.4g} (rigid-shoe law: {law:.4g})"
@@ -226,74 +307,90 @@ def _as_coarser(
     areas: Floats,
     law: float,
 ) -> Contact | None:
-    """The stable answer that settles at once, where it is like the `answer` on every other node; or
-    None.
+    """The stable answer that settles at once, if it agrees with `answer` on every other node.
 
-    problem, still: at the friction coefficient and at 0; start: the contact set to settle from, by
-    default the coarse answer's.
+    Parameters
+    ----------
+    problem, still : the problems at the friction coefficient and at mu = 0
+    friction, areas, law : as of `answer`
+    start : (n,), contact set to settle from; by default the coarse answer's
+
+    Returns
+    -------
+    the answer on all nodes; None if it differs, is unstable or does not settle
     """
     coarse = Sliding.through(halved(still), halved(problem), friction)
     try:
         like = answer(coarse.at, friction, None, halved_sums(areas), law=law, brake="")
-        found = settle(problem, beside(like.p > 0, len(problem.q)) if start is None else start)
+        first = beside(like.p > 0, len(problem.q)) if start is None else start
+        found = settle(problem, first)
     except NoAnswer:
         return None
+    # The work of the difference tells two meshes of one answer from two answers.
     off = between(like.p, len(found.p)) - found.p
-    same = float(off @ (problem.A @ off)) < LIKE**2 * float(found.p @ (problem.A @ found.p))
+    work_off = float(off @ (problem.A @ off))
+    work = float(found.p @ (problem.A @ found.p))
+    same = work_off < LARGEST_MESH_DIFFERENCE**2 * work
     return found if found.regular and same else None
 
 
 def _sure(
     problem_at: Callable[[float], Problem], friction: float, found: Contact, areas: Floats
 ) -> bool:
-    """Whether an answer at a friction coefficient, below the limit of the rigid shoe, is the one
-    that is followed.
-    """
+    """Whether an answer below the limit of the rigid shoe is the answer followed from mu = 0."""
     try:
         half = settle(problem_at(0.5 * friction), found.active, like=found.system)
-        return found.regular and _quiet(found, half, areas)
+        return found.regular and _grows_little(found, half, areas)
     except NoAnswer:
         return False
 
 
-def _quiet(found: Contact, before: Contact, areas: Floats) -> bool:
-    """Whether the contact force has grown by less than QUIET since the answer at less friction.
+def _grows_little(found: Contact, before: Contact, areas: Floats) -> bool:
+    """Whether the contact force grows by at most LARGEST_FORCE_GROWTH from a stable answer before.
 
-    The force, not the sum of pressures: the contact moves along the lining as friction grows, and
-    where it comes from wide columns to narrow ones more nodes press, and harder, under the same
+    The sum of pressures would mislead. The contact moves along the lining as friction grows. Where
+    it comes from wide elements to narrow ones, more nodes press, and press harder, under the same
     force.
     """
-    return before.regular and float(areas @ found.p) <= (1 + QUIET) * float(areas @ before.p)
+    force, force_before = float(areas @ found.p), float(areas @ before.p)
+    return before.regular and force <= (1 + LARGEST_FORCE_GROWTH) * force_before
 
 
 def _areas(problem: Problem, areas: Floats | None) -> Floats:
+    """The areas (n,) of the nodes, 1 by default."""
     return np.ones(len(problem.q)) if areas is None else areas
 
 
 def next_eigenvalue(sliding: Sliding, friction: float, active: Bools) -> float:
-    """The smallest mu above `friction` at which K0 + mu K1 of a contact set is singular; inf where
-    there is none.
+    """The smallest mu above `friction` at which K0 + mu K1 of a contact set is singular, or inf.
 
-    With x of K(mu) G = K1 an eigenvalue gamma of G belongs to the singular friction mu - 1/gamma.
+    With K(mu) G = K1, each eigenvalue gamma of G gives the singular friction mu - 1/gamma.
     """
     system = equilibrated(sliding.at(friction))
-    on = np.flatnonzero(active)
+    nodes = np.flatnonzero(active)
     unknowns = np.flatnonzero(system.on(active))
-    rows = np.vstack([sliding.A1[on][:, on], sliding.C1[:, on]])
-    rows *= system.down[unknowns, None] * system.across[on]
-    G = np.linalg.solve(system.K[unknowns[:, None], unknowns], rows)[: len(on)]
+    # K1 has columns of pressures alone: friction does not act on rigid-body motions.
+    K1 = np.vstack([sliding.A1[nodes][:, nodes], sliding.C1[:, nodes]])
+    K1 *= system.row_scales[unknowns, None] * system.column_scales[nodes]
+    G = np.linalg.solve(system.K[unknowns[:, None], unknowns], K1)[: len(nodes)]
     gamma = np.linalg.eigvals(G)
     gamma = gamma[gamma.imag == 0].real
+    # Only negative eigenvalues lie above the friction; those next to 0 belong to mu = inf.
     falling = gamma[gamma < -1e-300]
     return float(friction - 1 / falling.min()) if len(falling) else np.inf
 
 
 class Agreement(NamedTuple):
-    """Where other first guesses of the contact set lead, against the answer followed from mu = 0.
+    """Where other first contact sets lead, compared with the answer followed from mu = 0.
 
-    Of `starts`: `same`, those that end at it; `others`, at another answer that is `regular` too;
-    `unstable`, at one that is not; `lost`, those that did not converge. `difference`: the largest
-    one of pressure among `same`, relative to the largest pressure.
+    Attributes
+    ----------
+    starts : number of first contact sets
+    same : number that end at this answer
+    others : number that end at another stable answer
+    unstable : number that end at an unstable answer
+    lost : number that do not converge
+    difference : largest difference of pressure among `same`, relative to the largest pressure
     """
 
     starts: int
@@ -307,12 +404,17 @@ class Agreement(NamedTuple):
 def agreement(
     problem: Problem, answer: Contact, starts: list[Bools], tolerance: float = 1e-6
 ) -> Agreement:
-    """Solve a problem from each of the contact sets `starts` (n,), and compare with its `answer`."""
-    counts, largest, scale = (
-        dict.fromkeys(("same", "others", "unstable", "lost"), 0),
-        0.0,
-        np.abs(answer.p).max(),
-    )
+    """Solve a problem from each of several contact sets, and compare with its answer.
+
+    Parameters
+    ----------
+    problem : contact problem of n nodes
+    answer : its answer, followed from mu = 0
+    starts : contact sets (n,)
+    tolerance : difference of pressure, relative to the largest, up to which answers are the same
+    """
+    counts = dict.fromkeys(("same", "others", "unstable", "lost"), 0)
+    largest, scale = 0.0, np.abs(answer.p).max()
     for start in starts:
         try:
             found = solve(problem, start)
@@ -320,32 +422,33 @@ def agreement(
             counts["lost"] += 1
             continue
         difference = float(np.abs(found.p - answer.p).max() / scale)
-        same = difference <= tolerance
-        counts["same" if same else "others" if found.regular else "unstable"] += 1
-        largest = max(largest, difference) if same else largest
+        if difference <= tolerance:
+            counts["same"] += 1
+            largest = max(largest, difference)
+        else:
+            counts["others" if found.regular else "unstable"] += 1
     return Agreement(len(starts), **counts, difference=largest)
 
 
 def first_singular(sliding: Sliding) -> float:
-    """The smallest mu > 0 at which K0 + mu K1 is singular on any contact set, whether it is ever
-    met or not; or inf.
+    """The smallest mu > 0 at which K0 + mu K1 is singular on any contact set, or inf.
 
-    Below it all sets have a determinant of one sign, and every load and clearance has exactly one
-    answer (a P-matrix where there are no free motions: Samelson, Thrall & Wesler 1958). All 2^n
-    sets are tried: for small n only.
+    No brake needs to meet this contact set. Below this friction the determinants of all sets have
+    one sign, and every load and clearance has exactly one answer (without rigid-body modes a
+    P-matrix: Samelson, Thrall & Wesler 1958). All 2^n sets are tried, so that n must be small.
     """
     n, k = sliding.still.B.shape
     sets = ((np.arange(2**n)[:, None] >> np.arange(n)) & 1).astype(bool)
     smallest = np.inf
     for active in sets[sets.sum(axis=1) >= max(k, 1)]:
-        with suppress(
-            np.linalg.LinAlgError
-        ):  # a set that leaves a motion free at every friction: never met
+        # A set that leaves a mode free at every friction is singular, and no answer meets it.
+        with suppress(np.linalg.LinAlgError):
             smallest = min(smallest, next_eigenvalue(sliding, 0.0, active))
     return smallest
 
 
 def _reached(sliding: Sliding, friction: float, start: Bools, most: int = 30) -> Contact | None:
+    """The stable answer that settles from a contact set (n,) in at most `most` steps, or None."""
     try:
         found = settle(sliding.at(friction), start, most)
     except NoAnswer:

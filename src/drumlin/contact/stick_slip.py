@@ -1,7 +1,7 @@
-"""Unilateral contact with Coulomb friction that sticks and slips, one load increment at a time.
+"""Solve unilateral contact with Coulomb friction that sticks and slips, one load increment at a time.
 
-Find pressures p, tangential tractions t and free motions y such that, with the changes of slip ds =
-s - s_0 and of traction dt = t - t_0 since the last converged increment,
+Find pressures p, tangential tractions t and rigid-body motions y. With the changes of slip
+ds = s - s_0 and of traction dt = t - t_0 since the last converged increment they fulfil
 
     w = q_w + A_wp p + A_wt t + B_w y,      p >= 0,  w >= 0,  p w = 0
     s = q_s + A_sp p + A_st t + B_s y,      |t| <= mu p,  ds - Q dt = 0 where it sticks,
@@ -9,21 +9,23 @@ s - s_0 and of traction dt = t - t_0 since the last converged increment,
                                             where it slips
     C_p p + C_t t = h
 
-w, s (n,): weighted gaps and slips (of the drum against the lining); Q (n, n): compliance of a
-tangential penalty, zero for none.
+The weighted gaps are w (n,). The slips s (n,) are those of the drum against the lining. Q (n, n) is
+the compliance of a tangential penalty, or zero.
 
-What a node may do is a surface of four flat pieces: open, sticking, slipping either way. In a plane
-of (a, b) they are the half-plane a < 0 and three wedges of a > 0, and each borders on two others:
+The law of one node is a surface of four flat pieces: open, sticking, and slipping either way. In a
+plane of (a, b) the open piece is the half-plane a < 0. The others are three wedges of a > 0. Each
+piece borders on two others:
 
-    open:      p = t = 0,   w > 0;   w = 0 is the edge to slip, forward or backward as its slip has gone
+    open:      p = t = 0,   w > 0;   w = 0 is the edge to slip, forward or backward as the slip went
     forward:   t = +mu p,   p > 0 (edge to open),  slip > 0 (edge to stick);     backward alike
     stick:     slip = 0,    |t| < mu p (edges to forward and backward)
 
-So an increment is one piecewise linear equation (Klarbring 1986; Alart & Curnier 1991). It is
-solved by Newton's method, all nodes at once; where that cycles, by following its solution while the
-load goes from one that the states at hand balance to the true one, one node changing at a time
-(Lemke 1965; Eaves 1976). The history (t_0, s_0) is an input: nothing changes it but the caller, who
-commits what has converged.
+An increment is therefore one piecewise linear equation (Klarbring 1986; Alart & Curnier 1991).
+Newton's method solves it, all nodes at once. Where Newton's method cycles, a path of answers is
+followed. Its load goes from a load that the present states balance to the true one, and one node
+changes at a time (Lemke 1965; Eaves 1976).
+
+The history (t_0, s_0) is an input. Only the caller changes it, by committing a converged increment.
 """
 
 from dataclasses import dataclass
@@ -34,16 +36,26 @@ import numpy as np
 from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.base.errors import NoAnswer
 from drumlin.base.lapack import dgetrf, dgetrs
-from drumlin.contact.active_set import GOLDEN, PATIENCE, WIDER
+from drumlin.contact.active_set import GOLDEN, PATH_LIFT, PATIENCE
 
 OPEN, STICK, FORWARD, BACKWARD = 0, 1, 2, 3
-MOST_STEPS = 60  # of Newton's method; an increment of a brake needs some five
-MOST_PASSES = 6  # changes of each node while an answer is followed
-SLACK = 1e-10
+
+MOST_STATE_STEPS = 60
+"""Limit of the steps of Newton's method. An increment of a brake needs some five."""
+
+MOST_STATE_CHANGES = 6
+"""Limit of the changes of state per node while a path of answers is followed."""
+
+STATE_ROUND_OFF = 1e-10
+"""Relative distance beyond an edge of its piece up to which a node stays in its state.
+
+It is relative to the largest numbers whose difference the distance is. A node farther out changes
+its state.
+"""
 
 
-class Problem(NamedTuple):
-    """The matrices and vectors of the equations above."""
+class FrictionalProblem(NamedTuple):
+    """The matrices and vectors of an increment's equations, named as in this module's docstring."""
 
     A_wp: Floats
     A_wt: Floats
@@ -60,7 +72,7 @@ class Problem(NamedTuple):
 
 
 class History(NamedTuple):
-    """Tractions and weighted slips (n,) of the last converged increment."""
+    """Tractions t (n,) and weighted slips s (n,) of the last converged increment."""
 
     t: Floats
     s: Floats
@@ -68,8 +80,14 @@ class History(NamedTuple):
 
 @dataclass(frozen=True)
 class Increment:
-    """A converged increment: p, t, s (n,), y (k,), `state` (n,) of each node, and the steps that it
-    took.
+    """A converged increment.
+
+    Attributes
+    ----------
+    p, t, s, w : (n,), pressures, tractions, slips and weighted gaps
+    y : (k,), rigid-body motions
+    state : (n,), OPEN, STICK, FORWARD or BACKWARD of each node
+    steps : number of linear systems that were solved
     """
 
     p: Floats
@@ -82,35 +100,47 @@ class Increment:
 
     @property
     def history(self) -> History:
-        """What the next increment starts from."""
+        """The history from which the next increment starts."""
         return History(self.t, self.s)
 
 
-def solve(problem: Problem, mu: float | Floats, history: History, start: Ints) -> Increment:
-    """Solve one increment from the states `start` (n,); mu: of all nodes, or of each (n,).
+def solve(
+    problem: FrictionalProblem, mu: float | Floats, history: History, start: Ints
+) -> Increment:
+    """Solve one increment.
 
-    Raises NoAnswer where neither Newton's method nor a path from these states or from wide gaps
-    leads to an answer.
+    Parameters
+    ----------
+    problem : the equations of n nodes
+    mu : friction coefficient of all nodes, or of each (n,)
+    history : tractions and slips of the increment before
+    start : (n,), states from which Newton's method starts
+
+    Raises
+    ------
+    NoAnswer
+        if neither Newton's method nor a path from these states or from wide gaps leads to an answer
     """
-    system, scales = _system(problem, mu, history)
-    for way in (_newton, _followed, _closed):
+    system, scales = _scaled(problem, mu, history)
+    for method in (_newton, _followed, _closed):
         try:
-            state, point, steps = way(system, start)
+            settled = method(system, start)
         except NoAnswer as error:
             reason = str(error)
             continue
-        (p, t), (w, slip) = np.split(scales * point.z, 2), np.split(point.v / scales, 2)
+        state, point, steps = settled
+        p, t = np.split(scales * point.z, 2)
+        w, slip = np.split(point.v / scales, 2)
         s = slip + history.s + problem.Q @ (t - history.t)
         return Increment(p, t, s, w, point.y, state, steps)
     raise NoAnswer(reason)
 
 
-class _System(NamedTuple):
-    """The equations of an increment: v = q + A z + B y, C z = h of z = (p, t) and v = (w, ds - Q
-    dt), both (2n,).
+class _FrictionalSystem(NamedTuple):
+    """The scaled equations of an increment: v = q + A z + B y and C z = h.
 
-    Scaled to a unit diagonal of A, positive for w and negative for the slip; `mu` (n,) is scaled
-    with it.
+    The unknowns are z = (p, t) and v = (w, ds - Q dt), both (2n,). Scaling makes the diagonal of A
+    one for w and minus one for the slip. The friction coefficients `mu` (n,) are scaled with it.
     """
 
     A: Floats
@@ -122,88 +152,113 @@ class _System(NamedTuple):
 
 
 class _Point(NamedTuple):
+    """A solution of the scaled equations: z (2n,), v (2n,) and rigid-body motions y (k,)."""
+
     z: Floats
     v: Floats
     y: Floats
 
 
-def _system(problem: Problem, mu: float | Floats, history: History) -> tuple[_System, Floats]:
+class _Settled(NamedTuple):
+    """States (n,) at which an increment settles, the solution there, and the steps to it."""
+
+    state: Ints
+    point: _Point
+    steps: int
+
+
+def _scaled(
+    problem: FrictionalProblem, mu: float | Floats, history: History
+) -> tuple[_FrictionalSystem, Floats]:
     """The scaled equations, and the scales (2n,): z = scales z', v = v' / scales."""
     A = np.block([[problem.A_wp, problem.A_wt], [problem.A_sp, problem.A_st - problem.Q]])
-    q = np.concatenate([problem.q_w, problem.q_s - history.s + problem.Q @ history.t])
-    B, C = np.vstack([problem.B_w, problem.B_s]), np.hstack([problem.C_p, problem.C_t])
+    # The history moves to the right-hand side, so that v holds changes of slip.
+    q_slip = problem.q_s - history.s + problem.Q @ history.t
+    q = np.concatenate([problem.q_w, q_slip])
+    B = np.vstack([problem.B_w, problem.B_s])
+    C = np.hstack([problem.C_p, problem.C_t])
     d = 1 / np.sqrt(np.maximum(np.abs(np.diagonal(A)), np.finfo(float).tiny))
     n = len(q) // 2
-    return _System(
-        d[:, None] * A * d, d * q, d[:, None] * B, C * d, problem.h, mu * d[:n] / d[n:]
-    ), d
+    system = _FrictionalSystem(
+        A=d[:, None] * A * d,
+        q=d * q,
+        B=d[:, None] * B,
+        C=C * d,
+        h=problem.h,
+        mu=mu * d[:n] / d[n:],
+    )
+    return system, d
 
 
 class _Piece:
     """The linear equations of given states (n,), factorised once.
 
-    Raises NoAnswer where they are singular.
+    Raises NoAnswer if they are singular.
     """
 
-    def __init__(self, system: _System, state: Ints) -> None:
+    def __init__(self, system: _FrictionalSystem, state: Ints) -> None:
         self.system, self.state = system, state
         n, k = len(state), len(system.h)
-        self.on, stuck = np.flatnonzero(state != OPEN), n + np.flatnonzero(state == STICK)
-        # t = sliding p where it slips
-        self.sliding = (system.mu * ((state == FORWARD).astype(float) - (state == BACKWARD)))[
-            self.on
-        ]
-        self.basic = np.concatenate([self.on, stuck])
-        self.columns = np.hstack(
-            [system.A[:, self.on] + system.A[:, n + self.on] * self.sliding, system.A[:, stuck]]
-        )
-        balance = np.hstack(
-            [system.C[:, self.on] + system.C[:, n + self.on] * self.sliding, system.C[:, stuck]]
-        )
+        self.pressed = np.flatnonzero(state != OPEN)
+        stuck = n + np.flatnonzero(state == STICK)
+        # In a slipping node t = sliding p; sliding is 0 in a sticking node.
+        sense = (state == FORWARD).astype(float) - (state == BACKWARD)
+        self.sliding = (system.mu * sense)[self.pressed]
+        # The unknowns are the pressures of the pressed nodes and the tractions of the stuck ones.
+        self.basic = np.concatenate([self.pressed, stuck])
+        pressed, dragged = self.pressed, n + self.pressed
+        by_pressure = system.A[:, pressed] + system.A[:, dragged] * self.sliding
+        self.columns = np.hstack([by_pressure, system.A[:, stuck]])
+        balance_by_pressure = system.C[:, pressed] + system.C[:, dragged] * self.sliding
+        balance = np.hstack([balance_by_pressure, system.C[:, stuck]])
         matrix = np.block(
             [[self.columns[self.basic], system.B[self.basic]], [balance, np.zeros((k, k))]]
         )
         self._factors = _factorised(matrix)
 
     def at(self, q: Floats, h: Floats) -> _Point:
-        """z (2n,), v (2n,) and y (k,) under the data q (2n,) and h (k,)."""
-        solution = _back(self._factors, np.concatenate([-q[self.basic], h]))
+        """Solve for z (2n,), v (2n,) and y (k,) under the data q (2n,) and h (k,)."""
+        right = np.concatenate([-q[self.basic], h])
+        solution = _back(self._factors, right)
         basic, y = solution[: len(self.basic)], solution[len(self.basic) :]
-        n, m = len(self.state), len(self.on)
-        z, v = np.zeros(2 * n), q + self.columns @ basic + self.system.B @ y
+        n, m = len(self.state), len(self.pressed)
+        v = q + self.columns @ basic + self.system.B @ y
         v[self.basic] = 0.0
+        z = np.zeros(2 * n)
         z[self.basic] = basic
-        z[n + self.on] += self.sliding * basic[:m]
+        z[n + self.pressed] += self.sliding * basic[:m]
         return _Point(z, v, y)
 
     def margins(self, point: _Point) -> Floats:
-        """How far each node is within the two edges of its piece (2, n), linear in the point; 0 for
-        no second edge.
+        """Distances (2, n) of each node from the two edges of its piece, linear in the point.
+
+        A negative distance lies outside. An open node has no second edge; its distance is 0.
         """
-        (p, t), (w, slip), mu = np.split(point.z, 2), np.split(point.v, 2), self.system.mu
-        first = np.select([self.state == OPEN, self.state == STICK], [w, mu * p - t], p)
-        second = np.select(
-            [self.state == STICK, self.state == FORWARD, self.state == BACKWARD],
-            [mu * p + t, slip, -slip],
-        )
+        p, t = np.split(point.z, 2)
+        w, slip = np.split(point.v, 2)
+        mu = self.system.mu
+        opened, sticks = self.state == OPEN, self.state == STICK
+        forward, backward = self.state == FORWARD, self.state == BACKWARD
+        first = np.select([opened, sticks], [w, mu * p - t], p)
+        second = np.select([sticks, forward, backward], [mu * p + t, slip, -slip])
         return np.array([first, second])
 
 
-# The piece beyond each edge [state, edge]; from open it is FORWARD or BACKWARD by the sign of the
-# slip.
-BEYOND = np.array([[FORWARD, OPEN], [FORWARD, BACKWARD], [OPEN, STICK], [OPEN, STICK]])
+# The state beyond each edge, by state and edge. An open node becomes FORWARD or BACKWARD by the
+# sign of its slip; the entry FORWARD only holds its place.
+NEXT_STATE = np.array([[FORWARD, OPEN], [FORWARD, BACKWARD], [OPEN, STICK], [OPEN, STICK]])
 
 
-def _newton(system: _System, start: Ints) -> tuple[Ints, _Point, int]:
-    """States, point and steps of Newton's method. Raises NoAnswer where it cycles."""
+def _newton(system: _FrictionalSystem, start: Ints) -> _Settled:
+    """Solve by Newton's method, all nodes at once. Raises NoAnswer if it cycles."""
     state, fewest, patience = start, 3 * len(start), PATIENCE
-    for step in range(1, MOST_STEPS + 1):
+    for step in range(1, MOST_STATE_STEPS + 1):
         piece = _Piece(system, state)
         point = piece.at(system.q, system.h)
-        outside = piece.margins(point) < -SLACK * _sizes(system, piece, point)
+        outside = piece.margins(point) < -STATE_ROUND_OFF * _sizes(system, piece, point)
         wrong = int(np.count_nonzero(outside))
         if not wrong:
-            return state, point, step
+            return _Settled(state, point, step)
         fewest, patience = (wrong, PATIENCE) if wrong < fewest else (fewest, patience - 1)
         if patience < 0:
             break
@@ -211,150 +266,213 @@ def _newton(system: _System, start: Ints) -> tuple[Ints, _Point, int]:
     raise NoAnswer("not converged: stick and slip do not settle")
 
 
-def _wanted(system: _System, state: Ints, point: _Point, outside: Bools) -> Ints:
-    """The states (n,) that the nodes `outside` (2, n) of their pieces ask for."""
-    (p, _), (w, slip) = np.split(point.z, 2), np.split(point.v, 2)
+def _wanted(system: _FrictionalSystem, state: Ints, point: _Point, outside: Bools) -> Ints:
+    """The next states (n,), for nodes that are `outside` (2, n) the edges of their pieces."""
+    p, _ = np.split(point.z, 2)
+    w, slip = np.split(point.v, 2)
     wanted = state.copy()
     for edge in (0, 1):
-        wanted[outside[edge]] = BEYOND[state[outside[edge]], edge]
+        beyond = outside[edge]
+        wanted[beyond] = NEXT_STATE[state[beyond], edge]
+    # A closing node sticks unless its slip exceeds mu times its overlap, -w.
     closing = (state == OPEN) & outside[0]
-    wanted[closing] = np.select(
-        [slip > -system.mu * w, slip < system.mu * w], [FORWARD, BACKWARD], STICK
-    )[closing]
+    ways = np.select([slip > -system.mu * w, slip < system.mu * w], [FORWARD, BACKWARD], STICK)
+    wanted[closing] = ways[closing]
+    # A sticking node that pulls opens at once.
     wanted[(state == STICK) & outside.any(axis=0) & (p < 0)] = OPEN
     return wanted
 
 
-def _sizes(system: _System, piece: _Piece, point: _Point) -> Floats:
-    """The largest numbers that the margins (2, n) are differences of."""
+def _sizes(system: _FrictionalSystem, piece: _Piece, point: _Point) -> Floats:
+    """The largest numbers (2, n) whose differences the margins are."""
     of_z = np.abs(point.z).max(initial=0.0)
     of_v = max(np.abs(system.q).max(), np.abs(system.B @ point.y).max(), np.abs(point.v).max())
     opened, sticks = piece.state == OPEN, piece.state == STICK
     return np.array([np.where(opened, of_v, of_z), np.where(sticks, of_z, of_v)])
 
 
-def _followed(system: _System, start: Ints) -> tuple[Ints, _Point, int]:
-    """The path from a load that the states `start` (n,) balance."""
+def _followed(system: _FrictionalSystem, start: Ints) -> _Settled:
+    """Follow the path from a load that the states `start` (n,) balance."""
     return _path(system, start, wide=False)
 
 
-def _closed(system: _System, start: Ints) -> tuple[Ints, _Point, int]:
-    """The path from gaps so wide that only the nodes touch that the actuation closes first,
-    slipping.
+def _closed(system: _FrictionalSystem, start: Ints) -> _Settled:
+    """Follow the path from wide gaps, at which only the nodes touch that close first.
+
+    These nodes slip. Of `start` (n,) only the number of nodes counts.
     """
     n = len(start)
     state = np.full(n, OPEN)
-    for k, load in enumerate(system.h):
-        if load == 0:  # nothing acts on this motion: it needs no node of its own
+    for mode, load in enumerate(system.h):
+        # A mode without load needs no node of its own.
+        if load == 0:
             continue
-        bearing = system.C[k, :n] * load > 0  # nodes whose pressure resists the actuation
+        # Only a pressure against the load can balance the mode.
+        bearing = system.C[mode, :n] * load > 0
         if not bearing.any():
             raise NoAnswer("no equilibrium: contact pressure cannot balance the actuation anywhere")
-        turn = np.maximum(np.abs(system.B[:n, k]), np.finfo(float).tiny)
+        turn = np.maximum(np.abs(system.B[:n, mode]), np.finfo(float).tiny)
         first = int(np.where(bearing, system.q[:n] / turn, np.inf).argmin())
-        state[first] = (
-            FORWARD if system.C[k, n + first] * load >= 0 else BACKWARD
-        )  # the way that does not lock
+        # Of the two ways to slip, the friction of this way does not lock the mode.
+        helps = system.C[mode, n + first] * load >= 0
+        state[first] = FORWARD if helps else BACKWARD
     return _path(system, state, wide=True)
 
 
-def _path(system: _System, state: Ints, *, wide: bool) -> tuple[Ints, _Point, int]:
-    """States, point and steps at r = 0 of the path of answers to q + r e, h + r f that comes from r
-    = 1.
+class _Edge(NamedTuple):
+    """The edge that a path meets next.
 
-    e and f are what the states at r = 1 need to hold, with a margin; with `wide` the open nodes
-    have one anyway. Between two changes of a state all is linear in r; each change is of one node,
-    and the next piece begins where it left, r growing again where the path turns. Raises NoAnswer
-    where the path goes on for ever.
+    Attributes
+    ----------
+    node : node that reaches an edge of its piece
+    edge : index of this edge, 0 or 1
+    step : change of r up to there, inf if no node reaches an edge
     """
-    state, r, way, node, edge = state.copy(), 1.0, -1.0, -1, 0
+
+    node: int
+    edge: int
+    step: float
+
+
+def _path(system: _FrictionalSystem, state: Ints, *, wide: bool) -> _Settled:
+    """Follow the path of answers to q + r e and h + r f from r = 1 to r = 0.
+
+    The changes e and f let the states at r = 1 hold with a margin. With `wide` the open nodes get a
+    margin in any case. Between two changes of a state the answer is linear in r. Each change is of
+    one node. The next piece begins where this node left its piece; r grows again where the path
+    turns.
+
+    Raises NoAnswer if the path goes on for ever.
+    """
+    state, r, direction, node, edge = state.copy(), 1.0, -1.0, -1, 0
     piece = _Piece(system, state)
     e, f = _lift(system, piece, wide)
-    for passed in range(1, MOST_PASSES * len(state) + 1):
+    for passed in range(1, MOST_STATE_CHANGES * len(state) + 1):
         point, slope = piece.at(system.q, system.h), piece.at(e, f)
         value, change = piece.margins(point), piece.margins(slope)
+        # The node that has changed last must leave its edge.
         if node >= 0:
-            way = float(np.sign(change[edge, node]))  # the node that has changed leaves the edge
-        falls = way * change < 0
-        reach = np.full(falls.shape, np.inf)
-        reach[falls] = np.maximum(value + r * change, 0.0)[falls] / np.abs(change[falls])
-        edge, node = divmod(int(reach.argmin()), len(state))
-        step = reach[edge, node]
-        if way < 0 and step >= r:
-            return state, point, passed
-        if not np.isfinite(step):
+            direction = float(np.sign(change[edge, node]))
+        met = _next_edge(value, change, r, direction)
+        node, edge = met.node, met.edge
+        if direction < 0 and met.step >= r:
+            return _Settled(state, point, passed)
+        if not np.isfinite(met.step):
             break
-        r += way * step
-        state = state.copy()
+        r += direction * met.step
         before = state[node]
         slip = point.v[len(state) + node] + r * slope.v[len(state) + node]
-        state[node] = (
-            (FORWARD if slip > 0 else BACKWARD) if before == OPEN else BEYOND[before, edge]
-        )
-        edge = int(BEYOND[state[node], 1] == before) if before != OPEN else 0
+        state = state.copy()
+        if before == OPEN:
+            state[node], edge = FORWARD if slip > 0 else BACKWARD, 0
+        else:
+            state[node] = NEXT_STATE[before, edge]
+            # The edge of the new piece that leads back to the state before.
+            edge = int(NEXT_STATE[state[node], 1] == before)
         piece = _Piece(system, state)
     raise NoAnswer(
         "not converged: stick and slip do not settle, nor does a path lead to where they do"
     )
 
 
-def _lift(system: _System, piece: _Piece, wide: bool) -> tuple[Floats, Floats]:
+def _next_edge(value: Floats, change: Floats, r: float, direction: float) -> _Edge:
+    """The edge that a path meets first, from margins (2, n): `value` at r = 0, `change` per r."""
+    falls = direction * change < 0
+    reach = np.full(falls.shape, np.inf)
+    reach[falls] = np.maximum(value + r * change, 0.0)[falls] / np.abs(change[falls])
+    edge, node = divmod(int(reach.argmin()), falls.shape[1])
+    return _Edge(node, edge, reach[edge, node])
+
+
+def _lift(system: _FrictionalSystem, piece: _Piece, wide: bool) -> tuple[Floats, Floats]:
     """Changes of q (2n,) and h (k,) under which every node lies within its piece."""
     point, state = piece.at(system.q, system.h), piece.state
-    n = len(state)
-    slack = WIDER * _sizes(system, piece, point)
-    margin = piece.margins(point)
-    uneven = 1 + np.arange(2 * n).reshape(2, n) * GOLDEN % 1  # no two nodes change together
-    low = margin <= 0
-    if wide:
-        low[0] |= state == OPEN
-    low[1] &= state != OPEN
-    margin = np.where(
-        low, np.maximum(margin, 0) + slack * uneven if wide else slack * uneven, margin
-    )
+    margin = _lifted_margins(system, piece, point, wide)
     (p, t), (w, slip) = np.split(point.z, 2), np.split(point.v, 2)
-    sticks, slips = state == STICK, (state == FORWARD) | (state == BACKWARD)
+    opened, sticks = state == OPEN, state == STICK
+    slips = (state == FORWARD) | (state == BACKWARD)
     sense = np.where(state == BACKWARD, -1.0, 1.0)
-    w = np.where(state == OPEN, margin[0], w)
-    slip = np.where(slips, sense * margin[1], slip)
-    touched = np.maximum(system.mu, np.finfo(float).tiny)
-    # the two margins of a sticking node are mu p - t and mu p + t
-    p = np.where(
-        slips,
-        margin[0],
-        np.where(sticks & low.any(axis=0), (margin[0] + margin[1]) / (2 * touched), p),
-    )
-    t = np.where(slips, sense * system.mu * p, np.where(sticks, 0.5 * (margin[1] - margin[0]), t))
+    # An open node has its gap for a margin, a slipping node its pressure and its slip.
+    w = np.where(opened, margin.distances[0], w)
+    slip = np.where(slips, sense * margin.distances[1], slip)
+    # The margins of a sticking node are mu p - t and mu p + t, which give its p and t.
+    mu = np.maximum(system.mu, np.finfo(float).tiny)
+    stick_p = (margin.distances[0] + margin.distances[1]) / (2 * mu)
+    stick_t = 0.5 * (margin.distances[1] - margin.distances[0])
+    too_small = sticks & margin.lifted.any(axis=0)
+    p = np.where(slips, margin.distances[0], np.where(too_small, stick_p, p))
+    t = np.where(slips, sense * system.mu * p, np.where(sticks, stick_t, t))
+    # The data are changed so that these z and v solve the equations.
     z, v = np.concatenate([p, t]), np.concatenate([w, slip])
-    return v - (system.q + system.A @ z + system.B @ point.y), system.C @ z - system.h
+    of_q = v - (system.q + system.A @ z + system.B @ point.y)
+    of_h = system.C @ z - system.h
+    return of_q, of_h
 
 
-def _factorised(matrix: Floats) -> tuple[Floats, Ints, Floats, Floats]:
-    """LU factors and pivots of the matrix with equilibrated rows and columns, whose units differ,
-    and their scales.
+class _Margins(NamedTuple):
+    """Positive `distances` (2, n) from the edges, and which of them were `lifted` (2, n)."""
+
+    distances: Floats
+    lifted: Bools
+
+
+def _lifted_margins(
+    system: _FrictionalSystem, piece: _Piece, point: _Point, wide: bool
+) -> _Margins:
+    """Margins of a point, lifted so far that every node lies within its piece.
+
+    The lifts differ from node to node, so that no two nodes change together.
+    """
+    state = piece.state
+    n = len(state)
+    uneven = 1 + np.arange(2 * n).reshape(2, n) * GOLDEN % 1
+    slack = PATH_LIFT * _sizes(system, piece, point)
+    margin = piece.margins(point)
+    lifted = margin <= 0
+    if wide:
+        lifted[0] |= state == OPEN
+    lifted[1] &= state != OPEN
+    wider = np.maximum(margin, 0) + slack * uneven if wide else slack * uneven
+    return _Margins(np.where(lifted, wider, margin), lifted)
+
+
+class _ScaledFactors(NamedTuple):
+    """LU factors and pivots of a matrix whose rows and columns are multiplied by scales."""
+
+    lu: Floats
+    pivots: Ints
+    row_scales: Floats
+    column_scales: Floats
+
+
+def _factorised(matrix: Floats) -> _ScaledFactors:
+    """Equilibrate and factorise a matrix, whose rows and columns differ in their units.
+
+    Raises NoAnswer if the matrix is singular.
     """
     if not matrix.size:
-        return matrix, np.zeros(0, dtype=np.int32), np.zeros(0), np.zeros(0)
+        return _ScaledFactors(matrix, np.zeros(0, dtype=np.int32), np.zeros(0), np.zeros(0))
     tiny = np.finfo(float).tiny
     row = 1 / np.maximum(np.abs(matrix).max(axis=1), tiny)
     column = 1 / np.maximum(np.abs(row[:, None] * matrix).max(axis=0), tiny)
     lu, pivots, info = dgetrf(row[:, None] * matrix * column)
     if info or not np.isfinite(np.diagonal(lu)).all():
         raise NoAnswer("no equilibrium: contact and friction cannot balance the actuation")
-    return lu, pivots, row, column
+    return _ScaledFactors(lu, pivots, row, column)
 
 
-def _back(factors: tuple[Floats, Ints, Floats, Floats], right: Floats) -> Floats:
-    lu, pivots, row, column = factors
+def _back(factors: _ScaledFactors, right: Floats) -> Floats:
+    """Solve by back-substitution."""
     if not right.size:
         return right
-    solution, _ = dgetrs(lu, pivots, row * right)
-    return column * solution
+    solution, _ = dgetrs(factors.lu, factors.pivots, factors.row_scales * right)
+    return factors.column_scales * solution
 
 
 def zones(nodes: Floats, state: Ints) -> dict[str, tuple[tuple[float, float], ...]]:
-    """Arcs [rad] of stick and of slip: runs of nodes in one state, ending half-way to the next
-    node.
+    """Arcs [rad] of "stick" and of "slip": runs of nodes in one state.
+
+    An arc ends half-way to the next node. `nodes` (n,) are angles [rad], `state` (n,) their states.
     """
     edges = np.concatenate([nodes[:1], 0.5 * (nodes[1:] + nodes[:-1]), nodes[-1:]])
     return {
@@ -364,5 +482,7 @@ def zones(nodes: Floats, state: Ints) -> dict[str, tuple[tuple[float, float], ..
 
 
 def _runs(edges: Floats, where: Bools) -> tuple[tuple[float, float], ...]:
-    change = np.flatnonzero(np.diff(np.concatenate([[0], where.astype(int), [0]])))
+    """Begin and end of each run of true values; edges (n + 1,) lie between the values (n,)."""
+    padded = np.concatenate([[0], where.astype(int), [0]])
+    change = np.flatnonzero(np.diff(padded))
     return tuple((float(edges[a]), float(edges[b])) for a, b in change.reshape(-1, 2))

@@ -1,13 +1,14 @@
-"""The finite-element model: brake -> scene (meshed, condensed bodies) -> response.
+"""The finite-element model: from a prepared model to the response of the brake.
 
-`prepare` does what depends on geometry and stiffness; `respond` what depends on friction, rotation,
-force, line of action, clearance and penalty, in milliseconds on the same scene.
+`prepare` does the work that depends on geometry and stiffness. `respond` does the work that depends
+on friction, rotation, force, line of action, clearance and penalty, in milliseconds on the same
+prepared model.
 """
 
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -18,7 +19,7 @@ from drumlin.brake.components import Bar
 from drumlin.brake.units import mm
 from drumlin.contact.active_set import Contact
 from drumlin.fem.equilibrium.group import ShoeGroup, groups_of
-from drumlin.fem.equilibrium.sharing import PULLED, WOULD_PULL
+from drumlin.fem.equilibrium.sharing import NO_PUSH, WOULD_PULL
 from drumlin.fem.mesh.from_file import mesh_notes
 from drumlin.fem.preparation.bodies import held
 from drumlin.fem.preparation.cache import shape_of
@@ -29,8 +30,8 @@ from drumlin.response.balance import borne, relative_balance, worst
 from drumlin.response.response import (
     NEITHER,
     Balance,
-    Change,
     Response,
+    ShoeChange,
     ShoeResponse,
     pressed_shoe,
     reaction_size,
@@ -43,30 +44,41 @@ if TYPE_CHECKING:
     from drumlin.fem.error_control.refinement import Refined
 
 DOUBLE = float(np.finfo(float).eps)
-OVERLAP = 0.01  # of the lining's thickness, from which on it is said that a mesh lies in the drum
-PENALTY = 1e8
-"""Default penalty factor alpha: eps = alpha E/t of the lining. The penetration p/eps is then 1e-8
-of the lining's own compression p t/E, and the pressure is off by about as much, in a contact that
-is short beside the lining's thickness by more; each response states by how much.
+"""Relative spacing of double-precision numbers: no refined answer is said to be more certain."""
+OVERLAP = 0.01
+"""Fraction of the lining's thickness by which a mesh may lie in the drum without a warning. Above it
+the pressure is noticeably that of a lining squeezed into place. It changes no answer.
 """
-LARGEST_IMBALANCE = 1e-8
-"""Imbalance of forces and moments, relative to the largest, above which condensed bodies have lost
-too many digits: they are refined. An answer that is out of balance by more although refined is
-refused.
+PENALTY = 1e8
+"""Default penalty factor alpha: the contact stiffness per area is alpha E/t of the lining. The
+penetration p/eps is then 1e-8 of the lining's own compression p t/E, and the pressure is off by
+about the same fraction, or by more in a contact that is short beside the lining's thickness. Each
+response states by how much.
+"""
+LARGEST_ANSWER_IMBALANCE = 1e-8
+"""Imbalance of forces and moments, relative to the largest of them, up to which an answer stands.
+Above it the substructures have lost too many digits, and the answer is refined. A refined answer
+above it is refused.
 """
 LARGEST_LOSS = 1e-5
-"""Part of the pressure that may be lost to round-off before an answer is refined, and on a mesh,
-which states no error, after that: else it is refused. A mesh itself is off by a hundred times as
-much; columns state ten times what is left. A judgement, said by the refusal.
+"""Round-off error of the pressure, relative, up to which an answer needs no refinement. On a mesh,
+which states no error, a refined answer above it is refused. The discretisation error of a mesh is
+some hundred times larger, and hp elements state ten times the loss. The value is a judgement, and
+the refusal prints the loss.
 """
 MOST_LOSS = 1e-3
-"""Part of the pressure that may be lost on columns that cannot be refined. Their stated error holds
-ten times the loss, 1 %; an answer that has lost more is refused. A judgement, said by the refusal.
+"""Round-off error of the pressure, relative, up to which an answer on hp elements stands that cannot
+be refined, or has been. Its stated error contains ten times the loss, 1 %. An answer that has lost
+more is refused. The value is a judgement, and the refusal prints the loss.
 """
 MAX_REFINED = 240_000
-"""Limit of time: unknowns of a group of shoes, times their degree squared, up to which columns are
-refined. It takes seconds; what the factors of larger systems fill grows with the square."""
-SETTLED = 1e-10  # relative correction up to which another form of the whole system is not tried
+"""Unknowns of a group times their degree squared up to which answers on hp elements are refined.
+The refinement then takes seconds. Above it the fill-in of the factors grows with the square.
+"""
+SETTLED_CORRECTION = 1e-10
+"""Relative correction of the pressures below which a refinement is taken as converged. Above it the
+other form of the full system is tried as well, and the better answer is taken.
+"""
 TOO_FAR = "stiffnesses or sizes are too far apart for the arithmetic"
 REFINED = "refined in the whole system, condensed it loses digits"
 
@@ -74,43 +86,53 @@ REFINED = "refined in the whole system, condensed it loses digits"
 def respond(
     scene: Scene, brake: Brake, *, penalty: float = PENALTY, start: Response | None = None
 ) -> Response:
-    """The response of a brake on a prepared scene of the same geometry and stiffness.
+    """The response of a brake on a prepared model of the same geometry and stiffness.
 
-    penalty: factor alpha of the contact stiffness alpha E/t per area; math.inf for exact contact.
-    start: a response of a similar brake or on another mesh, whose contact is the first guess: it
-    saves steps and does not change the answer. Raises NoAnswer: self-locking, no equilibrium, not
-    converged.
+    Parameters
+    ----------
+    scene : the prepared model
+    brake : the brake, which may differ from that of the model in friction, rotation, load, clearance
+    penalty : factor alpha of the contact stiffness alpha E/t per area; math.inf for exact contact
+    start : response of a similar brake or on another mesh, whose contact is the first guess; it saves
+        steps and does not change the answer
+
+    Raises
+    ------
+    BadInput
+        for a brake that is not that of the prepared model
+    NoAnswer
+        self-locking, no equilibrium, not converged
     """
     check_penalty(penalty)
     if brake is not scene.brake:
         _check_same(scene, brake)
     seconds = dict(scene.seconds)
     with clock(seconds, "contact"):
-        answers: dict[int, _Answer] = {}
+        answers: dict[int, _ShoeAnswer] = {}
         for group in groups_of(scene, brake, penalty):
-            answers |= _answers(group, start)
+            answers |= _group_answers(group, start)
         for i in set(range(len(brake.shoes))) - set(answers):
-            answers[i] = _untouched(brake.shoes[i])
-    balance = worst([answer.balance for answer in answers.values()])
+            answers[i] = _untouched_answer(brake.shoes[i])
+    in_order = [answers[i] for i in sorted(answers)]
     return Response(
         model=scene.model,
-        shoes=tuple(answers[i].response for i in sorted(answers)),
-        balance=balance,
-        iterations=max(answer.steps for answer in answers.values()),
+        shoes=tuple(answer.response for answer in in_order),
+        balance=worst([answer.balance for answer in answers.values()]),
+        iterations=max(answer.steps for answer in in_order),
         seconds=seconds,
         left_out=scene.left_out,
         notes=(
-            *_overlaps(scene, brake),
-            *_meshes(scene, brake, [answers[i].response for i in sorted(answers)]),
-            *(answers[i].note for i in sorted(answers)),
-            *_grips(brake),
+            *_overlap_warnings(scene, brake),
+            *_mesh_notes(scene, brake, [answer.response for answer in in_order]),
+            *(answer.note for answer in in_order),
+            *_support_notes(brake),
             *cam_notes(brake),
         ),
     )
 
 
 def _check_same(scene: Scene, brake: Brake) -> None:
-    """Raise BadInput for a brake whose bodies are not those of the scene."""
+    """Raise BadInput for a brake whose substructures are not those of the prepared model."""
     if [shape_of(brake, shoe) for shoe in brake.shoes] != scene.shapes:
         raise BadInput(
             "the brake differs from the prepared scene in more than friction, rotation, load, clearance"
@@ -124,20 +146,15 @@ def _check_same(scene: Scene, brake: Brake) -> None:
 
 
 def check_penalty(penalty: float) -> None:
-    """Raise BadInput for a factor of the contact stiffness that is none."""
+    """Raise BadInput for a penalty factor that is not positive."""
     if not penalty > 0:
         raise BadInput(f"--penalty = {penalty}: must be greater than 0 (or inf)")
 
 
-@dataclass(frozen=True)
-class _Answer:
-    response: ShoeResponse
-    balance: Balance
-    steps: int
-    note: str
+# Lines about the brake as a whole
 
 
-def _overlaps(scene: Scene, brake: Brake) -> Iterator[str]:
+def _overlap_warnings(scene: Scene, brake: Brake) -> Iterator[str]:
     """A warning for each shoe's own mesh that lies in the drum or the plane."""
     for body, shoe in zip(scene.bodies, brake.shoes, strict=True):
         if shoe.mesh is None:
@@ -150,7 +167,7 @@ def _overlaps(scene: Scene, brake: Brake) -> Iterator[str]:
             )
 
 
-def _meshes(scene: Scene, brake: Brake, responses: Sequence[ShoeResponse]) -> Iterator[str]:
+def _mesh_notes(scene: Scene, brake: Brake, responses: Sequence[ShoeResponse]) -> Iterator[str]:
     """Lines about the mesh files: what was passed over, moved, and counts as a gap.
 
     Raises BadInput for a contact line that is no shape of a lining.
@@ -160,257 +177,461 @@ def _meshes(scene: Scene, brake: Brake, responses: Sequence[ShoeResponse]) -> It
             yield from mesh_notes(shoe, body.of_file, body.line.xy, brake.size, response)
 
 
-def _grips(brake: Brake) -> Iterator[str]:
-    """How elastic bodies are held, in a line: a pin that stands off one is joined to it rigidly,
-    which its pressure feels.
+def _support_notes(brake: Brake) -> Iterator[str]:
+    """One line on how the bodies of hp elements are supported, if there are any.
+
+    A pin that stands off its body is joined to it rigidly, which changes the pressure.
     """
-    found: dict[str, list[str]] = {}
+    shoes_of: dict[str, list[str]] = {}
     for shoe in brake.shoes:
-        if shoe.mesh is not None or not isinstance(shoe.body, Bar):
-            continue
-        grip = shoe.grip(brake.size)
-        if grip is not None:
-            length = (grip[1] - grip[0]) * shoe.back(
-                brake.size
-            )  # a short back has less than is asked for
-            said = f"its {shoe.held_by} grips {mm(round(length, 4))} of the back of its body"
-        else:
-            away = math.dist(shoe.end_face(brake.size), shoe.own_pin)
-            joined = "" if away < 0.5 * shoe.body.depth else ", joined by a rigid arm"
-            what = "pin" if shoe.held_by == "hinge" else "foot"
-            said = f"its {what} holds the end face of its body, {mm(round(away, 4))} from the face's middle{joined}"
-        found.setdefault(said, []).append(shoe.name)
-    if found:
-        yield "held: " + "; ".join(f"{', '.join(names)}: {said}" for said, names in found.items())
+        if shoe.mesh is None and isinstance(shoe.body, Bar):
+            shoes_of.setdefault(_support_text(shoe, shoe.body, brake.size), []).append(shoe.name)
+    if shoes_of:
+        parts = [f"{', '.join(names)}: {text}" for text, names in shoes_of.items()]
+        yield "held: " + "; ".join(parts)
 
 
-def _untouched(shoe: Shoe) -> _Answer:
-    note = f"shoe {shoe.name!r}: no contact, the force does not turn it towards the {shoe.surface.word}"
-    return _Answer(untouched(shoe, -shoe.actuation.vector), Balance(0.0, 0.0), 0, note)
-
-
-def _answers(group: ShoeGroup, start: Response | None) -> dict[int, _Answer]:
-    """The answers of a group of shoes that meet the drum together, by the shoe's place in the
-    brake.
-    """
-    first = (
-        None
-        if start is None
-        else np.concatenate([_touching(group, k, start) for k in range(len(group.members))])
+def _support_text(shoe: Shoe, bar: Bar, size: float) -> str:
+    """How the body of a shoe is supported, on a drum of radius `size` [m]."""
+    grip = shoe.grip(size)
+    if grip is not None:
+        # A back that is shorter than the grip asked for is held over all of its length.
+        length = (grip[1] - grip[0]) * shoe.back(size)
+        return f"its {shoe.held_by} grips {mm(round(length, 4))} of the back of its body"
+    away = math.dist(shoe.end_face(size), shoe.own_pin)
+    joined = "" if away < 0.5 * bar.depth else ", joined by a rigid arm"
+    holder = "pin" if shoe.held_by == "hinge" else "foot"
+    return (
+        f"its {holder} holds the end face of its body, {mm(round(away, 4))} from the face's "
+        f"middle{joined}"
     )
-    group, found = group.settled(first)
-    size = group.unit_force
-    answers, amounts, forces = {}, group.amounts(found), size * group.forces(found.p)
-    changes = size * _changes(group, found, amounts)
-    for k, (i, part) in enumerate(zip(group.members, group.parts, strict=True)):
-        p, y = size * found.p[part], size * amounts[k]
-        answers[i] = _answer(group, k, p, y, changes[:, part], found.steps, forces[k])
-    if group.sharing is not None:
-        if not _imbalance(answers) < LARGEST_IMBALANCE:
+
+
+# The answers of a group of shoes
+
+
+@dataclass(frozen=True)
+class _ShoeAnswer:
+    """The response of a shoe, the balance of its forces, the steps of its contact, and its line."""
+
+    response: ShoeResponse
+    balance: Balance
+    steps: int
+    note: str
+
+
+class _GroupSolution(NamedTuple):
+    """The solution of a group of shoes, in newtons.
+
+    Attributes
+    ----------
+    group : the settled group
+    pressures : pressures (n_i,) [Pa] of each shoe
+    coordinates : generalised coordinates (k_i,) of each shoe
+    forces : actuation forces (shoes,) [N]
+    changes : change of all pressures (2, n) [Pa] by the penalty, and by round-off
+    steps : steps of the contact algorithm
+    refined : whether the full system was refined; the round-off is then the last correction
+    """
+
+    group: ShoeGroup
+    pressures: list[Floats]
+    coordinates: list[Floats]
+    forces: Floats
+    changes: Floats
+    steps: int
+    refined: bool
+
+
+class _ShoeSolution(NamedTuple):
+    """The part of shoe `k` in the solution of its group; see `_GroupSolution`."""
+
+    group: ShoeGroup
+    k: int
+    p: Floats
+    coordinates: Floats
+    force: float
+    changes: Floats
+    refined: bool
+
+
+def _untouched_answer(shoe: Shoe) -> _ShoeAnswer:
+    """The answer of a shoe that its force does not press on the drum."""
+    note = f"shoe {shoe.name!r}: no contact, the force does not turn it towards the {shoe.surface.word}"
+    return _ShoeAnswer(untouched(shoe, -shoe.actuation.vector), Balance(0.0, 0.0), 0, note)
+
+
+def _group_answers(group: ShoeGroup, start: Response | None) -> dict[int, _ShoeAnswer]:
+    """The answers of a group of shoes, by the position of the shoe in the brake.
+
+    Raises LostDigits where round-off leaves too few digits, even after a refinement.
+    """
+    first = None
+    if start is not None:
+        parts = [_touching(group, k, start) for k in range(len(group.members))]
+        first = np.concatenate(parts)
+    settled = group.settled(first)
+    solution = _condensed_solution(*settled)
+    answers = _shoe_answers(solution)
+    if settled.group.sharing is not None:
+        if not _imbalance(answers) < LARGEST_ANSWER_IMBALANCE:
             raise LostDigits(
-                f"{group.names}: lost digits, it balances only to {_imbalance(answers):.1e}; {TOO_FAR}"
+                f"{settled.group.names}: lost digits, it balances only to {_imbalance(answers):.1e}; {TOO_FAR}"
             )
         return answers
-    solid = group.scene.model == "solid"  # whose whole system is not put together
-    small = sum(body.unknowns * body.line.order**2 for body in group.bodies) <= MAX_REFINED
-    lost = max(answer.response.lost.pressure for answer in answers.values())
-    refinable = not solid and (
-        small or max(body.line.order for body in group.bodies) <= 2
-    )  # else the factors fill
-    most = LARGEST_LOSS if solid or refinable else MOST_LOSS
-    if lost < most and _imbalance(answers) < LARGEST_IMBALANCE:
+    refinable = _refinable(settled.group)
+    # On a solid the full system is never assembled.
+    strict = refinable or settled.group.scene.model == "solid"
+    most = LARGEST_LOSS if strict else MOST_LOSS
+    lost = _largest_loss(answers)
+    if lost < most and _imbalance(answers) < LARGEST_ANSWER_IMBALANCE:
         return answers
     if not refinable:
         balance = f"it balances only to {_imbalance(answers):.1e}"
         why = f"its pressure is certain only to {lost:.1e}" if lost >= most else balance
-        raise LostDigits(f"{group.names}: lost digits, {why}; {TOO_FAR}")
+        raise LostDigits(f"{settled.group.names}: lost digits, {why}; {TOO_FAR}")
+    return _refined_answers(solution, settled.contact)
+
+
+def _condensed_solution(group: ShoeGroup, contact: Contact) -> _GroupSolution:
+    """The solution of a group by its substructures."""
+    size = group.unit_force
+    coordinates = group.coordinates(contact)
+    return _GroupSolution(
+        group=group,
+        pressures=[size * contact.p[part] for part in group.node_ranges],
+        coordinates=[size * y for y in coordinates],
+        forces=size * group.forces(contact.p),
+        changes=size * _changes(group, contact, coordinates),
+        steps=contact.steps,
+        refined=False,
+    )
+
+
+def _refinable(group: ShoeGroup) -> bool:
+    """Whether the full system of a group can be refined in seconds; never that of a solid."""
+    orders = [body.line.order for body in group.bodies]
+    size = sum(body.unknowns * body.line.order**2 for body in group.bodies)
+    # The factors of large systems of high degree fill in.
+    small = size <= MAX_REFINED or max(orders) <= 2
+    return group.scene.model != "solid" and small
+
+
+def _refined_answers(solution: _GroupSolution, contact: Contact) -> dict[int, _ShoeAnswer]:
+    """The answers of a group from its refined full system.
+
+    Raises LostDigits where the refinement fails, or leaves too few digits.
+    """
+    group, size = solution.group, solution.group.unit_force
     try:
-        refined = refined_group(group, found.active)
+        refined = refined_group(group, contact.active)
     except NoAnswer as error:
         raise LostDigits(f"{group.names}: lost digits, {TOO_FAR}; refined: {error}") from error
-    steps, changes[1] = found.steps + refined.sets, size * np.concatenate(refined.last)
-    for k, (i, part) in enumerate(zip(group.members, group.parts, strict=True)):
-        p, y = size * refined.p[k], size * refined.motions[k]
-        answers[i] = _answer(group, k, p, y, changes[:, part], steps, forces[k], refined=True)
-    left = _imbalance(answers)
+    by_penalty = solution.changes[0]
+    last_correction = size * np.concatenate(refined.last)
+    answers = _shoe_answers(
+        solution._replace(
+            pressures=[size * p for p in refined.p],
+            coordinates=[size * y for y in refined.coordinates],
+            changes=np.array([by_penalty, last_correction]),
+            steps=solution.steps + refined.sets,
+            refined=True,
+        )
+    )
+    imbalance = _imbalance(answers)
+    # A mesh states no error, hp elements do.
     if max(body.line.order for body in group.bodies) <= 2:
         lost, most = refined.correction, LARGEST_LOSS
     else:
-        lost, most = max(answer.response.lost.pressure for answer in answers.values()), MOST_LOSS
-    if lost >= most or not left < LARGEST_IMBALANCE:
+        lost, most = _largest_loss(answers), MOST_LOSS
+    if lost >= most or not imbalance < LARGEST_ANSWER_IMBALANCE:
         raise LostDigits(
             f"{group.names}: lost digits, even refined its pressure is certain only to {lost:.1e} and balances to "
-            f"{left:.1e}; {TOO_FAR}"
+            f"{imbalance:.1e}; {TOO_FAR}"
         )
     return answers
 
 
-def _imbalance(answers: dict[int, _Answer]) -> float:
-    """The largest imbalance of forces or moments, relative."""
+def _largest_loss(answers: dict[int, _ShoeAnswer]) -> float:
+    """The largest round-off error of the pressure among shoes, relative."""
+    return max(answer.response.lost.pressure for answer in answers.values())
+
+
+def _imbalance(answers: dict[int, _ShoeAnswer]) -> float:
+    """The largest imbalance of forces or moments among shoes, relative."""
     balance = worst([answer.balance for answer in answers.values()])
     largest = max(balance.force, balance.moment)
     return math.inf if math.isnan(largest) else largest
 
 
 def refined_group(group: ShoeGroup, active: Bools, order: str = "COLAMD") -> "Refined":
-    """The answer of a group of shoes to all digits: the whole system, refined from the contact set
-    `active` (n,).
+    """The answer of a group to all digits: the full system, refined from a contact set.
 
-    order: of its elimination, by SuperLU's names. Raises NoAnswer where it is singular or does not
-    settle.
+    Parameters
+    ----------
+    group : the group, settled
+    active : the contact set (n,)
+    order : of the elimination, by SuperLU's names
+
+    Raises
+    ------
+    NoAnswer
+        where the system is singular, or the contact set does not settle
     """
-    from drumlin.fem.error_control.refinement import refine, whole  # noqa: PLC0415  (with scipy.sparse; few brakes lose digits)
+    # Few brakes lose digits, and the module needs scipy.sparse.
+    from drumlin.fem.error_control.refinement import full_system, refine  # noqa: PLC0415
 
-    refined = refine(whole(group), active, order)
-    if refined.correction < SETTLED:
+    refined = refine(full_system(group), active, order)
+    if refined.correction < SETTLED_CORRECTION:
         return refined
-    other = refine(whole(group, carried=False), active, order)
-    return min(refined, other, key=lambda found: found.correction)
+    other = refine(full_system(group, carried=False), active, order)
+    return min(refined, other, key=lambda each: each.correction)
 
 
-def _answer(
-    group: ShoeGroup,
-    k: int,
-    p: Floats,
-    y: Floats,
-    changes: Floats,
-    steps: int,
-    force: float,
-    *,
-    refined: bool = False,
-) -> _Answer:
-    """What shoe `k` of a group does under the pressure p (n,), its free motions y and its force
-    [N], in its own frame.
+# The answer of a shoe
 
-    changes (2, n): see `_changes`; of a pressure that was `refined` the second is the last
-    correction.
-    """
-    brake, shoe, body, penalty = group.brake, group.shoes[k], group.bodies[k], group.penalty
-    frame, line, coupling = shoe.frame, body.line, body.coupling
-    load, moment = group.loads[k]
-    if group.sharing is not None and force < PULLED * group.unit_force:
-        raise NoAnswer(f"shoe {shoe.name!r}: {WOULD_PULL}")
-    load, moment = abs(force) * load, abs(force) * moment
-    push = body.columns.part(ACTUATION, load)[:2]
-    drag = brake.drag_on(shoe)
-    normal, dragged = body.forces @ p
-    whole = drag * dragged - normal  # on the lining: force [N], and moment about the centre [N m]
-    pin, motions = shoe.own_pin, group.motions[k]
-    if not refined:
-        reaction = held(body, p, drag, load)
-    else:  # by equilibrium, of which moments or work are left to check: a refined pressure has more digits than the
-        # strains where the frame is held
-        reaction = -np.append(whole[:2] + push, whole[2] + moment - cross(pin, whole[:2]))
-    reaction, twist = reaction[:2], float(reaction[2]) if shoe.guide is not None else 0.0
-    # Two parts of the actuation's moment about the centre: where mu = 0 and it aims there, all
-    # others vanish.
-    moments = [float(whole[2]), float(cross(pin, reaction)), moment, float(cross(pin, push))]
-    if shoe.guide is not None:
-        moments += [
-            twist,
-            *borne(force, brake.scale_factor * (shoe.lining.end - shoe.lining.start)),
-        ]
-    balance = relative_balance([whole[:2], reaction, push], moments)
-    if shoe.held_by != "hinge":
-        nodal, work = drag * (coupling.T.T @ p) - coupling.N.T @ p, abs(force) * motions.work
-        acting = nodal[:, None] * motions.tested
-        left = np.abs(acting.sum(axis=0) + work) / np.maximum(
-            np.abs(work), np.abs(acting).sum(axis=0)
+
+def _shoe_answers(solution: _GroupSolution) -> dict[int, _ShoeAnswer]:
+    """The answer of each shoe of a group, by its position in the brake."""
+    group = solution.group
+    answers = {}
+    for k, (i, part) in enumerate(zip(group.members, group.node_ranges, strict=True)):
+        of_shoe = _ShoeSolution(
+            group=group,
+            k=k,
+            p=solution.pressures[k],
+            coordinates=solution.coordinates[k],
+            force=solution.forces[k],
+            changes=solution.changes[:, part],
+            refined=solution.refined,
         )
-        balance = Balance(balance.force, max(balance.moment, float(left.max())))
-    closed, rubbed = (
-        float(work[:, 0] @ p) for work in group.closings[k]
-    )  # by its first motion, per unit
-    stiffness = group.stiffnesses[k]
-    pressed = float(coupling.lever @ p)
-    softer = float(coupling.lever @ changes[0]) / pressed if pressed else 0.0
-    phi, mean = line.along(p)
-    note = f"shoe {shoe.name!r}: " + (
-        "exact contact, no penetration"
-        if math.isinf(penalty)
-        else f"penalty {penalty:g} E/t: the lining penetrates by {p.max() / stiffness:.1e} m at most, "
-        f"which changes its {shoe.surface.effect} by {softer:+.1e} of it"
+        answers[i] = _shoe_answer(of_shoe, solution.steps)
+    return answers
+
+
+def _shoe_answer(solution: _ShoeSolution, steps: int) -> _ShoeAnswer:
+    """The answer of a shoe. Raises NoAnswer where its cam or strut would have to pull it."""
+    group, shoe = solution.group, solution.group.shoes[solution.k]
+    if group.sharing is not None and solution.force < NO_PUSH * group.unit_force:
+        raise NoAnswer(f"shoe {shoe.name!r}: {WOULD_PULL}")
+    acting = _acting_forces(solution)
+    errors = _arithmetic_errors(solution, acting)
+    return _ShoeAnswer(
+        response=_shoe_response(solution, acting, errors),
+        balance=_shoe_balance(solution, acting),
+        steps=steps,
+        note=_shoe_note(solution, errors),
     )
-    normal_force = math.hypot(*normal[:2])
-    softness, lost = _changed(group, k, p, changes, reaction_size(reaction, normal_force))
-    if refined:
-        note += f"; {REFINED}, so its pressure is certain to {max(lost.pressure, DOUBLE):.0e}"
-    least = 0.0 if refined else body.condensed.lost
-    lost = Change(*(max(part, least) for part in lost))
-    response = pressed_shoe(
+
+
+class _ActingForces(NamedTuple):
+    """The forces on a shoe, in its own frame.
+
+    Attributes
+    ----------
+    normal : force x, y [N] and moment about the centre [N m] of the pressures, on the drum, (3,)
+    contact : force x, y [N] and moment about the centre [N m] of the drum on the lining, (3,)
+    push : the actuation (2,) [N]
+    push_moment : moment of the actuation about the pin [N m]
+    reaction : of the support (2,) [N]
+    twist : moment of a guide [N m]; 0 for other supports
+    """
+
+    normal: Floats
+    contact: Floats
+    push: Floats
+    push_moment: float
+    reaction: Floats
+    twist: float
+
+
+def _acting_forces(solution: _ShoeSolution) -> _ActingForces:
+    """The forces on a shoe under its pressure."""
+    group, k, p = solution.group, solution.k, solution.p
+    shoe, body = group.shoes[k], group.bodies[k]
+    unit = group.loads[k]
+    load, moment = abs(solution.force) * unit.factors, abs(solution.force) * unit.moment
+    push = body.columns.part(ACTUATION, load)[:2]
+    drag = group.brake.drag_on(shoe)
+    normal, dragged = body.forces @ p
+    contact = drag * dragged - normal
+    if solution.refined:
+        # A refined pressure has more digits than the strains where the frame is held. Forces are
+        # then in equilibrium by definition, and moments or work are left to check.
+        about_pin = contact[2] + moment - cross(shoe.own_pin, contact[:2])
+        reaction = -np.append(contact[:2] + push, about_pin)
+    else:
+        reaction = held(body, p, drag, load)
+    twist = float(reaction[2]) if shoe.guide is not None else 0.0
+    return _ActingForces(normal, contact, push, moment, reaction[:2], twist)
+
+
+def _shoe_balance(solution: _ShoeSolution, acting: _ActingForces) -> Balance:
+    """The imbalance of a shoe's forces and moments, relative to the largest of them."""
+    group, shoe = solution.group, solution.group.shoes[solution.k]
+    pin = shoe.own_pin
+    # The actuation's moment about the centre has two parts: where mu = 0 and the actuation aims at
+    # the centre, all other moments vanish.
+    moments = [
+        float(acting.contact[2]),
+        float(cross(pin, acting.reaction)),
+        acting.push_moment,
+        float(cross(pin, acting.push)),
+    ]
+    if shoe.guide is not None:
+        length = group.brake.scale_factor * (shoe.lining.end - shoe.lining.start)
+        moments += [acting.twist, *borne(solution.force, length)]
+    balance = relative_balance([acting.contact[:2], acting.reaction, acting.push], moments)
+    if shoe.held_by == "hinge":
+        return balance
+    return Balance(balance.force, max(balance.moment, _virtual_work_imbalance(solution)))
+
+
+def _virtual_work_imbalance(solution: _ShoeSolution) -> float:
+    """The largest residual of virtual work on a shoe's test modes, relative."""
+    group, k, p = solution.group, solution.k, solution.p
+    coupling, modes = group.bodies[k].coupling, group.modes[k]
+    drag = group.brake.drag_on(group.shoes[k])
+    nodal = drag * (coupling.T.T @ p) - coupling.N.T @ p
+    by_actuation = abs(solution.force) * modes.work
+    by_contact = nodal[:, None] * modes.test_modes
+    residual = np.abs(by_contact.sum(axis=0) + by_actuation)
+    scale = np.maximum(np.abs(by_actuation), np.abs(by_contact).sum(axis=0))
+    return float((residual / scale).max())
+
+
+class _ArithmeticErrors(NamedTuple):
+    """The penalty error and the round-off error of a shoe's answer, relative."""
+
+    penalty: ShoeChange
+    round_off: ShoeChange
+
+
+def _arithmetic_errors(solution: _ShoeSolution, acting: _ActingForces) -> _ArithmeticErrors:
+    """The penalty error and the round-off error of a shoe's answer."""
+    normal_force = math.hypot(*acting.normal[:2])
+    size = reaction_size(acting.reaction, normal_force)
+    by_penalty, by_round_off = _relative_changes(solution, size)
+    # The elimination of a substructure has a round-off error of its own.
+    least = 0.0 if solution.refined else solution.group.bodies[solution.k].condensed.lost
+    return _ArithmeticErrors(by_penalty, ShoeChange(*(max(part, least) for part in by_round_off)))
+
+
+def _shoe_note(solution: _ShoeSolution, errors: _ArithmeticErrors) -> str:
+    """The line on a shoe's contact: its penetration, the penalty's effect, and a refinement."""
+    group, k, p = solution.group, solution.k, solution.p
+    shoe, lever = group.shoes[k], group.bodies[k].coupling.lever
+    contact = "exact contact, no penetration"
+    if not math.isinf(group.penalty):
+        pressed = float(lever @ p)
+        softer = float(lever @ solution.changes[0]) / pressed if pressed else 0.0
+        penetration = p.max() / group.stiffnesses[k]
+        contact = (
+            f"penalty {group.penalty:g} E/t: the lining penetrates by {penetration:.1e} m at most, "
+            f"which changes its {shoe.surface.effect} by {softer:+.1e} of it"
+        )
+    note = f"shoe {shoe.name!r}: {contact}"
+    if solution.refined:
+        certain = max(errors.round_off.pressure, DOUBLE)
+        note += f"; {REFINED}, so its pressure is certain to {certain:.0e}"
+    return note
+
+
+def _shoe_response(
+    solution: _ShoeSolution, acting: _ActingForces, errors: _ArithmeticErrors
+) -> ShoeResponse:
+    """The response of a shoe, in the frame of the brake."""
+    group, k, p = solution.group, solution.k, solution.p
+    brake, shoe, body, modes = group.brake, group.shoes[k], group.bodies[k], group.modes[k]
+    frame, line, drag = shoe.frame, body.line, brake.drag_on(shoe)
+    # The work of the pressures and of the friction on the first test mode, per unit of the mode.
+    closures = group.test_closures[k]
+    closed, rubbed = float(closures.normal[:, 0] @ p), float(closures.tangential[:, 0] @ p)
+    helped = math.copysign(1.0, modes.work[0]) * drag * rubbed
+    phi, mean = line.along(p)
+    pin_motion = modes.pin_motion @ solution.coordinates
+    return pressed_shoe(
         shoe,
         brake.scale_factor,
         frame.theta(phi),
         mean,
         order=line.order,
         peak=line.inside.peak(mean),
-        torque=abs(drag) * pressed,
-        normal_force=normal_force,
-        self_energising=math.copysign(1.0, motions.work[0]) * drag * rubbed > NEITHER * abs(closed),
-        hinge_reaction=frame.to_brake(reaction),
-        turn=frame.sense * float(motions.of[2] @ y),
-        force=None if group.sharing is None else force,
-        pivot_reaction=-frame.to_brake(whole[:2]) if shoe.pivot is not None else None,
-        reaction_moment=frame.sense * twist,
-        motion=tuple((motions.of @ y).tolist()) if shoe.held_by != "hinge" else None,
+        torque=abs(drag) * float(body.coupling.lever @ p),
+        normal_force=math.hypot(*acting.normal[:2]),
+        self_energising=helped > NEITHER * abs(closed),
+        hinge_reaction=frame.to_brake(acting.reaction),
+        turn=frame.sense * float(modes.pin_motion[2] @ solution.coordinates),
+        force=None if group.sharing is None else solution.force,
+        pivot_reaction=None if shoe.pivot is None else -frame.to_brake(acting.contact[:2]),
+        reaction_moment=frame.sense * acting.twist,
+        motion=None if shoe.held_by == "hinge" else tuple(pin_motion.tolist()),
         surface=line.surface(p),
-        softness=softness,
-        lost=lost,
+        softness=errors.penalty,
+        lost=errors.round_off,
     )
-    return _Answer(response, balance, steps, note)
 
 
-def _changes(group: ShoeGroup, found: Contact, amounts: Sequence[Floats]) -> Floats:
-    """To first order how the penalty changes the pressure (n,), and how what the elimination has
-    lost does: (2, n).
+# Penalty error and round-off error
 
-    What the compliance x = 1/alpha of the contact changes goes as x/(1 + x), and the tangent there
-    as x/(1 + x)^2. Lost digits move the contact as if it had strained under the motions of the
-    frame.
+
+def _changes(group: ShoeGroup, contact: Contact, coordinates: Sequence[Floats]) -> Floats:
+    """The change of the pressures (2, n), to first order, by the penalty and by round-off.
+
+    The effect of the contact's compliance x = 1/alpha grows as x/(1 + x), and its tangent as
+    x/(1 + x)^2. Digits that the elimination of the substructures has lost move the contact as if it
+    had strained under the rigid-body modes.
     """
     opened, strayed = [], []
-    for k, (body, part) in enumerate(zip(group.bodies, group.parts, strict=True)):
-        opened.append(
-            (1 + 1 / group.penalty) * (body.coupling.M @ found.p[part]) / group.stiffnesses[k]
-        )
-        moved, frame = body.condensed.moved, group.motions[k].of @ amounts[k]
-        strayed.append(
-            np.zeros(len(opened[k])) if moved is None else body.coupling.N @ (moved @ frame)
-        )
-    return np.array([found.tangent(np.concatenate(gaps)) for gaps in (opened, strayed)])
+    for k, (body, part) in enumerate(zip(group.bodies, group.node_ranges, strict=True)):
+        squeezed = (1 + 1 / group.penalty) * (body.coupling.M @ contact.p[part])
+        opened.append(squeezed / group.stiffnesses[k])
+        strains = body.condensed.moved
+        if strains is None:
+            strayed.append(np.zeros(len(opened[k])))
+        else:
+            frame = group.modes[k].pin_motion @ coordinates[k]
+            strayed.append(body.coupling.N @ (strains @ frame))
+    return np.array([contact.tangent(np.concatenate(gaps)) for gaps in (opened, strayed)])
 
 
-def _changed(
-    group: ShoeGroup, k: int, p: Floats, changes: Floats, held_size: float
-) -> list[Change]:
-    """What small changes (m, n) of the pressure p (n,) of shoe `k`, whose reaction is so large [N],
-    do to it.
+def _relative_changes(solution: _ShoeSolution, reaction: float) -> list[ShoeChange]:
+    """Relative changes of a shoe's pressure, torque, reaction and peak, one for each row of changes.
 
     The pressure counts outside EDGE_ZONE at the lining's ends, unless half of the force is there.
+    `reaction` is the size of the support reaction [N].
     """
+    group, k, p, changes = solution.group, solution.k, solution.p, solution.changes
     shoe, body = group.shoes[k], group.bodies[k]
-    (start, end), phi, area, lever = (
-        shoe.arc,
-        body.line.phi,
-        body.coupling.area,
-        body.coupling.lever,
-    )
-    zone = singular_zone(end - start)
-    weight = np.where((phi > start + zone) & (phi < end - zone), area, 0.0)
+    area, lever = body.coupling.area, body.coupling.lever
+    weight = _weight_inside(shoe, body.line.phi, area)
     if weight @ p < 0.5 * (area @ p):
         weight = area
-    held_by = held(body, changes.T, group.brake.drag_on(shoe), np.zeros((body.columns.count, 1)))
+    no_load = np.zeros((body.columns.count, 1))
+    reactions = held(body, changes.T, group.brake.drag_on(shoe), no_load)
     top = float(p[weight > 0].max(initial=0.0))
-    highest = np.abs(changes[:, (weight > 0) & (p == top)]).max(axis=1, initial=0.0)
-    parts = np.array(
-        [np.sqrt(changes**2 @ weight), np.abs(changes @ lever), np.hypot(*held_by[:2]), highest]
-    ).T
-    wholes = [math.sqrt(weight @ p**2), float(lever @ p), held_size, top]
-    return [Change(*row) for row in (parts / [whole or 1.0 for whole in wholes]).tolist()]
+    at_top = (weight > 0) & (p == top)
+    by_quantity = [
+        np.sqrt(changes**2 @ weight),
+        np.abs(changes @ lever),
+        np.hypot(*reactions[:2]),
+        np.abs(changes[:, at_top]).max(axis=1, initial=0.0),
+    ]
+    wholes = [math.sqrt(weight @ p**2), float(lever @ p), reaction, top]
+    relative = np.array(by_quantity).T / [whole or 1.0 for whole in wholes]
+    return [ShoeChange(*row) for row in relative.tolist()]
+
+
+def _weight_inside(shoe: Shoe, phi: Floats, area: Floats) -> Floats:
+    """The areas (n,) of the contact nodes at the angles phi (n,), 0 in the zones at the ends."""
+    start, end = shoe.arc
+    zone = singular_zone(end - start)
+    inside = (phi > start + zone) & (phi < end - zone)
+    return np.where(inside, area, 0.0)
 
 
 def _touching(group: ShoeGroup, k: int, start: Response) -> Bools:
-    """Contact nodes of shoe `k` of a group within the contact arcs of an earlier response."""
+    """The contact nodes of shoe `k` of a group within the contact arcs of an earlier response."""
     theta = group.shoes[k].frame.theta(group.bodies[k].line.phi)
     touching = np.zeros(len(theta), dtype=bool)
     for first, last in start.shoes[group.members[k]].contact_arcs:

@@ -1,5 +1,7 @@
-"""A brake by finite elements from the file up: divided, condensed, solved, finer until its error is
-small enough.
+"""A brake by finite elements, from its file to its response.
+
+A solve divides the brake, condenses its bodies, and answers its contact, on finer and finer
+divisions until the a posteriori error estimate is small enough.
 """
 
 from dataclasses import replace
@@ -21,7 +23,12 @@ from drumlin.response.balance import loaded, shoe_balance, worst
 from drumlin.response.merit import with_merits
 from drumlin.response.response import Response
 
-UNSAID = 1e-8  # by how much the balance of p(theta) may be worse than the nodal one without a word
+REPORTED_IMBALANCE = 1e-8
+"""Imbalance of p(theta) beyond that of the nodal forces, relative, above which a note is written.
+
+Elements with straight or parabolic sides lie a little off the round drum, so that p(theta) on the
+drum balances worse than the forces at the nodes. The value changes no answer.
+"""
 
 
 def solve(
@@ -34,22 +41,34 @@ def solve(
     finite_width: bool = False,
     cache: Cache | None = None,
 ) -> Response:
-    """Divide, condense and solve a brake, finer and finer until its estimated errors are below a
-    tolerance.
+    """The response of a brake, on divisions that grow finer until its errors meet a tolerance.
 
-    tolerance: of the estimated relative errors of p (L2, outside the edge zones) and of the torque;
-    NoAnswer is raised where it is not reached. By default DEFAULT, or the error that is reached.
-    With `elements` or a `kind` a brake is solved on one mesh, without estimate, as one with a mesh
-    file is. BadInput is raised for these and a tolerance together, and as by `check_divided`.
-    finite_width: the linings' moduli corrected for the widths of the shoes, see
-    fem/preparation/finite_width.py. cache: bodies of earlier solves.
+    Parameters
+    ----------
+    brake : the brake
+    elements : finite elements along each lining; the brake is then solved on one mesh, without
+        estimate
+    kind : of the finite elements; the brake is then solved on one mesh, too, as with a mesh file
+    tolerance : of the estimated relative errors of p (L2, outside the edge zones) and of the torque;
+        by default DEFAULT, or the error that is reached
+    penalty : factor alpha of the contact stiffness alpha E/t
+    finite_width : whether the linings' moduli are corrected for the widths of the shoes, see
+        fem/preparation/finite_width.py
+    cache : substructures of earlier solves
+
+    Raises
+    ------
+    BadInput
+        for `elements` or a `kind` together with a tolerance, and as `check_divided` does
+    NoAnswer
+        where the tolerance is not reached, and as `respond` does
     """
     if finite_width:
         other = corrected(brake)
-        found = solve(
+        response = solve(
             other, elements=elements, kind=kind, tolerance=tolerance, penalty=penalty, cache=cache
         )
-        return replace(found, notes=(*found.notes, said(brake, other)))
+        return replace(response, notes=(*response.notes, said(brake, other)))
     check_penalty(penalty)
     for option, value in {"elements": elements, "kind": kind}.items():
         if tolerance is not None and value is not None:
@@ -60,14 +79,14 @@ def solve(
     answer = partial(respond, penalty=penalty)
     if tolerance is not None:
         check_tolerance(brake, tolerance)
-        found = adapt(brake, Tolerance(tolerance, tolerance), answer, cache=cache).response
-    elif _levelled(brake, elements, kind):
-        found = adapt(brake, DEFAULT, answer, must=False, cache=cache).response
+        response = adapt(brake, Tolerance(tolerance, tolerance), answer, cache=cache).response
+    elif _has_levels(brake, elements, kind):
+        response = adapt(brake, DEFAULT, answer, must=False, cache=cache).response
     else:
-        found = answer(scene_of(brake, elements=elements, kind=kind, cache=cache), brake)
+        response = answer(scene_of(brake, elements=elements, kind=kind, cache=cache), brake)
     if not brake.surface.straight:
-        found = _with_curve_balance(brake, found)
-    return with_merits(brake, found)
+        response = _with_curve_balance(brake, response)
+    return with_merits(brake, response)
 
 
 def scene_of(
@@ -77,14 +96,23 @@ def scene_of(
     kind: str | None = None,
     cache: Cache | None = None,
 ) -> Scene:
-    """The scene that `solve` ends on, for what is done with the brake besides: holding, wear,
-    slopes, pictures.
+    """The prepared model on which `solve` ends, for holding, wear, slopes and pictures.
 
-    A brake that has no answer as it slides is divided by the second level. Raises BadInput as
-    `solve`.
+    A brake that has no answer in sliding is divided as the second level is.
+
+    Parameters
+    ----------
+    brake : the brake
+    elements, kind : as of `solve`
+    cache : substructures of earlier solves
+
+    Raises
+    ------
+    BadInput
+        as `check_divided` does
     """
     check_divided(brake, elements=elements, kind=kind)
-    if not _levelled(brake, elements, kind):
+    if not _has_levels(brake, elements, kind):
         elements = ELEMENTS if elements is None else elements
         return prepare(brake, elements=elements, kind=kind or DEFAULT_KIND, cache=cache)
     try:
@@ -94,8 +122,9 @@ def scene_of(
 
 
 def check_divided(brake: Brake, *, elements: int | None = None, kind: str | None = None) -> None:
-    """Raise BadInput for elements or a kind where no part is divided by them; a ring has elements,
-    but one kind.
+    """Raise BadInput for `elements` or a `kind` that would divide no part of the brake.
+
+    Shoes with mesh files are not divided. A ring is divided into elements, of one kind only.
     """
     given = {"kind": kind} if brake.ring else {"elements": elements, "kind": kind}
     for option, value in given.items():
@@ -105,21 +134,21 @@ def check_divided(brake: Brake, *, elements: int | None = None, kind: str | None
             )
 
 
-def _levelled(brake: Brake, elements: int | None, kind: str | None) -> bool:
-    """Whether a brake is divided by levels, not by one mesh."""
+def _has_levels(brake: Brake, elements: int | None, kind: str | None) -> bool:
+    """Whether a brake is divided by levels of hp elements, not by one mesh."""
     return elements is None and kind is None and not any(shoe.mesh for shoe in brake.shoes)
 
 
-def _with_curve_balance(brake: Brake, found: Response) -> Response:
-    """The response with a note where p(theta) on the round drum balances worse than the forces at
-    the mesh's nodes.
-    """
-    under = loaded(brake, found)
-    curve = worst([shoe_balance(under, i, shoe) for i, shoe in enumerate(found.shoes)])
-    if max(curve.force - found.balance.force, curve.moment - found.balance.moment) <= UNSAID:
-        return found
+def _with_curve_balance(brake: Brake, response: Response) -> Response:
+    """The response with a note where p(theta) on the round drum balances worse than nodal forces."""
+    under_forces = loaded(brake, response)
+    curve = worst([shoe_balance(under_forces, i, shoe) for i, shoe in enumerate(response.shoes)])
+    more_force = curve.force - response.balance.force
+    more_moment = curve.moment - response.balance.moment
+    if max(more_force, more_moment) <= REPORTED_IMBALANCE:
+        return response
     note = (
         f"p(theta) on the round drum balances to {curve.force:.1e} (force) and {curve.moment:.1e} (moment) only: "
         "the lining's elements are not quite as round"
     )
-    return replace(found, notes=(*found.notes, note))
+    return replace(response, notes=(*response.notes, note))

@@ -1,7 +1,8 @@
-"""The elastic foundation model of post brakes: beam, layers of springs, elastic ring (Barecki &
-Scieszka 1987).
+"""The elastic foundation model of post brakes: beam, layers of springs and elastic ring.
+
+It follows Barecki & Scieszka (1987).
 """
 
-from drumlin.foundation.model import LIFTS, SECTIONS, rim, solve, why_not
+from drumlin.foundation.model import LIFTS, RING_SECTIONS, rim, solve, why_not
 
-__all__ = ["LIFTS", "SECTIONS", "rim", "solve", "why_not"]
+__all__ = ["LIFTS", "RING_SECTIONS", "rim", "solve", "why_not"]

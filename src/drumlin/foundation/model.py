@@ -1,17 +1,19 @@
-"""The foundation model: beams, springs and ring as one contact problem, and its response.
+"""Solve post brakes by the foundation model: beams, springs and ring as one contact problem.
 
-The normal forces N of the sectors keep the gaps  w = Delta + N/k + z - closing >= 0  open or shut. A beam turns
-about its hinge by y and bends by its moments, so that with the trapezoidal rule over its stations
+The normal forces N of the sectors keep the gaps w = Delta + N/k + z - closing >= 0 open or closed.
+A beam turns about its hinge by y and bends under its moments. With the trapezoidal rule over its
+stations
 
     M = loaded - (pressed + mu_hat dragged) N,     closing = y closing_0 + closing^T (dx/EI) M,
-    z = c N,                                       M_0 = 0:  (pressed + mu_hat dragged)_0 N = loaded_0,
+    z = c N,                                       M_0 = 0:  (pressed + mu_hat dragged)_0 N = loaded_0.
 
-which are eq. 2, 8, 16 and 19 of Barecki & Scieszka (1987), and eq. 7 solved for the displacement.
+These are eq. 2, 8, 16 and 19 of Barecki & Scieszka (1987), and eq. 7 solved for the displacement.
 """
 
 import math
 import time
 from collections.abc import Iterable
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -35,28 +37,45 @@ from drumlin.response.merit import with_merits
 from drumlin.response.response import Deformation, Response, ShoeResponse, pressed_shoe, untouched
 from drumlin.response.resultants import Resultant
 
-SECTIONS = 360
-LARGEST_TURN = 0.2  # rad; beyond it small displacements are no longer a model of the shoe's motion
+RING_SECTIONS = 360
+"""Divisions of each beam if the user gives none."""
+
+LARGEST_SHOE_TURN = 0.2
+"""Largest turn of a shoe [rad]. Beyond it small displacements do not describe the shoe's motion."""
 
 LIFTS = {
-    "plane-stress": "layers as columns of stiffness E/t, not bonded and held along the arc: E/((1 - nu^2) t)",
-    "tilt": "the beam's sections turn without carrying the lining along the beam: the gap closes by w cos(theta) only",
-    "wedge": "the block has one thickness, that of [shoe.backing], and does not fill the space up to the beam",
-    "thick-ring": "the ring bends as a thin one of the drum's radius, without hoop and shear deformation",
+    "plane-stress": (
+        "layers as columns of stiffness E/t, not bonded and held along the arc: E/((1 - nu^2) t)"
+    ),
+    "tilt": (
+        "the beam's sections turn without carrying the lining along the beam: "
+        "the gap closes by w cos(theta) only"
+    ),
+    "wedge": (
+        "the block has one thickness, that of [shoe.backing], "
+        "and does not fill the space up to the beam"
+    ),
+    "thick-ring": (
+        "the ring bends as a thin one of the drum's radius, without hoop and shear deformation"
+    ),
     "all-modes": "the ring is loaded by an equal shoe opposite, so that it has even modes only",
     "own-pressure": "the other shoe's pressure is the same, half a turn on, not its own",
     "ring-friction": "friction does not bend the ring",
 }
-"""The simplifications of the paper that can be lifted, each with what it leaves out."""
+"""Simplifications of the paper that the option --lift removes, each with what it neglects."""
+
 ALWAYS = (
     "shear and stretching of the beam: it only bends",
     "shear of lining and block: springs side by side",
 )
+"""Effects that the model always neglects."""
+
 NO_RING = frozenset({"thick-ring", "all-modes", "own-pressure", "ring-friction"})
+"""Simplifications that mean nothing on a rigid drum."""
 
 
 def why_not(brake: Brake) -> str | None:
-    """Why the foundation model does not apply to a brake (None: it does)."""
+    """Reason why the foundation model does not apply to a brake, or None."""
     refusal = brake.surface.unlike(DRUM) or brake.shares
     if refusal is not None:
         return refusal
@@ -67,7 +86,10 @@ def why_not(brake: Brake) -> str | None:
 
 
 def lifted(brake: Brake, lift: Iterable[str]) -> frozenset[str]:
-    """The simplifications to lift, checked; "all" is all that the brake file has the data for."""
+    """Check the simplifications to remove, and resolve "all" to those that the brake has data for.
+
+    Raises BadInput for an unknown name or missing data.
+    """
     names = set(lift)
     unknown = sorted(names - set(LIFTS) - {"all"})
     if unknown:
@@ -75,23 +97,29 @@ def lifted(brake: Brake, lift: Iterable[str]) -> frozenset[str]:
             f"--lift = {unknown[0]!r}: unknown simplification; allowed: {', '.join(LIFTS)}, all"
         )
     lacking: dict[str, str] = {}
-    if any(
-        shoe.backing and isinstance(shoe.body, Beam) and shoe.body.thickness is None
-        for shoe in brake.shoes
-    ):
-        lacking["wedge"] = "needs shoe.body.thickness"
+    for shoe in brake.shoes:
+        if shoe.backing and isinstance(shoe.body, Beam) and shoe.body.thickness is None:
+            lacking["wedge"] = "needs shoe.body.thickness"
     if brake.ring is not None and brake.ring.section is None:
         lacking["thick-ring"] = "needs drum.ring.thickness, width and material"
     for name in sorted(names & set(lacking)):
         raise BadInput(f"--lift = {name!r}: {lacking[name]}")
     if "all" in names:
         names = set(LIFTS) - set(lacking)
-    return frozenset(names | ({"all-modes"} if "own-pressure" in names else set()))
+    # The other shoe's own pressure loads the ring in all modes.
+    if "own-pressure" in names:
+        names = names | {"all-modes"}
+    return frozenset(names)
 
 
-class System(NamedTuple):
-    """Shoes that meet the ring together: their posts, the ring's flexibilities c (n, n) [m/N], the
-    problem.
+class FoundationSystem(NamedTuple):
+    """Shoes that load the ring together.
+
+    Attributes
+    ----------
+    posts : the shoes on their grids
+    ring : (n, n), flexibilities c of the ring between the sectors of all posts [m/N]
+    problem : the contact problem of the normal forces
     """
 
     posts: tuple[Post, ...]
@@ -99,25 +127,38 @@ class System(NamedTuple):
     problem: Problem
 
 
-def system(brake: Brake, group: list[int], sections: int, lift: frozenset[str]) -> System:
-    """The contact problem of a group of shoes; its pressures are the normal forces of the sectors
-    [N].
+def system(brake: Brake, group: list[int], sections: int, lift: frozenset[str]) -> FoundationSystem:
+    """Set up the contact problem of a group of shoes.
 
-    Raises BadInput where there are too few or too many `sections`.
+    Its pressures are the normal forces of the sectors [N].
+
+    Parameters
+    ----------
+    brake : the brake
+    group : indices of the shoes
+    sections : divisions of each beam
+    lift : simplifications to remove
+
+    Raises
+    ------
+    BadInput
+        for too few or too many `sections`
     """
     if not 4 <= sections <= 4000:
         raise BadInput(f"--sections = {sections}: must be from 4 to 4000")
-    posts = tuple(
-        post(
-            brake, brake.shoes[i], sections,
-            tilt="tilt" in lift, wedge="wedge" in lift, plane_stress="plane-stress" in lift,
-        )
-        for i in group
-    )  # fmt: skip
+    make = partial(
+        post,
+        sections=sections,
+        tilt="tilt" in lift,
+        wedge="wedge" in lift,
+        plane_stress="plane-stress" in lift,
+    )
+    posts = tuple(make(brake, brake.shoes[i]) for i in group)
     theta = np.concatenate([p.axis.origin + p.axis.sense * p.theta for p in posts])
     ring = ring_of(brake, theta, theta, lift)
     A, q, B, C, h = [], [], [], [], []
     for p in posts:
+        # Closing of the gap per moment at each station, and moments per normal force.
         turning = p.closing.T * (p.step / p.EI)
         moments = p.pressed + p.drag * p.dragged
         A.append(turning @ moments + np.diag(1 / p.k))
@@ -132,12 +173,18 @@ def system(brake: Brake, group: list[int], sections: int, lift: frozenset[str]) 
         block_diag(*C),
         np.concatenate(h),
     )
-    return System(posts, ring, problem)
+    return FoundationSystem(posts, ring, problem)
 
 
 def ring_of(brake: Brake, theta: Floats, loads: Floats, lift: frozenset[str]) -> Floats:
-    """Inward displacement [m/N] of the rim at theta (k,) [rad] per normal force at `loads` (n,)
-    [rad]: (k, n).
+    """Inward displacement (k, n) [m/N] of the rim per normal force.
+
+    Parameters
+    ----------
+    brake : the brake
+    theta : (k,), angles of the displacement [rad]
+    loads : (n,), angles of the forces [rad]
+    lift : simplifications to remove
     """
     ring = brake.ring
     if ring is None:
@@ -145,16 +192,24 @@ def ring_of(brake: Brake, theta: Floats, loads: Floats, lift: frozenset[str]) ->
     d = np.subtract.outer(theta, loads)
     twin, R = "all-modes" not in lift, brake.size
     c = flexibility(ring, R, d, twin=twin, sign=-1, thick="thick-ring" in lift)
-    if "ring-friction" in lift:  # on the drum it acts against the rotation
+    # The friction on the drum acts against the rotation.
+    if "ring-friction" in lift:
         c = c - brake.friction * brake.spin * drag_flexibility(ring, R, d, twin=twin)
     return c
 
 
 def rim(brake: Brake, response: Response, theta: Floats, lift: Iterable[str] = ()) -> Floats:
-    """Inward displacement [m] of the rim at theta (k,) [rad], of each shoe's pressure: (shoes, k).
+    """Inward displacement (shoes, k) [m] of the rim under each shoe's pressure.
 
-    `lift` as the response was solved. With "all-modes" the rim moves by the sum; without, each row
-    is a rim with the equal shoe opposite.
+    With "all-modes" the rim moves by the sum of the rows. Without, each row is a rim with an equal
+    shoe opposite.
+
+    Parameters
+    ----------
+    brake : the brake
+    response : its response
+    theta : (k,), angles [rad]
+    lift : simplifications that the response was solved without
     """
     names = lifted(brake, lift)
     rows = []
@@ -167,40 +222,47 @@ def rim(brake: Brake, response: Response, theta: Floats, lift: Iterable[str] = (
 def solve(
     brake: Brake,
     *,
-    sections: int = SECTIONS,
+    sections: int = RING_SECTIONS,
     lift: Iterable[str] = (),
     start: list[Bools] | None = None,
 ) -> Response:
-    """The response of a post brake by the foundation model, on `sections` divisions of each beam.
+    """Solve a post brake by the foundation model.
 
-    `lift`: names of LIFTS, or "all". `start`: contact sets of the shoes to begin with.
-    Raises BadInput, and NoAnswer: self-locking, no equilibrium, not converged.
+    Parameters
+    ----------
+    brake : the brake
+    sections : divisions of each beam
+    lift : simplifications to remove, names of LIFTS or "all"
+    start : contact sets (n,) of all shoes to begin with
+
+    Raises
+    ------
+    BadInput
+        if the model does not apply, or for an option out of range
+    NoAnswer
+        for self-locking, no equilibrium or no convergence
     """
     reason = why_not(brake)
     if reason is not None:
         raise BadInput(f"foundation does not apply to this brake: {reason}")
     names, clock = lifted(brake, lift), time.perf_counter()
     shoes = brake.shoes
-    touching = [i for i in range(len(shoes)) if pressing_moment(shoes[i]) > 0]
+    answers: dict[int, ShoeResponse] = {}
+    touching = []
+    for i, shoe in enumerate(shoes):
+        if pressing_moment(shoe) > 0:
+            touching.append(i)
+        else:
+            answers[i] = untouched(shoe, -shoe.actuation.vector)
+    # Shoes that share the ring are solved together.
     together = brake.ring is not None and "own-pressure" in names
-    answers = {
-        i: untouched(shoes[i], -shoes[i].actuation.vector)
-        for i in range(len(shoes))
-        if i not in touching
-    }
+    groups = [touching] if together and touching else [[i] for i in touching]
     steps = 0
-    for group in [touching] if together and touching else [[i] for i in touching]:
+    for group in groups:
         parts = system(brake, group, sections, names)
         found = _found(brake, group, parts, sections, names, start)
         steps = max(steps, found.steps)
-        first = 0
-        z = parts.ring @ found.p
-        for k, i in enumerate(group):
-            part = slice(first, first + len(parts.posts[k].theta))
-            first = part.stop
-            answers[i] = respond(
-                brake, i, parts.posts[k], found.p[part], z[part], float(found.y[k])
-            )
+        answers |= _responses(brake, group, parts, found)
     ordered = tuple(answers[i] for i in range(len(shoes)))
     response = Response(
         model="foundation",
@@ -214,35 +276,64 @@ def solve(
     return with_merits(brake, response)
 
 
+def _responses(
+    brake: Brake, group: list[int], parts: FoundationSystem, found: active_set.Contact
+) -> dict[int, ShoeResponse]:
+    """The responses of a group of shoes to their normal forces, by the index of the shoe."""
+    answers = {}
+    z = parts.ring @ found.p
+    first = 0
+    for k, i in enumerate(group):
+        p = parts.posts[k]
+        part = slice(first, first + len(p.theta))
+        first = part.stop
+        answers[i] = respond(brake, i, p, found.p[part], z[part], float(found.y[k]))
+    return answers
+
+
 def left_out(brake: Brake, names: frozenset[str]) -> tuple[str, ...]:
-    """What is not computed for this brake, and how to have it."""
+    """Effects that are neglected for this brake, and the option that includes them."""
     ring = brake.ring is not None
     blocks = any(shoe.backing for shoe in brake.shoes)
-    kept = [
-        f"{text} (--lift {name})"
-        for name, text in LIFTS.items()
-        if name not in names and (ring or name not in NO_RING) and (blocks or name != "wedge")
-    ]
-    return (*(() if ring else ("drum: rigid, no [drum.ring] in the brake",)), *ALWAYS, *kept)
+    kept = []
+    for name, text in LIFTS.items():
+        concerns = (ring or name not in NO_RING) and (blocks or name != "wedge")
+        if name not in names and concerns:
+            kept.append(f"{text} (--lift {name})")
+    rigid = () if ring else ("drum: rigid, no [drum.ring] in the brake",)
+    return (*rigid, *ALWAYS, *kept)
 
 
 def _found(
     brake: Brake,
     group: list[int],
-    parts: System,
+    parts: FoundationSystem,
     sections: int,
     names: frozenset[str],
     start: list[Bools] | None,
 ) -> active_set.Contact:
+    """Solve the contact problem of a group of shoes.
+
+    Parameters
+    ----------
+    brake, group, sections : as of `system`
+    parts : the group's contact problem
+    names : simplifications to remove
+    start : contact sets of all shoes to begin with
+
+    Raises
+    ------
+    NoAnswer
+        for self-locking, no equilibrium, no convergence or a turn beyond LARGEST_SHOE_TURN
+    """
     said = brake.names(group)
     begin = None if start is None else np.concatenate([start[i] for i in group])
 
     def at(friction: float) -> Problem:
         if friction == brake.friction:
             return parts.problem
-        return system(
-            brake.model_copy(update={"friction": friction}), group, sections, names
-        ).problem
+        other = brake.model_copy(update={"friction": friction})
+        return system(other, group, sections, names).problem
 
     law = min(locking_friction(brake, brake.shoes[i]) for i in group)
     try:
@@ -250,50 +341,60 @@ def _found(
     except NoAnswer as error:
         raise NoAnswer(f"{said}: {error}") from error
     turn = float(np.abs(found.y).max())
-    if turn > LARGEST_TURN:
+    if turn > LARGEST_SHOE_TURN:
         raise NoAnswer(
             f"{said}: it would have to turn by {math.degrees(turn):.3g} deg; "
-            f"small displacements hold up to {math.degrees(LARGEST_TURN):.3g} deg"
+            f"small displacements hold up to {math.degrees(LARGEST_SHOE_TURN):.3g} deg"
         )
     return found
 
 
 def respond(brake: Brake, index: int, p: Post, N: Floats, z: Floats, turn: float) -> ShoeResponse:
-    """The response of shoe `index` to the normal forces N (n,) [N], ring displacements z (n,) [m]
-    and the turn.
+    """The response of a shoe to its normal forces.
+
+    Parameters
+    ----------
+    brake : the brake
+    index : of the shoe
+    p : the shoe on its grid
+    N : (n,), normal forces of the sectors [N]
+    z : (n,), inward displacements of the ring [m]
+    turn : of the beam about its hinge [rad]
     """
     shoe, R = brake.shoes[index], brake.size
     pressure = N / (shoe.lining.width * R * p.sector)
+    # The beam turns about its hinge and bends under its moments.
     moment = p.loaded - (p.pressed + p.drag * p.dragged) @ N
-    w = turn * p.x + np.maximum(np.subtract.outer(p.x, p.x), 0.0) @ (p.step / p.EI * moment)
+    bent = np.maximum(np.subtract.outer(p.x, p.x), 0.0) @ (p.step / p.EI * moment)
+    w = turn * p.x + bent
     theta = shoe_angles(p.axis, shoe, p.theta)
-    contact_ = _resultant(brake, theta, N)
-    helping = float(-p.drag * (p.dragged[0] @ N))  # against the resisting moments
+    contact = _resultant(brake, theta, N)
+    # Friction helps if its moment is against the resisting moments.
+    helping = float(-p.drag * (p.dragged[0] @ N))
+    deformation = Deformation(x=p.x, w=w, relative=w - w[-1] * p.x / p.x[-1], z=z[:: p.axis.sense])
     return pressed_shoe(
         shoe,
         R,
         theta,
         pressure,
         order=1,
-        torque=abs(contact_.moment),
-        normal_force=float(np.linalg.norm(contact_.normal)),
+        torque=abs(contact.moment),
+        normal_force=float(np.linalg.norm(contact.normal)),
         self_energising=helping > 0,
-        hinge_reaction=-shoe.actuation.vector - contact_.force,
+        hinge_reaction=-shoe.actuation.vector - contact.force,
         turn=p.axis.sense * turn,
         located=False,
-        lumped=contact_,
-        deformation=Deformation(
-            x=p.x, w=w, relative=w - w[-1] * p.x / p.x[-1], z=z[:: p.axis.sense]
-        ),
+        lumped=contact,
+        deformation=deformation,
     )
 
 
 def _resultant(brake: Brake, theta: Floats, N: Floats) -> Resultant:
-    """What the drum does to an external lining by the normal forces N at the brake's angles theta
-    (n,).
-    """
+    """Resultant on an external lining of normal forces N (n,) [N] at angles theta (n,) [rad]."""
     along = np.array([N @ np.cos(theta), N @ np.sin(theta)])
     drag = brake.drag
     return Resultant(
-        along, drag * np.array([-along[1], along[0]]), drag * brake.size * float(N.sum())
+        normal=along,
+        friction=drag * np.array([-along[1], along[0]]),
+        moment=drag * brake.size * float(N.sum()),
     )

@@ -1,8 +1,8 @@
-"""Rigid-shoe laws: drum and shoe rigid, pressure proportional to the lining's normal approach.
+"""Rigid-shoe laws: drum and shoe are rigid, the pressure is proportional to the lining's approach.
 
-`rigid`: the law of any rigid shoe, on a drum or a plane, brake -> response; `face`: what tells the
-two apart; `shapes`, `pivoted`, `flat`: laws as pure formulas on arrays; `hinged`, `flat`: the
-lumped laws and those that take a shape of p for granted, brake -> response; `simscape`: the
+`rigid` solves a brake with any rigid shoes, on a drum or a plane; `face` describes the two
+surfaces. `shapes`, `pivoted` and `flat` hold laws as formulas on arrays. `hinged` and `flat` solve
+a brake by the lumped laws and by the laws that assume a shape of the pressure. `simscape` is the
 double-shoe block with its own parameters.
 """
 

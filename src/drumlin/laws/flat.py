@@ -1,9 +1,9 @@
-"""Rigid shoes on a sliding plane: the short shoe and the long one with p proportional to x.
+"""Laws of rigid shoes on a sliding plane: the short shoe, and the long shoe with p proportional to x.
 
-x is the distance from the hinge's foot on the plane, h the height of the hinge above it (UWA notes,
-translational shoes, eq. iii and iv), s' = +1 where the body drags the lining away from the hinge:
-with h > 0 the friction then opposes the actuation. A pressure p = p_0 f(x) has the moment about the
-hinge
+The place x is the distance from the hinge's foot on the plane, and h the height of the hinge above
+the plane (UWA notes, translational shoes, eq. iii and iv). s' is +1 if the body drags the lining
+away from the hinge: with h > 0 the friction then opposes the actuation. A pressure p = p_0 f(x) has
+the moment about the hinge
 
     M = w p_0 (Load.x + s' mu h Load.total),    mu_lock = -Load.x / (s' h Load.total)
 """
@@ -34,10 +34,13 @@ class FlatLoad(NamedTuple):
 
 
 class FlatLayout(NamedTuple):
-    """What a law asks of a flat shoe; entries broadcast.
+    """Layout of a flat shoe, as a law needs it; entries broadcast.
 
-    Lining x_min to x_max [m] from the hinge's foot, hinge height h [m], and s': +1 where the body
-    drags the lining away from the hinge, -1 towards it.
+    Attributes
+    ----------
+    x_min, x_max : begin and end of the lining, from the hinge's foot [m]
+    h : height of the hinge [m]
+    s : s', +1 if the body drags the lining away from the hinge, -1 towards it
     """
 
     x_min: Values
@@ -49,7 +52,8 @@ class FlatLayout(NamedTuple):
 def linear_load(pad: FlatLayout) -> FlatLoad:
     """f = x/x_max (UWA, eq. iv)."""
     total = (pad.x_max**2 - pad.x_min**2) / (2 * pad.x_max)
-    return FlatLoad(np.asarray(total), np.asarray((pad.x_max**3 - pad.x_min**3) / (3 * pad.x_max)))
+    moment = (pad.x_max**3 - pad.x_min**3) / (3 * pad.x_max)
+    return FlatLoad(np.asarray(total), np.asarray(moment))
 
 
 def short_load(pad: FlatLayout) -> FlatLoad:
@@ -60,7 +64,15 @@ def short_load(pad: FlatLayout) -> FlatLoad:
 
 @dataclass(frozen=True)
 class FlatLaw:
-    """A law p = p_0 f(x) of a shoe on a plane."""
+    """A law p = p_0 f(x) of a shoe on a plane.
+
+    Attributes
+    ----------
+    name : of the law
+    assumes : its assumptions, in words
+    load : integrals of f over a lining
+    pressure : f at places x
+    """
 
     name: str
     assumes: str
@@ -68,35 +80,44 @@ class FlatLaw:
     pressure: Callable[[Floats, FlatLayout], Floats]
 
     def resistance(self, mu: Values, pad: FlatLayout) -> Floats:
-        """Load.x + s' mu h Load.total [m^2], the moment over w p_0; not positive where the shoe
-        locks itself.
+        """Actuation moment over w p_0, Load.x + s' mu h Load.total [m^2].
+
+        It is not positive if the shoe locks itself.
         """
         load = self.load(pad)
         return load.x + pad.s * mu * pad.h * load.total
 
     def amplitude(self, moment: Values, width: Values, mu: Values, pad: FlatLayout) -> Floats:
-        """p_0 [Pa] under an actuation moment [N m], lining `width` [m]; nan where the shoe locks
-        itself.
+        """Amplitude p_0 [Pa] of the pressure; nan if the shoe locks itself.
+
+        Parameters
+        ----------
+        moment : of the actuation [N m]
+        width : of the lining [m]
+        mu : friction coefficient
+        pad : layout of the shoe
         """
         resistance = self.resistance(mu, pad)
         return moment / (width * np.where(resistance > 0, resistance, np.nan))
 
     def braking_force(self, moment: Values, mu: Values, pad: FlatLayout) -> Floats:
-        """Braking force mu N [N] under an actuation moment [N m]; nan where the shoe locks itself."""
+        """Braking force mu N [N] under an actuation moment [N m]; nan if the shoe locks itself."""
         return mu * self.amplitude(moment, 1.0, mu, pad) * self.load(pad).total
 
     def sensitivity(self, mu: Values, pad: FlatLayout) -> Floats:
-        """S = (mu/F) dF/dmu of the braking force at fixed actuation; nan where the shoe locks
-        itself.
+        """Sensitivity S = (mu/F) dF/dmu of the braking force at fixed actuation.
+
+        It is nan if the shoe locks itself.
         """
         resistance = self.resistance(mu, pad)
         return self.load(pad).x / np.where(resistance > 0, resistance, np.nan)
 
     def locking_friction(self, pad: FlatLayout) -> Floats:
-        """mu_lock; inf where friction does not help the actuation."""
+        """Friction mu_lock at which the shoe locks itself; inf if friction does not help."""
         load = self.load(pad)
         helps = -pad.s * pad.h * load.total
-        with np.errstate(over="ignore"):  # a hinge as good as on the plane: infinite is right
+        # A hinge almost on the plane overflows to the right result, inf.
+        with np.errstate(over="ignore"):
             return np.where(helps > 0, load.x / np.where(helps > 0, helps, 1.0), np.inf)
 
 
@@ -115,18 +136,18 @@ FLAT_SHORT = FlatLaw(
 
 
 def span(shoe: Shoe) -> tuple[float, float]:
-    """The lining (x_min, x_max) [m] from the hinge's foot on the plane."""
+    """Begin and end (x_min, x_max) [m] of the lining, from the hinge's foot on the plane."""
     ends = shoe.frame.distance(np.array([shoe.lining.start, shoe.lining.end]))
     return float(ends.min()), float(ends.max())
 
 
 def layout(brake: Brake, shoe: Shoe) -> FlatLayout:
-    """What a law asks of a shoe on a plane."""
+    """Layout of a shoe on a plane, as a law needs it."""
     return FlatLayout(*span(shoe), h=shoe.pin.y, s=brake.spin * shoe.frame.sense)
 
 
 def why_not(law: FlatLaw, brake: Brake) -> str | None:
-    """Why a law of flat shoes does not apply to a brake; None where it does."""
+    """Reason why a law of flat shoes does not apply to a brake, or None."""
     refusal = brake.surface.unlike(PLANE) or brake.shares
     if refusal is not None:
         return refusal
@@ -135,34 +156,39 @@ def why_not(law: FlatLaw, brake: Brake) -> str | None:
             return f"shoe {shoe.name!r}: {MOVES[shoe.held_by]}"
         x_min, x_max = span(shoe)
         if law is LINEAR and x_min < 0:
-            return f"shoe {shoe.name!r}: the lining must lie on one side of the hinge, not reach {mm(-x_min)} beyond"
+            return (
+                f"shoe {shoe.name!r}: the lining must lie on one side of the hinge, "
+                f"not reach {mm(-x_min)} beyond"
+            )
         if x_min + x_max <= 0:
-            return f"shoe {shoe.name!r}: the normal force passes through the hinge, so that no moment can press it"
+            return (
+                f"shoe {shoe.name!r}: the normal force passes through the hinge, "
+                "so that no moment can press it"
+            )
     return None
 
 
 def solve(law: FlatLaw, brake: Brake) -> Response:
-    """The response of a brake on a plane by a law, from the actuation of each shoe.
-
-    Raises NoAnswer for a self-locking shoe.
-    """
+    """Solve a brake on a plane by a law. Raises NoAnswer for a self-locking shoe."""
+    word = brake.surface.word
     shoes = tuple(_shoe(law, brake, shoe) for shoe in brake.shoes)
+    apart = [no_contact(shoe.name, word) for shoe in shoes if not shoe.contact_arcs]
     response = Response(
         model=law.name,
         shoes=shoes,
         balance=worst([shoe_balance(brake, i, shoe) for i, shoe in enumerate(shoes)]),
-        left_out=LEFT_OUT[brake.surface.word],
-        notes=tuple(
-            no_contact(shoe.name, brake.surface.word) for shoe in shoes if not shoe.contact_arcs
-        ),
+        left_out=LEFT_OUT[word],
+        notes=tuple(apart),
     )
     return with_merits(brake, response)
 
 
 def _shoe(law: FlatLaw, brake: Brake, shoe: Shoe) -> ShoeResponse:
+    """Solve a shoe on a plane by a law."""
     pad, mu, w = layout(brake, shoe), brake.friction, shoe.lining.width
     moment = -shoe.frame.sense * shoe.actuation.moment_about(shoe.pin)
-    if moment <= 0:  # no force, or one that lifts the lining off the plane
+    # No force, or a force that lifts the lining off the plane.
+    if moment <= 0:
         return untouched(shoe, -shoe.actuation.vector)
     if law.resistance(mu, pad) <= 0:
         raise NoAnswer(
@@ -171,9 +197,8 @@ def _shoe(law: FlatLaw, brake: Brake, shoe: Shoe) -> ShoeResponse:
         )
     amplitude = float(law.amplitude(moment, w, mu, pad))
     N = amplitude * w * float(law.load(pad).total)
-    x = np.linspace(
-        shoe.lining.start, shoe.lining.end, 3
-    )  # p is linear: two pieces would be one too many
+    # The pressure is linear, so that one piece is enough.
+    x = np.linspace(shoe.lining.start, shoe.lining.end, 3)
     return ShoeResponse(
         name=shoe.name,
         torque=0.0,

@@ -1,8 +1,8 @@
-"""Rigid shoes that turn about their hinge on a drum: brake -> law -> response.
+"""Solve brakes with rigid shoes that turn about their hinge on a drum, by a law.
 
 A block on a lever is such a shoe: its hinge is the lever's pin, and the actuation acts on the
-lever. Signs are those of the shoe's own frame, so that internal and external shoes, both rotations
-and both hands are one formula, and self-energising follows from moments.
+lever. Signs are those of the shoe's own frame. Internal and external shoes, both rotations and
+both hands are therefore one formula, and self-energising follows from moments.
 """
 
 import math
@@ -18,70 +18,85 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.support import MOVES
 from drumlin.brake.surface import DRUM
 from drumlin.brake.units import deg
-from drumlin.laws.rigid import LEFT_OUT, NODES, no_contact
+from drumlin.laws.rigid import LEFT_OUT, PRESSURE_NODES, no_contact
 from drumlin.laws.shapes import SINE, Law, Layout, Load, equivalent_friction
 from drumlin.response.balance import contact_resultant, shoe_balance, worst
 from drumlin.response.merit import double_delta, with_merits
 from drumlin.response.response import Response, ShoeResponse, untouched
 from drumlin.response.resultants import Resultant, cross
 
-SLACK = 1e-9  # rad
+ANGLE_ROUND_OFF = 1e-9
+"""Angle [rad] by which a lining may exceed the limits of a law: round-off."""
 
 
 def layout(brake: Brake, shoe: Shoe) -> Layout:
-    """What a law asks of the shoe of a brake."""
+    """Layout of a shoe, as a law needs it."""
     return Layout(*shoe.arc, R=brake.size, a=shoe.pin.radius, dD=double_delta(brake, shoe))
 
 
 def locking_friction(brake: Brake, shoe: Shoe, law: Law = SINE) -> float:
-    """mu_lock of a shoe by a law: where its torque becomes infinite; inf where friction does not
-    help.
+    """Friction mu_lock at which a shoe's torque becomes infinite by a law.
+
+    It is inf if friction does not help the actuation.
     """
     return float(law.locking_friction(layout(brake, shoe)))
 
 
 def why_not(law: Law, brake: Brake) -> str | None:
-    """Why a law of hinged shoes does not apply to a brake; None where it does."""
+    """Reason why a law of hinged shoes does not apply to a brake, or None."""
     refusal = brake.shares or brake.surface.unlike(DRUM)
     if refusal is not None:
         return refusal
     for shoe in brake.shoes:
-        phi_1, phi_2 = shoe.arc
-        said = f"shoe {shoe.name!r}:"
-        if shoe.held_by != "hinge":
-            return f"{said} {MOVES[shoe.held_by]}"
-        if law is SINE:
-            if phi_1 < -SLACK or phi_2 > math.pi + SLACK:
-                return f"{said} the lining must lie within 0 to 180 deg of the hinge, not {deg(phi_1)} to {deg(phi_2)}"
-        elif phi_2 - phi_1 > math.pi + SLACK:
-            return f"{said} the lining's arc {deg(phi_2 - phi_1)} must not be more than 180 deg"
-        elif not SLACK < 0.5 * (phi_1 + phi_2) < math.pi - SLACK:
-            return f"{said} the normal force passes through the hinge, so that no moment can press the lining"
+        reason = _why_not_shoe(law, shoe)
+        if reason is not None:
+            return f"shoe {shoe.name!r}: {reason}"
+    return None
+
+
+def _why_not_shoe(law: Law, shoe: Shoe) -> str | None:
+    """Reason why a law of hinged shoes does not apply to a shoe, or None."""
+    phi_1, phi_2 = shoe.arc
+    if shoe.held_by != "hinge":
+        return MOVES[shoe.held_by]
+    if law is SINE:
+        if phi_1 < -ANGLE_ROUND_OFF or phi_2 > math.pi + ANGLE_ROUND_OFF:
+            return (
+                "the lining must lie within 0 to 180 deg of the hinge, "
+                f"not {deg(phi_1)} to {deg(phi_2)}"
+            )
+        return None
+    if phi_2 - phi_1 > math.pi + ANGLE_ROUND_OFF:
+        return f"the lining's arc {deg(phi_2 - phi_1)} must not be more than 180 deg"
+    middle = 0.5 * (phi_1 + phi_2)
+    if not ANGLE_ROUND_OFF < middle < math.pi - ANGLE_ROUND_OFF:
+        return "the normal force passes through the hinge, so that no moment can press the lining"
     return None
 
 
 def solve(law: Law, brake: Brake) -> Response:
-    """The response of a brake of hinged shoes by a law, from the actuation of each shoe.
-
-    Raises NoAnswer for a self-locking shoe.
-    """
+    """Solve a brake of hinged shoes by a law. Raises NoAnswer for a self-locking shoe."""
     shoes = tuple(_shoe(law, brake, i) for i in range(len(brake.shoes)))
+    notes: list[str] = []
+    for i, shoe in enumerate(shoes):
+        notes += _notes(law, brake, i, shoe)
     response = Response(
         model=law.name,
         shoes=shoes,
         balance=worst([shoe_balance(brake, i, shoe) for i, shoe in enumerate(shoes)]),
         left_out=LEFT_OUT[brake.surface.word],
-        notes=tuple(note for i, shoe in enumerate(shoes) for note in _notes(law, brake, i, shoe)),
+        notes=tuple(notes),
     )
     return with_merits(brake, response)
 
 
 def sine(brake: Brake) -> Response:
-    """The response of a brake by the sine law; raises NoAnswer for a self-locking shoe."""
+    """Solve a brake by the sine law; raises NoAnswer for a self-locking shoe."""
     return solve(SINE, brake)
 
 
 def _notes(law: Law, brake: Brake, index: int, response: ShoeResponse) -> list[str]:
+    """Notes on a shoe: without contact, the remark of the law, and what lumping its forces changes."""
     said = f"shoe {response.name!r}:"
     if not response.contact_arcs:
         return [no_contact(response.name)]
@@ -92,11 +107,13 @@ def _notes(law: Law, brake: Brake, index: int, response: ShoeResponse) -> list[s
     ratio = float(law.friction(layout(brake, brake.shoes[index])))
     return [
         f"{said} contact lumped at the lining's middle; spread over its arc, the same pressure has "
-        f"{formatted(share, '.1%')} of that normal force and {formatted(share / ratio, '.1%')} of that friction force"
+        f"{formatted(share, '.1%')} of that normal force "
+        f"and {formatted(share / ratio, '.1%')} of that friction force"
     ]
 
 
 def _shoe(law: Law, brake: Brake, index: int) -> ShoeResponse:
+    """Solve shoe `index` by a law."""
     shoe = brake.shoes[index]
     arc, mu = layout(brake, shoe), brake.friction
     moment = pressing_moment(shoe)
@@ -120,11 +137,10 @@ def _shoe(law: Law, brake: Brake, index: int) -> ShoeResponse:
 
 
 def guided_torque(brake: Brake) -> float:
-    """Torque [N m] of shoes that move along the middle radius of their linings, the guide bearing
-    all else.
+    """Torque [N m] of shoes that move along the middle radius of their linings on guides.
 
-    p = p_0 cos about the middle: the lumped friction mu' N, N the force along that radius (NPTEL
-    lesson 12.1).
+    The pressure is p_0 cos about the middle. The lumped friction is mu' N, with N the actuation's
+    force along the middle radius (NPTEL lesson 12.1). The guides bear all other forces.
     """
     total = 0.0
     for shoe in brake.shoes:
@@ -136,20 +152,19 @@ def guided_torque(brake: Brake) -> float:
 
 
 def pressing_moment(shoe: Shoe) -> float:
-    """Moment of the actuation about the hinge [N m], positive where it turns the lining towards the
-    drum.
-    """
+    """Moment of the actuation about the hinge [N m], positive towards the drum."""
     return -shoe.sign * shoe.frame.sense * shoe.actuation.moment_about(shoe.pin)
 
 
 def contact(brake: Brake, shoe: Shoe, load: Load, factor: float = 1.0) -> Resultant:
-    """What the drum does to a shoe of this load [Pa], at `factor` times the brake's friction."""
+    """Resultant on a shoe under this load [Pa], at `factor` times the brake's friction."""
     force = shoe.lining.width * brake.size
     along: Floats = force * np.array([load.cos, load.sin])
+    across = np.array([-along[1], along[0]])
     drag = factor * brake.drag
     return Resultant(
         normal=shoe.frame.to_brake(-shoe.sign * along),
-        friction=shoe.frame.to_brake(drag * shoe.frame.sense * np.array([-along[1], along[0]])),
+        friction=shoe.frame.to_brake(drag * shoe.frame.sense * across),
         moment=drag * force * float(load.total) * brake.size,
     )
 
@@ -163,8 +178,18 @@ def pressed(
     *,
     lumped: bool = False,
 ) -> ShoeResponse:
-    """The response of a rigid shoe that touches all along its lining with pressure(phi) [Pa]."""
-    phi = np.linspace(*shoe.arc, NODES)[:: shoe.frame.sense]
+    """The response of a rigid shoe that touches all along its lining.
+
+    Parameters
+    ----------
+    brake, shoe : the shoe and its brake
+    contact : resultant on the shoe
+    pressure : function phi [rad] -> pressure [Pa]
+    peak_at : phi of the largest pressure [rad]
+    lumped : whether the law lumps the resultant at the lining's middle
+    """
+    phi = np.linspace(*shoe.arc, PRESSURE_NODES)[:: shoe.frame.sense]
+    # The moment of friction about the hinge helps if it has the sense of the actuation's.
     helping = contact.moment + float(cross(-shoe.pin.xy, contact.friction))
     return ShoeResponse(
         name=shoe.name,
@@ -175,6 +200,7 @@ def pressed(
         hinge_reaction=-shoe.actuation.vector - contact.force,
         contact_arcs=((shoe.lining.start, shoe.lining.end),),
         theta=shoe.frame.theta(phi),
-        pressure=np.maximum(pressure(phi), 0.0),  # sin(pi) is 1e-16 off
+        # Round-off may make the pressure negative at an end, as sin(pi) is 1e-16.
+        pressure=np.maximum(pressure(phi), 0.0),
         lumped=contact if lumped else None,
     )

@@ -1,13 +1,13 @@
-"""The rigid-shoe law: p = sum of a_k f_k >= 0, with f_k how the freedom k of a shoe closes the gap,
-and one equilibrium for each freedom.
+"""Solve brakes with rigid shoes by the rigid-shoe law, on a drum or a plane.
 
-With n and t the lining's normal and the direction of drag, u_k the motions of the shoe and v_j
-those on which what holds it does no work (brake.support), and Q_j the work of the actuation:
+The pressure is p = sum of a_k f_k >= 0. Here f_k is how the rigid-body mode k of a shoe closes the
+gap. There is one equilibrium for each mode. With the lining's normal n and the direction of drag t,
+the rigid-body modes u_k, the test modes v_j (brake.support) and the work Q_j of the actuation,
 
     f_k = n.u_k,     w Int p (n.v_j - mu s t.v_j) ds = Q_j     over the part of the lining where p > 0
 
-Its names on the grounds where it is known: sine (a hinge on a drum), A cos + B sin (a pivot or an
-abutment), cosine (a guide on a drum), linear (a hinge on a plane), uniform (a guide on a plane).
+In known cases the law has a name: sine (a hinge on a drum), A cos + B sin (a pivot or an abutment),
+cosine (a guide on a drum), linear (a hinge on a plane), uniform (a guide on a plane).
 """
 
 import math
@@ -27,21 +27,34 @@ from drumlin.response.merit import with_merits
 from drumlin.response.response import NEITHER, Response, ShoeResponse, untouched
 from drumlin.response.resultants import Resultant, cross
 
-ASSUMES = "rigid shoe: p = sum of a_k f_k >= 0, f_k how each freedom of the shoe closes the gap"
+RIGID_ASSUMES = (
+    "rigid shoe: p = sum of a_k f_k >= 0, f_k how each freedom of the shoe closes the gap"
+)
 _FITS = "clearance and misfit: the law is that of a lining that fits, new or worn in, on a"
 LEFT_OUT = {
     "drum": ("elasticity of shoe, backing and drum: rigid by assumption", f"{_FITS} round drum"),
     "plane": ("elasticity: rigid by assumption", f"{_FITS} plane"),
 }
-"""What the law leaves out, by the word of the surface."""
-NODES = 257  # of p over a lining; quadratic pieces: integrals are right to 1e-10
-MOST_STEPS = 200
+"""Notes on what the law neglects, by the word of the surface."""
+
+PRESSURE_NODES = 257
+"""Nodes of p over a lining. With quadratic pieces, integrals are exact to 1e-10."""
+
+MOST_CONTACT_STEPS = 200
+"""Limit of the steps in which the pressed arcs of a lining settle."""
 
 
-class Pressed(NamedTuple):
-    """A rigid shoe that presses: `c` (2,) the mixture of shapes [Pa], `amounts` (k,) of its
-    freedoms [Pa m/m of the gap], the `arcs` where it presses, `freedoms` with the `sense` of an
-    abutment's friction.
+class PressedShoe(NamedTuple):
+    """A rigid shoe in contact.
+
+    Attributes
+    ----------
+    face : surface on which the shoe presses
+    c : (2,), factors of the surface's shapes in the pressure [Pa]
+    amounts : (k,), factors of the rigid-body modes in the pressure [Pa per m of gap]
+    arcs : arcs in contact
+    freedoms : rigid-body modes of the shoe
+    sense : of an abutment's friction
     """
 
     face: Face
@@ -53,23 +66,38 @@ class Pressed(NamedTuple):
 
     @property
     def tip(self) -> float:
-        """How far the actuation's point goes along its force, over the lining's compliance [Pa]."""
+        """Motion of the actuation's point along its force, over the lining's compliance [Pa]."""
         return float(self.freedoms.tip @ self.amounts)
 
 
 def system(face: Face, free: Freedoms, width: float, arcs: Arcs) -> tuple[Floats, Floats]:
-    """N and F (k, k) of the equilibria (N - mu s F) a = Q with the lining pressed on the arcs."""
+    """Matrices N and F (k, k) of the equilibria (N - mu s F) a = Q.
+
+    Parameters
+    ----------
+    face : surface on which the shoe presses
+    free : rigid-body modes of the shoe
+    width : of the lining [m]
+    arcs : arcs in contact
+    """
     products, shapes = width * face.products(arcs), face.closing(free.motions)
     N = face.closing(free.tests) @ products[:2] @ shapes.T
     return N, face.sliding(free.tests) @ products @ shapes.T
 
 
 def locking(face: Face, free: Freedoms, width: float, arcs: Arcs, spin: int) -> float:
-    """mu_lock: the least friction at which the equilibria become singular; inf where there is none."""
+    """Smallest friction mu_lock at which the equilibria become singular; inf if there is none.
+
+    Parameters
+    ----------
+    face, free, width, arcs : as of `system`
+    spin : sense of the motion
+    """
     N, F = system(face, free, width, arcs)
     if len(N) == 1:
         drags = spin * float(F[0, 0]) / float(N[0, 0]) if N[0, 0] else 0.0
         return 1 / drags if drags > 1e-14 else math.inf
+    # The modes have units of their own: rows and columns are scaled first.
     size = np.sqrt(np.abs(np.diagonal(N))) + 1e-300
     N, F = N / np.outer(size, size), F / np.outer(size, size)
     try:
@@ -81,28 +109,35 @@ def locking(face: Face, free: Freedoms, width: float, arcs: Arcs, spin: int) -> 
 
 
 def locking_friction(brake: Brake, shoe: Shoe) -> float:
-    """mu_lock of a shoe by the law, all of its lining pressed; the least of both senses of an
-    abutment's friction.
+    """Friction mu_lock of a shoe by the law, with all of its lining in contact.
+
+    It is the smaller of both senses of an abutment's friction.
     """
-    face, ends = face_of(brake, shoe), ((shoe.lining.start, shoe.lining.end),)
-    of = [
-        locking(face, shoe.freedoms(sense), shoe.lining.width, ends, brake.spin)
-        for sense in shoe.senses
-    ]
-    return min(of)
+    face, arcs = face_of(brake, shoe), ((shoe.lining.start, shoe.lining.end),)
+    width = shoe.lining.width
+    limits = [locking(face, shoe.freedoms(sense), width, arcs, brake.spin) for sense in shoe.senses]
+    return min(limits)
 
 
-def press(brake: Brake, shoe: Shoe, *, whole: bool = False) -> Pressed | None:
-    """The shoe as it presses under its actuation; None where that lifts it off, or is none.
+def press(brake: Brake, shoe: Shoe, *, whole: bool = False) -> PressedShoe | None:
+    """Solve a shoe for its contact; None if the actuation lifts it off or vanishes.
 
-    whole: all of the lining bears, tension included, as closed forms have it. Raises NoAnswer:
-    self-locking, or nothing balances the actuation.
+    Parameters
+    ----------
+    brake, shoe : the shoe and its brake
+    whole : whether all of the lining bears, tension included, as in closed forms
+
+    Raises
+    ------
+    NoAnswer
+        if the shoe locks itself, or nothing balances the actuation
     """
     face = face_of(brake, shoe)
     if shoe.actuation.force == 0:
         return None
     if bears(brake, shoe) < 0:
         return None
+    # The first sense of an abutment's friction that fits the motion of the foot is the answer.
     failure: NoAnswer | None = None
     for sense in shoe.senses:
         try:
@@ -117,31 +152,39 @@ def press(brake: Brake, shoe: Shoe, *, whole: bool = False) -> Pressed | None:
 
 
 def bears(brake: Brake, shoe: Shoe) -> int:
-    """+1 where pressure without friction can balance the actuation, -1 where tension would, else 0."""
+    """+1 if pressure without friction can balance the actuation, -1 if tension can, 0 otherwise."""
     face, ends = face_of(brake, shoe), (shoe.lining.start, shoe.lining.end)
     free = shoe.freedoms(shoe.senses[-1])
     shapes = face.closing(free.tests)
     if len(shapes) == 1:
-        most = shapes[0] @ face.shapes(np.linspace(*ends, 65))[:2] * free.work[0]
-        return 1 if most.max() > 1e-12 * np.abs(most).max() else -1
+        # With one mode, a place of the lining must exist whose pressure works against the actuation.
+        works = shapes[0] @ face.shapes(np.linspace(*ends, 65))[:2] * free.work[0]
+        return 1 if works.max() > 1e-12 * np.abs(works).max() else -1
     try:
-        return face.centre(np.asarray(np.linalg.solve(shapes, free.work), dtype=float), *ends)
+        resultant = np.asarray(np.linalg.solve(shapes, free.work), dtype=float)
+        return face.centre(resultant, *ends)
     except np.linalg.LinAlgError:
         return 0
 
 
-def _settled(brake: Brake, shoe: Shoe, face: Face, sense: int, whole: bool) -> Pressed:
+def _settled(brake: Brake, shoe: Shoe, face: Face, sense: int, whole: bool) -> PressedShoe:
+    """Solve a shoe for its contact with a given sense of the abutment's friction.
+
+    The arcs in contact change until they are those where the pressure is positive. Parameters are
+    those of `press`.
+    """
     free, ends, mu = shoe.freedoms(sense), (shoe.lining.start, shoe.lining.end), brake.friction
     shapes = face.closing(free.motions)
     arcs: Arcs = (ends,)
     mu_lock = locking(face, free, shoe.lining.width, arcs, brake.spin)
     locked = f"self-locking, friction {mu:g} is not below mu_lock = {{:.6g}} of the rigid-shoe law"
-    if len(shapes) == 1:  # where it presses is known beforehand
+    # With one mode the arcs in contact are known beforehand.
+    if len(shapes) == 1:
         arcs = face.pressed(shapes[0] * math.copysign(1.0, free.work[0]), *ends)
         mu_lock = locking(face, free, shoe.lining.width, arcs, brake.spin)
         if mu >= mu_lock:
             raise NoAnswer(f"shoe {shoe.name!r}: {locked.format(mu_lock)}")
-    for _ in range(MOST_STEPS):
+    for _ in range(MOST_CONTACT_STEPS):
         N, F = system(face, free, shoe.lining.width, arcs)
         try:
             amounts: Floats = np.linalg.solve(N - mu * brake.spin * F, free.work).astype(float)
@@ -153,87 +196,108 @@ def _settled(brake: Brake, shoe: Shoe, face: Face, sense: int, whole: bool) -> P
             mu_lock = locking(face, free, shoe.lining.width, arcs, brake.spin)
             if mu >= mu_lock:
                 break
-            return Pressed(face, c, amounts, arcs, free, sense)
+            return PressedShoe(face, c, amounts, arcs, free, sense)
         if not after:
             break
         arcs = after
     if mu >= mu_lock:
         raise NoAnswer(f"shoe {shoe.name!r}: {locked.format(mu_lock)}")
     raise NoAnswer(
-        f"shoe {shoe.name!r}: tips, no pressure of a rigid shoe on its lining balances the actuation"
+        f"shoe {shoe.name!r}: tips, "
+        "no pressure of a rigid shoe on its lining balances the actuation"
     )
 
 
 def _same(a: Arcs, b: Arcs) -> bool:
-    return len(a) == len(b) and bool(
-        np.allclose(a, b, rtol=0, atol=1e-13 * max(1.0, np.abs(b).max()))
-    )
+    """Whether arcs agree to round-off."""
+    if len(a) != len(b):
+        return False
+    round_off = 1e-13 * max(1.0, np.abs(b).max())
+    return bool(np.allclose(a, b, rtol=0, atol=round_off))
 
 
-def _contact(brake: Brake, shoe: Shoe, found: Pressed) -> Resultant:
+def _contact(brake: Brake, shoe: Shoe, found: PressedShoe) -> Resultant:
+    """Resultant on a shoe in contact."""
     loads = shoe.lining.width * found.face.products(found.arcs) @ found.c
-    normal, friction, moment = found.face.force(loads, brake.friction * brake.spin)
-    return Resultant(normal, friction, moment)
+    return found.face.force(loads, brake.friction * brake.spin)
 
 
-def respond(brake: Brake, shoe: Shoe, found: Pressed | None) -> ShoeResponse:
-    """The response of a shoe that presses so, or not at all."""
+def respond(brake: Brake, shoe: Shoe, found: PressedShoe | None) -> ShoeResponse:
+    """The response of a shoe in contact, or without contact if `found` is None."""
     if found is None:
         return untouched(shoe, -shoe.actuation.vector)
     contact, flat = _contact(brake, shoe, found), shoe.flat
-    place = nodes((shoe.lining.start, shoe.lining.end), found.arcs, 2 if flat else NODES - 1)
-    reaction = -shoe.actuation.vector - contact.force
-    about = _about(shoe, contact)
-    if shoe.guide is None:  # the moment of friction about the pin has the sense of the actuation's
-        helping = about[1] * shoe.actuation.moment_about(shoe.pin)
-    else:  # the work of friction on the slide
-        a, systems = found.amounts, system(found.face, found.freedoms, 1.0, found.arcs)
-        closed, dragged = (float(a @ work @ a) for work in systems)
-        helping = (
-            brake.friction * brake.spin * dragged - NEITHER * closed
-        )  # none where the guide is square to it
+    ends = (shoe.lining.start, shoe.lining.end)
+    place = nodes(ends, found.arcs, 2 if flat else PRESSURE_NODES - 1)
+    about_pin = _moments_about_pin(shoe, contact)
+    of_actuation = shoe.actuation.moment_about(shoe.pin)
+    guided = shoe.guide is not None
+    reaction_moment = -about_pin.pressure - about_pin.friction - of_actuation
+    # Friction helps if its moment about the pin has the sense of the actuation's.
+    helping = about_pin.friction * of_actuation
+    if guided:
+        helping = _work_of_friction(brake, found)
     return ShoeResponse(
         name=shoe.name,
         torque=0.0 if flat else abs(contact.moment),
         normal_force=float(np.linalg.norm(contact.normal)),
         self_energising=bool(helping > 0),
         peak_pressure=found.face.peak(found.c, found.arcs),
-        hinge_reaction=reaction,
+        hinge_reaction=-shoe.actuation.vector - contact.force,
         contact_arcs=found.arcs,
         theta=place,
         pressure=pressure(found, place),
         pivot_reaction=-contact.force if shoe.pivot is not None else None,
-        reaction_moment=-about[0] - about[1] - shoe.actuation.moment_about(shoe.pin)
-        if shoe.guide is not None
-        else 0.0,
+        reaction_moment=reaction_moment if guided else 0.0,
     )
 
 
-def pressure(found: Pressed | None, place: Floats) -> Floats:
-    """The pressure [Pa] of a shoe that presses so at the places of its lining, same shape; 0 of one
-    that does not.
+def _work_of_friction(brake: Brake, found: PressedShoe) -> float:
+    """Work of the friction on the slide along a guide, less NEITHER of the work of the pressure.
+
+    It is not positive where the guide is square to the surface.
     """
+    a = found.amounts
+    systems = system(found.face, found.freedoms, 1.0, found.arcs)
+    closed, dragged = (float(a @ work @ a) for work in systems)
+    return brake.friction * brake.spin * dragged - NEITHER * closed
+
+
+def pressure(found: PressedShoe | None, place: Floats) -> Floats:
+    """Pressure [Pa] of a shoe at places of its lining, same shape; 0 of a shoe without contact."""
     if found is None:
         return np.zeros(np.shape(place))
     return np.maximum(found.c @ found.face.shapes(place)[:2], 0.0)
 
 
-def _about(shoe: Shoe, contact: Resultant) -> tuple[float, float]:
-    """Moments of pressure and of friction about the shoe's pin."""
+class _PinMoments(NamedTuple):
+    """Moments of pressure and of friction about a shoe's pin [N m]."""
+
+    pressure: float
+    friction: float
+
+
+def _moments_about_pin(shoe: Shoe, contact: Resultant) -> _PinMoments:
+    """Moments of a contact's resultant about the shoe's pin."""
     pin = shoe.pin.xy
-    pressure, friction = (
-        (contact.moment, 0.0) if shoe.flat else (0.0, contact.moment)
-    )  # about the origin
-    return pressure - float(cross(pin, contact.normal)), friction - float(
-        cross(pin, contact.friction)
+    # About the origin only the pressure has a moment on a plane, and only the friction on a drum.
+    pressure, friction = (contact.moment, 0.0) if shoe.flat else (0.0, contact.moment)
+    return _PinMoments(
+        pressure - float(cross(pin, contact.normal)),
+        friction - float(cross(pin, contact.friction)),
     )
 
 
 def nodes(ends: tuple[float, float], arcs: Arcs, steps: int) -> Floats:
-    """Nodes of quadratic pieces over a lining: even ones, and the ends of the contact among those
-    between pieces.
+    """Nodes of quadratic pieces over a lining, evenly spaced between the ends of the contact.
+
+    Parameters
+    ----------
+    ends : places where the lining begins and ends
+    arcs : arcs in contact, whose ends are ends of pieces
+    steps : number of steps over the whole lining
     """
-    marks = sorted({*ends, *(x for arc in arcs for x in arc)})
+    marks = sorted({*ends, *(end for arc in arcs for end in arc)})
     found = [np.array(marks[:1])]
     for a, b in pairwise(marks):
         count = 2 * max(1, round(steps * (b - a) / (ends[1] - ends[0]) / 2))
@@ -242,65 +306,80 @@ def nodes(ends: tuple[float, float], arcs: Arcs, steps: int) -> Floats:
 
 
 def forced(brake: Brake, *, whole: bool = False) -> Brake:
-    """The brake with the forces that its shoes share, those of a cam and of struts, by the law.
-    Raises NoAnswer.
+    """The brake with the forces that a cam or struts share among its shoes, by the law.
+
+    `whole` is as of `press`. Raises NoAnswer if a shoe has no equilibrium.
     """
     shoes: list[Shoe] = list(brake.shoes)
     place = {shoe.name: i for i, shoe in enumerate(shoes)}
-    behind = {link.to for link in brake.links}
     if brake.actuation is not None and brake.actuation.is_cam:
-        free = [i for i, shoe in enumerate(shoes) if shoe.name not in behind]
-        yields = []  # of the shoe's tip, per newton
-        for i in free:
-            found = press(brake, shoes[i], whole=whole)
-            if found is None or found.tip <= 0:
-                raise NoAnswer(f"shoe {shoes[i].name!r}: the cam does not press it")
-            yields.append(found.tip / shoes[i].actuation.force)
-        total = math.fsum(1 / size for size in yields)
-        for i, size in zip(free, yields, strict=True):
-            shoes[i] = shoes[i].under(brake.actuation.total / (size * total))
+        _share_cam(brake, shoes, brake.actuation.total, whole)
+    # A strut passes on the force on the foot of the shoe before it.
     for link in brake.links:
         source, to = shoes[place[link.source]], place[link.to]
         found = press(brake, source, whole=whole)
-        shoes[to] = shoes[to].under(
-            0.0 if found is None else math.hypot(*respond(brake, source, found).hinge_reaction)
-        )
+        force = 0.0
+        if found is not None:
+            force = math.hypot(*respond(brake, source, found).hinge_reaction)
+        shoes[to] = shoes[to].under(force)
     return brake.model_copy(update={"shoes": tuple(shoes)})
 
 
-def solve(brake: Brake, name: str = "rigid", *, whole: bool = False) -> Response:
-    """The response of a brake by the law, under the `name` that it has for such brakes; whole: as
-    for `press`.
+def _share_cam(brake: Brake, shoes: list[Shoe], total: float, whole: bool) -> None:
+    """Give the shoes of a cam, in place, their parts of its force `total` [N].
 
-    Raises NoAnswer: self-locking, or a shoe that nothing balances.
+    The tips of both shoes move equally, so that each force is inverse to the tip's motion per force.
+    """
+    behind = {link.to for link in brake.links}
+    on_cam = [i for i, shoe in enumerate(shoes) if shoe.name not in behind]
+    motions_per_force = []
+    for i in on_cam:
+        found = press(brake, shoes[i], whole=whole)
+        if found is None or found.tip <= 0:
+            raise NoAnswer(f"shoe {shoes[i].name!r}: the cam does not press it")
+        motions_per_force.append(found.tip / shoes[i].actuation.force)
+    stiffness = math.fsum(1 / motion for motion in motions_per_force)
+    for i, motion in zip(on_cam, motions_per_force, strict=True):
+        shoes[i] = shoes[i].under(total / (motion * stiffness))
+
+
+def solve(brake: Brake, name: str = "rigid", *, whole: bool = False) -> Response:
+    """Solve a brake by the rigid-shoe law.
+
+    Parameters
+    ----------
+    brake : the brake
+    name : of the law for such brakes
+    whole : as of `press`
+
+    Raises
+    ------
+    NoAnswer
+        for a self-locking shoe or a shoe that nothing balances
     """
     under = forced(brake, whole=whole)
     shoes = tuple(respond(under, shoe, press(under, shoe, whole=whole)) for shoe in under.shoes)
-    shared = under.shoes != brake.shoes
-    if shared:
+    if under.shoes != brake.shoes:
         shoes = tuple(
-            replace(r, force=shoe.actuation.force)
-            for r, shoe in zip(shoes, under.shoes, strict=True)
+            replace(response, force=shoe.actuation.force)
+            for response, shoe in zip(shoes, under.shoes, strict=True)
         )
     word = brake.surface.word
+    apart = [no_contact(shoe.name, word) for shoe in shoes if not shoe.contact_arcs]
     response = Response(
         model=name,
         shoes=shoes,
         balance=worst([shoe_balance(under, i, shoe) for i, shoe in enumerate(shoes)]),
         left_out=LEFT_OUT[word],
-        notes=(
-            *(no_contact(shoe.name, word) for shoe in shoes if not shoe.contact_arcs),
-            *cam_notes(brake),
-        ),
+        notes=(*apart, *cam_notes(brake)),
     )
     return with_merits(brake, response)
 
 
 def cam_notes(brake: Brake) -> tuple[str, ...]:
-    """How a cam shares its force between linings of unlike E/t, in a line; none where they are
-    alike.
+    """A note on how a cam shares its force between linings of different E/t, if they differ.
 
-    Both tips go the same way. A new lining under a rigid shoe gives way by p t/E, a worn-in one
+    Both tips move equally. A new lining under a rigid shoe gives way by p t/E, a worn-in lining
     wears by p.
     """
     if brake.actuation is None or not brake.actuation.is_cam:
@@ -315,11 +394,13 @@ def cam_notes(brake: Brake) -> tuple[str, ...]:
     if len(moduli) < 2 or math.isclose(*moduli[:2], rel_tol=1e-6):
         return ()
     return (
-        f"cam: linings of unlike E/t, {moduli[0]:.3g} and {moduli[1]:.3g} Pa/m: where rigid shoes are mirror images "
-        "its forces are such that F1 B1 t1/E1 = F2 B2 t2/E2 new, F1 B1 = F2 B2 worn in, both wearing alike",
+        f"cam: linings of unlike E/t, {moduli[0]:.3g} and {moduli[1]:.3g} Pa/m: "
+        "where rigid shoes are mirror images "
+        "its forces are such that F1 B1 t1/E1 = F2 B2 t2/E2 new, F1 B1 = F2 B2 worn in, "
+        "both wearing alike",
     )
 
 
 def no_contact(name: str, body: str = "drum") -> str:
-    """The note for a shoe that its force does not press."""
+    """Note on a shoe that its force does not press."""
     return f"shoe {name!r}: no contact, the force does not turn it towards the {body}"

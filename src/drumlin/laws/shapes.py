@@ -1,13 +1,13 @@
-"""The rigid-shoe laws of a drum brake as pure formulas on arrays.
+"""Rigid-shoe laws of a drum brake, as formulas on arrays.
 
-Angles phi are measured at the drum's centre O from the hinge, in the shoe's own frame. A law says
-p(phi) = p_0 f(phi); all that a shoe needs of it are three integrals over the arc, its `Load`. With
-them every law is the short shoe of the UWA notes (eq. 6a) in disguise:
+Angles phi are measured at the drum's centre O from the hinge, in the shoe's own frame. A law states
+p(phi) = p_0 f(phi). A shoe needs only three integrals of it over the arc, its `Load`. With these
+every law has the form of the short shoe of the UWA notes (eq. 6a):
 
     M = b R p_0 (M_N - dD mu M_F),   M_N = a Load.sin,   M_F = R Load.total - a Load.cos
     T = mu b R^2 p_0 Load.total,     mu_lock = M_N / (dD M_F)
 
-Everything broadcasts: a million brakes are one call.
+All formulas broadcast: a million brakes are one call.
 """
 
 from collections.abc import Callable
@@ -28,11 +28,16 @@ class Load(NamedTuple):
 
 
 class Layout(NamedTuple):
-    """What a law asks of a shoe; entries broadcast.
+    """Layout of a shoe, as a law needs it; entries broadcast.
 
-    Arc phi_1 to phi_2 [rad] from the hinge, drum radius R [m], hinge radius a [m], and the double
-    delta dD of the UWA notes: +1 for an external shoe whose lining the drum drags away from the
-    hinge and for an internal shoe whose lining it drags towards the hinge, else -1.
+    Attributes
+    ----------
+    phi_1, phi_2 : begin and end of the lining's arc, from the hinge [rad]
+    R : radius of the drum [m]
+    a : radius of the hinge [m]
+    dD : double delta of the UWA notes: +1 for an external shoe whose lining the drum drags away
+        from the hinge, and for an internal shoe whose lining the drum drags towards the hinge;
+        otherwise -1
     """
 
     phi_1: Values
@@ -43,7 +48,7 @@ class Layout(NamedTuple):
 
     @property
     def middle(self) -> Floats:
-        """phi of the lining's middle [rad]."""
+        """Angle phi of the lining's middle [rad]."""
         return np.asarray(0.5 * (self.phi_1 + self.phi_2))
 
     @property
@@ -53,10 +58,16 @@ class Layout(NamedTuple):
 
 
 def moments_about(load: Load, R: Values, x: Values, y: Values = 0.0) -> tuple[Floats, Floats]:
-    """M_N and M_F [m] of a load about the point x, y [m] of the shoe's frame, over b R p_0.
+    """Moments M_N and M_F [m] of a load about a point of the shoe's frame, over b R p_0.
 
-    M_N: the moment with which the normal pressure resists the actuation; M_F: with which the
-    friction helps it at mu = dD = 1. About the hinge, x = a and y = 0.
+    The normal pressure resists the actuation with M_N. The friction helps it with M_F at
+    mu = dD = 1.
+
+    Parameters
+    ----------
+    load : of the law
+    R : radius of the drum [m]
+    x, y : the point [m]; x = a and y = 0 for the hinge
     """
     M_N = x * load.sin - y * load.cos
     M_F = R * load.total - x * load.cos - y * load.sin
@@ -73,7 +84,7 @@ def sine_load(arc: Layout) -> Load:
 
 
 def cos_load(arc: Layout) -> Load:
-    """f = cos phi: Ic, Icc, Isc; with sin phi it spans the pressures of a shoe with two freedoms."""
+    """f = cos phi: Ic, Icc, Isc; with sin phi it spans the pressures of a shoe with two modes."""
     phi_1, phi_2 = arc.phi_1, arc.phi_2
     Ic = np.sin(phi_2) - np.sin(phi_1)
     Icc = (phi_2 - phi_1) / 2 + (np.sin(2 * phi_2) - np.sin(2 * phi_1)) / 4
@@ -81,19 +92,19 @@ def cos_load(arc: Layout) -> Load:
 
 
 def cosine_load(arc: Layout) -> Load:
-    """f = cos(phi - middle): 2 sin theta_0 in all, and theta_0 + sin(2 theta_0)/2 along the middle."""
+    """f = cos(phi - middle): total 2 sin theta_0, theta_0 + sin(2 theta_0)/2 along the middle."""
     along = arc.half + np.sin(2 * arc.half) / 2
     return Load(2 * np.sin(arc.half), along * np.cos(arc.middle), along * np.sin(arc.middle))
 
 
 def uniform_load(arc: Layout) -> Load:
-    """f = 1, every element pressing along its own radius."""
+    """f = 1, where every element presses along its own radius."""
     along = 2 * np.sin(arc.half)
     return Load(2 * arc.half, along * np.cos(arc.middle), along * np.sin(arc.middle))
 
 
 def short_load(arc: Layout) -> Load:
-    """f = 1, all of it pressing along the middle radius: N = p_m A (UWA short shoe, eq. v)."""
+    """f = 1, where all elements press along the middle radius: N = p_m A (UWA short shoe, eq. v)."""
     along = 2 * arc.half
     return Load(along, along * np.cos(arc.middle), along * np.sin(arc.middle))
 
@@ -105,26 +116,29 @@ def block_load(arc: Layout) -> Load:
 
 
 def equivalent_friction(theta_0: Values) -> Floats:
-    """mu'/mu = 4 sin theta_0 / (2 theta_0 + sin 2 theta_0) for p = p_0 cos over the half-arc
-    theta_0 [rad].
+    """Lumped friction T/R of a block over its normal force, relative to mu: mu'/mu.
 
-    The lumped friction T/R of a block over its normal force (NPTEL lesson 12.1).
+    It is 4 sin theta_0 / (2 theta_0 + sin 2 theta_0) for p = p_0 cos over the half-arc theta_0
+    [rad] (NPTEL lesson 12.1).
     """
     return np.asarray(4 * np.sin(theta_0) / (2 * theta_0 + np.sin(2 * theta_0)))
 
 
 def pivot_radius(R: Values, theta_0: Values) -> Floats:
-    """Distance [m] from O at which a pivot leaves p = p_0 cos: 4 R sin theta_0 / (2 theta_0 + sin 2
-    theta_0).
+    """Distance [m] from O at which a pivot leaves p = p_0 cos.
+
+    It is 4 R sin theta_0 / (2 theta_0 + sin 2 theta_0).
     """
     return np.asarray(R * equivalent_friction(theta_0))
 
 
 def _one(arc: Layout) -> Floats:
+    """Factor 1 on mu."""
     return np.ones(np.shape(arc.half))
 
 
 def _of_block(arc: Layout) -> Floats:
+    """Factor on mu of a friction that is lumped at the lining's middle."""
     return equivalent_friction(arc.half)
 
 
@@ -132,9 +146,16 @@ def _of_block(arc: Layout) -> Floats:
 class Law:
     """A law p = p_0 f(phi) of a shoe that turns about its hinge.
 
-    `load`: integrals of f; `pressure`: f at phi; `peak_at`: phi [rad] where f is largest; `lumped`:
-    all of the contact acts at the lining's middle; `friction`: factor on mu of a friction that is
-    lumped; `remark`: what a reader of its numbers should know.
+    Attributes
+    ----------
+    name : of the law
+    assumes : its assumptions, in words
+    load : integrals of f over an arc
+    pressure : f at angles phi
+    peak_at : angle phi of the largest f [rad]
+    lumped : whether all of the contact acts at the lining's middle
+    friction : factor on mu of a lumped friction
+    remark : note for readers of its numbers
     """
 
     name: str
@@ -147,66 +168,81 @@ class Law:
     remark: str = ""
 
     def moments(self, arc: Layout) -> tuple[Floats, Floats]:
-        """M_N and M_F [m] about the hinge over b R p_0: `moments_about`."""
+        """Moments M_N and M_F [m] about the hinge over b R p_0, see `moments_about`."""
         M_N, M_F = moments_about(self.load(arc), arc.R, arc.a)
         return M_N, self.friction(arc) * M_F
 
     def resistance(self, mu: Values, arc: Layout) -> Floats:
-        """M_N - dD mu M_F [m], the actuation moment over b R p_0; not positive where the shoe locks
-        itself.
+        """Actuation moment over b R p_0, M_N - dD mu M_F [m].
+
+        It is not positive if the shoe locks itself.
         """
         M_N, M_F = self.moments(arc)
         return M_N - arc.dD * mu * M_F
 
     def amplitude(self, moment: Values, width: Values, mu: Values, arc: Layout) -> Floats:
-        """p_0 [Pa] under an actuation moment [N m], lining `width` [m]; nan where the shoe locks
-        itself.
+        """Amplitude p_0 [Pa] of the pressure; nan if the shoe locks itself.
+
+        Parameters
+        ----------
+        moment : of the actuation [N m]
+        width : of the lining [m]
+        mu : friction coefficient
+        arc : layout of the shoe
         """
         resistance = self.resistance(mu, arc)
         return moment / (width * arc.R * np.where(resistance > 0, resistance, np.nan))
 
     def torque(self, moment: Values, mu: Values, arc: Layout) -> Floats:
-        """Torque [N m] under an actuation moment [N m]; nan where the shoe locks itself."""
+        """Torque [N m] under an actuation moment [N m]; nan if the shoe locks itself."""
         return moment * self.mechanical_advantage(mu, arc)
 
     def mechanical_advantage(self, mu: Values, arc: Layout) -> Floats:
-        """eta = T/M = 1/(m - dD n) (UWA, eq. 8); nan where the shoe locks itself."""
+        """Ratio eta = T/M = 1/(m - dD n) (UWA, eq. 8); nan if the shoe locks itself."""
         resistance = self.resistance(mu, arc)
         effect = mu * self.friction(arc) * arc.R * self.load(arc).total
         return effect / np.where(resistance > 0, resistance, np.nan)
 
     def sensitivity(self, mu: Values, arc: Layout) -> Floats:
-        """S = (mu/eta) d eta/d mu = m eta (UWA, eq. 8); nan where the shoe locks itself."""
+        """Sensitivity S = (mu/eta) d eta/d mu = m eta (UWA, eq. 8); nan if the shoe locks itself."""
         M_N, _ = self.moments(arc)
         resistance = self.resistance(mu, arc)
         return M_N / np.where(resistance > 0, resistance, np.nan)
 
     def locking_friction(self, arc: Layout) -> Floats:
-        """mu_lock = M_N / (dD M_F), where the torque becomes infinite; inf where friction does not
-        help.
+        """Friction mu_lock = M_N / (dD M_F) at which the torque becomes infinite.
+
+        It is inf if friction does not help the actuation.
         """
         M_N, M_F = self.moments(arc)
         helps = arc.dD * M_F > 0
-        with np.errstate(over="ignore"):  # friction through the hinge: infinite is right
+        # Friction that passes almost through the hinge overflows to the right result, inf.
+        with np.errstate(over="ignore"):
             return np.where(helps, M_N / np.where(helps, arc.dD * M_F, 1.0), np.inf)
 
 
 def m_and_n(mu: Values, theta_m: Values, r: Values, a: Values) -> tuple[Floats, Floats]:
-    """m = (a/(mu r)) sin theta_m and n = 1 - (a/r) cos theta_m of a short shoe at theta_m (UWA, eq.
-    6a).
+    """Figures m = (a/(mu r)) sin theta_m and n = 1 - (a/r) cos theta_m of a short shoe.
+
+    The shoe stands at the angle theta_m [rad] (UWA, eq. 6a).
     """
-    return np.asarray(a / (mu * r) * np.sin(theta_m)), np.asarray(1 - a / r * np.cos(theta_m))
+    m = a / (mu * r) * np.sin(theta_m)
+    n = 1 - a / r * np.cos(theta_m)
+    return np.asarray(m), np.asarray(n)
 
 
 def _middle(arc: Layout) -> Floats:
+    """Peak at the lining's middle."""
     return arc.middle
 
 
 def _cosine(phi: Floats, arc: Layout) -> Floats:
+    """f = cos(phi - middle)."""
     return np.cos(phi - arc.middle)
 
 
 def _constant(phi: Floats, arc: Layout) -> Floats:
+    """f = 1."""
     return np.ones(np.broadcast_shapes(np.shape(phi), np.shape(arc.middle)))
 
 
@@ -241,7 +277,7 @@ UNIFORM = Law(
     _constant,
     _middle,
 )
-SHORT = Law(
+SHORT_LAW = Law(
     "short",
     "short shoe: N = p_m A and friction mu N at the lining's middle",
     short_load,
@@ -249,4 +285,4 @@ SHORT = Law(
     _middle,
     lumped=True,
 )
-LAWS = {law.name: law for law in (SINE, COSINE, BLOCK, UNIFORM, SHORT)}
+LAWS = {law.name: law for law in (SINE, COSINE, BLOCK, UNIFORM, SHORT_LAW)}

@@ -1,16 +1,16 @@
 """The double-shoe brake block of Simscape Driveline, with the block's own parameters.
 
-Two shoes, mirror images about the brake's symmetry axis, each under the same force F. The sine law
-gives their torques from F c = M_N -+ M_F (leading, trailing), with three things that a brake file
-does not have:
+Two shoes, mirror images about the brake's symmetry axis, are each under the same force F. The sine
+law gives their torques from F c = M_N -+ M_F (leading, trailing). Three relations go beyond a brake
+file:
 
     mu = mu_Coulomb tanh(4 omega / omega_threshold)
     T = T_LS + T_TS + mu_visc omega          (the block's page prints + mu_visc, which is no torque)
     T = 0 for F <= 0
 
-The page calls theta_s the shoe's span, with the default 130 deg, and its formulas use it as the
-angle from the hinge at which the lining ends. Both readings are offered; the formulas' is the
-default.
+The page calls theta_s the shoe's span, with the default 130 deg. Its formulas use theta_s as the
+angle from the hinge at which the lining ends. Both readings are offered; the formulas' reading is
+the default.
 """
 
 import math
@@ -27,18 +27,28 @@ from drumlin.brake.file import brake_from
 from drumlin.brake.units import deg, mm
 from drumlin.laws.shapes import SINE, Layout
 
-LINING = Material(E=300e6, nu=0.25)
+SIMSCAPE_LINING = Material(E=300e6, nu=0.25)
+"""Material of the lining if the user gives none. The sine law's torque does not depend on it."""
 
 
 @dataclass(frozen=True)
 class DoubleShoe:
-    """Parameters of the block with its defaults, in SI; raises BadInput outside the documented
-    ranges.
+    """Parameters of the block with its defaults, in SI.
 
-    r_D drum radius, r_a distance of the force line from the centre, r_p pin radius [m]; theta_p
-    angle of the pin from the symmetry axis, theta_sb from the pin to the lining's beginning,
-    theta_s the shoe's span or end angle according to `reading` [rad]; mu_visc [N m s/rad];
-    omega_threshold [rad/s].
+    It raises BadInput outside the documented ranges.
+
+    Attributes
+    ----------
+    r_D : radius of the drum [m]
+    r_a : distance of the force line from the centre [m]
+    r_p : radius of the pin [m]
+    theta_p : angle of the pin from the symmetry axis [rad]
+    theta_sb : angle from the pin to the lining's beginning [rad]
+    theta_s : span of the shoe or its end angle, according to `reading` [rad]
+    mu_Coulomb : friction coefficient at full speed
+    mu_visc : viscous friction [N m s/rad]
+    omega_threshold : speed at which friction is almost full [rad/s]
+    reading : meaning of theta_s, "end" or "span"
     """
 
     r_D: float = 0.150
@@ -53,7 +63,7 @@ class DoubleShoe:
     reading: Literal["end", "span"] = "end"
 
     def __post_init__(self) -> None:
-        """Refuse what the block's page does not allow."""
+        """Refuse parameters that the block's page does not allow."""
         widest = math.pi - self.theta_p
         least = self.theta_sb if self.reading == "end" else 0.0
         rules = (
@@ -71,7 +81,8 @@ class DoubleShoe:
                 "theta_s",
                 deg,
                 least < self.theta_s <= widest - self.theta_sb,
-                f"must be above {deg(least)} and at most 180 deg - theta_p - theta_sb = {deg(widest - self.theta_sb)}",
+                f"must be above {deg(least)} and at most "
+                f"180 deg - theta_p - theta_sb = {deg(widest - self.theta_sb)}",
             ),
             ("mu_Coulomb", "{:g}".format, self.mu_Coulomb > 0, "must be greater than 0"),
             ("mu_visc", "{:g} N m s/rad".format, self.mu_visc >= 0, "must be at least 0"),
@@ -91,12 +102,12 @@ class DoubleShoe:
 
     @property
     def arc(self) -> tuple[float, float]:
-        """The lining's arc from the pin (phi_1, phi_2) [rad], according to `reading`."""
+        """Begin and end (phi_1, phi_2) [rad] of the lining, from the pin, according to `reading`."""
         return self.theta_sb, self.theta_s + (self.theta_sb if self.reading == "span" else 0.0)
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What the block's page warns of."""
+        """Warnings of the block's page."""
         phi_1, phi_2 = self.arc
         if phi_2 - phi_1 >= math.radians(45) - 1e-9:
             return ()
@@ -105,37 +116,39 @@ class DoubleShoe:
 
     @property
     def arm(self) -> float:
-        """c = r_a + r_p cos theta_p: arm of the force about the pin [m]."""
+        """Arm of the force about the pin, c = r_a + r_p cos theta_p [m]."""
         return self.r_a + self.r_p * math.cos(self.theta_p)
 
     @property
     def mu_lock(self) -> float:
-        """The friction at which the leading shoe locks itself."""
+        """Friction coefficient at which the leading shoe locks itself."""
         return float(SINE.locking_friction(self._layout(1)))
 
     def _layout(self, dD: int) -> Layout:
+        """Layout of the leading shoe, dD = 1, or the trailing shoe, dD = -1."""
         return Layout(*self.arc, R=self.r_D, a=self.r_p, dD=dD)
 
     def friction(self, omega: Values) -> Floats:
-        """mu [1] at the speeds omega [rad/s], same shape and sign."""
+        """Friction coefficient at the speeds omega [rad/s], same shape and sign."""
         return np.asarray(self.mu_Coulomb * np.tanh(4 * np.asarray(omega) / self.omega_threshold))
 
     def shoe_torques(self, force: Values, omega: Values) -> tuple[Floats, Floats]:
-        """T_LS and T_TS [N m] of the shoes that lead and trail at omega > 0; force [N], omega
-        [rad/s] broadcast.
+        """Torques T_LS and T_TS [N m] of the shoes that lead and trail at omega > 0.
 
-        Raises NoAnswer where the block would lock itself.
+        The force [N] and omega [rad/s] broadcast. Raises NoAnswer if the block locks itself.
         """
         if self.mu_Coulomb >= self.mu_lock:
             raise NoAnswer(
-                f"double shoe: self-locking, mu_Coulomb = {self.mu_Coulomb:g} is not below mu_lock = {self.mu_lock:.6g}"
+                f"double shoe: self-locking, mu_Coulomb = {self.mu_Coulomb:g} "
+                f"is not below mu_lock = {self.mu_lock:.6g}"
             )
         moment, mu = np.maximum(force, 0.0) * self.arm, self.friction(omega)
         return SINE.torque(moment, mu, self._layout(1)), SINE.torque(moment, mu, self._layout(-1))
 
     def line_pressures(self, force: Values, omega: Values) -> tuple[Floats, Floats]:
-        """p_a and p_b [N/m], the largest linear pressures of both shoes; force [N], omega [rad/s]
-        broadcast.
+        """Largest line pressures p_a and p_b [N/m] of the leading and of the trailing shoe.
+
+        The force [N] and omega [rad/s] broadcast.
         """
         moment, mu = np.maximum(force, 0.0) * self.arm, self.friction(omega)
         leading, trailing = (
@@ -145,15 +158,14 @@ class DoubleShoe:
         return leading, trailing
 
     def torque(self, force: Values, omega: Values) -> Floats:
-        """T [N m] against a rotation omega [rad/s], of its sign; force [N] and omega broadcast.
+        """Torque T [N m] against a rotation omega [rad/s], with its sign.
 
-        Zero without a force that presses: then nothing touches, so nothing is viscous either.
-        Raises NoAnswer where the block would lock itself.
+        The force [N] and omega broadcast. Without a pressing force nothing touches, so that the
+        viscous torque vanishes as well. Raises NoAnswer if the block locks itself.
         """
         leading, trailing = self.shoe_torques(force, omega)
-        return np.where(
-            np.asarray(force) > 0, leading + trailing + self.mu_visc * np.asarray(omega), 0.0
-        )
+        total = leading + trailing + self.mu_visc * np.asarray(omega)
+        return np.where(np.asarray(force) > 0, total, 0.0)
 
     def brake(
         self,
@@ -163,12 +175,19 @@ class DoubleShoe:
         *,
         width: float = 0.04,
         thickness: float = 0.008,
-        material: Material = LINING,
+        material: Material = SIMSCAPE_LINING,
     ) -> Brake:
-        """The block at full friction as a Brake, symmetric about the y axis, its pins below.
+        """The block at full friction as a Brake, symmetric about the y axis, with its pins below.
 
-        The block knows neither width [m] nor thickness [m] nor material of the lining; the sine
-        law's torque does not ask for them.
+        The block knows no width, thickness and material of the lining. The sine law's torque does
+        not depend on them.
+
+        Parameters
+        ----------
+        force : on each shoe [N]
+        rotation, side : as in a brake file
+        width, thickness : of the lining [m]
+        material : of the lining
         """
         phi_1, phi_2 = self.arc
         layers = {"thickness": thickness, "width": width, "material": material}
@@ -177,25 +196,21 @@ class DoubleShoe:
         for name, hand in (("right", 1), ("left", -1)):
             pin = -math.pi / 2 + hand * self.theta_p
             start, end = sorted((pin + hand * phi_1, pin + hand * phi_2))
-            shoes.append(
-                {
-                    "name": name,
-                    "side": side,
-                    "hinge": {"radius": self.r_p, "angle": pin},
-                    "lining": {"start": start, "end": end} | layers,
-                    "actuation": {
-                        "force": force,
-                        "direction": math.radians(inwards + (0.0 if hand > 0 else 180.0)),
-                        "point": {"x": 0.0, "y": self.r_a},
-                    },
-                }
-            )
-        return brake_from(
-            {
-                "title": f"{side} double-shoe brake",
-                "rotation": rotation,
-                "friction": self.mu_Coulomb,
-                "drum": {"radius": self.r_D},
-                "shoe": shoes,
+            direction = math.radians(inwards + (0.0 if hand > 0 else 180.0))
+            point = {"x": 0.0, "y": self.r_a}
+            shoe = {
+                "name": name,
+                "side": side,
+                "hinge": {"radius": self.r_p, "angle": pin},
+                "lining": {"start": start, "end": end} | layers,
+                "actuation": {"force": force, "direction": direction, "point": point},
             }
-        )
+            shoes.append(shoe)
+        data = {
+            "title": f"{side} double-shoe brake",
+            "rotation": rotation,
+            "friction": self.mu_Coulomb,
+            "drum": {"radius": self.r_D},
+            "shoe": shoes,
+        }
+        return brake_from(data)

@@ -121,7 +121,7 @@ def fem_setup(scene: Scene, brake: Brake, *, penalty: float = math.inf) -> WearS
 
 def _interface(group: ShoeGroup) -> WearInterface:
     """The linings of a group of shoes, with all their footings."""
-    first, *others = group.ways()
+    first, *others = group.footings()
     bodies = group.bodies
     gap = np.concatenate(group.gaps)
     problem = _in_newtons(first)
@@ -159,7 +159,7 @@ def _settle(ways: Sequence[ShoeGroup], depth: Floats) -> tuple[int, Bools]:
 def _group_brake_worn_by(group: ShoeGroup, depth: Floats) -> Brake:
     """The brake of a group with its linings worn by a depth (n,) [m] at their unknowns."""
     depths = {}
-    for k, part in enumerate(group.parts):
+    for k, part in enumerate(group.node_ranges):
         frame = group.shoes[k].frame
         forward = slice(None, None, frame.sense)
         theta = frame.theta(group.bodies[k].line.phi)
@@ -195,7 +195,7 @@ def _stands(group: ShoeGroup, contact: Contact) -> bool:
 
 
 def foundation_setup(
-    brake: Brake, *, sections: int = foundation.SECTIONS, lift: Iterable[str] = ()
+    brake: Brake, *, sections: int = foundation.RING_SECTIONS, lift: Iterable[str] = ()
 ) -> WearSetup:
     """The setup of a post brake on the foundation model.
 

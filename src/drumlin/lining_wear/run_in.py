@@ -19,7 +19,7 @@ from drumlin.base.texts import formatted
 from drumlin.brake.brake import Brake
 from drumlin.brake.units import mm
 from drumlin.laws import rigid
-from drumlin.laws.rigid import Pressed
+from drumlin.laws.rigid import PressedShoe
 from drumlin.lining_wear import archard
 from drumlin.lining_wear.archard import WearLaw, WearState, steady
 from drumlin.lining_wear.linings import WearSetup, WornLining, worn_by
@@ -98,10 +98,10 @@ def _at_torque(p: Floats, total: float, torque: float | None) -> WearTarget:
     return WearTarget(p, total) if torque is None else WearTarget(p * torque / total, torque)
 
 
-def _law_torque(setup: WearSetup, surface: WornLining, pressed: Pressed) -> float:
+def _law_torque(setup: WearSetup, surface: WornLining, pressed: PressedShoe) -> float:
     """The torque [N m] of a lining by the law; on a plane the braking force [N]."""
     brake, lining = setup.brake, setup.brake.shoes[surface.shoe].lining
-    theta = rigid.nodes((lining.start, lining.end), pressed.arcs, rigid.NODES - 1)
+    theta = rigid.nodes((lining.start, lining.end), pressed.arcs, rigid.PRESSURE_NODES - 1)
     _, p, weight = gauss_points(theta, rigid.pressure(pressed, theta), 2)
     return float(brake.friction * lining.width * brake.scale_factor**2 * (p * weight).sum())
 

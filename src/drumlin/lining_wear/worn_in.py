@@ -43,7 +43,7 @@ from drumlin.brake.fields import Rows, rows_of
 from drumlin.fem.model import PENALTY, respond
 from drumlin.fem.preparation.scene import Scene
 from drumlin.fem.solve import scene_of
-from drumlin.foundation.model import SECTIONS, lifted, system
+from drumlin.foundation.model import RING_SECTIONS, lifted, system
 from drumlin.foundation.post import shoe_angles
 from drumlin.laws import sine
 from drumlin.lining_wear.archard import WearInterface, WearLaw, steady
@@ -170,7 +170,7 @@ def fitted(brake: Brake, gaps: Mapping[int, Rows] | None = None, *, drum: bool =
 
 
 def worn_in_foundation(
-    brake: Brake, *, sections: int = SECTIONS, lift: Iterable[str] = ()
+    brake: Brake, *, sections: int = RING_SECTIONS, lift: Iterable[str] = ()
 ) -> Brake:
     """The brake with the clearances at which the foundation model bears by the sine law.
 

@@ -23,10 +23,10 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.fem.equilibrium.group import gap_at
+from drumlin.fem.equilibrium.state import gap_at
 from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.mesh.edges import edge_nodes
-from drumlin.fem.model import LARGEST_IMBALANCE
+from drumlin.fem.model import LARGEST_ANSWER_IMBALANCE
 from drumlin.fem.preparation.meshes import ELEMENTS, Mesher
 from drumlin.fem.substructure.elasticity import layers_of, split
 from drumlin.peers.peer import (
@@ -116,7 +116,7 @@ def solve(
     each = [(answers[shoe.name].response, answers[shoe.name].balance) for shoe in brake.shoes]
     costs = solver.costs()
     response = brake_response("getfem", each, costs.steps, {"getfem": costs.cold})
-    if not max(response.balance.force, response.balance.moment) < LARGEST_IMBALANCE:
+    if not max(response.balance.force, response.balance.moment) < LARGEST_ANSWER_IMBALANCE:
         raise NoAnswer(
             f"GetFEM: forces balance only to {response.balance.force:.1e}, "
             f"moments to {response.balance.moment:.1e}"

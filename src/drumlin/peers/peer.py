@@ -15,7 +15,7 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.fem.equilibrium.motions import at_pin
+from drumlin.fem.equilibrium.modes import at_pin
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
 from drumlin.fem.preparation.bodies import actuation
 from drumlin.fem.preparation.cache import shape_of

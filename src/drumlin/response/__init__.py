@@ -1,7 +1,7 @@
-"""What every model returns: one Response with a ShoeResponse a shoe, its figures of merit,
-resultants and distances.
+"""What every model returns: a Response with a ShoeResponse per shoe, and what follows from it.
 
-Imports the brake and nothing that computes one.
+Figures of merit, resultants, balances and distances between responses follow from a response. The
+package imports the brake and nothing that computes a response.
 """
 
 from drumlin.response.response import EDGE_ZONE, Balance, Response, ShoeResponse

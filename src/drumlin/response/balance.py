@@ -1,6 +1,4 @@
-"""Equilibrium of what a model returns: sums of forces and moments, relative to their largest
-members.
-"""
+"""Check the equilibrium of a response: sums of forces and moments, relative to their largest."""
 
 import math
 from typing import TypeVar
@@ -10,12 +8,13 @@ from drumlin.brake.brake import Brake
 from drumlin.response.response import Balance, Response, ShoeResponse
 from drumlin.response.resultants import Resultant, cross, resultant
 
-B = TypeVar("B", bound=Brake)
+BrakeType = TypeVar("BrakeType", bound=Brake)
 
 
 def contact_resultant(brake: Brake, index: int, response: ShoeResponse) -> Resultant:
-    """What the surface does to shoe `index`: the integrals of the response's own p, or what its law
-    lumps.
+    """Resultant of the contact on shoe `index`.
+
+    It is the integral of the response's own pressure, unless the model lumps the contact's forces.
     """
     if response.lumped is not None:
         return response.lumped
@@ -32,8 +31,8 @@ def contact_resultant(brake: Brake, index: int, response: ShoeResponse) -> Resul
     )
 
 
-def loaded(brake: B, response: Response) -> B:
-    """The brake under the forces that its shoes share in a response."""
+def loaded(brake: BrakeType, response: Response) -> BrakeType:
+    """The brake under the actuation forces that its shoes share in a response."""
     forces = [shoe.force for shoe in response.shoes]
     if all(force is None for force in forces):
         return brake
@@ -45,9 +44,9 @@ def loaded(brake: B, response: Response) -> B:
 
 
 def shoe_balance(brake: Brake, index: int, response: ShoeResponse) -> Balance:
-    """Equilibrium of shoe `index` under actuation, hinge reaction and its own p, about the hinge.
+    """Balance of shoe `index` under actuation, support reaction and its own p, about the hinge.
 
-    A shoe that does not touch is held by stops that no model has: nothing is claimed, both are 0.
+    Stops that no model has hold a shoe that does not touch. Its balance is therefore 0.
     """
     if not response.contact_arcs:
         return Balance(0.0, 0.0)
@@ -61,33 +60,38 @@ def shoe_balance(brake: Brake, index: int, response: ShoeResponse) -> Balance:
         response.reaction_moment,
     ]
     if shoe.guide is not None:
-        moments += borne(
-            shoe.actuation.force, brake.scale_factor * (shoe.lining.end - shoe.lining.start)
-        )
+        length = brake.scale_factor * (shoe.lining.end - shoe.lining.start)
+        moments += borne(shoe.actuation.force, length)
     return relative_balance(forces, moments)
 
 
 def borne(force: float, length: float) -> list[float]:
-    """Two moments [N m] that say what is a small one where a guide may bear none at all: the
-    force's in the middle of a lining of this length [m], of either half.
+    """Two opposite moments [N m] that set the scale of the moments on a guided shoe.
+
+    The moments on a guide may all vanish. The force [N] on half of a lining of this length [m]
+    then tells which moment is small.
     """
     return [0.5 * force * length, -0.5 * force * length]
 
 
 def relative_balance(forces: list[Floats], moments: list[float]) -> Balance:
-    """Sums of forces (2,) [N] and of moments [N m], each relative to its largest member; 0 where
-    all are 0.
+    """Sums of forces (2,) [N] and of moments [N m], each relative to its largest member.
+
+    A sum is 0 if all its members are 0.
     """
-    both = [force.tolist() for force in forces]
-    largest_force = max((math.hypot(*force) for force in both), default=0.0)
-    largest_moment = max((abs(m) for m in moments), default=0.0)
-    force = math.hypot(*map(math.fsum, zip(*both, strict=True)))
+    vectors = [force.tolist() for force in forces]
+    largest_force = max((math.hypot(*vector) for vector in vectors), default=0.0)
+    largest_moment = max((abs(moment) for moment in moments), default=0.0)
+    force = math.hypot(*map(math.fsum, zip(*vectors, strict=True)))
+    moment = abs(math.fsum(moments))
     return Balance(
         force=force / largest_force if largest_force else 0.0,
-        moment=abs(math.fsum(moments)) / largest_moment if largest_moment else 0.0,
+        moment=moment / largest_moment if largest_moment else 0.0,
     )
 
 
 def worst(balances: list[Balance]) -> Balance:
-    """The largest of each entry."""
-    return Balance(max(b.force for b in balances), max(b.moment for b in balances))
+    """The largest imbalance of forces and the largest of moments."""
+    return Balance(
+        max(balance.force for balance in balances), max(balance.moment for balance in balances)
+    )

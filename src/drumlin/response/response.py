@@ -1,4 +1,4 @@
-"""What every model returns, whatever it computes with: one Response, with one ShoeResponse a shoe."""
+"""What every model returns: one Response, with one ShoeResponse per shoe."""
 
 import math
 from collections.abc import Mapping
@@ -7,13 +7,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drumlin.base.arrays import Floats
+from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.surface import DRUM, FrictionSurface
 from drumlin.response.limits import check_strain
 from drumlin.response.resultants import (
-    Inside,
+    InnerPart,
     Resultant,
     by_piece,
     contact_arcs,
@@ -23,35 +23,59 @@ from drumlin.response.resultants import (
 from drumlin.response.show import as_html, as_text, plot
 
 EDGE_ZONE = math.radians(0.2)
-"""Zone [rad] at each end of a lining in which no pressure is compared: it is singular at a sharp
-elastic edge. It is part of what an error of p means, in README and in stated errors.
+"""Zone [rad] at each end of a lining in which no pressures are compared.
+
+The pressure is singular at a sharp elastic edge. The zone is part of the meaning of an error of p,
+in README and in stated errors.
 """
-STEP = math.radians(0.2)
-"""Longest step [rad] of a curve that is drawn or written: 500 points of a lining of 100 degrees, as
-many as a picture has dots. No answer depends on it.
+
+CURVE_SPACING = math.radians(0.2)
+"""Longest step [rad] of a curve that is drawn or written.
+
+It gives 500 points over a lining of 100 degrees, as many as a picture has dots. No answer depends
+on it.
 """
-CURVE_STEP = 1e-9
-"""Distance [rad] of a curve's pieces from the lining's ends: angles that are nearer to each other
-are one in a table. At a pressed corner p has pieces down to 1e-12 rad; 1e-5 of its force is left
-so.
+
+SMALLEST_CURVE_PIECE = 1e-9
+"""Distance [rad] from the lining's ends within which the pieces of a curve are left out.
+
+Angles that are nearer to each other are the same in a table. At a pressed corner p has pieces down
+to 1e-12 rad, and 1e-5 of the corner's force lies in the pieces that are left out.
 """
-NEITHER = 1e-9  # of the work of the normal forces, up to which friction neither helps nor opposes the actuation
+
+NEITHER = 1e-9
+"""Work of the friction, relative to the work of the normal forces, that counts as round-off.
+
+Below it friction neither helps nor opposes the actuation.
+"""
+
+NEAR_PEAK = 0.8
+"""Pressure relative to the peak above which it lies near the peak.
+
+Only changes of the pressure near the peak change the peak.
+"""
+
+NO_FORCE = 1e-6
+"""Reaction relative to the contact's force below which the reaction counts as zero."""
 
 
 @dataclass(frozen=True)
 class Balance:
-    """What is left of the equilibrium of a shoe, relative to the largest force or moment on it."""
+    """Imbalance of a shoe: sums of forces and of moments, relative to their largest members."""
 
     force: float
     moment: float
 
 
 class Deformation(NamedTuple):
-    """How a shoe's beam and the drum's ring deform.
+    """Deflections of a shoe's beam and of the drum's ring.
 
-    At the stations `x` (m,) [m] along the beam from the hinge: displacement `w` (m,) [m] towards
-    the drum and `relative` (m,) [m], w beyond the straight line through the beam's ends. `z` (n,)
-    [m]: inward displacement of the ring at the response's angles.
+    Attributes
+    ----------
+    x : (m,), stations along the beam from the hinge [m]
+    w : (m,), displacement towards the drum there [m]
+    relative : (m,), w beyond the straight line through the beam's ends [m]
+    z : (n,), inward displacement of the ring at the response's angles [m]
     """
 
     x: Floats
@@ -60,10 +84,15 @@ class Deformation(NamedTuple):
     z: Floats
 
 
-class Change(NamedTuple):
-    """The parts of a shoe's `pressure` (L2, outside EDGE_ZONE at the lining's ends), `torque` and
-    `reaction` by which something changes them, and of its peak that of the pressure near it,
-    `peak`.
+class ShoeChange(NamedTuple):
+    """Relative changes of a shoe's results by a cause such as the penalty.
+
+    Attributes
+    ----------
+    pressure : in L2, outside EDGE_ZONE at the lining's ends
+    torque : of the torque
+    reaction : of the support reaction
+    peak : of the pressure near the peak
     """
 
     pressure: float
@@ -72,21 +101,25 @@ class Change(NamedTuple):
     peak: float = 0.0
 
 
-NONE = Change(0.0, 0.0, 0.0)
-NEAR_PEAK = 0.8  # of the peak: p that is near it
-NO_FORCE = 1e-6  # of the contact's: a smaller reaction is none
+NO_CHANGE = ShoeChange(0.0, 0.0, 0.0)
 
 
 def reaction_size(reaction: Floats, normal_force: float) -> float:
-    """What errors of a reaction (2,) are parts of [N]: its size, or where it is none, NO_FORCE of
-    the contact's.
+    """Force [N] to which errors of a reaction (2,) [N] are relative.
+
+    It is the size of the reaction, and at least NO_FORCE of the contact's force.
     """
     return max(math.hypot(*reaction), NO_FORCE * normal_force) or 1.0
 
 
-class Surface(NamedTuple):
-    """The pressure over arc and width: `pressure` (n, m) [Pa] at the response's angles and at `z`
-    (m,) [m] off the mid-plane, growing; between these quadratic in z over every two steps.
+class PressureOverWidth(NamedTuple):
+    """The pressure over arc and width.
+
+    Attributes
+    ----------
+    z : (m,), growing distances from the mid-plane [m]
+    pressure : (n, m), pressures [Pa] at the response's angles and at z; quadratic in z over every
+        two steps
     """
 
     z: Floats
@@ -97,25 +130,36 @@ class Surface(NamedTuple):
 class ShoeResponse:
     """What one shoe does.
 
-    `theta` (n,) [rad], growing, and `pressure` (n,) [Pa] are nodes and values of a piecewise
-    polynomial of degree `order`; consecutive pieces share their end node. `torque` >= 0 [N m] is
-    the size of the torque on the drum, which opposes its rotation; `normal_force` [N] the size of
-    the vector sum of the normal forces; `hinge_reaction` (2,) [N] the force of the pin on the shoe.
-    `peak_pressure` [Pa] is the largest pressure; of elastic models the largest one more than half a
-    lining thickness from the lining's ends, where a sharp edge has no bound. `turn` [rad] is the
-    rotation of the shoe about its pin, where a model knows it. `pivot_reaction` (2,) [N] is the
-    force of the pivot on the shoe, where there is one; `reaction_moment` [N m] what a guide adds to
-    its force, about `Held.pin`; `force` [N] of the actuation, where shoes share it; `motion` dx, dy
-    [m] at `Held.pin` and turn [rad] in the shoe's own frame, of a shoe without hinge; `lumped` the
-    contact's forces, where a law lumps them at one point or a model in sectors: else they are the
-    integrals of the pressure. `deformation` of beam and ring, of the foundation model. `surface` of
-    a solid: its `pressure` is then the mean over the width, in `peak_pressure` too. `error`:
-    estimated relative errors "pressure" (L2 outside the edge zones), "torque", "peak" and
-    "reaction", None where nothing was estimated; `softness`: what the contact's penalty changes;
-    `lost`: about what the round-off of the elimination changes, as far as known.
+    Of a shoe on a plane `theta` and `contact_arcs` are places x [m], and `torque` is 0: the shoe
+    brakes by a force.
 
-    Of a shoe on a plane `theta` and `contact_arcs` are places x [m], and `torque` is 0: it brakes
-    by a force.
+    Attributes
+    ----------
+    name : of the shoe
+    torque : size of the torque on the drum [N m]; it opposes the rotation
+    normal_force : size of the vector sum of the normal forces [N]
+    self_energising : whether friction helps the actuation
+    peak_pressure : largest pressure [Pa]. Of elastic models it is the largest pressure more than
+        half a lining thickness from the lining's ends, where a sharp edge has no bound.
+    hinge_reaction : (2,), force of the pin on the shoe [N]
+    contact_arcs : begin and end of each arc in contact [rad]
+    theta : (n,), growing nodes of a piecewise polynomial [rad]; consecutive pieces share an end
+    pressure : (n,), values of the pressure there [Pa]
+    order : degree of the pieces
+    turn : rotation of the shoe about its pin [rad]; None if the model does not know it
+    lumped : resultant of the contact, if a law lumps the forces at one point or a model in sectors;
+        otherwise the resultant is the integral of the pressure
+    pivot_reaction : (2,), force of the pivot on the shoe [N], if there is a pivot
+    reaction_moment : moment that a guide adds to its force, about `Held.pin` [N m]
+    force : of the actuation [N], if shoes share it
+    motion : dx, dy [m] at `Held.pin` and turn [rad] of a shoe without hinge, in the shoe's frame
+    deformation : of beam and ring, of the foundation model
+    surface : pressure over the width of a solid; then `pressure` and `peak_pressure` are means over
+        the width
+    error : estimated relative errors "pressure" (L2 outside the edge zones), "torque", "peak" and
+        "reaction"; None if nothing was estimated
+    softness : change that the contact's penalty causes
+    lost : change that the round-off of the elimination causes, as far as it is known
     """
 
     name: str
@@ -135,56 +179,58 @@ class ShoeResponse:
     force: float | None = None
     motion: tuple[float, float, float] | None = None
     deformation: Deformation | None = None
-    surface: Surface | None = None
+    surface: PressureOverWidth | None = None
     error: Mapping[str, float] | None = None
-    softness: Change = NONE
-    lost: Change = NONE
+    softness: ShoeChange = NO_CHANGE
+    lost: ShoeChange = NO_CHANGE
 
     def pressure_at(self, theta: Floats) -> Floats:
-        """Pressure [Pa] at the angles `theta` [rad], same shape; 0 beyond the lining."""
+        """Pressure [Pa] at the angles `theta` [rad], same shape; 0 beyond the lining.
+
+        It is Lagrange's interpolation in the piece of each angle.
+        """
         theta = np.asarray(theta, dtype=float)
         ends = self.theta[:: self.order]
         piece = np.clip(np.searchsorted(ends, theta, side="right") - 1, 0, len(ends) - 2)
         x, y = by_piece(self.theta, self.order), by_piece(self.pressure, self.order)
+        # Distances of the nodes of a piece from each other; 1 from a node to itself.
         apart = x[:, :, None] - x[:, None]  # (pieces, nodes, nodes)
-        one = np.eye(self.order + 1)
-        factors = (y / (apart + one).prod(axis=2))[piece]
+        unit = np.eye(self.order + 1)
+        factors = (y / (apart + unit).prod(axis=2))[piece]
+        # Products of the distances to all nodes before a node, and to all nodes behind it.
         off = theta[..., None] - x[piece]
-        up, down = (
-            np.ones(off.shape),
-            np.ones(off.shape),
-        )  # products of those before a node, and behind it
-        np.cumprod(off[..., :-1], axis=-1, out=up[..., 1:])
-        np.cumprod(off[..., :0:-1], axis=-1, out=down[..., -2::-1])
-        value = (factors * up * down).sum(axis=-1)
-        return np.where((theta >= self.theta[0]) & (theta <= self.theta[-1]), value, 0.0)
+        before, behind = np.ones(off.shape), np.ones(off.shape)
+        np.cumprod(off[..., :-1], axis=-1, out=before[..., 1:])
+        np.cumprod(off[..., :0:-1], axis=-1, out=behind[..., -2::-1])
+        value = (factors * before * behind).sum(axis=-1)
+        on_lining = (theta >= self.theta[0]) & (theta <= self.theta[-1])
+        return np.where(on_lining, value, 0.0)
 
     def curve(self) -> tuple[Floats, Floats]:
-        """The pressure as a curve to draw and to write: angles (m,) [rad] and p >= 0 (m,) [Pa]
-        there.
+        """The pressure as a curve to draw and to write: angles (m,) [rad] and p >= 0 (m,) [Pa].
 
-        Its own nodes, or where pieces are of a high degree so many points that straight lines or
-        parabolas between them will do: an even number of even steps a piece. A polynomial may dip
-        below zero between its nodes, a pressure not.
+        Pieces up to degree 2 keep their own nodes. Pieces of a higher degree get an even number of
+        even steps each, so many that straight lines or parabolas between them are good enough. A
+        polynomial may dip below zero between its nodes; the curve does not.
         """
         if self.order <= 2:
             return self.theta, self.pressure
         ends = self.theta[:: self.order]
-        apart = np.minimum(ends - ends[0], ends[-1] - ends) > CURVE_STEP
+        apart = np.minimum(ends - ends[0], ends[-1] - ends) > SMALLEST_CURVE_PIECE
         ends = np.concatenate([ends[:1], ends[apart], ends[-1:]])
-        counts = 2 * np.maximum(self.order, np.ceil(np.diff(ends) / (2 * STEP))).astype(int)
-        theta = np.concatenate(
-            [
-                np.linspace(a, b, n + 1)[:-1]
-                for a, b, n in zip(ends[:-1], ends[1:], counts, strict=True)
-            ]
-        )
-        theta = np.append(theta, ends[-1])
+        half_steps = np.ceil(np.diff(ends) / (2 * CURVE_SPACING))
+        counts = 2 * np.maximum(self.order, half_steps).astype(int)
+        pieces = [
+            np.linspace(a, b, count + 1)[:-1]
+            for a, b, count in zip(ends[:-1], ends[1:], counts, strict=True)
+        ]
+        theta = np.append(np.concatenate(pieces), ends[-1])
         return theta, np.maximum(self.pressure_at(theta), 0.0)
 
     def as_dict(self) -> dict[str, Any]:
-        """The response as plain data for JSON (units as in the attributes); the pressure as `curve`
-        has it.
+        """The response as plain data for JSON, in the units of the attributes.
+
+        Its pressure is that of `curve`.
         """
         theta, pressure = self.curve()
         data: dict[str, Any] = {
@@ -218,13 +264,20 @@ class ShoeResponse:
 
 
 class Merit(NamedTuple):
-    """Figures of merit of a shoe on a drum, from its p(theta); None where 0 is divided by 0 or by
-    mu = 0.
+    """Figures of merit of a shoe on a drum, from its p(theta).
 
-    `resultant_angle` [rad] of the normal pressure at O, counted as the lining's angles are;
-    `friction_radius` psi, the apparent radius of friction over R; `shoe_factor` T/(F R);
-    `mechanical_advantage` eta = T/M = 1/(m - double_delta n); `sensitivity_at_fixed_shape` m eta,
-    the (mu/eta) d eta/d mu of a pressure whose shape does not change.
+    A figure is None if 0 is divided by 0 or by mu = 0.
+
+    Attributes
+    ----------
+    resultant_angle : of the normal pressure's resultant at O [rad], counted as the lining's angles
+    friction_radius : psi, the apparent radius of friction over R
+    shoe_factor : T/(F R)
+    mechanical_advantage : eta = T/M = 1/(m - double_delta n)
+    m : moment of the normal pressure about the hinge over T
+    n : moment of the friction about the hinge over its moment about O
+    double_delta : sign of n in eta
+    sensitivity_at_fixed_shape : m eta, the (mu/eta) d eta/d mu of a pressure of constant shape
     """
 
     resultant_angle: float | None
@@ -242,8 +295,13 @@ class Merit(NamedTuple):
 
 
 class FlatMerit(NamedTuple):
-    """Figures of merit of a shoe on a plane: braking force [N], the same over the actuation moment
-    M [1/m], S.
+    """Figures of merit of a shoe on a plane.
+
+    Attributes
+    ----------
+    braking_force : force against the motion [N]
+    braking_force_over_moment : braking force over the actuation's moment M [1/m]
+    sensitivity_at_fixed_shape : S, relative change of the braking force per relative change of mu
     """
 
     braking_force: float
@@ -259,10 +317,21 @@ class FlatMerit(NamedTuple):
 class Response:
     """What a model answers for a brake.
 
-    `seconds`: time of each phase; `left_out`: what was not computed, and why; `merits`: one a shoe;
-    `bearing_load` (2,) [N]: force of all shoes on the drum, which its bearings carry. `error`:
-    estimated relative errors "pressure" (L2 outside the edge zones, the worst shoe's) and "torque",
-    None where nothing was estimated. `surface`: what the brake runs on, known once it has `merits`.
+    Attributes
+    ----------
+    model : name of the model
+    shoes : one response per shoe
+    balance : largest imbalance of the shoes
+    converged : whether the model has converged
+    iterations : number of its iterations
+    seconds : time of each phase [s]
+    left_out : what was not computed, and why
+    notes : lines for the reader
+    merits : figures of merit, one per shoe
+    bearing_load : (2,), force of all shoes on the drum, which its bearings carry [N]
+    error : estimated relative errors "pressure" (L2 outside the edge zones, the worst shoe's) and
+        "torque"; None if nothing was estimated
+    surface : surface on which the brake runs, known once the response has `merits`
     """
 
     model: str
@@ -283,7 +352,8 @@ class Response:
             numbers = shoe.torque, shoe.normal_force, shoe.peak_pressure, *shoe.hinge_reaction
             if not (all(map(math.isfinite, numbers)) and np.isfinite(shoe.pressure).all()):
                 raise NoAnswer(
-                    f"shoe {shoe.name!r}: the answer is not finite, sizes or forces are beyond the arithmetic"
+                    f"shoe {shoe.name!r}: the answer is not finite, "
+                    "sizes or forces are beyond the arithmetic"
                 )
 
     @property
@@ -310,13 +380,14 @@ class Response:
         return as_html(self)
 
     def plot(self, axes: Any = None) -> Any:
-        """Draw p(theta) of every shoe, in MPa over degrees, into matplotlib `axes`, or new ones;
-        returns them.
+        """Draw p(theta) of every shoe, in MPa over degrees.
+
+        It draws into matplotlib `axes`, or into new axes, and returns them.
         """
         return plot(self, axes)
 
     def as_dict(self) -> dict[str, Any]:
-        """The response as plain data for JSON (units as in the attributes: N m, N, Pa, rad, s)."""
+        """The response as plain data for JSON, in N m, N, Pa, rad and s."""
         merits = [merit._asdict() for merit in self.merits] or [{} for _ in self.shoes]
         data: dict[str, Any] = {
             "model": self.model,
@@ -368,29 +439,42 @@ def pressed_shoe(
     turn: float | None = None,
     located: bool = True,
     peak: float | None = None,
-    surface: Surface | None = None,
+    surface: PressureOverWidth | None = None,
     **more: Any,
 ) -> ShoeResponse:
-    """The response of an elastic lining: `pressure` (n,) [Pa] at the angles theta (n,) [rad],
-    growing or falling.
+    """The response of a shoe whose elastic lining is pressed.
 
-    scale_factor: of the brake's surface; located: the ends of the contact and the peak are located
-    within their elements; peak: its pressure [Pa], where it is known; surface: its rows as the
-    angles; more: other attributes of ShoeResponse. Raises NoAnswer beyond LARGEST_STRAIN.
+    Parameters
+    ----------
+    shoe : the shoe
+    scale_factor : of the brake's surface [m per unit of its coordinate]
+    theta : (n,), growing or falling nodes [rad]
+    pressure : (n,), pressures there [Pa]
+    order, torque, normal_force, self_energising, hinge_reaction, turn : as of ShoeResponse
+    located : whether the ends of the contact and the peak are located within their elements
+    peak : peak pressure [Pa], if it is known
+    surface : pressure over the width, its rows at theta
+    more : other attributes of ShoeResponse
+
+    Raises
+    ------
+    NoAnswer
+        if the lining is strained beyond LARGEST_STRAIN
     """
     forward = slice(None, None, 1 if theta[-1] > theta[0] else -1)
     theta, pressure = theta[forward], pressure[forward]
     if peak is None:
         zone = edge_zone(shoe, scale_factor)
         if located:
-            peak = Inside(theta, order, zone).peak(pressure)
+            peak = InnerPart(theta, order, zone).peak(pressure)
         else:
             peak = nodal_peak(theta, pressure, edge_left_out(theta, pressure, order, zone))
     arcs = contact_arcs(theta, pressure, order, located=located)
-    force = (
-        shoe.lining.width * scale_factor * integrate(theta, pressure, order)
-    )  # not its resultant: opposite sides cancel
+    # The sum of the normal forces: in their resultant opposite sides would cancel.
+    force = shoe.lining.width * scale_factor * integrate(theta, pressure, order)
     check_strain(shoe, scale_factor, force, sum(end - start for start, end in arcs))
+    if surface is not None:
+        surface = surface._replace(pressure=surface.pressure[forward])
     return ShoeResponse(
         name=shoe.name,
         torque=torque,
@@ -403,65 +487,73 @@ def pressed_shoe(
         pressure=pressure,
         order=order,
         turn=turn,
-        surface=None if surface is None else surface._replace(pressure=surface.pressure[forward]),
+        surface=surface,
         **more,
     )
 
 
 def edge_zone(shoe: Shoe, scale_factor: float) -> float:
-    """Half the lining's thickness at each of its ends, in which a sharp edge makes the pressure
-    steep; a quarter of its length where that is all of it. In the coordinate of a surface of this
-    scale factor.
+    """Zone at each end of a lining in which a sharp edge makes the pressure steep.
+
+    It is half the lining's thickness, or a quarter of the length of a short lining, in the
+    coordinate of a surface of this scale factor.
     """
-    zone, length = (
-        (shoe.lining.thickness or 0.0) / (2 * scale_factor),
-        shoe.lining.end - shoe.lining.start,
-    )
+    zone = (shoe.lining.thickness or 0.0) / (2 * scale_factor)
+    length = shoe.lining.end - shoe.lining.start
     return zone if 2 * zone < length else 0.25 * length
 
 
 def own_edge_zone(shoe: Shoe, size: float) -> float:
-    """The same zone in phi of the shoe's own frame, in a brake of this size [m]."""
+    """The zone of `edge_zone` in phi of the shoe's own frame, in a brake of this size [m]."""
     unit = shoe.frame.unit
     return edge_zone(shoe, size / unit) / unit
 
 
 def singular_zone(length: float, unit: float = 1.0) -> float:
-    """EDGE_ZONE at each end of a lining of this length, a quarter of a short one; both in a
-    coordinate of which one unit of phi has `unit`.
+    """EDGE_ZONE at each end of a lining of this length, or a quarter of a short lining.
+
+    Both count in a coordinate of which one unit of phi has `unit`.
     """
     return min(unit * EDGE_ZONE, 0.25 * length)
 
 
-class Place(NamedTuple):
-    """Where a pressure peaks: the angle (on a plane x) `at` [rad, m], and the `zone` at the ends
-    that is left out.
+class PeakPlace(NamedTuple):
+    """Where a pressure peaks: at the angle `at` [rad], on a plane at x [m].
+
+    The peak is sought outside a `zone` at the lining's ends.
     """
 
     at: float
     zone: float
 
 
-def peak_place(brake: Brake, index: int, response: ShoeResponse) -> Place | None:
-    """Where shoe `index` has its peak pressure, within STEP; None where it does not touch.
+def peak_place(brake: Brake, index: int, response: ShoeResponse) -> PeakPlace | None:
+    """Where shoe `index` has its peak pressure, within CURVE_SPACING; None without contact.
 
-    The points of the curve may miss the peak. So the zones at the ends are said to be left out
-    where the largest value between them is nearer to the peak than the largest one of all.
+    The points of the curve may miss the peak. The zones at the ends therefore count as left out if
+    the largest value outside the zones is nearer to the peak than the largest of all values.
     """
     if not response.contact_arcs or not response.peak_pressure > 0:
         return None
     theta, pressure = response.curve()
     zone = edge_zone(brake.shoes[index], brake.scale_factor)
-    inside = (theta > theta[0] + zone) & (theta < theta[-1] - zone)
+    inside = _inside(theta, zone)
     apart = abs(pressure[inside].max(initial=0.0) - response.peak_pressure)
     if abs(pressure.max() - response.peak_pressure) <= apart:
         inside, zone = np.ones(len(theta), dtype=bool), 0.0
-    return Place(float(theta[inside][pressure[inside].argmax()]), zone)
+    highest = pressure[inside].argmax()
+    return PeakPlace(float(theta[inside][highest]), zone)
 
 
 def nodal_peak(theta: Floats, pressure: Floats, zone: float) -> float:
-    """Largest nodal pressure [Pa] more than `zone` [rad] from the lining's ends; of all where none
-    presses there.
+    """Largest nodal pressure [Pa] more than `zone` [rad] from the lining's ends.
+
+    If no node presses there, all nodes count.
     """
-    inside = (theta > theta[0] + zone) & (theta < theta[-1] - zone)
+    inside = _inside(theta, zone)
     return float(pressure[inside if pressure[inside].any() else slice(None)].max())
+
+
+def _inside(theta: Floats, zone: float) -> Bools:
+    """Whether angles (n,) are more than `zone` from the first and the last of them."""
+    return np.asarray((theta > theta[0] + zone) & (theta < theta[-1] - zone))

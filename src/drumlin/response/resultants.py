@@ -1,5 +1,7 @@
-"""Resultants of a pressure distribution, and where it ends: integrals of piecewise polynomials over
-an arc.
+"""Integrate a pressure distribution, and find its largest value and where it ends.
+
+A pressure distribution is a piecewise polynomial over the surface's coordinate. Its nodes are the
+Gauss-Lobatto points of each piece. Consecutive pieces share their end node.
 """
 
 import math
@@ -15,10 +17,18 @@ from drumlin.brake.surface import FrictionSurface
 
 GAUSS, WEIGHTS = legendre.leggauss(12)
 
+PEAK_SAMPLES = np.cos(np.linspace(math.pi, 0.0, 25))
+"""Points of a piece, on [-1, 1], between which its largest value is sought by a parabola."""
+
 
 class Resultant(NamedTuple):
-    """What the surface does to the lining: forces of pressure and of friction (2,) [N], moment [N
-    m] about the origin.
+    """Resultant of the contact on the lining.
+
+    Attributes
+    ----------
+    normal : (2,), force of the pressure [N]
+    friction : (2,), force of the friction [N]
+    moment : moment of both about the origin [N m]
     """
 
     normal: Floats
@@ -32,43 +42,38 @@ class Resultant(NamedTuple):
 
 
 def cross(a: Floats, b: Floats) -> Floats:
-    """The out-of-plane component of a x b, (..., 2)."""
+    """The out-of-plane component of a x b, of vectors (..., 2)."""
     return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
 
 
 @cache
 def lobatto(order: int) -> Floats:
-    """Gauss-Lobatto points (order + 1,) on [-1, 1]: the nodes of a polynomial of this degree; up to
-    2 evenly spaced.
+    """Gauss-Lobatto points (order + 1,) on [-1, 1], the nodes of a polynomial of this degree.
+
+    Up to degree 2 they are evenly spaced.
     """
-    inner = (
-        np.sort(legendre.legroots(legendre.legder(np.eye(order + 1)[order])).real)
-        if order > 1
-        else np.zeros(0)
-    )
-    return np.concatenate([[-1.0], 0.5 * (inner - inner[::-1]), [1.0]])
+    inner = np.zeros(0)
+    if order > 1:
+        highest = np.eye(order + 1)[order]
+        inner = np.sort(legendre.legroots(legendre.legder(highest)).real)
+    symmetric = 0.5 * (inner - inner[::-1])
+    return np.concatenate([[-1.0], symmetric, [1.0]])
 
 
 @cache
 def _coefficients(order: int) -> Floats:
-    """Coefficients in Legendre's polynomials of the shape functions: (order + 1, order + 1), a
-    column each.
-    """
+    """Legendre coefficients of the shape functions, a column each: (order + 1, order + 1)."""
     return np.asarray(np.linalg.inv(legendre.legvander(lobatto(order), order)), dtype=float)
 
 
 def shape(order: int, xi: Floats) -> Floats:
-    """Lagrange shape functions of degree `order` on the nodes `lobatto` at xi (any shape): (order +
-    1, *xi.shape).
-    """
+    """Lagrange shape functions on the nodes `lobatto` at points xi: (order + 1, *xi.shape)."""
     rows = _legendre(order, xi)
     return (_coefficients(order).T @ rows.reshape(order + 1, -1)).reshape(rows.shape)
 
 
 def _legendre(order: int, xi: Floats) -> Floats:
-    """Legendre's polynomials up to a degree at xi (any shape), by their recurrence: (order + 1,
-    *xi.shape).
-    """
+    """Legendre polynomials up to a degree at points xi, by recurrence: (order + 1, *xi.shape)."""
     rows = np.ones((order + 1, *np.shape(xi)))
     if order > 0:
         rows[1] = xi
@@ -79,40 +84,47 @@ def _legendre(order: int, xi: Floats) -> Floats:
 
 @cache
 def _integrals(order: int) -> Floats:
-    """Coefficients in Legendre's polynomials of the integrals of the shape functions from -1 on: a
-    row each, (order + 1, order + 2).
+    """Legendre coefficients of the shape functions' integrals from -1 on, a row each.
+
+    Their shape is (order + 1, order + 2).
     """
     return np.ascontiguousarray(legendre.legint(_coefficients(order), lbnd=-1).T)
 
 
 def slopes(order: int, xi: Floats) -> Floats:
-    """Derivatives of these shape functions at xi (any shape): (order + 1, *xi.shape)."""
+    """Derivatives of the shape functions at points xi: (order + 1, *xi.shape)."""
     derivative = legendre.legder(_coefficients(order))
     return np.moveaxis(legendre.legvander(xi, order - 1) @ derivative, -1, 0)
 
 
 @cache
 def at_gauss(order: int) -> tuple[Floats, Floats]:
-    """These shape functions and their derivatives (order + 1, q) at the points GAUSS."""
+    """The shape functions and their derivatives (order + 1, q) at the points GAUSS."""
     return shape(order, GAUSS), slopes(order, GAUSS)
 
 
 @cache
 def _weights(order: int) -> Floats:
-    """Integrals (order + 1,) of these shape functions over a piece of length 1."""
+    """Integrals (order + 1,) of the shape functions over a piece of length 1."""
     return np.asarray(at_gauss(order)[0] @ WEIGHTS / 2, dtype=float)
 
 
-def gauss_points(theta: Floats, values: Floats, order: int) -> tuple[Floats, Floats, Floats]:
-    """Angles, values and weights (pieces, points) of a Gauss rule on every piece of a piecewise
-    polynomial.
-    """
+class GaussValues(NamedTuple):
+    """Places, values and weights (pieces, points) of a Gauss rule on every piece."""
+
+    places: Floats
+    values: Floats
+    weights: Floats
+
+
+def gauss_points(theta: Floats, values: Floats, order: int) -> GaussValues:
+    """Evaluate a piecewise polynomial, theta and values (n,), at the Gauss points of its pieces."""
     ends = theta[::order]
     half = 0.5 * (ends[1:] - ends[:-1])[:, None]
-    return (
-        ends[:-1, None] + half * (1 + GAUSS),
-        by_piece(values, order) @ at_gauss(order)[0],
-        half * WEIGHTS,
+    return GaussValues(
+        places=ends[:-1, None] + half * (1 + GAUSS),
+        values=by_piece(values, order) @ at_gauss(order)[0],
+        weights=half * WEIGHTS,
     )
 
 
@@ -120,23 +132,38 @@ def by_piece(values: Floats, order: int) -> Floats:
     """The nodal values (pieces, order + 1) of each piece of a piecewise polynomial."""
     count = (len(values) - 1) // order
     found = np.empty((count, order + 1))
-    found[:, :-1], found[:, -1] = values[: count * order].reshape(-1, order), values[order::order]
+    found[:, :-1] = values[: count * order].reshape(-1, order)
+    found[:, -1] = values[order::order]
     return found
-
-
-SAMPLES = np.cos(np.linspace(math.pi, 0.0, 25))
-"""Where in a piece its largest value is looked for; between them a parabola tells."""
 
 
 @cache
 def _at_samples(order: int) -> Floats:
-    return shape(order, SAMPLES)
+    """The shape functions (order + 1, s) at PEAK_SAMPLES."""
+    return shape(order, PEAK_SAMPLES)
+
+
+class _Samples(NamedTuple):
+    """Where the largest value inside is sought.
+
+    Attributes
+    ----------
+    pieces : the pieces that reach inside
+    cut : (c,), which of these pieces the zones cut
+    shapes : (c, order + 1, s), shape functions at samples of the inner part of the cut pieces
+    """
+
+    pieces: slice
+    cut: Ints
+    shapes: Floats
 
 
 @dataclass(frozen=True)
-class Inside:
-    """The part of a line more than `zone` [rad] from its ends, for all piecewise polynomials on its
-    nodes theta (n,), growing; none where nothing is so far away.
+class InnerPart:
+    """The part of a line more than `zone` [rad] from its ends.
+
+    It serves all piecewise polynomials on the growing nodes theta (n,). The part is empty if no
+    place is that far from the ends.
     """
 
     theta: Floats
@@ -145,86 +172,92 @@ class Inside:
 
     @cached_property
     def weights(self) -> Floats:
-        """Integrals (2, n) over the whole line and over this part of it, per nodal value."""
+        """Weights (2, n) of the nodal values in the integrals over the whole line and this part."""
         ends, order = self.theta[:: self.order], self.order
         zone = min(self.zone, 0.5 * float(ends[-1] - ends[0]))
         half = 0.5 * (ends[1:] - ends[:-1])
-        at = np.array([ends[0], ends[0] + zone, ends[-1] - zone, ends[-1]])
-        xi = np.minimum(
-            np.maximum((at[:, None] - ends[:-1]) / half - 1, -1.0), 1.0
-        )  # in each piece
-        up_to = half[:, None] * (
-            _integrals(order) @ _legendre(order + 1, xi).swapaxes(0, 1)
-        ).swapaxes(1, 2)
-        own = up_to[3:1:-1] - up_to[:2]
+        limits = np.array([ends[0], ends[0] + zone, ends[-1] - zone, ends[-1]])
+        # The limits in the coordinate of each piece, [-1, 1].
+        xi = np.minimum(np.maximum((limits[:, None] - ends[:-1]) / half - 1, -1.0), 1.0)
+        # Integrals of the shape functions of each piece from its begin up to the limits.
+        integrals = _integrals(order) @ _legendre(order + 1, xi).swapaxes(0, 1)
+        up_to = half[:, None] * integrals.swapaxes(1, 2)
+        between = up_to[3:1:-1] - up_to[:2]
+        # Neighbours add up in the nodes that they share.
         found = np.zeros((2, len(self.theta)))
-        found[:, :-1] = own[:, :, :-1].reshape(2, -1)
-        found[:, order::order] += own[:, :, -1]
+        found[:, :-1] = between[:, :, :-1].reshape(2, -1)
+        found[:, order::order] += between[:, :, -1]
         return found
 
     def part(self, values: Floats) -> float:
-        """The part of the integral that is inside."""
+        """The integral over this part, relative to the integral over the whole line."""
         whole, inside = (self.weights @ values).tolist()
         return float(inside / (whole or 1.0))
 
     @cached_property
-    def samples(self) -> tuple[slice, Ints, Floats]:
-        """The pieces that reach inside; which of these zones cut (c,), and the shape functions (c,
-        order + 1, s) where what is left of them is looked at.
-        """
-        ends, whole = self.theta[:: self.order], 2 * self.zone >= self.theta[-1] - self.theta[0]
-        start, end, zone = ends[:-1], ends[1:], 0.0 if whole else self.zone
+    def samples(self) -> _Samples:
+        """The samples of the inner part; of the whole line if the part is empty."""
+        ends = self.theta[:: self.order]
+        empty = 2 * self.zone >= self.theta[-1] - self.theta[0]
+        zone = 0.0 if empty else self.zone
+        start, end = ends[:-1], ends[1:]
         low, high = np.maximum(start, ends[0] + zone), np.minimum(end, ends[-1] - zone)
-        on = (low < high).nonzero()[0]
-        cut = ((low > start) | (high < end))[on].nonzero()[0]
-        a, b, start, end = (x[on[cut], None] for x in (low, high, start, end))
-        xi = (a + b - start - end + (b - a) * SAMPLES) / (end - start)
-        return slice(int(on[0]), int(on[-1]) + 1), cut, shape(self.order, xi).swapaxes(0, 1)
+        pieces = (low < high).nonzero()[0]
+        cut = ((low > start) | (high < end))[pieces].nonzero()[0]
+        # The samples between low and high, in the coordinate of each cut piece.
+        low, high = low[pieces[cut], None], high[pieces[cut], None]
+        start, end = start[pieces[cut], None], end[pieces[cut], None]
+        xi = (low + high - start - end + (high - low) * PEAK_SAMPLES) / (end - start)
+        shapes = shape(self.order, xi).swapaxes(0, 1)
+        return _Samples(slice(int(pieces[0]), int(pieces[-1]) + 1), cut, shapes)
 
     def largest(self, values: Floats) -> float:
-        """The largest value inside; everywhere where nothing is."""
-        on, cut, at = self.samples
-        pieces = by_piece(values, self.order)[on]
+        """Largest value of this part; of the whole line if the part is empty."""
+        samples = self.samples
+        pieces = by_piece(values, self.order)[samples.pieces]
         found = pieces @ _at_samples(self.order)
-        if len(cut):
-            found[cut] = (pieces[cut, None] @ at)[:, 0]
-        i, j = divmod(int(found.argmax()), len(SAMPLES))
-        if j in {0, len(SAMPLES) - 1}:
-            return float(found[i, j])
-        (before, x, after), (below, top, beyond) = (
-            SAMPLES[j - 1 : j + 2].tolist(),
-            found[i, j - 1 : j + 2].tolist(),
-        )
-        left, right = (top - below) / (x - before), (beyond - top) / (after - x)
-        bend = (right - left) / (after - before)
-        slope = left + bend * (x - before)
-        return float(max(top, top - slope * slope / (4 * bend))) if bend < 0 else float(top)
+        if len(samples.cut):
+            found[samples.cut] = (pieces[samples.cut, None] @ samples.shapes)[:, 0]
+        piece, sample = divmod(int(found.argmax()), len(PEAK_SAMPLES))
+        if sample in {0, len(PEAK_SAMPLES) - 1}:
+            return float(found[piece, sample])
+        x = PEAK_SAMPLES[sample - 1 : sample + 2].tolist()
+        return _top_of_parabola(x, found[piece, sample - 1 : sample + 2].tolist())
 
     def peak(self, pressure: Floats) -> float:
-        """The largest value inside; everywhere where less than half of the force is there."""
-        return (
-            self.largest(pressure)
-            if self.part(pressure) > 0.5
-            else largest(self.theta, pressure, self.order)
-        )
+        """Largest pressure of this part; of the whole line if less than half of the force acts here."""
+        if self.part(pressure) > 0.5:
+            return self.largest(pressure)
+        return largest(self.theta, pressure, self.order)
+
+
+def _top_of_parabola(x: list[float], y: list[float]) -> float:
+    """Largest value of the parabola through three points, of which the middle one is highest."""
+    before, at, after = x
+    below, top, beyond = y
+    left, right = (top - below) / (at - before), (beyond - top) / (after - at)
+    bend = (right - left) / (after - before)
+    slope = left + bend * (at - before)
+    return float(max(top, top - slope * slope / (4 * bend))) if bend < 0 else float(top)
 
 
 def largest(theta: Floats, values: Floats, order: int) -> float:
     """Largest value of a piecewise polynomial."""
-    return Inside(theta, order, 0.0).largest(values)
+    return InnerPart(theta, order, 0.0).largest(values)
 
 
 def edge_left_out(theta: Floats, pressure: Floats, order: int, zone: float) -> float:
-    """The zone [rad] at the ends that may be left out of judging p(theta): none where half of the
-    force is there.
+    """The zone [rad] at the ends that may be left out of judging p(theta).
+
+    It is 0 if half of the force acts in the zones.
     """
-    return zone if Inside(theta, order, zone).part(pressure) > 0.5 else 0.0
+    return zone if InnerPart(theta, order, zone).part(pressure) > 0.5 else 0.0
 
 
 def integrate(theta: Floats, values: Floats, order: int) -> float:
-    """Integral of a piecewise polynomial (nodes `theta` (n,), `values` (n,)) over theta."""
-    _, v, w = gauss_points(theta, values, order)
-    return float(np.sum(v * w))
+    """Integral over theta of a piecewise polynomial with nodes `theta` (n,) and `values` (n,)."""
+    rule = gauss_points(theta, values, order)
+    return float(np.sum(rule.values * rule.weights))
 
 
 def resultant(
@@ -238,67 +271,82 @@ def resultant(
     sign: int,
     drag: float,
 ) -> Resultant:
-    """Resultant on the lining of the traction -p n + drag p t, n out of the lining, t along the
-    surface, drag = mu s.
+    """Resultant on the lining of the traction -p n + drag p t.
+
+    The normal n points out of the lining, t along the surface.
 
     Parameters
     ----------
-    surface : what the lining lies on theta, pressure : (n,), places in the surface's coordinate and
-    pressures [Pa], piecewise of degree `order` order : degree of the pieces size : of the brake [m]
-    per_place : area of the lining per unit of the coordinate sign : +1 of an internal lining, -1 of
-    an external one drag : friction per pressure along growing places
+    surface : surface on which the lining lies
+    theta : (n,), places in the surface's coordinate, nodes of the pressure
+    pressure : (n,), pressures [Pa] there
+    order : degree of the pieces
+    size : of the brake [m]
+    per_place : area of the lining per unit of the coordinate
+    sign : +1 of an internal lining, -1 of an external lining
+    drag : friction per pressure along growing places, mu s
     """
-    place, p, w = gauss_points(theta, pressure, order)
-    load = p * w * per_place
-    normal, along = surface.outwards(place), surface.along(place)
-    lever = surface.levers(place, size)
+    rule = gauss_points(theta, pressure, order)
+    load = rule.values * rule.weights * per_place
+    normal, along = surface.outwards(rule.places), surface.along(rule.places)
+    lever = surface.levers(rule.places, size)
+    moment = drag * np.sum(load * lever[1]) - sign * np.sum(load * lever[0])
     return Resultant(
-        -sign * np.sum(load * normal, axis=(1, 2)),
-        drag * np.sum(load * along, axis=(1, 2)),
-        float(drag * np.sum(load * lever[1]) - sign * np.sum(load * lever[0])),
+        normal=-sign * np.sum(load * normal, axis=(1, 2)),
+        friction=drag * np.sum(load * along, axis=(1, 2)),
+        moment=float(moment),
     )
 
 
 def contact_arcs(
     theta: Floats, pressure: Floats, order: int, *, located: bool = True
 ) -> tuple[tuple[float, float], ...]:
-    """Arcs [rad] in which the lining is pressed; theta (n,) [rad], pressure (n,) [Pa], piecewise of
-    degree `order`.
+    """Arcs [rad] in which the lining is pressed.
 
-    Nodes next to a pressed one belong to its arc; an end without pressure is then located within
-    its step, unless not `located`.
+    Nodes next to a pressed node belong to its arc.
+
+    Parameters
+    ----------
+    theta : (n,), growing nodes [rad]
+    pressure : (n,), nodal pressures [Pa]
+    order : degree of the pieces
+    located : whether an end without pressure is located within its element
     """
     pressed = pressure > 0
+    # A step between two nodes belongs to an arc if one of the nodes is pressed.
     steps = np.zeros(len(theta) + 1, dtype=bool)
     steps[1:-1] = pressed[:-1] | pressed[1:]
     edges = (steps[1:] != steps[:-1]).nonzero()[0].tolist()
     arcs = []
-    for start, end in zip(edges[::2], edges[1::2], strict=True):
-        ends = float(theta[start]), float(theta[end])
-        if located and not pressed[start]:
-            ends = _end(theta, pressure, start, order), ends[1]
-        if located and not pressed[end]:
-            ends = ends[0], -_end(-theta[::-1], pressure[::-1], len(theta) - 1 - end, order)
-        arcs.append(ends)
+    for first, last in zip(edges[::2], edges[1::2], strict=True):
+        start, end = float(theta[first]), float(theta[last])
+        if located and not pressed[first]:
+            start = _end(theta, pressure, first, order)
+        if located and not pressed[last]:
+            # The other end is found from behind, in the mirror image of the pressure.
+            mirrored = len(theta) - 1 - last
+            end = -_end(-theta[::-1], pressure[::-1], mirrored, order)
+        arcs.append((start, end))
     return tuple(arcs)
 
 
 def _end(theta: Floats, pressure: Floats, node: int, order: int) -> float:
-    """The end between `node` and the next one of an arc that begins at `node`, where nothing
-    presses.
+    """Locate the end of an arc between an unpressed `node` and the next node.
 
-    The pressure of a smooth contact falls to its end e as sqrt(theta - e), so that F = Int_e p
-    dtheta has F^(2/3) linear in theta: the line through its values at the ends of the first two
-    elements gives e. Integrals of the pressure scatter far less than its nodal values.
+    The pressure of a smooth contact falls to its end e as sqrt(theta - e). The force from there on,
+    F = Int_e p dtheta, therefore has F^(2/3) linear in theta. The line through its values at the
+    ends of the first two elements gives e. Integrals of the pressure scatter far less than its
+    nodal values.
     """
-    i = node // order * order
-    near, far = i + order, i + 2 * order
+    begin = node // order * order
+    near, far = begin + order, begin + 2 * order
     if far >= len(theta):
         return float(theta[node])
-    first, second = (by_piece(pressure[i : far + 1], order) @ _weights(order)).tolist()
-    first, second = first * (theta[near] - theta[i]), second * (theta[far] - theta[near])
-    f = [max(force, 0.0) ** (2 / 3) for force in (first, first + second)]
-    if f[1] <= f[0]:
+    means = by_piece(pressure[begin : far + 1], order) @ _weights(order)
+    first, second = means.tolist()
+    first, second = first * (theta[near] - theta[begin]), second * (theta[far] - theta[near])
+    f_near, f_far = (max(force, 0.0) ** (2 / 3) for force in (first, first + second))
+    if f_far <= f_near:
         return float(theta[node])
-    end = theta[near] - f[0] * (theta[far] - theta[near]) / (f[1] - f[0])
+    end = theta[near] - f_near * (theta[far] - theta[near]) / (f_far - f_near)
     return float(min(max(end, theta[node]), theta[node + 1]))

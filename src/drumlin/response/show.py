@@ -1,6 +1,4 @@
-"""A response as a person sees it in a session: its words, a short table as text or HTML, its
-pressure as a plot.
-"""
+"""Show a response to a person: as a short table in text or HTML, and its pressure as a plot."""
 
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
@@ -12,19 +10,19 @@ from drumlin.brake.surface import FrictionSurface
 if TYPE_CHECKING:
     from drumlin.response.response import Response, ShoeResponse
 
-POINTS = 20  # of a curve in each piece of the pressure
+POINTS_PER_PIECE = 20
+"""Points of a drawn curve in each piece of the pressure. More would not show in a small plot."""
 
 
 def arcs_text(shoe: "ShoeResponse", surface: FrictionSurface) -> str:
-    """Contact arcs as text: numbers in the unit in which a person sees places of the surface."""
+    """Contact arcs as text, in the unit in which a person sees places of the surface."""
     factor = surface.shown
-    return (
-        ", ".join(f"{a * factor:.1f} to {b * factor:.1f}" for a, b in shoe.contact_arcs) or "none"
-    )
+    arcs = [f"{start * factor:.1f} to {end * factor:.1f}" for start, end in shoe.contact_arcs]
+    return ", ".join(arcs) or "none"
 
 
 def rows_of(response: "Response") -> list[tuple[str, ...]]:
-    """The head, one row a shoe, and one of the whole brake."""
+    """Rows of the table: its head, one row per shoe, and one of the whole brake."""
     surface, effects = response.surface, response.effects
     head = (
         "shoe",
@@ -36,33 +34,33 @@ def rows_of(response: "Response") -> list[tuple[str, ...]]:
     )
     rows: list[tuple[str, ...]] = [head]
     for i, shoe in enumerate(response.shoes):
-        rows.append(
-            (
-                shoe.name,
-                f"{effects[i]:.6g}",
-                f"{shoe.normal_force:.6g}",
-                f"{shoe.peak_pressure * 1e-6:.4g}",
-                arcs_text(shoe, surface),
-                "yes" if shoe.self_energising else "no",
-            )
+        row = (
+            shoe.name,
+            f"{effects[i]:.6g}",
+            f"{shoe.normal_force:.6g}",
+            f"{shoe.peak_pressure * 1e-6:.4g}",
+            arcs_text(shoe, surface),
+            "yes" if shoe.self_energising else "no",
         )
+        rows.append(row)
     return [*rows, ("all", f"{response.effect:.6g}", "", "", "", "")]
 
 
 def as_text(response: "Response") -> str:
-    """The table with its columns aligned, headed by the model."""
+    """The table with its columns aligned, under the name of the model."""
     table = rows_of(response)
     widths = [max(len(row[k]) for row in table) for k in range(len(table[0]))]
-    lines = [
-        "  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True)).rstrip()
-        for row in table
-    ]
-    return "\n".join([_title(response), *lines])
+    lines = [_title(response)]
+    for row in table:
+        cells = [cell.ljust(width) for cell, width in zip(row, widths, strict=True)]
+        lines.append("  ".join(cells).rstrip())
+    return "\n".join(lines)
 
 
 def as_html(response: "Response") -> str:
     """The table as HTML."""
-    from html import escape  # noqa: PLC0415  (with a table of all entities, which a notebook alone needs)
+    # A table of all entities comes with the module, and only notebooks need it.
+    from html import escape  # noqa: PLC0415
 
     def row(cells: tuple[str, ...], tag: str) -> str:
         return "<tr>" + "".join(f"<{tag}>{escape(cell)}</{tag}>" for cell in cells) + "</tr>"
@@ -73,17 +71,20 @@ def as_html(response: "Response") -> str:
 
 
 def plot(response: "Response", axes: Any = None) -> Any:
-    """Draw p of every shoe, in MPa over degrees (on a plane mm), into matplotlib `axes`, or new
-    ones; returns them.
+    """Draw the pressure of every shoe, in MPa over degrees, or over mm on a plane.
+
+    It draws into matplotlib `axes`, or into new axes, and returns them.
     """
     if axes is None:
-        from matplotlib import pyplot as plt  # noqa: PLC0415  (matplotlib loads when something is drawn)
+        # matplotlib is loaded only when something is drawn.
+        from matplotlib import pyplot as plt  # noqa: PLC0415
 
         _, axes = plt.subplots()
     surface = response.surface
     for shoe in response.shoes:
         ends = shoe.theta[:: shoe.order]
-        theta = np.unique(np.concatenate([np.linspace(a, b, POINTS) for a, b in pairwise(ends)]))
+        pieces = [np.linspace(a, b, POINTS_PER_PIECE) for a, b in pairwise(ends)]
+        theta = np.unique(np.concatenate(pieces))
         axes.plot(theta * surface.shown, shoe.pressure_at(theta) * 1e-6, label=shoe.name)
     axes.set(xlabel=surface.axis, ylabel="pressure p [MPa]", title=_title(response))
     axes.legend()
@@ -91,5 +92,8 @@ def plot(response: "Response", axes: Any = None) -> Any:
 
 
 def _title(response: "Response") -> str:
-    said, surface = "" if response.converged else ", not converged", response.surface
-    return f"{response.model}: {surface.effect} {response.effect:.6g} {surface.effect_unit}{said}"
+    """Model and effect of a response in one line."""
+    surface = response.surface
+    unconverged = "" if response.converged else ", not converged"
+    effect = f"{response.effect:.6g} {surface.effect_unit}"
+    return f"{response.model}: {surface.effect} {effect}{unconverged}"

@@ -17,7 +17,7 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import differing
 from drumlin.brake.plane_brake import read_any
 from drumlin.brake.surface import DRUM, FrictionSurface
-from drumlin.brake.units import LARGEST, to_si
+from drumlin.brake.units import LARGEST_NUMBER_SI, to_si
 from drumlin.comparison import as_csv
 from drumlin.response.response import Response, ShoeResponse
 from drumlin.verification.reference import Reference, ShoeReference
@@ -150,9 +150,10 @@ def _number(
         value = float(line[place]) * factor
     except ValueError:
         value = math.nan
-    if not abs(value) <= LARGEST:
+    if not abs(value) <= LARGEST_NUMBER_SI:
         raise BadInput(
-            f"{path}: line {number}: {key} = {line[place]!r}: must be a finite number, up to {LARGEST:g} in SI units"
+            f"{path}: line {number}: {key} = {line[place]!r}: must be a finite number, "
+            f"up to {LARGEST_NUMBER_SI:g} in SI units"
         )
     return value
 

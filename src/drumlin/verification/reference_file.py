@@ -17,7 +17,7 @@ from drumlin.base.errors import BadInput
 from drumlin.base.files import read_text, write_text
 from drumlin.base.texts import check_digits, check_toml
 from drumlin.brake.surface import DRUM, PLANE
-from drumlin.brake.units import LARGEST
+from drumlin.brake.units import LARGEST_NUMBER_SI
 from drumlin.verification.reference import Reference, ShoeReference, Sure
 
 FORMAT = "drumlin reference values, 1"
@@ -188,7 +188,7 @@ def _numbers(value: object, *shape: int) -> Floats:
     fits = array.ndim == len(shape) and all(
         n in {-1, m} for n, m in zip(shape, array.shape, strict=True)
     )
-    if not fits or not (np.abs(array) <= LARGEST).all():
+    if not fits or not (np.abs(array) <= LARGEST_NUMBER_SI).all():
         raise ValueError("not finite numbers of the shape that is needed")
     return array
 

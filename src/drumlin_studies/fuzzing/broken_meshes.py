@@ -1,6 +1,4 @@
-"""Mesh files broken on purpose: cut off, mislabelled, with counts that lie, torn, folded, doubled,
-without groups.
-"""
+"""Mesh files that are broken on purpose: cut off, mislabelled, torn, folded or without groups."""
 
 import math
 import random
@@ -17,17 +15,15 @@ import numpy as np
 from drumlin.brake.file import brake_from
 from drumlin.fem.mesh.file import FORMATS, write_mesh
 from drumlin.fem.preparation.prepare import prepare
-from drumlin_studies.fuzzing.inputs import BRAKES, Input, brake_text, toml
+from drumlin_studies.fuzzing.inputs import SOUND_BRAKES, BrokenInput, brake_text, toml
 
 MESH_SUFFIXES = (".msh", ".inp", ".vtu")
 
 
 @cache
 def mesh_files() -> dict[str, bytes]:
-    """Small sound meshes of the double-shoe brake's right shoe, by suffix, and the "brake" file that
-    will name one of them.
-    """
-    data = tomllib.loads(brake_text(BRAKES[0]).decode())
+    """Small sound meshes of a shoe, by suffix, and under "brake" the brake file of this shoe."""
+    data = tomllib.loads(brake_text(SOUND_BRAKES[0]).decode())
     data["shoe"] = data["shoe"][:1]
     brake = brake_from(data, unit_required=True)
     mesh = prepare(brake, elements=6, kind="tri2").bodies[0].mesh
@@ -45,23 +41,33 @@ def with_mesh(brake_file: bytes, name: str) -> bytes:
     return toml(data)
 
 
-def meshed(kind: str, mesh: bytes, suffix: str, *, must_fail: bool = True) -> Input:
-    """A solve of the brake with this mesh, named with this suffix."""
+def meshed(kind: str, mesh: bytes, suffix: str, *, must_fail: bool = True) -> BrokenInput:
+    """A solve of the brake with a mesh.
+
+    Parameters
+    ----------
+    kind : str
+        What kind of input it is.
+    mesh : bytes
+        The mesh file.
+    suffix : str
+        Suffix of the mesh file.
+    must_fail : bool
+        Whether no model may answer the input.
+    """
     name = f"m{suffix}"
     files = {"b.toml": with_mesh(mesh_files()["brake"], name), name: mesh}
     words = ["solve", "b.toml", "--json", "r.json"]
-    return Input(kind, files, words, must_fail=must_fail)
+    return BrokenInput(kind, files, words, must_fail=must_fail)
 
 
-def impossible_mesh(rng: random.Random) -> Input:
-    """A mesh file that is cut off, of another format, with counts that lie, or of a shoe that cannot
-    be.
-    """
+def impossible_mesh(rng: random.Random) -> BrokenInput:
+    """A solve with a mesh that is cut off, mislabelled, has wrong counts, or is no valid shoe."""
     (maker,) = rng.choices([_cut, _mislabelled, _lying, _spoiled], [3, 1, 1, 6])
     return maker(rng)
 
 
-def _cut(rng: random.Random) -> Input:
+def _cut(rng: random.Random) -> BrokenInput:
     """A mesh file of which less than three quarters are left."""
     suffix = rng.choice(MESH_SUFFIXES)
     text = mesh_files()[suffix]
@@ -69,16 +75,16 @@ def _cut(rng: random.Random) -> Input:
     return meshed(f"mesh {suffix}: cut off", left, suffix)
 
 
-def _mislabelled(rng: random.Random) -> Input:
+def _mislabelled(rng: random.Random) -> BrokenInput:
     """A mesh under the suffix of another format, or a file that is no mesh at all."""
     suffix, other = rng.sample(MESH_SUFFIXES, 2)
     noise = bytes(rng.randrange(256) for _ in range(99))
-    text = rng.choice([mesh_files()[other], brake_text(rng.choice(BRAKES)), b"", noise])
+    text = rng.choice([mesh_files()[other], brake_text(rng.choice(SOUND_BRAKES)), b"", noise])
     return meshed(f"mesh {suffix}: another format", text, suffix)
 
 
-def _lying(rng: random.Random) -> Input:
-    """A mesh file whose counts promise more than there is, up to more than any memory holds."""
+def _lying(rng: random.Random) -> BrokenInput:
+    """A mesh file with wrong counts, up to more than any memory holds."""
     text = mesh_files()[".msh"].decode()
     keyword = rng.choice(["$Nodes\n", "$Elements\n", "$PhysicalNames\n"])
     start = text.index(keyword) + len(keyword)
@@ -87,8 +93,8 @@ def _lying(rng: random.Random) -> Input:
     return meshed("mesh .msh: false counts", false.encode(), ".msh")
 
 
-def _spoiled(rng: random.Random) -> Input:
-    """A well-formed mesh file of a shoe that cannot be: torn, folded, doubled, without its groups."""
+def _spoiled(rng: random.Random) -> BrokenInput:
+    """A well-formed mesh file that is no valid shoe: torn, folded, doubled, or without groups."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "shoe.vtu"
         path.write_bytes(mesh_files()[".vtu"])
@@ -108,16 +114,21 @@ def _spoiled(rng: random.Random) -> Input:
 
 
 Spoiled = tuple[Any, Any, dict[str, Any], dict[str, Any]]
+"""Points, cells, data of cells and data of points of a mesh.
+
+The functions below take the same four: `at` are the data of cells, `on` those of points.
+"""
 
 
 def _inverted(rng: random.Random, points: Any, cells: Any, at: Any, on: Any) -> Spoiled:
+    """A mesh with two corners of an element exchanged."""
     i = rng.randrange(len(cells))
     cells[i, [0, 1]] = cells[i, [1, 0]]
     return points, cells, at, on
 
 
 def _torn(rng: random.Random, points: Any, cells: Any, at: Any, on: Any) -> Spoiled:
-    """A strip of elements is missing: two parts are left."""
+    """A mesh without a strip of its elements: two parts are left."""
     theta = np.arctan2(points[:, 1], points[:, 0])[cells[:, :3]]
     cut = rng.uniform(-0.6, 0.5)
     keep = (theta.max(axis=1) < cut) | (theta.min(axis=1) > cut)
@@ -125,19 +136,19 @@ def _torn(rng: random.Random, points: Any, cells: Any, at: Any, on: Any) -> Spoi
 
 
 def _doubled_node(rng: random.Random, points: Any, cells: Any, at: Any, on: Any) -> Spoiled:
-    """An element has a corner of its own where its neighbours have another."""
+    """A mesh in which an element does not share a corner with its neighbours."""
     i, k = rng.randrange(len(cells)), rng.randrange(3)
     points = np.vstack([points, points[cells[i, k]]])
     on = {key: np.append(values, values[cells[i, k]]) for key, values in on.items()}
-    if (
-        np.count_nonzero(cells == cells[i, k]) == 1
-    ):  # a corner of one element only: nothing would be wrong
+    # A corner that belongs to one element only can be doubled without harm.
+    if np.count_nonzero(cells == cells[i, k]) == 1:
         return _inverted(rng, points, cells, at, on)
     cells[i, k] = len(points) - 1
     return points, cells, at, on
 
 
 def _not_finite(rng: random.Random, points: Any, cells: Any, at: Any, on: Any) -> Spoiled:
+    """A mesh with a coordinate that is not finite."""
     points[cells[rng.randrange(len(cells)), rng.randrange(3)], rng.randrange(2)] = rng.choice(
         [math.nan, math.inf]
     )
@@ -145,12 +156,13 @@ def _not_finite(rng: random.Random, points: Any, cells: Any, at: Any, on: Any) -
 
 
 def _folded(rng: random.Random, points: Any, cells: Any, at: Any, on: Any) -> Spoiled:
-    """A corner moved far across its neighbours."""
+    """A mesh with a corner moved far across its neighbours."""
     points[cells[rng.randrange(len(cells)), rng.randrange(3)], :2] += rng.choice([-1, 1]) * 0.3
     return points, cells, at, on
 
 
 def _doubled_element(rng: random.Random, points: Any, cells: Any, at: Any, on: Any) -> Spoiled:
+    """A mesh that has an element twice."""
     i = rng.randrange(len(cells))
     return (
         points,
@@ -161,6 +173,7 @@ def _doubled_element(rng: random.Random, points: Any, cells: Any, at: Any, on: A
 
 
 def _without_group(rng: random.Random, points: Any, cells: Any, at: Any, on: Any) -> Spoiled:
+    """A mesh without one of its groups, or with an empty group."""
     data, name = rng.choice(
         [(at, "lining"), (at, "shoe"), (on, "contact"), (on, "hinge"), (on, "actuation")]
     )
@@ -172,6 +185,7 @@ def _without_group(rng: random.Random, points: Any, cells: Any, at: Any, on: Any
 
 
 def _element_in_none(rng: random.Random, points: Any, cells: Any, at: Any, on: Any) -> Spoiled:
+    """A mesh with an element that belongs to no group of elements, or to all of them."""
     i, value = rng.randrange(len(cells)), rng.randrange(2)
     for values in at.values():
         values[i] = value
@@ -179,15 +193,18 @@ def _element_in_none(rng: random.Random, points: Any, cells: Any, at: Any, on: A
 
 
 def _other_unit(rng: random.Random, points: Any, cells: Any, at: Any, on: Any) -> Spoiled:
+    """A mesh in another unit of length."""
     return points * rng.choice([1e3, 1e-3, 25.4]), cells, at, on
 
 
 def _not_plane(rng: random.Random, points: Any, cells: Any, at: Any, on: Any) -> Spoiled:
+    """A mesh with a point off the plane."""
     points[rng.randrange(len(points)), 2] = 0.01
     return points, cells, at, on
 
 
 def _no_such_node(rng: random.Random, points: Any, cells: Any, at: Any, on: Any) -> Spoiled:
+    """A mesh with an element on a node that does not exist."""
     cells[rng.randrange(len(cells)), rng.randrange(cells.shape[1])] = rng.choice(
         [-1, len(points), 2**40]
     )
@@ -195,7 +212,7 @@ def _no_such_node(rng: random.Random, points: Any, cells: Any, at: Any, on: Any)
 
 
 def _far_middle(rng: random.Random, points: Any, cells: Any, at: Any, on: Any) -> Spoiled:
-    """The middle node of an edge far from it: the element folds over."""
+    """A mesh with the middle node of an edge far from the edge, so that an element folds over."""
     points[cells[rng.randrange(len(cells)), rng.randrange(3, 6)], :2] += 0.2
     return points, cells, at, on
 
@@ -214,3 +231,4 @@ SPOILS: dict[str, Callable[..., Spoiled]] = {
     "undefined node": _no_such_node,
     "middle node far off": _far_middle,
 }
+"""The function that spoils a mesh, by what is then wrong with it."""

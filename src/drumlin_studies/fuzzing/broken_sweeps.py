@@ -1,4 +1,4 @@
-"""Broken inputs of sweeps: sweep files with values of all sorts, and journals that are damaged."""
+"""Broken inputs of sweeps: sweep files with values of all sorts, and damaged journals."""
 
 import contextlib
 import io
@@ -11,13 +11,26 @@ from typing import Any
 
 from drumlin.studies import REPOSITORY
 from drumlin_studies.fuzzing.broken_meshes import mesh_files
-from drumlin_studies.fuzzing.inputs import BRAKES, FEW_ELEMENTS, Input, brake_text, noise, toml
-from drumlin_studies.fuzzing.wrong_values import NUMBERS, QUANTITIES, WORDS, anything
+from drumlin_studies.fuzzing.inputs import (
+    FEW_ELEMENTS,
+    SOUND_BRAKES,
+    BrokenInput,
+    brake_text,
+    noise,
+    toml,
+)
+from drumlin_studies.fuzzing.wrong_values import (
+    WRONG_NUMBERS,
+    WRONG_QUANTITIES,
+    WRONG_WORDS,
+    anything,
+)
 
-TABLE = "t.csv"
-JOURNAL = f"{TABLE}.journal"
-WORDS_OF_A_SWEEP = ["sweep", "s.toml", "--jobs", "1", "--output", TABLE]
-SOUND = """
+SWEEP_TABLE = "t.csv"
+SWEEP_JOURNAL = f"{SWEEP_TABLE}.journal"
+"""Name of the journal of a sweep, beside its table."""
+SWEEP_WORDS = ["sweep", "s.toml", "--jobs", "1", "--output", SWEEP_TABLE]
+SOUND_SWEEP = """
 brake = "b.toml"
 [model.fem]
 elements = 6
@@ -25,20 +38,54 @@ elements = 6
 friction = [0.1, 0.2, 0.3, 0.4]
 "shoe[0].actuation.force" = ["1 kN", "2 kN"]
 """
-KEYS = (
-    "friction", "rotation", "shoe.lining.thickness", "shoe[0].lining.clearance", "shoe[²].hinge.x", "shoe[9].hinge.x",
-    "shoe[-1].hinge.x", "shoe", "shoe.name", "title", "drum", "drum.radius", "drum.ring", "drum.out_of_round",
-    "shoe.mesh", "shoe.lining", "shoe.lining.material.E", "shoe.body", "shoe.actuation.point", "shoe.actuation.force",
-    "", ".", "shoe..hinge", "shoe[0", "a.b.c", "\0", "x" * 5000, "__class__", "model_fields",
+WRONG_SWEEP_KEYS = (
+    "friction",
+    "rotation",
+    "shoe.lining.thickness",
+    "shoe[0].lining.clearance",
+    "shoe[²].hinge.x",
+    "shoe[9].hinge.x",
+    "shoe[-1].hinge.x",
+    "shoe",
+    "shoe.name",
+    "title",
+    "drum",
+    "drum.radius",
+    "drum.ring",
+    "drum.out_of_round",
+    "shoe.mesh",
+    "shoe.lining",
+    "shoe.lining.material.E",
+    "shoe.body",
+    "shoe.actuation.point",
+    "shoe.actuation.force",
+    "",
+    ".",
+    "shoe..hinge",
+    "shoe[0",
+    "a.b.c",
+    "\0",
+    "x" * 5000,
+    "__class__",
+    "model_fields",
     f"shoe[{'9' * 5000}].hinge.x",
-)  # fmt: skip
-PLAIN = ("friction", "shoe[0].actuation.force", "shoe.lining.thickness", "drum.radius") * 4
-WAYS = ("normal", "uniform", "lognormal", "triangular", "truncated-normal", "x", ["normal"], 3)
+)
+PLAIN_KEYS = ("friction", "shoe[0].actuation.force", "shoe.lining.thickness", "drum.radius") * 4
+DISTRIBUTION_NAMES = (
+    "normal",
+    "uniform",
+    "lognormal",
+    "triangular",
+    "truncated-normal",
+    "x",
+    ["normal"],
+    3,
+)
 
 
 @cache
 def sound_run() -> tuple[bytes, bytes]:
-    """The table and the journal of the sound sweep."""
+    """Table and journal of the sound sweep."""
     from drumlin.cli.process import run  # noqa: PLC0415
 
     with tempfile.TemporaryDirectory() as name:
@@ -46,21 +93,28 @@ def sound_run() -> tuple[bytes, bytes]:
         for file, data in sound_files().items():
             (folder / file).write_bytes(data)
         with contextlib.redirect_stdout(io.StringIO()):
-            run(["sweep", str(folder / "s.toml"), "--jobs", "1", "--output", str(folder / TABLE)])
-        return (folder / TABLE).read_bytes(), (folder / JOURNAL).read_bytes()
+            run(
+                [
+                    "sweep",
+                    str(folder / "s.toml"),
+                    "--jobs",
+                    "1",
+                    "--output",
+                    str(folder / SWEEP_TABLE),
+                ]
+            )
+        return (folder / SWEEP_TABLE).read_bytes(), (folder / SWEEP_JOURNAL).read_bytes()
 
 
 def sound_files() -> dict[str, bytes]:
     """A sweep file and its brake file."""
-    return {"b.toml": brake_text(BRAKES[0]), "s.toml": SOUND.encode()}
+    return {"b.toml": brake_text(SOUND_BRAKES[0]), "s.toml": SOUND_SWEEP.encode()}
 
 
-def broken_sweep(rng: random.Random) -> Input:
-    """A sweep file with some of its values replaced, under other keys, or with its bytes in
-    disorder.
-    """
+def broken_sweep(rng: random.Random) -> BrokenInput:
+    """A sweep file with other values and keys, or with broken bytes."""
     if rng.random() < 0.3:
-        text = noise(rng, SOUND.encode(), WORDS)
+        text = noise(rng, SOUND_SWEEP.encode(), WRONG_WORDS)
     else:
         data: dict[str, Any] = {
             "brake": "b.toml",
@@ -70,17 +124,19 @@ def broken_sweep(rng: random.Random) -> Input:
             "vary": {"friction": rng.choice([[0.1, 0.3], {"from": 0.1, "to": 0.4, "count": 3}])},
         }
         if rng.random() < 0.7:
-            data["vary"][rng.choice([*KEYS, *PLAIN])] = _varied(rng)
+            data["vary"][rng.choice([*WRONG_SWEEP_KEYS, *PLAIN_KEYS])] = _varied(rng)
         if rng.random() < 0.4:
             data[rng.choice(["seed", "cases", "combine", "brake", "model", "title", "x"])] = (
                 rng.choice([anything(rng), 3, "zip", "grid", 1])
             )
         text = toml(data)
-    return Input("sweep file", {"b.toml": brake_text(BRAKES[0]), "s.toml": text}, WORDS_OF_A_SWEEP)
+    return BrokenInput(
+        "sweep file", {"b.toml": brake_text(SOUND_BRAKES[0]), "s.toml": text}, SWEEP_WORDS
+    )
 
 
-def changed_sweep(rng: random.Random) -> Input:
-    """A sweep file of the studies, made small, with one to three values or keys changed anywhere."""
+def changed_sweep(rng: random.Random) -> BrokenInput:
+    """A sweep file of the studies, made small, with one to three changed values or keys."""
     data = _small_sweep(rng)
     for _ in range(rng.choice([1, 1, 2, 3])):
         table = _some_table(rng, data)
@@ -89,17 +145,21 @@ def changed_sweep(rng: random.Random) -> Input:
         if kind < 0.1:
             table.pop(key, None)
         elif kind < 0.5 and isinstance(data.get("vary"), dict):
-            data["vary"][rng.choice([*KEYS, *PLAIN])] = _varied(rng)
-        elif key in LENGTH_KEYS:
+            data["vary"][rng.choice([*WRONG_SWEEP_KEYS, *PLAIN_KEYS])] = _varied(rng)
+        elif key in SWEEP_LENGTH_KEYS:
             table[key] = rng.choice(WRONG_LENGTHS)
         else:
             table[key] = anything(rng)
-    files = {"b.toml": brake_text(BRAKES[0]), "m.msh": mesh_files()[".msh"], "s.toml": toml(data)}
-    return Input("sweep file of a study", files, WORDS_OF_A_SWEEP)
+    files = {
+        "b.toml": brake_text(SOUND_BRAKES[0]),
+        "m.msh": mesh_files()[".msh"],
+        "s.toml": toml(data),
+    }
+    return BrokenInput("sweep file of a study", files, SWEEP_WORDS)
 
 
-LENGTH_KEYS = {"cases", "count", "elements"}
-"""Keys whose number says how long a sweep takes."""
+SWEEP_LENGTH_KEYS = {"cases", "count", "elements"}
+"""Keys whose number decides how long a sweep takes."""
 WRONG_LENGTHS: tuple[Any, ...] = (
     0,
     -1,
@@ -115,11 +175,11 @@ WRONG_LENGTHS: tuple[Any, ...] = (
     float("nan"),
     float("inf"),
 )
-"""Values of these keys: few of anything, or more than is allowed."""
+"""Values of SWEEP_LENGTH_KEYS: small numbers, wrong types, and more than is allowed."""
 
 
 def _small_sweep(rng: random.Random) -> dict[str, Any]:
-    """A sweep file of the studies with few cases on few elements, or a sweep over mesh files."""
+    """The data of a sweep of the studies with few cases and elements, or of one over mesh files."""
     paths = sorted((REPOSITORY / "studies" / "sweeps").glob("*.toml"))
     path = rng.choice([*paths, None])
     if path is None:
@@ -147,29 +207,30 @@ def _some_table(rng: random.Random, data: dict[str, Any]) -> dict[str, Any]:
 
 
 def _varied(rng: random.Random) -> Any:
+    """Values for a key under `vary`: a list, a range or a distribution, right or wrong."""
     pool = rng.choice(
         [
             (0.1, 0.2, 0.3, 0.35),
             ("1 kN", "2 kN", "30 N"),
             ("1 mm", "8 mm"),
-            (*NUMBERS, *QUANTITIES[:20]),
+            (*WRONG_NUMBERS, *WRONG_QUANTITIES[:20]),
         ]
     )
     numbers = [rng.choice(pool) for _ in range(4)]
     return rng.choice(
         [
             numbers[:2],
-            [rng.choice(WORDS)],
+            [rng.choice(WRONG_WORDS)],
             anything(rng),
             {"from": numbers[0], "to": numbers[1], "count": rng.choice([1, 3, 0, -1, 10**7, "3"])},
             {
-                "distribution": rng.choice(WAYS),
+                "distribution": rng.choice(DISTRIBUTION_NAMES),
                 "from": numbers[0],
                 "to": numbers[1],
                 "deviation": numbers[2],
             },
             {
-                "distribution": rng.choice(WAYS),
+                "distribution": rng.choice(DISTRIBUTION_NAMES),
                 "mean": numbers[0],
                 "deviation": "5 %",
                 "each_shoe": rng.random() < 0.5,
@@ -178,15 +239,22 @@ def _varied(rng: random.Random) -> Any:
     )
 
 
-def damaged_journal(rng: random.Random) -> Input:
-    """The journal of a finished sweep, damaged."""
+def damaged_journal(rng: random.Random) -> BrokenInput:
+    """The sound sweep with a damaged journal."""
     return damaged(rng, *sound_run())
 
 
-def damaged(rng: random.Random, table: bytes, journal: bytes) -> Input:
-    """A journal with bits flipped, cut off, or stretches lost, doubled and zeroed.
+def damaged(rng: random.Random, table: bytes, journal: bytes) -> BrokenInput:
+    """A sweep whose journal has flipped bits, or lost, doubled and zeroed stretches.
 
-    Whatever its state, the table that follows is the sound one.
+    The sweep must end with the sound table whatever the damage.
+
+    Parameters
+    ----------
+    rng : random.Random
+        What the damage is drawn from.
+    table, journal : bytes
+        Table and journal of the sound sweep.
     """
     data = bytearray(journal)
     for _ in range(rng.choice([1, 1, 2, 5, 20])):
@@ -204,6 +272,6 @@ def damaged(rng: random.Random, table: bytes, journal: bytes) -> Input:
                 del data[at : at + length]
         if not data:
             break
-    return Input(
-        "journal", sound_files() | {JOURNAL: bytes(data)}, WORDS_OF_A_SWEEP, {TABLE: table}
+    return BrokenInput(
+        "journal", sound_files() | {SWEEP_JOURNAL: bytes(data)}, SWEEP_WORDS, {SWEEP_TABLE: table}
     )

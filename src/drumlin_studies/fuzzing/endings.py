@@ -1,8 +1,8 @@
-"""How a command line ends, and whether that is as promised.
+"""How a command line ends, and whether it ends as promised.
 
-An input is sound if it ends with 0 and finite numbers, or with 2 or 3 and one line. A traceback, a
-second line, a control character on the screen, a number that is not finite, an input that is
-written over and a run of more than LONGEST seconds are faults.
+A sound ending has status 0 and finite numbers, or status 2 or 3 and one line. Faults are a
+traceback, a second line, a control character on the screen, a number that is not finite, an input
+that is overwritten, and a run of more than LONGEST_RUN seconds.
 """
 
 import contextlib
@@ -25,15 +25,27 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from drumlin.base.errors import ended
-from drumlin_studies.fuzzing.inputs import Input
+from drumlin_studies.fuzzing.inputs import BrokenInput
 
-LONGEST = 10.0  # s of processor time
-LONGEST_WAIT = 300.0  # s by the clock, on a busy machine
+LONGEST_RUN = 10.0
+"""Processor time [s] above which a run is a fault."""
+LONGEST_WAIT = 300.0
+"""Wall-clock time [s] after which a run is stopped. It allows for a busy machine."""
 
 
 class Ending(NamedTuple):
-    """How a command line ended: status, what it printed, the files that it wrote or changed,
-    seconds.
+    """How a command line ended.
+
+    Attributes
+    ----------
+    status : int
+        Exit status.
+    out, err : str
+        What it printed.
+    written : dict
+        Files that it wrote or changed, by name.
+    seconds : float
+        Processor time [s].
     """
 
     status: int
@@ -43,10 +55,8 @@ class Ending(NamedTuple):
     seconds: float
 
 
-def lay_out(given: Input, folder: Path) -> None:
-    """Write the files of an input, and beside them what paths may hit: a folder, links, a hard
-    link.
-    """
+def lay_out(given: BrokenInput, folder: Path) -> None:
+    """Write the files of an input, and beside them a folder and links that its paths may name."""
     for name, data in given.files.items():
         (folder / name).write_bytes(data)
     (folder / "sub").mkdir()
@@ -55,7 +65,7 @@ def lay_out(given: Input, folder: Path) -> None:
     (folder / "hard.json").hardlink_to(folder / "b.toml")
 
 
-def written(folder: Path, given: Input) -> dict[str, bytes]:
+def written(folder: Path, given: BrokenInput) -> dict[str, bytes]:
     """The files of a folder that are new or changed since `lay_out`."""
     found = {}
     for path in sorted(folder.rglob("*")):
@@ -67,9 +77,10 @@ def written(folder: Path, given: Input) -> dict[str, bytes]:
     return found
 
 
-def in_process(given: Input) -> Ending:
-    """Run an input in this process; quick, but a hang inside a library is only found when it
-    returns.
+def in_process(given: BrokenInput) -> Ending:
+    """The ending of an input that runs in this process.
+
+    It is quick, but a hang inside a library is only found when the library returns.
     """
     from drumlin.cli.process import run  # noqa: PLC0415
 
@@ -82,8 +93,11 @@ def in_process(given: Input) -> Ending:
         start = time.process_time()
         try:
             with (
-                contextlib.redirect_stdout(out), contextlib.redirect_stderr(err), warnings.catch_warnings(), _limited(),
-            ):  # fmt: skip
+                contextlib.redirect_stdout(out),
+                contextlib.redirect_stderr(err),
+                warnings.catch_warnings(),
+                _limited(),
+            ):
                 warnings.simplefilter("error")
                 status = ended(lambda: run(given.words))
         finally:
@@ -93,18 +107,18 @@ def in_process(given: Input) -> Ending:
 
 
 class Late(BaseException):
-    """The run has taken too long."""
+    """A run has taken too long."""
 
 
 @contextlib.contextmanager
 def _limited() -> Iterator[None]:
-    """Raise Late in the block once it has worked too long, or waits for what does not come."""
+    """Raise Late in a block that works for too long or waits for too long."""
 
     def late(*_: object) -> None:
         raise Late
 
     timers = (
-        (signal.ITIMER_PROF, signal.SIGPROF, 1.5 * LONGEST),
+        (signal.ITIMER_PROF, signal.SIGPROF, 1.5 * LONGEST_RUN),
         (signal.ITIMER_REAL, signal.SIGALRM, LONGEST_WAIT),
     )
     before = [(sign, signal.signal(sign, late)) for _, sign, _ in timers]
@@ -119,8 +133,8 @@ def _limited() -> Iterator[None]:
             signal.signal(sign, handler)
 
 
-def in_subprocess(given: Input, **more: Any) -> Ending:
-    """Run an input as a process of its own; `more` goes to subprocess.run."""
+def in_subprocess(given: BrokenInput, **more: Any) -> Ending:
+    """The ending of an input in a process of its own; `more` goes to subprocess.run."""
     command = [sys.executable, "-c", "from drumlin.cli import main; main()"]
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -144,7 +158,10 @@ def in_subprocess(given: Input, **more: Any) -> Ending:
 
 
 def _spent() -> float:
-    """Processor time of the processes that have ended [s]: on a busy machine the clock says little."""
+    """Processor time [s] of the child processes that have ended.
+
+    On a busy machine the clock tells little.
+    """
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     return used.ru_utime + used.ru_stime
 
@@ -152,9 +169,9 @@ def _spent() -> float:
 _NOT_FINITE = re.compile(r"(?<![\w'\"/.-])[-+]?(?:nan|inf|NaN|Infinity)(?![\w'\"/.])")
 
 
-def fault_of(given: Input, end: Ending) -> str:
-    """What is wrong with how an input ended; empty where nothing is."""
-    if end.seconds > LONGEST:
+def fault_of(given: BrokenInput, end: Ending) -> str:
+    """What is wrong with the ending of an input; empty where nothing is."""
+    if end.seconds > LONGEST_RUN:
         return f"took {end.seconds:.0f} s"
     if end.status not in {0, 2, 3}:
         return f"status {end.status}: {' '.join(end.err.split())[-300:]}"
@@ -165,31 +182,36 @@ def fault_of(given: Input, end: Ending) -> str:
     return _fault_of_refusal(end) if end.status else _fault_of_answer(given, end)
 
 
-KEPT = ("m/", "m.", "t.csv")
-"""What a refused run may leave: meshes up to the one that failed, a sweep's table of failed cases
-and its journal.
+KEPT_FILES = ("m/", "m.", "t.csv")
+"""Beginnings of the files that a refused run may leave.
+
+They are meshes that were written before the failure, and a sweep's table and journal.
 """
 _NOTES = re.compile(r"(?:drumlin: t\.csv\.journal: [^\n]*\n)*")
 
 
 def _fault_of_refusal(end: Ending) -> str:
+    """What is wrong with a refusal."""
     said = _NOTES.sub("", end.err, count=1)
     if said.count("\n") != 1 or not said.startswith("drumlin: "):
-        said = end.err  # a journal that is refused is named like one that is repaired
+        # A refused journal is named in the same words as a repaired one.
+        said = end.err
     if said.count("\n") != 1 or not said.startswith("drumlin: "):
         return f"not one line: {end.err[:200]!r}"
-    if any(not name.startswith(KEPT) for name in end.written):
+    if any(not name.startswith(KEPT_FILES) for name in end.written):
         return f"files of a refused run: {', '.join(end.written)[:200]}"
     return ""
 
 
-def _fault_of_answer(given: Input, end: Ending) -> str:
+def _fault_of_answer(given: BrokenInput, end: Ending) -> str:
+    """What is wrong with an answer."""
     if not _NOTES.fullmatch(end.err):
         return f"an answer with {end.err[:200]!r} in stderr"
     if given.must_fail:
         return "an answer of an input that has none"
     names = _names(given)
-    _, _, numbers = end.out.partition(", drum turns")  # before it the title, which may be any text
+    # The title of the brake comes first and may be any text.
+    _, _, numbers = end.out.partition(", drum turns")
     numbers = reduce(lambda text, name: text.replace(name, "_"), names, numbers or end.out)
     if _NOT_FINITE.search(numbers):
         return f"not finite: {_around(numbers)}"
@@ -202,8 +224,8 @@ def _fault_of_answer(given: Input, end: Ending) -> str:
     )
 
 
-def _names(given: Input) -> list[str]:
-    """Names of shoes that read like what is no number: "nan mm" is a name."""
+def _names(given: BrokenInput) -> list[str]:
+    """Names of shoes that look like a number that is not finite, such as "nan mm"."""
     try:
         shoes = tomllib.loads(given.files.get("b.toml", b"").decode()).get("shoe", [])
         names = {str(shoe.get("name")) for shoe in shoes}
@@ -213,6 +235,7 @@ def _names(given: Input) -> list[str]:
 
 
 def _around(text: str) -> str:
+    """The surroundings of the first number in a text that is not finite."""
     match = _NOT_FINITE.search(text)
     return (
         ""
@@ -222,7 +245,7 @@ def _around(text: str) -> str:
 
 
 def _bad_file(name: str, data: bytes, names: Sequence[str]) -> str:
-    """What is wrong with a file that was written."""
+    """What is wrong with a written file. names : names of shoes, which may be any text."""
     if Path(name).name.startswith(".drumlin-"):
         return f"a temporary file is left: {name}"
     if data.startswith(b"{") and ".journal" not in name:

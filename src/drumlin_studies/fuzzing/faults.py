@@ -1,7 +1,6 @@
-"""Broken inputs: folders of files with a command line, from independent generators. `endings`
-judges how they end.
+"""Generators of broken inputs: folders of files with a command line (`endings` judges their end).
 
-Each input draws from random numbers of its own: number n is the same every time.
+Each input has random numbers of its own, so that input number n of a generator is always the same.
 """
 
 import csv
@@ -19,67 +18,74 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.plane_brake import read_any
 from drumlin.studies import REPOSITORY
 from drumlin_studies.fuzzing.broken_meshes import mesh_files, with_mesh
-from drumlin_studies.fuzzing.inputs import BRAKES, FEW_ELEMENTS, Input, brake_text, noise, toml
+from drumlin_studies.fuzzing.inputs import (
+    FEW_ELEMENTS,
+    SOUND_BRAKES,
+    BrokenInput,
+    brake_text,
+    noise,
+    toml,
+)
 from drumlin_studies.fuzzing.wrong_values import (
-    FLOATS,
-    INTEGERS,
-    NUMBERS,
-    PATHS,
-    TEXTS,
-    WORDS,
+    WRONG_FLOATS,
+    WRONG_INTEGERS,
+    WRONG_NUMBERS,
+    WRONG_PATHS,
+    WRONG_TEXTS,
+    WRONG_WORDS,
     anything,
     fitting,
     schema_places,
 )
 
-REFERENCE = "reports/reference/values/double_shoe_brake.json"
+REFERENCE_FILE = "reports/reference/values/double_shoe_brake.json"
 
 
 @cache
 def reference_text() -> bytes:
-    """Reference values of the double-shoe brake."""
-    return (REPOSITORY / REFERENCE).read_bytes()
+    """The file of reference values of the double-shoe brake."""
+    return (REPOSITORY / REFERENCE_FILE).read_bytes()
 
 
 @cache
 def result_text() -> bytes:
-    """A table of p(theta) of that brake, as somebody hands it in."""
+    """A table of p(theta) of the double-shoe brake, as a user hands it in."""
     from drumlin.models import MODELS  # noqa: PLC0415
     from drumlin.verification.check import curves_text  # noqa: PLC0415
 
-    brake = read_any(REPOSITORY / "studies" / f"{BRAKES[0]}.toml")
+    brake = read_any(REPOSITORY / "studies" / f"{SOUND_BRAKES[0]}.toml")
     return curves_text(MODELS["fem"].solve(brake, elements=12)).encode()
 
 
-def broken_bytes(rng: random.Random) -> Input:
-    """A brake file with its bytes in disorder."""
-    text = noise(rng, brake_text(rng.choice(BRAKES)), WORDS)
-    return Input("brake file: bytes", {"b.toml": text}, _solving(rng))
+def broken_bytes(rng: random.Random) -> BrokenInput:
+    """A brake file with broken bytes."""
+    text = noise(rng, brake_text(rng.choice(SOUND_BRAKES)), WRONG_WORDS)
+    return BrokenInput("brake file: bytes", {"b.toml": text}, _solving(rng))
 
 
-def scaled(rng: random.Random) -> Input:
-    """A brake file with one to four quantities made larger or smaller: often still a brake, and an
-    extreme one.
+def scaled(rng: random.Random) -> BrokenInput:
+    """A brake file with one to four quantities made larger or smaller.
+
+    The result is often still a brake, but an extreme one.
     """
-    text = brake_text(rng.choice(BRAKES)).decode()
-    places = list(
-        re.finditer(r"(?<![\w.])(-?\d[\d.]*)(?= \w+\"|\s*(?:[,}#]|$))", text, re.MULTILINE)
-    )
+    text = brake_text(rng.choice(SOUND_BRAKES)).decode()
+    number = r"(?<![\w.])(-?\d[\d.]*)(?= \w+\"|\s*(?:[,}#]|$))"
+    places = list(re.finditer(number, text, re.MULTILINE))
     chosen = rng.sample(places, min(len(places), rng.choice([1, 1, 2, 4])))
     for place in sorted(chosen, key=lambda match: -match.start()):
-        size = rng.choice(
-            [rng.uniform(0.2, 3), 10 ** rng.uniform(-3, 3), 10 ** rng.uniform(-12, 12)]
-        )
+        sizes = [rng.uniform(0.2, 3), 10 ** rng.uniform(-3, 3), 10 ** rng.uniform(-12, 12)]
+        size = rng.choice(sizes)
         value = float(place[1]) * size * rng.choice([1, 1, 1, -1])
         text = text[: place.start()] + f"{value:.9g}" + text[place.end() :]
-    return Input("brake file: sizes", {"b.toml": text.encode()}, _solving(rng))
+    return BrokenInput("brake file: sizes", {"b.toml": text.encode()}, _solving(rng))
 
 
-def typed(rng: random.Random) -> Input:
-    """A brake file with one to three keys of the schema, there or not yet, set to values near and
-    far.
+def typed(rng: random.Random) -> BrokenInput:
+    """A brake file with one to three keys of the schema set to values of all sorts.
+
+    Keys that the file does not have yet may be added.
     """
-    data = tomllib.loads(brake_text(rng.choice(BRAKES)).decode())
+    data = tomllib.loads(brake_text(rng.choice(SOUND_BRAKES)).decode())
     for _ in range(rng.choice([1, 1, 2, 3])):
         places = list(schema_places(Brake.shape_of(data), data))
         table, key, annotation = rng.choice(places)
@@ -88,13 +94,14 @@ def typed(rng: random.Random) -> Input:
         if rng.random() < 0.08:
             table.pop(key, None)
         elif rng.random() < 0.05:
-            table[rng.choice([*WORDS, "shoe[²]", "lining"])] = anything(rng)
+            table[rng.choice([*WRONG_WORDS, "shoe[²]", "lining"])] = anything(rng)
         else:
             table[key] = fitting(rng, annotation, table.get(key))
-    return Input("brake file: schema", {"b.toml": toml(data)}, _solving(rng))
+    return BrokenInput("brake file: schema", {"b.toml": toml(data)}, _solving(rng))
 
 
 def _solving(rng: random.Random) -> list[str]:
+    """The words of a command that reads the brake, mostly `solve`."""
     model = rng.choice(
         [
             "fem",
@@ -121,8 +128,8 @@ def _solving(rng: random.Random) -> list[str]:
     return [*words, "--model", model]
 
 
-def broken_mesh(rng: random.Random) -> Input:
-    """A mesh file with its bytes in disorder, cut off, of another kind, or with sizes that lie."""
+def broken_mesh(rng: random.Random) -> BrokenInput:
+    """A mesh file with broken bytes, cut off, of another format, or with a wrong number."""
     files = mesh_files()
     suffix = rng.choice([".msh", ".inp", ".vtu"])
     data = files[suffix]
@@ -131,30 +138,27 @@ def broken_mesh(rng: random.Random) -> Input:
         data = data[: rng.randrange(len(data))]
     elif what == 1:
         data = files[rng.choice([".msh", ".inp", ".vtu"])]
-    elif what == 2:  # a number becomes another one
+    elif what == 2:
+        # One number becomes another number.
         numbers = list(re.finditer(rb"[-+]?\d[\d.]*(?:e[-+]?\d+)?", data))
         at = rng.choice(numbers)
-        data = (
-            data[: at.start()]
-            + str(rng.choice([*NUMBERS, 3, 10**9, 2**31])).encode()
-            + data[at.end() :]
-        )
+        number = str(rng.choice([*WRONG_NUMBERS, 3, 10**9, 2**31])).encode()
+        data = data[: at.start()] + number + data[at.end() :]
     elif what == 3:
         lines = data.splitlines(keepends=True)
-        rng.shuffle(lines) if rng.random() < 0.2 else lines.insert(
-            rng.randrange(len(lines)), rng.choice(lines)
-        )
+        if rng.random() < 0.2:
+            rng.shuffle(lines)
+        else:
+            lines.insert(rng.randrange(len(lines)), rng.choice(lines))
         data = b"".join(lines)
     elif what == 4 and suffix == ".inp":
         data += rng.choice(INP_ENDS)
     else:
-        data = noise(rng, data, WORDS)
+        data = noise(rng, data, WRONG_WORDS)
     text = with_mesh(files["brake"], f"m{suffix}")
-    return Input(
-        f"mesh: {suffix}",
-        {"b.toml": text, f"m{suffix}": data},
-        ["solve", "b.toml", "--json", "r.json"],
-    )
+    contents = {"b.toml": text, f"m{suffix}": data}
+    words = ["solve", "b.toml", "--json", "r.json"]
+    return BrokenInput(f"mesh: {suffix}", contents, words)
 
 
 INP_ENDS = (
@@ -166,31 +170,49 @@ INP_ENDS = (
     b"*ELEMENT, TYPE=CPS3\n1,2,3\n",
     b"*INCLUDE, INPUT=/etc/passwd\n",
 )
+"""Ends of an .inp file that ask for too much, refer to themselves or are wrong."""
 
 
-def broken_reference(rng: random.Random) -> Input:
-    """Reference values with values of other types and sizes, or their bytes in disorder."""
+def broken_reference(rng: random.Random) -> BrokenInput:
+    """A check against reference values with other types and sizes, or with broken bytes."""
     text = reference_text()
     if rng.random() < 0.4:
-        text = noise(rng, text, WORDS)
+        text = noise(rng, text, WRONG_WORDS)
     else:
         data = json.loads(text)
         for _ in range(rng.choice([1, 1, 2])):
             places = list(_json_places(data))
             owner, key = rng.choice(places)
             value = rng.choice(
-                [*NUMBERS, *WORDS, None, True, [], {}, [[1]], [1.0, 2.0], {"value": 1}, "del"]
+                [
+                    *WRONG_NUMBERS,
+                    *WRONG_WORDS,
+                    None,
+                    True,
+                    [],
+                    {},
+                    [[1]],
+                    [1.0, 2.0],
+                    {"value": 1},
+                    "del",
+                ]
             )
             if value == "del":
                 del owner[key]
             else:
                 owner[key] = value
         text = json.dumps(data).encode()
-    files = {"b.toml": brake_text(BRAKES[0]), "ref.json": text, "r.csv": result_text()}
-    return Input("reference values", files, ["check", "b.toml", "r.csv", "--reference", "ref.json"])
+    files = {"b.toml": brake_text(SOUND_BRAKES[0]), "ref.json": text, "r.csv": result_text()}
+    return BrokenInput(
+        "reference values", files, ["check", "b.toml", "r.csv", "--reference", "ref.json"]
+    )
 
 
 def _json_places(data: Any) -> Iterator[tuple[Any, Any]]:
+    """Each table or list of nested data with each of its keys or indices.
+
+    Of a long list only the first places are taken.
+    """
     for key, value in list(data.items() if isinstance(data, dict) else enumerate(data)):
         yield data, key
         if isinstance(value, dict):
@@ -199,33 +221,36 @@ def _json_places(data: Any) -> Iterator[tuple[Any, Any]]:
             yield from list(_json_places(value))[:3]
 
 
-def broken_table(rng: random.Random) -> Input:
-    """A table of p(theta) with cells of all sorts, or its bytes in disorder."""
+def broken_table(rng: random.Random) -> BrokenInput:
+    """A check of a table of p(theta) with cells of all sorts, or with broken bytes."""
     text = result_text()
     if rng.random() < 0.5:
-        text = noise(rng, text, WORDS)
+        text = noise(rng, text, WRONG_WORDS)
     else:
         rows = list(csv.reader(io.StringIO(text.decode())))
         for _ in range(rng.choice([1, 1, 3])):
             row = rng.choice([rows[0], rng.choice(rows)])
             row[rng.randrange(len(row))] = rng.choice(
-                [*WORDS, *map(str, NUMBERS), "theta [deg]", "p [N]", "p [", "p"]
+                [*WRONG_WORDS, *map(str, WRONG_NUMBERS), "theta [deg]", "p [N]", "p [", "p"]
             )
         buffer = io.StringIO()
         csv.writer(buffer).writerows(rows)
         text = buffer.getvalue().encode(errors="replace")
-    files = {"b.toml": brake_text(BRAKES[0]), "ref.json": reference_text(), "r.csv": text}
-    return Input("result table", files, ["check", "b.toml", "r.csv", "--reference", "ref.json"])
+    files = {"b.toml": brake_text(SOUND_BRAKES[0]), "ref.json": reference_text(), "r.csv": text}
+    return BrokenInput(
+        "result table", files, ["check", "b.toml", "r.csv", "--reference", "ref.json"]
+    )
 
 
-SLOW = {"study", "sweep", "reference", "cost", "compare", "hold", "explore"}
-"""Commands that take long, or serve until they are stopped: they only get options that are wrong,
-see `wrong_words`.
+SLOW_COMMANDS = {"study", "sweep", "reference", "cost", "compare", "hold", "explore"}
+"""Commands that take long, or run until they are stopped. They only get wrong options, by
+`wrong_words`.
 """
 
 
 @cache
 def _commands() -> dict[str, Any]:
+    """The commands of drumlin, by name."""
     from typer.main import get_command  # noqa: PLC0415
 
     from drumlin.cli.commands import app  # noqa: PLC0415
@@ -233,10 +258,10 @@ def _commands() -> dict[str, Any]:
     return dict(vars(get_command(app))["commands"])
 
 
-def command_line(rng: random.Random) -> Input:
-    """A command with options of all sorts."""
+def command_line(rng: random.Random) -> BrokenInput:
+    """A command of drumlin with options of all sorts."""
     commands = _commands()
-    name = rng.choice([name for name in commands if name not in SLOW - {"hold"}])
+    name = rng.choice([name for name in commands if name not in SLOW_COMMANDS - {"hold"}])
     words = [name, "b.toml"]
     chosen = {}
     for option in commands[name].params:
@@ -253,52 +278,50 @@ def command_line(rng: random.Random) -> Input:
         if chosen.get("model", ["", "fem"])[1] != "fem":
             del chosen["elements"]
     files = {
-        "b.toml": brake_text(rng.choice([BRAKES[0], BRAKES[0], *BRAKES])),
+        "b.toml": brake_text(rng.choice([SOUND_BRAKES[0], SOUND_BRAKES[0], *SOUND_BRAKES])),
         "r.csv": result_text(),
         "ref.json": reference_text(),
     }
-    return Input(
-        f"command line: {name}",
-        files,
-        words + [word for option in chosen.values() for word in option],
-    )
+    for option in chosen.values():
+        words += option
+    return BrokenInput(f"command line: {name}", files, words)
 
 
 def _word_for(rng: random.Random, option: Any) -> str | None:
-    """A word for an option, by its name and type; None for a flag."""
+    """A random word for an option by its name and type; None for a flag."""
     if getattr(option, "is_flag", False) or getattr(option, "is_bool_flag", False):
         return None
     if option.name == "result":
-        return rng.choice(["r.csv", "r.csv", "ref.json", *PATHS])
+        return rng.choice(["r.csv", "r.csv", "ref.json", *WRONG_PATHS])
     if option.name == "known":
-        return rng.choice(["ref.json", "ref.json", "r.csv", *PATHS])
+        return rng.choice(["ref.json", "ref.json", "r.csv", *WRONG_PATHS])
     kind = str(getattr(option, "type", "")) + str(getattr(option, "type_descriptor", ""))
-    pool: Sequence[str] = WORDS
-    if option.name in TEXTS:
-        pool = TEXTS[option.name]
+    pool: Sequence[str] = WRONG_WORDS
+    if option.name in WRONG_TEXTS:
+        pool = WRONG_TEXTS[option.name]
     elif "Path" in kind or "path" in kind or option.name in {"output", "json_file", "pressure"}:
-        pool = PATHS
+        pool = WRONG_PATHS
     elif option.name in {"elements", "sections", "jobs"}:
-        pool = INTEGERS
+        pool = WRONG_INTEGERS
     elif option.name in {"tolerance", "exponent"}:
-        pool = FLOATS
-    return rng.choice(pool if rng.random() < 0.95 else WORDS)
+        pool = WRONG_FLOATS
+    return rng.choice(pool if rng.random() < 0.95 else WRONG_WORDS)
 
 
-def wrong_words(rng: random.Random) -> Input:
-    """Words that are no command line."""
+def wrong_words(rng: random.Random) -> BrokenInput:
+    """Words that make no valid command line."""
     name = rng.choice([*_commands(), "", "x", "--help", "--version", "-h", "--bad"])
     words = [name] + [
-        rng.choice([*WORDS, *PATHS, "--json", "--elements", "--bad"])
+        rng.choice([*WRONG_WORDS, *WRONG_PATHS, "--json", "--elements", "--bad"])
         for _ in range(rng.choice([0, 1, 2]))
     ]
-    if name in SLOW:
+    if name in SLOW_COMMANDS:
         words += ["--nope"]
-    return Input("command line: words", {"b.toml": brake_text(BRAKES[0])}, words)
+    return BrokenInput("command line: words", {"b.toml": brake_text(SOUND_BRAKES[0])}, words)
 
 
-def shown(given: Input) -> str:
-    """The command line of an input for people, long words cut."""
+def shown(given: BrokenInput) -> str:
+    """The command line of an input as a reader sees it, with long words cut."""
     safe = set(string.ascii_letters + string.digits + "-_./=")
     cut = [word if len(word) < 40 else word[:20] + f"...({len(word)})" for word in given.words]
     return " ".join(word if word and set(word) <= safe else repr(word) for word in cut)

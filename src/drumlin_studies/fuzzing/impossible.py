@@ -1,4 +1,4 @@
-"""Brake files that are broken whatever is drawn: no model may answer them."""
+"""Brake files that no model may answer."""
 
 import random
 import tomllib
@@ -9,7 +9,7 @@ from typing import Any
 from drumlin.brake.plane_brake import read_any
 from drumlin.models import applicable
 from drumlin.studies import REPOSITORY
-from drumlin_studies.fuzzing.inputs import BRAKES, FEW_ELEMENTS, Input, brake_text, toml
+from drumlin_studies.fuzzing.inputs import FEW_ELEMENTS, SOUND_BRAKES, BrokenInput, brake_text, toml
 
 WRONG_TYPES: tuple[Any, ...] = (
     {"a": 1},
@@ -23,18 +23,15 @@ WRONG_TYPES: tuple[Any, ...] = (
     "NaN",
     "1e999 m",
 )
-"""Values that no key of a brake file takes, titles and names aside."""
+"""Values that no key of a brake file accepts, except titles and names."""
 
 
-def broken_structure(rng: random.Random) -> Input:
-    """A brake file with a key renamed or a value of another type: no brake any more."""
-    name = rng.choice(BRAKES)
+def broken_structure(rng: random.Random) -> BrokenInput:
+    """A brake file with a key renamed or a value of another type."""
+    name = rng.choice(SOUND_BRAKES)
     data = tomllib.loads(brake_text(name).decode())
-    named = [
-        place
-        for place in _leaves(data)
-        if isinstance(place[-1], str) and place[-1] not in {"title", "name"}
-    ]
+    keyed = [place for place in _leaves(data) if isinstance(place[-1], str)]
+    named = [place for place in keyed if place[-1] not in {"title", "name"}]
     *parents, key = rng.choice(named)
     owner = _get(data, tuple(parents))
     if rng.random() < 0.5:
@@ -44,9 +41,9 @@ def broken_structure(rng: random.Random) -> Input:
     return _unanswered(rng, "brake file: structure", name, toml(data))
 
 
-def huge_file(rng: random.Random) -> Input:
-    """A brake file that is deep, long or wide beyond sense."""
-    name = rng.choice(BRAKES)
+def huge_file(rng: random.Random) -> BrokenInput:
+    """A brake file that is far too deep, long or wide."""
+    name = rng.choice(SOUND_BRAKES)
     text = brake_text(name).decode()
     texts: list[Callable[[], str]] = [
         lambda: text + "\nx = " + "[" * 50_000,
@@ -59,12 +56,24 @@ def huge_file(rng: random.Random) -> Input:
     return _unanswered(rng, "brake file: huge", name, rng.choice(texts)().encode())
 
 
-def _unanswered(rng: random.Random, kind: str, name: str, text: bytes) -> Input:
-    """A solve of a broken file by a model that would answer the sound brake `name`."""
+def _unanswered(rng: random.Random, kind: str, name: str, text: bytes) -> BrokenInput:
+    """A solve of a broken file by a model that would answer the sound brake.
+
+    Parameters
+    ----------
+    rng : random.Random
+        What the model is drawn from.
+    kind : str
+        What kind of input it is.
+    name : str
+        Name of the sound brake file.
+    text : bytes
+        The broken file.
+    """
     words = ["solve", "b.toml", "--json", "r.json"]
     model = rng.choice(_models(name))
     words += ["--elements", FEW_ELEMENTS] if model == "fem" else ["--model", model]
-    return Input(kind, {"b.toml": text}, words, must_fail=True)
+    return BrokenInput(kind, {"b.toml": text}, words, must_fail=True)
 
 
 @cache
@@ -75,6 +84,7 @@ def _models(name: str) -> tuple[str, ...]:
 
 
 def _leaves(data: Any, place: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
+    """The places of all values in nested data, each as keys and indices from the top."""
     if isinstance(data, dict):
         for key, value in data.items():
             yield from _leaves(value, (*place, key))
@@ -86,6 +96,7 @@ def _leaves(data: Any, place: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]
 
 
 def _get(data: Any, place: tuple[Any, ...]) -> Any:
+    """The value at a place of nested data."""
     for step in place:
         data = data[step]
     return data

@@ -1,4 +1,4 @@
-"""What a broken input is, the sound brake files that inputs are made of, and how bytes get broken."""
+"""Broken inputs: their form, the sound brake files behind them, and how bytes are broken."""
 
 import random
 from collections.abc import Mapping, Sequence
@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 from drumlin.studies import REPOSITORY
 
 FEW_ELEMENTS = "6"
-"""Number of elements along a lining in the commands of inputs, so that a solve takes some 20 ms."""
-BRAKES = (
+"""Elements along a lining in the commands of inputs. A solve then takes some 20 ms."""
+SOUND_BRAKES = (
     "double_shoe/brake",
     "post_brake/brake",
     "laws/pad",
@@ -21,11 +21,21 @@ BRAKES = (
 """The brake files that inputs are made of, in studies/ and without their suffix."""
 
 
-class Input(NamedTuple):
-    """Files by name and the words of a command line that is run in their folder.
+class BrokenInput(NamedTuple):
+    """A folder of files with a command line that runs in it.
 
-    `right` is the content that files of an answer must have, where that content is known. An input
-    that `must_fail` has no answer, whatever model it is given to.
+    Attributes
+    ----------
+    kind : str
+        What kind of input it is.
+    files : dict
+        Contents of the files, by name.
+    words : list of str
+        The words of the command line.
+    right : mapping
+        Contents that files of an answer must have, by name, where they are known.
+    must_fail : bool
+        Whether no model may answer the input.
     """
 
     kind: str
@@ -36,7 +46,7 @@ class Input(NamedTuple):
 
 
 class Raw(NamedTuple):
-    """A text that `toml` writes into a file without quotes."""
+    """A text that `toml` writes without quotes."""
 
     text: str
 
@@ -48,7 +58,7 @@ def brake_text(name: str) -> bytes:
 
 
 def noise(rng: random.Random, data: bytes, words: Sequence[str] = ()) -> bytes:
-    """Bytes dropped, doubled, inserted, overwritten, turned round, or some of `words` among them."""
+    """Data with some bytes dropped, doubled, overwritten, reversed, or with words inserted."""
     found = bytearray(data)
     for _ in range(rng.choice([1, 1, 2, 5, 40])):
         at = rng.randrange(len(found) + 1)
@@ -71,18 +81,15 @@ def noise(rng: random.Random, data: bytes, words: Sequence[str] = ()) -> bytes:
 
 def toml(data: Any) -> bytes:
     """Nested data as TOML: everything below the top as inline tables."""
-    return "".join(
-        f"{_quoted(str(key))} = {_inline(value)}\n" for key, value in data.items()
-    ).encode(errors="replace")
+    lines = (f"{_quoted(str(key))} = {_inline(value)}\n" for key, value in data.items())
+    return "".join(lines).encode(errors="replace")
 
 
 def _inline(value: Any) -> str:
+    """A value in TOML, on one line."""
     if isinstance(value, dict):
-        return (
-            "{"
-            + ", ".join(f"{_quoted(str(key))} = {_inline(item)}" for key, item in value.items())
-            + "}"
-        )
+        items = (f"{_quoted(str(key))} = {_inline(item)}" for key, item in value.items())
+        return "{" + ", ".join(items) + "}"
     if isinstance(value, list):
         return "[" + ", ".join(map(_inline, value)) + "]"
     if isinstance(value, bool):
@@ -93,9 +100,7 @@ def _inline(value: Any) -> str:
 
 
 def _quoted(text: str) -> str:
+    """A text in TOML, in quotes."""
     plain = {'"': '\\"', "\\": "\\\\"}
-    return (
-        '"'
-        + "".join(plain.get(c, c if c.isprintable() else f"\\U{ord(c):08x}") for c in text)
-        + '"'
-    )
+    letters = (plain.get(c, c if c.isprintable() else f"\\U{ord(c):08x}") for c in text)
+    return '"' + "".join(letters) + '"'

@@ -1,5 +1,6 @@
-"""Sweeps killed with -9 at random moments and resumed: the table of an undisturbed run, and no case
-solved twice.
+"""Sweeps that are killed at random moments and resumed.
+
+They must end with the table of an undisturbed run, and solve no case twice.
 """
 
 import json
@@ -16,15 +17,17 @@ from pathlib import Path
 from typing import Any
 
 from drumlin.base.journal import Journal
-from drumlin_studies.fuzzing.inputs import BRAKES, brake_text
+from drumlin_studies.fuzzing.inputs import SOUND_BRAKES, brake_text
 
-CASES = 150
-LIMIT = 900.0  # s that a run may take on a busy machine
-WAYS = ("one job", "two jobs", "Dask")
-PROGRAM = "from drumlin.cli import main; main()"
-SWEEP = f"""
+KILLED_CASES = 150
+"""Number of cases of a sweep."""
+RUN_LIMIT = 900.0
+"""Wall-clock time [s] after which a run is stopped. It allows for a busy machine."""
+RUN_WAYS = ("one job", "two jobs", "Dask")
+DRUMLIN_PROGRAM = "from drumlin.cli import main; main()"
+KILLED_SWEEP = f"""
 brake = "b.toml"
-cases = {CASES}
+cases = {KILLED_CASES}
 [model.fem]
 elements = 24
 [vary]
@@ -34,38 +37,38 @@ friction = {{ distribution = "uniform", from = 0.2, to = 1.3 }}
 
 
 def killed(case: dict[str, Any]) -> dict[str, Any]:
-    """A sweep killed `kills` times in a way of WAYS, at moments of the random numbers of `seed`,
-    then let finish.
+    """The row of a sweep that is killed several times and then finishes.
 
-    The row says how many kills met a run at work, and what is wrong at the end (nothing: empty).
+    `met` is the number of kills that met a run at work, `fault` what is wrong at the end.
+
+    case : its `way`, one of RUN_WAYS; its `seed`, which decides the moments; the number of `kills`.
     """
     rng = random.Random(f"kills {case['seed']} {case['way']}")
-    moments = sorted(rng.sample(range(1, CASES - 10), case["kills"]))
+    moments = sorted(rng.sample(range(1, KILLED_CASES - 10), case["kills"]))
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        (folder / "b.toml").write_bytes(brake_text(BRAKES[0]))
-        (folder / "s.toml").write_text(SWEEP, encoding="utf-8")
+        (folder / "b.toml").write_bytes(brake_text(SOUND_BRAKES[0]))
+        (folder / "s.toml").write_text(KILLED_SWEEP, encoding="utf-8")
         whole = _finished(folder, "whole.csv", ["--jobs", "1"])
         with _way(case["way"], folder) as words:
             met = sum(_killed_at(moment, folder, words) for moment in moments)
             table = _finished(folder, "t.csv", words)
         keys = _keys(folder / "t.csv.journal")
-    wrong = [
-        said
-        for said, bad in (
-            ("another table", table != whole),
-            (f"{len(keys) - len(set(keys))} cases twice", len(keys) != len(set(keys))),
-            (f"{len(set(keys))} cases kept", len(set(keys)) != CASES),
-        )
-        if bad
-    ]
+    wrong, different = [], len(set(keys))
+    if table != whole:
+        wrong.append("another table")
+    if len(keys) != different:
+        wrong.append(f"{len(keys) - different} cases twice")
+    if different != KILLED_CASES:
+        wrong.append(f"{different} cases kept")
     return {**case, "met": met, "fault": ", ".join(wrong)}
 
 
 @contextmanager
 def _way(way: str, folder: Path) -> Iterator[list[str]]:
-    """The options that a sweep is run with; for Dask a scheduler and a worker on this machine
-    alone.
+    """The options with which a sweep runs.
+
+    For Dask a scheduler and a worker run on this machine during the block.
     """
     if way != "Dask":
         yield ["--jobs", "1" if way == "one job" else "2"]
@@ -77,7 +80,7 @@ def _way(way: str, folder: Path) -> Iterator[list[str]]:
     )
     started = [scheduler]
     try:
-        end = time.monotonic() + LIMIT
+        end = time.monotonic() + RUN_LIMIT
         while not known.exists():
             if scheduler.poll() is not None or time.monotonic() > end:
                 raise RuntimeError("the scheduler has not started")
@@ -96,6 +99,7 @@ def _way(way: str, folder: Path) -> Iterator[list[str]]:
 
 
 def _child(words: list[str], folder: Path) -> subprocess.Popen[bytes]:
+    """A Python process with the same path as this process."""
     env = os.environ | {
         "PYTHONPATH": os.pathsep.join(filter(None, sys.path)),
         "OMP_NUM_THREADS": "1",
@@ -110,18 +114,20 @@ def _child(words: list[str], folder: Path) -> subprocess.Popen[bytes]:
 
 
 def _sweeping(folder: Path, output: str, words: list[str]) -> subprocess.Popen[bytes]:
-    return _child(["-c", PROGRAM, "sweep", "s.toml", "--output", output, *words], folder)
+    """The process of a sweep."""
+    return _child(["-c", DRUMLIN_PROGRAM, "sweep", "s.toml", "--output", output, *words], folder)
 
 
 def _finished(folder: Path, output: str, words: list[str]) -> bytes:
-    status = _sweeping(folder, output, words).wait(LIMIT)
+    """The table of a sweep that runs to its end, or its exit status."""
+    status = _sweeping(folder, output, words).wait(RUN_LIMIT)
     return (folder / output).read_bytes() if status == 0 else f"status {status}".encode()
 
 
 def _killed_at(moment: int, folder: Path, words: list[str]) -> bool:
-    """Kill a run as soon as its journal has `moment` rows; whether it was still at work."""
+    """Kill a run as soon as its journal has `moment` rows; tell whether it was still at work."""
     process, journal = _sweeping(folder, "t.csv", words), folder / "t.csv.journal"
-    end = time.monotonic() + LIMIT
+    end = time.monotonic() + RUN_LIMIT
     while process.poll() is None and time.monotonic() < end:
         if journal.exists() and journal.read_bytes().count(b"\n") > moment:
             break
@@ -134,8 +140,8 @@ def _killed_at(moment: int, folder: Path, words: list[str]) -> bool:
 
 
 def _unlocked(journal: Path) -> None:
-    """Wait until the workers of a killed run have ended, too: they hold its journal."""
-    end = time.monotonic() + LIMIT
+    """Wait until the workers of a killed run have ended as well. They hold its journal."""
+    end = time.monotonic() + RUN_LIMIT
     while time.monotonic() < end:
         try:
             with journal.open("ab") as file:
@@ -152,6 +158,7 @@ def _lock(handle: int) -> None:
 
 
 def _keys(journal: Path) -> list[str]:
+    """The keys of the cases in a journal."""
     return [
         json.loads(line)["key"] for line in journal.read_text(encoding="utf-8").splitlines()[1:]
     ]
@@ -160,12 +167,22 @@ def _keys(journal: Path) -> list[str]:
 def kill_all(
     chains: dict[str, int], kills: int, journal: Journal, say: Callable[[str], None]
 ) -> list[dict[str, Any]]:
-    """So many sweeps in each way, each killed `kills` times; those that the journal has not yet."""
-    cases = [
-        {"way": way, "seed": seed, "kills": kills}
-        for way, count in chains.items()
-        for seed in range(count)
-    ]
+    """The rows of sweeps that are killed.
+
+    Parameters
+    ----------
+    chains : dict
+        Number of sweeps in each way.
+    kills : int
+        Number of kills of each sweep.
+    journal : Journal
+        Sweeps with a row in the journal are not run again.
+    say : function
+        Is told how far the work is.
+    """
+    cases: list[dict[str, Any]] = []
+    for way, count in chains.items():
+        cases += [{"way": way, "seed": seed, "kills": kills} for seed in range(count)]
     rows: list[dict[str, Any]] = []
     for case in cases:
         say(f"killing a sweep: {case['way']}, {len(rows) + 1} of {len(cases)}")
@@ -174,17 +191,18 @@ def kill_all(
 
 
 def table(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """A row a way: how many sweeps and kills, how many of them met a run at work, how many sweeps
-    are wrong.
-    """
-    return [
-        {
+    """A row for each way: numbers of sweeps, of kills, of kills that met a run, and of faults."""
+    lines: list[dict[str, Any]] = []
+    for way in RUN_WAYS:
+        own = [row for row in rows if row["way"] == way]
+        if not own:
+            continue
+        line = {
             "way": way,
-            "sweeps": len(of),
-            "kills": sum(row["kills"] for row in of),
-            "met": sum(row["met"] for row in of),
-            "faults": sum(bool(row["fault"]) for row in of),
+            "sweeps": len(own),
+            "kills": sum(row["kills"] for row in own),
+            "met": sum(row["met"] for row in own),
+            "faults": sum(bool(row["fault"]) for row in own),
         }
-        for way in WAYS
-        if (of := [row for row in rows if row["way"] == way])
-    ]
+        lines.append(line)
+    return lines

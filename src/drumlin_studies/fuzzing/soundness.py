@@ -1,4 +1,4 @@
-"""Whether an answer can be true: it is finite, balances, and its torque is that of its pressure."""
+"""Checks that an answer is finite, in balance, and has the torque of its pressure."""
 
 import tempfile
 import warnings
@@ -12,24 +12,26 @@ from drumlin.brake.plane_brake import read_any
 from drumlin.models import MODELS
 from drumlin.response.balance import contact_resultant
 from drumlin.response.response import Response
-from drumlin_studies.fuzzing.inputs import Input
+from drumlin_studies.fuzzing.inputs import BrokenInput
 
 SOUND_IMBALANCE = 1e-6
-"""Largest imbalance of forces and moments of a sound answer, relative to the applied ones. The value
-is a judgement: far above round-off, and far below an error that a user would notice.
+"""Largest imbalance of a sound answer, relative to the applied forces and moments.
+
+The value is a judgement: far above round-off, and far below an error that a user would notice.
 """
 TORQUE_SLACK = 0.03
-"""Largest difference between the stated torque and that of the pressure, relative to the torque. The
-lining of a mesh may lie off the drum by 1 % of its radius; it is as much longer, with as much more
-lever.
+"""Largest difference between the stated torque and the torque of the pressure, relative.
+
+The lining of a mesh may lie off the drum by 1 % of its radius. Its length and its lever are then
+larger by 1 % each.
 """
 
 
-def fault_of_answer(given: Input) -> str:
-    """Why the answer of a solve that ended well cannot be true; empty where it can.
+def fault_of_answer(given: BrokenInput) -> str:
+    """Why the answer of a solve cannot be true; empty where it can.
 
-    The brake is read and solved again as the words of the input say. Raises what a solve raises, a
-    warning included.
+    The brake is read and solved again with the options of the input. Raises what a solve raises;
+    warnings are errors.
     """
     options: dict[str, Any] = {}
     if "--elements" in given.words:
@@ -48,7 +50,7 @@ def _after(words: list[str], option: str) -> str:
 
 
 def unsound(brake: Brake, response: Response) -> str:
-    """Why an answer cannot be true; empty where it can."""
+    """Why a response cannot be true; empty where it can."""
     numbers = [response.torque, response.balance.force, response.balance.moment]
     for shoe in response.shoes:
         numbers += [shoe.torque, shoe.normal_force, shoe.peak_pressure]

@@ -1,7 +1,6 @@
-"""Thousands of broken inputs, generator by generator: what became of each, kept in a journal as it
-goes.
-"""
+"""Runs of thousands of broken inputs, by generator, with a journal of how each input ended."""
 
+import itertools
 import os
 import random
 import re
@@ -15,16 +14,16 @@ from drumlin_studies.fuzzing.broken_meshes import impossible_mesh
 from drumlin_studies.fuzzing.broken_sweeps import broken_sweep, changed_sweep, damaged_journal
 from drumlin_studies.fuzzing.endings import fault_of, in_process, in_subprocess
 from drumlin_studies.fuzzing.impossible import broken_structure, huge_file
-from drumlin_studies.fuzzing.inputs import Input
+from drumlin_studies.fuzzing.inputs import BrokenInput
 from drumlin_studies.fuzzing.soundness import fault_of_answer
 from drumlin_studies.side_by_side import Case, kept
 
-CHUNK = 50
-"""Inputs that a process takes at a time."""
+INPUTS_AT_A_TIME = 50
+"""Number of inputs that a process takes at a time."""
 KEPT_LETTERS = 300
-"""Letters of a refusal that a verdict keeps: enough to tell what it refuses."""
+"""Number of letters of a refusal that a verdict keeps. They are enough to tell what it refuses."""
 
-GENERATORS: dict[str, tuple[Callable[[random.Random], Input], str]] = {
+GENERATORS: dict[str, tuple[Callable[[random.Random], BrokenInput], str]] = {
     "bytes": (faults.broken_bytes, "a brake file with its bytes in disorder"),
     "schema": (faults.typed, "keys of the brake file's schema with values near and far"),
     "sizes": (faults.scaled, "quantities of a brake file made larger or smaller by up to 1e12"),
@@ -43,12 +42,24 @@ GENERATORS: dict[str, tuple[Callable[[random.Random], Input], str]] = {
     "command lines": (faults.command_line, "commands with options of all sorts"),
     "words": (faults.wrong_words, "words that are no command line"),
 }
-"""What breaks an input, and what that is in words."""
+"""The function that makes an input, and what it makes in words, for each generator."""
 
 
-class Verdict(NamedTuple):
-    """What became of an input: its number, exit status, seconds of processor time, the fault (empty
-    where there is none), and the line that refused the input.
+class InputVerdict(NamedTuple):
+    """How an input ended.
+
+    Attributes
+    ----------
+    number : int
+        Number of the input.
+    status : int
+        Exit status.
+    seconds : float
+        Processor time [s].
+    fault : str
+        What is wrong; empty where nothing is.
+    line : str
+        The line that refused the input.
     """
 
     number: int
@@ -58,13 +69,20 @@ class Verdict(NamedTuple):
     line: str = ""
 
 
-def made(generator: str, number: int) -> Input:
-    """Input `number` of a generator, the same every time."""
+COUNTED_STATUSES = {"answers": 0, "refused": 2, "no answer": 3}
+"""The exit statuses of a sound ending, by the key of a row that counts them."""
+
+
+def made(generator: str, number: int) -> BrokenInput:
+    """An input of a generator. The same number always gives the same input."""
     return GENERATORS[generator][0](random.Random(f"{generator} {number}"))
 
 
-def tried(generator: str, number: int, apart: bool = False) -> Verdict:
-    """Run an input in this process or (`apart`) in one of its own, and judge how it ends."""
+def tried(generator: str, number: int, apart: bool = False) -> InputVerdict:
+    """The verdict on an input.
+
+    apart : whether the input runs in a process of its own.
+    """
     given = made(generator, number)
     apart = apart and all(map(passes, given.words))
     end = in_subprocess(given) if apart else in_process(given)
@@ -73,11 +91,11 @@ def tried(generator: str, number: int, apart: bool = False) -> Verdict:
         fault = _unsound(given)
     line = end.err.removeprefix("drumlin: ").strip()[:KEPT_LETTERS] if end.status else ""
     said = f"{faults.shown(given)}: {fault}" if fault else ""
-    return Verdict(number, end.status, end.seconds, said, line)
+    return InputVerdict(number, end.status, end.seconds, said, line)
 
 
-def _unsound(given: Input) -> str:
-    """Why the answer of a solve cannot be true, or how solving it again fails; else empty."""
+def _unsound(given: BrokenInput) -> str:
+    """Why the answer of a solve cannot be true, or how a second solve fails; else empty."""
     try:
         return fault_of_answer(given)
     except Exception as error:
@@ -85,7 +103,7 @@ def _unsound(given: Input) -> str:
 
 
 def passes(word: str) -> bool:
-    """Whether a process can be given the word: without NUL, and of letters that have bytes."""
+    """Whether a process can take a word: it has no NUL, and all its letters have bytes."""
     try:
         return b"\0" not in os.fsencode(word)
     except UnicodeEncodeError:
@@ -93,12 +111,10 @@ def passes(word: str) -> bool:
 
 
 def _chunk(case: Case) -> dict[str, Any]:
+    """The verdicts on the inputs that a process takes at a time."""
     numbers = range(case["first"], case["first"] + case["count"])
-    return {
-        "verdicts": [
-            tried(case["generator"], number, case["apart"])._asdict() for number in numbers
-        ]
-    }
+    generator, apart = case["generator"], case["apart"]
+    return {"verdicts": [tried(generator, number, apart)._asdict() for number in numbers]}
 
 
 def try_all(
@@ -108,62 +124,63 @@ def try_all(
     apart: bool = False,
     processes: int = 0,
     say: Callable[[str], None] = lambda _: None,
-) -> dict[str, list[Verdict]]:
-    """So many inputs of each generator, in this process or in several, those that the journal has
-    not yet.
+) -> dict[str, list[InputVerdict]]:
+    """The verdicts on the first inputs of each generator.
+
+    Parameters
+    ----------
+    counts : dict
+        Number of inputs of each generator.
+    journal : Journal
+        Inputs with a verdict in the journal are not run again.
+    apart : bool
+        Whether each input runs in a process of its own.
+    processes : int
+        Number of processes besides this one; 0 runs in this one.
+    say : function
+        Is told how far the work is.
     """
-    cases = {
-        name: [
-            {"generator": name, "first": first, "count": min(CHUNK, count - first), "apart": apart}
-            for first in range(0, count, CHUNK)
-        ]
-        for name, count in counts.items()
-    }
-    kept(
-        [case for of in cases.values() for case in of],
-        _chunk,
-        journal,
-        say,
-        processes,
-        f"lots of {CHUNK} inputs",
-    )
-    return {
-        name: [Verdict(**row) for case in of for row in journal[case]["verdicts"]]
-        for name, of in cases.items()
-    }
+    cases: dict[str, list[dict[str, Any]]] = {name: [] for name in counts}
+    for name, count in counts.items():
+        for first in range(0, count, INPUTS_AT_A_TIME):
+            case = {"generator": name, "first": first}
+            case |= {"count": min(INPUTS_AT_A_TIME, count - first), "apart": apart}
+            cases[name].append(case)
+    everything = list(itertools.chain(*cases.values()))
+    kept(everything, _chunk, journal, say, processes, f"lots of {INPUTS_AT_A_TIME} inputs")
+    verdicts: dict[str, list[InputVerdict]] = {name: [] for name in counts}
+    for name, of in cases.items():
+        for case in of:
+            verdicts[name] += [InputVerdict(**row) for row in journal[case]["verdicts"]]
+    return verdicts
 
 
-def table(verdicts: dict[str, list[Verdict]]) -> list[dict[str, Any]]:
-    """A row a generator: how its inputs ended, the faults, the longest run; the last row is the
-    sum.
+def table(verdicts: dict[str, list[InputVerdict]]) -> list[dict[str, Any]]:
+    """A row for each generator: how its inputs ended, the faults, and the longest run.
+
+    The last row is on all inputs.
     """
-    rows: list[dict[str, Any]] = [
-        {
-            "generator": name,
-            "what": GENERATORS[name][1],
-            "inputs": len(of),
-            **{key: sum(v.status == status for v in of) for key, status in STATUSES.items()},
-            "faults": sum(bool(v.fault) for v in of),
-            "longest": max(v.seconds for v in of),
-        }
-        for name, of in verdicts.items()
-    ]
-    total = {key: sum(row[key] for row in rows) for key in ("inputs", *STATUSES, "faults")}
+    rows: list[dict[str, Any]] = []
+    for name, of in verdicts.items():
+        row = {"generator": name, "what": GENERATORS[name][1], "inputs": len(of)}
+        for key, status in COUNTED_STATUSES.items():
+            row[key] = sum(verdict.status == status for verdict in of)
+        row["faults"] = sum(bool(verdict.fault) for verdict in of)
+        row["longest"] = max(verdict.seconds for verdict in of)
+        rows.append(row)
+    total = {key: sum(row[key] for row in rows) for key in ("inputs", *COUNTED_STATUSES, "faults")}
     return [*rows, {"generator": "all", **total, "longest": max(row["longest"] for row in rows)}]
 
 
-def refusal_lines(verdicts: dict[str, list[Verdict]], count: int = 40) -> str:
+def refusal_lines(verdicts: dict[str, list[InputVerdict]], count: int = 40) -> str:
     """The refusals that come most often, most frequent first, each with its number.
 
     Lines that differ in numbers and quoted texts alone count as one, shown by its shortest.
     """
     forms: dict[str, list[str]] = {}
-    refused = [verdict.line for of in verdicts.values() for verdict in of if verdict.line]
-    for line in refused:
+    lines = [verdict.line for verdict in itertools.chain(*verdicts.values())]
+    for line in filter(None, lines):
         form = re.sub(r"'[^']*'|[-+]?\d[\d.e+-]*", "…", line)
         forms.setdefault(form, []).append(line)
     most = sorted(forms.values(), key=len, reverse=True)[:count]
     return "\n".join(f"{len(lines):5d}  {min(lines, key=len)[:160]}" for lines in most)
-
-
-STATUSES = {"answers": 0, "refused": 2, "no answer": 3}

@@ -1,6 +1,4 @@
-"""Values that a brake, a path or an option may not or hardly have, as data, and what puts them into
-files.
-"""
+"""Values that are wrong or unusual for brakes, paths and options, and functions that place them."""
 
 import math
 import random
@@ -14,19 +12,89 @@ from pydantic import BaseModel
 
 from drumlin_studies.fuzzing.inputs import Raw
 
-WORDS = (
-    "", " ", "0", "-0", "1", "2.5", "-1", "nan", "inf", "-inf", "1e999", "1e-320", "1_000", "٣", "²", "0x10", "true",
-    "9" * 401, "9" * 4301, "0." + "1" * 5000, "=1+1", "@x", "a\nb", "\x1b[31mred\x1b[0m", "\r", "\0", "\u202e",
-    "\ud800", "λ", "漢字", "🛞", "$x$", "x" * 300, "x" * 5000, "../x", "/", ".", "~", "-", "--", "%s{}",
-    "<b>&amp;</b>", "[red]x[/]",
-)  # fmt: skip
-QUANTITIES = (
-    "0 mm", "-1 mm", "1e30 m", "1e-31 m", "1e308 mm", "150 mm", "nan mm", "inf m", "1 furlong", "1 mm mm", "1 m^9",
-    "5 s", "1e-9 m", "90 deg", "360 deg", "-1e9 deg", "1e5 deg", "3 rad", "2 kN", "-2 kN", "0 N", "1e29 N", "1e-29 N",
-    "300 MPa", "1 Pa", "1e30 Pa", "1/2 m", "9" * 100_000 + " mm", "1e9999 mm", "1 " + "m" * 5000, "1 m/(s*",
-    "  8   mm ", "8mm",
-)  # fmt: skip
-NUMBERS = (
+WRONG_WORDS = (
+    "",
+    " ",
+    "0",
+    "-0",
+    "1",
+    "2.5",
+    "-1",
+    "nan",
+    "inf",
+    "-inf",
+    "1e999",
+    "1e-320",
+    "1_000",
+    "٣",
+    "²",
+    "0x10",
+    "true",
+    "9" * 401,
+    "9" * 4301,
+    "0." + "1" * 5000,
+    "=1+1",
+    "@x",
+    "a\nb",
+    "\x1b[31mred\x1b[0m",
+    "\r",
+    "\0",
+    "\u202e",
+    "\ud800",
+    "λ",
+    "漢字",
+    "🛞",
+    "$x$",
+    "x" * 300,
+    "x" * 5000,
+    "../x",
+    "/",
+    ".",
+    "~",
+    "-",
+    "--",
+    "%s{}",
+    "<b>&amp;</b>",
+    "[red]x[/]",
+)
+"""Texts for keys and options: numbers, control characters, letters of all alphabets, long words."""
+WRONG_QUANTITIES = (
+    "0 mm",
+    "-1 mm",
+    "1e30 m",
+    "1e-31 m",
+    "1e308 mm",
+    "150 mm",
+    "nan mm",
+    "inf m",
+    "1 furlong",
+    "1 mm mm",
+    "1 m^9",
+    "5 s",
+    "1e-9 m",
+    "90 deg",
+    "360 deg",
+    "-1e9 deg",
+    "1e5 deg",
+    "3 rad",
+    "2 kN",
+    "-2 kN",
+    "0 N",
+    "1e29 N",
+    "1e-29 N",
+    "300 MPa",
+    "1 Pa",
+    "1e30 Pa",
+    "1/2 m",
+    "9" * 100_000 + " mm",
+    "1e9999 mm",
+    "1 " + "m" * 5000,
+    "1 m/(s*",
+    "  8   mm ",
+    "8mm",
+)
+"""Quantities with units, from usual to impossible values."""
+WRONG_NUMBERS = (
     0,
     1,
     -1,
@@ -43,20 +111,53 @@ NUMBERS = (
     2**63,
     1e-9,
 )
-PATHS = (
-    "r.json", "r.csv", "r.svg", "r.png", "m.msh", "b.toml", "./b.toml", "sub/../b.toml", "sub", "sub/", "link.json",
-    "x.toml", "loop", "dangling", "no/such/folder/r.json", "b.toml/r.json", "", ".", "..", "a\nb.json",
-    "\x1b]0;x\x07.json", "\0", "a\0b",
-    "x" * 300, "x" * 5000 + ".json", "λ.json", "\udcff.json", "pipe", "-", "r", "r.PNG", "hard.json",
-)  # fmt: skip
+"""Numbers without units, from usual to impossible values."""
+WRONG_PATHS = (
+    "r.json",
+    "r.csv",
+    "r.svg",
+    "r.png",
+    "m.msh",
+    "b.toml",
+    "./b.toml",
+    "sub/../b.toml",
+    "sub",
+    "sub/",
+    "link.json",
+    "x.toml",
+    "loop",
+    "dangling",
+    "no/such/folder/r.json",
+    "b.toml/r.json",
+    "",
+    ".",
+    "..",
+    "a\nb.json",
+    "\x1b]0;x\x07.json",
+    "\0",
+    "a\0b",
+    "x" * 300,
+    "x" * 5000 + ".json",
+    "λ.json",
+    "\udcff.json",
+    "pipe",
+    "-",
+    "r",
+    "r.PNG",
+    "hard.json",
+)
+"""Paths: of files that exist or not, of folders and links, with letters that files cannot have."""
 
 
 def anything(rng: random.Random, deep: int = 2) -> Any:
-    """A value of any type that a TOML file may have."""
+    """A random value of any type that a TOML file can hold.
+
+    deep : how many tables and lists may lie in each other.
+    """
     simple: list[Callable[[], Any]] = [
-        lambda: rng.choice(WORDS),
-        lambda: rng.choice(QUANTITIES),
-        lambda: rng.choice(NUMBERS),
+        lambda: rng.choice(WRONG_WORDS),
+        lambda: rng.choice(WRONG_QUANTITIES),
+        lambda: rng.choice(WRONG_NUMBERS),
         lambda: rng.random() < 0.5,
         lambda: Raw(
             rng.choice(
@@ -84,7 +185,7 @@ def anything(rng: random.Random, deep: int = 2) -> Any:
 
 
 def _models(kind: Any) -> Iterator[type[BaseModel]]:
-    """The models in the annotation of a field."""
+    """The pydantic models in the annotation of a field."""
     if isinstance(kind, type) and issubclass(kind, BaseModel):
         yield kind
     for part in typing.get_args(kind):
@@ -93,7 +194,7 @@ def _models(kind: Any) -> Iterator[type[BaseModel]]:
 
 
 def schema_places(kind: type[BaseModel], data: Any) -> Iterator[tuple[Any, str, Any]]:
-    """Each table of `data` with each key that its schema knows, and the field's annotation."""
+    """Each table of nested data with each key of its schema, and the annotation of the key."""
     for name, field in kind.model_fields.items():
         key = field.alias or name
         yield data, key, field.annotation
@@ -105,25 +206,22 @@ def schema_places(kind: type[BaseModel], data: Any) -> Iterator[tuple[Any, str, 
 
 
 def fitting(rng: random.Random, annotation: Any, before: Any) -> Any:
-    """A value near what the schema has in mind."""
+    """A random value near the type that the schema asks for.
+
+    annotation : type of the key; before : its present value, or None.
+    """
     said = str(annotation)
-    choices: list[Any] = [rng.choice(QUANTITIES), rng.choice(NUMBERS), anything(rng)]
+    choices: list[Any] = [rng.choice(WRONG_QUANTITIES), rng.choice(WRONG_NUMBERS), anything(rng)]
     if "Literal" in said:
-        choices += [
-            value
-            for part in [annotation, *typing.get_args(annotation)]
-            for value in typing.get_args(part)
-        ]
+        for part in [annotation, *typing.get_args(annotation)]:
+            choices += typing.get_args(part)
     if "tuple" in said:
-        choices += [
-            [
-                [rng.choice(QUANTITIES), rng.choice(QUANTITIES)]
-                for _ in range(rng.choice([1, 2, 3]))
-            ],
-            [],
-        ]
+        rows = []
+        for _ in range(rng.choice([1, 2, 3])):
+            rows.append([rng.choice(WRONG_QUANTITIES), rng.choice(WRONG_QUANTITIES)])
+        choices += [rows, []]
     if "Path" in said:
-        choices += list(PATHS)
+        choices += list(WRONG_PATHS)
     if isinstance(before, str) and (match := re.fullmatch(r"([-\d.]+) (.+)", before)):
         scaled = float(match[1]) * rng.choice(
             [-1, 0, 0.1, 0.5, 0.99, 1.01, 2, 10, 1e6, 1e-6, 1e-15]
@@ -137,7 +235,7 @@ def fitting(rng: random.Random, annotation: Any, before: Any) -> Any:
     return "" if value is None else value
 
 
-INTEGERS = (
+WRONG_INTEGERS = (
     "-1",
     "0",
     "1",
@@ -154,7 +252,8 @@ INTEGERS = (
     "2.5",
     "²",
 )
-FLOATS = (
+"""Words for options that take an integer."""
+WRONG_FLOATS = (
     "-1",
     "0",
     "0.01",
@@ -172,7 +271,8 @@ FLOATS = (
     "",
     "9" * 4301,
 )
-TEXTS = {
+"""Words for options that take a number."""
+WRONG_TEXTS = {
     "model": ("fem", "sine", "foundation", "short", "guess", ""),
     "kind": ("quad2", "quad1", "tri2", "tri1", "hex8", ""),
     "penalty": ("inf", "1e6", "1", "0", "-1", "nan", "1e-300", "1e300", "soft", "9" * 4301),
@@ -180,11 +280,36 @@ TEXTS = {
     "to": ("calculix", "", "x"),
     "steps": ("1", "2", "3", "0", "-1", "10001", "99999999999999999999", "9" * 4301, "x"),
     "lift": ("all", "tilt", "wedge", "x", ""),
-    "distance": ("0.01", "1", "5", "0", "-1", "nan", "inf", "1e999", "20 km", "1 mm", "0 m", "-1 m", "1e30 m", "x",
-                 "9" * 100_000),
+    "distance": (
+        "0.01",
+        "1",
+        "5",
+        "0",
+        "-1",
+        "nan",
+        "inf",
+        "1e999",
+        "20 km",
+        "1 mm",
+        "0 m",
+        "-1 m",
+        "1e30 m",
+        "x",
+        "9" * 100_000,
+    ),
     "reverse": ("1", "0", "-1", "nan", "0.1", "1 km", "x"),
     "coefficient": ("1e-5 mm^3/(N m)", "0 1/Pa", "-1 1/Pa", "1e-30 1/Pa", "1e30 1/Pa", "x", "1 m"),
     "torque": ("400 N m", "0 N m", "-1 N m", "1e-20 N m", "1e25 N m", "x", "9" * 100_000 + " N m"),
-    "rotation": ("0.001 deg", "0 deg", "-0.01 deg", "1 rad", "1e-29 rad", "1e9 deg", "nan deg", "x"),
+    "rotation": (
+        "0.001 deg",
+        "0 deg",
+        "-0.01 deg",
+        "1 rad",
+        "1e-29 rad",
+        "1e9 deg",
+        "nan deg",
+        "x",
+    ),
     "name": ("x", "", "../y", "a\nb", "λ", "x" * 300, "\0", "/"),
-}  # fmt: skip
+}
+"""Words for options that take a name or a quantity, by option."""

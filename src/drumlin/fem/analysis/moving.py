@@ -1,10 +1,9 @@
-"""How the nodes of a shoe's body move with the points that hold and push it, and what that changes
-at its contact.
+"""The motion of the nodes of a shoe's body with the points that hold and push it, and its effects.
 
-A straight beam runs from the hinge to the point of the actuation: it turns, and its block fills the
-space up to the lining, which stays. The back of an arc is gripped where the pivot is, and the
-elements end where the grip does. A mesh in the shoe's own frame turns with it. All other bodies
-stay in their places on the drum or the plane.
+A straight beam runs from the hinge to the point of the actuation. As either point moves, the beam
+turns, and its block fills the space up to the lining, which stays. The back of an arc is gripped at
+the pivot, and elements end where the grip ends. A mesh in the shoe's own frame turns with the
+frame. All other bodies stay in their places on the drum or the plane.
 """
 
 from collections.abc import Iterator
@@ -23,15 +22,22 @@ from drumlin.fem.preparation.bodies import Body, BodyNodes
 from drumlin.fem.preparation.scene import Scene
 from drumlin.fem.substructure.interface import ContactLine
 
-STEP = 1e-5
-"""Step of the central differences of places and of what hangs on places alone, in radii of the
-drum. The places are smooth functions of the points over a length of some radii: the difference is
-off by STEP^2 = 1e-10, and by some 1e-11 of round-off."""
+NODE_STEP = 1e-5
+"""Step of the central differences of places and of quantities that depend on places alone, in radii
+of the drum. The places are smooth functions of the points over a length of some radii, so that the
+difference is off by NODE_STEP^2 = 1e-10, and by some 1e-11 of round-off. A larger step is less
+exact, and a smaller step loses digits.
+"""
 FARTHEST = 1e3
-"""Steps beyond which no node goes in one step of a point. A node that goes farther belongs to
-another division: a column or a layer more, or another column that ends where the grip does."""
+"""Distance, in steps of a point, beyond which no node moves in one step. A node that moves farther
+belongs to another division: an hp element or a layer more, or another element that ends where the
+grip does.
+"""
 STILL = 1e-6
-"""Part of a step below which a node of the contact stays: round-off."""
+"""Motion of a contact node per motion of a point, below which the contact counts as unmoved.
+
+Smaller motions are taken for round-off, which is some 1e-11 in the central differences.
+"""
 
 
 BEAM_POINTS = ("hinge", "actuation.point")
@@ -39,10 +45,15 @@ BEAM_POINTS = ("hinge", "actuation.point")
 
 
 class Moves(NamedTuple):
-    """How the nodes of a body go as a point goes by a unit: `nodes` (2 nodes,), x and y of a node
-    together, and those of the contact line, `line` (2, n); and how the force per newton of the
-    actuation on each changes, `load` (2 nodes,) [1/m]; how far the axis of a straight beam turns,
-    `axis` [rad/m], else 0. All in the shoe's frame, as it is before it moves."""
+    """The motion of a body's nodes per unit motion of a point, in the frame of the shoe.
+
+    Attributes
+    ----------
+    nodes : motion (2 nodes,), x and y of a node together
+    line : motion (2, n) of the nodes of the contact line
+    load : change (2 nodes,) [1/m] of the force on each node per newton of the actuation
+    axis : turn of the axis of a straight beam [rad/m]; 0 for other bodies
+    """
 
     nodes: Floats
     line: Floats
@@ -55,71 +66,103 @@ class Moves(NamedTuple):
         return float(np.abs(self.line).max()) < STILL
 
 
-def moves_by(scene: Scene, i: int, shoe: Shoe, key: str) -> list[Moves]:
-    """How the nodes of shoe `i` go as one of its points goes along x and along y of the brake.
+class LineAtStep(NamedTuple):
+    """A contact line moved by a `step` [m] of a point."""
 
-    key: "hinge", "pivot", "abutment.point" or "actuation.point". Empty where no node moves. Raises
-    NoAnswer where the division into elements changes within a step on both sides.
+    step: float
+    line: ContactLine
+
+
+def moves_by(scene: Scene, i: int, shoe: Shoe, key: str) -> list[Moves]:
+    """The motion of the nodes of shoe `i` as one of its points moves along x and along y.
+
+    The list is empty where no node moves. The axes are those of the brake.
+
+    Parameters
+    ----------
+    scene : the prepared model
+    i : position of the shoe in the brake
+    shoe : the shoe
+    key : "hinge", "pivot", "abutment.point" or "actuation.point"
+
+    Raises
+    ------
+    NoAnswer
+        where the division into elements changes within a step on both sides
     """
-    radius = scene.brake.size
-    if shoe.mesh is not None:
-        moving = shoe.mesh_frame == "shoe" and key == (
-            "actuation.point"
-            if shoe.guide is not None
-            else "hinge"
-            if shoe.hinge is not None
-            else "abutment.point"
-        )
-    else:
-        beam = isinstance(shoe.body, Beam) and key in BEAM_POINTS
-        moving = beam or (key == "pivot" and shoe.grip(radius) is not None)
-    if shoe.mesh is not None and not moving and isinstance(shoe.body, Beam) and key in BEAM_POINTS:
-        return [_only_turned(scene.bodies[i], _axis_turn(shoe, key, way)) for way in np.eye(2)]
+    moving = _nodes_move(scene, shoe, key)
+    turns_axis = isinstance(shoe.body, Beam) and key in BEAM_POINTS
+    if shoe.mesh is not None and not moving and turns_axis:
+        turns = [_axis_turn(shoe, key, direction) for direction in np.eye(2)]
+        return [_only_turned(scene.bodies[i], turn) for turn in turns]
     if scene.nodes_of is None or not moving:
         return []
-    h, found = STEP * radius, []
+    return [_moves_along(scene, i, shoe, key, direction) for direction in np.eye(2)]
+
+
+def _nodes_move(scene: Scene, shoe: Shoe, key: str) -> bool:
+    """Whether nodes of a shoe's body move with the point `key`."""
+    if shoe.mesh is None:
+        beam = isinstance(shoe.body, Beam) and key in BEAM_POINTS
+        return beam or (key == "pivot" and shoe.grip(scene.brake.size) is not None)
+    # A mesh in the frame of the shoe moves with the point that holds the frame.
+    if shoe.guide is not None:
+        holds_frame = "actuation.point"
+    elif shoe.hinge is not None:
+        holds_frame = "hinge"
+    else:
+        holds_frame = "abutment.point"
+    return shoe.mesh_frame == "shoe" and key == holds_frame
+
+
+def _moves_along(scene: Scene, i: int, shoe: Shoe, key: str, direction: Floats) -> Moves:
+    """The motion of the nodes of shoe `i` as a point moves along a direction (2,), by differences.
+
+    Raises NoAnswer as `moves_by` does.
+    """
+    h = NODE_STEP * scene.brake.size
     here = _in_brake(scene, i, shoe)
-    for way in np.eye(2):
-        sides = []
-        for step in (h, -h):
-            there = _in_brake(scene, i, _with_point(shoe, key, step * way))
-            if there.xy.shape == here.xy.shape and np.abs(there.xy - here.xy).max() < FARTHEST * h:
-                sides.append(BodyNodes(*((a - b) / step for a, b in zip(there, here, strict=True))))
-        if not sides:
-            raise NoAnswer(
-                f"shoe {shoe.name!r}: no slope along its {key}, there its division into elements changes"
-            )
-        nodes, load = (
-            shoe.frame.to_shoe(np.mean(part, axis=0).T) for part in zip(*sides, strict=True)
+    places, loads = [], []
+    for step in (h, -h):
+        there = _in_brake(scene, i, _with_point(shoe, key, step * direction))
+        same_division = there.xy.shape == here.xy.shape
+        if same_division and np.abs(there.xy - here.xy).max() < FARTHEST * h:
+            places.append((there.xy - here.xy) / step)
+            loads.append((there.load - here.load) / step)
+    if not places:
+        raise NoAnswer(
+            f"shoe {shoe.name!r}: no slope along its {key}, there its division into elements changes"
         )
-        line = nodes[scene.bodies[i].line.nodes].T
-        found.append(Moves(nodes.ravel(), line, load.ravel(), _axis_turn(shoe, key, way)))
-    return found
+    nodes = shoe.frame.to_shoe(np.mean(places, axis=0).T)
+    load = shoe.frame.to_shoe(np.mean(loads, axis=0).T)
+    line = nodes[scene.bodies[i].line.nodes].T
+    return Moves(nodes.ravel(), line, load.ravel(), _axis_turn(shoe, key, direction))
 
 
 def _only_turned(body: Body, axis: float) -> Moves:
-    """No node of a mesh in the brake's frame moves, but the directions of a straight beam turn."""
+    """The motion of a mesh in the brake's frame: no node moves, but a beam's directions turn."""
     still = np.zeros(2 * body.basis.N)
     return Moves(still, np.zeros(body.line.xy.shape), still, axis)
 
 
-def _axis_turn(shoe: Shoe, key: str, way: Floats) -> float:
-    """How far the axis of a straight beam turns in the shoe's frame as the point `key` goes by a
-    unit along `way` [rad/m]; 0 of other bodies."""
+def _axis_turn(shoe: Shoe, key: str, direction: Floats) -> float:
+    """The turn of a straight beam's axis in the shoe's frame per motion of a point [rad/m].
+
+    The point `key` moves along `direction` (2,). Other bodies have the turn 0.
+    """
     if not isinstance(shoe.body, Beam):
         return 0.0
     beam = axis_of(shoe.pin.xy, shoe.actuation.point.xy)
-    sideways = (
-        shoe.frame.sense * float(beam.along[0] * way[1] - beam.along[1] * way[0]) / beam.length
-    )
+    across = float(beam.along[0] * direction[1] - beam.along[1] * direction[0])
+    sideways = shoe.frame.sense * across / beam.length
     return {"hinge": -sideways, "actuation.point": sideways}.get(key, 0.0)
 
 
 def _in_brake(scene: Scene, i: int, shoe: Shoe) -> BodyNodes:
-    """The nodes of shoe `i` as another shoe, in the brake's frame."""
+    """The nodes of shoe `i`, replaced by another shoe, in the frame of the brake."""
     assert scene.nodes_of is not None
-    found = scene.nodes_of(i, shoe)
-    return BodyNodes(shoe.points(found.xy), shoe.frame.to_brake(found.load.T).T)
+    nodes = scene.nodes_of(i, shoe)
+    return BodyNodes(shoe.points(nodes.xy), shoe.frame.to_brake(nodes.load.T).T)
 
 
 def _with_point(shoe: Shoe, key: str, step: Floats) -> Shoe:
@@ -127,22 +170,20 @@ def _with_point(shoe: Shoe, key: str, step: Floats) -> Shoe:
     for part in ("actuation", "abutment"):
         if key == f"{part}.point":
             whole = getattr(shoe, part)
-            return shoe.model_copy(
-                update={part: whole.model_copy(update={"point": _moved(whole.point, step)})}
-            )
-    return shoe.model_copy(update={key: _moved(getattr(shoe, key), step)})
+            other = whole.model_copy(update={"point": _moved_point(whole.point, step)})
+            return shoe.model_copy(update={part: other})
+    return shoe.model_copy(update={key: _moved_point(getattr(shoe, key), step)})
 
 
-def _moved(point: Point, step: Floats) -> Point:
+def _moved_point(point: Point, step: Floats) -> Point:
+    """The point moved by a step (2,) [m]."""
     x, y = (point.xy + step).tolist()
     return Point(x=x, y=y)
 
 
-def lines_at(
-    body: Body, shoe: Shoe, radius: float, moves: Moves
-) -> Iterator[tuple[float, ContactLine]]:
-    """The contact line a step ahead and a step behind, with the step [m]."""
+def lines_at(body: Body, shoe: Shoe, radius: float, moves: Moves) -> Iterator[LineAtStep]:
+    """The contact line of a body a step ahead and a step behind; radius: of the drum [m]."""
     line = body.line
-    for step in (STEP * radius, -STEP * radius):
+    for step in (NODE_STEP * radius, -NODE_STEP * radius):
         xy = line.xy + step * moves.line
-        yield step, replace(line, xy=xy, phi=shoe.phi_of(xy, radius))
+        yield LineAtStep(step, replace(line, xy=xy, phi=shoe.phi_of(xy, radius)))

@@ -1,21 +1,20 @@
-"""The mutual work of two displacements of a body, v^T K u, by its parts, and its change as the
-nodes of the body move.
+"""The mutual work v^T K u of two displacements of a body, and its change as the nodes move.
 
-Of the stiffness K of plane stress, with the gradients H_cd = d u_c / d x_d of both displacements,
+With the stiffness K of plane stress and the gradients H_cd = d u_c / d x_d of both displacements,
 
     v^T K u = b Int sigma(u) : H_v dA,   sigma(u) = lambda tr(H_u) I + mu (H_u + H_u^T)
 
-and what the layer is stiffer in directions of its own (fem.substructure.elasticity).
+and the further stiffness of a layer in directions of its own (fem.substructure.elasticity).
 
-Nodes that move by s V, with the displacements of the nodes kept, change the gradients by -s H (grad
-V) and areas by s div V, so that at s = 0
+Nodes that move by s V, while their displacements stay, change the gradients by -s H (grad V) and
+areas by s div V, so that at s = 0
 
-    d/ds v^T K u = b Int sigma(u) : H_v div V - sigma(u) : (H_v grad V) - sigma(v) : (H_u grad V)
-    dA.
+    d/ds v^T K u
+        = b Int sigma(u) : H_v div V - sigma(u) : (H_v grad V) - sigma(v) : (H_u grad V) dA.
 
-Directions of a layer change as well. Around the drum's centre they turn by t . V/r, those of a
-straight beam turn with its axis. By a turn phi the stretch along the layer grows by phi gamma and
-that through it by -phi gamma, with the shear gamma = t . (H + H^T) n between both.
+The directions of a layer change as well. Around the drum's centre they turn by t . V/r, and those
+of a straight beam turn with its axis. A turn by phi adds phi gamma to the stretch along the layer
+and -phi gamma to the stretch through it, with the shear gamma = t . (H + H^T) n between both.
 
 V is interpolated as displacements are, and both integrals use the quadrature of the stiffness: they
 are exact for the discrete body (Haslinger & Makinen, Introduction to Shape Optimization, ch. 3).
@@ -33,15 +32,23 @@ from drumlin.fem.hp.grid import Grid
 from drumlin.fem.substructure.body import points_of, values_of
 from drumlin.fem.substructure.elasticity import split
 
-CHUNK = 500
-"""Elements of a grid whose gradients are held at once: a few megabytes of degree 8. Fewer elements
-take more turns of a Python loop, more elements take memory in proportion."""
+SAMPLE_CHUNK = 500
+"""Elements of a grid whose gradients are held at once: a few megabytes at degree 8. Fewer elements
+take more turns of a Python loop, and more elements take memory in proportion.
+"""
 
 
 class _Sample(NamedTuple):
-    """The `elements` (e,) of a body, their nodes `dofs` (e, a), the gradients `slopes` (e, 2, a, q)
-    [1/m] of the shape functions at the points of quadrature, the `values` (a, q) of these functions
-    there and the `area` (e, q) [m^2] of each point."""
+    """Some elements of a body at their q points of quadrature.
+
+    Attributes
+    ----------
+    elements : the elements (e,)
+    dofs : their nodes (e, a)
+    slopes : gradients (e, 2, a, q) [1/m] of the shape functions
+    values : shape functions (a, q)
+    area : of each point (e, q) [m^2]
+    """
 
     elements: Ints
     dofs: Ints
@@ -59,17 +66,25 @@ class _Sample(NamedTuple):
 
 
 class _Directions(NamedTuple):
-    """The directions of the layers at the points of quadrature: unit vectors `along` them
-    (elements, q, 2), and how these turn as a point moves along, `curvature` (elements, q) [rad/m],
-    0 in `straight` (elements,) layers."""
+    """The directions of the layers of a body at its points of quadrature.
+
+    Attributes
+    ----------
+    along : unit vectors (elements, q, 2) along the layers
+    curvature : turn of the directions as a point moves along (elements, q) [rad/m]
+    straight : whether an element is in a straight layer (elements,); its curvature is 0
+    """
 
     along: Floats
     curvature: Floats
     straight: Bools
 
     def turn(self, elements: Ints, moved: Floats, axis: float) -> Floats:
-        """The turn (e, q) of the directions [rad] in some elements whose points move by `moved` (e,
-        q, 2) [m], as the axis of a straight beam turns by `axis` [rad]."""
+        """The turn (e, q) [rad] of the directions in some elements.
+
+        Their points move by `moved` (e, q, 2) [m], and the axis of a straight beam turns by `axis`
+        [rad].
+        """
         around = np.einsum("eqc,eqc->eq", self.along[elements], moved) * self.curvature[elements]
         return np.asarray(np.where(self.straight[elements, None], axis, around))
 
@@ -77,16 +92,20 @@ class _Directions(NamedTuple):
 def work_by_part(
     basis: Any, layers: Mapping[str, ElasticLayer], u: Floats, v: Floats
 ) -> dict[str, float]:
-    """v^T K u [N m] of the displacements u and v (2 nodes,) [m], of each part of a body; layers:
-    those of the parts."""
+    """v^T K u [N m] of displacements u and v, for each part of a body by its name.
+
+    Parameters
+    ----------
+    basis : of the body
+    layers : those of its parts
+    u, v : displacements (2 nodes,) [m]
+    """
     constants, directions = _constants(basis, layers), _directions(basis, layers)
     work = np.zeros(len(constants))
     for sample in _samples(basis):
         along = None if directions is None else directions.along[sample.elements]
-        stress, strain = (
-            _stress(sample.gradient(u), constants[sample.elements], along),
-            sample.gradient(v),
-        )
+        stress = _stress(sample.gradient(u), constants[sample.elements], along)
+        strain = sample.gradient(v)
         work[sample.elements] = np.einsum("eqcd,eqcd,eq->e", stress, strain, sample.area)
     return {name: float(work[elements].sum()) for name, elements in _mesh(basis).subdomains.items()}
 
@@ -99,54 +118,56 @@ def change_by_nodes(
     moves: Floats,
     axes: Sequence[float],
 ) -> Floats:
-    """d/ds v^T K u [N] as the nodes of a body move, (k,).
+    """d/ds v^T K u (k,) [N] as the nodes of a body move in k ways.
 
     Parameters
     ----------
     basis : of the body
     layers : those of its parts
-    u, v : (2 nodes,) displacements [m]
-    moves : (k, 2 nodes) by s times which the nodes move [m]
-    axes : (k,) by s times which the axis of a straight beam turns [rad]
+    u, v : displacements (2 nodes,) [m]
+    moves : motions (k, 2 nodes); the nodes move by s times them [m]
+    axes : turns (k,) of the axis of a straight beam; it turns by s times them [rad]
     """
     constants, directions = _constants(basis, layers), _directions(basis, layers)
-    found = np.zeros(len(moves))
+    changes = np.zeros(len(moves))
     for sample in _samples(basis):
         own = constants[sample.elements]
         along = None if directions is None else directions.along[sample.elements]
         of_u, of_v = sample.gradient(u), sample.gradient(v)
-        pressed, tested = _stress(of_u, own, along), _stress(of_v, own, along)
+        stress_u, stress_v = _stress(of_u, own, along), _stress(of_v, own, along)
         by_turn = None if along is None else _work_by_turn(of_u, of_v, own, along)
-        work = np.einsum("eqcd,eqcd->eq", pressed, of_v)
-        bent = np.einsum("eqcj,eqcd->eqdj", pressed, of_v) + np.einsum(
-            "eqcj,eqcd->eqdj", tested, of_u
-        )
+        work = np.einsum("eqcd,eqcd->eq", stress_u, of_v)
+        # The gradients change by -H (grad V), which enters both displacements.
+        by_gradient = np.einsum("eqcj,eqcd->eqdj", stress_u, of_v)
+        by_gradient = by_gradient + np.einsum("eqcj,eqcd->eqdj", stress_v, of_u)
         for k, move in enumerate(moves):
-            moved = sample.gradient(move)
-            wider = work * np.trace(moved, axis1=2, axis2=3) - np.einsum(
-                "eqdj,eqdj->eq", bent, moved
-            )
+            V = sample.gradient(move)
+            wider = work * np.trace(V, axis1=2, axis2=3)
+            change = wider - np.einsum("eqdj,eqdj->eq", by_gradient, V)
             if directions is not None and by_turn is not None:
-                wider += by_turn * directions.turn(sample.elements, sample.value(move), axes[k])
-            found[k] += float((wider * sample.area).sum())
-    return found
+                turn = directions.turn(sample.elements, sample.value(move), axes[k])
+                change += by_turn * turn
+            changes[k] += float((change * sample.area).sum())
+    return changes
 
 
 def _stress(H: Floats, constants: Floats, along: Floats | None) -> Floats:
     """Stress times width (e, q, 2, 2) [N/m] of gradients H (e, q, 2, 2).
 
-    constants (e, 4): of `elasticity.split` [N/m]; along (e, q, 2): unit vectors, None where all
-    layers are isotropic.
+    Parameters
+    ----------
+    H : the gradients
+    constants : (e, 4) of `elasticity.split` [N/m]
+    along : unit vectors (e, q, 2) along the layers; None where all layers are isotropic
     """
     lam, mu, a, b = constants.T[:, :, None, None, None]
-    found = lam * np.trace(H, axis1=2, axis2=3)[..., None, None] * np.eye(2) + mu * (
-        H + H.swapaxes(2, 3)
-    )
+    volumetric = lam * np.trace(H, axis1=2, axis2=3)[..., None, None] * np.eye(2)
+    stress = volumetric + mu * (H + H.swapaxes(2, 3))
     if along is not None:
         for stiffer, d in ((a, along), (b, _through(along))):
             stretch = np.einsum("eqc,eqcd,eqd->eq", d, H, d)[..., None, None]
-            found = found + stiffer * stretch * d[..., None] * d[..., None, :]
-    return np.asarray(found)
+            stress = stress + stiffer * stretch * d[..., None] * d[..., None, :]
+    return np.asarray(stress)
 
 
 def _through(along: Floats) -> Floats:
@@ -155,33 +176,43 @@ def _through(along: Floats) -> Floats:
 
 
 def _work_by_turn(of_u: Floats, of_v: Floats, constants: Floats, along: Floats) -> Floats:
-    """How sigma(u) : H_v times the width (e, q) [N/m] changes per radian by which the layers'
-    directions turn.
+    """The change of sigma(u) : H_v times the width (e, q) [N/m] per turn of the layers' directions.
 
     Parameters
     ----------
-    of_u, of_v : (e, q, 2, 2) gradients
+    of_u, of_v : gradients (e, q, 2, 2)
     constants : (e, 4) of `elasticity.split` [N/m]
-    along : (e, q, 2) unit vectors
+    along : unit vectors (e, q, 2)
     """
+    of_first = _direction_strains(of_u, constants, along)
+    of_second = _direction_strains(of_v, constants, along)
+    return of_first.shear * of_second.stretched + of_second.shear * of_first.stretched
+
+
+class _DirectionStrains(NamedTuple):
+    """Strains in the directions of a layer (e, q): the shear gamma between along and through the
+    layer, and `stretched`, a eps_along - b eps_through [N/m].
+    """
+
+    shear: Floats
+    stretched: Floats
+
+
+def _direction_strains(H: Floats, constants: Floats, along: Floats) -> _DirectionStrains:
+    """The strains of gradients H (e, q, 2, 2) in the directions of the layers."""
     a, b, through = constants[:, 2:3], constants[:, 3:4], _through(along)
-
-    def strains(H: Floats) -> tuple[Floats, Floats]:
-        """The shear between both directions, and a eps_along - b eps_through."""
-        eps_along, eps_through = (np.einsum("eqc,eqcd,eqd->eq", d, H, d) for d in (along, through))
-        gamma = np.einsum("eqc,eqcd,eqd->eq", along, H + H.swapaxes(2, 3), through)
-        return gamma, a * eps_along - b * eps_through
-
-    (gamma_u, stretched_u), (gamma_v, stretched_v) = strains(of_u), strains(of_v)
-    return gamma_u * stretched_v + gamma_v * stretched_u
+    eps_along = np.einsum("eqc,eqcd,eqd->eq", along, H, along)
+    eps_through = np.einsum("eqc,eqcd,eqd->eq", through, H, through)
+    shear = np.einsum("eqc,eqcd,eqd->eq", along, H + H.swapaxes(2, 3), through)
+    return _DirectionStrains(shear, a * eps_along - b * eps_through)
 
 
 def _constants(basis: Any, layers: Mapping[str, ElasticLayer]) -> Floats:
     """The constants of `elasticity.split` times the width of each element (elements, 4) [N/m]."""
-    found = np.zeros((basis.element_dofs.shape[1], 4))
+    constants = np.zeros((basis.element_dofs.shape[1], 4))
     for name, elements in _mesh(basis).subdomains.items():
-        found[elements] = split(layers[name].stiffness)
-    return found
+        constants[elements] = split(layers[name].stiffness)
+    return constants
 
 
 def _directions(basis: Any, layers: Mapping[str, ElasticLayer]) -> _Directions | None:
@@ -202,7 +233,7 @@ def _directions(basis: Any, layers: Mapping[str, ElasticLayer]) -> _Directions |
 
 
 def _mesh(basis: Any) -> Any:
-    """What has the subdomains of a basis: a grid itself, or the basis's mesh."""
+    """The mesh of a basis, which has its subdomains; a grid is its own mesh."""
     return basis if isinstance(basis, Grid) else basis.mesh
 
 
@@ -210,18 +241,12 @@ def _samples(basis: Any) -> Iterator[_Sample]:
     """All elements of a body, a few at a time."""
     if isinstance(basis, Grid):
         count = len(basis.ordered_dofs)
-        for first in range(0, count, CHUNK):
-            own = slice(first, first + CHUNK)
+        for first in range(0, count, SAMPLE_CHUNK):
+            own = slice(first, first + SAMPLE_CHUNK)
             slopes, area = gradients(basis.element_nodes[own], basis.degree)
-            yield _Sample(
-                np.arange(count)[own],
-                basis.ordered_dofs[own],
-                slopes,
-                element(basis.degree).values,
-                area,
-            )
+            elements, dofs = np.arange(count)[own], basis.ordered_dofs[own]
+            yield _Sample(elements, dofs, slopes, element(basis.degree).values, area)
         return
     slopes = np.array([psi[0].grad for psi in basis.basis]).transpose(2, 1, 0, 3)
-    yield _Sample(
-        np.arange(basis.mesh.nelements), basis.element_dofs.T, slopes, values_of(basis), basis.dx
-    )
+    elements = np.arange(basis.mesh.nelements)
+    yield _Sample(elements, basis.element_dofs.T, slopes, values_of(basis), basis.dx)

@@ -1,23 +1,27 @@
-"""Exact sensitivities of the torque of the elastic brake, from the tangent of its equations and not
-from differences.
+"""Exact sensitivities of the torque of an elastic brake, from the tangent of its equations.
 
-One solution of their transpose, its adjoint (fem.analysis.adjoint), holds what the torque feels of any small
-change. Moduli act through the displacements u of the loads and v of the adjoint loads: dT = -v^T dK
-u, with K the part of the stiffness that is proportional to the modulus. What holds a shoe acts
-through its free motions, and through its body where the nodes of the body move with it
-(fem.analysis.moving): a straight beam ends at the hinge, the back of an arc is gripped at the pivot. Then dT
-= -v^T (dK/dX dX) u, with dK/dX the exact derivative of the stiffness by the places X of the nodes
-(fem.analysis.mutual_work). Where nodes of the contact move too, the coupling there and the gap change by
-central differences of these two alone. The division into elements is the one that `solve` would
-choose on a mesh; of columns the places where the contact ends stay. Where a change makes the
-contact set change the torque has a kink, and these are its slopes on the side of the present set.
-Forces of struts and cams are shared anew.
+One solution of the transposed equations, their adjoint (fem.analysis.adjoint), holds the effect of
+any small change on the torque, without differences of solves.
+
+- Moduli act through the displacements u of the loads and v of the adjoint loads: dT = -v^T dK u,
+  with dK the part of the stiffness that is proportional to the modulus.
+- The supports of a shoe act through its rigid-body modes, and through its body where nodes of the
+  body move with a support (fem.analysis.moving): a straight beam ends at the hinge, the back of an
+  arc is gripped at the pivot. Then dT = -v^T (dK/dX dX) u, with dK/dX the exact derivative of the
+  stiffness by the places X of the nodes (fem.analysis.mutual_work).
+- Where nodes of the contact move too, its coupling and its gap change by central differences of
+  these two alone.
+
+On a mesh the division into elements is the one that `solve` would choose; of hp elements the places
+stay where the contact ends. Where a change makes the contact set change, the torque has a kink, and
+these are its slopes on the side of the present set. Forces of struts and cams are shared anew.
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from functools import cached_property
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -26,11 +30,12 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
 from drumlin.brake.orthotropic import orthotropic_parts
-from drumlin.brake.support import wrench
-from drumlin.fem.analysis.adjoint import Adjoints, adjoints
+from drumlin.brake.support import SupportChange, wrench
+from drumlin.fem.analysis.adjoint import GroupAdjoint, ShoeAdjoint, group_adjoint
 from drumlin.fem.analysis.moving import Moves, lines_at, moves_by
 from drumlin.fem.analysis.mutual_work import change_by_nodes, work_by_part
-from drumlin.fem.equilibrium.group import gap_at, groups_of
+from drumlin.fem.equilibrium.group import ShoeGroup, groups_of
+from drumlin.fem.equilibrium.state import gap_at
 from drumlin.fem.model import PENALTY, check_penalty
 from drumlin.fem.preparation.bodies import Body, coupling_of
 from drumlin.fem.preparation.prepare import prepare
@@ -46,25 +51,34 @@ from drumlin.laws.naming import name_of
 from drumlin.response.merit import sensitivity as by_differences
 from drumlin.response.resultants import cross
 
-PERCENT_PER_MM = 0.1  # in 1/m
+PERCENT_PER_MM = 0.1
+"""Percent per millimetre of a relative change by a place, which is in 1/m."""
 
 
 @dataclass(frozen=True)
 class ShoeSensitivity:
-    """What one shoe's own torque, and what the brake's torque T [N m], feel of one shoe.
+    """The effects on the torque of one shoe, and the effects of this shoe on the brake's torque T.
 
-    Of the shoe's own torque [N m]: `torque`, `friction` d torque/dmu [N m], `S` = (mu/torque) d
-    torque/dmu at fixed actuation, None where it is 0. Of the brake's: dT by its `force` [m], by the
-    logarithm of each modulus, `moduli` [N m] of "lining", "backing", "shoe" (of an orthotropic part
-    by that of one factor on all its moduli, not by each of them), by that of the
-    `bending_stiffness` [N m] of its body, which stands in the modulus's place where the brake gives
-    it (None where not), by a `clearance` even along its lining [N], by what holds it, `held`: the
-    places "hinge", "pivot", "abutment.point" (2,) [N] along x and y of the brake, the angles
-    "abutment.direction", "guide.direction" and "abutment.friction" (1,) [N m], by the logarithm of
-    the contact stiffness, `penalty` [N m]. `density` (n,) [N/m] at the angles `theta` (n,) [rad],
-    growing: dT by clearance and length of arc, 0 off the contact. `force`: None of a shoe whose
-    force a strut or a cam gives. On a plane T is the braking force [N], and all is over a length
-    more; `theta` [m].
+    On a plane T is the braking force [N], and all units are divided by a length; `theta` is in m.
+
+    Attributes
+    ----------
+    name : name of the shoe
+    torque : the shoe's own torque [N m]
+    friction : change of the shoe's own torque per friction coefficient [N m]
+    S : (mu/torque) d torque/dmu of the shoe at a fixed actuation; None where the torque is 0
+    force : dT per actuation force [m]; None where a strut or a cam gives the force
+    moduli : dT by the logarithm of each modulus [N m] of "lining", "backing", "shoe"; of an
+        orthotropic part by that of one factor on all its moduli, not by each of them
+    bending_stiffness : dT by the logarithm of the body's bending stiffness [N m], which replaces the
+        modulus where the brake gives it; else None
+    clearance : dT per clearance that is even along the lining [N]
+    held : dT by each support: the places "hinge", "pivot", "abutment.point" (2,) [N] along x and y
+        of the brake; the angles "abutment.direction", "guide.direction" and the coefficient
+        "abutment.friction" (1,) [N m]
+    penalty : dT by the logarithm of the contact stiffness [N m]
+    theta : angles (n,) [rad] of the lining's nodes, growing
+    density : dT per clearance and length of arc (n,) [N/m]; 0 off the contact
     """
 
     name: str
@@ -83,14 +97,21 @@ class ShoeSensitivity:
 
 @dataclass(frozen=True)
 class Sensitivity:
-    """Sensitivities of a brake: its `torque` T [N m], `friction` dT/dmu [N m], `S` = (mu/T) dT/dmu
-    of the whole.
+    """The sensitivities of a brake's torque T.
 
-    `drive`: dT by the logarithm of what the brake's actuation says [N m], None where each shoe has
-    its own force; `ring`: by that of the drum ring's modulus, or `ring_bending_stiffness` where the
-    brake gives that and the modulus does not matter; None for a rigid drum and for the other one.
-    `law`: S of the rigid-shoe law, of each shoe on a hinge and then of the whole, where it has an
-    answer.
+    Attributes
+    ----------
+    friction_coefficient : mu
+    torque : T [N m]
+    friction : dT/dmu [N m]
+    S : (mu/T) dT/dmu of the whole brake; None where T is 0
+    drive : dT by the logarithm of the brake's actuation [N m]; None where each shoe has its own force
+    ring : dT by the logarithm of the ring's modulus [N m]; None for a rigid drum, or where the brake
+        gives the bending stiffness
+    ring_bending_stiffness : dT by the logarithm of the ring's bending stiffness [N m]; None where the
+        brake does not give it
+    shoes : the sensitivities of each shoe
+    law : S of the rigid-shoe law, of each shoe on a hinge and then of the whole; None without answer
     """
 
     friction_coefficient: float
@@ -105,21 +126,26 @@ class Sensitivity:
 
     def as_dict(self) -> dict[str, Any]:
         """As plain data for JSON (SI)."""
-        shoes = [
-            vars(shoe)
-            | {key: getattr(shoe, key).tolist() for key in ("theta", "density")}
-            | {"held": {key: value.tolist() for key, value in shoe.held.items()}}
-            | {"hinge": shoe.held["hinge"].tolist() if "hinge" in shoe.held else None}
-            for shoe in self.shoes
-        ]
+        shoes = [_shoe_as_dict(shoe) for shoe in self.shoes]
         return vars(self) | {"shoes": shoes, "law": None if self.law is None else list(self.law)}
 
 
-def sensitivity(scene: Scene, brake: Brake, *, penalty: float = PENALTY) -> Sensitivity:
-    """Sensitivities of the torque of a brake on a prepared scene.
+def _shoe_as_dict(shoe: ShoeSensitivity) -> dict[str, Any]:
+    """The sensitivities of a shoe as plain data; the hinge stands there once more by itself."""
+    hinge = shoe.held["hinge"].tolist() if "hinge" in shoe.held else None
+    return vars(shoe) | {
+        "theta": shoe.theta.tolist(),
+        "density": shoe.density.tolist(),
+        "held": {key: value.tolist() for key, value in shoe.held.items()},
+        "hinge": hinge,
+    }
 
-    Raises NoAnswer as `respond` does, and for a brake without friction, which has no torque;
-    BadInput likewise.
+
+def sensitivity(scene: Scene, brake: Brake, *, penalty: float = PENALTY) -> Sensitivity:
+    """The sensitivities of the torque of a brake on a prepared model.
+
+    Raises NoAnswer as `respond` does, and for a brake without friction, which has no torque.
+    Raises BadInput as `respond` does.
     """
     check_penalty(penalty)
     if brake.friction == 0:
@@ -128,85 +154,405 @@ def sensitivity(scene: Scene, brake: Brake, *, penalty: float = PENALTY) -> Sens
         raise BadInput(
             f"friction = {brake.friction:g}: the scene was prepared without friction, for mu = 0 only"
         )
-    shoes: dict[int, ShoeSensitivity] = {}
-    ring, drive, rim = 0.0, 0.0, brake.ring
+    pressed: dict[int, ShoeSensitivity] = {}
+    ring, drive = 0.0, 0.0
     for group in groups_of(scene, brake, penalty):
-        found = adjoints(group)
-        shoes |= {i: _shoe(found, k) for k, i in enumerate(group.members)}
-        ring, drive = ring + found.ring, drive + found.drive
-    all_shoes = tuple(
-        shoes[i] if i in shoes else _untouched(scene.bodies[i], shoe)
-        for i, shoe in enumerate(brake.shoes)
-    )
-    torque, friction = (
-        math.fsum(getattr(s, key) for s in all_shoes) for key in ("torque", "friction")
-    )
+        adjoint = group_adjoint(group)
+        for k, i in enumerate(group.members):
+            pressed[i] = _ShoeSlopes(adjoint, k).sensitivity()
+        ring, drive = ring + adjoint.ring, drive + adjoint.drive
+    shoes = []
+    for i, shoe in enumerate(brake.shoes):
+        shoes.append(pressed[i] if i in pressed else _untouched(scene.bodies[i], shoe))
+    torque = math.fsum(shoe.torque for shoe in shoes)
+    friction = math.fsum(shoe.friction for shoe in shoes)
+    elastic = brake.ring is not None
+    by_stiffness = brake.ring is not None and brake.ring.bending_stiffness is not None
     return Sensitivity(
         friction_coefficient=brake.friction,
         torque=torque,
         friction=friction,
-        S=_relative(brake.friction, friction, torque),
+        S=_elasticity(brake.friction, friction, torque),
         drive=None if brake.actuation is None else drive,
-        ring=ring if rim is not None and rim.bending_stiffness is None else None,
-        ring_bending_stiffness=ring
-        if rim is not None and rim.bending_stiffness is not None
-        else None,
-        shoes=all_shoes,
+        ring=ring if elastic and not by_stiffness else None,
+        ring_bending_stiffness=ring if by_stiffness else None,
+        shoes=tuple(shoes),
         law=law_sensitivity(brake),
     )
 
 
+def _elasticity(x: float, slope: float, value: float) -> float | None:
+    """The relative change of a value per relative change of x; None where the value is 0."""
+    return x * slope / value if value else None
+
+
+def _untouched(body: Body, shoe: Shoe) -> ShoeSensitivity:
+    """The sensitivities of a shoe that its force does not press: its torque stays 0."""
+    theta = shoe.frame.theta(body.line.phi)[:: shoe.frame.sense]
+    moduli = dict.fromkeys((_material_name(part) for part in layers_of(shoe)), 0.0)
+    given = shoe.body is not None and shoe.body.bending_stiffness is not None
+    return ShoeSensitivity(
+        name=shoe.name,
+        torque=0.0,
+        friction=0.0,
+        S=None,
+        force=0.0,
+        bending_stiffness=moduli.pop("shoe") if given else None,
+        moduli=moduli,
+        clearance=0.0,
+        held={},
+        penalty=0.0,
+        theta=theta,
+        density=np.zeros(len(theta)),
+    )
+
+
+def _material_name(part: str) -> str:
+    """The name of the material of a part: the table of a T-section is of the shoe's material."""
+    return "shoe" if part == "table" else part
+
+
+class _Displacements(NamedTuple):
+    """Displacements u of the loads and v of the adjoint loads (2 nodes,), with the frame held."""
+
+    u: Floats
+    v: Floats
+
+
+class _CountedModes(NamedTuple):
+    """How a shoe counts its rigid-body modes.
+
+    Attributes
+    ----------
+    sign : (k,) of each mode in the frame of the shoe against that of the brake
+    worked : (k,) 1 where the actuation works on the mode; it does not where the shoe tilts on a lever
+    """
+
+    sign: Floats
+    worked: Floats
+
+
+class _ModuliSlopes(NamedTuple):
+    """dT by the logarithm of each modulus, and of the body's bending stiffness if it is given."""
+
+    moduli: dict[str, float]
+    bending_stiffness: float | None
+
+
+class _ShoeSlopes:
+    """The effects of changes at shoe `k` of a group on the brake's torque.
+
+    adjoint: of the group; k: the shoe's number within the group.
+    """
+
+    def __init__(self, adjoint: GroupAdjoint, k: int) -> None:
+        self.adjoint, self.k = adjoint, k
+        self.group: ShoeGroup = adjoint.group
+        self.own: ShoeAdjoint = adjoint.shoes[k]
+        self.body, self.shoe = self.group.bodies[k], self.group.shoes[k]
+        self.drag = self.group.brake.drag_on(self.shoe)
+        # Under a cam the travel of the shoe's tip enters the equation that gives its force.
+        self.under_cam = k in self.group.cam
+        self.tip_multiplier = self.own.c if self.under_cam else 0.0
+        names = self.shoe.freedoms(self.group.senses[k]).names
+        signs = [float(self.shoe.frame.sense) if name == "turn" else 1.0 for name in names]
+        worked = [float(name != "tilt") for name in names]
+        self.counted = _CountedModes(np.array(signs), np.array(worked))
+
+    def sensitivity(self) -> ShoeSensitivity:
+        """All sensitivities of the shoe."""
+        group, k, own, body = self.group, self.k, self.own, self.body
+        shoe, coupling = self.shoe, self.body.coupling
+        torque = float(self.adjoint.torque[k])
+        friction = float(self.adjoint.friction[k])
+        by_penalty = float(own.a @ (coupling.M @ own.p)) / group.stiffnesses[k]
+        of_moduli = self._moduli(by_penalty)
+        shares_force = self._pushed_by_strut() or k in group.cam
+        sign_of_force = math.copysign(1.0, shoe.actuation.force)
+        forward = slice(None, None, shoe.frame.sense)
+        return ShoeSensitivity(
+            name=shoe.name,
+            torque=torque,
+            friction=friction,
+            S=_elasticity(group.brake.friction, friction, torque),
+            force=None if shares_force else sign_of_force * own.c,
+            moduli=of_moduli.moduli,
+            bending_stiffness=of_moduli.bending_stiffness,
+            clearance=-float(own.a @ coupling.M.sum(axis=1)),
+            held=self._held(),
+            penalty=by_penalty,
+            theta=shoe.frame.theta(body.line.phi)[forward],
+            density=-shoe.lining.width * own.a[forward],
+        )
+
+    def _pushed_by_strut(self) -> bool:
+        """Whether a strut gives the shoe's force."""
+        return self.k in [to for _, to in self.group.links]
+
+    def _strut_ends(self) -> list[int]:
+        """The shoes that struts from this shoe push."""
+        return [to for source, to in self.group.links if source == self.k]
+
+    # Moduli
+
+    @cached_property
+    def displacements(self) -> _Displacements:
+        """The displacements of the shoe under its loads and under the adjoint loads."""
+        own, load = self.own, self.group.loads[self.k].factors
+        N, T = self.body.coupling.N, self.body.coupling.T
+        nodal = np.column_stack([self.drag * (T.T @ own.p) - N.T @ own.p, N.T @ own.a])
+        adjoint_force = -own.c if self.under_cam else 0.0
+        loads = np.column_stack([own.F * load, adjoint_force * load])
+        u, v = self.body.condensed.displacements(nodal, np.zeros((FRAME, 2)), loads).T
+        return _Displacements(u, v)
+
+    def _moduli(self, by_penalty: float) -> _ModuliSlopes:
+        """The effects of the shoe's moduli, or of its bending stiffness, where that is given.
+
+        The lining's modulus is in the contact stiffness alpha E/t too, whose effect is `by_penalty`.
+        """
+        u, v = self.displacements
+        effects: dict[str, float] = {}
+        for part, work in work_by_part(self.body.basis, layers_of(self.shoe), u, v).items():
+            name = _material_name(part)
+            more = by_penalty if part == "lining" else 0.0
+            effects[name] = effects.get(name, 0.0) - work + more
+        bar = self.shoe.body
+        given = bar is not None and bar.bending_stiffness is not None
+        bending_stiffness = effects.pop("shoe") if given else None
+        return _ModuliSlopes(effects, bending_stiffness)
+
+    # Supports
+
+    def _held(self) -> dict[str, Floats]:
+        """The effects of the shoe's supports, see `Held.changes`.
+
+        The work of forces on a rigid motion is that of their wrench, and motions enter the equations
+        by work alone. Where nodes move with a point the strains change too.
+        """
+        group, k = self.group, self.k
+        effects = {}
+        for key, changes in self.shoe.changes(group.senses[k]).items():
+            effects[key] = np.array([self._by_modes(change) for change in changes])
+            moves = moves_by(group.scene, group.members[k], self.shoe, key)
+            if moves:
+                effects[key] = effects[key] + self._by_nodes(moves)
+        for to in self._strut_ends():
+            _add_direction_of_strut(effects, _ShoeSlopes(self.adjoint, to))
+        return effects
+
+    def _by_modes(self, change: SupportChange) -> float:
+        """The effect of a change of the rigid-body modes on the torque."""
+        own, shoe, worked = self.own, self.shoe, self.counted.worked
+        N, T = self.body.coupling.N, self.body.coupling.T
+        xy = shoe.points(self.body.line.xy)
+        on_gaps, by_drum = own.a @ N, self.drag * (own.p @ T) - own.p @ N
+        of_gaps = wrench(shoe.frame.to_brake(on_gaps.reshape(-1, 2)), xy.T)
+        of_drum = wrench(shoe.frame.to_brake(by_drum.reshape(-1, 2)), xy.T)
+        sign = math.copysign(1.0, shoe.actuation.force)
+        push = wrench(sign * shoe.actuation.direction_vector, shoe.actuation.point.xy)
+        y, b = self.counted.sign * own.y, self.counted.sign * own.b
+        by_equilibria = change.tests @ of_drum + own.F * worked * (change.tests @ push)
+        by_tip = self.tip_multiplier * (y * worked) @ (change.motions @ push)
+        return float(y @ (change.motions @ of_gaps) - b @ by_equilibria - by_tip)
+
+    def _by_nodes(self, moves: list[Moves]) -> Floats:
+        """The effects of moving nodes, (moves,): by the stiffness, the load, and the contact."""
+        own, body = self.own, self.body
+        u, v = self.displacements
+        nodes, axes = np.array([move.nodes for move in moves]), [move.axis for move in moves]
+        effects = -change_by_nodes(body.basis, layers_of(self.shoe), u, v, nodes, axes)
+        # The torque per force on each node.
+        per_force = own.F * v - self.tip_multiplier * u
+        for j, move in enumerate(moves):
+            effects[j] += float(move.load @ per_force)
+            if not move.contact_stays:
+                effects[j] += self._by_contact(move)
+        return effects
+
+    def _by_contact(self, move: Moves) -> float:
+        """The effect of contact nodes that move along the lining, by central differences.
+
+        The differences are those of the coupling and of the gap alone: all pressures, displacements
+        and motions stay as they are, and so do those of the adjoint.
+        """
+        values = []
+        for step, line in lines_at(self.body, self.shoe, self.group.brake.size, move):
+            value = self._contact_value(line, step, move)
+            values.append((value - self._through_ring(line)) / step)
+        return 0.5 * sum(values)
+
+    def _contact_value(self, line: ContactLine, step: float, move: Moves) -> float:
+        """The contact terms of the torque and its equations with the nodes moved by a step [m]."""
+        own, group, brake, shoe, k = self.own, self.group, self.group.brake, self.shoe, self.k
+        modes, nodes = group.modes[k], self.body.line.nodes
+        contact = np.column_stack([2 * nodes, 2 * nodes + 1]).ravel()
+        squeezed, turns = own.p / group.stiffnesses[k], modes.pin_motion[2]
+        u = self.displacements.u[contact] + modes.contact_modes @ own.y
+        v = self.displacements.v[contact] - modes.test_modes @ own.b
+        coupling = coupling_of(line, shoe)
+        nodal = self.drag * (coupling.T.T @ own.p) - coupling.N.T @ own.p
+        # A turn by one radian moves the contact nodes aside as they move along the line.
+        aside = step * np.array([-move.line[1], move.line[0]]).T.ravel()
+        gap = gap_at(line.xy, line.phi, brake, shoe)
+        value = brake.friction * float(coupling.lever @ own.p)
+        closing = coupling.N @ (u + aside * (turns @ own.y))
+        value += float(own.a @ (closing - coupling.M @ (gap + squeezed)))
+        value += float(nodal @ (v - aside * (turns @ own.b)))
+        # A strut from the shoe passes on what its foot bears of these forces.
+        whole = shoe.frame.to_brake(nodal.reshape(-1, 2).sum(axis=0))
+        value -= sum(
+            self.adjoint.shoes[to].c * float(whole @ shoe.bearing) for to in self._strut_ends()
+        )
+        return value
+
+    def _through_ring(self, line: ContactLine) -> float:
+        """The ring's part of the weighted gaps, times the adjoint, with the contact line moved.
+
+        It is 0 for a rigid drum.
+        """
+        group, scene = self.group, self.group.scene
+        if scene.ring is None or scene.ring_under is None:
+            return 0.0
+        lines = [body.line for body in scene.bodies]
+        lines[group.members[self.k]] = line
+        ring = scene.ring_under(tuple(lines))
+        pressed = np.hstack([ring.pressed[i] for i in group.members])
+        dragged = np.hstack([ring.dragged[i] for i in group.members])
+        a = np.concatenate([shoe.a for shoe in self.adjoint.shoes])
+        p = np.concatenate([shoe.p for shoe in self.adjoint.shoes])
+        return float((pressed @ a) @ ((pressed + group.brake.drag * dragged) @ p))
+
+    # The line of a strut
+
+    def by_force_line(self, force: Floats, moment: float, *, carried: bool = False) -> float:
+        """The effect of a change of the shoe's unit force.
+
+        Parameters
+        ----------
+        force : change of the unit force (2,) [1]
+        moment : change of its moment about the origin [m]
+        carried : whether the body's loaded end goes with the force, which then adds no couple
+        """
+        own, shoe, body = self.own, self.shoe, self.body
+        centre = shoe.points(body.load_centre[:, None])[:, 0]
+        free = shoe.freedoms(self.group.senses[self.k])
+        couple = 0.0 if carried else shoe.frame.sense * (moment - float(cross(centre, force)))
+        pushing = np.array([*shoe.frame.to_shoe(force), couple])
+        load = body.columns.factors({ACTUATION: pushing})
+        work = free.tests @ np.array([*force, moment])
+        tested = self.counted.sign * self.counted.worked * work
+        return own.F * float(own.a @ (body.closing_loaded @ load) - own.b @ tested)
+
+    def by_point_of_force(self) -> list[Floats]:
+        """The effects (2,) of moving the point at which a strut pushes the shoe, in parts to be added.
+
+        The first is that of the force's moment, the second, if any, that of the body's nodes.
+        """
+        key, direction = "actuation.point", self.shoe.actuation.direction_vector
+        moves = moves_by(self.group.scene, self.group.members[self.k], self.shoe, key)
+        effects = []
+        for step in np.eye(2):
+            moment = float(cross(step, direction))
+            effects.append(self.by_force_line(np.zeros(2), moment, carried=bool(moves)))
+        by_moment = np.array(effects)
+        return [by_moment, self._by_nodes(moves)] if moves else [by_moment]
+
+    def by_direction_of_force(self) -> float:
+        """The effect of turning the direction in which a strut pushes the shoe."""
+        shoe = self.shoe
+        direction, point = shoe.actuation.direction_vector, shoe.actuation.point.xy
+        turned = np.array([-direction[1], direction[0]])
+        # In a chain the shoe passes its force on to a further shoe.
+        passed_on = [
+            self.adjoint.shoes[to].c * self.own.F * float(shoe.bearing @ turned)
+            for to in self._strut_ends()
+        ]
+        return self.by_force_line(turned, float(cross(point, turned))) - sum(passed_on)
+
+
+def _add_direction_of_strut(effects: dict[str, Floats], pushed: _ShoeSlopes) -> None:
+    """Add to the effects of an abutment on a strut those of the line along which the strut pushes.
+
+    The force that a strut passes on does not change with its direction: without friction no force
+    acts across it.
+    """
+    for part in pushed.by_point_of_force():
+        effects["abutment.point"] = effects["abutment.point"] + part
+    by_direction = pushed.by_direction_of_force()
+    effects["abutment.direction"] = effects["abutment.direction"] + by_direction
+
+
+# Lines for people
+
+
 def as_text(found: Sensitivity, brake: Brake) -> list[str]:
-    """The sensitivities in lines for people; elasticities are d ln T / d ln x of the whole torque."""
+    """The sensitivities in lines for people.
 
-    def said(S: float | None) -> str:
-        return "none" if S is None else f"{S:.5g}"
-
+    Elasticities are d ln T / d ln x of the whole torque.
+    """
     surface = brake.surface
-    what, unit, name = surface.effect, surface.effect_unit, surface.symbol
-    law, of = found.law or (None,) * (len(found.shoes) + 1), f"{name_of(brake)} law"
+    symbol, effect, unit = surface.symbol, surface.effect, surface.effect_unit
+    law = found.law or (None,) * (len(found.shoes) + 1)
+    of_law = f"{name_of(brake)} law"
+    T, elasticity = found.torque or math.inf, f"d ln {symbol}/d ln"
     lines = [
-        f"{what} {found.torque:.6g} {unit}, d{name}/dmu {found.friction:.6g} {unit}, "
-        f"S = (mu/{name}) d{name}/dmu = {said(found.S)} ({of}: {said(law[-1])})"
+        f"{effect} {found.torque:.6g} {unit}, d{symbol}/dmu {found.friction:.6g} {unit}, "
+        f"S = (mu/{symbol}) d{symbol}/dmu = {_S_text(found.S)} ({of_law}: {_S_text(law[-1])})"
     ]
-    T, d = found.torque or math.inf, f"d ln {name}/d ln"
     if found.drive is not None:
-        lines.append(f"  {d} actuation {found.drive / T:+.4g}")
+        lines.append(f"  {elasticity} actuation {found.drive / T:+.4g}")
     if found.ring is not None:
-        lines.append(f"  {d} E of the drum ring {found.ring / T:+.4g}")
+        lines.append(f"  {elasticity} E of the drum ring {found.ring / T:+.4g}")
     if found.ring_bending_stiffness is not None:
         lines.append(
-            f"  {d} bending_stiffness of the drum ring {found.ring_bending_stiffness / T:+.4g}"
+            f"  {elasticity} bending_stiffness of the drum ring {found.ring_bending_stiffness / T:+.4g}"
         )
-    for shoe, own, of_law in zip(brake.shoes, found.shoes, law, strict=False):
-        moduli = ", ".join(f"{name} {value / T:+.4g}" for name, value in own.moduli.items())
-        force = (
-            "" if own.force is None else f"{d} force {own.force * shoe.actuation.force / T:+.4g}; "
+    for k, own in enumerate(found.shoes):
+        by_law = "" if law[k] is None else f" ({of_law}: {_S_text(law[k])})"
+        lines.append(
+            f"  shoe {own.name!r}: {effect} {own.torque:.6g} {unit}, d{symbol}/dmu {own.friction:.6g} {unit}, "
+            f"S {_S_text(own.S)}{by_law}; of the whole {effect}:"
         )
-        by_law = "" if of_law is None else f" ({of}: {said(of_law)})"
-        bent = (
-            ""
-            if own.bending_stiffness is None
-            else f"; {d} bending_stiffness: shoe {own.bending_stiffness / T:+.4g}"
-        )
-        held = "; ".join(_held_text(key, value / T) for key, value in own.held.items())
-        lines += [
-            f"  shoe {own.name!r}: {what} {own.torque:.6g} {unit}, d{name}/dmu {own.friction:.6g} {unit}, "
-            f"S {said(own.S)}{by_law}; of the whole {what}:",
-            f"    {force}{d} E: {moduli}{bent}; {d} penalty {own.penalty / T:+.1e}",
-            f"    clearance {own.clearance / T * 1e-3 * PERCENT_PER_MM + 0.0:+.4g} %/µm"
-            + (f"; {held}" if held else ""),
-        ]
+        lines += _shoe_lines(own, brake.shoes[k].actuation.force, T, elasticity)
     parts = list(orthotropic_parts(brake))
     if parts:
         lines.append(
-            f"  {d} E of {', '.join(parts)}: by one factor on all moduli; not given by each of them"
+            f"  {elasticity} E of {', '.join(parts)}: by one factor on all moduli; not given by each of them"
         )
     return lines
 
 
+def _S_text(S: float | None) -> str:
+    """S in words."""
+    return "none" if S is None else f"{S:.5g}"
+
+
+def _shoe_lines(own: ShoeSensitivity, force: float, T: float, elasticity: str) -> list[str]:
+    """The lines on one shoe's effects on the whole torque.
+
+    Parameters
+    ----------
+    own : the sensitivities of the shoe
+    force : its actuation force [N]
+    T : the whole torque [N m]
+    elasticity : the words "d ln T/d ln"
+    """
+    by_force = "" if own.force is None else f"{elasticity} force {own.force * force / T:+.4g}; "
+    moduli = ", ".join(f"{name} {value / T:+.4g}" for name, value in own.moduli.items())
+    bent = ""
+    if own.bending_stiffness is not None:
+        bent = f"; {elasticity} bending_stiffness: shoe {own.bending_stiffness / T:+.4g}"
+    held = "; ".join(_held_text(key, value / T) for key, value in own.held.items())
+    per_micrometre = own.clearance / T * 1e-3 * PERCENT_PER_MM + 0.0
+    return [
+        f"    {by_force}{elasticity} E: {moduli}{bent}; {elasticity} penalty {own.penalty / T:+.1e}",
+        f"    clearance {per_micrometre:+.4g} %/µm" + (f"; {held}" if held else ""),
+    ]
+
+
 def _held_text(key: str, value: Floats) -> str:
-    """What a part of the whole is worth by what holds a shoe."""
+    """The words on the relative effect of one support."""
     if len(value) == 2:
         x, y = value * PERCENT_PER_MM
         return f"{key} along x {x:+.4g} %/mm, along y {y:+.4g} %/mm"
@@ -215,10 +561,16 @@ def _held_text(key: str, value: Floats) -> str:
     return f"{key} {100 * math.radians(value[0]):+.4g} %/deg"
 
 
+# Other ways to the same numbers
+
+
 def law_sensitivity(brake: Brake) -> tuple[float | None, ...] | None:
-    """S of the rigid-shoe law: each shoe's, the whole's. Of the sine law exactly, since its
-    pressure keeps its shape (UWA notes, eq. 8); of others the whole's alone, by differences of
-    their closed form. None of an orthotropic brake, which laws refuse."""
+    """S of the rigid-shoe law, of each shoe and then of the whole; None where laws have no answer.
+
+    That of the sine law is exact, since its pressure keeps its shape (UWA notes, eq. 8). Of other
+    laws only S of the whole is known, by differences of their closed form. Laws refuse orthotropic
+    brakes.
+    """
     if any(orthotropic_parts(brake)):
         return None
     try:
@@ -227,317 +579,112 @@ def law_sensitivity(brake: Brake) -> tuple[float | None, ...] | None:
         response = sine(brake)
     except (BadInput, NoAnswer):
         return None
-    each = [None if m is None else m.sensitivity_at_fixed_shape for m in response.merits]
-    total = math.fsum(
-        (s or 0.0) * shoe.torque for s, shoe in zip(each, response.shoes, strict=True)
-    )
+    each = [
+        None if merit is None else merit.sensitivity_at_fixed_shape for merit in response.merits
+    ]
+    pairs = zip(each, response.shoes, strict=True)
+    total = math.fsum((S or 0.0) * shoe.torque for S, shoe in pairs)
     return (*each, total / response.torque if response.torque else None)
 
 
-def _relative(x: float, slope: float, value: float) -> float | None:
-    return x * slope / value if value else None
+class _Probe(NamedTuple):
+    """A slope that is compared with differences.
 
-
-def _shoe(found: Adjoints, k: int) -> ShoeSensitivity:
-    group, at = found.group, found.of[k]
-    body, shoe = group.bodies[k], group.shoes[k]
-    torque, friction = float(found.torque[k]), float(found.friction[k])
-    coupling, frame = body.coupling, shoe.frame
-    shared, cam = k in [to for _, to in group.links], k in group.cam
-    soft = float(at.a @ (coupling.M @ at.p)) / group.stiffnesses[k]
-    u, v = _displacements(found, k)
-    moduli, bending_stiffness = _moduli(body, shoe, u, v, soft)
-    forward = slice(None, None, frame.sense)
-    return ShoeSensitivity(
-        name=shoe.name,
-        torque=torque,
-        friction=friction,
-        S=_relative(group.brake.friction, friction, torque),
-        force=None if shared or cam else math.copysign(1.0, shoe.actuation.force) * at.c,
-        moduli=moduli,
-        bending_stiffness=bending_stiffness,
-        clearance=-float(at.a @ coupling.M.sum(axis=1)),
-        held=_held(found, k, u, v),
-        penalty=soft,
-        theta=frame.theta(body.line.phi)[forward],
-        density=-shoe.lining.width * at.a[forward],
-    )
-
-
-def _held(every: Adjoints, k: int, u: Floats, v: Floats) -> dict[str, Floats]:
-    """dT by what holds shoe `k`, see `Held.changes`; u, v (2 nodes,): see `_displacements`.
-
-    The work of forces on a rigid motion is that of their wrench, and motions enter the equations by
-    work alone. Where its nodes move with a point the strains change too.
+    Attributes
+    ----------
+    what : the slope in words
+    unit : its unit
+    exact : its exact value
+    changes : gives the keys of the brake file that change, with their values, by the step
+    step : step of the central difference; relative for force and moduli, else in the key's unit
+    per_force : force [N] by which the difference is divided besides; 1 for other slopes
     """
-    group, at = every.group, every.of[k]
-    body, shoe = group.bodies[k], group.shoes[k]
-    N, T, drag = body.coupling.N, body.coupling.T, group.brake.drag_on(shoe)
-    xy = shoe.points(body.line.xy)
-    of_gap, of_drum = (
-        wrench(shoe.frame.to_brake(nodal.reshape(-1, 2)), xy.T)
-        for nodal in (at.a @ N, drag * (at.p @ T) - at.p @ N)
-    )
-    direction = math.copysign(1.0, shoe.actuation.force) * shoe.actuation.direction_vector
-    push = wrench(direction, shoe.actuation.point.xy)
-    own, worked = _counted(shoe, group.senses[k])
-    y, b = own * at.y, own * at.b
-    way = at.c if k in group.cam else 0.0
-    found = {}
-    for key, changes in shoe.changes(group.senses[k]).items():
-        found[key] = np.array(
-            [
-                y @ (one.motions @ of_gap)
-                - b @ (one.tests @ of_drum + at.F * worked * (one.tests @ push))
-                - way * (y * worked) @ (one.motions @ push)
-                for one in changes
-            ]
-        )
-        moves = moves_by(group.scene, group.members[k], shoe, key)
-        if moves:
-            found[key] = found[key] + _by_nodes(every, k, u, v, moves)
-    for source, to in group.links:
-        if source == k:
-            _add_line(found, every, to)
-    return found
 
-
-def _by_nodes(every: Adjoints, k: int, u: Floats, v: Floats, moves: list[Moves]) -> Floats:
-    """dT as the nodes of shoe `k` move, for each of the `moves`: by its stiffness, its load, and
-    its contact where that moves.
-
-    u, v (2 nodes,): see `_displacements`.
-    """
-    group, at = every.group, every.of[k]
-    body, shoe = group.bodies[k], group.shoes[k]
-    nodes, axes = np.array([move.nodes for move in moves]), [move.axis for move in moves]
-    found = -change_by_nodes(body.basis, layers_of(shoe), u, v, nodes, axes)
-    # What a force on each node is worth, in torque per newton.
-    worth = at.F * v - (at.c if k in group.cam else 0.0) * u
-    for j, move in enumerate(moves):
-        found[j] += float(move.load @ worth)
-        if not move.contact_stays:
-            found[j] += _by_contact(every, k, u, v, move)
-    return found
-
-
-def _by_contact(every: Adjoints, k: int, u: Floats, v: Floats, move: Moves) -> float:
-    """dT as the contact nodes of shoe `k` move along its lining, by central differences of its
-    coupling and its gap.
-
-    All pressures, displacements and motions stay as they are, and so do those of the adjoint.
-    """
-    group, at = every.group, every.of[k]
-    body, shoe, brake, motions = group.bodies[k], group.shoes[k], group.brake, group.motions[k]
-    line, drag = body.line, brake.drag_on(shoe)
-    contact = np.column_stack([2 * line.nodes, 2 * line.nodes + 1]).ravel()
-    squeezed, turns = at.p / group.stiffnesses[k], motions.of[2]
-    u, v = u[contact] + motions.moved @ at.y, v[contact] - motions.tested @ at.b
-    values = []
-    for step, other in lines_at(body, shoe, brake.size, move):
-        coupling = coupling_of(other, shoe)
-        nodal = drag * (coupling.T.T @ at.p) - coupling.N.T @ at.p
-        # How a turn by one radian moves the contact nodes aside as they move along the line.
-        aside = step * np.array([-move.line[1], move.line[0]]).T.ravel()
-        gap = gap_at(other.xy, other.phi, brake, shoe)
-        value = brake.friction * float(coupling.lever @ at.p)
-        value += float(
-            at.a @ (coupling.N @ (u + aside * (turns @ at.y)) - coupling.M @ (gap + squeezed))
-        )
-        value += float(nodal @ (v - aside * (turns @ at.b)))
-        # A strut that starts at the shoe passes on what the shoe's foot bears of these forces.
-        whole = shoe.frame.to_brake(nodal.reshape(-1, 2).sum(axis=0))
-        value -= sum(
-            every.of[to].c * float(whole @ shoe.bearing)
-            for source, to in group.links
-            if source == k
-        )
-        values.append((value - _through_ring(every, k, other)) / step)
-    return 0.5 * sum(values)
-
-
-def _through_ring(every: Adjoints, k: int, line: ContactLine) -> float:
-    """What the ring takes from the weighted gaps, weighed by the adjoint, with the contact line of
-    shoe `k` moved; 0 of a rigid drum."""
-    group, scene = every.group, every.group.scene
-    if scene.ring is None or scene.ring_under is None:
-        return 0.0
-    lines = [body.line for body in scene.bodies]
-    lines[group.members[k]] = line
-    ring = scene.ring_under(tuple(lines))
-    pressed, dragged = (
-        np.hstack([half[i] for i in group.members]) for half in (ring.pressed, ring.dragged)
-    )
-    a, p = (np.concatenate([getattr(own, key) for own in every.of]) for key in ("a", "p"))
-    return float((pressed @ a) @ ((pressed + group.brake.drag * dragged) @ p))
-
-
-def _counted(shoe: Shoe, sense: int) -> tuple[Floats, Floats]:
-    """Of its freedoms (k,): the sense in which the shoe's own frame counts each, and whether the
-    actuation works on it: that of a lever does not where the shoe tilts.
-    """
-    names = shoe.freedoms(sense).names
-    own = [float(shoe.frame.sense) if name == "turn" else 1.0 for name in names]
-    return np.array(own), np.array([float(name != "tilt") for name in names])
-
-
-def _add_line(found: dict[str, Floats], every: Adjoints, k: int) -> None:
-    """Add to what the abutment on a strut is worth that the strut pushes shoe `k` along another
-    line.
-
-    The force that it passes on does not change with its direction: without friction nothing acts
-    across it.
-    """
-    group, at = every.group, every.of[k]
-    body, shoe = group.bodies[k], group.shoes[k]
-    direction, point = shoe.actuation.direction_vector, shoe.actuation.point.xy
-    turned = np.array([-direction[1], direction[0]])
-    centre = shoe.points(body.load_centre[:, None])[:, 0]
-    free = shoe.freedoms(group.senses[k])
-    own, worked = _counted(shoe, group.senses[k])
-
-    def worth(force: Floats, moment: float, *, carried: bool = False) -> float:
-        """Of a change of the unit force (2,) [1] and of its moment about the origin [m]; carried:
-        the body's loaded end goes with the force, which then bends it by no couple."""
-        couple = 0.0 if carried else shoe.frame.sense * (moment - float(cross(centre, force)))
-        pushing = np.array([*shoe.frame.to_shoe(force), couple])
-        load = body.columns.factors({ACTUATION: pushing})
-        tested = own * worked * (free.tests @ np.array([*force, moment]))
-        return at.F * float(at.a @ (body.closing_loaded @ load) - at.b @ tested)
-
-    moves = moves_by(group.scene, group.members[k], shoe, "actuation.point")
-    moved = [
-        worth(np.zeros(2), float(cross(step, direction)), carried=bool(moves)) for step in np.eye(2)
-    ]
-    found["abutment.point"] = found["abutment.point"] + moved
-    if moves:
-        found["abutment.point"] = found["abutment.point"] + _by_nodes(
-            every, k, *_displacements(every, k), moves
-        )
-    passed = [
-        every.of[to].c * at.F * float(shoe.bearing @ turned)
-        for source, to in group.links
-        if source == k
-    ]
-    line = worth(turned, float(cross(point, turned))) - sum(
-        passed
-    )  # of a chain: what the shoe passes on itself
-    found["abutment.direction"] = found["abutment.direction"] + line
-
-
-def _displacements(found: Adjoints, k: int) -> tuple[Floats, Floats]:
-    """Displacements u of shoe `k` under its loads and v under the adjoint ones (2 nodes,), both
-    with the frame held."""
-    group, at = found.group, found.of[k]
-    body, shoe, (load, _) = group.bodies[k], group.shoes[k], group.loads[k]
-    N, T, drag = body.coupling.N, body.coupling.T, group.brake.drag_on(shoe)
-    nodal = np.column_stack([drag * (T.T @ at.p) - N.T @ at.p, N.T @ at.a])
-    loads = np.column_stack([at.F * load, (-at.c if k in group.cam else 0.0) * load])
-    u, v = body.condensed.displacements(nodal, np.zeros((FRAME, 2)), loads).T
-    return u, v
-
-
-def _moduli(
-    body: Body, shoe: Shoe, u: Floats, v: Floats, soft: float
-) -> tuple[dict[str, float], float | None]:
-    """dT by the logarithm of each modulus and of the bending stiffness of its body, where that is
-    given [N m].
-
-    The lining's modulus is in the contact stiffness alpha E/t too, which changes the torque by
-    `soft`.
-    """
-    effects: dict[str, float] = {}
-    for name, work in work_by_part(body.basis, layers_of(shoe), u, v).items():
-        own = "shoe" if name == "table" else name  # of one material
-        effects[own] = effects.get(own, 0.0) - work + (soft if name == "lining" else 0.0)
-    given = None if shoe.body is None else shoe.body.bending_stiffness
-    return effects, None if given is None else effects.pop("shoe")
-
-
-def _untouched(body: Body, shoe: Shoe) -> ShoeSensitivity:
-    """Of a shoe that its force does not press: nothing changes its torque of 0."""
-    theta = shoe.frame.theta(body.line.phi)[:: shoe.frame.sense]
-    none = dict.fromkeys(("shoe" if name == "table" else name for name in layers_of(shoe)), 0.0)
-    bent = None if shoe.body is None or shoe.body.bending_stiffness is None else none.pop("shoe")
-    return ShoeSensitivity(
-        shoe.name, 0.0, 0.0, None, 0.0, none, bent, 0.0, {}, 0.0, theta, np.zeros(len(theta))
-    )
+    what: str
+    unit: str
+    exact: float
+    changes: Callable[[float], Mapping[str, Any]]
+    step: float
+    per_force: float = 1.0
 
 
 def against_differences(
     brake: Brake, index: int, *, elements: int, penalty: float = PENALTY
 ) -> tuple[Sensitivity, list[dict[str, Any]]]:
-    """Slopes of the whole torque next to central differences of solves from the mesh up; a row
-    each.
+    """The slopes of the whole torque, beside central differences of solves from the mesh up.
 
-    Force, moduli, clearance (one number) and hinge are those of shoe `index`, which has an elastic
-    body. Rows: `what`, `unit`, `exact`, `near`, relative `difference`. Raises as `solve` does.
+    A row has the keys `what`, `unit`, `exact`, `near`, and the relative `difference`. Raises as
+    `solve` does.
+
+    Parameters
+    ----------
+    brake : the brake
+    index : the shoe whose force, moduli, clearance (one number) and hinge are changed; its body is
+        elastic
+    elements : finite elements along each lining
+    penalty : factor alpha of the contact stiffness alpha E/t
     """
-    found = sensitivity(prepare(brake, elements=elements), brake, penalty=penalty)
-    mu, shoe, of, key = brake.friction, brake.shoes[index], found.shoes[index], f"shoe[{index}]."
-    gap, body, material = shoe.lining.clearance, shoe.body, shoe.lining.material
-    assert isinstance(gap, float) and body is not None and body.material is not None
-    linings, bodies, x, y = material.moduli, body.material.moduli, shoe.pin.x, shoe.pin.y
-    table: list[tuple[str, str, float, Callable[[float], dict[str, Any]], float]] = [
-        ("dT/dμ", "N m", found.friction, lambda s: {"friction": mu + s}, 1e-5),
-        (
-            "dT/dF",
-            "m",
-            of.force or 0.0,
-            lambda s: {"actuation.force": shoe.actuation.force * (1 + s)},
-            1e-4,
-        ),
-        (
-            "dT/d ln E, lining",
-            "N m",
-            of.moduli["lining"],
-            lambda s: {f"lining.material.{name}": E * (1 + s) for name, E in linings.items()},
-            1e-4,
-        ),
-        (
-            "dT/d ln E, shoe",
-            "N m",
-            of.moduli["shoe"],
-            lambda s: {f"body.material.{name}": E * (1 + s) for name, E in bodies.items()},
-            1e-4,
-        ),
-        ("dT/d clearance", "N", of.clearance, lambda s: {"lining.clearance": gap + s}, 1e-9),
-        (
-            "dT/dx, hinge",
-            "N",
-            float(of.held["hinge"][0]),
-            lambda s: {"hinge": {"x": x + s, "y": y}},
-            1e-6,
-        ),
-        (
-            "dT/dy, hinge",
-            "N",
-            float(of.held["hinge"][1]),
-            lambda s: {"hinge": {"x": x, "y": y + s}},
-            1e-6,
-        ),
-    ]
+    slopes = sensitivity(prepare(brake, elements=elements), brake, penalty=penalty)
     rows = []
-    for what, unit, exact, changes, step in table:
-        up, down = (
-            solve(
-                vary(
-                    brake,
-                    {k if k == "friction" else key + k: value for k, value in changes(s).items()},
-                ),
-                elements=elements,
-                penalty=penalty,
-            ).torque
-            for s in (step, -step)
-        )
-        near = (up - down) / (2 * step * (shoe.actuation.force if what == "dT/dF" else 1.0))
+    for probe in _probes(brake, index, slopes):
+        torques = []
+        for step in (probe.step, -probe.step):
+            changed = vary(brake, dict(probe.changes(step)))
+            torques.append(solve(changed, elements=elements, penalty=penalty).torque)
+        up, down = torques
+        near = (up - down) / (2 * probe.step * probe.per_force)
         rows.append(
             {
-                "what": what,
-                "unit": unit,
-                "exact": exact,
+                "what": probe.what,
+                "unit": probe.unit,
+                "exact": probe.exact,
                 "near": near,
-                "difference": abs(exact / near - 1),
+                "difference": abs(probe.exact / near - 1),
             }
         )
-    return found, rows
+    return slopes, rows
+
+
+def _probes(brake: Brake, index: int, slopes: Sensitivity) -> list[_Probe]:
+    """The slopes of a brake and of its shoe `index` that are compared with differences."""
+    shoe, own, key = brake.shoes[index], slopes.shoes[index], f"shoe[{index}]."
+    gap, body, material = shoe.lining.clearance, shoe.body, shoe.lining.material
+    assert isinstance(gap, float) and body is not None and body.material is not None
+    force, x, y = shoe.actuation.force, shoe.pin.x, shoe.pin.y
+    by_x, by_y = (float(slope) for slope in own.held["hinge"])
+
+    def moduli(part: str, values: Mapping[str, float], step: float) -> dict[str, float]:
+        """All moduli of a part, a relative step larger."""
+        return {f"{key}{part}.material.{name}": E * (1 + step) for name, E in values.items()}
+
+    def friction(step: float) -> dict[str, Any]:
+        return {"friction": brake.friction + step}
+
+    def actuation_force(step: float) -> dict[str, Any]:
+        return {key + "actuation.force": force * (1 + step)}
+
+    def lining_moduli(step: float) -> dict[str, Any]:
+        return moduli("lining", material.moduli, step)
+
+    def body_moduli(step: float) -> dict[str, Any]:
+        assert body is not None and body.material is not None
+        return moduli("body", body.material.moduli, step)
+
+    def clearance(step: float) -> dict[str, Any]:
+        return {key + "lining.clearance": gap + step}
+
+    def hinge_along_x(step: float) -> dict[str, Any]:
+        return {key + "hinge": {"x": x + step, "y": y}}
+
+    def hinge_along_y(step: float) -> dict[str, Any]:
+        return {key + "hinge": {"x": x, "y": y + step}}
+
+    return [
+        _Probe("dT/dμ", "N m", slopes.friction, friction, 1e-5),
+        _Probe("dT/dF", "m", own.force or 0.0, actuation_force, 1e-4, force),
+        _Probe("dT/d ln E, lining", "N m", own.moduli["lining"], lining_moduli, 1e-4),
+        _Probe("dT/d ln E, shoe", "N m", own.moduli["shoe"], body_moduli, 1e-4),
+        _Probe("dT/d clearance", "N", own.clearance, clearance, 1e-9),
+        _Probe("dT/dx, hinge", "N", by_x, hinge_along_x, 1e-6),
+        _Probe("dT/dy, hinge", "N", by_y, hinge_along_y, 1e-6),
+    ]

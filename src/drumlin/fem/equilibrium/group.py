@@ -1,424 +1,199 @@
-"""The shoes that meet the drum together, as one contact problem.
+"""Groups of shoes that must be solved together, and the answers of their contact problems.
 
-A shoe on a rigid drum meets it alone. Shoes on an elastic ring feel each other, so all that touch
-it are solved together. Whatever is done with the contact (sliding, holding, wear, sensitivity,
-self-locking) starts from here.
+A shoe on a rigid drum meets it alone. Shoes on an elastic ring feel each other, as do shoes that
+share a force, so that they are solved together. All analyses of the contact (sliding, holding,
+wear, sensitivity, self-locking) start from these groups.
 """
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import replace
 from itertools import product
 from typing import NamedTuple
 
 import numpy as np
 
-from drumlin.base.arrays import Bools, Floats, in_turn
+from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import NoAnswer
-from drumlin.base.lapack import block_diag
-from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.contact import active_set, self_locking
-from drumlin.contact.equations import Problem
 from drumlin.fem.equilibrium import reach
-from drumlin.fem.equilibrium.motions import Motions, motions_of
-from drumlin.fem.equilibrium.sharing import PULLED, WOULD_PULL, Pushed, Sharing, share
-from drumlin.fem.preparation.bodies import Body, actuation, contact_stiffness
+from drumlin.fem.equilibrium.problems import GroupProblems
+from drumlin.fem.equilibrium.sharing import NO_PUSH, WOULD_PULL
+from drumlin.fem.preparation.bodies import Body, actuation
 from drumlin.fem.preparation.scene import Scene
 from drumlin.laws import rigid
 
-LEAVES = "no equilibrium, a foot leaves its abutment"
-ELASTIC = "elastic as it is"
-FRICTION_STEP = self_locking.STEP / 4
-"""Step of the drum's friction, above 1 relative to it, after which feet are asked how they slide
-and shoes whether they are pushed. A foot that leaves and comes back within one step is not seen.
+FOOT_LEAVES = "no equilibrium, a foot leaves its abutment"
+ELASTIC_BRAKE = "elastic as it is"
+"""How the refusal of a self-locking brake names the elastic model, beside the rigid-shoe law."""
+FRICTION_STEP = self_locking.LARGEST_FRICTION_STEP / 4
+"""Largest step of the drum's friction coefficient between two checks of an answer that is followed.
+
+A check asks how feet slide and whether shoes are still pushed. Above a coefficient of 1 the step is
+relative to it. A foot that leaves its abutment and comes back within a step goes unnoticed; a
+smaller step costs time.
 """
 NEAR_POLE = 1e-4
-"""Relative distance from the pole of the pressures up to which feet are asked how they slide. A
-change nearer to the pole moves the limit by less than this, the last digit of four that are
-printed.
+"""Relative distance from the pole of the pressures up to which an answer is checked as above.
+
+A change of the footing nearer to the pole moves the limit by less than this fraction, which is the
+last of the four digits that are printed.
 """
-ROWS = 64  # of a matrix that are made at a time: of a large one no more stay near the processor
 
 
-@dataclass(frozen=True)
-class ShoeGroup:
-    """The shoes `members` of a brake on a prepared scene, at the contact stiffness `penalty` E/t.
+class PullNeeded(NoAnswer):
+    """The refusal of an answer in which a cam or a strut, which can only push, would have to pull."""
 
-    All of its problem is per newton of `unit_force`, so that one force alone enters only through
-    the gap. `senses`: how friction acts at the abutments, one of a shoe. They are empty until
-    `settled` has found them. A group with a rough abutment has no problem before that.
+
+class FollowedEnd(NamedTuple):
+    """The end of an answer that is followed in the friction coefficient of the drum.
+
+    `limit`: the friction at which it ends. `lets_go`: the line that names the contact which would
+    have to pull there although it can only push; empty where the answer ends otherwise.
     """
 
-    scene: Scene
-    brake: Brake
-    members: tuple[int, ...]
-    penalty: float = math.inf
-    senses: tuple[int, ...] = ()
+    limit: self_locking.Limit
+    lets_go: str
 
-    @property
-    def each_sense(self) -> tuple[int, ...]:
-        """The sense of each shoe's friction at its abutment, +1 of a shoe without.
 
-        Raises RuntimeError where an abutment is rough and its sense is not known yet.
-        """
-        if not self.senses and self.rough:
-            raise RuntimeError(
-                f"{self.names}: friction at the abutment has no sense yet, ask for `settled`"
-            )
-        return self.senses or (1,) * len(self.members)
+class SettledGroup(NamedTuple):
+    """A group with the senses of friction at its abutments that its answer has, and the answer."""
 
-    @property
-    def rough(self) -> bool:
-        """Whether friction acts at an abutment of the group."""
-        return any(len(shoe.senses) > 1 for shoe in self.shoes)
+    group: "ShoeGroup"
+    contact: active_set.Contact
 
-    @cached_property
-    def motions(self) -> tuple[Motions, ...]:
-        """The free motions of each shoe."""
-        return tuple(
-            motions_of(body, shoe, moment, sense)
-            for body, shoe, (_, moment), sense in zip(
-                self.bodies, self.shoes, self.loads, self.each_sense, strict=True
-            )
-        )
 
-    @cached_property
-    def rows(self) -> tuple[slice, ...]:
-        """The motions of each shoe among those of the group."""
-        return in_turn(motions.work.size for motions in self.motions)
+class ShoeGroup(GroupProblems):
+    """A group of shoes with its state, its contact problems and their answers."""
 
-    @cached_property
-    def shoes(self) -> tuple[Shoe, ...]:
-        """The shoes of the group."""
-        return tuple(self.brake.shoes[i] for i in self.members)
+    def at_friction(self, friction: float) -> "ShoeGroup":
+        """The group at another friction of the drum; its senses are then tried first."""
+        return replace(self, brake=self.brake.model_copy(update={"friction": friction}))
 
-    @cached_property
-    def bodies(self) -> tuple[Body, ...]:
-        """Their condensed bodies."""
-        return tuple(self.scene.bodies[i] for i in self.members)
-
-    @cached_property
-    def parts(self) -> tuple[slice, ...]:
-        """The unknowns of each shoe among those of the group."""
-        return in_turn(len(body.line.nodes) for body in self.bodies)
-
-    @cached_property
-    def unit_force(self) -> float:
-        """The largest actuation force [N]."""
-        return max(abs(shoe.actuation.force) for shoe in self.shoes)
-
-    @property
-    def names(self) -> str:
-        """The shoes as a refusal names them."""
-        return ", ".join(f"shoe {shoe.name!r}" for shoe in self.shoes)
-
-    @cached_property
-    def gaps(self) -> tuple[Floats, ...]:
-        """Gaps (n_i,) [m] of the unloaded linings at their contact nodes."""
-        return tuple(
-            gap_of(body, self.brake, shoe)
-            for body, shoe in zip(self.bodies, self.shoes, strict=True)
-        )
-
-    @cached_property
-    def loads(self) -> tuple[tuple[Floats, float], ...]:
-        """Factors (l,) of each body's load columns, and the moment about its pin, see `actuation`."""
-        return tuple(
-            actuation(body, shoe) for body, shoe in zip(self.bodies, self.shoes, strict=True)
-        )
-
-    @cached_property
-    def stiffnesses(self) -> tuple[float, ...]:
-        """Contact stiffness of each shoe per area [Pa/m]."""
-        return tuple(contact_stiffness(shoe, self.penalty) for shoe in self.shoes)
-
-    @cached_property
-    def closings(self) -> tuple[tuple[Floats, Floats], ...]:
-        """Of each shoe and the motions that its equilibria are tested on N u and T u (n_i, k)."""
-        return tuple(
-            body.turning
-            if shoe.held_by == "hinge"
-            else (body.coupling.N @ at.tested, body.coupling.T @ at.tested)
-            for body, shoe, at in zip(self.bodies, self.shoes, self.motions, strict=True)
-        )
-
-    @cached_property
-    def loaded(self) -> tuple[tuple[Floats, Floats, Floats], ...]:
-        """q (n_i,), B (n_i, k) and h (k,) of each shoe: they hang on no friction coefficient."""
-        found = []
-        for body, shoe, at, gap, (load, _), (tested, _) in zip(
-            self.bodies, self.shoes, self.motions, self.gaps, self.loads, self.closings, strict=True
-        ):
-            own = abs(shoe.actuation.force) / self.unit_force
-            q = body.coupling.M @ (gap / self.unit_force) - own * (body.closing_loaded @ load)
-            closing = tested if at.moved is at.tested else body.coupling.N @ at.moved
-            found.append((q, -closing, -own * at.work))
-        return tuple(found)
-
-    @cached_property
-    def levers(self) -> Floats:
-        """(n, shoes) [m^3]: friction times this by the pressures is the torque of each shoe."""
-        return np.asarray(block_diag(*(body.coupling.lever for body in self.bodies)).T)
-
-    @cached_property
-    def areas(self) -> Floats:
-        """Area (n,) [m^2] of each contact node: times the pressures the contact force."""
-        return np.concatenate([body.coupling.area for body in self.bodies])
-
-    @cached_property
-    def masses(self) -> Floats:
-        """(n, n) [m^2]: what weighs a gap on the linings."""
-        return np.asarray(block_diag(*(body.coupling.M for body in self.bodies)))
-
-    @cached_property
-    def ring(self) -> tuple[Floats, Floats] | None:
-        """Square roots (m, n) of the ring's flexibility under pressure and under drag; None for a
-        rigid drum.
-        """
-        ring = self.scene.ring
-        if ring is None:
-            return None
-        return np.hstack([ring.pressed[i] for i in self.members]), np.hstack(
-            [ring.dragged[i] for i in self.members]
-        )
-
-    @cached_property
-    def problem(self) -> Problem:
-        """Full slip, the drum dragging the linings by mu p, as one complementarity problem.
-
-        The weighted gap  w = M (g + p/eps) - N u + N_ring u_ring  closes as the lining moves by u, elastically and by
-        the shoe's free motions y, and opens as the ring moves by u_ring;  C p = h  are the equilibria in these motions.
-        """
-        return self.problem_at(self.brake.friction)
-
-    def problem_at(self, friction: float) -> Problem:
-        """`problem` at another friction coefficient; linear in it."""
-        sharing = self._sharing_at(friction)
-        return self.blocks(friction) if sharing is None else sharing.problem
-
-    @cached_property
-    def links(self) -> list[tuple[int, int]]:
-        """The struts between its shoes, (from, to)."""
-        names = [shoe.name for shoe in self.shoes]
-        return [
-            (names.index(link.source), names.index(link.to))
-            for link in self.brake.links
-            if link.to in names
-        ]
-
-    @cached_property
-    def cam(self) -> list[int]:
-        """The shoes whose tips a cam moves alike; none without one."""
-        drive, behind = self.brake.actuation, [to for _, to in self.links]
-        return (
-            [k for k in range(len(self.shoes)) if k not in behind] if drive and drive.is_cam else []
-        )
-
-    @cached_property
-    def total(self) -> float:
-        """The sum of the cam's forces, per newton of `unit_force`."""
-        return (
-            self.brake.actuation.total / self.unit_force
-            if self.brake.actuation and self.cam
-            else 0.0
-        )
-
-    def pushed(self, friction: float) -> list[Pushed]:
-        """What each shoe is as its force pushes it, per newton, at a friction coefficient; linear
-        in it.
-        """
-        return [self._pushed_shoe(k, friction) for k in range(len(self.shoes))]
-
-    @cached_property
-    def sharing(self) -> Sharing | None:
-        """How the shoes share forces by struts and a cam; None where each has its own."""
-        return self._sharing_at(self.brake.friction)
-
-    def _sharing_at(self, friction: float) -> Sharing | None:
-        if not self.links and not self.cam:
-            return None
-        return share(
-            self.blocks(friction),
-            self.pushed(friction),
-            self.own_forces,
-            self.links,
-            self.cam,
-            self.total,
-        )
-
-    def _pushed_shoe(self, k: int, friction: float) -> Pushed:
-        body, shoe, motions = self.bodies[k], self.shoes[k], self.motions[k]
-        drag = self._drag_on(shoe, friction)
-        load, _ = self.loads[k]
-        tip = -(load @ body.closing_loaded.T) + (
-            0.0 if body.tip_dragged is None else drag * (load @ body.tip_dragged)
-        )
-        contact = (drag * body.forces[1] - body.forces[0])[:2].T  # (n, 2) per pressure
-        bearing = (
-            np.zeros(len(tip))
-            if shoe.abutment is None
-            else -shoe.frame.to_brake(contact) @ shoe.bearing
-        )
-        direct = (
-            0.0 if shoe.abutment is None else -float(shoe.bearing @ shoe.actuation.direction_vector)
-        )
-        return Pushed(
-            part=self.parts[k], rows=self.rows[k], opened=-(body.closing_loaded @ load), tip=tip,
-            yields=float(load @ body.tip_loaded @ load), work=motions.work, moves=motions.tip, bearing=bearing,
-            direct=direct,
-        )  # fmt: skip
-
-    @cached_property
-    def own_forces(self) -> Floats:
-        """Their own actuation forces (shoes,), per newton."""
-        return np.array([shoe.actuation.force for shoe in self.shoes]) / self.unit_force
-
-    def forces(self, p: Floats) -> Floats:
-        """The actuation forces (shoes,) under the pressures p (n,), both per newton."""
-        return self.own_forces if self.sharing is None else self.sharing.forces(p)
-
-    def amounts(self, found: active_set.Contact) -> list[Floats]:
-        """The free motions of each shoe in an answer, per newton."""
-        y = found.y if self.sharing is None else self.sharing.amounts(found.p, found.y)
-        return [y[rows] for rows in self.rows]
-
-    def _drag_on(self, shoe: Shoe, friction: float) -> float:
-        return friction * self.brake.spin * shoe.frame.sense
-
-    def blocks(self, friction: float) -> Problem:
-        """The problem at a friction coefficient with the forces of each shoe's own actuation."""
-        parts = [self._shoe_problem(k, friction) for k in range(len(self.members))]
-        if self.ring is None and len(parts) == 1:
-            return parts[0]
-        A = block_diag(*(part.A for part in parts))
-        if self.ring is not None:
-            pressed, dragged = self.ring
-            A += pressed.T @ (pressed + friction * self.brake.spin * dragged)
-        return Problem(
-            A=A,
-            q=np.concatenate([part.q for part in parts]),
-            B=block_diag(*(part.B for part in parts)),
-            C=block_diag(*(part.C for part in parts)),
-            h=np.concatenate([part.h for part in parts]),
-        )
-
-    def _shoe_problem(self, k: int, friction: float) -> Problem:
-        drag = self._drag_on(self.shoes[k], friction)
-        (q, B, h), (pressed, dragged) = self.loaded[k], self.closings[k]
-        A = _yielding(self.bodies[k], drag, self.stiffnesses[k])
-        return Problem(A, q, B, (drag * dragged - pressed).T, h)
-
-    @property
-    def sliding(self) -> self_locking.Sliding:
-        """Full slip at every friction coefficient; the scene must be prepared with friction."""
-        return self_locking.Sliding.through(self.problem_at(0.0), self.problem_at(1.0))
+    # The answer under given senses of friction at the abutments
 
     def answer(self, first: Bools | None = None) -> active_set.Contact:
-        """The contact per newton of `unit_force`, from the contact set `first` (n,) where there is
-        one.
+        """The contact per newton of `unit_force`, from the contact set `first` (n,) if it is given.
 
         Raises NoAnswer: self-locking, no equilibrium, not converged, a turn too large for small
         displacements.
         """
-        for body, shoe, gap, load in zip(
-            self.bodies, self.shoes, self.gaps, self.loads, strict=True
-        ):
-            reach.check_pin(shoe, body.line.xy, gap, load[1])
+        for k, shoe in enumerate(self.shoes):
+            xy = self.bodies[k].line.xy
+            reach.check_pin(shoe, xy, self.gaps[k], self.loads[k].moment)
         law = min(self.law(i) for i in self.members)
         try:
-            found = self_locking.answer(
-                self.problem_at, self.brake.friction, first, self.areas, law=law, brake=ELASTIC
+            contact = self_locking.answer(
+                self.problem_at,
+                self.brake.friction,
+                first,
+                self.areas,
+                law=law,
+                brake=ELASTIC_BRAKE,
             )
+        except self_locking.PathEnded as error:
+            refusal = self._pull_at(error.end)
+            raise (
+                PullNeeded(refusal) if refusal else NoAnswer(f"{self.names}: {error}")
+            ) from error
         except NoAnswer as error:
-            pulled = self._pulled_at(error.end) if isinstance(error, self_locking.Ended) else ""
-            raise (Pulled(pulled) if pulled else NoAnswer(f"{self.names}: {error}")) from error
-        for shoe, sense, gap, amounts in zip(
-            self.shoes, self.each_sense, self.gaps, self.amounts(found), strict=True
-        ):
-            reach.check_turns(shoe, sense, gap, self.unit_force * amounts)
-        return found
-
-    def _pulled_at(self, end: self_locking.Limit) -> str:
-        """As `_pulled`, of an answer that ends: a force that shoes share may have fallen to nothing
-        there.
-
-        The shoe leaves the drum then, and nothing locks: its cam or strut would have to pull it.
-        """
-        sharing = self._sharing_at(end.reached)
-        return "" if sharing is None else self._pulled(sharing.forces(end.last.p))
-
-    def _pulled(self, forces: Floats) -> str:
-        """The line that refuses shoes of which what pushes one would have to pull; empty where all
-        are pushed.
-        """
-        i = int(forces.argmin())
-        return (
-            f"shoe {self.shoes[i].name!r}: {WOULD_PULL}"
-            if forces[i] <= PULLED * forces.max()
-            else ""
-        )
+            raise NoAnswer(f"{self.names}: {error}") from error
+        for k, coordinates in enumerate(self.coordinates(contact)):
+            turns = self.unit_force * coordinates
+            reach.check_turns(self.shoes[k], self.each_sense[k], self.gaps[k], turns)
+        return contact
 
     def law(self, i: int) -> float:
-        """mu_lock of a shoe by the rigid-shoe law: that of the scene for a hinged one dragged the
-        same way.
-        """
-        (shoe, spin), (known, other) = (
-            (brake.shoes[i], brake.spin) for brake in (self.brake, self.scene.brake)
-        )
-        same = (
-            shoe.held_by == known.held_by == "hinge"
-            and spin * shoe.frame.sense == other * known.frame.sense
-        )
-        return self.scene.laws[i] if same else rigid.locking_friction(self.brake, shoe)
+        """The locking friction of shoe `i` of the brake by the rigid-shoe law.
 
-    def settled(self, first: Bools | None = None) -> tuple["ShoeGroup", active_set.Contact]:
-        """The group with the friction at its abutments as its answer has it, and that answer.
+        The prepared model knows it for a hinged shoe that the drum drags the same way.
+        """
+        shoe, known = self.brake.shoes[i], self.scene.brake.shoes[i]
+        hinged = shoe.held_by == known.held_by == "hinge"
+        drag = self.brake.spin * shoe.frame.sense
+        if hinged and drag == self.scene.brake.spin * known.frame.sense:
+            return self.scene.laws[i]
+        return rigid.locking_friction(self.brake, shoe)
+
+    def _pull_at(self, end: self_locking.Limit) -> str:
+        """The line that refuses an answer which ends because a shared force falls to zero, or "".
+
+        The shoe leaves the drum there, and nothing locks: its cam or strut would have to pull it.
+        """
+        sharing = self._sharing_at(end.reached)
+        return "" if sharing is None else self._pull(sharing.forces(end.last.p))
+
+    def _pull(self, forces: Floats) -> str:
+        """The line that refuses actuation forces (shoes,) of which one pulls; empty if all push."""
+        i = int(forces.argmin())
+        if forces[i] <= NO_PUSH * forces.max():
+            return f"shoe {self.shoes[i].name!r}: {WOULD_PULL}"
+        return ""
+
+    # The answer with the senses of friction at the abutments that it has
+
+    def settled(self, first: Bools | None = None) -> SettledGroup:
+        """The group with the senses of friction at its abutments that its answer has, and the answer.
 
         The drum turns already as the force comes on. Friction opposes the whole slide of a foot
-        from where it stood without force, or holds the foot there. The first senses that stand are
-        taken, those of the rigid shoe first; the order does not matter, for no brake is known of
-        which two stand. Raises NoAnswer as `answer` does, and where a foot would leave its
-        abutment.
+        from its place without force, or holds the foot there. The first senses that agree with
+        their answer are taken, those of the rigid shoe first. Their order does not matter: no brake
+        is known in which two choices agree. Raises NoAnswer as `answer` does, and where a foot
+        would leave its abutment.
         """
         try:
-            return self._standing(first)
+            return self._first_footing(first)
         except NoAnswer as error:
             refusal = self._refusal(error)
             if refusal is error:
                 raise
             raise refusal from error
 
-    def _standing(self, first: Bools | None = None) -> tuple["ShoeGroup", active_set.Contact]:
-        """`settled`, where it is refused with the reason of the senses that are tried first."""
-        failure = NoAnswer(f"{self.names}: {LEAVES}")
-        for k, group in enumerate(self.ways()):
+    def _first_footing(self, first: Bools | None = None) -> SettledGroup:
+        """As `settled`, but refused with the reason of the senses that are tried first."""
+        failure = NoAnswer(f"{self.names}: {FOOT_LEAVES}")
+        for number, group in enumerate(self.footings()):
             try:
-                found = group.answer(first)
+                contact = group.answer(first)
             except NoAnswer as error:
-                if k == 0:
+                if number == 0:
                     failure = error
                 continue
-            if all(group.consistent(found, i) for i in range(len(self.members))):
-                return group, found
+            if all(group.consistent(contact, k) for k in range(len(self.members))):
+                return SettledGroup(group, contact)
         raise failure
 
-    def ways(self) -> Iterator["ShoeGroup"]:
-        """The group with every way in which friction may act at its abutments: its own first, else
-        the rigid shoe's.
-        """
+    def footings(self) -> Iterator["ShoeGroup"]:
+        """The group with each choice of senses at its abutments: its own first, or the rigid shoe's."""
         begin = self.senses or tuple(_sense(self.brake, shoe) for shoe in self.shoes)
-        choices = [
-            (own, *(s for s in shoe.senses if s != own))
-            for own, shoe in zip(begin, self.shoes, strict=True)
-        ]
+        choices = []
+        for own, shoe in zip(begin, self.shoes, strict=True):
+            others = [sense for sense in shoe.senses if sense != own]
+            choices.append((own, *others))
         for senses in product(*choices):
             yield self if senses == self.senses else replace(self, senses=senses)
 
+    def consistent(self, contact: active_set.Contact, k: int) -> bool:
+        """Whether the abutment of shoe `k` bears as an answer assumes; see `Held.stands`."""
+        shoe = self.shoes[k]
+        if shoe.abutment is None:
+            return True
+        slide = float(self.coordinates(contact)[k][-1])
+        return shoe.stands(self.reaction(contact, k), self.each_sense[k], slide)
+
+    def reaction(self, contact: active_set.Contact, k: int) -> Floats:
+        """The force (2,) of the abutment on the foot of shoe `k`, per newton, by equilibrium."""
+        shoe, body = self.shoes[k], self.bodies[k]
+        drag, p = self.brake.drag_on(shoe), contact.p[self.node_ranges[k]]
+        normal, dragged = body.forces @ p
+        push = self.forces(contact.p)[k] * shoe.actuation.direction_vector
+        return np.asarray(-shoe.frame.to_brake((drag * dragged - normal)[:2]) - push)
+
     def _refusal(self, failure: NoAnswer) -> NoAnswer:
-        """Why a group does not settle: where feet are rough, what ends the answer that is followed
-        as they slide.
+        """The reason why a group does not settle.
+
+        Where feet are rough it is the end of the answer that is followed while they slide.
         """
         if not self.rough:
             return failure
@@ -430,135 +205,95 @@ class ShoeGroup:
         if not end.limit.friction < friction:
             return failure
         law = min(self.law(i) for i in self.members)
-        locked = self_locking.locks(friction, end.limit.friction, law=law, brake=ELASTIC)
+        locked = self_locking.locks(friction, end.limit.friction, law=law, brake=ELASTIC_BRAKE)
         return NoAnswer(end.lets_go or f"{self.names}: {locked}")
 
-    def followed(self, most: float) -> "Followed":
-        """The end, up to mu = `most`, of the answer that is followed from the least friction of the
-        drum that has one.
+    # The answer followed in the friction coefficient of the drum
 
-        On the way a rough foot may begin to slide, stop or slide the other way. From there on the
-        answer is followed with its friction as it is then. Raises NoAnswer where there is no answer
-        without friction of the drum, nor under any, as where it takes friction to press a foot on
-        its abutment.
+    def followed(self, most: float) -> FollowedEnd:
+        """The end, up to mu = `most`, of the answer that is followed in the friction of the drum.
+
+        It begins at the least friction of the drum that has an answer. On its path a rough foot may
+        begin to slide, stop, or slide the other way; from there the answer is followed with the new
+        sense. Raises NoAnswer where there is no answer without friction of the drum, nor under any,
+        as where it takes friction to press a foot on its abutment.
         """
         if not self.links and not self.cam and all(shoe.abutment is None for shoe in self.shoes):
-            return Followed(self_locking.limit(self.sliding, most, areas=self.areas), lets_go="")
-        low, (at, found) = self._first(most)
-        end = self_locking.limit(at.sliding, most, (low, found), self.areas)
+            limit = self_locking.limit(self.sliding, most, areas=self.areas)
+            return FollowedEnd(limit, lets_go="")
+        low, (at, contact) = self._least_friction(most)
+        end = self_locking.limit(at.sliding, most, (low, contact), self.areas)
         while low < (last := min(end.friction * (1 - NEAR_POLE), most)):
             high = min(low + FRICTION_STEP * max(1.0, low), last)
             after = at._pushing(high)
-            # Under more friction an answer may stand again, but the one that is followed has ended
-            # here.
+            # Under more friction the group may settle again, but the followed answer ends here.
             if after is None:
-                return at._ended(end, low, high)
+                return at._end_between(end, low, high)
             low = high
-            if after[0].senses != at.senses:
-                at, found = after
-                end = self_locking.limit(at.sliding, most, (low, found), self.areas)
-        return Followed(end, lets_go=at._pulled_at(end))
+            if after.group.senses != at.senses:
+                at, contact = after
+                end = self_locking.limit(at.sliding, most, (low, contact), self.areas)
+        return FollowedEnd(end, lets_go=at._pull_at(end))
 
-    def at_friction(self, friction: float) -> "ShoeGroup":
-        """The group at another friction of the drum; its senses are then those to try first."""
-        return replace(self, brake=self.brake.model_copy(update={"friction": friction}))
-
-    def _first(self, most: float) -> tuple[float, tuple["ShoeGroup", active_set.Contact]]:
-        """The least friction of the drum under which the group settles, to FRICTION_STEP, and its
-        answer there.
-        """
+    def _least_friction(self, most: float) -> tuple[float, SettledGroup]:
+        """The least friction of the drum, to FRICTION_STEP, that has an answer, and the answer."""
         friction = 0.0
         while friction < most:
             found = self._pushing(friction)
             if found is not None:
                 return friction, found
             friction += FRICTION_STEP * max(1.0, friction)
-        return 0.0, self.at_friction(0.0)._standing()  # raises: it says why there is none
+        # Without any answer, the line below raises the reason.
+        return 0.0, self.at_friction(0.0)._first_footing()
 
-    def _pushing(self, friction: float) -> tuple["ShoeGroup", active_set.Contact] | None:
-        """The settled group at a friction of the drum and its answer; None without one, or where
-        one is pulled that can only be pushed.
-        """
+    def _pushing(self, friction: float) -> SettledGroup | None:
+        """The settled group at a friction of the drum; None without an answer in which all push."""
         try:
-            at, found = self.at_friction(friction)._standing()
+            found = self.at_friction(friction)._first_footing()
         except NoAnswer:
             return None
-        return None if at._pulled(at.forces(found.p)) else (at, found)
+        pulls = found.group._pull(found.group.forces(found.contact.p))
+        return None if pulls else found
 
-    def _ended(self, end: self_locking.Limit, low: float, high: float) -> "Followed":
-        """The end between two frictions, an answer at the first of them only."""
+    def _end_between(self, end: self_locking.Limit, low: float, high: float) -> FollowedEnd:
+        """The end by bisection between two frictions, of which only the first has an answer."""
         at = self
-        while high - low > self_locking.CLOSE * high:
+        while high - low > self_locking.POLE_DISTANCE * high:
             middle = 0.5 * (low + high)
             after = at._pushing(middle)
-            low, high = (low, middle) if after is None else (middle, high)
-            at = at if after is None else after[0]
-        return Followed(
-            end._replace(friction=low, bounded=True, reached=low), at.at_friction(high)._lets_go()
-        )
+            if after is None:
+                high = middle
+            else:
+                low, at = middle, after.group
+        limit = end._replace(friction=low, bounded=True, reached=low)
+        return FollowedEnd(limit, at.at_friction(high)._lets_go())
 
     def _lets_go(self) -> str:
-        """The line that says what would have to pull, with the senses at hand, that can only push;
-        empty if nothing.
-        """
+        """The line that names a contact which would have to pull under the present senses, or ""."""
         try:
-            found = self.answer()
-        except Pulled as error:
+            contact = self.answer()
+        except PullNeeded as error:
             return str(error)
         except NoAnswer:
             return ""
-        feet = [(k, shoe) for k, shoe in enumerate(self.shoes) if shoe.abutment is not None]
-        presses = all(float(self.reaction(found, k) @ shoe.bearing) > 0 for k, shoe in feet)
-        return self._pulled(self.forces(found.p)) or ("" if presses else f"{self.names}: {LEAVES}")
+        pull = self._pull(self.forces(contact.p))
+        if pull:
+            return pull
+        for k, shoe in enumerate(self.shoes):
+            if shoe.abutment is not None and not self._foot_presses(contact, k):
+                return f"{self.names}: {FOOT_LEAVES}"
+        return ""
 
-    def consistent(self, found: active_set.Contact, k: int) -> bool:
-        """Whether the abutment of shoe `k` bears as an answer has it; see `Held.stands`."""
-        shoe = self.shoes[k]
-        if shoe.abutment is None:
-            return True
-        return shoe.stands(
-            self.reaction(found, k), self.each_sense[k], float(self.amounts(found)[k][-1])
-        )
-
-    def reaction(self, found: active_set.Contact, k: int) -> Floats:
-        """The force (2,) of the abutment of shoe `k` on its foot, per newton, by equilibrium of an
-        answer.
-        """
-        shoe, body = self.shoes[k], self.bodies[k]
-        drag, p = self.brake.drag_on(shoe), found.p[self.parts[k]]
-        normal, dragged = body.forces @ p
-        push = self.forces(found.p)[k] * shoe.actuation.direction_vector
-        return np.asarray(-shoe.frame.to_brake((drag * dragged - normal)[:2]) - push)
-
-
-class Pulled(NoAnswer):
-    """What pushes a shoe, a cam or a strut, would have to pull it."""
-
-
-class Followed(NamedTuple):
-    """Where the answer ends that is followed in friction: the `limit`; and where it ends because
-    something would have to pull that can only push, `lets_go`, the line that says what, else empty.
-    """
-
-    limit: self_locking.Limit
-    lets_go: str
-
-
-def _yielding(body: Body, drag: float, stiffness: float) -> Floats:
-    """A (n, n): what pressures take from the weighted gaps, the penalty's compliance included."""
-    pressed, dragged, M = body.closing_pressed, body.closing_dragged, body.coupling.M
-    A = np.empty(M.shape)
-    for first in range(0, len(A), ROWS):
-        rows = slice(first, first + ROWS)
-        part = np.divide(M[rows], stiffness, out=A[rows])
-        part -= pressed[rows]
-        if dragged is not None:
-            part -= drag * dragged[rows]
-    return A
+    def _foot_presses(self, contact: active_set.Contact, k: int) -> bool:
+        """Whether the foot of shoe `k` presses on its abutment in an answer."""
+        return float(self.reaction(contact, k) @ self.shoes[k].bearing) > 0
 
 
 def groups_of(scene: Scene, brake: Brake, penalty: float = math.inf) -> list[ShoeGroup]:
-    """The shoes that the actuation turns towards the drum, in groups that must be solved together."""
+    """The shoes that are pressed on the drum, in groups that must be solved together.
+
+    Raises NoAnswer where a cam presses only some of its shoes.
+    """
     touching = pressed_shoes(scene, brake)
     if brake.actuation is not None and brake.actuation.is_cam:
         lacking = [shoe.name for i, shoe in enumerate(brake.shoes) if i not in touching]
@@ -568,10 +303,14 @@ def groups_of(scene: Scene, brake: Brake, penalty: float = math.inf) -> list[Sho
 
 
 def pressed_shoes(scene: Scene, brake: Brake) -> list[int]:
-    """The shoes that their forces press on the drum, and those that struts from them push."""
-    touching = {i for i, shoe in enumerate(brake.shoes) if pressed(scene.bodies[i], brake, shoe)}
+    """The positions of the shoes that their own forces, or struts from such shoes, press."""
+    touching = set()
+    for i, shoe in enumerate(brake.shoes):
+        if pressed(scene.bodies[i], brake, shoe):
+            touching.add(i)
     names = [shoe.name for shoe in brake.shoes]
-    for link in brake.links:  # a chain is named from the actuation on
+    # The links of a chain stand in the order from the actuation on.
+    for link in brake.links:
         if names.index(link.source) in touching:
             touching.add(names.index(link.to))
     return sorted(touching)
@@ -580,24 +319,28 @@ def pressed_shoes(scene: Scene, brake: Brake) -> list[int]:
 def grouped(
     scene: Scene, brake: Brake, touching: list[int], penalty: float = math.inf
 ) -> list[ShoeGroup]:
-    """The shoes `touching` in groups: each alone, or all together where they meet through an
-    elastic ring or share a force.
+    """The shoes `touching` in groups: each alone, or all together.
+
+    They are together where they meet through an elastic ring or share a force. A group without
+    rough abutments gets its senses at once.
     """
     alone = (scene.ring is None or scene.apart) and brake.shares is None
-    groups = [(i,) for i in touching] if alone else [tuple(touching)] if touching else []
-    made = [ShoeGroup(scene, brake, members, penalty) for members in groups]
-    return [group if group.rough else replace(group, senses=group.each_sense) for group in made]
+    members: list[tuple[int, ...]] = [(i,) for i in touching]
+    if not alone:
+        members = [tuple(touching)] if touching else []
+    groups = [ShoeGroup(scene, brake, each, penalty) for each in members]
+    return [group if group.rough else replace(group, senses=group.each_sense) for group in groups]
 
 
 def _sense(brake: Brake, shoe: Shoe) -> int:
-    """How friction acts where the rigid shoe is held: what is tried first of the elastic one."""
+    """The sense of friction at the abutment of the rigid shoe, which is tried first."""
     if len(shoe.senses) == 1:
         return 1
     try:
-        found = rigid.press(brake, shoe)
+        footing = rigid.press(brake, shoe)
     except NoAnswer:
         return 1
-    return 1 if found is None else found.sense
+    return 1 if footing is None else footing.sense
 
 
 def pressed(body: Body, brake: Brake, shoe: Shoe) -> bool:
@@ -613,22 +356,6 @@ def turns_towards(body: Body, shoe: Shoe) -> bool:
         return False
     _, moment = actuation(body, shoe)
     approach, _ = body.turning
-    return bool(abs(moment) > 1e-14 * np.abs(body.line.xy).max() and (moment * approach > 0).any())
-
-
-def gap_of(body: Body, brake: Brake, shoe: Shoe) -> Floats:
-    """Gap of the unloaded lining at the contact nodes (n,) [m]: off the drum's radius, clearance
-    and misfit.
-    """
-    return gap_at(body.line.xy, body.line.phi, brake, shoe)
-
-
-def gap_at(xy: Floats, phi: Floats, brake: Brake, shoe: Shoe) -> Floats:
-    """Gap [m] of the unloaded lining at the points xy (2, ...) [m] of its mesh, at the angles phi
-    (...) there.
-    """
-    theta, radius = shoe.frame.theta(phi), brake.size
-    off = shoe.off(xy, radius)
-    return np.where(np.abs(off) < 1e-12 * radius, 0.0, off) + clearance.gap(
-        brake, shoe, theta
-    )  # 0.0: not round-off
+    # A lever arm below 1e-14 of the lining's distance from the centre is round-off.
+    turns = abs(moment) > 1e-14 * np.abs(body.line.xy).max()
+    return bool(turns and (moment * approach > 0).any())

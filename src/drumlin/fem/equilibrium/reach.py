@@ -1,4 +1,4 @@
-"""How far a shoe that stands off has to turn to touch, and where that is no small displacement."""
+"""Refusals of shoes that would have to turn too far before they touch the drum."""
 
 import math
 
@@ -8,58 +8,74 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Shoe
 
-LARGEST_TURN = 0.2  # rad; beyond it small displacements are no longer a model of the shoe's motion
+LARGEST_TURN_TO_TOUCH = 0.2
+"""Largest turn of a shoe [rad] that a solve accepts. The model assumes small displacements: at this
+turn the sine and the angle differ by 0.7 %. A shoe that has to turn further is refused. The value
+is a judgement, and the refusal prints it.
+"""
 
 
 def check_pin(shoe: Shoe, xy: Floats, gap: Floats, moment: float) -> None:
-    """Raise NoAnswer where a shoe hinged in a drum would have to turn too far to touch, or could
-    turn for ever.
+    """Raise NoAnswer where a hinged shoe has to turn too far to touch the drum, or never touches it.
 
-    A lining point at distance d from the pin and angle psi reaches the radius r when it has turned
-    by alpha: r^2 = a^2 + d^2 + 2 a d cos(psi + alpha), with a the pin's distance from the drum's
-    centre.
+    A lining point at the distance d from the pin and at the angle psi reaches the radius r after a
+    turn by alpha, with r^2 = a^2 + d^2 + 2 a d cos(psi + alpha). The pin's distance from the drum's
+    centre is a.
+
+    Parameters
+    ----------
+    shoe : the shoe; a shoe on a plane, or without a hinge, passes
+    xy : contact nodes (2, n) [m] in the frame of the shoe
+    gap : gaps (n,) [m] of the unloaded lining; a lining that touches anywhere passes
+    moment : of the actuation about the pin, whose sign is the sense of the turn
     """
     if shoe.held_by != "hinge" or shoe.flat or (gap <= 0).any():
         return
     a, r = shoe.pin.radius, np.hypot(*xy)
-    v = xy * ((r - shoe.sign * gap) / r) - np.array(
-        [[a], [0.0]]
-    )  # the lining stands back by its gap
-    d, psi = np.hypot(*v), np.arctan2(v[1], v[0])
+    # The unloaded lining stands back from the contact nodes by its gap.
+    lining = xy * ((r - shoe.sign * gap) / r)
+    from_pin = lining - np.array([[a], [0.0]])
+    d = np.hypot(*from_pin)
+    psi = np.arctan2(from_pin[1], from_pin[0])
     cosine = (r**2 - a**2 - d**2) / (2 * a * d)
     meets = np.abs(cosine) <= 1
     if not meets.any():
         raise NoAnswer(
             f"shoe {shoe.name!r}: no equilibrium, the force turns it without its ever touching the drum"
         )
+    # Each point meets the circle at two angles. The first that the turn comes to counts.
     angle = np.arccos(cosine[meets])
-    turns = (
-        math.copysign(1.0, moment)
-        * (np.concatenate([angle, -angle]) - np.tile(psi[meets], 2))
-        % (2 * math.pi)
-    )
-    _check(shoe, float(turns.min()))
+    both = np.concatenate([angle, -angle])
+    turns = math.copysign(1.0, moment) * (both - np.tile(psi[meets], 2)) % (2 * math.pi)
+    _check_turn(shoe, float(turns.min()))
 
 
-def check_turns(shoe: Shoe, sense: int, gap: Floats, amounts: Floats) -> None:
-    """Raise NoAnswer where a shoe that stands off everywhere, by its `gap` (n,) [m], has turned too
-    far.
+def check_turns(shoe: Shoe, sense: int, gap: Floats, coordinates: Floats) -> None:
+    """Raise NoAnswer where a shoe that stands off everywhere turns too far in an answer.
 
-    sense: of the friction at its abutment, see `Held.freedoms`; amounts: of its free motions in an
-    answer [rad, m]. Of a pin on a drum `check_pin` knows better.
+    A hinged or a guided shoe in a drum passes: `check_pin` judges the hinged shoe by the geometry.
+
+    Parameters
+    ----------
+    shoe : the shoe
+    sense : of the friction at its abutment, see `Held.freedoms`
+    gap : gaps (n,) [m] of the unloaded lining; a lining that touches anywhere passes
+    coordinates : generalised coordinates (k,) [rad, m] of the shoe in the answer
     """
     if (shoe.held_by in {"hinge", "guide"} and not shoe.flat) or (gap <= 0).any():
         return
     names = shoe.freedoms(sense).names
-    turns = [turn for turn, name in zip(amounts, names, strict=True) if name in {"turn", "tilt"}]
-    _check(
-        shoe, max(map(abs, (*turns, sum(turns))))
-    )  # on a pivot the shoe turns with its lever and tilts on it
+    rotates = [name in {"turn", "tilt"} for name in names]
+    turns = [turn for turn, counts in zip(coordinates, rotates, strict=True) if counts]
+    # On a pivot the shoe turns with its lever and tilts on it, so that the sum counts as well.
+    _check_turn(shoe, max(map(abs, (*turns, sum(turns)))))
 
 
-def _check(shoe: Shoe, turn: float) -> None:
-    if turn > LARGEST_TURN:
+def _check_turn(shoe: Shoe, turn: float) -> None:
+    """Raise NoAnswer for a turn [rad] beyond LARGEST_TURN_TO_TOUCH."""
+    if turn > LARGEST_TURN_TO_TOUCH:
         raise NoAnswer(
             f"shoe {shoe.name!r}: it would have to turn by {math.degrees(turn):.3g} deg to touch the "
-            f"{shoe.surface.word}; small displacements hold up to {math.degrees(LARGEST_TURN):.3g} deg"
+            f"{shoe.surface.word}; small displacements hold up to "
+            f"{math.degrees(LARGEST_TURN_TO_TOUCH):.3g} deg"
         )

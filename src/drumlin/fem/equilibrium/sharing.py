@@ -1,13 +1,15 @@
 """Shoes that share a force, by struts or under a cam, as one contact problem.
 
-Each shoe i of a group is known by itself: pushed by F_i its weighted gap opens by opened_i F_i, and
-C_i p = -work_i F_i. Its tip goes by tip_i p + yields_i F_i elastically along that force, and with
-its free motions by moves_i y_i.
+Each shoe i of a group is known by itself. Under its own actuation force F_i the weighted gap opens
+by opened_i F_i, and the equilibria read C_i p = -work_i F_i. The tip of the shoe, where the force
+acts, travels along the force by tip_i p + yields_i F_i elastically, and by moves_i y_i with the
+generalised coordinates y_i of the rigid-body modes.
 
-A strut pushes with what a foot bears on, F_to = bearing p + direct F_from. A cam moves two tips by
-the same way d, and its forces have a given sum: of each shoe the equilibrium that its force works
-most on gives F_i by p, and the way of its tip the motion that goes with it. Then d is the one
-motion left of the two, and the sum of the forces its equilibrium.
+A strut pushes with the force that a foot bears: F_to = bearing p + direct F_from. A cam moves two
+tips by the same travel d, and the sum of its forces is given. Of each shoe under a cam the
+equilibrium on which the force works most, its main mode, gives F_i as a function of p, and the
+travel of the tip gives the coordinate of the main mode. The travel d then remains as the single
+coordinate of the two main modes, and the sum of the forces as its equilibrium.
 """
 
 from dataclasses import dataclass
@@ -18,20 +20,34 @@ import numpy as np
 from drumlin.base.arrays import Floats, Ints
 from drumlin.contact.equations import Problem
 
-PULLED = 1e-9
-"""Fraction of the largest force below which a shared force does not push: it is round-off of one
-that has fallen to nothing, or pulls.
+NO_PUSH = 1e-9
+"""Fraction of the largest force of a group up to which a shared force does not push. A smaller or a
+negative force is the round-off of a force that has fallen to zero, or it pulls; the answer is
+refused. The value is far above round-off and far below any force that a brake file means.
 """
 WOULD_PULL = "no equilibrium, what pushes it would have to pull"
 
 
-class Pushed(NamedTuple):
-    """A shoe as above: its pressures `part` and motions `rows` among those of the group; `opened`,
-    `tip`, `bearing` (n,), `work`, `moves` (k,).
+class ForceEffects(NamedTuple):
+    """The effects of a shoe's own actuation force, and the parts of the answer it depends on.
+
+    All values hold per newton of the force or per pascal of the pressures.
+
+    Attributes
+    ----------
+    nodes : where the n pressures of the shoe stand among those of the group
+    modes : where the k generalised coordinates of the shoe stand among those of the group
+    opened : opening (n,) of the weighted gaps by the force
+    tip : elastic travel (n,) of the tip along the force, by the pressures
+    yields : elastic travel of the tip along the force, by the force
+    work : work (k,) of the force on the test modes
+    moves : travel (k,) of the tip along the force, by the rigid-body modes
+    bearing : force (n,) that the foot bears along a strut, by the pressures
+    direct : force that the foot bears along a strut, by the force
     """
 
-    part: slice | Ints
-    rows: slice
+    nodes: slice | Ints
+    modes: slice
     opened: Floats
     tip: Floats
     yields: float
@@ -43,116 +59,183 @@ class Pushed(NamedTuple):
 
 @dataclass(frozen=True)
 class Sharing:
-    """The `problem` of shoes that share forces F = fixed + by p, and their motions y = of y' + also
-    p of its own y'.
+    """The contact problem of m shoes that share forces, and the way back to their own quantities.
+
+    Attributes
+    ----------
+    problem : the contact problem, whose last unknowns y' may hold the travel of a cam's tips
+    fixed : part (m,) of the forces that no pressure changes
+    by_pressure : forces (m, n) per pressure
+    of_coordinates : generalised coordinates (k, k') of all shoes per unknown y'
+    coordinates_by_pressure : generalised coordinates (k, n) of all shoes per pressure
     """
 
     problem: Problem
     fixed: Floats
-    by: Floats
-    of: Floats
-    also: Floats
+    by_pressure: Floats
+    of_coordinates: Floats
+    coordinates_by_pressure: Floats
 
     def forces(self, p: Floats) -> Floats:
-        """The forces (shoes,) under pressures p (n,)."""
-        return self.fixed + self.by @ p
+        """The actuation forces (m,) under the pressures p (n,)."""
+        return self.fixed + self.by_pressure @ p
 
-    def amounts(self, p: Floats, y: Floats) -> Floats:
-        """The free motions of all shoes."""
-        return self.of @ y + self.also @ p
+    def coordinates(self, p: Floats, y: Floats) -> Floats:
+        """The generalised coordinates (k,) of all shoes, from the pressures and the unknowns y'."""
+        return self.of_coordinates @ y + self.coordinates_by_pressure @ p
+
+
+class _Forces(NamedTuple):
+    """The actuation forces (m,) of a group as `fixed` (m,) and `by_pressure` (m, n)."""
+
+    fixed: Floats
+    by_pressure: Floats
 
 
 def share(
     blocks: Problem,
-    shoes: list[Pushed],
+    shoes: list[ForceEffects],
     own: Floats,
     links: list[tuple[int, int]],
     cam: list[int],
     total: float,
 ) -> Sharing:
-    """The problem of shoes with the forces `own` (shoes,), in the problem `blocks` already, but for
-    what they share.
+    """The contact problem of shoes that share forces. It is linear in the friction coefficient.
 
-    links: (from, to); cam: the two shoes of a cam whose forces have the sum `total`. Linear in the
-    friction coefficient.
+    Parameters
+    ----------
+    blocks : the problem of the group in which each shoe has its own force
+    shoes : the effects of the m actuation forces
+    own : the forces (m,) that `blocks` holds
+    links : (from, to) of each strut
+    cam : the two shoes under a cam, or none
+    total : sum of the cam's forces
     """
-    A, q, B, C, h = (np.array(part) for part in blocks)
-    (n, k), count = B.shape, len(shoes)
-    fixed, by = np.array(own, dtype=float), np.zeros((count, n))
+    forces = _shared_forces(blocks, shoes, own, links, cam)
+    with_forces = _with_forces(blocks, shoes, own, forces)
+    n, k = blocks.B.shape
+    if not cam:
+        return Sharing(with_forces, *forces, np.eye(k), np.zeros((k, n)))
+    return _under_cam(blocks, with_forces, shoes, forces, cam, total)
+
+
+def _shared_forces(
+    blocks: Problem,
+    shoes: list[ForceEffects],
+    own: Floats,
+    links: list[tuple[int, int]],
+    cam: list[int],
+) -> _Forces:
+    """The actuation forces under a cam and struts; a shoe that shares nothing keeps its own."""
+    fixed = np.array(own, dtype=float)
+    by_pressure = np.zeros((len(shoes), blocks.B.shape[0]))
     for i in cam:
-        shoe, main = shoes[i], _main(blocks, shoes[i])
-        by[i] = -C[shoe.rows][main] / shoe.work[main]
+        shoe = shoes[i]
+        main = _main_mode(blocks, shoe)
+        by_pressure[i] = -blocks.C[shoe.modes][main] / shoe.work[main]
         fixed[i] = 0.0
     for source, to in links:
-        by[to, shoes[source].part] = shoes[source].bearing
-        by[to] += shoes[source].direct * by[source]
-        fixed[to] = shoes[source].direct * fixed[source]
-    for i, shoe in enumerate(
-        shoes
-    ):  # what the block has of its own force goes, what it shares comes
-        extra = fixed[i] - own[i]
-        A[shoe.part] += np.outer(shoe.opened, by[i])
-        q[shoe.part] += extra * shoe.opened
-        C[shoe.rows] += np.outer(shoe.work, by[i])
-        h[shoe.rows] -= extra * shoe.work
-    of, also = np.eye(k), np.zeros((k, n))
-    if not cam:
-        return Sharing(Problem(A, q, B, C, h), fixed, by, of, also)
-    way = np.zeros(k)  # of the motions per way of the tips
+        pushing = shoes[source]
+        by_pressure[to, pushing.nodes] = pushing.bearing
+        by_pressure[to] += pushing.direct * by_pressure[source]
+        fixed[to] = pushing.direct * fixed[source]
+    return _Forces(fixed, by_pressure)
+
+
+def _with_forces(
+    blocks: Problem, shoes: list[ForceEffects], own: Floats, forces: _Forces
+) -> Problem:
+    """The problem with the shared forces in place of the shoes' own."""
+    A, q, B, C, h = (np.array(part) for part in blocks)
+    for i, shoe in enumerate(shoes):
+        extra = forces.fixed[i] - own[i]
+        A[shoe.nodes] += np.outer(shoe.opened, forces.by_pressure[i])
+        q[shoe.nodes] += extra * shoe.opened
+        C[shoe.modes] += np.outer(shoe.work, forces.by_pressure[i])
+        h[shoe.modes] -= extra * shoe.work
+    return Problem(A, q, B, C, h)
+
+
+def _under_cam(
+    blocks: Problem,
+    with_forces: Problem,
+    shoes: list[ForceEffects],
+    forces: _Forces,
+    cam: list[int],
+    total: float,
+) -> Sharing:
+    """The problem in which the travel of the cam's tips replaces the main modes of its shoes."""
+    A, q, B, C, h = with_forces
+    n, k = B.shape
+    of_coordinates = np.eye(k)
+    by_pressure = np.zeros((k, n))
+    # The coordinates per travel of the tips.
+    per_travel = np.zeros(k)
     mains = []
     for i in cam:
         shoe = shoes[i]
-        row = _main(blocks, shoe)
-        main = shoe.rows.start + row
+        mode = _main_mode(blocks, shoe)
+        main = shoe.modes.start + mode
         mains.append(main)
-        size = shoe.moves[row]
-        elastic = shoe.yields * by[i]
-        elastic[shoe.part] += shoe.tip
-        also[main] = -elastic / size
-        of[main, shoe.rows] -= shoe.moves / size  # its own entry becomes 0
-        way[main] = 1 / size
+        size = shoe.moves[mode]
+        elastic = shoe.yields * forces.by_pressure[i]
+        elastic[shoe.nodes] += shoe.tip
+        by_pressure[main] = -elastic / size
+        # The entry of the main mode itself becomes zero.
+        of_coordinates[main, shoe.modes] -= shoe.moves / size
+        per_travel[main] = 1 / size
     kept = np.delete(np.arange(k), mains)
-    of = np.column_stack([way, of[:, kept]])
-    rows = np.vstack([-by[cam].sum(axis=0), C[kept]])
-    return Sharing(
-        Problem(A + B @ also, q, B @ of, rows, np.append(-total, h[kept])), fixed, by, of, also
+    of_coordinates = np.column_stack([per_travel, of_coordinates[:, kept]])
+    sum_of_forces = -forces.by_pressure[cam].sum(axis=0)
+    problem = Problem(
+        A=A + B @ by_pressure,
+        q=q,
+        B=B @ of_coordinates,
+        C=np.vstack([sum_of_forces, C[kept]]),
+        h=np.append(-total, h[kept]),
     )
+    return Sharing(problem, *forces, of_coordinates, by_pressure)
 
 
-def unreduced(
-    blocks: Problem, shoes: list[Pushed], links: list[tuple[int, int]], cam: list[int]
+def full_equations(
+    blocks: Problem, shoes: list[ForceEffects], links: list[tuple[int, int]], cam: list[int]
 ) -> Floats:
-    """The matrix of all equations with the forces F as unknowns besides, and the way d of the tips
-    under a cam.
+    """The matrix of all equations, in which the m forces F and the travel d of a cam are unknowns.
 
-    Unknowns p (n,), y (k,), F (shoes,), and with a cam d. Rows: the weighted gaps; C p + work F =
-    0; of each shoe's force what gives it (F itself, the strut, its tip's way less d); with a cam
-    the sum of its forces.
+    The unknowns are p (n,), y (k,), F (m,), and d under a cam. The rows are the weighted gaps; the
+    equilibria C p + work F = 0; for each shoe the equation that gives its force (the force itself,
+    the strut, or the travel of its tip less d); and under a cam the sum of its forces.
     """
-    (n, k), count = blocks.B.shape, len(shoes)
+    n, k = blocks.B.shape
+    count = len(shoes)
     force = n + k
     size = force + count + (1 if cam else 0)
     matrix = np.zeros((size, size))
-    matrix[:n, :n], matrix[:n, n:force], matrix[n:force, :n] = blocks.A, blocks.B, blocks.C
+    matrix[:n, :n] = blocks.A
+    matrix[:n, n:force] = blocks.B
+    matrix[n:force, :n] = blocks.C
     matrix[force : force + count, force : force + count] = np.eye(count)
     for i, shoe in enumerate(shoes):
-        matrix[shoe.part, force + i] = shoe.opened
-        matrix[n + shoe.rows.start : n + shoe.rows.stop, force + i] = shoe.work
+        matrix[shoe.nodes, force + i] = shoe.opened
+        matrix[n + shoe.modes.start : n + shoe.modes.stop, force + i] = shoe.work
     for source, to in links:
-        matrix[force + to, shoes[source].part] = -shoes[source].bearing
+        matrix[force + to, shoes[source].nodes] = -shoes[source].bearing
         matrix[force + to, force + source] = -shoes[source].direct
     for i in cam:
         shoe, row = shoes[i], matrix[force + i]
-        row[shoe.part], row[n + shoe.rows.start : n + shoe.rows.stop] = shoe.tip, shoe.moves
-        row[force + i], row[-1] = shoe.yields, -1.0
+        row[shoe.nodes] = shoe.tip
+        row[n + shoe.modes.start : n + shoe.modes.stop] = shoe.moves
+        row[force + i] = shoe.yields
+        row[-1] = -1.0
         matrix[-1, force + i] = 1.0
     return matrix
 
 
-def _main(blocks: Problem, shoe: Pushed) -> int:
-    """The motion that the force works most on and its tip goes with, over how far the lining goes
-    with it, for motions are turns and slides. The same at every friction coefficient.
+def _main_mode(blocks: Problem, shoe: ForceEffects) -> int:
+    """The mode, counted within a shoe, on which the force works most and with which its tip moves.
+
+    Modes are turns and slides, so that their squared effect on the gaps scales them. The choice is
+    the same at every friction coefficient.
     """
-    return int(
-        (shoe.work * shoe.moves / np.linalg.norm(blocks.B[:, shoe.rows], axis=0) ** 2).argmax()
-    )
+    size = np.linalg.norm(blocks.B[:, shoe.modes], axis=0)
+    return int((shoe.work * shoe.moves / size**2).argmax())

@@ -1,7 +1,7 @@
-"""A brake to a tolerance: finer levels until the estimated errors are below it."""
+"""A brake solved to a tolerance: finer levels until the a posteriori error estimate meets it."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -16,28 +16,33 @@ from drumlin.fem.error_control.places import pressed_arcs
 from drumlin.fem.hp.corner import AT_TIP, left_at_corners, left_under_tips, with_powers
 from drumlin.fem.hp.division import FINEST
 from drumlin.fem.preparation.cache import Cache
+from drumlin.fem.preparation.scene import Scene
 from drumlin.response.response import NEAR_PEAK, Response, ShoeResponse, edge_zone
 from drumlin.response.resultants import edge_left_out, largest
 
 SHORTEST = 10 * FINEST
-"""Length of a contact, in parts of the lining's thickness, below which its pressure is said not to
-be known: FINEST leaves it ten columns.
+"""Length of a contact, relative to the lining's thickness, below which the response says that its
+pressure is not known. No hp element is smaller than FINEST, so that a contact of this length has
+ten of them.
 """
 UNDER_TIP = math.log(1 / FINEST) / (2 * math.pi)
-"""Growth of p over E s under a tip of the gap, from the lining's thickness from it down to FINEST
-of that.
+"""Growth of p, relative to E s, under a tip of the gap whose slope changes by s: from the distance
+of the lining's thickness from the tip down to FINEST of that.
 
-On a half-plane of modulus E a wedge whose slope changes by s has the pressure E s/(2 pi) ln(1/x)
-(Johnson, Contact Mechanics, ch. 5). It is what the peak may lack where no columns end at the tip.
+A wedge on a half-plane of modulus E has the pressure E s/(2 pi) ln(1/x) (Johnson, Contact
+Mechanics, ch. 5). The constant bounds what the peak may lack where no hp elements end at the tip.
 """
 NEAR = 0.5
-"""Part of the peak that p may reach in the column at an end of the lining before the peak is called
-unknown: p grows there without bound, and on a finer level it would be the peak."""
+"""Fraction of the peak up to which p may rise in the hp element at an end of the lining. Above it
+the peak counts as unknown: p grows there without bound, and on a finer level it would be the peak.
+The value is a judgement.
+"""
 
 
 class Tolerance(NamedTuple):
-    """Relative errors of p (L2 outside the edge zones, worst shoe) and of the torque that are
-    allowed.
+    """The relative errors that are allowed: of p in L2, outside the edge zones, and of the torque.
+
+    The pressure counts on the shoe where its error is largest.
     """
 
     pressure: float
@@ -45,9 +50,28 @@ class Tolerance(NamedTuple):
 
 
 DEFAULT = Tolerance(5e-3, 1e-4)
-"""What a solve without `--tolerance` aims at: 0.5 % of p and 0.01 % of the torque, which is more
-than any brake is made to.
+"""The tolerance of a solve without `--tolerance`: 0.5 % of p and 0.01 % of the torque. No brake is
+manufactured as precisely.
 """
+
+
+class _Progress(NamedTuple):
+    """The levels that a solve has answered.
+
+    Attributes
+    ----------
+    scene : the prepared model of the last level
+    responses : the responses of all levels
+    error : the estimated errors of the last response; empty on the first level
+    unknowns : the most unknowns of a shoe
+    missed : why the tolerance is not reached; empty where it is
+    """
+
+    scene: Scene
+    responses: list[Response]
+    error: Errors
+    unknowns: int
+    missed: str
 
 
 def adapt(
@@ -59,145 +83,227 @@ def adapt(
     cache: Cache | None = None,
     along: Iterable[Step] | None = None,
 ) -> Step:
-    """The response whose estimated errors are within the tolerance, on its scene.
+    """The response whose estimated errors meet the tolerance, with its prepared model.
 
-    cache: see `scene`; along: the steps, where some are there already. Raises NoAnswer, saying what
-    was reached, where the levels do not suffice, unless it need not be; BadInput for a brake with a
-    mesh file.
+    Parameters
+    ----------
+    brake : the brake
+    tolerance : relative errors that are allowed
+    respond : answers a prepared model
+    must : whether a tolerance that is not reached is refused; otherwise the last level is returned
+    cache : substructures of earlier solves, see `prepare`
+    along : the levels with their responses, where they are known already
+
+    Raises
+    ------
+    NoAnswer
+        where no level has an answer, or where the tolerance must be reached and is not; the line
+        says what was reached
+    BadInput
+        for a brake with a mesh file
+    """
+    progress = _climbed(brake, tolerance, along or steps(brake, respond, cache))
+    if not progress.missed:
+        return Step(progress.scene, _final(progress))
+    why = _unbounded_text(brake, progress.responses[-1])
+    if must:
+        reached = _reached_text(progress, tolerance)
+        raise NoAnswer(
+            f"{progress.missed} on {len(progress.responses)} meshes of up to {progress.unknowns} "
+            f"unknowns a shoe: {reached}{why}"
+        )
+    return Step(progress.scene, _final(progress._replace(missed=progress.missed + why)))
+
+
+def _climbed(brake: Brake, tolerance: Tolerance, along: Iterable[Step]) -> _Progress:
+    """The levels up to the first that meets the tolerance, or up to the last that has an answer.
+
+    Raises NoAnswer where not even two levels have answers.
     """
     responses: list[Response] = []
     error = Errors({}, ())
     unknowns = 0
     missed = f"tolerance {tolerance.pressure:g} not reached"
     try:
-        for scene, found in along or steps(brake, respond, cache):
-            responses.append(with_powers(brake, found))
+        for scene, response in along:
+            responses.append(with_powers(brake, response))
             unknowns = max(body.unknowns for body in scene.bodies)
-            if len(responses) > 1:
-                error, unseen = seen(
-                    estimate(brake, responses[-2], responses[-1]), brake, responses[-1]
-                )
-                if (
-                    error.brake["pressure"] <= tolerance.pressure
-                    and error.brake["torque"] <= tolerance.torque
-                ):
-                    return Step(scene, _final(responses, error, unknowns, ""))
-                if unseen:
-                    missed += f": {unseen}"
-                    break
-    except NoAnswer as refusal:  # of finer levels
+            if len(responses) == 1:
+                continue
+            before, last = responses[-2:]
+            error, unknown = seen(estimate(brake, before, last), brake, last)
+            if _within(error, tolerance):
+                return _Progress(scene, responses, error, unknowns, missed="")
+            if unknown:
+                missed += f": {unknown}"
+                break
+    except NoAnswer as refusal:
+        # A finer level may have no answer although the levels before have.
         if not error.brake:
             raise
         missed += f", the next level: {refusal}"
-    last = zip(brake.shoes, responses[-1].shoes, strict=True)
-    unbounded = [
-        repr(shoe.name) for shoe, found in last if _lacking(shoe, brake.scale_factor, found) == 1.0
-    ]
-    why = (
-        f"; p is unbounded at an end of the lining or a tip of the gap of {', '.join(unbounded)}"
-        if unbounded
-        else ""
-    )
-    if must:
-        said = f"estimated error of p {error.brake['pressure']:.1e}, of the torque {error.brake['torque']:.1e}"
-        soft = SOFTER * max(shoe.softness.pressure for shoe in responses[-1].shoes)
-        if soft > 0.5 * tolerance.pressure:
-            said += f"; the penalty makes {soft:.1e} of it; a larger --penalty makes less"
-        raise NoAnswer(
-            f"{missed} on {len(responses)} meshes of up to {unknowns} unknowns a shoe: {said}{why}"
-        )
-    return Step(scene, _final(responses, error, unknowns, missed + why))
+    return _Progress(scene, responses, error, unknowns, missed)
 
 
-def _cornered(shoe: ShoeResponse, zone: float) -> bool:
-    """Whether p is largest in a column at an end of the lining that is pressed: there it is
-    unbounded.
+def _within(error: Errors, tolerance: Tolerance) -> bool:
+    """Whether estimated errors meet a tolerance."""
+    pressure, torque = error.brake["pressure"], error.brake["torque"]
+    return pressure <= tolerance.pressure and torque <= tolerance.torque
 
-    zone [rad]: see `edge_zone`. Where the ends count, p near its peak there will be so on a finer
-    level.
+
+def _unbounded_text(brake: Brake, response: Response) -> str:
+    """The words on shoes whose peak of p is unbounded; empty where there are none."""
+    unbounded = []
+    for shoe, answer in zip(brake.shoes, response.shoes, strict=True):
+        if _lacking(shoe, brake.scale_factor, answer) == 1.0:
+            unbounded.append(repr(shoe.name))
+    if not unbounded:
+        return ""
+    return f"; p is unbounded at an end of the lining or a tip of the gap of {', '.join(unbounded)}"
+
+
+def _reached_text(progress: _Progress, tolerance: Tolerance) -> str:
+    """The words on the errors that were reached, and on the penalty where it is half of them."""
+    error = progress.error.brake
+    text = f"estimated error of p {error['pressure']:.1e}, of the torque {error['torque']:.1e}"
+    shoes = progress.responses[-1].shoes
+    by_penalty = SOFTER * max(shoe.softness.pressure for shoe in shoes)
+    if by_penalty > 0.5 * tolerance.pressure:
+        text += f"; the penalty makes {by_penalty:.1e} of it; a larger --penalty makes less"
+    return text
+
+
+def _final(progress: _Progress) -> Response:
+    """The last response with its errors, the time of all levels and a line on them.
+
+    Its steps are those of the level that took the most. A warning says where the errors missed the
+    tolerance.
     """
-    theta, p, order = shoe.theta, shoe.pressure, shoe.order
-    ends = [
-        part for end, part in ((0, slice(order + 1)), (-1, slice(-order - 1, None))) if p[end] > 0
+    responses, error = progress.responses, progress.error
+    last = responses[-1]
+    seconds: dict[str, float] = {}
+    for response in responses:
+        for phase, spent in response.seconds.items():
+            seconds[phase] = seconds.get(phase, 0.0) + spent
+    notes = [
+        f"adapted on {len(responses)} meshes, the last with {progress.unknowns} unknowns a shoe"
     ]
-    heights = [largest(theta[part], p[part], order) / shoe.peak_pressure for part in ends]
+    if progress.missed:
+        notes.append(f"warning: {progress.missed}")
+    pairs = zip(last.shoes, error.shoes, strict=True)
+    return replace(
+        last,
+        error=error.brake,
+        shoes=tuple(replace(shoe, error=own) for shoe, own in pairs),
+        seconds=seconds,
+        iterations=max(response.iterations for response in responses),
+        notes=(*last.notes, *notes),
+    )
+
+
+# What two levels cannot estimate: singular pressure, and contacts too short for the division
+
+
+def seen(error: Errors, brake: Brake, response: Response) -> tuple[Errors, str]:
+    """The errors with those at singular points added, and the words on a pressure that is not known.
+
+    The difference of two levels does not contain what p and its peak lack at corners of the lining
+    and under tips of the gap. An error of 1 means unknown: a peak that is at an end of the lining
+    or under a tip, and the pressure of a contact that is too short, which the words name.
+    """
+    shoes, words = [], ""
+    for i, (shoe, answer) in enumerate(zip(brake.shoes, response.shoes, strict=True)):
+        lacking = _lacking(shoe, brake.scale_factor, answer)
+        at_corners = left_at_corners(brake, i, answer)
+        left = at_corners + left_under_tips(shoe, brake.scale_factor, answer)
+        errors = {
+            **error.shoes[i],
+            "pressure": error.shoes[i]["pressure"] + left,
+            "peak": 1.0 if lacking == 1.0 else error.shoes[i]["peak"] + lacking,
+        }
+        length = _shortest_contact(brake, shoe, answer)
+        if length < SHORTEST * shoe.lining.thickness:
+            words = (
+                f"shoe {shoe.name!r}: its contact is {1e6 * length:.1g} um long, too short to know its pressure; "
+                "torque and forces do not need it"
+            )
+            errors = _pressure_unknown(errors)
+        shoes.append(errors)
+    return Errors.worst(error.brake["torque"], shoes), words
+
+
+def _shortest_contact(brake: Brake, shoe: Shoe, answer: ShoeResponse) -> float:
+    """The length [m] of the shortest contact of a shoe; inf for a shoe that does not touch."""
+    lengths = (end - start for start, end in pressed_arcs(shoe, answer))
+    return min(lengths, default=math.inf) * brake.size
+
+
+def _pressure_unknown(errors: Mapping[str, float]) -> dict[str, float]:
+    """The errors of a shoe with 1 for its pressure and its peak."""
+    unknown = {"pressure", "peak"}
+    return {name: max(error, float(name in unknown)) for name, error in errors.items()}
+
+
+def _lacking(shoe: Shoe, scale_factor: float, answer: ShoeResponse) -> float:
+    """The fraction that the peak of p may lack.
+
+    It is 1 where the peak is at, or near, a pressure that grows without bound: at a lining's end,
+    or under a tip of its gap.
+    """
+    zone = edge_zone(shoe, scale_factor)
+    if _peak_at_corner(answer, zone):
+        return 1.0
+    return _lacking_under_tips(shoe, scale_factor, answer, zone)
+
+
+def _peak_at_corner(answer: ShoeResponse, zone: float) -> bool:
+    """Whether p is largest in an hp element at a pressed end of the lining, where it is unbounded.
+
+    zone: of the lining's ends, see `edge_zone`. Where the ends count for the peak, p near the peak
+    suffices: on a finer level it will be the peak.
+    """
+    theta, p, order = answer.theta, answer.pressure, answer.order
+    heights = []
+    for end, element in ((0, slice(order + 1)), (-1, slice(-order - 1, None))):
+        if p[end] > 0:
+            height = largest(theta[element], p[element], order)
+            heights.append(height / answer.peak_pressure)
     if any(math.isclose(height, 1.0) for height in heights):
         return True
     return max(heights, default=0.0) > NEAR and edge_left_out(theta, p, order, zone) == 0
 
 
-def _under_tips(shoe: Shoe, scale_factor: float, found: ShoeResponse, zone: float) -> float:
-    """What the peak of p may lack, relative, as p is near its peak in a column beside a tip of the
-    gap: 1 where columns end at the tip, as p is unbounded there, as under a wedge, and on a finer
-    level would be higher.
+def _lacking_under_tips(
+    shoe: Shoe, scale_factor: float, answer: ShoeResponse, zone: float
+) -> float:
+    """The fraction that the peak of p may lack where p is near its peak beside a tip of the gap.
 
-    No columns end at a tip that p hardly feels, see `places`. zone [rad]: see `edge_zone`; in it
-    `_cornered` tells.
+    It is 1 where hp elements end at the tip: p is unbounded there as under a wedge, and a finer
+    level would show more of it. At a tip that p hardly feels no elements end, see `places_of`. In
+    the zone at the lining's ends `_peak_at_corner` judges.
     """
-    start, end, order = shoe.lining.start, shoe.lining.end, found.order
-    zone = edge_left_out(found.theta, found.pressure, order, zone)
+    start, end, order = shoe.lining.start, shoe.lining.end, answer.order
+    theta, p = answer.theta, answer.pressure
+    zone = edge_left_out(theta, p, order, zone)
+    modulus = shoe.lining.material.E_half_plane
     lacking = 0.0
     for tip, slope in clearance.tips(shoe.lining):
         if not start + zone < tip < end - zone:
             continue
-        k = int(np.abs(found.theta[::order] - tip).argmin()) * order
-        part = slice(max(k - order, 0), k + order + 1)
-        if (
-            largest(found.theta[part], found.pressure[part], order)
-            > NEAR_PEAK * found.peak_pressure
-        ):
-            growth = (
-                UNDER_TIP
-                * shoe.lining.material.E_half_plane
-                * slope
-                / scale_factor
-                / found.peak_pressure
-            )
-            lacking = max(
-                lacking, 1.0 if abs(found.theta[k] - tip) < AT_TIP * shoe.frame.unit else growth
-            )
+        nearest = int(np.abs(theta[::order] - tip).argmin()) * order
+        around = slice(max(nearest - order, 0), nearest + order + 1)
+        if largest(theta[around], p[around], order) <= NEAR_PEAK * answer.peak_pressure:
+            continue
+        growth = UNDER_TIP * modulus * slope / scale_factor / answer.peak_pressure
+        divided = abs(theta[nearest] - tip) < AT_TIP * shoe.frame.unit
+        lacking = max(lacking, 1.0 if divided else growth)
     return min(lacking, 1.0)
 
 
-def _lacking(shoe: Shoe, scale_factor: float, found: ShoeResponse) -> float:
-    """What the peak of p may lack, relative: 1 where it is, or is near, what grows without end at a
-    lining's end or under a tip of its gap."""
-    zone = edge_zone(shoe, scale_factor)
-    return 1.0 if _cornered(found, zone) else _under_tips(shoe, scale_factor, found, zone)
-
-
-def seen(error: Errors, brake: Brake, response: Response) -> tuple[Errors, str]:
-    """The errors with what p and its peak lack at corners and under tips of the gap; of 1 what is
-    not known at all: a peak at a lining's end or under a tip of its gap, and the pressure of a
-    contact so short that this is said in words.
-    """
-    shoes, said = list(error.shoes), ""
-    for i, (shoe, found) in enumerate(zip(brake.shoes, response.shoes, strict=True)):
-        lacking = _lacking(shoe, brake.scale_factor, found)
-        left = left_at_corners(brake, i, found) + left_under_tips(shoe, brake.scale_factor, found)
-        shoes[i] = {
-            **shoes[i],
-            "pressure": shoes[i]["pressure"] + left,
-            "peak": 1.0 if lacking == 1.0 else shoes[i]["peak"] + lacking,
-        }
-        length = (
-            min((end - start for start, end in pressed_arcs(shoe, found)), default=math.inf)
-            * brake.size
-        )
-        if length < SHORTEST * shoe.lining.thickness:
-            said = (
-                f"shoe {shoe.name!r}: its contact is {1e6 * length:.1g} um long, too short to know its pressure; "
-                "torque and forces do not need it"
-            )
-            shoes[i] = {
-                name: max(e, float(name in {"pressure", "peak"})) for name, e in shoes[i].items()
-            }
-    return Errors.worst(error.brake["torque"], shoes), said
-
-
 def check_tolerance(brake: Brake, tolerance: float) -> None:
-    """Raise BadInput for a tolerance out of range, and for a brake with a mesh file, which is not
-    refined.
+    """Raise BadInput for a tolerance out of range, or for a brake with a mesh file.
+
+    A mesh file is not refined.
     """
     if not 0 < tolerance < 1:
         raise BadInput(f"--tolerance = {tolerance:g}: must be greater than 0 and less than 1")
@@ -206,25 +312,3 @@ def check_tolerance(brake: Brake, tolerance: float) -> None:
             raise BadInput(
                 f"--tolerance = {tolerance:g}: shoe {shoe.name!r} has a mesh file, which is not refined"
             )
-
-
-def _final(responses: Sequence[Response], error: Errors, unknowns: int, missed: str) -> Response:
-    """The last response with its errors, the time of all and the steps of the longest, and with a
-    warning where the errors missed the tolerance.
-    """
-    last = responses[-1]
-    seconds: dict[str, float] = {}
-    for response in responses:
-        for phase, spent in response.seconds.items():
-            seconds[phase] = seconds.get(phase, 0.0) + spent
-    notes = [f"adapted on {len(responses)} meshes, the last with {unknowns} unknowns a shoe"]
-    return replace(
-        last,
-        error=error.brake,
-        shoes=tuple(
-            replace(shoe, error=own) for shoe, own in zip(last.shoes, error.shoes, strict=True)
-        ),
-        seconds=seconds,
-        iterations=max(response.iterations for response in responses),
-        notes=(*last.notes, *notes, *([f"warning: {missed}"] if missed else [])),
-    )

@@ -87,7 +87,7 @@ RULE = LevelRule(
     layers=0.6,
     end=0.9,
     corner=12.0,
-    largest=15 * DEG,
+    largest=15.0 * DEG,
 )
 """The eight numbers of the levels, found by experiment on random brakes of all kinds.
 

@@ -1,13 +1,15 @@
-"""Where the pressure of a lining is not smooth: the ends of its contact and the kinks of its gap.
+"""Singular points of a lining's pressure: the ends of its contact and the kinks of its gap.
 
-One open node between two that press is an opening that the columns there are too wide to show: its
-ends are anywhere between, and the error that it makes does not fall from level to level until it is
-seen. Its node is a place as ends are. But an opening that is nothing beside its contact is none:
-where p is all but 0, round-off opens nodes, and places there would only make more of them.
+An open node between two pressed nodes is an opening that the hp elements there are too wide to
+resolve. Its ends are anywhere between the neighbours, and its error does not fall from level to
+level until a level resolves it. The open node is therefore a singular point, as ends are. An
+opening that is far shorter than its contact is ignored: where p is nearly 0 round-off opens nodes,
+and singular points there would only make more of them.
 """
 
 import math
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,187 +24,233 @@ from drumlin.response.response import Response, ShoeResponse
 from drumlin.response.resultants import gauss_points
 
 UNFELT = 0.1
-"""Error in L2 of p over `Level.error`, up to which the kinks of a table of clearances may be
-left out of its places.
+"""Error of p in L2, relative to `Level.error`, up to which the kinks of a table of clearances may be
+left out of its singular points.
 
-A level has an error of p of about a tenth of its `error`. So what all those kinks do that
-are left out, the weakest, stays below the error of the level itself, on finer levels too: a table
-of many rows, such as that of a worn lining, is a curve until a level is fine enough to see its
-chords. With all kinks as places such a table takes columns by the hundred; with none a table with a
+A level has an error of p of about a tenth of its `error`. The kinks that are left out, the weakest,
+therefore stay below the error of the level itself, on finer levels too. A table of many rows, such
+as that of a worn lining, is a curve until a level is fine enough to resolve its chords. With all
+kinks as singular points such a table takes hp elements by the hundred. With none, a table with a
 real kink is short of the tolerance on all levels.
 """
 SEEN = 1e-3
-"""Length of an opening, in parts of its contact, below which it is round-off and is ignored.
-Larger, real openings go unseen; smaller, nodes where p is all but 0 become singular points by the
-dozen.
+"""Length of an opening, relative to its contact, below which the opening counts as round-off and is
+ignored. With a larger value real openings stay unresolved. With a smaller value nodes where p is
+nearly 0 become singular points by the dozen.
 """
 FEW = 4
-"""Number of pressed nodes up to which a contact is taken to be shorter than they span. With fewer
-nodes of its own a short contact needs more passes until its ends are found.
+"""Number of pressed nodes up to which a contact is assumed to be shorter than their arc. With a
+smaller value a short contact needs more passes until its ends are found.
 """
 SHORTER = 0.15
-"""Part of the arc of FEW pressed nodes or fewer that each of them stands for: a contact with n of
-them is first looked for on 0.15 n of their arc, about the resultant. The passes after that find its
-ends.
+"""Fraction of the arc of FEW pressed nodes or fewer that each node stands for. A contact with n
+pressed nodes is first assumed to cover 0.15 n of their arc, about the resultant. The passes after
+that find its ends.
 """
 DIGITS = 20
-"""Binary digits of an end of the contact, relative to its length. Fewer move the ends by more than
-a column there; with more, round-off would change the division from machine to machine.
+"""Binary digits that an end of the contact keeps, relative to the length of the contact. With fewer
+digits the ends would move by more than an hp element there. With more, round-off would change the
+division from machine to machine.
 """
+
+
+class _Opening(NamedTuple):
+    """An open node at the coordinate `x` [rad] between two pressed nodes, `width` [rad] apart."""
+
+    x: float
+    width: float
 
 
 def places_of(
     brake: Brake, response: Response | None, alike: Sequence[int] = (), error: float = 0.0
 ) -> dict[int, list[Place]]:
-    """The places of each shape of shoe, growing, those of all shoes that have it, by the first of
-    these.
+    """The singular points of each shape of shoe, growing, by the position of its first shoe.
 
-    Without a response, kinks of a table are no places yet: how much one matters depends on how hard
-    the lining bears. alike: as of `cache.alike`, where it is known; error: that of the level,
-    with 0 all kinks of a table are places where the lining presses.
+    Shoes of one shape share a division, so that their singular points are put together.
+
+    Parameters
+    ----------
+    brake : the brake
+    response : an earlier response, or None; without it kinks of a table are not singular yet, since
+        their strength depends on the pressure
+    alike : the first shoe of the same shape of each shoe, as of `cache.alike`, if it is known
+    error : of the level; with 0 all kinks of a table are singular where the lining presses
     """
-    found: dict[int, list[Place]] = {}
-    for i, (shoe, first) in enumerate(zip(brake.shoes, alike or equal_shapes(brake), strict=True)):
-        own = _places(
-            shoe, None if response is None else response.shoes[i], brake.scale_factor, error
-        )
-        found.setdefault(first, []).extend(own)
-    return {key: sorted(places) for key, places in found.items()}
+    points: dict[int, list[Place]] = {}
+    first_alike = alike or equal_shapes(brake)
+    for i, (shoe, first) in enumerate(zip(brake.shoes, first_alike, strict=True)):
+        answer = None if response is None else response.shoes[i]
+        own = _places(shoe, answer, brake.scale_factor, error)
+        points.setdefault(first, []).extend(own)
+    return {first: sorted(own) for first, own in points.items()}
 
 
 def _places(
-    shoe: Shoe, response: ShoeResponse | None, scale_factor: float, level_error: float
+    shoe: Shoe, answer: ShoeResponse | None, scale_factor: float, level_error: float
 ) -> list[Place]:
+    """The singular points of one lining, in no order."""
+    arcs = [] if answer is None else _likely_arcs(shoe, answer)
+    points = _steps(shoe, answer, arcs)
+    if answer is not None:
+        points += _table_kinks(shoe, answer, arcs, scale_factor, level_error)
+    start, end = shoe.arc
+    for arc_start, arc_end in arcs:
+        length = arc_end - arc_start
+        first = min(max(_rounded(arc_start, length), start), end)
+        last = min(max(_rounded(arc_end, length), start), end)
+        points += [(first, last - first, Kind.END), (last, last - first, Kind.END)]
+    if answer is not None:
+        for opening in _openings(shoe, answer, arcs):
+            points.append((_rounded(opening.x, opening.width), opening.width, Kind.END))
+    return points
+
+
+def _near_contact(x: float, arcs: list[list[float]]) -> bool:
+    """Whether x [rad] is within a contact, or as near to it as the contact is long."""
+    return any(2 * start - end < x < 2 * end - start for start, end in arcs)
+
+
+def _steps(shoe: Shoe, answer: ShoeResponse | None, arcs: list[list[float]]) -> list[Place]:
+    """The steps of a lining in blocks.
+
+    A step where the lining does not press, or hardly, is not singular. Yet within an hp element it
+    would make the polynomials oscillate.
+    """
+    start, end = shoe.arc
+    length = shoe.lining.step / shoe.frame.unit
+    points: list[Place] = []
+    for x in shoe.frame.phis(clearance.step_kinks(shoe.lining)):
+        if start < x < end:
+            presses = answer is None or _near_contact(x, arcs)
+            points.append((x, length, Kind.STEP if presses else Kind.OPEN_STEP))
+    return points
+
+
+def _table_kinks(
+    shoe: Shoe,
+    answer: ShoeResponse,
+    arcs: list[list[float]],
+    scale_factor: float,
+    level_error: float,
+) -> list[Place]:
+    """The kinks of a table of clearances that p feels on a level of this error, and its tips."""
     (start, end), frame = shoe.arc, shoe.frame
-    arcs = [] if response is None else _likely(shoe, response)
-
-    def presses(x: float) -> bool:
-        return response is None or any(2 * a - b < x < 2 * b - a for a, b in arcs)
-
-    # Where nothing presses, or nearly, a kink is nothing; but within a column a block's step would
-    # swing beyond itself.
-    steps = [x for x in frame.phis(clearance.step_kinks(shoe.lining)) if start < x < end]
-    found: list[Place] = [
-        (x, shoe.lining.step / frame.unit, Kind.STEP if presses(x) else Kind.OPEN_STEP)
-        for x in steps
-    ]
-    if response is not None:
-        angle, felt = (
-            np.array(clearance.table_kinks(shoe.lining)),
-            strengths(shoe.lining, scale_factor),
-        )
-        inside = np.array([start < x < end and presses(x) for x in frame.phis(angle)], dtype=bool)
-        _, p, weight = gauss_points(response.theta, response.pressure, response.order)
-        size = math.sqrt(float(np.sum(weight * p**2)))
-        kinks = _strongest(angle[inside], felt[inside], UNFELT * level_error * size)
-        found += [(x, end - start, Kind.KINK) for x in frame.phis(kinks)]
-        found += _tips(shoe, scale_factor, size, kinks)
-    for one, other in arcs:
-        first, last = (min(max(_rounded(x, other - one), start), end) for x in (one, other))
-        found += [(first, last - first, Kind.END), (last, last - first, Kind.END)]
-    if response is not None:
-        found += [
-            (_rounded(x, length), length, Kind.END) for x, length in _hidden(shoe, response, arcs)
-        ]
-    return found
+    angle = np.array(clearance.table_kinks(shoe.lining))
+    strength = strengths(shoe.lining, scale_factor)
+    near = [start < x < end and _near_contact(x, arcs) for x in frame.phis(angle)]
+    inside = np.array(near, dtype=bool)
+    _, p, weight = gauss_points(answer.theta, answer.pressure, answer.order)
+    norm = math.sqrt(float(np.sum(weight * p**2)))
+    kinks = _strongest(angle[inside], strength[inside], UNFELT * level_error * norm)
+    points: list[Place] = [(x, end - start, Kind.KINK) for x in frame.phis(kinks)]
+    return points + _tips(shoe, scale_factor, norm, kinks)
 
 
-def _tips(shoe: Shoe, scale_factor: float, size: float, kinks: Floats) -> list[Place]:
-    """Those of the kinks (k,) that point to the drum, in a lining whose pressure has the norm
-    `size`, in Pa times the root of the surface's coordinate."""
-    found: list[Place] = []
+def _tips(shoe: Shoe, scale_factor: float, norm: float, kinks: Floats) -> list[Place]:
+    """The tips of the gap among the kinks (k,): kinks that point to the drum.
+
+    `norm` is that of the pressure, in Pa times the root of the surface's coordinate.
+    """
+    points: list[Place] = []
     for angle, rise in tip_rises(shoe, scale_factor):
         if angle in kinks:
             (tip,) = shoe.frame.phis([angle])
-            found.append((tip, (size / rise) ** 2 / shoe.frame.unit, Kind.TIP))
-    return found
+            points.append((tip, (norm / rise) ** 2 / shoe.frame.unit, Kind.TIP))
+    return points
 
 
 def strengths(lining: Lining, scale_factor: float) -> Floats:
-    """What each row of a table of clearances changes in p (k,) [Pa rad^0.5], in L2, if the table
-    were a smooth curve.
+    """The change of p in L2 (k,) [Pa rad^0.5] that each row of a table of clearances causes.
 
-    Where the slope changes by s at rows at a distance h, the chords stray from a smooth curve by
-    the parabola s x (1 - x/h)/2, a series of cosines of the amplitudes s h/(2 pi^2 n^2). A
-    half-plane answers to one of the wave number k = 2 pi n/h with E k/2 times its amplitude, a thin
-    layer with E/t times it: in the root mean square p is off by E s/sqrt(48) and E s h/(sqrt(720)
-    t). A layer on what bears it is at most as stiff as both together.
+    The change is that against a smooth curve in place of the table. Where the slope changes by s at
+    rows at a distance h, the chords stray from a smooth curve by the parabola s x (1 - x/h)/2, a
+    series of cosines of the amplitudes s h/(2 pi^2 n^2). A half-plane answers a cosine of the wave
+    number k = 2 pi n/h with E k/2 times its amplitude, a thin layer with E/t times it. In the root
+    mean square p is off by E s/sqrt(48) and E s h/(sqrt(720) t). A layer on its support is at most
+    as stiff as both together.
     """
     angle = np.array(clearance.table_kinks(lining))
     if len(angle) == 0:
         return angle
-    ends = np.concatenate([[lining.start], 0.5 * (angle[1:] + angle[:-1]), [lining.end]])
+    middles = 0.5 * (angle[1:] + angle[:-1])
+    ends = np.concatenate([[lining.start], middles, [lining.end]])
     spacing = np.maximum(np.diff(ends), 0.0)
     slope = np.abs(clearance.slope_changes(lining)) / scale_factor
     material = lining.material
-    half_plane = material.E_half_plane / material.E_through
-    stiffness = half_plane / math.sqrt(48) + scale_factor * spacing / (
-        math.sqrt(720) * lining.thickness
-    )
+    half_plane = material.E_half_plane / material.E_through / math.sqrt(48)
+    layer = scale_factor * spacing / (math.sqrt(720) * lining.thickness)
+    stiffness = half_plane + layer
     return np.asarray(material.E_through * slope * stiffness * np.sqrt(spacing))
 
 
 def _strongest(angle: Floats, strength: Floats, least: float) -> Floats:
-    """The angles without the weakest ones, whose strengths together, squared, are at most `least`
-    squared."""
+    """The angles (k,) without the weakest, whose root sum of squares is at most `least`."""
     order = np.argsort(strength, kind="stable")
-    left_out = np.cumsum(strength[order] ** 2) <= least**2
-    return np.sort(angle[order[~left_out]])
+    neglected = np.cumsum(strength[order] ** 2) <= least**2
+    return np.sort(angle[order[~neglected]])
 
 
 def pressed_arcs(shoe: Shoe, response: ShoeResponse) -> list[list[float]]:
-    """Where the lining is pressed [rad], growing, without openings that are nothing beside their
-    contact.
+    """The contacts of a lining [rad], growing, each with its start and its end.
+
+    Openings that are far shorter than their contact are ignored, see SEEN.
     """
-    found: list[list[float]] = []
-    for a, b in sorted(sorted(shoe.frame.phis(arc)) for arc in response.contact_arcs):
-        if found and a - found[-1][1] < SEEN * (b - found[-1][0]):
-            found[-1][1] = b
+    arcs: list[list[float]] = []
+    for start, end in sorted(sorted(shoe.frame.phis(arc)) for arc in response.contact_arcs):
+        if arcs and start - arcs[-1][1] < SEEN * (end - arcs[-1][0]):
+            arcs[-1][1] = end
         else:
-            found.append([a, b])
-    return found
+            arcs.append([start, end])
+    return arcs
 
 
-def _likely(shoe: Shoe, response: ShoeResponse) -> list[list[float]]:
-    """The arcs that are pressed [rad]. One end is beside the last node that presses, so what FEW
-    nodes press is likely shorter: SHORTER of that for each, about these.
+def _likely_arcs(shoe: Shoe, answer: ShoeResponse) -> list[list[float]]:
+    """The contacts of a lining [rad], of which those of few pressed nodes are shortened.
+
+    The end of an arc lies beside the last pressed node, so that few nodes span more than their
+    contact, see FEW and SHORTER.
     """
-    phi, p = shoe.frame.phi(response.theta), response.pressure
-    found: list[list[float]] = []
-    for arc in pressed_arcs(shoe, response):
+    phi, p = shoe.frame.phi(answer.theta), answer.pressure
+    arcs: list[list[float]] = []
+    for arc in pressed_arcs(shoe, answer):
         on = (p > 0) & (phi >= arc[0]) & (phi <= arc[1])
         pressing = np.count_nonzero(on)
-        if pressing <= FEW:
-            middle, part = float(phi[on] @ p[on] / p[on].sum()), SHORTER * pressing
-            found.append([middle + part * (end - middle) for end in arc])
-        else:
-            found.append(arc)
-    return found
+        if pressing > FEW:
+            arcs.append(arc)
+            continue
+        middle = float(phi[on] @ p[on] / p[on].sum())
+        part = SHORTER * pressing
+        arcs.append([middle + part * (end - middle) for end in arc])
+    return arcs
 
 
-def _hidden(
-    shoe: Shoe, response: ShoeResponse, arcs: list[list[float]]
-) -> list[tuple[float, float]]:
-    """Open nodes between two that press, and how far apart these are [rad]; not at the ends of the
-    contact, which are known, and not where columns are so narrow that an opening is nothing, as
-    where p wavers from node to node.
+def _openings(shoe: Shoe, answer: ShoeResponse, arcs: list[list[float]]) -> list[_Opening]:
+    """The open nodes between two pressed nodes, as far as they are openings of their own.
+
+    An open node at an end of a contact belongs to the end. Where hp elements are so narrow that an
+    opening is far shorter than the contact, p wavers around 0 from node to node.
     """
-    press = response.pressure > 0
+    press = answer.pressure > 0
     at = 1 + np.flatnonzero(press[:-2] & ~press[1:-1] & press[2:])
     if not len(at):
         return []
-    phi = shoe.frame.phi(response.theta)
-    found = [(float(phi[i]), abs(float(phi[i + 1] - phi[i - 1]))) for i in at]
-    return [
-        (x, size)
-        for x, size in found
-        if any(a + size < x < b - size and size > SEEN * (b - a) for a, b in arcs)
-    ]
+    phi = shoe.frame.phi(answer.theta)
+    candidates = [_Opening(float(phi[i]), abs(float(phi[i + 1] - phi[i - 1]))) for i in at]
+    return [opening for opening in candidates if _within_contact(opening, arcs)]
+
+
+def _within_contact(opening: _Opening, arcs: list[list[float]]) -> bool:
+    """Whether an opening is inside a contact, off its ends, and not far shorter than it."""
+    x, width = opening
+    return any(
+        start + width < x < end - width and width > SEEN * (end - start) for start, end in arcs
+    )
 
 
 def _rounded(x: float, length: float) -> float:
-    """An end of the contact to a millionth of its length: round-off, as between numbers of threads,
-    moves no mesh.
+    """An end of the contact to a millionth of its length.
+
+    Round-off, as between numbers of threads, then moves no mesh.
     """
     digits = DIGITS - math.frexp(length)[1]
     return math.ldexp(round(math.ldexp(x, digits)), -digits)

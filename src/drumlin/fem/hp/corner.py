@@ -297,7 +297,7 @@ def power_at_corner(
     at_start : bool
         Whether the corner is at theta[0], not at theta[-1].
     unit : float
-        The surface's coordinate, in which theta counts, per unit of phi: see `Frame`.
+        The surface's coordinate, in which theta counts, per unit of phi: see `ShoeFrame`.
     """
     sign = 1 if at_start else -1
     corner = float(theta[0 if at_start else -1])

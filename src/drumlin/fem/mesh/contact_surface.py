@@ -134,7 +134,8 @@ def _straight(mesh: Any, line: _Line, shoe: Shoe, radius: float) -> Bools:
     # Where the arc is lower than a rounding, a straight side cannot be told and does no harm.
     seen = height > 2 * line.slack[at] + ROUND_OFF * radius
     straight = seen & (beside <= STRAIGHT * height + 2 * line.slack[at])
-    if np.count_nonzero(straight) >= STRAIGHT_SIDES * max(np.count_nonzero(seen), 1):
+    counted = max(int(np.count_nonzero(seen)), 1)
+    if np.count_nonzero(straight) >= STRAIGHT_SIDES * counted:
         found[at[straight]] = True
     return found
 

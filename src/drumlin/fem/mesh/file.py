@@ -374,7 +374,7 @@ def _between(plane: PlaneCells, mesh: Any, vertex: Ints, inside: Bools, fault: s
     corners = plane.corners
     ends = plane.cells[:, :corners]
     pairs = np.stack([ends, np.roll(ends, -1, axis=1)], axis=-1)
-    whole = inside[pairs].all(axis=-1)
+    whole: Bools = np.all(inside[pairs], axis=-1)
     middles = plane.cells[:, corners : 2 * corners]
     if middles.size and inside[middles].any():
         whole &= inside[middles] | plane.added[middles]

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from drumlin.base.arrays import Floats, Ints
+from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.base.errors import BadInput
 from drumlin.fem.mesh.content_of_file import FileContent
 
@@ -51,7 +51,7 @@ class PlaneCells:
     cells: Ints
     points: Floats
     parent: Mapping[str, tuple[Ints, Ints]]
-    added: Ints
+    added: Bools
     notes: tuple[str, ...] = ()
 
     @property
@@ -83,8 +83,6 @@ def plane_cells(content: FileContent, points: Floats, fault: str) -> PlaneCells:
     for cells in kinds.values():
         if cells.min() < 0 or cells.max() >= len(points):
             raise BadInput(f"{fault}: has cells with nodes that the file does not define")
-    added = np.zeros(len(points), dtype=bool)
-    notes: list[str] = []
     own = len(points)
     notes: list[str] = []
     if set(kinds) & set(LOWER):
@@ -131,7 +129,8 @@ def _second_order(kinds: dict[str, Ints], points: Floats) -> tuple[dict[str, Int
             nodes = points[np.column_stack([first, inner, last])]
             places = np.einsum("i,mix->mx", CUBIC_MIDDLE, nodes)
             for row, place in enumerate(places):
-                key = tuple(sorted((int(first[row]), int(last[row]))))
+                a, b = int(first[row]), int(last[row])
+                key = (min(a, b), max(a, b))
                 if key not in middles:
                     middles[key] = len(points) + len(new)
                     new.append(place)

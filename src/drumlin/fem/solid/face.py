@@ -13,7 +13,7 @@ import numpy as np
 from drumlin.base.arrays import Floats, Ints
 from drumlin.fem.substructure.interface import ContactLine, Coupling, Directions, edge_points
 from drumlin.fem.substructure.interface import couple as couple_line
-from drumlin.response.response import Surface
+from drumlin.response.response import PressureOverWidth
 
 
 @dataclass(frozen=True)
@@ -51,10 +51,12 @@ class ContactFace(ContactLine):
         """Angles (n,) [rad] and mean pressure over the width (n,) [Pa]."""
         return self.line.phi, p.reshape(-1, len(self.z)) @ self.width / self.width.sum()
 
-    def surface(self, p: Floats) -> Surface:
+    def surface(self, p: Floats) -> PressureOverWidth:
         """The pressure over arc and whole width."""
         half = p.reshape(-1, len(self.z))
-        return Surface(np.concatenate([-self.z[:0:-1], self.z]), np.hstack([half[:, :0:-1], half]))
+        return PressureOverWidth(
+            np.concatenate([-self.z[:0:-1], self.z]), np.hstack([half[:, :0:-1], half])
+        )
 
 
 def width_matrix(z: Floats) -> Floats:

@@ -19,8 +19,8 @@ import numpy as np
 
 from drumlin.base.arrays import Floats, Ints, angle_near
 from drumlin.fem.mesh.edges import edge_nodes
-from drumlin.response.response import Surface
-from drumlin.response.resultants import GAUSS, WEIGHTS, Inside, at_gauss, shape, slopes
+from drumlin.response.response import PressureOverWidth
+from drumlin.response.resultants import GAUSS, WEIGHTS, InnerPart, at_gauss, shape, slopes
 
 Directions = Callable[
     [Floats], tuple[Floats, Floats]
@@ -52,9 +52,9 @@ class ContactLine:
         return couple(self, width, directions)
 
     @cached_property
-    def inside(self) -> Inside:
+    def inside(self) -> InnerPart:
         """Where its pressure may peak."""
-        return Inside(self.along(np.zeros(len(self.phi)))[0], self.order, self.edge)
+        return InnerPart(self.along(np.zeros(len(self.phi)))[0], self.order, self.edge)
 
     def along(self, p: Floats) -> tuple[Floats, Floats]:
         """Angles (n,) [rad] and pressure (n,) [Pa] along the line; of a face its mean over the
@@ -62,7 +62,7 @@ class ContactLine:
         """
         return self.phi, p
 
-    def surface(self, p: Floats) -> Surface | None:
+    def surface(self, p: Floats) -> PressureOverWidth | None:
         """The pressure over arc and width, of a face."""
         return None
 

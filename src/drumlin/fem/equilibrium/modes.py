@@ -1,0 +1,88 @@
+"""The rigid-body modes of a shoe as its contact feels them."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from drumlin.base.arrays import Floats
+from drumlin.brake.brake import Shoe
+from drumlin.brake.support import moved
+from drumlin.fem.preparation.bodies import Body
+
+
+class RigidBodyModes(NamedTuple):
+    """The k rigid-body modes of a shoe, each of unit size, in the frame of the shoe.
+
+    Friction at an abutment makes the test modes differ from the contact modes: the equilibrium in a
+    direction that the friction does not load is tested on a motion that the foot cannot make.
+
+    Attributes
+    ----------
+    contact_modes : displacements (2n, k) of the contact nodes
+    test_modes : displacements (2n, k) of the contact nodes on which the equilibria are tested
+    work : work (k,) of the actuation on the test modes, per newton of its force
+    tip : travel (k,) of the actuation's point along the force
+    pin_motion : dx, dy at the pin and the turn, (3, k)
+    """
+
+    contact_modes: Floats
+    test_modes: Floats
+    work: Floats
+    tip: Floats
+    pin_motion: Floats
+
+
+def at_pin(shoe: Shoe, motions: Floats) -> Floats:
+    """Dx, dy at the pin and the turn (3, k), in the shoe's frame, of rigid motions (k, 3).
+
+    The motions are given in the frame of the brake.
+    """
+    at_point = moved(motions, shoe.pin.xy[:, None])
+    in_shoe = shoe.frame.to_shoe(np.moveaxis(at_point, 0, -1))
+    u = in_shoe[0]  # (k, 2)
+    return np.vstack([u.T, shoe.frame.sense * motions[:, 2]])
+
+
+def rigid_body_modes(body: Body, shoe: Shoe, moment: float, sense: int = 1) -> RigidBodyModes:
+    """The rigid-body modes of a shoe.
+
+    Parameters
+    ----------
+    body : the substructure of the shoe
+    shoe : the shoe
+    moment : of the actuation about the pin [m], per newton of its force
+    sense : of the friction at an abutment, see `Held.freedoms`
+    """
+    if shoe.held_by == "hinge":
+        return _turn_about_pin(body, moment)
+    # A shoe without a force of its own has the modes that a unit force would give it.
+    loaded = shoe if shoe.actuation.force else shoe.under(1.0)
+    free = loaded.freedoms(sense)
+    size = abs(shoe.actuation.force) or 1.0
+    modes = RigidBodyModes(
+        contact_modes=_contact_displacements(body, shoe, free.motions),
+        test_modes=_contact_displacements(body, shoe, free.tests),
+        work=free.work / size,
+        tip=free.tip * math.copysign(1.0, shoe.actuation.force),
+        pin_motion=at_pin(shoe, free.motions),
+    )
+    if free.names[0] == "turn":
+        # The turn about the pin is known exactly. It replaces the first mode, in place.
+        for whole, exact in zip(modes, _turn_about_pin(body, moment), strict=True):
+            whole[..., :1] = exact
+    return modes
+
+
+def _contact_displacements(body: Body, shoe: Shoe, motions: Floats) -> Floats:
+    """Displacements (2n, k) of the contact nodes under rigid motions (k, 3) of the brake's frame."""
+    xy = shoe.points(body.line.xy)
+    u = shoe.frame.to_shoe(np.moveaxis(moved(motions, xy), 0, -1))  # (n, k, 2)
+    return np.asarray(u.transpose(0, 2, 1).reshape(-1, len(motions)))
+
+
+def _turn_about_pin(body: Body, moment: float) -> RigidBodyModes:
+    """The turn about the pin, without the round-off of a turn about the drum's centre."""
+    turned = body.turned[:, None]
+    work = np.array([moment])
+    return RigidBodyModes(turned, turned, work, work, np.array([[0.0], [0.0], [1.0]]))

@@ -1,0 +1,167 @@
+"""What the numbers of the levels' rule do to the errors and the times of answers.
+
+    make levels                        the rule as it is
+    make levels ARGS="fall=6"          the rule as it is, then with this number changed
+    make levels ARGS="fall=6 sizes=.7" with both changed
+
+The rule, `levels.RULE`, has eight numbers that were found by experiment. For a rule this command
+takes the brakes that the error estimate is fitted on through four levels, and prints
+
+- the factors of the estimate, fitted on these levels alone;
+- for each of three tolerances the processor time of all answers up to the level where a solve would
+  stop, and the share of brakes that reach the tolerance on four levels;
+- the median of stated over true error of each quantity, with the number of stated errors that are
+  too small.
+
+The far finer solutions take ten minutes on two cores, each rule one to three.
+"""
+
+import sys
+import time
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from drumlin.base.errors import NoAnswer
+from drumlin.fem.error_control.estimate import QUANTITIES, Factors
+from drumlin.fem.error_control.levels import RULE, LevelRule, Step, steps
+from drumlin.fem.model import respond
+from drumlin_studies.calibration import BRAKES, FIRST_SEED, Level, drawn, fit, observed
+from drumlin_studies.sharpness import ASKED
+from drumlin_studies.side_by_side import PROCESSES
+from drumlin_studies.stated_true import Truth
+from drumlin_studies.stored_truth import CERTAIN, by_finer
+
+LEVELS_TRIED = 4
+"""Number of levels that a rule is judged on. The fifth takes more time than the first four together
+and few answers need it."""
+
+
+class Tried(NamedTuple):
+    """One brake on the levels of a rule.
+
+    Attributes
+    ----------
+    levels : what is known of each level from the second one on
+    seconds : processor time of each level from the first one on [s]
+    """
+
+    levels: list[Level]
+    seconds: list[float]
+
+
+def true_solution(seed: int) -> Truth | None:
+    """The far finer solution of the brake of a seed; None where it has no answer."""
+    try:
+        return by_finer(drawn(seed)[1])
+    except NoAnswer:
+        return None
+
+
+def tried(seed: int, truth: Truth | None, rule: LevelRule) -> Tried | None:
+    """The brake of a seed on the levels of a rule; None where it has no answer."""
+    brake = drawn(seed)[1]
+    if truth is None:
+        return None
+    found: list[Step] = []
+    seconds: list[float] = []
+    begin = time.process_time()
+    try:
+        for step in steps(brake, respond, levels=[rule.level(k + 1) for k in range(LEVELS_TRIED)]):
+            seconds.append(time.process_time() - begin)
+            found.append(step)
+            begin = time.process_time()
+    except NoAnswer:
+        return None
+    return Tried(observed(brake, truth, found), seconds)
+
+
+class Stop(NamedTuple):
+    """The level where a solve stops, the last one tried where none suffices.
+
+    Attributes
+    ----------
+    seconds : processor time up to this level [s]
+    reached : whether the stated errors are within the tolerance
+    stated : stated errors by quantity
+    level : what is known of the level
+    """
+
+    seconds: float
+    reached: bool
+    stated: Mapping[str, float]
+    level: Level
+
+
+def stop(brake: Tried, factors: Factors, pressure: float, torque: float) -> Stop:
+    """Where a solve to these tolerances of p and of the torque stops."""
+    for k, level in enumerate(brake.levels, 2):
+        stated = _stated(level, factors)
+        reached = stated["pressure"] <= pressure and stated["torque"] <= torque
+        if reached or k == len(brake.seconds):
+            return Stop(sum(brake.seconds[:k]), reached, stated, level)
+    raise ValueError("a brake that was tried on one level alone")
+
+
+def _stated(level: Level, factors: Factors) -> dict[str, float]:
+    """The stated errors of a level by these factors."""
+    factor = {"pressure": factors.pressure, "peak": factors.peak}
+    stated = {}
+    for name in QUANTITIES:
+        moved = factor.get(name, factors.force) * level.step[name]
+        by_chance = 0.0 if name in factor else factors.cancelled * level.chance[name]
+        stated[name] = moved + by_chance + level.beside[name]
+    return stated
+
+
+def report(brakes: Sequence[Tried]) -> str:
+    """The lines that are printed of a rule."""
+    factors = fit([level for brake in brakes for level in brake.levels])
+    lines = [f"  {factors}"]
+    for asked, tolerance in ASKED.items():
+        stops = [stop(brake, factors, *tolerance) for brake in brakes]
+        seconds = sum(each.seconds for each in stops)
+        share = sum(each.reached for each in stops) / len(stops)
+        lines.append(f"  {asked}: {seconds:.1f} s, {100 * share:.1f} % reached")
+        lines += [f"    {name}: {_ratios(stops, name)}" for name in QUANTITIES]
+    return "\n".join(lines)
+
+
+def _ratios(stops: Sequence[Stop], quantity: str) -> str:
+    """Of one quantity the median of stated over true error, and how many stated errors are small."""
+    certain = [
+        stop.stated[quantity] / stop.level.true[quantity]
+        for stop in stops
+        if stop.level.true[quantity] > CERTAIN * stop.level.unsure[quantity]
+    ]
+    small = sum(ratio < 1 for ratio in certain)
+    return f"median {np.median(certain):.1f}, {small} of {len(certain)} too small"
+
+
+def changed(words: Sequence[str]) -> LevelRule:
+    """The rule with the numbers of words such as `fall=6`. Raises ValueError for another word."""
+    numbers: dict[str, Any] = {}
+    for word in words:
+        name, _, value = word.partition("=")
+        numbers[name] = int(value) if name == "first_degree" else float(value)
+    return RULE._replace(**numbers)
+
+
+def main(words: Sequence[str]) -> int:
+    """Try the rule as it is and, with words, the changed one; the exit status."""
+    seeds = range(FIRST_SEED, FIRST_SEED + BRAKES)
+    rules = {"as it is": RULE} | ({" ".join(words): changed(words)} if words else {})
+    with ProcessPoolExecutor(PROCESSES, mp_context=get_context("spawn")) as pool:
+        truths = list(pool.map(true_solution, seeds))
+        for name, rule in rules.items():
+            print(f"{name}: {rule}", flush=True)  # noqa: T201
+            found = pool.map(tried, seeds, truths, [rule] * len(seeds))
+            print(report([brake for brake in found if brake is not None]), flush=True)  # noqa: T201
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
