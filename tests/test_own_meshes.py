@@ -72,7 +72,7 @@ def sets_of_the_assembly(text):
     """Sets in the assembly, some with labels as Shoe-1.12, the contact as a surface of nodes."""
     mesh = DEFINITIONS.match(text).group()
     sets = text[len(mesh) :].replace("NSET=CONTACT", "NSET=Line")
-    sets = re.sub(r"(\*[EN]SET, .*)", r"\1, instance=Shoe-1", sets)
+    sets = re.sub(r"(\*(?:EL|N)SET, .*)", r"\1, instance=Shoe-1", sets)
     sets = re.sub(
         r"(\*NSET, NSET=HINGE), instance=Shoe-1\n(.*)",
         lambda m: f"{m[1]}\n" + ", ".join(f"Shoe-1.{k.strip()}" for k in m[2].split(",")),
