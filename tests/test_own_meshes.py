@@ -1,5 +1,6 @@
 """Mesh files as people have them give the mesh that they mean, or a line that names the cause."""
 
+import random
 import re
 
 import numpy as np
@@ -12,6 +13,7 @@ from drumlin.fem.mesh.content import content_digest
 from drumlin.fem.mesh.content_of_file import rounding_of
 from drumlin.fem.mesh.file import read_mesh, read_shoe_mesh, write_mesh
 from drumlin.fem.mesh.from_file import turns_of
+from drumlin.fem.mesh.msh4 import read_msh4
 from drumlin.fem.solve import solve
 
 ELEMENTS = 12
@@ -335,3 +337,54 @@ def test_decks_named_msh_and_inches(tmp_path, brake, shoe):
     inches = vary(brake, {"shoe[0].mesh": str(path), "shoe[0].mesh_unit": "in"}).shoes[0]
     plain = read_mesh(tmp_path / "plain.inp", shoe, radius)
     assert read_mesh(path, inches, radius).p == pytest.approx(plain.p, abs=1e-12)
+
+
+MSH = {
+    "4.1": (
+        "0 0 1 0\n7 0 0 0 1 1 0 2 5 6 0\n",
+        "1 4 1 4\n2 7 0 4\n1\n2\n3\n4\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n",
+        "2 3 1 3\n1 3 1 1\n1 1 2\n2 7 2 2\n2 1 2 3\n3 1 3 4\n",
+    ),
+    "4": (
+        "0 0 1 0\n7 0 0 0 1 1 0 2 5 6 0\n",
+        "1 4\n7 2 0 4\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n",
+        "2 3\n3 1 1 1\n1 1 2\n7 2 2 2\n2 1 2 3\n3 1 3 4\n",
+    ),
+}
+
+
+@pytest.mark.parametrize("version", MSH)
+def test_text_of_gmsh_4_with_an_entity_of_no_group_and_one_of_two(version):
+    entities, nodes, elements = MSH[version]
+    names = '1\n2 5 "Lining"\n'
+    text = f"$MeshFormat\n{version} 0 8\n$EndMeshFormat\n"
+    blocks = {"PhysicalNames": names, "Entities": entities, "Nodes": nodes, "Elements": elements}
+    text += "".join(f"${name}\n{block}$End{name}\n" for name, block in blocks.items())
+    found = read_msh4(text)
+    assert found.cells["triangle"].tolist() == [[0, 1, 2], [0, 2, 3]]
+    assert found.cells["line"].tolist() == [[0, 1]]
+    for name in ("lining", "5", "6"):
+        assert found.cell_groups[name]["triangle"].tolist() == [0, 1]
+    assert set(found.group_names) == {"lining", "5", "6"}
+    with pytest.raises(ValueError, match="has fewer lines than it says"):
+        read_msh4(text.replace("3 1 3 4\n", ""))
+
+
+def test_damaged_decks_with_parts_are_read_or_refused_in_one_line(tmp_path, brake, shoe):
+    radius = brake.drum.radius
+    text = with_drum(deck_of(tmp_path, shoe, radius))
+    words = ["-1", "0", "1e300", "nan", "99999", "x", "*NSET", "*END PART", "", "Shoe-1.7"]
+    rng, path, refused = random.Random(3), tmp_path / "damaged.inp", 0
+    for _ in range(60):
+        lines = text.split("\n")
+        at = rng.randrange(len(lines))
+        row = lines[at].split(",")
+        row[rng.randrange(len(row))] = rng.choice(words)
+        lines[at : at + 1] = rng.choice([[], [",".join(row)], [lines[at]] * 2])
+        path.write_text("\n".join(lines))
+        try:
+            read_mesh(path, shoe, radius)
+        except BadInput as refusal:
+            refused += 1
+            assert "\n" not in str(refusal)
+    assert refused > 10
