@@ -17,7 +17,7 @@ WHOLE = tests/test_study_double_shoe.py tests/test_sweep_stopped.py::test_a_dask
   tests/test_manual.py::test_the_manual_is_built_whole_and_stands_alone
 TESTED = import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 14))
 
-.PHONY: study manual test types passes test-all oldest newest truths calibrate levels sharpness noticed packages constraints setup clean
+.PHONY: study manual test types passes test-all oldest newest truths calibrate levels sharpness noticed benchmarks packages constraints setup clean
 study: .venv/ready
 	$(BIN)/drumlin study double_shoe
 
@@ -27,6 +27,7 @@ manual: .venv/ready
 test: .venv/ready
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
+	$(BIN)/codespell
 	$(BIN)/lint-imports
 	$(MAKE) --jobs=2 types passes
 
@@ -79,6 +80,10 @@ sharpness: .venv/ready
 # Which tests notice where a number that was found by trying is changed: half an hour. make noticed ARGS="fem/model.py".
 noticed: .venv/ready
 	$(BIN)/python tests/mutations.py $(ARGS)
+
+# Figures of speed and size of this commit, appended as a line to reports/reference/benchmarks/history.jsonl: a minute.
+benchmarks: .venv/ready
+	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m drumlin_studies.benchmarks
 
 # needs uv; writes every version that is the newest now, with the hashes of all its files
 constraints:

@@ -1,5 +1,6 @@
-"""What pyproject.toml cannot say: the wheel carries studies, meshes and kept numbers, which lie in
-git once.
+"""The wheel carries studies, meshes and kept numbers, which pyproject.toml cannot say.
+
+They lie in git once, outside of the package.
 """
 
 import shutil
@@ -14,8 +15,9 @@ PICTURES = ("*.png", "index.html")  # of the kept reports
 
 
 class BuildWithExamples(build_py):
-    """Copies them to drumlin/carried in what is built; an editable install finds them in the
-    checkout.
+    """Copies the folders CARRIED to drumlin/carried in the built package.
+
+    An editable install finds them in the checkout.
     """
 
     def run(self) -> None:

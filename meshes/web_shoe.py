@@ -1,5 +1,4 @@
-"""Makes web_shoe.msh: the shoe of a car's drum brake, a table and a web with holes, its lining
-bonded on.
+"""Makes web_shoe.msh: a shoe of a car, table and web with holes, its lining bonded on.
 
     python meshes/web_shoe.py [--refine N] [--output FILE]
 
@@ -64,9 +63,7 @@ def sector(inner: float, outer: float, start: float, end: float) -> int:
 
 
 def web() -> list[tuple[int, int]]:
-    """The web: an eye about the pin, a ring sector, a nose with the upright face; cut out: the
-    holes.
-    """
+    """The web without its holes: an eye about the pin, a ring sector, a nose with its face."""
     occ = gmsh.model.occ
     outer = DRUM - LINING - TABLE
     inner = outer - WEB
@@ -133,8 +130,9 @@ def _name(curve: int) -> str:
 
 
 def _sizes(lines: dict[str, list[int]], refine: float) -> None:
-    """Small elements at the lining's ends, where the pressure is singular, in the lining, and
-    around the holes.
+    """Small elements at the lining's ends, in the lining, and around the holes.
+
+    The pressure is singular at the lining's ends.
     """
     field = gmsh.model.mesh.field
     fields = []

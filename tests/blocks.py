@@ -37,14 +37,16 @@ def brake_of(steps: int) -> Brake:
 
 def angles_of(brake: Brake) -> np.ndarray:
     """Even angles [rad] at which the pressure is stored, farther than 0.2 deg from the lining's
-    ends."""
+    ends.
+    """
     lining = brake.shoes[0].lining
     return np.linspace(lining.start + 0.005, lining.end - 0.005, ANGLES)
 
 
 def stored(steps: int) -> dict[str, Any]:
     """The truth of `brake_of(steps)`: `torque` [N m], `pressure` (ANGLES,) [Pa], and how far the
-    last refinement of the triangles moved p in L2, `moved`."""
+    last refinement of the triangles moved p in L2, `moved`.
+    """
     found: dict[str, Any] = json.loads(STORED.read_text())[str(steps)]
     return found
 

@@ -4,9 +4,8 @@ import os
 import signal
 from collections.abc import Container, Generator, Iterable
 
-os.environ.setdefault(
-    "OPENBLAS_NUM_THREADS", "1"
-)  # before numpy is loaded: the dense systems are many and small
+# This is set before numpy is loaded, since the dense systems are many and small.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from pathlib import Path
 from typing import Any
@@ -20,10 +19,8 @@ from drumlin.contact import self_locking
 from drumlin.contact.active_set import Contact
 from drumlin.contact.equations import Problem
 
-for number in (
-    signal.SIGINT,
-    signal.SIGHUP,
-):  # a job in the background ignores them, and what it starts would as well
+# A job in the background ignores these signals, and the processes that it starts would, too.
+for number in (signal.SIGINT, signal.SIGHUP):
     if signal.getsignal(number) is signal.SIG_IGN:
         signal.signal(number, signal.SIG_DFL)
 
@@ -114,9 +111,8 @@ class Skips:
                 if item.get_closest_marker("slow"):
                     item.add_marker(pytest.mark.skip(reason="slow; make test-all runs it"))
         if self.again:
-            last = tuple(
-                self.cache.get(self.KEY, [])
-            )  # of a module that is skipped as a whole its own name
+            # A module that is skipped as a whole is noted by its own name.
+            last = tuple(self.cache.get(self.KEY, []))
             config.hook.pytest_deselected(
                 items=[item for item in items if not item.nodeid.startswith(last)]
             )

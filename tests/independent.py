@@ -23,7 +23,9 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake
 
 STUDIES = Path(__file__).resolve().parents[1] / "studies"
-SINE_LAW = 435.2162  # N m, the main and the flexible brake by the sine law: 2 kN times the published .2176081 m
+# Torque of the main and of the flexible brake by the sine law [N m]: 2 kN times the published lever
+# .2176081 m.
+SINE_LAW = 435.2162
 
 
 class Shoe(NamedTuple):
@@ -119,9 +121,18 @@ def shoe(brake: Brake, index: int, elements: int) -> Shoe:
     middle_angle = (lining.start + lining.end) / 2
     theta = middle_angle + np.angle(np.exp(-1j * middle_angle) * (x[0] + 1j * x[1]))
     return Shoe(
-        K, ties, f, surface, side * x / radius, np.array([-x[1], x[0]]) / radius, theta, radius,
-        np.asarray(surface.dx), lining.material.E / t * lining.width, brake.friction * brake.spin,
-    )  # fmt: skip
+        K,
+        ties,
+        f,
+        surface,
+        side * x / radius,
+        np.array([-x[1], x[0]]) / radius,
+        theta,
+        radius,
+        np.asarray(surface.dx),
+        lining.material.E / t * lining.width,
+        brake.friction * brake.spin,
+    )
 
 
 def contact_forms(one: Shoe, stiffness: float, on: np.ndarray, gap: np.ndarray) -> tuple[Any, Any]:

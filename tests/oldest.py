@@ -7,12 +7,8 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
-TOOLS = (
-    "mypy",
-    "ruff",
-    "import-linter",
-    "drumlin",
-)  # judge the source, or stand for the other extras
+# These extras judge the source, or stand for the other extras.
+TOOLS = ("mypy", "ruff", "import-linter", "drumlin")
 
 
 def oldest(data: dict[str, Any]) -> list[str]:

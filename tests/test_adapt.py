@@ -19,9 +19,8 @@ from drumlin.verification.reference import responses
 from drumlin_studies.work_precision import refined_division
 
 NAMES = ("pressure", "torque", "peak", "reaction")
-CLEARANCE = {
-    "shoe.lining.clearance": 1e-4
-}  # partial contact: open at the hinge, and in the middle of one lining
+# The contact is partial: open at the hinge, and in the middle of one lining.
+CLEARANCE = {"shoe.lining.clearance": 1e-4}
 
 
 def contact_ends(brake, response):
@@ -56,9 +55,8 @@ def test_two_references_agree_and_levels_meet_their_tolerance(name, request):
     truth, before, other = responses(brake)
     for each in (before, other):
         assert distance(each, truth) < 1e-4
-        assert each.torque == pytest.approx(
-            truth.torque, rel=4e-7
-        )  # round-off: other orders of sums move it by 2e-7
+        # Other orders of sums move the value by 2e-7 (round-off).
+        assert each.torque == pytest.approx(truth.torque, rel=4e-7)
     for tolerance, seconds in ((5e-3, 0.3), (1e-3, 1.0)):
         start = time.process_time()
         response = solve(brake, tolerance=tolerance, penalty=math.inf)

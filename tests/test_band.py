@@ -34,11 +34,17 @@ def band(mu: float = 0.35, spin: int = -1, blocks: int = 3, thickness: float = 5
             for a in (middle - PITCH / 2, middle + PITCH / 2)
         ]
         shoe = {
-            "name": f"b{k}", "side": "external",
+            "name": f"b{k}",
+            "side": "external",
             "abutment": {"point": ends[1], "direction": middle + PITCH / 2 + math.pi / 2},
-            "lining": {"start": middle - HALF, "end": middle + HALF, "thickness": thickness, "width": 0.08,
-                       "material": {"E": 3e8, "nu": 0.25}},
-        }  # fmt: skip
+            "lining": {
+                "start": middle - HALF,
+                "end": middle + HALF,
+                "thickness": thickness,
+                "width": 0.08,
+                "material": {"E": 3e8, "nu": 0.25},
+            },
+        }
         if k == 0:
             shoe["actuation"] = {
                 "force": 2000.0,
@@ -74,11 +80,13 @@ def pulls(mu: float, spin: int, blocks: int) -> list[float]:
         T = found[-1]
         # the pulls: T (-s, -c) at the one end, next (-s, c) at the other, in the frame of the
         # block's middle
-        rows = np.array([
-            [even, -d * odd, -s],
-            [d * even, odd, c],
-            [d * R * 2 * math.sin(HALF), 0.0, BAND],
-        ])  # fmt: skip
+        rows = np.array(
+            [
+                [even, -d * odd, -s],
+                [d * even, odd, c],
+                [d * R * 2 * math.sin(HALF), 0.0, BAND],
+            ]
+        )
         found.append(float(np.linalg.solve(rows, T * np.array([s, c, BAND]))[2]))
     return found
 

@@ -55,7 +55,7 @@ def test_stiffness_equals_skfems_own_form(kind):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_uniaxial_plane_stress(kind):
-    """s_xx = E e_xx, e_yy = -nu e_xx, exactly, for every element: end forces E e b h and no others."""
+    """s_xx = E e_xx, e_yy = -nu e_xx, exactly, for every element: end forces E e b h only."""
     mesh = whole(KINDS[kind]())
     basis = scalar_basis(mesh)
     b, strain = 0.04, 1e-3

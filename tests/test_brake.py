@@ -177,7 +177,10 @@ def test_units_do_not_matter(tmp_path, brake):
 
 
 def test_a_clearance_table_is_read_and_interpolated(tmp_path):
-    table = 'end = "55 deg"\nclearance = [["-70 deg", "0 mm"], ["0 deg", "0.2 mm"], ["55 deg", "0.1 mm"]]'
+    table = (
+        'end = "55 deg"\nclearance = [["-70 deg", "0 mm"], ["0 deg", "0.2 mm"], ["55 deg", '
+        '"0.1 mm"]]'
+    )
     lining = read(tmp_path, TEXT.replace('end = "55 deg"', table, 1)).shoes[0].lining
     assert lining.clearance_at(np.radians([-70, -35, 0, 27.5])) == pytest.approx(
         [0, 1e-4, 2e-4, 1.5e-4], abs=1e-18
@@ -235,9 +238,8 @@ def test_the_frame_of_a_shoe_and_back_is_the_identity_and_keeps_lengths(origin, 
     v = np.array([x, y])
     assert frame.to_shoe(frame.to_brake(v)) == pytest.approx(v, abs=1e-12)
     assert np.linalg.norm(frame.to_brake(v)) == pytest.approx(np.linalg.norm(v), rel=1e-12)
-    ray = np.array(
-        [math.cos(0.3), math.sin(0.3)]
-    )  # the ray phi = 0.3 lies at theta = origin + sense 0.3
+    # The ray phi = 0.3 lies at theta = origin + sense 0.3.
+    ray = np.array([math.cos(0.3), math.sin(0.3)])
     theta = float(frame.theta(np.array(0.3)))
     assert frame.to_brake(ray) == pytest.approx([math.cos(theta), math.sin(theta)], abs=1e-12)
 

@@ -46,9 +46,16 @@ def test_solve_prints_and_writes_json(tmp_path):
     } <= set(data)
     shoe = data["shoes"][0]
     assert {
-        "name", "torque", "normal_force", "self_energising", "peak_pressure", "hinge_reaction", "contact_arcs",
-        "theta", "pressure",
-    } <= set(shoe)  # fmt: skip
+        "name",
+        "torque",
+        "normal_force",
+        "self_energising",
+        "peak_pressure",
+        "hinge_reaction",
+        "contact_arcs",
+        "theta",
+        "pressure",
+    } <= set(shoe)
     assert len(shoe["theta"]) == len(shoe["pressure"]) == 81
     assert [path.name for path in tmp_path.iterdir()] == ["r.json"]  # no temporary file is left
 
@@ -181,10 +188,23 @@ def test_on_a_narrow_terminal_columns_are_left_out_by_name_and_no_number_is_cut(
     monkeypatch, capsys
 ):
     table = [
-        {"shoe": "[left]", "model": "fem", "torque": 321.43, "peak_pressure": 0.8391e6, "reaction": 4227.5,
-         "contact": "125.0 to 249.7", "self_energising": "yes", "pressure_error": 0.268, "status": "converged"},
-        {"shoe": "all", "model": "sine", "status": "failed: " + "self-locking, no equilibrium " * 3},
-    ]  # fmt: skip
+        {
+            "shoe": "[left]",
+            "model": "fem",
+            "torque": 321.43,
+            "peak_pressure": 0.8391e6,
+            "reaction": 4227.5,
+            "contact": "125.0 to 249.7",
+            "self_energising": "yes",
+            "pressure_error": 0.268,
+            "status": "converged",
+        },
+        {
+            "shoe": "all",
+            "model": "sine",
+            "status": "failed: " + "self-locking, no equilibrium " * 3,
+        },
+    ]
     monkeypatch.setattr("sys.stdout.isatty", lambda: True, raising=False)
     for columns, left_out in ((66, ["self-energising", "contact arcs [deg]"]), (160, [])):
         monkeypatch.setenv("COLUMNS", str(columns))
@@ -227,7 +247,8 @@ def test_help_answers_in_some_half_a_second():
     process("--help")  # compiles what has changed
     seconds = []
     for _ in range(2):
-        start = spent()  # processor time: other programs on the machine do not count
+        # This is processor time, in which other programs on the machine do not count.
+        start = spent()
         assert process("--help").returncode == 0
         seconds.append(spent() - start)
     assert min(seconds) < 1.5  # .4 where nothing shares the caches

@@ -317,7 +317,8 @@ def test_nodes_that_the_actuation_closes_first():
         True,
         False,
     ]  # slower
-    resisting = C * [[1, 1, -1]]  # the pressure of the third would help the actuation
+    # The pressure of the third would help the actuation.
+    resisting = C * [[1, 1, -1]]
     assert first(np.array([0.5, 0.2, 0.1]), B, resisting, h).tolist() == [True, True, False]
     with pytest.raises(NoAnswer, match="cannot balance the actuation anywhere"):
         first(q, B, C, h * [1, -1])
@@ -383,7 +384,8 @@ def test_coarse_problems_are_those_on_every_other_node():
             [np.interp(np.arange(n), np.arange(0, n, 2), row) for row in np.eye((n + 1) // 2)]
         ).T
         rows = np.arange(2.0 * n).reshape(n, 2) ** 2
-        P[-1] = P[-1] if n % 2 else [0, 0, 0.5]  # the last node of an even number has one neighbour
+        # The last node of an even number has one neighbour.
+        P[-1] = P[-1] if n % 2 else [0, 0, 0.5]
         assert active_set.halved_sums(rows) == pytest.approx(P.T @ rows)
         assert active_set.halved_sums(rows.T, 1) == pytest.approx((P.T @ rows).T)
         assert active_set.between(rows[: (n + 1) // 2, 0], n) == pytest.approx(

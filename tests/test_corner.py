@@ -44,7 +44,7 @@ def test_a_square_block_on_a_half_plane_of_its_own_material_has_the_power_of_dun
     assert corner_power(0.0, 0.3, 1.0, 0.3) == pytest.approx(-0.226, abs=5e-4)
 
 
-def test_friction_towards_the_corner_leaves_the_pressure_bounded_and_away_from_it_makes_it_steeper():
+def test_friction_towards_the_corner_bounds_the_pressure_and_away_from_it_makes_it_steeper():
     assert corner_power(-0.3, 0.2) == 0.0
     powers = [corner_power(f, 0.2) for f in (0.0, 0.1, 0.2, 0.4, 0.6)]
     assert all(a > b > -1 for a, b in pairwise(powers))
@@ -78,7 +78,8 @@ def test_columns_at_a_tip_leave_the_error_that_they_are_made_for():
 def test_a_solved_contact_has_the_power_of_its_corner_over_decades():
     """The slopes of log p by a solve whose columns there are polynomials, without any power of its
     own: between
-    0.0003 and 0.01 of the contact, where neither the columns at the corner nor the rest of the lining matter.
+    0.0003 and 0.01 of the contact, where neither the elements at the corner nor the rest of the
+    lining matter.
     """
     stored = read(TRUTHS / "corner_dragged_inwards.json")
     *_, last = islice(steps(stored.brake, respond), 5)
@@ -115,11 +116,14 @@ def test_what_gives_way_to_a_power_keeps_force_and_moment_and_finds_the_power_ag
     assert (np.diff(new) > 0).all() and new[0] == theta[0] and new[-1] == theta[-1]
 
 
-@pytest.mark.parametrize(("name", "level", "most", "gain"), [
-    ("corner_dragged_inwards", 2, 2e-3, 5),
-    ("corner_dragged_inwards", 3, 2e-4, 30),
-    ("corner_little_friction", 4, 3e-5, 4),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("name", "level", "most", "gain"),
+    [
+        ("corner_dragged_inwards", 2, 2e-3, 5),
+        ("corner_dragged_inwards", 3, 2e-4, 30),
+        ("corner_little_friction", 4, 3e-5, 4),
+    ],
+)
 def test_the_power_of_a_corner_makes_p_many_times_more_exact(name, level, most, gain):
     stored = read(TRUTHS / f"{name}.json")
     *_, last = islice(steps(stored.brake, respond), level)

@@ -24,7 +24,8 @@ BRAKES = ("double_shoe/brake", "post_brake/brake")
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 CHILD = """
 import json, sys, drumlin
-print(json.dumps([drumlin.solve(drumlin.read_brake(path), tolerance=1e-3).as_dict() for path in sys.argv[1:]]))
+brakes = [drumlin.read_brake(path) for path in sys.argv[1:]]
+print(json.dumps([drumlin.solve(brake, tolerance=1e-3).as_dict() for brake in brakes]))
 """
 
 

@@ -1,5 +1,6 @@
 """Elasticity matrices in the kernels: against scikit-fem's own forms, rotated by hand, and on every
-kind of element."""
+kind of element.
+"""
 
 import math
 
@@ -24,7 +25,7 @@ from drumlin.fem.substructure.body import scalar_basis, stiffness
 from drumlin.fem.substructure.elasticity import across, split, stress
 from drumlin.response.resultants import lobatto
 from drumlin.verification.triangles import lagrange
-from drumlin.verification.triangles.triangulation import Layer, start
+from drumlin.verification.triangles.triangulation import TriangleLayer, start
 
 DIRECTED = np.array([[9.0, 0.8, 0.0], [0.8, 3.0, 0.0], [0.0, 0.0, 2.5]]) * 1e8
 """Of a layer three times as stiff along as through, and not with the shear stiffness of an
@@ -148,7 +149,8 @@ def test_on_meshes_the_stiffness_is_that_of_scikit_fems_own_assembly(kind, name)
 
 def bent_elements(p):
     """Nodes (e, 2, a) of three elements between no circles, in the order of an element of degree
-    p."""
+    p.
+    """
     x = 0.5 * (lobatto(p) + 1)
     s, d = np.repeat(x, p + 1), np.tile(x, p + 1)
     found = []
@@ -202,7 +204,8 @@ def test_isotropic_elements_beside_directed_ones_stay_what_they_are_alone():
 )
 def test_columns_in_product_form_are_those_of_their_elements(p, contact, held, flat):
     """One layer isotropic, one a third as stiff through as along, one with the shear of no
-    isotropic material."""
+    isotropic material.
+    """
     half, depths = np.array([0.003, 0.05, 0.21]), np.array([0.0, 0.0002, 0.004, 0.011])
     steel = elasticity_matrix(Material(E=2e11, nu=0.28))
     layers = [
@@ -214,7 +217,8 @@ def test_columns_in_product_form_are_those_of_their_elements(p, contact, held, f
 
     def place(depth, phi):
         """Of a pad the angles are lengths over the radius, and x is the normal, as in an arc's
-        middle."""
+        middle.
+        """
         if flat:
             return np.array(np.broadcast_arrays(-depth, radius * phi))
         return np.array([(radius - depth) * np.cos(phi), (radius - depth) * np.sin(phi)])
@@ -247,16 +251,17 @@ def test_split_and_put_together_a_matrix_is_the_same():
 
 def test_triangles_of_the_second_solver_carry_an_even_strain():
     """Under u = H x the nodal forces of a straight layer are those of its even stress on the
-    rim."""
+    rim.
+    """
     layer = LAYERS["straight"]
-    mesh = start(np.linspace(0, 0.2, 4), [np.linspace(0, 1, 3)], [Layer(-1, 1, layer)])
+    mesh = start(np.linspace(0, 0.2, 4), [np.linspace(0, 1, 3)], [TriangleLayer(-1, 1, layer)])
 
     def place(s, d):
         return np.stack([s, 0.02 * d + 0.1 * s], axis=-1)
 
     degree = 3
     nodes = lagrange.nodes_of(mesh, place, degree)
-    K = lagrange.stiffness(mesh, nodes, [Layer(-1, 1, layer)], degree)
+    K = lagrange.stiffness(mesh, nodes, [TriangleLayer(-1, 1, layer)], degree)
     H = np.array([[1e-3, 4e-4], [-2e-4, 5e-4]])
     u = nodes.xy @ H.T
     energy = sum(

@@ -1,4 +1,4 @@
-"""The study of error against run time on its short setting, stopped in its middle and gone on with."""
+"""The study of error against run time in its short form, stopped midway and continued."""
 
 import math
 from dataclasses import replace
@@ -58,9 +58,8 @@ def outcome(tmp_path_factory):
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(module, "responses", once)
-        patch.setattr(
-            work_precision, "TIMED_REPEATS", 3
-        )  # of times that no test here asks for closely
+        # No test here asks for the times closely.
+        patch.setattr(work_precision, "TIMED_REPEATS", 3)
         for cases in (1, 6):
             with Stopping(path, cases) as journal, pytest.raises(Stopped):
                 module.study(short=True, journal=journal)

@@ -50,7 +50,8 @@ def turned(explorer, **values):
 
 def test_untouched_knobs_leave_the_brake_as_it_is(explorer):
     assert brake_of(explorer.brake, explorer.knobs, start_of(explorer.brake)) == explorer.brake
-    for each in explorer.knobs:  # nor does a knob that is turned and turned back
+    # Nor does a knob that is turned and turned back.
+    for each in explorer.knobs:
         setting = start_of(explorer.brake).turned(each, each.high).turned(each, each.start)
         assert setting == start_of(explorer.brake)
 
@@ -216,7 +217,7 @@ def test_a_brake_on_a_plane_is_explored_too():
 
 
 def test_how_far_the_fixed_division_is_off_is_said(explorer):
-    """The distance that the page states is that from `solve`, whose own estimate stands beside it."""
+    """The page states the distance from `solve`, whose own estimate stands beside it."""
     data = json.loads(reply(explorer, "/locking?friction=0.4", "b").text)
     answer = explorer.answer(turned(explorer, friction=0.4))
     solved = drumlin.solve(answer.brake)
@@ -351,13 +352,15 @@ def test_a_browser_moves_a_slider_and_reads_the_torque_of_solve(tmp_path, explor
 
 
 DRAWN = """
-const points = (id) => [...document.getElementById(id).getAttribute("d").matchAll(/(-?[\\d.]+),(-?[\\d.]+)/g)];
+const outline = (id) => document.getElementById(id).getAttribute("d");
+const points = (id) => [...outline(id).matchAll(/(-?[\\d.]+),(-?[\\d.]+)/g)];
 const read = (id) => [id, points(id).map((found) => [+found[1], +found[2]])];
 return Object.fromEntries(["fem", "drum-area", "drum-contact"].map(read));
 """
 # a slider is dragged to and fro for three seconds, an event every 8 ms, as a mouse sends them
 DRAG = """
-const done = arguments[0], slider = document.getElementById("friction"), start = performance.now(), before = drawn;
+const done = arguments[0], slider = document.getElementById("friction");
+const start = performance.now(), before = drawn;
 const timer = setInterval(() => {
   const now = performance.now() - start;
   slider.value = 0.3 + 0.1 * Math.sin(now / 300);
@@ -384,7 +387,10 @@ def test_only_this_machine_is_answered_by_its_own_name(tmp_path):
             connection.close()
         taken = subprocess.run(
             [*PROGRAM, "explore", str(STUDY / "brake.toml"), "--port", str(port), "--no-browser"],
-            capture_output=True, text=True, check=False, timeout=60,
-        )  # fmt: skip
+            capture_output=True,
+            text=True,
+            check=False,
+            timeout=60,
+        )
         assert taken.returncode == 2
         assert f"--port = {port}: cannot be had" in taken.stderr

@@ -20,9 +20,21 @@ from drumlin.explore.page import reply
 from drumlin.explore.serve import _Server
 
 NAMES = [
-    os.fsdecode(b"br\xffake"), "a\nb", "a\r\nb = 1", "a\x7fb", "a\u2028b", "a\x85b", 'a"b', "x\\", "µ λ", "#", "-",
-    "\x00", "a\n[[shoe]]\nname = 'x'", "n" * 200,
-]  # fmt: skip
+    os.fsdecode(b"br\xffake"),
+    "a\nb",
+    "a\r\nb = 1",
+    "a\x7fb",
+    "a\u2028b",
+    "a\x85b",
+    'a"b',
+    "x\\",
+    "µ λ",
+    "#",
+    "-",
+    "\x00",
+    "a\n[[shoe]]\nname = 'x'",
+    "n" * 200,
+]
 
 
 @pytest.fixture(scope="module")

@@ -15,10 +15,15 @@ SLOW = [
     *(KnobCase(shoe=ratio) for ratio in (1e-6, 1e-4, 1e-2, 1.0, 1e2, 1e4, 1e6)),
     *(KnobCase(thickness=share) for share in (1e-3, 1e-2, 0.1)),
     *(KnobCase(arc=arc, force=force) for arc, force in ((1.0, 20.0), (5.0, 100.0), (60.0, 2000.0))),
-    KnobCase(nu=0.0), KnobCase(nu=0.49), KnobCase(friction=1.0), KnobCase(clearance=1e-3), KnobCase(clearance="split"),
+    KnobCase(nu=0.0),
+    KnobCase(nu=0.49),
+    KnobCase(friction=1.0),
+    KnobCase(clearance=1e-3),
+    KnobCase(clearance="split"),
     *(KnobCase(shoes=2, ring=ring, support="free") for ring in (10.0, 1e3, 1e5)),
-    KnobCase(shoe=1e4, arc=5.0, force=100.0), KnobCase(shoe=1e6, thickness=0.2, nu=0.49),
-]  # fmt: skip
+    KnobCase(shoe=1e4, arc=5.0, force=100.0),
+    KnobCase(shoe=1e6, thickness=0.2, nu=0.49),
+]
 
 
 def check(case):

@@ -25,8 +25,9 @@ from judged_endings import BAD, GIVEN, GOOD, REFUSED
 
 SECONDS = 15.0
 FIRST = {"changed sweeps": 100, "impossible meshes": 100, "structure": 60, "journals": 8}
-"""Inputs of a generator that each run of the tests tries. Impossible inputs and changed sweeps end in
-some 20 ms; each journal takes a sweep.
+"""Inputs of a generator that each run of the tests tries.
+
+Impossible inputs and changed sweeps end in some 20 ms; each journal takes a sweep.
 """
 
 
@@ -221,8 +222,8 @@ def test_sets_of_a_mesh_that_fill_the_memory_are_refused_before(text):
 
 
 def test_the_sound_files_are_sound():
-    given = BrokenInput("x", {"b.toml": brake_text(BRAKE), "ref.json": reference_text(), "r.csv": result_text()},
-                  ["check", "b.toml", "r.csv", "--reference", "ref.json"])  # fmt: skip
+    files = {"b.toml": brake_text(BRAKE), "ref.json": reference_text(), "r.csv": result_text()}
+    given = BrokenInput("x", files, ["check", "b.toml", "r.csv", "--reference", "ref.json"])
     end = in_process(given)
     assert end.status == 0 and fault_of(given, end) == "" and "of the reference" in end.out
     with pytest.raises(BadInput):

@@ -112,7 +112,9 @@ def test_torque_and_pressure_converge(brake):
         assert error < 1e-3
 
 
-KINDS = {  # kind -> elements, torque and p (L2) of the finer mesh, least orders between the two meshes
+# A kind has its number of elements, the errors of torque and of p (L2) on the finer mesh, and the
+# least orders of convergence between the two meshes.
+KINDS = {
     "quad2": ((20, 80), 1e-5, 3e-3, 2.0, 1.5),
     "tri2": ((20, 80), 1e-5, 8e-3, 2.0, 1.0),
     "quad1": ((20, 80), 1e-3, 7e-3, 1.5, 1.3),
@@ -131,7 +133,8 @@ def test_every_kind_of_mesh_converges_to_one_answer(kind, brake, fine):
             pressure_distance(a, b) for a, b in zip(response.shoes, fine.shoes, strict=True)
         ]
         errors.append([abs(response.torque / fine.torque - 1), max(distances)])
-    assert (np.array(errors[1]) < most).all()  # of each number: lists compare by their first alone
+    # The order is of each number: lists compare by their first number alone.
+    assert (np.array(errors[1]) < most).all()
     orders = np.log2(np.array(errors[0]) / errors[1]) / math.log2(elements[1] / elements[0])
     assert orders[0] > torque_order
     assert orders[1] > pressure_order
@@ -240,9 +243,13 @@ def mirrored(brake):
 def test_the_mirror_image_gives_the_mirrored_answer(friction, tilt, height, rotation):
     brake = vary(
         BRAKE,
-        {"friction": friction, "rotation": rotation, "shoe[0].actuation.direction": tilt,
-         "shoe[0].actuation.point.y": height},
-    )  # fmt: skip
+        {
+            "friction": friction,
+            "rotation": rotation,
+            "shoe[0].actuation.direction": tilt,
+            "shoe[0].actuation.point.y": height,
+        },
+    )
     a, b = respond(SCENE, brake), solve(mirrored(brake), elements=40)
     assert b.torque == pytest.approx(a.torque, rel=1e-9)
     for x, y in zip(a.shoes, b.shoes, strict=True):

@@ -37,7 +37,8 @@ TO_XYZ = np.array(
     ]
 )
 WHITE = np.array([0.95047, 1.0, 1.08883])
-APART = 25.0  # CIE 1976 distance: ten times what is just noticed side by side
+# The CIE 1976 distance is ten times the least that is noticed side by side.
+APART = 25.0
 
 
 def lab(colour, sight):

@@ -136,7 +136,8 @@ def test_a_pipe_is_written_to_and_read(tmp_path):
 
 def test_a_file_that_standard_output_goes_to_keeps_what_is_printed(tmp_path):
     code = (
-        "from pathlib import Path; from drumlin.base.files import write_text; print('first', flush=True);"
+        "from pathlib import Path; from drumlin.base.files import write_text; print('first', "
+        "flush=True);"
         "write_text(Path('out'), 'written\\n'); print('last')"
     )
     with (tmp_path / "out").open("wb") as out:
@@ -422,6 +423,9 @@ def test_notes_of_a_stop_are_said():
 
 
 def test_the_handler_loads_nothing_heavy():
-    code = "import sys; import drumlin.cli.process; print({'typer', 'numpy', 'pydantic', 'rich'} & set(sys.modules))"
+    code = (
+        "import sys; import drumlin.cli.process; print({'typer', 'numpy', 'pydantic', "
+        "'rich'} & set(sys.modules))"
+    )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == "set()\n"

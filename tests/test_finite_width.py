@@ -29,10 +29,29 @@ def by_differences(beta, reach, count=2000):
     cubic elements.
     """
     h = reach / count
-    bend = np.array([[12, 6 * h, -12, 6 * h], [6 * h, 4 * h * h, -6 * h, 2 * h * h],
-                     [-12, -6 * h, 12, -6 * h], [6 * h, 2 * h * h, -6 * h, 4 * h * h]]) / h**3  # fmt: skip
-    bed = h / 420 * np.array([[156, 22 * h, 54, -13 * h], [22 * h, 4 * h * h, 13 * h, -3 * h * h],
-                              [54, 13 * h, 156, -22 * h], [-13 * h, -3 * h * h, -22 * h, 4 * h * h]])  # fmt: skip
+    bend = (
+        np.array(
+            [
+                [12, 6 * h, -12, 6 * h],
+                [6 * h, 4 * h * h, -6 * h, 2 * h * h],
+                [-12, -6 * h, 12, -6 * h],
+                [6 * h, 2 * h * h, -6 * h, 4 * h * h],
+            ]
+        )
+        / h**3
+    )
+    bed = (
+        h
+        / 420
+        * np.array(
+            [
+                [156, 22 * h, 54, -13 * h],
+                [22 * h, 4 * h * h, 13 * h, -3 * h * h],
+                [54, 13 * h, 156, -22 * h],
+                [-13 * h, -3 * h * h, -22 * h, 4 * h * h],
+            ]
+        )
+    )
     size = 2 * count + 2
     K = np.zeros((size, size))
     area = np.zeros(size)
@@ -57,11 +76,8 @@ def test_the_flange_is_a_beam_on_a_foundation(turns):
 
 def test_a_stiff_flange_presses_evenly_and_a_long_one_under_the_web():
     assert finite_width.flange_mean(1.0, 1.0, 1e-12) == pytest.approx(1.0, abs=1e-9)
-    for reach in (
-        20.0,
-        60.0,
-        500.0,
-    ):  # Hetenyi: the area under the curve of an infinite beam is 1/beta
+    # The area under the curve of an infinite beam is 1/beta (Hetenyi).
+    for reach in (20.0, 60.0, 500.0):
         assert finite_width.flange_mean(reach, 1.0, 4.0) == pytest.approx(1 / reach, rel=1e-6)
 
 
@@ -69,9 +85,8 @@ def test_a_stiff_flange_presses_evenly_and_a_long_one_under_the_web():
 def test_a_lining_lies_between_plane_stress_and_plane_strain(E, nu):
     material = Material(E=E, nu=nu)
     assert pytest.approx(E, rel=1e-12) == finite_width.between(material, 0.0).E
-    held = finite_width.between(
-        material, 1.0
-    )  # E/(1 - nu^2) of it is the modulus of a layer that cannot contract
+    # A layer that cannot contract has the modulus E/(1 - nu^2).
+    held = finite_width.between(material, 1.0)
     assert held.E / (1 - nu**2) == pytest.approx(E * (1 - nu) / ((1 + nu) * (1 - 2 * nu)), rel=1e-9)
 
 
@@ -141,7 +156,7 @@ def test_the_option_belongs_to_the_finite_elements(root):
 
 
 def test_what_else_is_done_with_a_brake_takes_the_corrected_one(root, flexible, tmp_path):
-    """Wear, the holding brake and a comparison start where the solve of the corrected brake does."""
+    """Wear, the holding brake and a comparison start from the solve of the corrected brake."""
     file, torque = root / "studies" / "double_shoe" / "flexible.toml", {}
     wide = finite_width.finite_width(flexible)
     options = ("--elements", "8", "--finite-width", "--json", tmp_path / "a.json")

@@ -181,7 +181,7 @@ def test_stations_end_at_the_linings_ends_and_their_number_is_as_asked():
 
 @pytest.mark.parametrize("spin", [1, -1])
 def test_a_stiff_beam_on_a_rigid_drum_turns_as_a_rigid_body(spin):
-    """Paper: p ~ x cos(theta), the beam moves straight towards the drum. Tilt lifted: the sine law."""
+    """Paper: p ~ x cos(theta), the beam moves straight to the drum. With tilt: the sine law."""
     stiff = upright(EI=1e18, layer=1e9, spin=spin)
     shoe = foundation.solve(stiff).shoes[0]
     expected = (2.3 + 2.0 * np.sin(shoe.theta)) * np.cos(shoe.theta)
@@ -196,7 +196,8 @@ def test_a_stiff_beam_on_a_rigid_drum_turns_as_a_rigid_body(spin):
     assert whole.normal_force == pytest.approx(law.normal_force, rel=3e-6)
     assert whole.hinge_reaction == pytest.approx(law.hinge_reaction, rel=1e-5)
     assert whole.self_energising == law.self_energising
-    assert whole.turn > 0  # the right post closes to the left, counter-clockwise
+    # The right post closes to the left, counter-clockwise.
+    assert whole.turn > 0
 
 
 @pytest.mark.parametrize("lift", [(), ("all",)])
@@ -227,9 +228,14 @@ def test_second_order_where_the_contact_set_is_fixed(lift, spin):
 
 
 @given(
-    st.sampled_from([1, -1]), st.floats(0, 0.6), st.floats(7, 10), st.floats(6, 9.5), st.sampled_from([None, 6, 7, 8]),
-    st.floats(-3e-4, 1e-3), st.sampled_from([(), ("tilt",), ("all-modes", "tilt", "ring-friction")]),
-)  # fmt: skip
+    st.sampled_from([1, -1]),
+    st.floats(0, 0.6),
+    st.floats(7, 10),
+    st.floats(6, 9.5),
+    st.sampled_from([None, 6, 7, 8]),
+    st.floats(-3e-4, 1e-3),
+    st.sampled_from([(), ("tilt",), ("all-modes", "tilt", "ring-friction")]),
+)
 def test_balances_hold_and_pressure_is_complementary(spin, mu, EI, layer, ring_EI, slope, lift):
     table = [[-0.7, 0.0], [0.7, slope]]
     brake = upright(spin=spin, mu=mu, EI=10**EI, layer=10**layer, gap=table)
@@ -333,7 +339,8 @@ def test_from_any_start_at_most_twelve_steps_and_one_answer(sections, gap):
         assert answer.shoes[0].pressure == pytest.approx(
             answers[0].shoes[0].pressure, rel=1e-7, abs=1e-9 * scale
         )
-    assert answers[0].shoes[0].pressure.min() == 0  # some of it is off: a set was found, not given
+    # Some of the lining is off the drum: the contact set was found, not given.
+    assert answers[0].shoes[0].pressure.min() == 0
 
 
 @pytest.mark.parametrize("gap", [0.0, HOLLOW, [[-0.7, 3e-3], [0.7, 0.0]]])
@@ -398,7 +405,7 @@ def test_without_friction_and_with_tilt_lifted_the_flexibility_is_symmetric():
 
 
 def test_equal_pressures_half_a_turn_apart_are_the_papers_twin():
-    """A point-symmetric pair of posts: each one's own pressure is the twin's, so both ways agree."""
+    """On a point-symmetric pair of posts each pressure is the twin's, so both ways agree."""
     data = POST.model_dump(by_alias=True)
     left = data["shoe"][1]
     left["hinge"] = {"x": -data["shoe"][0]["hinge"]["x"], "y": -data["shoe"][0]["hinge"]["y"]}

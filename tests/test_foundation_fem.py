@@ -20,7 +20,9 @@ from drumlin.foundation.ring import flexibility
 from drumlin.laws import sine
 
 STUDY = read_brake(ROOT / "studies" / "post_brake" / "brake.toml")
-MATCHED = {  # a soft lining without Poisson's ratio on a block that is stiff against it and soft against the beam
+# A soft lining without Poisson's ratio on a block that is stiff against it and soft against the
+# beam.
+MATCHED = {
     "drum.ring": None,
     "shoe.lining.material": {"E": 2e6, "nu": 0.0},
     "shoe.backing.material": {"E": 5e8, "nu": 0.0},
@@ -155,14 +157,24 @@ def test_a_ring_of_finite_elements_moves_by_the_closed_form(share, slack, twin):
     [
         ({"shoe.backing": None}, "nothing fills the space"),
         ({"shoe.body.thickness": 1.0}, "no room for the block"),
-        ({"shoe.body.material": None, "shoe.body.thickness": None, "shoe.body.width": None}, "no constant section"),
+        (
+            {"shoe.body.material": None, "shoe.body.thickness": None, "shoe.body.width": None},
+            "no constant section",
+        ),
         ({"shoe.body.bending_stiffness": [[0.0, 3e8], [4.6, 4e8]]}, "no constant section"),
         ({"shoe.body.offset": [[0.0, 0.0], [2.0, 0.1], [4.6, 0.0]]}, "curved axis is not meshed"),
         ({"drum.ring": {"bending_stiffness": 2e7}}, "its ring has no section"),
-        ({"shoe.lining.end": math.radians(79.0), "shoe.lining.start": -0.1, "shoe.lining.thickness": 0.4,
-          "shoe.body.thickness": 0.1}, "beyond the beam's ends"),
+        (
+            {
+                "shoe.lining.end": math.radians(79.0),
+                "shoe.lining.start": -0.1,
+                "shoe.lining.thickness": 0.4,
+                "shoe.body.thickness": 0.1,
+            },
+            "beyond the beam's ends",
+        ),
     ],
-)  # fmt: skip
+)
 def test_what_cannot_be_meshed_is_refused_and_the_foundation_model_still_answers(changes, words):
     single = POST.model_copy(update={"shoes": POST.shoes[:1]})
     brake = vary(single, changes)

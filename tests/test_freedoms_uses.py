@@ -20,7 +20,8 @@ def test_held_from_rest_to_full_slip_shoes_come_to_the_sliding_torque(kind: str)
     brake = vary(brake_of(kind, 1, body=BODY), {"shoe.lining.thickness": 0.005})
     scene = prepare(brake, elements=16)
     states = hold(scene, brake, np.geomspace(1e-6, 2e-3, 8))
-    if kind != "pivot":  # whose lever drags the shoe along the drum, to full slip, as it presses it
+    # The lever drags the shoe along the drum to full slip as it presses the shoe.
+    if kind != "pivot":
         assert states[0].torque < states[-1].torque * (1 - 1e-3)
     assert states[-1].torque == pytest.approx(drumlin.solve(brake, elements=16).torque, rel=1e-3)
 
@@ -39,9 +40,8 @@ def test_forces_shared_by_a_cam_or_a_strut_hold_the_drum_by_what_it_slides_at(
     states = hold(scene, brake, np.linspace(0, full_slip_rotation(scene, brake), 4))
     assert states[-1].sticking == 0
     assert states[-1].torque == pytest.approx(respond(scene, brake).torque, rel=1e-6)
-    trailing = (
-        brake.links and spin > 0
-    )  # the strut lets both shoes be dragged, to full slip, as they are pressed
+    # The strut lets both shoes be dragged, to full slip, as they are pressed.
+    trailing = brake.links and spin > 0
     assert states[0].torque <= (1 + 1e-9 if trailing else 0.9) * states[-1].torque
     assert np.diff([state.dissipated for state in states]).min() >= 0
 

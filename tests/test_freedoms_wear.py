@@ -41,8 +41,17 @@ def test_worn_in_elastic_shoes_bear_by_the_law(name: str) -> None:
 
 
 def test_a_worn_in_pad_bears_by_the_law() -> None:
-    brake = pad("hinge", "-x", lining={"start": 0.06, "end": 0.18, "thickness": 0.008, "width": 0.04,
-        "material": {"E": 3e8, "nu": 0.25}})  # fmt: skip
+    brake = pad(
+        "hinge",
+        "-x",
+        lining={
+            "start": 0.06,
+            "end": 0.18,
+            "thickness": 0.008,
+            "width": 0.04,
+            "material": {"E": 3e8, "nu": 0.25},
+        },
+    )
     assert isinstance(brake, FlatBrake)
     worn, rigid = drumlin.solve(brake, worn_in=True), law(brake)
     assert worn.merits[0].braking_force == pytest.approx(rigid.merits[0].braking_force, rel=1e-4)

@@ -179,7 +179,7 @@ def test_another_discretisation_and_another_method_give_the_same_history():
 
 
 def test_the_history_converges_with_the_increment():
-    """With a gap to close, forth and back: the error of moment and energy falls with the increment."""
+    """With a gap to close, forth and back, errors of moment and energy fall with the increment."""
     brake, scene = any_brake(7)
     brake = vary(brake, {"shoe[0].lining.clearance": 1e-4 * brake.size})
     end = full_slip_rotation(scene, brake)

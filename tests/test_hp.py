@@ -191,9 +191,8 @@ def every_unknown_at_once(K, p):
             at = (2 * own[:, None] + [0, 1]).ravel()
             A[at[:, None], at] += K[k, j]
     kept = 2 * (m * p + 1)
-    rest = np.flatnonzero(np.abs(A).sum(axis=1) > 0)[
-        kept:
-    ]  # without the insides of elements, which are gone
+    # The unknowns inside of elements are condensed and do not count.
+    rest = np.flatnonzero(np.abs(A).sum(axis=1) > 0)[kept:]
     return A[:kept, :kept] - A[:kept, rest] @ np.linalg.solve(
         A[rest[:, None], rest], A[rest, :kept]
     )
@@ -295,11 +294,15 @@ def test_a_ring_under_even_pressure_grows_as_lame_says(brake, support):
     R, b, E, nu = 0.15, 0.165, 1.2e11, 0.25
     ring = {"thickness": b - R, "width": 0.04, "material": {"E": E, "nu": nu}, "support": support}
     halves = {
-        "drum.ring": ring, "shoe.body": None,
-        "shoe[0].lining.start": "-90 deg", "shoe[0].lining.end": "90 deg",
-        "shoe[1].lining.start": "90 deg", "shoe[1].lining.end": "270 deg",
-        "shoe[0].hinge": {"x": 0.0, "y": -0.125}, "shoe[1].hinge": {"x": 0.0, "y": -0.125},
-    }  # fmt: skip
+        "drum.ring": ring,
+        "shoe.body": None,
+        "shoe[0].lining.start": "-90 deg",
+        "shoe[0].lining.end": "90 deg",
+        "shoe[1].lining.start": "90 deg",
+        "shoe[1].lining.end": "270 deg",
+        "shoe[0].hinge": {"x": 0.0, "y": -0.125},
+        "shoe[1].hinge": {"x": 0.0, "y": -0.125},
+    }
     made = prepare(vary(brake, halves), LEVELS[2])
     p = [np.full(len(body.line.phi), 1e6) for body in made.bodies]
     opened = sum(made.ring.pressed[j] @ p[j] for j in range(2))
@@ -332,7 +335,8 @@ def test_levels_converge_fast_and_the_estimate_is_an_upper_value(flexible):
     """Errors against the finest level: p falls at least threefold a level; what is stated is more,
     and not ten times.
     """
-    made = list(steps(flexible, respond))[:5]  # the last one has less digits than the others
+    # The last level has fewer digits than the others.
+    made = list(steps(flexible, respond))[:5]
     responses, truth = [step.response for step in made], made[-1].response
     lost = ROUND_OFF * max(shoe.lost.pressure for shoe in truth.shoes)  # of the truth itself
     errors = [
@@ -374,10 +378,16 @@ def test_a_small_smooth_contact_is_that_of_hertz(brake):
     rigid_shoe = vary(
         brake,
         {
-            "friction": 0.0, "shoe.body": None, "shoe.lining.thickness": 0.06, "shoe.lining.start": "-20 deg",
-            "shoe.lining.end": "20 deg", "shoe.lining.misfit": {"radius": 0.147}, "shoe.actuation.force": 60.0,
-        } | {"shoe[1].lining.start": "160 deg", "shoe[1].lining.end": "200 deg"},
-    )  # fmt: skip
+            "friction": 0.0,
+            "shoe.body": None,
+            "shoe.lining.thickness": 0.06,
+            "shoe.lining.start": "-20 deg",
+            "shoe.lining.end": "20 deg",
+            "shoe.lining.misfit": {"radius": 0.147},
+            "shoe.actuation.force": 60.0,
+        }
+        | {"shoe[1].lining.start": "160 deg", "shoe[1].lining.end": "200 deg"},
+    )
     response = solve(rigid_shoe, tolerance=1e-3)
     shoe, lining = response.shoes[0], rigid_shoe.shoes[0].lining
     first, last = shoe.contact_arcs[0]
@@ -426,12 +436,23 @@ def test_a_block_deeper_than_long_bears_down_to_its_foot(length, thickness, back
     the stated one.
     """
     block = {
-        "name": "block", "side": "internal", "hinge": {"radius": 0.6, "angle": -0.5 * length - 0.7},
-        "lining": {"start": -0.5 * length, "end": 0.5 * length, "thickness": thickness, "width": 0.1,
-                   "material": {"E": 3e8, "nu": 0.1}},
+        "name": "block",
+        "side": "internal",
+        "hinge": {"radius": 0.6, "angle": -0.5 * length - 0.7},
+        "lining": {
+            "start": -0.5 * length,
+            "end": 0.5 * length,
+            "thickness": thickness,
+            "width": 0.1,
+            "material": {"E": 3e8, "nu": 0.1},
+        },
         "backing": {"thickness": backing, "material": {"E": E, "nu": 0.3}},
-        "actuation": {"direction": 0.1, "point": {"radius": 0.6, "angle": 0.5 * length + 0.7}, "force": 3e3 * length},
-    }  # fmt: skip
+        "actuation": {
+            "direction": 0.1,
+            "point": {"radius": 0.6, "angle": 0.5 * length + 0.7},
+            "force": 3e3 * length,
+        },
+    }
     data = {
         "title": "block",
         "rotation": "clockwise",
@@ -455,9 +476,8 @@ def test_corners_beyond_a_short_contact_cost_little_and_change_nothing(monkeypat
     """
     brake, found = random_brake(seed, "small contact"), []
     (_, before), (_, true) = islice(steps(brake, respond), 1, 3)
-    places = places_of(
-        brake, true
-    )  # the same ends of the contact: where they are rounded to moves p by more
+    # The ends of the contact are kept: their rounding changes p by more.
+    places = places_of(brake, true)
     for rule in (division.faded, lambda part, distance, *, fades: part):
         monkeypatch.setattr(division, "faded", rule)
         made = prepare(brake, LEVELS[2], places)
@@ -642,8 +662,9 @@ def test_an_open_node_between_two_that_press_is_a_place(brake):
     (found,) = {place for own in places.values() for place in own} - {
         place for own in before.values() for place in own
     }
-    assert found[:2] == pytest.approx((brake.shoes[0].frame.phi(shoe.theta[i]), shoe.theta[i + 1] - shoe.theta[i - 1]),
-                                      rel=1e-5)  # fmt: skip
+    assert found[:2] == pytest.approx(
+        (brake.shoes[0].frame.phi(shoe.theta[i]), shoe.theta[i + 1] - shoe.theta[i - 1]), rel=1e-5
+    )
 
 
 def test_an_opening_that_is_nothing_beside_its_contact_is_no_place(brake):
@@ -661,7 +682,8 @@ def test_an_opening_that_is_nothing_beside_its_contact_is_no_place(brake):
     )
     assert places_of(brake, narrow) == places_of(brake, response)
     ((a, b),) = shoe.contact_arcs
-    for gap, seen in ((1e-6, 0), (0.1, 2)):  # two ends more, of an opening that two nodes show
+    # Two further ends are those of an opening that two nodes show.
+    for gap, seen in ((1e-6, 0), (0.1, 2)):
         arcs = (a, theta[i] - gap / 2), (theta[i] + gap / 2, b)
         split = replace(response, shoes=(replace(shoe, contact_arcs=arcs), *response.shoes[1:]))
         assert len(places_of(brake, split)[0]) == len(places_of(brake, response)[0]) + seen

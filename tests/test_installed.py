@@ -141,14 +141,20 @@ def built(tmp_path_factory):
     folder = tmp_path_factory.mktemp("built")
     files = subprocess.run(
         ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
-        cwd=ROOT, capture_output=True, check=True, text=True,
-    ).stdout.split("\0")  # fmt: skip
+        cwd=ROOT,
+        capture_output=True,
+        check=True,
+        text=True,
+    ).stdout.split("\0")
     source = folder / "source"
     for name in filter(None, files):
         if (ROOT / name).is_file():
             (source / name).parent.mkdir(parents=True, exist_ok=True)
             (source / name).write_bytes((ROOT / name).read_bytes())
-    code = f"from setuptools import build_meta as b\nb.build_sdist({str(folder)!r})\nb.build_wheel({str(folder)!r})"
+    code = (
+        f"from setuptools import build_meta as "
+        f"b\nb.build_sdist({str(folder)!r})\nb.build_wheel({str(folder)!r})"
+    )
     tools = folder / "tools"
     venv.create(tools, with_pip=True)
     subprocess.run([tools / "bin" / "pip", "install", "--quiet", "setuptools>=77"], check=True)

@@ -119,7 +119,8 @@ def lame_interference(interference):
     0 where held.
     """
     E, nu = pair.LADDER_STEEL.E, pair.LADDER_STEEL.nu
-    yielding = 0.0  # radial displacement per pressure, of both
+    # Both bodies have a radial displacement per pressure.
+    yielding = 0.0
     for held in (0.6, 1.4):
         A, B = 1.0, -(held**2)
         yielding += abs((A + B) * (1 - nu**2) / E / ((1 + nu) * A - (1 - nu) * B))
@@ -150,7 +151,8 @@ def test_an_external_lining_sees_its_drum_from_the_other_side(brake):
     assert np.hypot(*body.basis.doflocs).min() == pytest.approx(brake.drum.radius, rel=1e-12)
 
 
-STRAIGHT = {  # a straight edge of length 1: Int psi_i psi_j
+# The integrals Int psi_i psi_j over a straight edge of length 1 are known.
+STRAIGHT = {
     1: np.array([[2, 1], [1, 2]]) / 6,
     2: np.array([[4, 2, -1], [2, 16, 2], [-1, 2, 4]]) / 30,
 }
@@ -192,7 +194,7 @@ def test_the_matrices_of_straight_edges_are_those_of_the_book(order):
 @pytest.mark.parametrize("kind", ["quad2", "quad1"])
 @pytest.mark.parametrize("turned", [0.0, 3.0, -3.1])
 def test_the_nodes_of_a_contact_line_follow_one_another_wherever_it_lies(kind, turned):
-    """Edges in any order and sense; angles within half a turn of the middle, also across 180 deg."""
+    """Edges in any order and sense; angles within half a turn of the middle, also past 180 deg."""
     angles = turned + np.linspace(-0.5, 0.5, 6)
     mesh = pair.sector(angles, np.array([0.0, 0.1, 0.2]), 1.0, 1)
     if kind == "quad1":

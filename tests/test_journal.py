@@ -79,7 +79,8 @@ def test_damage_costs_the_damaged_records_alone(tmp_path, seed):
     path.write_bytes(data)
     for _ in range(2):
         with Journal(path, "a") as journal:
-            assert CASES >= len(journal) >= sound - 1  # the last one may have lost its end of line
+            # The last line may have lost its end.
+            assert CASES >= len(journal) >= sound - 1
             assert all(
                 journal[{"n": n}] == {"torque": n / 7} for n in range(CASES) if {"n": n} in journal
             )
@@ -112,7 +113,8 @@ def test_the_journal_of_another_program_is_kept_aside(tmp_path):
     for number, stamp in ((1, "b"), (2, "c")):
         with Journal(path, stamp) as journal:
             assert len(journal) == 0 and journal.notes == [
-                f"{path}: was of another drumlin and is kept as j.jsonl.{number}; every case is solved anew"
+                f"{path}: was of another drumlin and is kept as j.jsonl.{number}; every case "
+                f"is solved anew"
             ]
             journal.add({"n": 3}, {})
         with Journal(path, stamp) as journal:

@@ -59,9 +59,8 @@ def balanced(response: Any) -> float:
 def solved(at: Posed) -> None:
     response = drumlin.solve(at.brake)
     balanced(response)
-    whole = loaded(
-        at.brake, response
-    )  # struts act within: what is left are pins, feet, forces from outside, the drum
+    # Struts act within the brake: pins, feet, forces from outside and the drum remain.
+    whole = loaded(at.brake, response)
     inside = {link.to for link in at.brake.links}
     feet = {link.source for link in at.brake.links}
     outer = [s.actuation.vector for s in whole.shoes if s.name not in inside]
@@ -100,8 +99,13 @@ def with_misfit(at: Posed) -> None:
             crowned.shoes[0].peak_pressure > 1.05 * drumlin.solve(at.brake).shoes[0].peak_pressure
         )
         return
-    brake = vary(at.brake, {"shoe.lining.misfit": {"radius": 0.999 * radius(at.brake)}, "drum.out_of_round": [
-        {"order": 2, "amplitude": 1e-5, "phase": 0.3}]})  # fmt: skip
+    brake = vary(
+        at.brake,
+        {
+            "shoe.lining.misfit": {"radius": 0.999 * radius(at.brake)},
+            "drum.out_of_round": [{"order": 2, "amplitude": 1e-5, "phase": 0.3}],
+        },
+    )
     assert (
         abs(balanced(drumlin.solve(brake, elements=ELEMENTS)) / drumlin.solve(at.brake).effect - 1)
         > 1e-3
@@ -185,7 +189,8 @@ def own_meshes(at: Posed) -> None:
 def swept(at: Posed) -> None:
     sweep, table = at.folder / "sweep.toml", at.folder / "table.csv"
     sweep.write_text(
-        f'title = "t"\nbrake = "{at.file}"\n[model.fem]\nelements = 10\n[vary]\nfriction = [0.1, 0.2]\n'
+        f'title = "t"\nbrake = "{at.file}"\n[model.fem]\nelements = 10\n[vary]\nfriction = '
+        f"[0.1, 0.2]\n"
     )
     with pytest.raises(SystemExit) as end:
         app(["sweep", str(sweep), "--output", str(table)])
@@ -200,7 +205,7 @@ def exported(at: Posed) -> None:
     assert list(at.folder.glob("*.inp"))
 
 
-ROUGHLY = Refinement(2, LEVELS[1:3], triangles.LEVELS[:1])
+ROUGHLY = Refinement(2, LEVELS[1:3], triangles.TRIANGLE_LEVELS[:1])
 
 
 def referred(at: Posed) -> None:
@@ -303,11 +308,14 @@ HINGED = "takes shoes on hinges under forces of their own only: "
 REFUSALS = [
     Refusal({"export"}, flat, "is a brake on a plane; .* takes brakes on a drum"),
     Refusal({"ring"}, flat, "unknown key 'drum'; allowed: title, friction, plane"),
-    Refusal(set(USES) - {"compare", "view", "foundation"}, unmeshed,
-            "its lining has no thickness and material to mesh"),
+    Refusal(
+        set(USES) - {"compare", "view", "foundation"},
+        unmeshed,
+        "its lining has no thickness and material to mesh",
+    ),
     Refusal({"export"}, unhinged, f"CalculiX {HINGED}"),
     Refusal({"foundation"}, lambda b: True, "does not apply to this brake: "),
-]  # fmt: skip
+]
 
 
 def cell(name: str, use: str, folder: Path) -> None:

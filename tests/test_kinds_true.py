@@ -23,7 +23,7 @@ from drumlin_studies.stated_true import (
 )
 
 ON_DRUM = [kind for kind in HOLDING_KINDS if not kind.startswith("pad")]
-QUICK = triangles.LEVELS[:1]
+QUICK = triangles.TRIANGLE_LEVELS[:1]
 
 
 def brake_of(seed: int, kind: str) -> Brake:
@@ -51,7 +51,7 @@ def rows_of(kind: str, seeds: range, tolerance: float) -> list[dict[str, Any]]:
     rows = []
     for seed in seeds:
         brake = brake_of(seed, kind)
-        before, last = triangles.sequence(brake, triangles.LEVELS[:2])
+        before, last = triangles.sequence(brake, triangles.TRIANGLE_LEVELS[:2])
         moved = errors(brake, before, last)
         true = Truth(
             last, {name: limit(2 * moved[name], moved[name]) for name in JUDGED_QUANTITIES}, 0.0

@@ -1,4 +1,4 @@
-"""The benchmark ladder: every case within its tolerance, and closed forms judged by their limits."""
+"""The benchmark ladder: every case within its tolerance, closed forms judged by limits."""
 
 import math
 

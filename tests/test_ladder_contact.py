@@ -27,7 +27,9 @@ from drumlin_studies.two_bodies import (
 pytestmark = pytest.mark.slow
 
 R = 1.0
-A = 0.005  # intended half-width of the Hertz contacts, radius 1: curvature of the interface is without effect
+# Intended half-width of the Hertz contacts for radius 1: so narrow that the interface's curvature
+# has no effect.
+A = 0.005
 
 
 def half_plane(sign, per_half=20, material=LADDER_STEEL, end=0.5):
@@ -65,7 +67,8 @@ def test_hertz(hertz):
     exact = p0 * np.sqrt(np.maximum(1 - (s / A) ** 2, 0))
     assert found.steps <= 15
     assert found.p.max() == pytest.approx(p0, rel=2e-3)
-    inside = np.abs(s) < 0.9 * A  # the square root at the ends is not resolved by even elements
+    # Even elements do not resolve the square root at the ends.
+    inside = np.abs(s) < 0.9 * A
     assert np.abs(found.p - exact)[inside].max() < 4e-3 * p0
     edge = s[found.p > 0]
     assert 0.5 * (edge.max() - edge.min()) == pytest.approx(A, abs=A / 20)
@@ -87,9 +90,8 @@ def test_cattaneo_mindlin(hertz, half_planes, share):
     start = np.where(touching, stick_slip.STICK, stick_slip.OPEN)
     first = stick_slip.solve(hertz.frictional(s**2 / (2 * rho), [P, 0.0]), mu, rest, start)
     inner = np.abs(s) < 0.8 * A
-    assert (
-        np.abs(first.t[inner]).max() < 5e-3 * first.p.max()
-    )  # equal bodies: no traction from pressing alone
+    # Equal bodies have no traction from pressing alone.
+    assert np.abs(first.t[inner]).max() < 5e-3 * first.p.max()
     increment = first
     for step in np.linspace(0, share, 5)[1:]:
         increment = stick_slip.solve(
@@ -235,7 +237,7 @@ def test_westergaard_partial_contact():
 
 
 def test_lame_ring_under_inner_pressure():
-    """a = .1, b = .2 m, p = 60 MPa inside, E = 200 GPa, nu = .3: u(a) = 5.90e-5, u(b) = 4.00e-5 m."""
+    """a = .1, b = .2 m, p = 60 MPa, E = 200 GPa, nu = .3: u(a) = 5.90e-5, u(b) = 4.00e-5 m."""
     from scipy.sparse.linalg import spsolve
 
     from drumlin.fem.substructure.body import scalar_basis, stiffness

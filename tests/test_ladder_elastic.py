@@ -60,7 +60,8 @@ def test_a_manufactured_solution_converges_at_the_rate_of_the_element(kind):
         for psi, dofs in zip(basis.basis, basis.element_dofs, strict=True):
             for c, part in enumerate(force(*points)):
                 np.add.at(f[:, c], dofs, (psi[0] * part * basis.dx).sum(axis=1))
-        u = exact(*basis.doflocs).T.ravel()  # boundary values; the inside is solved for
+        # The boundary values are given, and the inside is solved for.
+        u = exact(*basis.doflocs).T.ravel()
         edge = basis.get_dofs().flatten()
         free = np.setdiff1d(np.arange(2 * basis.N), np.concatenate([2 * edge, 2 * edge + 1]))
         held = np.setdiff1d(np.arange(2 * basis.N), free)

@@ -127,9 +127,15 @@ def test_bhandari_12_7_pivoted_block() -> None:
     h = float(pivot_radius(R, half))
     assert h * 1e3 == approx(280.588279, abs=5e-7)
     lever = hinged(
-        R=R, a=0.45, arc=(radians(30), radians(130)), moment=100.0, mu=0.2, side="external", width=0.1,
+        R=R,
+        a=0.45,
+        arc=(radians(30), radians(130)),
+        moment=100.0,
+        mu=0.2,
+        side="external",
+        width=0.1,
         pivot=(h, radians(80)),
-    )  # fmt: skip
+    )
     response = solve("pivoted", rated(lever, MODELS["pivoted"].solve, 0.5e6))
     (shoe,) = response.shoes
     assert shoe.torque * 1e3 == approx(957555.554, abs=5e-4)
@@ -263,7 +269,7 @@ def test_simscape_torque_over_speed_and_force() -> None:
 
 
 def test_uwa_translational_short_shoe_both_directions() -> None:
-    """UWA notes, eq. iii: N = M/(a +- mu h), + where the body drags the lining away from the hinge."""
+    """UWA notes, eq. iii: N = M/(a +- mu h), + where the drum drags the lining off the hinge."""
     M, h, mu, x = 90.0, 0.06, 0.4, 0.13
     for sliding, sign in (("+x", 1), ("-x", -1)):
         brake = pad(h=h, span=(0.1, 0.16), moment=M, mu=mu, sliding=sliding)
@@ -301,7 +307,8 @@ def test_uwa_short_rotational_shoe_in_the_general_form(side: str, spin: int) -> 
     arc = (theta_m - 0.05, theta_m + 0.05)
     brake = hinged(R=r, a=a, arc=arc, moment=M, mu=mu, side=side, spin=spin)
     m, n = m_and_n(mu, theta_m, r, a)
-    dragged_away = spin > 0  # the lining lies counter-clockwise of the hinge
+    # The lining lies counter-clockwise of the hinge.
+    dragged_away = spin > 0
     dD = 1 if dragged_away == (side == "external") else -1
     assert double_delta(brake, brake.shoes[0]) == dD
     response = solve("short", brake)
@@ -326,10 +333,18 @@ def test_two_separately_actuated_short_shoes() -> None:
         hand = 1 if name == "helped" else -1
         shoes.append(
             hinged(
-                R=0.2, a=0.2, arc=(radians(88), radians(92)), moment=moment, mu=0.25, side="external",
-                hand=hand, turned=turned,
-            ).shoes[0].model_copy(update={"name": name})
-        )  # fmt: skip
+                R=0.2,
+                a=0.2,
+                arc=(radians(88), radians(92)),
+                moment=moment,
+                mu=0.25,
+                side="external",
+                hand=hand,
+                turned=turned,
+            )
+            .shoes[0]
+            .model_copy(update={"name": name})
+        )
     one = hinged(R=0.2, a=0.2, arc=(1.0, 2.0), moment=1.0, mu=0.25, side="external")
     brake = one.model_copy(update={"shoes": tuple(shoes)})
     response = solve("short", brake)
@@ -413,9 +428,14 @@ def test_pivot_off_the_middle_leaves_no_moment_about_it() -> None:
     out here.
     """
     brake = hinged(
-        R=0.25, a=0.45, arc=(radians(30), radians(130)), moment=300.0, mu=0.3, side="external",
+        R=0.25,
+        a=0.45,
+        arc=(radians(30), radians(130)),
+        moment=300.0,
+        mu=0.3,
+        side="external",
         pivot=(0.29, radians(84)),
-    )  # fmt: skip
+    )
     response = solve("pivoted", brake)
     (shoe,) = response.shoes
     theta = np.linspace(shoe.theta[0], shoe.theta[-1], 20001)

@@ -53,7 +53,7 @@ def layouts(draw: st.DrawFn) -> Layout:
 
 @st.composite
 def brakes(draw: st.DrawFn) -> Brake:
-    """One hinged shoe, turned anyhow, either hand and side, with friction below and above mu_lock."""
+    """A hinged shoe at any angle, either hand and side, with friction below and above mu_lock."""
     return hinged(
         R=draw(st.floats(0.05, 2.0)),
         a=draw(st.floats(0.05, 3.0)),
@@ -186,9 +186,8 @@ def test_shoe_factor_by_barecki_from_the_position_of_the_resultant(brake: Brake,
     (merit,) = MODELS[name].solve(brake).merits
     shoe, R = brake.shoes[0], brake.size
     angle = float(shoe.frame.phi(np.array(merit.resultant_angle)))
-    up = (
-        brake.spin * shoe.frame.sense
-    )  # friction on the shoe points from the hinge to the loaded end
+    # Friction on the shoe points from the hinge to the loaded end.
+    up = brake.spin * shoe.frame.sense
     leading = up if shoe.side == "external" else -up
     S = barecki_shoe_factor(
         brake.friction, angle, merit.friction_radius, shoe.hinge.radius / R, 1.0 / R, leading
@@ -346,10 +345,17 @@ def levers(draw: st.DrawFn) -> Brake:
         middle + draw(st.floats(-0.03, 0.03)),
     )
     return hinged(
-        R=R, a=draw(st.floats(0.3, 0.6)), arc=(middle - half, middle + half), moment=100.0,
-        mu=draw(st.floats(0.05, 0.4)), side=draw(SIDES), spin=draw(SIGNS), hand=draw(SIGNS),
-        turned=draw(st.floats(-pi, pi)), pivot=pivot,
-    )  # fmt: skip
+        R=R,
+        a=draw(st.floats(0.3, 0.6)),
+        arc=(middle - half, middle + half),
+        moment=100.0,
+        mu=draw(st.floats(0.05, 0.4)),
+        side=draw(SIDES),
+        spin=draw(SIGNS),
+        hand=draw(SIGNS),
+        turned=draw(st.floats(-pi, pi)),
+        pivot=pivot,
+    )
 
 
 @many
@@ -399,9 +405,15 @@ def test_pivot_at_its_place_makes_the_pressure_a_cosine_at_any_friction(
     middle: float, half: float, a: float, mu: float, spin: int, side: str
 ) -> None:
     brake = hinged(
-        R=0.25, a=a, arc=(middle - half, middle + half), moment=50.0, mu=mu, side=side, spin=spin,
+        R=0.25,
+        a=a,
+        arc=(middle - half, middle + half),
+        moment=50.0,
+        mu=mu,
+        side=side,
+        spin=spin,
         pivot=(float(pivot_radius(0.25, half)), middle),
-    )  # fmt: skip
+    )
     shoe = unlocked("pivoted", brake)
     assert shoe.pressure == approx(shoe.peak_pressure * np.cos(shoe.theta - middle), rel=1e-9)
     # and then it is the cosine law of a block fixed to the lever
@@ -446,9 +458,14 @@ def test_pivoted_lever_locks_and_tips() -> None:
 
 @many
 @given(
-    st.floats(0.02, 0.3), st.floats(0.01, 0.5), st.just(0.0) | st.floats(1e-20, 0.2), FRICTIONS,
-    st.sampled_from(["+x", "-x"]), SIGNS, st.sampled_from(["linear", "short"]),
-)  # fmt: skip
+    st.floats(0.02, 0.3),
+    st.floats(0.01, 0.5),
+    st.just(0.0) | st.floats(1e-20, 0.2),
+    FRICTIONS,
+    st.sampled_from(["+x", "-x"]),
+    SIGNS,
+    st.sampled_from(["linear", "short"]),
+)
 def test_flat_shoes_balance_and_their_sensitivity_is_the_derivative(
     x_min: float, length: float, h: float, mu: float, sliding: str, hand: int, name: str
 ) -> None:

@@ -156,7 +156,8 @@ def test_bad_files_are_refused_in_one_line(
         ),
         (
             {"theta_s": math.radians(161)},
-            "theta_s = 161 deg: must be above 5 deg and at most 180 deg - theta_p - theta_sb = 160 deg",
+            "theta_s = 161 deg: must be above 5 deg and at most 180 deg - theta_p - theta_sb = "
+            "160 deg",
         ),
         ({"theta_s": math.radians(5)}, "theta_s = 5 deg: must be above 5 deg"),
         ({"theta_s": 0.0, "reading": "span"}, "theta_s = 0 deg: must be above 0 deg"),
@@ -191,7 +192,8 @@ def test_laws_say_why_they_do_not_apply() -> None:
     shoe = {"R": 0.15, "a": 0.125, "moment": 1.0, "mu": 0.3}
     before = hinged(**shoe, arc=(-0.2, 1.0))
     assert MODELS["sine"].why_not(before) == (
-        "shoe 'shoe': the lining must lie within 0 to 180 deg of the hinge, not -11.4592 deg to 57.2958 deg"
+        "shoe 'shoe': the lining must lie within 0 to 180 deg of the hinge, not -11.4592 deg "
+        "to 57.2958 deg"
     )
     wide = hinged(**shoe, arc=(0.1, 3.5))
     for name in ("cosine", "block", "uniform", "short"):
@@ -214,11 +216,23 @@ def test_laws_say_why_they_do_not_apply() -> None:
         (["laws/pad.toml", "--model", "linear"], 0, "braking force 289.735 N"),
         (["brakes/rail_clamp.toml"], 0, "(L2, worst shoe), braking force "),
         (["laws/block.toml", "--model", "block"], 0, "torque 83.8874 N m"),
-        (["laws/pad.toml"], 2, "shoe 'pad': its lining has no thickness and material to mesh; allowed: short, linear"),
-        (["laws/pivoted_block.toml", "--model", "sine"], 2, "on its lever, not about its hinge; allowed: fem, pivoted"),
-        (["locking.toml", "--model", "block"], 3, "shoe 'block': self-locking, friction 4 is not below mu_lock = 3.63"),
+        (
+            ["laws/pad.toml"],
+            2,
+            "shoe 'pad': its lining has no thickness and material to mesh; allowed: short, linear",
+        ),
+        (
+            ["laws/pivoted_block.toml", "--model", "sine"],
+            2,
+            "on its lever, not about its hinge; allowed: fem, pivoted",
+        ),
+        (
+            ["locking.toml", "--model", "block"],
+            3,
+            "shoe 'block': self-locking, friction 4 is not below mu_lock = 3.63",
+        ),
     ],
-)  # fmt: skip
+)
 def test_command_line_answers_or_says_why_not_in_one_line(
     arguments: list[str],
     status: int,

@@ -59,7 +59,8 @@ def test_an_answer_that_turns_back_at_finite_pressure_ends_where_the_set_changes
     assert end.bounded
     assert end.friction == pytest.approx(0.5, rel=1e-10)
     both = active_set.solve(problems.at(0.45), np.array([True, True]))
-    assert not both.regular and both.p[1] > 0  # the other answer, which meets the first one at 0.5
+    # The other answer, which meets the first one at 0.5.
+    assert not both.regular and both.p[1] > 0
     assert (
         self_locking.agreement(
             problems.at(0.45), self_locking.limit(problems, 0.45).last, [both.active]
@@ -71,7 +72,7 @@ def test_an_answer_that_turns_back_at_finite_pressure_ends_where_the_set_changes
 
 
 def test_the_eigenvalue_is_exact_where_halving_was_not(brake):
-    """Just below the limit the answer is of order 1/distance, just beyond there is none: to 1e-9."""
+    """Just below the limit the answer is of order 1/distance; just beyond is none: to 1e-9."""
     for changes in ({}, {"rotation": "clockwise"}, RING):
         changed = vary(brake, changes)
         scene = prepare(changed, elements=20)
@@ -145,9 +146,8 @@ def test_below_half_the_limit_all_starts_agree_and_beyond_it_none_is_answered(se
     found = self_locking.agreement(problems.at(mu), self_locking.limit(problems, mu).last, starts)
     assert (found.same, found.others, found.unstable, found.lost) == (7, 0, 0, 0)
     assert found.difference < 1e-9
-    assert (end.friction < 5) == (
-        way == "locking"
-    )  # of those whose friction opposes the shoe, one in a hundred locks
+    # Of the brakes whose friction opposes the shoe, one in a hundred locks.
+    assert (end.friction < 5) == (way == "locking")
     for beyond in (1.0001, 1.05, 2, 3) if way == "locking" else ():
         with pytest.raises(NoAnswer, match="self-locking"):
             respond(scene, vary(brake, {"friction": beyond * end.friction}), penalty=math.inf)
@@ -233,9 +233,8 @@ def test_the_law_that_is_kept_with_a_scene_is_that_of_the_brake_at_hand(
         assert math.inf in expected and min(expected) < 10
         laws = [group.law(group.members[0]) for group in groups_of(scene, at_hand, 1e6)]
         assert laws == pytest.approx(expected, rel=1e-9)
-    monkeypatch.setattr(
-        rigid, "locking_friction", None
-    )  # nothing is computed again of a hinged shoe
+    # A hinged shoe needs no second computation.
+    monkeypatch.setattr(rigid, "locking_friction", None)
     laws = [group.law(group.members[0]) for group in groups_of(scene, brake, 1e6)]
     assert min(laws) < 10
 

@@ -272,7 +272,8 @@ def test_the_manual_is_built_whole_and_stands_alone(tmp_path, monkeypatch):
     torque = drumlin.solve(
         drumlin.read_brake(ROOT / "studies" / "double_shoe" / "brake.toml")
     ).torque
-    assert f"{torque:.6g}" in text  # what a page shows was computed as it was built
+    # The number on the page was computed when the page was built.
+    assert f"{torque:.6g}" in text
     for name in ("engineer/table", "engineer/which_law", "researcher/python", "notebooks/engineer"):
         assert "_images/" in (site / f"{name}.html").read_text(
             encoding="utf-8"
@@ -305,14 +306,15 @@ def test_every_value_is_quoted_and_every_quote_has_a_value():
 # the architecture page
 
 ARCHITECTURE = (PAGES / "researcher" / "architecture.md").read_text(encoding="utf-8")
-MOST_FILES = 5  # source files that a change touches, but for friction that depends on pressure
+# Largest number of source files that a change touches, but for friction that depends on pressure.
+MOST_FILES = 5
 
 
 def test_the_architecture_page_has_every_room():
     source = ROOT / "src" / "drumlin"
     rooms = {path.parent.relative_to(source) for path in source.rglob("__init__.py")}
     for room in rooms:
-        # The two rooms of rooms, fem and verification, list what is in them; the others stand alone.
+        # The rooms fem and verification list their own rooms; the others stand alone.
         if room.parts and (len(room.parts) == 1 or room.parts[0] == "fem"):
             name = ".".join(("drumlin", *room.parts))
             assert f"`{name}`" in ARCHITECTURE, name
@@ -352,7 +354,7 @@ NOT_OURS = (
 
 
 def modules():
-    """The modules of both packages by each ending of their names: `adapt`, `error_control.adapt`."""
+    """Modules of both packages by each ending of their names: `adapt`, `error_control.adapt`."""
     found = {}
     for package in ("drumlin", "drumlin_studies"):
         for path in (ROOT / "src" / package).rglob("*.py"):

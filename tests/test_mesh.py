@@ -47,7 +47,7 @@ def test_groups_cover_the_mesh_and_its_ends(brake):
 
 @pytest.mark.parametrize("name", ["brake", "flexible"])
 def test_a_mesh_is_as_exact_as_is_said(name):
-    """By default p is within 0.2 % (L2) of a far finer answer of columns, the torque within 1e-5."""
+    """By default p is within 0.2 % (L2) of a far finer answer, the torque within 1e-5."""
     brake = read_brake(STUDY / f"{name}.toml")
     found, true = respond(prepare(brake), brake), solve(brake, tolerance=1e-5)
     off = errors(brake, found.shoes, true.shoes)

@@ -156,9 +156,8 @@ def test_an_input_file_as_people_write_it(tmp_path, brake):
     assert mesh.cell_groups["right"]["quad"].tolist() == [1]
     assert mesh.cell_groups["both"]["quad"].tolist() == [0, 1]
     assert mesh.cell_groups["edge"]["line"].tolist() == [0]
-    assert mesh.cells["line3"].tolist() == [
-        [0, 2, 1]
-    ]  # end, middle, end in the file; here the middle is last
+    # The file has end, middle, end; here the middle node is last.
+    assert mesh.cells["line3"].tolist() == [[0, 2, 1]]
     assert mesh.node_groups["bottom"].tolist() == [0, 1, 2]
     assert len(mesh.node_groups["all"]) == 7
 
@@ -191,7 +190,7 @@ def test_an_input_file_that_cannot_be_read_is_refused_in_one_line(tmp_path, brak
 
 
 def test_counts_that_numpy_only_warns_of_are_refused(tmp_path, brake, monkeypatch):
-    """numpy before 2.3 warns where newer ones raise, and the numbers that were read would be taken."""
+    """numpy before 2.3 warns where newer ones raise; the numbers read so far would be taken."""
     written = filed(brake, tmp_path, "tri1", "msh")
     read = meshio.read
 
@@ -332,14 +331,34 @@ FAULTS = {
     "inverted curved quadrilateral": ("quad2", inverted, "inverted or without area in a corner"),
     "folded triangles": ("tri1", folded, "folded over a neighbour"),
     "twice the same elements": ("tri1", twice, "more than two elements meet in an edge"),
-    "one node twice": ("quad1", lambda m: cells_of(m).__setitem__((3, 0), cells_of(m)[3, 2]), "that a cell has twice"),
-    "middle not shared": ("tri2", lambda m: cells_of(m).__setitem__((3, 4), cells_of(m)[9, 4]), "not its middle node"),
+    "one node twice": (
+        "quad1",
+        lambda m: cells_of(m).__setitem__((3, 0), cells_of(m)[3, 2]),
+        "that a cell has twice",
+    ),
+    "middle not shared": (
+        "tri2",
+        lambda m: cells_of(m).__setitem__((3, 4), cells_of(m)[9, 4]),
+        "not its middle node",
+    ),
     "not plane": ("tri1", tilted, "is not plane"),
     "far away": ("tri1", lambda m: m.points.__setitem__((0, 0), 1e300), "e+299 m far"),
     "inner contact": ("tri1", cell_edges, "edges of the group contact are not on the boundary"),
-    "strange contact": ("tri1", strange_edges, "group contact: 1 of its 5 edges are not edges of the cells"),
-    "no hinge": ("tri2", regrouped("hinge", lambda m: np.zeros(len(m.points))), "missing or empty: hinge"),
-    "one node as hinge": ("tri2", regrouped("hinge", lambda m: np.arange(len(m.points)) == 0), "or empty: hinge"),
+    "strange contact": (
+        "tri1",
+        strange_edges,
+        "group contact: 1 of its 5 edges are not edges of the cells",
+    ),
+    "no hinge": (
+        "tri2",
+        regrouped("hinge", lambda m: np.zeros(len(m.points))),
+        "missing or empty: hinge",
+    ),
+    "one node as hinge": (
+        "tri2",
+        regrouped("hinge", lambda m: np.arange(len(m.points)) == 0),
+        "or empty: hinge",
+    ),
     "hinge on the lining": (
         "tri2",
         regrouped("hinge", lambda m: (m.point_data["hinge"] > 0) | (m.point_data["contact"] > 0)),
@@ -347,17 +366,29 @@ FAULTS = {
     ),
     "contact in two pieces": (
         "quad2",
-        regrouped("contact", lambda m: (m.point_data["contact"] > 0) & (np.abs(m.points[:, 1]) > 0.015)),
+        regrouped(
+            "contact", lambda m: (m.point_data["contact"] > 0) & (np.abs(m.points[:, 1]) > 0.015)
+        ),
         "one line without gaps",
     ),
-    "cells of no group": ("quad2", lambda m: m.cell_data["shoe"][0].__setitem__(-1, 0), "exactly one of the groups"),
-    "wrong frame": ("tri1", lambda m: m.points.__setitem__((..., 0), -m.points[:, 0]), "read in the brake's frame"),
+    "cells of no group": (
+        "quad2",
+        lambda m: m.cell_data["shoe"][0].__setitem__(-1, 0),
+        "exactly one of the groups",
+    ),
+    "wrong frame": (
+        "tri1",
+        lambda m: m.points.__setitem__((..., 0), -m.points[:, 0]),
+        "read in the brake's frame",
+    ),
     "solid cells": (
         "tri1",
-        lambda m: meshio.Mesh(m.points, [*m.cells, ("tetra", np.array([[0, 1, 2, 3]]))], point_data=m.point_data),
+        lambda m: meshio.Mesh(
+            m.points, [*m.cells, ("tetra", np.array([[0, 1, 2, 3]]))], point_data=m.point_data
+        ),
         "has cells ['tetra']; allowed are triangles and quadrilaterals",
     ),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("case", FAULTS)

@@ -82,7 +82,7 @@ def test_where_a_lining_of_another_radius_touches(side, dr):
 
 
 def rigid(side="internal", thickness=4e-3, nu=0.0, half=50, force=500.0):
-    """A rigid shoe without friction, its lining's middle 90 deg from the hinge and under the force."""
+    """A rigid shoe, frictionless, its lining's middle 90 deg from the hinge and under the force."""
     sign = 1 if side == "internal" else -1
     return brake_from(
         {
@@ -114,7 +114,7 @@ def rigid(side="internal", thickness=4e-3, nu=0.0, half=50, force=500.0):
 
 
 def test_gross_mismatch_on_a_thin_lining_is_the_parabola_of_its_layer():
-    """Contact wide against t: p = (E/t)(x_c^2 - x^2)/(2 rho), nu = 0; P = (2/3)(E/t) b x_c^3/rho."""
+    """Contact wide against t: p = (E/t)(x_c^2 - x^2)/(2 rho), P = (2/3)(E/t) b x_c^3/rho."""
     t, dr = 4e-4, 2e-3
     brake = vary(rigid(thickness=t, half=25, force=2000.0), {f"{MISFIT}.radius": R - dr})
     shoe = solve(brake, elements=200).shoes[0]
@@ -127,7 +127,7 @@ def test_gross_mismatch_on_a_thin_lining_is_the_parabola_of_its_layer():
 
 
 def test_gross_mismatch_on_a_thick_lining_is_hertz():
-    """Contact narrow against t: a^2 = 4 P rho/(pi E b), p_0 = 2 P/(pi a b), against a rigid drum."""
+    """Contact narrow against t, rigid drum: a^2 = 4 P rho/(pi E b), p_0 = 2 P/(pi a b)."""
     t, r = 0.06, 0.143
     brake = vary(rigid(thickness=t, half=20, force=60.0), {f"{MISFIT}.radius": r})
     shoe = solve(brake, elements=240).shoes[0]

@@ -194,9 +194,16 @@ def test_a_tolerance_leaves_neither_ring_nor_shoe_out_and_holds(case):
 def test_a_change_is_that_of_the_shoe_that_changes_most():
     whole = solve(BRAKE, elements=10)
     for factors in ((1.0, 1.1), (1.1, 1.0)):
-        shoes = [replace(shoe, pressure=f * shoe.pressure, peak_pressure=f * shoe.peak_pressure, torque=f * shoe.torque,
-                         hinge_reaction=f * shoe.hinge_reaction)
-                 for f, shoe in zip(factors, whole.shoes, strict=True)]  # fmt: skip
+        shoes = [
+            replace(
+                shoe,
+                pressure=f * shoe.pressure,
+                peak_pressure=f * shoe.peak_pressure,
+                torque=f * shoe.torque,
+                hinge_reaction=f * shoe.hinge_reaction,
+            )
+            for f, shoe in zip(factors, whole.shoes, strict=True)
+        ]
         found = change(replace(whole, shoes=tuple(shoes)), whole)
         assert [found.pressure, found.peak, found.each, found.reaction] == pytest.approx([0.1] * 4)
 

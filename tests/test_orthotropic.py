@@ -1,5 +1,6 @@
 """Orthotropic materials: keys and refusals, closed forms, other solvers, and what physics asks of
-every brake."""
+every brake.
+"""
 
 import math
 import re
@@ -240,9 +241,12 @@ def test_an_isotropic_material_written_as_an_orthotropic_one_gives_the_same_answ
 @pytest.mark.parametrize("elements", [None, 12])
 def test_a_nearly_isotropic_material_gives_nearly_the_same_answer(elements):
     """The kernels integrate what it is stiffer along and through; the answer hangs on it without a
-    jump."""
-    near = {key: {**alike(material), "G_along_through": 1.0 * material.G_along_through * (1 + 1e-7)}
-            for key, material in parts_of(FLEXIBLE)}  # fmt: skip
+    jump.
+    """
+    near = {
+        key: {**alike(material), "G_along_through": 1.0 * material.G_along_through * (1 + 1e-7)}
+        for key, material in parts_of(FLEXIBLE)
+    }
     one, other = (
         solve(brake, elements=elements).torque for brake in (FLEXIBLE, vary(FLEXIBLE, near))
     )
@@ -251,7 +255,8 @@ def test_a_nearly_isotropic_material_gives_nearly_the_same_answer(elements):
 
 def pad(thickness, material):
     """A pad on a guide that is square to the plane, rigid behind its lining, 500 N on 120 mm x 40
-    mm."""
+    mm.
+    """
     lining = {
         "start": 0.0,
         "end": 0.12,
@@ -272,7 +277,8 @@ def pad(thickness, material):
 
 def test_a_thin_bonded_lining_gives_way_by_its_uniaxial_strain():
     """p t/D_22, D_22 = E_t/(1 - nu^2 E_t/E_a): held along by its back. What its ends miss halves
-    with t."""
+    with t.
+    """
     off = []
     for t in (1e-3, 5e-4):
         (found,) = solve(pad(t, LINING), penalty=math.inf).shoes
@@ -289,7 +295,8 @@ def test_a_ring_under_inner_pressure_opens_as_lekhnitskii_has_it(stiffer, kind, 
     """u = A r^k + B r^-k, k = sqrt(E_around/E_radial), sigma_r = -p inside and 0 outside
     (Anisotropic Plates, s. 24).
 
-    The directions turn with the arc: a quarter ring on two planes of symmetry."""
+    The directions turn with the arc: a quarter ring on two planes of symmetry.
+    """
     a, b, p, width = 0.1, 0.2, 1e6, 0.03
     material = Orthotropic(
         E_along=stiffer * 1e9, E_through=1e9, G_along_through=4e8, nu_along_through=0.3
@@ -331,11 +338,13 @@ def test_a_ring_under_inner_pressure_opens_as_lekhnitskii_has_it(stiffer, kind, 
 
 def test_the_half_plane_modulus_is_that_of_its_waves():
     """Displacements exp(i x - s y) of a half-plane y > 0 under a wave of pressure without shear,
-    from equilibrium."""
+    from equilibrium.
+    """
     material = Orthotropic(**LINING)
     D = elasticity_matrix(material)
     (along, coupled), (_, through), shear = D[0, :2], D[1, :2], D[2, 2]
-    # -D11 U + G U'' + (D12 + G) i V' = 0 and -G V + D22 V'' + (D12 + G) i U' = 0, a polynomial in s^2.
+    # -D11 U + G U'' + (D12 + G) i V' = 0 and -G V + D22 V'' + (D12 + G) i U' = 0 have a
+    # characteristic polynomial in s^2.
     mixed = (coupled + shear) ** 2
     squares = np.roots([shear * through, -along * through - shear**2 + mixed, along * shear])
     s = np.sqrt(squares.astype(complex))
@@ -437,13 +446,22 @@ def test_all_moduli_and_forces_by_one_factor_leave_the_shape_of_the_pressure(see
 def test_closed_form_laws_refuse_directions_in_a_line_and_take_isotropic_materials(model):
     brake = next(
         read_any(ROOT / "studies" / name)
-        for name in ("double_shoe/brake.toml", "laws/pivoted_block.toml", "brakes/rail_clamp.toml", "brakes/s_cam.toml",
-                     "laws/short_block.toml", "laws/pad.toml")
+        for name in (
+            "double_shoe/brake.toml",
+            "laws/pivoted_block.toml",
+            "brakes/rail_clamp.toml",
+            "brakes/s_cam.toml",
+            "laws/short_block.toml",
+            "laws/pad.toml",
+        )
         if MODELS[model].why_not(read_any(ROOT / "studies" / name)) is None
-    )  # fmt: skip
+    )
     directed = vary(brake, {"shoe[0].lining.material": LINING})
     name = brake.shoes[0].name
-    said = f"shoe {name!r}: lining.material is orthotropic; a closed-form law takes isotropic materials only"
+    said = (
+        f"shoe {name!r}: lining.material is orthotropic; a closed-form law takes isotropic "
+        "materials only"
+    )
     assert MODELS[model].why_not(directed) == said
     with pytest.raises(BadInput, match=re.escape(said)):
         drumlin.solve(directed, model=model)
@@ -484,7 +502,8 @@ def test_comparing_says_which_models_do_not_apply_and_answers_by_the_elements():
 @pytest.mark.parametrize("name", ["arcs", pytest.param("posts", marks=pytest.mark.slow)])
 def test_slopes_are_those_of_differences(name, elements):
     """By one factor on all moduli of a part, and by the points that a straight beam's directions
-    turn with."""
+    turn with.
+    """
     brake = orthotropic(FLEXIBLE if name == "arcs" else vary(POST, {"drum.ring": None}), 3)
     divided = Divided(elements, Cache())
     base, found = divided.solved(brake), divided.slopes(brake)
@@ -498,7 +517,8 @@ def test_slopes_by_moduli_are_said_to_be_by_one_factor_on_all():
     found = sensitivity(scene_of(brake, elements=20), brake)
     lines = as_text(found, brake)
     assert lines[-1] == (
-        "  d ln T/d ln E of shoe 'right': lining.material, shoe 'left': lining.material: by one factor on all moduli; "
+        "  d ln T/d ln E of shoe 'right': lining.material, shoe 'left': lining.material: by "
+        "one factor on all moduli; "
         "not given by each of them"
     )
     assert found.law is None and "one factor" not in "\n".join(as_text(found, MAIN))
@@ -507,7 +527,8 @@ def test_slopes_by_moduli_are_said_to_be_by_one_factor_on_all():
 def test_stresses_are_those_of_the_layers_directions():
     """At the surface of a lining on a rigid shoe the radial stress is -p, on columns as on a mesh.
     Held along by the shoe the lining has the strain e through it and, since its surface moves
-    inwards by t e, e t/R around."""
+    inwards by t e, e t/R around.
+    """
     brake = with_lining(
         vary(MAIN, {"shoe.body": None, "friction": 0.0, "shoe.lining.thickness": 0.004})
     )
@@ -547,7 +568,10 @@ def test_a_deck_for_calculix_has_the_nine_constants_and_the_layers_directions(tm
     )
     paths, _ = calculix.export(post, tmp_path, "post", elements=6)
     text = paths[0].read_text()
-    lines = r"NAME=BACKING\n\*ELASTIC, TYPE=ENGINEERING CONSTANTS\n(.*),\n(.*)\n\*ORIENTATION, (.*)\n(.*)"
+    lines = (
+        r"NAME=BACKING\n\*ELASTIC, TYPE=ENGINEERING CONSTANTS\n(.*),\n(.*)\n\*ORIENTATION, "
+        r"(.*)\n(.*)"
+    )
     constants = re.search(lines, text)
     values = [float(x) for x in f"{constants[1]}, {constants[2]}".split(",")]
     # Through, along, across: MPa.

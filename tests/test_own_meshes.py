@@ -63,7 +63,8 @@ def turned(text):
 
 def with_drum(text):
     """A second part whose labels begin at 1, too."""
-    drum = "*PART, NAME=Drum\n*NODE\n1, .2, 0.\n2, .3, 0.\n3, .3, .1\n*ELEMENT, TYPE=CPS3\n1, 1, 2, 3\n*END PART\n"
+    drum = "*PART, NAME=Drum\n*NODE\n1, .2, 0.\n2, .3, 0.\n3, .3, .1\n"
+    drum += "*ELEMENT, TYPE=CPS3\n1, 1, 2, 3\n*END PART\n"
     inside = in_part(text, "").replace(
         "*END ASSEMBLY", "*INSTANCE, NAME=Drum-1, PART=Drum\n*END INSTANCE\n*END ASSEMBLY"
     )
@@ -217,7 +218,7 @@ def test_middle_nodes_of_straight_sides_are_put_on_the_drum(tmp_path, brake, sho
 
 @pytest.mark.parametrize("depth", [3e-6, 20e-6])
 def test_a_flat_in_rounded_coordinates_stays(tmp_path, brake, shoe, depth):
-    """A lining worn by some 3 um over a quarter of its length, in coordinates of 0.01 mm and less."""
+    """A lining worn over a quarter of its length, in coordinates of 0.001 mm."""
     radius = brake.drum.radius
 
     def worn(x, y):

@@ -16,7 +16,8 @@ TEMPLATE = """{% extends "base.html" %}
 {% block lead %}off by {{ error|form("+.1%") }}{% endblock %}
 {% block body %}
 {% call figure("dot.png") %}a <b>dot</b> of {{ name }}{% endcall %}
-{% set columns = [Column("a", "first", "mm", 1e3, ".1f"), Column("b", "second"), Column("c", "third")] %}
+{% set first = Column("a", "first", "mm", 1e3, ".1f") %}
+{% set columns = [first, Column("b", "second"), Column("c", "third")] %}
 {% call table(rows, columns) %}rows{% endcall %}
 {{ fields("none", "no screen") }}
 {% endblock %}
@@ -91,9 +92,15 @@ def test_a_large_number_has_no_exponent_and_keeps_its_digits():
 
 def test_every_percentage_is_written_alike():
     """A space before the sign; formats of Python's own would leave it out."""
-    assert [formatted(x, form) for x, form in ((0.18, ".0%"), (-0.0123, "+.1%"), (-1e-9, "+.1%"), (0.5, ".1f"))] == [
-        "18 %", "-1.2 %", "0.0 %", "0.5",
-    ]  # fmt: skip
+    assert [
+        formatted(x, form)
+        for x, form in ((0.18, ".0%"), (-0.0123, "+.1%"), (-1e-9, "+.1%"), (0.5, ".1f"))
+    ] == [
+        "18 %",
+        "-1.2 %",
+        "0.0 %",
+        "0.5",
+    ]
     sources = [*ROOT.glob("src/drumlin/**/*.py"), *ROOT.glob("studies/**/*.py")]
     bare = {
         path.name for path in sources if re.search(r"\{[^{}\n]+:[-+,.0-9]*%\}", path.read_text())

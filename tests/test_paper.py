@@ -11,8 +11,17 @@ from drumlin.studies import load
 from kept_reports import rows
 
 study = load("paper")[0]
-PARTS = ["Summary", "Statement of need", "State of the field", "How it works", "How it is checked", "What it has shown",
-         "Honest limits", "Availability", "References"]  # fmt: skip
+PARTS = [
+    "Summary",
+    "Statement of need",
+    "State of the field",
+    "How it works",
+    "How it is checked",
+    "What it has shown",
+    "Honest limits",
+    "Availability",
+    "References",
+]
 
 
 @pytest.fixture(scope="module")

@@ -66,8 +66,12 @@ class Parsed:
         }
 
     def rows(self, keyword, **options):
-        return [row for key, given, rows in self.sections if key == keyword and options.items() <= given.items()
-                for row in rows]  # fmt: skip
+        return [
+            row
+            for key, given, rows in self.sections
+            if key == keyword and options.items() <= given.items()
+            for row in rows
+        ]
 
     def edge(self, element, face):
         """Ends and middle of a face, in the element's sense."""
@@ -188,9 +192,8 @@ def written(brake, loaded, setting, **changes) -> tuple[str, str, str, float]:
     psi = np.array([xi * (xi - 1) / 2, 1 - xi**2, xi * (xi + 1) / 2])
     slope = np.array([xi - 0.5, -2 * xi, xi + 0.5])
     nodal, torque = np.zeros((len(theta), 2)), 0.0
-    for k in np.flatnonzero(
-        lining
-    ):  # traction -n + mu s e, times the width, per pascal, on the element's edge
+    # The traction -n + mu s e, times the width, acts on the element's edge per pascal.
+    for k in np.flatnonzero(lining):
         on = slice(2 * k, 2 * k + 3)
         nodes = R * np.array([np.cos(theta[on]), np.sin(theta[on])])
         x, ds = nodes @ psi, np.hypot(*(nodes @ slope)) * w * shoe.lining.width
@@ -212,17 +215,27 @@ def written(brake, loaded, setting, **changes) -> tuple[str, str, str, float]:
     shear = changes.get("shear", 1.0) * brake.friction
     when = changes.get("time", "0.1000000E+01")
     dat = [
-        f" displacements (vx,vy,vz) for set PIN and time  {when}", "",
-        f"  900 {-pin[0] / BEARING_STIFFNESS:.6E} {-pin[1] / BEARING_STIFFNESS:.6E} 0.000000E+00", "",
-        f" displacements (vx,vy,vz) for set TURN and time  {when}", "",
-        "  901 1.000000E-04 0.000000E+00 0.000000E+00", "",
-        f" forces (fx,fy,fz) for set NDRUM and time  {when}", "",
-        *[f"  {902 + i} {f[0]:.6E} {f[1]:.6E} 0.000000E+00" for i, f in enumerate(rows)], "",
-        " contact stress (slave element+face,press,tang1,tang2) for all contact elements and time 0.1000000E+01", "",
-        *[f"  {e} 3 {pressure * 1e-6:.6E} {shear * pressure * 1e-6:.6E} 1.0E-09"
-          for e in elements],
-    ]  # fmt: skip
-    sta = "SUMMARY OF JOB INFORMATION\n  STEP INC ATT ITRS TOT\n     1   1   1   4  0.5\n     1   2   1   3  1.0\n"
+        f" displacements (vx,vy,vz) for set PIN and time  {when}",
+        "",
+        f"  900 {-pin[0] / BEARING_STIFFNESS:.6E} {-pin[1] / BEARING_STIFFNESS:.6E} 0.000000E+00",
+        "",
+        f" displacements (vx,vy,vz) for set TURN and time  {when}",
+        "",
+        "  901 1.000000E-04 0.000000E+00 0.000000E+00",
+        "",
+        f" forces (fx,fy,fz) for set NDRUM and time  {when}",
+        "",
+        *[f"  {902 + i} {f[0]:.6E} {f[1]:.6E} 0.000000E+00" for i, f in enumerate(rows)],
+        "",
+        " contact stress (slave element+face,press,tang1,tang2) for all contact elements and "
+        "time 0.1000000E+01",
+        "",
+        *[f"  {e} 3 {pressure * 1e-6:.6E} {shear * pressure * 1e-6:.6E} 1.0E-09" for e in elements],
+    ]
+    sta = (
+        "SUMMARY OF JOB INFORMATION\n  STEP INC ATT ITRS TOT\n     1   1   1   4  0.5\n     "
+        "1   2   1   3  1.0\n"
+    )
     return "\n".join(dat) + "\n", sta, " number of equations\n 1459\n", pressure
 
 
@@ -235,7 +248,8 @@ def test_results_are_read_as_written(index):
     assert (state.iterations, state.unknowns) == (7, 1459)
     assert (state.touching, state.points, state.sticking) == (20, 120, 0.0)
     shoe, balance = calculix.response(loaded, state)
-    edge = 0.5  # the jump at the ends leaves ripples in the elements next to them
+    # The jump at the ends leaves ripples in the elements next to them.
+    edge = 0.5
     inside = (shoe.theta > shoe.theta[0] + edge) & (shoe.theta < shoe.theta[-1] - edge)
     assert shoe.pressure[inside] == pytest.approx(pressure, rel=1e-4)
     spec = MAIN.shoes[index].lining

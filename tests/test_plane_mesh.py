@@ -177,11 +177,13 @@ FAULTS: dict[str, tuple[Callable[[meshio.Mesh], None], str]] = {
     ),
     "in the plane": (
         sunk,
-        "lies up to 0.2 mm in the plane, over 0.1 of the lining's thickness of 1 mm; say mesh_inter",
+        "lies up to 0.2 mm in the plane, over 0.1 of the lining's thickness of 1 mm; say "
+        "mesh_inter",
     ),
     "elsewhere": (
         shifted,
-        "runs from 70 mm to 190 mm; must be the lining's length, 60 mm to 180 mm, within 4.18879 mm",
+        "runs from 70 mm to 190 mm; must be the lining's length, 60 mm to 180 mm, within "
+        "4.18879 mm",
     ),
     "steep": (ramped, "with an edge of the contact that is steeper than 0.1 against the plane"),
     "far": (far, r"reaches 1e\+200 m far; must be a shoe on a plane, its lining 120 mm long"),

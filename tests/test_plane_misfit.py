@@ -33,15 +33,21 @@ MISFIT = "shoe.lining.misfit"
 def centred(
     thickness: float, force: float = 500.0, nu: float = 0.0, mu: float = 0.0, **lining: Any
 ) -> FlatBrake:
-    """A rigid pad about x = 0 on a guide that is square to the plane, under a force in its middle."""
+    """A rigid pad about x = 0 on a guide square to the plane, under a force in its middle."""
     material = {"E": E, "nu": nu}
     shoe = {
         "name": "pad",
         "guide": {"direction": -math.pi / 2},
-        "lining": {"start": -LENGTH / 2, "end": LENGTH / 2, "width": WIDTH, "thickness": thickness,
-                   "material": material} | lining,
+        "lining": {
+            "start": -LENGTH / 2,
+            "end": LENGTH / 2,
+            "width": WIDTH,
+            "thickness": thickness,
+            "material": material,
+        }
+        | lining,
         "actuation": {"force": force, "direction": -math.pi / 2, "point": {"x": 0.0, "y": 0.1}},
-    }  # fmt: skip
+    }
     return validated(
         FlatBrake, {"title": "t", "friction": mu, "plane": {"sliding": "+x"}, "shoe": [shoe]}
     )
@@ -63,9 +69,8 @@ def test_the_gap_ends_on_the_faces_own_circle(
     gap = off_circle.crown_gap(r, Point(x=x, y=y), along)
     away = np.hypot(along - x, gap - (r + y))
     np.testing.assert_allclose(away, radius, rtol=1e-13)
-    assert (
-        off_circle.crown_gap(r, Point(x=0.0, y=0.0), along)[20] == 0.0
-    )  # it meets the plane in the lining's middle
+    # The pad meets the plane in the lining's middle.
+    assert off_circle.crown_gap(r, Point(x=0.0, y=0.0), along)[20] == 0.0
 
 
 def test_a_crowned_pad_with_a_thin_lining_is_pressed_by_a_parabola() -> None:
@@ -137,9 +142,11 @@ def test_taper_blocks_and_offset_are_the_clearances_that_they_say() -> None:
     for misfit, table in (
         ({"taper": 2e-6}, [[start, -1e-6], [end, 1e-6]]),
         ({"offset": {"x": 0.002, "y": 1e-6}}, 1e-6),
-        ({"radius": 500.0, "offset": {"x": 0.003, "y": 0.0}},
-         [[x, (x - 0.123) ** 2 / 1000] for x in np.linspace(start, end, 241)]),
-    ):  # fmt: skip
+        (
+            {"radius": 500.0, "offset": {"x": 0.003, "y": 0.0}},
+            [[x, (x - 0.123) ** 2 / 1000] for x in np.linspace(start, end, 241)],
+        ),
+    ):
         changes = {MISFIT: misfit}, {"shoe.lining.clearance": table}
         a, b = (drumlin.solve(vary(brake, change), elements=40).shoes[0] for change in changes)
         assert b.normal_force == pytest.approx(a.normal_force, rel=1e-4)

@@ -91,8 +91,15 @@ def test_names_reach_the_terminal_escaped(tmp_path):
 def test_streams_that_are_closed_or_full(tmp_path):
     words = [*DRUMLIN, "solve", BRAKE, *QUICK]
     env = {**os.environ, "PYTHONPATH": PATH}
-    closed = subprocess.run(words, cwd=tmp_path, env=env, stderr=subprocess.PIPE, text=True, check=False,
-                            preexec_fn=lambda: os.close(1))  # fmt: skip
+    closed = subprocess.run(
+        words,
+        cwd=tmp_path,
+        env=env,
+        stderr=subprocess.PIPE,
+        text=True,
+        check=False,
+        preexec_fn=lambda: os.close(1),
+    )
     assert "standard output is closed" in one_line(closed, 3)
     silent = subprocess.run(
         words,

@@ -19,7 +19,8 @@ from drumlin.fem.equilibrium.group import ShoeGroup
 from drumlin.fem.model import respond
 from drumlin.fem.preparation.prepare import prepare
 
-UNIQUE = 0.6  # friction up to which any start must lead to the same answer
+# Friction up to which any start must lead to the same answer.
+UNIQUE = 0.6
 ROTATIONS = ("counter-clockwise", "clockwise")
 
 
@@ -145,4 +146,5 @@ def test_random_brakes_end_converged_or_refused_with_a_reason(count):
         assert ends["2 arcs"] + ends["3 arcs"] >= 1 and ends["NoAnswer"] >= 1, (
             ends
         )  # both are among the hundred
-    assert 1 <= np.median(steps) <= 6  # a few need tens: one node after the other
+    # A few brakes need tens of steps, one node after the other.
+    assert 1 <= np.median(steps) <= 6

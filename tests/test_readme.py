@@ -30,8 +30,10 @@ def test_law_against_elements():
     sine = [row for row in made if row["model"] == "sine"]
     stiff = {row["shoe"]: row for row in sine if row["case"] == "stiff shoes"}
     low, high, low_too, peak, flexible, seconds = quoted(
-        r"total torque is ([\d.]+) % low, its torque of the single shoes ([\d.]+) % high and ([\d.]+) % low, its peak "
-        r"pressure up to ([\d.]+) % low; with flexible shoes the total is ([\d.]+) % low\. The whole elastic brake is "
+        r"total torque is ([\d.]+) % low, its torque of the single shoes ([\d.]+) % high and "
+        r"([\d.]+) % low, its peak "
+        r"pressure up to ([\d.]+) % low; with flexible shoes the total is ([\d.]+) % low\. The "
+        r"whole elastic brake is "
         r"solved in ([\d.]+) s"
     )
     digits(low, -100 * float(stiff["all"]["torque_error"]))
@@ -99,7 +101,8 @@ def test_error_against_run_time():
 def test_run_in():
     made = rows("run_in/brakes.csv", brake="double_shoe/brake", model="fem")[0]
     within, distance = quoted(
-        r"end at p ~ sin φ within ([\d.]+) %, after a sliding distance of some ([\d.]+)/\(k K\), an eighth"
+        r"end at p ~ sin φ within ([\d.]+) %, after a sliding distance of some ([\d.]+)/\(k "
+        r"K\), an eighth"
     )
     assert 100 * float(made["end_pressure"]) <= within
     digits(distance, float(made["pressure_distance"]))
@@ -111,7 +114,8 @@ def test_run_in():
 def test_stated_against_true_errors():
     """Of all that are judged: p, torque, peak and reaction of every brake, to every tolerance."""
     brakes, above, most, whole = quoted(
-        r"stated errors of (\d+) random brakes ([\d.]+) % were smaller than the true ones, at most ([\d.]+) times; "
+        r"stated errors of (\d+) random brakes ([\d.]+) % were smaller than the true ones, at "
+        r"most ([\d.]+) times; "
         r"([\d.]+) % if the uncertainty"
     )
     made = [{k: v for k, v in row.items() if v} for row in rows("verification/stated_true.csv")]

@@ -5,8 +5,15 @@ from drumlin_studies.work_precision import enough, series
 
 
 def row_of(elements, error, seconds, family="graded mesh"):
-    return {"family": family, "kind": "quad2", "elements": elements, "torque_error": error, "seconds": seconds,
-            "ratio": 10 * seconds, "status": "converged"}  # fmt: skip
+    return {
+        "family": family,
+        "kind": "quad2",
+        "elements": elements,
+        "torque_error": error,
+        "seconds": seconds,
+        "ratio": 10 * seconds,
+        "status": "converged",
+    }
 
 
 def test_luck_is_no_recommendation_and_ties_go_to_the_more_exact():
@@ -23,10 +30,8 @@ def test_luck_is_no_recommendation_and_ties_go_to_the_more_exact():
     ]
     floors = {"torque_error": 1e-6}
     fit = enough(lucky + other + failed, "torque_error", 5e-3, floors)
-    assert [row["seconds"] for row in fit] == [
-        4.5,
-        4.0,
-    ]  # 20 elements were lucky; of two alike the more exact is first
+    # The mesh of 20 elements was lucky; of two equally fast rows the more exact one is first.
+    assert [row["seconds"] for row in fit] == [4.5, 4.0]
     assert enough(lucky, "torque_error", 1e-7, floors) == []
     assert len(series(lucky + other)) == 2
 
@@ -43,8 +48,17 @@ def test_what_to_use_is_a_matrix_of_brakes_and_targets():
         "seconds": 0.1,
         "ratio": 0.1,
     }
-    mesh = {"family": "graded mesh", "method": "quad2, 40 elements", "kind": "quad2", "elements": 40, "seconds": 2.0,
-            "ratio": 2.0, "status": "converged", "torque_error": 1e-5, "pressure_error": 2e-3}  # fmt: skip
+    mesh = {
+        "family": "graded mesh",
+        "method": "quad2, 40 elements",
+        "kind": "quad2",
+        "elements": 40,
+        "seconds": 2.0,
+        "ratio": 2.0,
+        "status": "converged",
+        "torque_error": 1e-5,
+        "pressure_error": 2e-3,
+    }
     rows = [
         {"brake": "right", **law, "torque_error": 5e-3, "pressure_error": 0.5},
         {"brake": "wrong", **law, "torque_error": 0.2, "pressure_error": 0.5},
@@ -75,17 +89,29 @@ def test_peers_are_held_against_the_fastest_way_to_each_error():
     """
 
     def made(family, error, ratio, **more):
-        return {"brake": "one", "family": family, "method": "x", "kind": "quad2", "pressure_error": error,
-                "ratio": ratio, "status": "converged", **more}  # fmt: skip
+        return {
+            "brake": "one",
+            "family": family,
+            "method": "x",
+            "kind": "quad2",
+            "pressure_error": error,
+            "ratio": ratio,
+            "status": "converged",
+            **more,
+        }
 
     rows = [
-        made("columns", 2e-3, 1.0, level=0), made("columns", 2e-4, 2.0, level=1), made("columns", 2e-5, 4.0, level=2),
+        made("columns", 2e-3, 1.0, level=0),
+        made("columns", 2e-4, 2.0, level=1),
+        made("columns", 2e-5, 4.0, level=2),
         made("graded mesh", 4e-3, 8.0, elements=56),
-        made("GetFEM", 4e-3, 40.0, elements=56), made("GetFEM", 9e-4, 90.0, elements=112),
-        made("GetFEM", 3e-3, 30.0, elements=42, layers=5), made("GetFEM", 4e-4, 80.0, elements=81, layers=7),
+        made("GetFEM", 4e-3, 40.0, elements=56),
+        made("GetFEM", 9e-4, 90.0, elements=112),
+        made("GetFEM", 3e-3, 30.0, elements=42, layers=5),
+        made("GetFEM", 4e-4, 80.0, elements=81, layers=7),
         made("GetFEM", 1e-3, 1.0, elements=160, even=True),
         made("CalculiX", 3e-3, 900.0, elements=56),
-    ]  # fmt: skip
+    ]
     ((brake, times, alike, even),) = against_peers(rows, {"one": {"pressure_error": 1e-6}})
     assert brake == "one" and [(one.peer, one.target) for one in times] == [
         (p, x) for p in AIMS for x in AIMS[p]

@@ -28,7 +28,7 @@ from drumlin.verification.reference import (
 )
 from drumlin.verification.reference_file import as_dict, read_reference, stored, write_values
 
-QUICK = Refinement(2, (LEVELS[1], LEVELS[2]), triangles.LEVELS[:2])
+QUICK = Refinement(2, (LEVELS[1], LEVELS[2]), triangles.TRIANGLE_LEVELS[:2])
 VALUES = ROOT / "reports" / "reference" / "values"
 
 
@@ -54,9 +54,8 @@ def test_a_reference_agrees_with_a_coarser_one_and_with_another_discretisation(k
     for fine, coarse in zip(known.shoes, quick.shoes, strict=True):
         assert fine.distance < 1e-4 and fine.pressure_uncertainty < 5e-4
         off = np.abs(fine.pressure - coarse.pressure)[fine.inside].max() / fine.peak_pressure.value
-        assert (
-            off < 5 * coarse.pressure_uncertainty
-        )  # the uncertainty covers what a finer mesh changes
+        # The uncertainty covers what a finer mesh changes.
+        assert off < 5 * coarse.pressure_uncertainty
         assert coarse.pressure_uncertainty < 5e-3
 
 

@@ -78,8 +78,15 @@ def test_polynomials_are_integrated_and_evaluated_exactly(order):
 def shoe_of(theta, pressure, order=2, **more):
     data = {"torque": 1.0, "normal_force": 1.0, "self_energising": True, "peak_pressure": 1.0}
     arcs = ((float(theta[0]), float(theta[-1])),)
-    return ShoeResponse("shoe", **(data | more), hinge_reaction=np.zeros(2), contact_arcs=arcs, theta=theta,
-                        pressure=pressure, order=order)  # fmt: skip
+    return ShoeResponse(
+        "shoe",
+        **(data | more),
+        hinge_reaction=np.zeros(2),
+        contact_arcs=arcs,
+        theta=theta,
+        pressure=pressure,
+        order=order,
+    )
 
 
 @pytest.mark.parametrize("sign", [1, -1])
@@ -117,11 +124,20 @@ def test_angles_are_counted_from_the_middle_and_cross_products_by_the_sine(middl
 @pytest.mark.parametrize(
     ("pressed", "arcs"),
     [
-        ("11111", [(0, 4)]), ("00000", []), ("10000", [(0, 1)]), ("00001", [(3, 4)]), ("00100", [(1, 3)]),
-        ("11000", [(0, 2)]), ("00011", [(2, 4)]), ("10001", [(0, 1), (3, 4)]), ("100010", [(0, 1), (3, 5)]),
-        ("0100100", [(0, 2), (3, 5)]), ("10101", [(0, 4)]), ("0100010", [(0, 2), (4, 6)]),
+        ("11111", [(0, 4)]),
+        ("00000", []),
+        ("10000", [(0, 1)]),
+        ("00001", [(3, 4)]),
+        ("00100", [(1, 3)]),
+        ("11000", [(0, 2)]),
+        ("00011", [(2, 4)]),
+        ("10001", [(0, 1), (3, 4)]),
+        ("100010", [(0, 1), (3, 5)]),
+        ("0100100", [(0, 2), (3, 5)]),
+        ("10101", [(0, 4)]),
+        ("0100010", [(0, 2), (4, 6)]),
     ],
-)  # fmt: skip
+)
 def test_arcs_reach_to_the_node_next_to_a_pressed_one(pressed, arcs):
     theta = np.arange(len(pressed)) * 0.5 + 1
     p = np.array([float(digit) for digit in pressed])
@@ -150,7 +166,8 @@ def test_the_end_of_a_contact_is_where_the_integral_of_its_square_root_begins(or
     F, G = 0.5**-1 * (0.5 - end) ** 1.5, 0.5**-1 * (1 - end) ** 1.5  # over the step
     if order == 1:
         p = [0, 2 * F, 2 * (G - F) - 2 * F]
-    elif found == end > 0.25:  # the node in the middle is not pressed, either
+    # The node in the middle is not pressed, either.
+    elif found == end > 0.25:
         p = [0, 0, 6 * F, (6 * (G - F) - 6 * F - 2) / 4, 2]
     else:
         p = [0, (6 * F - 1) / 4, 1, (6 * (G - F) - 3) / 4, 2]
@@ -191,9 +208,19 @@ def test_an_elastic_lining_by_growing_angles(brake):
     shoe = brake.shoes[1]
     theta, p = np.linspace(1, 0, 9), np.arange(9.0)
     found = pressed_shoe(
-        shoe, 0.15, theta, p, order=2, torque=3.0, normal_force=4.0, self_energising=False,
-        hinge_reaction=np.array([1.0, 2]), turn=0.5, located=False, lumped=Resultant(np.ones(2), np.ones(2), 1.0),
-    )  # fmt: skip
+        shoe,
+        0.15,
+        theta,
+        p,
+        order=2,
+        torque=3.0,
+        normal_force=4.0,
+        self_energising=False,
+        hinge_reaction=np.array([1.0, 2]),
+        turn=0.5,
+        located=False,
+        lumped=Resultant(np.ones(2), np.ones(2), 1.0),
+    )
     assert found.theta == pytest.approx(theta[::-1]) and found.pressure == pytest.approx(p[::-1])
     assert (found.name, found.torque, found.normal_force, found.self_energising) == (
         shoe.name,
@@ -207,11 +234,30 @@ def test_an_elastic_lining_by_growing_angles(brake):
         0.5,
     )  # without 8 mm / (2 150 mm) at the ends
     assert found.contact_arcs == ((0.0, 1.0),) and found.lumped is not None
-    other = pressed_shoe(shoe, 0.15, theta[::-1], p, order=2, torque=3.0, normal_force=4.0, self_energising=False,
-                         hinge_reaction=np.zeros(2))  # fmt: skip
+    other = pressed_shoe(
+        shoe,
+        0.15,
+        theta[::-1],
+        p,
+        order=2,
+        torque=3.0,
+        normal_force=4.0,
+        self_energising=False,
+        hinge_reaction=np.zeros(2),
+    )
     rows = p[:, None] * np.ones(3)
-    over_width = pressed_shoe(shoe, 0.15, theta, p, order=2, torque=3.0, normal_force=4.0, self_energising=False,
-                              hinge_reaction=np.zeros(2), surface=PressureOverWidth(np.arange(3.0), rows))  # fmt: skip
+    over_width = pressed_shoe(
+        shoe,
+        0.15,
+        theta,
+        p,
+        order=2,
+        torque=3.0,
+        normal_force=4.0,
+        self_energising=False,
+        hinge_reaction=np.zeros(2),
+        surface=PressureOverWidth(np.arange(3.0), rows),
+    )
     assert over_width.surface.pressure.mean(axis=1) == pytest.approx(over_width.pressure)
     assert other.theta == pytest.approx(theta[::-1]) and other.pressure == pytest.approx(p)
     assert other.turn is None and 0 < other.contact_arcs[0][0] < 0.125  # p = 0 at the first node
@@ -275,10 +321,18 @@ def test_a_shoe_apart_and_responses_as_plain_data(brake):
         pivot_reaction=np.ones(2),
     )
     assert shoe.as_dict() == {
-        "name": "shoe", "torque": 1.0, "normal_force": 1.0, "self_energising": True, "peak_pressure": 1.0,
-        "hinge_reaction": [0, 0], "contact_arcs": [[0, 2]], "theta": [0, 1, 2], "pressure": [1, 2, 3],
-        "pivot_reaction": [1, 1], "deformation": {"x": [0], "w": [1], "relative": [2], "z": [3]},
-    }  # fmt: skip
+        "name": "shoe",
+        "torque": 1.0,
+        "normal_force": 1.0,
+        "self_energising": True,
+        "peak_pressure": 1.0,
+        "hinge_reaction": [0, 0],
+        "contact_arcs": [[0, 2]],
+        "theta": [0, 1, 2],
+        "pressure": [1, 2, 3],
+        "pivot_reaction": [1, 1],
+        "deformation": {"x": [0], "w": [1], "relative": [2], "z": [3]},
+    }
     response = Response(
         "fem",
         (shoe, away),

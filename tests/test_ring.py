@@ -78,11 +78,17 @@ def test_a_thin_free_ring_bends_as_theory_says():
     for share in (0.04, 0.02):
         t = share * R
         shoe = {
-            "side": "internal", "hinge": {"x": 0.0, "y": -0.5},
-            "lining": {"start": -0.02, "end": 0.02, "thickness": 0.01, "width": width,
-                       "material": {"E": 1e9, "nu": 0.0}},
+            "side": "internal",
+            "hinge": {"x": 0.0, "y": -0.5},
+            "lining": {
+                "start": -0.02,
+                "end": 0.02,
+                "thickness": 0.01,
+                "width": width,
+                "material": {"E": 1e9, "nu": 0.0},
+            },
             "actuation": {"force": 1.0, "direction": 0.0, "point": {"x": 0.0, "y": 0.5}},
-        }  # fmt: skip
+        }
         left = {
             **shoe,
             "lining": {**shoe["lining"], "start": math.pi - 0.02, "end": math.pi + 0.02},
@@ -91,11 +97,22 @@ def test_a_thin_free_ring_bends_as_theory_says():
         from drumlin.brake.file import brake_from
 
         spec = brake_from(
-            {"title": "ring", "rotation": "clockwise", "friction": 0.3,
-             "drum": {"radius": R - 0.5 * t, "ring": {"thickness": t, "width": width,
-                      "material": {"E": E, "nu": 0.0}, "support": "free"}},
-             "shoe": [{**shoe, "name": "right"}, {**left, "name": "left"}]}
-        )  # fmt: skip
+            {
+                "title": "ring",
+                "rotation": "clockwise",
+                "friction": 0.3,
+                "drum": {
+                    "radius": R - 0.5 * t,
+                    "ring": {
+                        "thickness": t,
+                        "width": width,
+                        "material": {"E": E, "nu": 0.0},
+                        "support": "free",
+                    },
+                },
+                "shoe": [{**shoe, "name": "right"}, {**left, "name": "left"}],
+            }
+        )
         scene = prepare(spec, elements=4)
         ring, bodies = scene.ring, scene.bodies
         areas = [body.coupling.area for body in bodies]

@@ -65,7 +65,8 @@ def test_the_main_brake_comes_to_the_sine_law_and_stays(brake, setup, states):
     assert distance(setup, states[0], target(setup)).pressure > 0.5
     long = run_in(setup, distance=10 * states[-1].s)
     assert max(map(abs, distance(setup, long[-1], target(setup)))) < 1e-6
-    for surface in setup.surfaces:  # the target is the law itself, not only near it
+    # The target is the law itself, not only near it.
+    for surface in setup.surfaces:
         expected = law.shoes[surface.shoe].pressure_at(surface.angles)
         np.testing.assert_allclose(surface.along(target(setup).pressure), expected, rtol=1e-6)
 
@@ -130,9 +131,8 @@ def test_a_post_comes_to_the_sine_law_on_the_foundation_once_it_may_tilt():
     states = run_in(setup)
     holds(setup, states, hinged.sine(brake).torque)
     published = target(foundation_setup(brake, sections=180)).torque
-    assert (
-        published > 1.04 * hinged.sine(brake).torque
-    )  # its shoes turn without tilt: x cos(theta), not sin(phi)
+    # The shoes turn without tilt, which gives x cos(theta), not sin(phi).
+    assert published > 1.04 * hinged.sine(brake).torque
 
 
 def test_shoes_that_meet_through_a_ring_wear_together():
@@ -220,5 +220,6 @@ def test_the_worn_brake_is_a_brake_file_apart(setup, states, brake):
         states[-1].depth[setup.surfaces[0].part].max()
     )
     law, coarse = hinged.sine(brake), prepare(brake, elements=30)
-    response = respond(coarse, end, penalty=math.inf)  # on another mesh it still bears by the law
+    # On another mesh the worn lining still bears by the law.
+    response = respond(coarse, end, penalty=math.inf)
     assert pressure_distance(response.shoes[0], law.shoes[0]) < 0.02

@@ -52,7 +52,7 @@ def test_area_neutral_axis_and_second_moment_of_a_t_section(
 
 
 def bar(**body: Any) -> Brake:
-    """A bar 1 m long, held at its end face, under a lining of next to no stiffness, as on a drum."""
+    """A bar 1 m long, held at its end face, under a lining of hardly any stiffness."""
     shoe = {
         "name": "bar",
         "hinge": {"x": 0.0, "y": 0.02},
@@ -74,6 +74,7 @@ def scenes(brake: Brake) -> list[Scene]:
     return [prepare(brake, elements=10), prepare(brake, LEVELS[0])]
 
 
+# The stiffness is E I with I = 5 20^3/12 + 100 5.227^2 + 40 3^3/12 + 120 6.273^2 mm^4.
 @pytest.mark.parametrize(
     ("body", "EI"),
     [
@@ -87,7 +88,7 @@ def scenes(brake: Brake) -> list[Scene]:
         (
             WEB | {"table": TABLE},
             2233.7636363636366,
-        ),  # E I, I = 5 20^3/12 + 100 5.227^2 + 40 3^3/12 + 120 6.273^2 ...
+        ),
     ],
 )
 def test_a_straight_body_bends_as_a_beam(body: dict[str, Any], EI: float) -> None:
@@ -101,11 +102,19 @@ def test_a_straight_body_bends_as_a_beam(body: dict[str, Any], EI: float) -> Non
 
 def arc(**body: Any) -> Brake:
     shoe = {
-        "name": "arc", "side": "internal", "hinge": {"x": 0.0, "y": -0.9},
-        "lining": {"start": -0.1, "end": 0.1, "thickness": 2e-3, "width": 0.04, "material": {"E": 1e3, "nu": 0.0}},
+        "name": "arc",
+        "side": "internal",
+        "hinge": {"x": 0.0, "y": -0.9},
+        "lining": {
+            "start": -0.1,
+            "end": 0.1,
+            "thickness": 2e-3,
+            "width": 0.04,
+            "material": {"E": 1e3, "nu": 0.0},
+        },
         "body": {"start": -math.pi / 2, "end": math.pi / 2} | body,
         "actuation": {"force": 1.0, "direction": 0.0, "point": {"x": 0.0, "y": 0.9}},
-    }  # fmt: skip
+    }
     data = {
         "title": "t",
         "rotation": "clockwise",
@@ -163,9 +172,8 @@ def test_a_t_section_is_what_its_layers_are(kind: str) -> None:
         np.diag(sketcher()(layered(kind, old=old)).bodies[0].closing_pressed)
         for old in (False, True)
     ]
-    np.testing.assert_allclose(
-        rows[0], rows[1], rtol=0.01
-    )  # a sketch meshes a backing, and has a table in the bar
+    # The surrogate has a mesh of the backing, and the table in the bar.
+    np.testing.assert_allclose(rows[0], rows[1], rtol=0.01)
 
 
 def test_the_second_solver_has_the_same_plates() -> None:
@@ -185,7 +193,7 @@ def test_the_second_solver_has_the_same_plates() -> None:
 
 
 def test_the_plates_of_a_t_section_have_their_widths_in_solids(flexible: Brake) -> None:
-    """Volumes of half a shoe, plate by plate, in closed form; the hinge holds the width of the web."""
+    """Volumes of half a shoe, plate by plate, in closed form; the hinge holds the web's width."""
     brake = vary(
         flexible, {"shoe.body.table": {"thickness": 3e-3, "width": 0.04}, "shoe.body.width": 5e-3}
     )
@@ -231,19 +239,40 @@ def test_files_of_both_read_as_they_were_written(tmp_path: Any) -> None:
 @pytest.mark.parametrize(
     ("body", "said"),
     [
-        ({"thickness": 0.02}, "shoe[0].body: needs width and material, or bending_stiffness, or all three"),
-        ({"thickness": 0.02, "width": 0.04}, "shoe[0].body: needs width and material, or bending_stiffness, or all"),
-        ({"thickness": 0.02, "width": 0.04, "bending_stiffness": 1.0}, "shoe[0].body: needs width and material"),
+        (
+            {"thickness": 0.02},
+            "shoe[0].body: needs width and material, or bending_stiffness, or all three",
+        ),
+        (
+            {"thickness": 0.02, "width": 0.04},
+            "shoe[0].body: needs width and material, or bending_stiffness, or all",
+        ),
+        (
+            {"thickness": 0.02, "width": 0.04, "bending_stiffness": 1.0},
+            "shoe[0].body: needs width and material",
+        ),
         ({"bending_stiffness": 1.0}, "shoe[0].body.thickness: is missing"),
-        ({"thickness": 0.02, "bending_stiffness": 0.0}, "shoe[0].body.bending_stiffness = 0.0: must be greater than 0"),
-        ({"thickness": 0.02, "bending_stiffness": 1.0, "table": TABLE}, "table: bending_stiffness is that of the"),
-        (WEB | {"table": TABLE | {"width": 4e-3}}, "table.width = 4 mm: must be at least width = 5 mm, the web's"),
+        (
+            {"thickness": 0.02, "bending_stiffness": 0.0},
+            "shoe[0].body.bending_stiffness = 0.0: must be greater than 0",
+        ),
+        (
+            {"thickness": 0.02, "bending_stiffness": 1.0, "table": TABLE},
+            "table: bending_stiffness is that of the",
+        ),
+        (
+            WEB | {"table": TABLE | {"width": 4e-3}},
+            "table.width = 4 mm: must be at least width = 5 mm, the web's",
+        ),
         (WEB | {"table": {"width": 0.04}}, "shoe[0].body.table.thickness: is missing"),
-        (WEB | {"table": TABLE | {"thickness": 1e-12}}, "shoe[0].body.table.thickness = 1e-09 mm: must be at least"),
+        (
+            WEB | {"table": TABLE | {"thickness": 1e-12}},
+            "shoe[0].body.table.thickness = 1e-09 mm: must be at least",
+        ),
         (WEB | {"table": TABLE | {"web": 1}}, "unknown key 'web'; allowed: thickness, width"),
         (WEB | {"thickness": 0.995, "table": TABLE}, "backing and body are 1000 mm thick together"),
     ],
-)  # fmt: skip
+)
 def test_a_section_that_is_none_is_refused_in_one_line(body: dict[str, Any], said: str) -> None:
     with pytest.raises(BadInput) as error:
         arc(**body)

@@ -53,9 +53,8 @@ def test_the_slope_over_friction_is_that_of_differences_where_no_set_changes(see
     touching = [response.shoes[0].pressure > 0 for response in around]
     assume(all((touching[0] == other).all() for other in touching))
     wide, narrow = ((around[-k].torque - around[k - 1].torque) / (2e-5 * (3 - k)) for k in (1, 2))
-    near = (
-        4 * narrow - wide
-    ) / 3  # close to the pole of self-locking the first difference alone is not enough
+    # Close to the pole of self-locking the first difference alone is not enough.
+    near = (4 * narrow - wide) / 3
     assert found.friction == pytest.approx(near, rel=1e-5, abs=1e-6 * found.torque)
 
 

@@ -62,7 +62,7 @@ def test_a_cam_feels_the_corners_of_the_loaded_ends() -> None:
     brake = cam_brake(
         body=0.02, thickness=0.012, web=0.002, table={"thickness": 0.004, "width": 0.04}
     )
-    (true,) = triangles.sequence(brake, triangles.LEVELS[:1])
+    (true,) = triangles.sequence(brake, triangles.TRIANGLE_LEVELS[:1])
     found = respond(prepare(brake, LEVELS[1]), brake, penalty=math.inf)
     for a, b in zip(found.shoes, true, strict=True):
         assert a.hinge_reaction == pytest.approx(
@@ -111,7 +111,8 @@ def test_every_shoe_and_the_whole_brake_balance(make: Any) -> None:
     outside = [shoe.actuation.vector for shoe in under.shoes] + [
         shoe.hinge_reaction for shoe in response.shoes
     ]
-    if brake.links:  # what the strut does to one it does to the other
+    # The strut acts on both shoes alike.
+    if brake.links:
         a, b = response.shoes
         assert a.hinge_reaction == pytest.approx(-under.shoes[1].actuation.vector, rel=1e-9)
         assert np.linalg.norm(a.hinge_reaction) == pytest.approx(b.force, rel=1e-9)

@@ -308,7 +308,8 @@ ORTHOTROPIC = np.array([[9.0, 0.8, 0.0], [0.8, 3.0, 0.0], [0.0, 0.0, 2.5]])
 
 def some_layers(names: Iterable[str], *, directed: bool) -> dict[str, ElasticLayer]:
     """A layer of each name, the first around the centre, the others straight, each stiffer than the
-    one before."""
+    one before.
+    """
     found = {}
     for k, name in enumerate(names):
         matrix = ORTHOTROPIC if directed else elasticity_matrix(Material(E=1.0, nu=0.2))

@@ -274,7 +274,7 @@ def test_the_mesh_has_the_volume_of_its_parts(flexible):
 
 
 def test_condensed_it_yields_as_the_whole_system_does(flexible):
-    """The flexibility by elimination against a sparse solve of the whole system, for a few loads."""
+    """The flexibility by elimination against a sparse solve of the whole system, a few loads."""
     scene = model.prepare(t_section(flexible), elements=8, across=2)
     body = scene.bodies[0]
     n = 2 * len(body.line.nodes)
@@ -376,9 +376,8 @@ def test_a_hundred_thousand_unknowns_in_a_minute(flexible):
     assert cold < 180  # 60 on a machine of its own
     start = time.process_time()
     second = respond(scene, vary(flexible, {"friction": 0.4}))
-    assert (
-        time.process_time() - start < 0.12 * cold
-    )  # 0.03 of it; followed on all nodes it was 0.15
+    # The value was 0.03; it was 0.15 where all nodes were followed.
+    assert time.process_time() - start < 0.12 * cold
     assert second.torque > 1.2 * first.torque
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss < 6e6  # kB
 
@@ -461,7 +460,7 @@ def test_options_that_a_sweep_of_solids_has_not(root, options, said):
 
 
 def guided(brake, **more):
-    """Its shoes on guides along the middles of their linings, outwards, behind bodies of one width."""
+    """Its shoes on guides along their linings' middles, outwards, behind bodies of one width."""
     held = {"hinge": None, "guide": {"direction": 0.0}}
     shoes = []
     for shoe in brake.model_dump(by_alias=True)["shoe"]:

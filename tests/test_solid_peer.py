@@ -56,8 +56,12 @@ class Parsed:
         assert all(len(nodes) == 20 for nodes in self.elements.values())
 
     def rows(self, keyword, **options):
-        return [row for key, given, rows in self.sections if key == keyword and options.items() <= given.items()
-                for row in rows]  # fmt: skip
+        return [
+            row
+            for key, given, rows in self.sections
+            if key == keyword and options.items() <= given.items()
+            for row in rows
+        ]
 
 
 @pytest.fixture(scope="module", params=["one width", "T-section", "external"])

@@ -219,11 +219,12 @@ def test_what_a_refinement_cannot_settle_is_part_of_the_error(monkeypatch):
     """A lining forty times as stiff as its shoe: p stays uncertain in the corners, the forces
     hardly at all.
     """
-    refined_anyway(monkeypatch)  # it balances as the number of threads has it
+    # The balance depends on the number of threads.
+    refined_anyway(monkeypatch)
     brake = random_brake(8326)
     along, (true,) = (
         islice(steps(brake, respond), 2),
-        triangles.sequence(brake, triangles.LEVELS[:1]),
+        triangles.sequence(brake, triangles.TRIANGLE_LEVELS[:1]),
     )
     found = adapt(brake, Tolerance(1e-6, 1e-6), respond, must=False, along=along).response
     (shoe,) = found.shoes

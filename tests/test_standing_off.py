@@ -66,7 +66,7 @@ def test_a_brake_that_a_fine_mesh_answers_is_answered_by_default(seed):
 
 
 def test_a_rigid_plank_on_a_curve_stands_on_the_two_nodes_beside_its_load():
-    """A plank with lift and tilt over w = x^2: whatever pair it stood on before, and without one."""
+    """A plank with lift and tilt over w = x^2, from any pair that it stood on, and from no pair."""
     x = np.linspace(-1.0, 1.0, 9)
     B = -np.array([np.ones_like(x), x]).T
     for load in (-0.9, -0.2, 0.1, 0.6):

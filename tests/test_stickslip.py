@@ -31,10 +31,19 @@ def spring(push, shift, stiffness=100.0, penalty=0.0):
     """
     one, none = np.ones((1, 1)), np.zeros((1, 1))
     return FrictionalProblem(
-        A_wp=one / stiffness, A_wt=none, A_sp=none, A_st=-one / stiffness,
-        B_w=np.zeros((1, 0)), B_s=np.zeros((1, 0)), C_p=np.zeros((0, 1)), C_t=np.zeros((0, 1)),
-        q_w=np.array([-push / stiffness]), q_s=np.array([shift]), h=np.zeros(0), Q=penalty * one,
-    )  # fmt: skip
+        A_wp=one / stiffness,
+        A_wt=none,
+        A_sp=none,
+        A_st=-one / stiffness,
+        B_w=np.zeros((1, 0)),
+        B_s=np.zeros((1, 0)),
+        C_p=np.zeros((0, 1)),
+        C_t=np.zeros((0, 1)),
+        q_w=np.array([-push / stiffness]),
+        q_s=np.array([shift]),
+        h=np.zeros(0),
+        Q=penalty * one,
+    )
 
 
 REST = History(np.zeros(1), np.zeros(1))
@@ -132,9 +141,8 @@ def test_the_equations_of_the_found_states_hold_and_their_tangent_agrees_with_di
     nearby = stick_slip.solve(
         moved._replace(q_s=moved.q_s + lever * step / 2000.0), mu, before, state
     )
-    if np.array_equal(
-        nearby.state, found.state
-    ):  # linear within one set of states: twice the step, twice the change
+    # Within one set of states the answer is linear: twice the step, twice the change.
+    if np.array_equal(nearby.state, found.state):
         again = stick_slip.solve(
             moved._replace(q_s=moved.q_s + 2 * lever * step / 2000.0), mu, before, state
         )
@@ -155,9 +163,8 @@ def test_direction_of_friction_on_a_wedge():
         x,
         np.array([[0, 2], [1, 3], [2, 4]]),
     )
-    down = np.array(
-        [math.sin(slope), -math.cos(slope)]
-    )  # outward normal of the block, into the wedge
+    # The outward normal of the block points into the wedge.
+    down = np.array([math.sin(slope), -math.cos(slope)])
     up = np.array([math.cos(slope), math.sin(slope)])  # the way the block moves
 
     def directions(points):
@@ -167,10 +174,8 @@ def test_direction_of_friction_on_a_wedge():
     coupling = couple(line, 1.0, directions)
     p = np.full(5, 7.0)
     on_block = (-coupling.N.T @ p + mu * coupling.T.T @ p).reshape(-1, 2).sum(axis=0)
-    F, G = (
-        -on_block[0],
-        on_block[1],
-    )  # the push balances the horizontal part, the weight the vertical one
+    # The push balances the horizontal part, the weight the vertical one.
+    F, G = (-on_block[0], on_block[1])
     assert pytest.approx(0.412371, abs=5e-7) == F / G
 
 
@@ -222,7 +227,8 @@ def test_flat_patch_whole_and_inclined(turned):
 
     coupling = couple(line, 1.0, directions)
     Y = condensed.half(-coupling.N.T)
-    depth = 0.05  # strain -.05 of the strip of height 1: s = -1e5
+    # The strip of height 1 has the strain -.05, which gives s = -1e5.
+    depth = 0.05
     n = len(line.nodes)
     problem = equations.Problem(
         Y.T @ Y, coupling.M @ np.full(n, -depth), np.zeros((n, 0)), np.zeros((0, n)), np.zeros(0)
@@ -313,10 +319,19 @@ def test_a_path_ends_at_an_answer_also_where_it_turns_back(way, monkeypatch):
         root = rng.normal(size=(2 * n, 2 * n))
         A = root @ root.T + 0.05 * np.eye(2 * n)
         problem = FrictionalProblem(
-            A_wp=A[:n, :n], A_wt=A[:n, n:], A_sp=-A[n:, :n], A_st=-A[n:, n:],
-            B_w=np.zeros((n, 0)), B_s=np.zeros((n, 0)), C_p=np.zeros((0, n)), C_t=np.zeros((0, n)),
-            q_w=rng.normal(size=n), q_s=rng.normal(size=n), h=none, Q=np.zeros((n, n)),
-        )  # fmt: skip
+            A_wp=A[:n, :n],
+            A_wt=A[:n, n:],
+            A_sp=-A[n:, :n],
+            A_st=-A[n:, n:],
+            B_w=np.zeros((n, 0)),
+            B_s=np.zeros((n, 0)),
+            C_p=np.zeros((0, n)),
+            C_t=np.zeros((0, n)),
+            q_w=rng.normal(size=n),
+            q_s=rng.normal(size=n),
+            h=none,
+            Q=np.zeros((n, n)),
+        )
         found = stick_slip.solve(problem, 1.0, History(np.zeros(n), np.zeros(n)), np.full(n, STICK))
         p, t = found.p, found.t
         w = problem.q_w + problem.A_wp @ p + problem.A_wt @ t
@@ -326,7 +341,7 @@ def test_a_path_ends_at_an_answer_also_where_it_turns_back(way, monkeypatch):
 
 
 def test_a_vanishing_gap_changes_nothing():
-    """The force that comes on in increments to close it ends where one increment ends without it."""
+    """A force that closes the gap in increments ends where one increment ends without a gap."""
     gap = vary(BRAKE, {"shoe.lining.clearance": 1e-13})
     with_gap, without = (hold(SCENE, brake, np.zeros(8))[0] for brake in (gap, BRAKE))
     for mine, theirs in zip(with_gap.traction, without.traction, strict=True):

@@ -21,8 +21,10 @@ def test_the_files_hold_and_push_shoes_in_every_way() -> None:
     assert len(brakes) == 9
     assert {shoe.held_by for brake in brakes for shoe in brake.shoes} == KINDS
     assert {brake.shares for brake in brakes} == {
-        None, "its shoes share their forces by a cam", "its shoes share their forces by a strut",
-    }  # fmt: skip
+        None,
+        "its shoes share their forces by a cam",
+        "its shoes share their forces by a strut",
+    }
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
@@ -85,13 +87,33 @@ def test_a_strut_is_no_actuation() -> None:
 @pytest.mark.parametrize(
     ("new", "p", "said"),
     [
-        (0.03, 0.6, "New, the torque of the law 'sine' can be trusted (off by up to 3 %), its pressure cannot be"),
-        (0.1, 0.01, "is an estimate (off by up to 10 %), its pressure can be trusted (off by up to 1 %); worn in, the"),
-        (-0.2, 0.06, "cannot be trusted (off by up to 20 %), its pressure is an estimate (off by up to 6 %)"),
-        (1e-12, 0.06, "The torque follows from equilibrium alone, whatever the pressure. The pressure of the law "
-                      "'sine' is an estimate (off by up to 6 %) new, and can be trusted (off by less than 0.01 %)"),
+        (
+            0.03,
+            0.6,
+            "New, the torque of the law 'sine' can be trusted (off by up to 3 %), its pressure "
+            "cannot be",
+        ),
+        (
+            0.1,
+            0.01,
+            "is an estimate (off by up to 10 %), its pressure can be trusted (off by up to 1 "
+            "%); worn in, the",
+        ),
+        (
+            -0.2,
+            0.06,
+            "cannot be trusted (off by up to 20 %), its pressure is an estimate (off by up to 6 %)",
+        ),
+        (
+            1e-12,
+            0.06,
+            "The torque follows from equilibrium alone, whatever the pressure. The pressure of "
+            "the law "
+            "'sine' is an estimate (off by up to 6 %) new, and can be trusted (off by less "
+            "than 0.01 %)",
+        ),
     ],
-)  # fmt: skip
+)
 def test_a_verdict_is_that_of_the_worse_sense_of_motion(new: float, p: float, said: str) -> None:
     row = {"unit": "N m", "law": "sine", "new": new, "p": p, "worn": 0.0, "p_worn": 0.0}
     assert said in verdict([row, row | {"new": 0.0, "p": 0.0}])

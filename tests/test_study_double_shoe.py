@@ -39,9 +39,8 @@ def test_headline_numbers(result):
         expected = independent.SINE_LAW / independent.torque(f"double_shoe/{file}") - 1
         both = [law[case, "counter-clockwise"], law[case, "clockwise"]]
         assert both[0] == pytest.approx(both[1], abs=1e-8)
-        assert both[0] == pytest.approx(
-            expected, abs=2e-4
-        )  # of 40 elements and of the independent mesh
+        # These are the torques of 40 elements and of the independent mesh.
+        assert both[0] == pytest.approx(expected, abs=2e-4)
     for row in result.limit:
         assert abs(row["difference"]) < 3e-3
     assert sum(row["shoe"] != "all" for row in result.limit) == 4

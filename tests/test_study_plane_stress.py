@@ -20,7 +20,7 @@ def result(module):
     return module.study(short=True)
 
 
-def test_plane_stress_has_the_torque_of_a_t_section_within_two_per_cent_and_is_blind_across_the_width(
+def test_plane_stress_has_the_torque_of_a_t_section_within_two_per_cent_and_no_width(
     result,
 ):
     leading = max(result.table, key=lambda row: row["solid_torque"])

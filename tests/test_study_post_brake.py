@@ -25,9 +25,8 @@ def result(module):
 def test_lifting_brings_the_foundation_model_to_the_finite_elements(result):
     rows = {row["lift"]: row for row in result.lifts}
     assert set(rows) == {"none (the paper)", "all", *foundation.LIFTS}
-    assert (
-        0.25 < rows["none (the paper)"]["error"] < 0.45
-    )  # as printed it is off by a third: the word, not a digit
+    # The printed model is off by a third, and the page says so in words.
+    assert 0.25 < rows["none (the paper)"]["error"] < 0.45
     assert abs(rows["all"]["error"]) < 0.02
     assert max(abs(rows["all"][key]) for key in ("error_right", "error_left")) < 0.06
     single = {
@@ -35,9 +34,8 @@ def test_lifting_brings_the_foundation_model_to_the_finite_elements(result):
     }
     assert max(single, key=single.get) == "own-pressure"
     law = result.comparison.responses["sine"].torque / result.comparison.responses["fem"].torque - 1
-    assert (
-        0.1 < law < rows["none (the paper)"]["error"]
-    )  # the law is off, by less than the printed model
+    # The law is off, by less than the printed model.
+    assert 0.1 < law < rows["none (the paper)"]["error"]
 
 
 def test_where_the_assumptions_hold_the_models_agree_and_the_error_grows_as_they_are_left(result):

@@ -62,12 +62,10 @@ def test_new_and_worn_in_are_told_apart(result):
         expected = independent.torque(f"double_shoe/{file}") / independent.SINE_LAW - 1
         assert row["new_torque"] == pytest.approx(expected, abs=2e-4)
     distance, part = independent_life(read_brake(STUDY / "brake.toml"))
-    assert stiff["new_pressure"] == pytest.approx(
-        distance, rel=0.05
-    )  # the singular ends are cut off by an element
-    assert stiff["pressure_life"] == pytest.approx(
-        part, rel=0.03
-    )  # of which implicit Euler's steps take 1.5 %
+    # One element is cut off at each singular end.
+    assert stiff["new_pressure"] == pytest.approx(distance, rel=0.05)
+    # The steps of implicit Euler take 1.5 % of this.
+    assert stiff["pressure_life"] == pytest.approx(part, rel=0.03)
     assert soft["pressure_life"] > 0.9
 
 

@@ -54,7 +54,8 @@ def test_grid_zip_and_models():
         c.changes["friction"] for c in grid[:6]
     } == {0.2}
     assert refusal(keys, combine="zip") == (
-        "combine = \"zip\": needs as many values of each key; there are {'friction': 2, 'shoe.actuation.force': 3}"
+        "combine = \"zip\": needs as many values of each key; there are {'friction': 2, "
+        "'shoe.actuation.force': 3}"
     )
     zipped = sweep(keys | {"friction": [0.1, 0.2, 0.3]}, combine="zip").cases
     assert [case.changes["friction"] for case in zipped] == [0.1, 0.2, 0.3]
@@ -89,8 +90,9 @@ def test_draws_follow_their_distribution(name):
 def test_quantiles_are_those_of_scipy(name):
     given, law = LAWS[name]
     u = np.linspace(1e-6, 1 - 1e-6, 101)
-    inverse = sweep_file._inverse("", sweep_file.DISTRIBUTIONS[name].model_validate({"distribution": name} | given), "",
-                                  [0.3])  # fmt: skip
+    inverse = sweep_file._inverse(
+        "", sweep_file.DISTRIBUTIONS[name].model_validate({"distribution": name} | given), "", [0.3]
+    )
     np.testing.assert_allclose(inverse(u), law.ppf(u), rtol=1e-13)
 
 
@@ -127,7 +129,11 @@ NORMAL = {"distribution": "normal", "deviation": 0.03}
     ("vary_", "more", "words"),
     [
         ({"frictoin": [0.3]}, {}, ["vary.frictoin: unknown key 'frictoin'", "friction"]),
-        ({"shoe.lining.thickness": [8]}, {}, ['vary."shoe.lining.thickness" = 8', "has no unit", "8 mm"]),
+        (
+            {"shoe.lining.thickness": [8]},
+            {},
+            ['vary."shoe.lining.thickness" = 8', "has no unit", "8 mm"],
+        ),
         ({"shoe.lining.thickness": ["8 MPa"]}, {}, ["'8 MPa'", "a length"]),
         ({"friction": ["0.3"]}, {}, ["vary.friction = '0.3'", "must be a number"]),
         ({"friction": 0.3}, {}, ["vary.friction = 0.3", "must be a list"]),
@@ -137,25 +143,69 @@ NORMAL = {"distribution": "normal", "deviation": 0.03}
         ({"rotation": NORMAL}, {"cases": 2}, ["vary.rotation", "takes words"]),
         ({"friction": NORMAL}, {}, ["cases: is missing"]),
         ({"friction": [0.3]}, {"cases": 3}, ["cases = 3", "nothing is drawn"]),
-        ({"friction": NORMAL | {"deviation": -1}}, {"cases": 2}, ["vary.friction.deviation = -1", "greater than 0"]),
-        ({"friction": NORMAL | {"spread": 1}}, {"cases": 2}, ["vary.friction: unknown key 'spread'", "deviation"]),
-        ({"friction": {"distribution": "gauss"}}, {"cases": 2}, ["distribution = 'gauss'", "truncated-normal"]),
-        ({"friction": {"distribution": "uniform", "from": 2, "to": 1}}, {"cases": 2}, ["vary.friction.to = 1"]),
-        ({"friction": NORMAL | {"each_shoe": True}}, {"cases": 2}, ["each_shoe", "shoe.lining.thickness"]),
+        (
+            {"friction": NORMAL | {"deviation": -1}},
+            {"cases": 2},
+            ["vary.friction.deviation = -1", "greater than 0"],
+        ),
+        (
+            {"friction": NORMAL | {"spread": 1}},
+            {"cases": 2},
+            ["vary.friction: unknown key 'spread'", "deviation"],
+        ),
+        (
+            {"friction": {"distribution": "gauss"}},
+            {"cases": 2},
+            ["distribution = 'gauss'", "truncated-normal"],
+        ),
+        (
+            {"friction": {"distribution": "uniform", "from": 2, "to": 1}},
+            {"cases": 2},
+            ["vary.friction.to = 1"],
+        ),
+        (
+            {"friction": NORMAL | {"each_shoe": True}},
+            {"cases": 2},
+            ["each_shoe", "shoe.lining.thickness"],
+        ),
         ({"friction": {"from": 0, "to": 1, "count": 1}}, {}, ["count = 1"]),
-        ({"friction": {"from": 0, "to": 1, "count": 3, "scale": "log"}}, {}, ['scale = "log"', "greater than 0"]),
+        (
+            {"friction": {"from": 0, "to": 1, "count": 3, "scale": "log"}},
+            {},
+            ['scale = "log"', "greater than 0"],
+        ),
         ({"drum.ring.thickness": ["5 mm"]}, {}, ["no such part"]),
         ({"friction": [0.3]}, {"combine": "all"}, ["combine = 'all'", "'grid'"]),
-        ({"friction": {"from": float("nan"), "to": 1, "count": 3}}, {}, ["vary.friction: from = nan", "finite number"]),
+        (
+            {"friction": {"from": float("nan"), "to": 1, "count": 3}},
+            {},
+            ["vary.friction: from = nan", "finite number"],
+        ),
         ({"friction": [0.3]}, {"model": "sine"}, ["model = 'sine'", "must be a table, [model]"]),
         ({"friction": [0.3]}, {"model": {"spline": {}}}, ["model.spline: unknown model", "sine"]),
-        ({"friction": [0.3]}, {"model": {"sine": {"elements": 8}}}, ["model.sine: unknown key 'elements'"]),
+        (
+            {"friction": [0.3]},
+            {"model": {"sine": {"elements": 8}}},
+            ["model.sine: unknown key 'elements'"],
+        ),
         ({"friction": [0.3]}, {"model": {"fem": {"elements": 0}}}, ["model.fem: elements = 0"]),
-        ({"friction": [0.3]}, {"model": {"fem": {"kind": "tri2", "tolerance": 0.1}}}, ["tolerance chooses the"]),
-        ({"friction": [0.3]}, {"model": {"foundation": {}}}, ["model.foundation: does not apply", "straight beam"]),
-        ({"friction": MANY, "drum.radius": MANY | {"from": "1 m", "to": "2 m"}}, {}, ["4000000 cases", "1000000"]),
+        (
+            {"friction": [0.3]},
+            {"model": {"fem": {"kind": "tri2", "tolerance": 0.1}}},
+            ["tolerance chooses the"],
+        ),
+        (
+            {"friction": [0.3]},
+            {"model": {"foundation": {}}},
+            ["model.foundation: does not apply", "straight beam"],
+        ),
+        (
+            {"friction": MANY, "drum.radius": MANY | {"from": "1 m", "to": "2 m"}},
+            {},
+            ["4000000 cases", "1000000"],
+        ),
     ],
-)  # fmt: skip
+)
 def test_refusals_name_key_value_and_what_is_allowed(vary_, more, words):
     said = refusal(vary_, **more)
     assert all(word in said for word in words), said
@@ -241,13 +291,8 @@ def test_room_for_bodies_is_kept_to():
     cache, made = Cache(room=10), []
     for key in (1, 2, 1, 3, 2, 1):
         assert cache.get(key, lambda key=key: made.append(key) or key, lambda _: 5) == key
-    assert made == [
-        1,
-        2,
-        3,
-        2,
-        1,
-    ]  # 1 was used after 2, so that 3 took the place of 2, and 2 then that of 1
+    # Body 1 was used after body 2: body 3 took the place of 2, and then 2 the place of 1.
+    assert made == [1, 2, 3, 2, 1]
     assert cache.get(9, lambda: 9, lambda _: 100) == 9
 
 

@@ -124,12 +124,26 @@ def test_angles_and_coordinates_are_judged_one_by_one(judged, brake):
     ("key", "good", "bad", "said"),
     [
         ("friction", [0.2 + i * 1e-4 for i in range(1000)], -0.1, "friction = -0.1: "),
-        ("shoe.lining.thickness", [f"{5 + i * 1e-3} mm" for i in range(1000)], "-1 mm", "thickness = -0.001: "),
-        ("shoe[0].lining.start", [f"{130 + i * 1e-3} deg" for i in range(1000)], "300 deg", "must be greater than"),
-        ("shoe.lining.clearance", ["0 mm", [["130 deg", "0 mm"], ["180 deg", "1 mm"]]] * 500, [["1 deg", "0 mm"]],
-         "needs at least two rows"),
+        (
+            "shoe.lining.thickness",
+            [f"{5 + i * 1e-3} mm" for i in range(1000)],
+            "-1 mm",
+            "thickness = -0.001: ",
+        ),
+        (
+            "shoe[0].lining.start",
+            [f"{130 + i * 1e-3} deg" for i in range(1000)],
+            "300 deg",
+            "must be greater than",
+        ),
+        (
+            "shoe.lining.clearance",
+            ["0 mm", [["130 deg", "0 mm"], ["180 deg", "1 mm"]]] * 500,
+            [["1 deg", "0 mm"]],
+            "needs at least two rows",
+        ),
     ],
-)  # fmt: skip
+)
 def test_one_bad_value_of_a_thousand_is_refused_with_its_key(place, key, good, bad, said):
     values = [*good[:place], bad, *good[place + 1 :]]
     with pytest.raises(BadInput, match=said):
@@ -178,7 +192,7 @@ class Terminal(io.StringIO):
 
 def test_what_takes_long_shows_a_bar_and_what_does_not_shows_none(monkeypatch):
     for long, shown in ((100.0, False), (0.0, True)):
-        monkeypatch.setattr(terminal, "LONG", long)
+        monkeypatch.setattr(terminal, "BAR_AFTER", long)
         monkeypatch.setattr("sys.stderr", Terminal())
         with terminal.progress_if_long("reading sweep.toml") as done:
             for judged in range(4):

@@ -26,7 +26,8 @@ from drumlin.sweeps.table import table, write_table
 
 pytestmark = pytest.mark.slow
 
-LIMIT = 300  # s that a busy machine may take; a hang takes for ever
+# Seconds that a busy machine may take. A hang takes for ever.
+LIMIT = 300
 MAIN = "from drumlin.cli import main; main()"
 PYTHON = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
 SWEEP = """
@@ -35,8 +36,13 @@ cases = 300
 [model.fem]
 elements = 24
 [vary]
-friction = {{ distribution = "uniform", from = 0.2, to = 1.3 }}   # some lock: failed cases, with their reason
-"shoe.lining.clearance" = {{ distribution = "uniform", from = "0 mm", to = "0.2 mm", each_shoe = true }}
+# Some cases lock; they fail, with their reason.
+friction = {{ distribution = "uniform", from = 0.2, to = 1.3 }}
+[vary."shoe.lining.clearance"]
+distribution = "uniform"
+from = "0 mm"
+to = "0.2 mm"
+each_shoe = true
 """
 
 
@@ -96,9 +102,8 @@ def killed_at(moments: list[int], sweep_file: Path, folder: Path, jobs: list[int
         process = start(sweep_file, "--output", output, "--jobs", number)
         wait_for(moment, journal, process)
         process.kill()
-        process.communicate(
-            timeout=LIMIT
-        )  # ends when no process holds its output: the workers end, too
+        # The run ends when no process holds its output, so that the workers have ended, too.
+        process.communicate(timeout=LIMIT)
         assert not output.exists()
     keys = finished(output, sweep_file, "--jobs", 2)
     assert len(keys) == len(set(keys)) == 300

@@ -39,7 +39,8 @@ def test_the_answer_comes_first_as_a_table(brake):
     T = response.torque
     assert (
         lines[1]
-        == f"torque {T:.6g} N m, brake factor {T / (2000 * 0.15):.4g} = T/(F R), F the mean actuation force"
+        == f"torque {T:.6g} N m, brake factor {T / (2000 * 0.15):.4g} = T/(F R), F the mean "
+        f"actuation force"
     )
     assert lines[2].split() == [
         "shoe",
@@ -119,9 +120,8 @@ def test_where_the_pressure_peaks(root, brake):
     assert brake_factor(flat, pad) == pytest.approx(
         pad.merits[0].braking_force / flat.shoes[0].actuation.force
     )
-    clamp = read_any(
-        root / "studies/brakes/rail_clamp.toml"
-    )  # its pressure has no bound at the end that runs on
+    # Its pressure has no bound at the end that runs on.
+    clamp = read_any(root / "studies/brakes/rail_clamp.toml")
     (shoe,) = solve(clamp, elements=40).shoes
     place = peak_place(clamp, 0, shoe)
     assert place.zone == 5e-3 and abs(place.at) < 75e-3 - 5e-3  # half of 10 mm

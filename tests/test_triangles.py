@@ -18,7 +18,13 @@ from drumlin.fem.solve import solve
 from drumlin.verification.triangles import Level, contact, lagrange, levels, sequence
 from drumlin.verification.triangles.face import along, edge_nodes, shaped
 from drumlin.verification.triangles.outline import Outline
-from drumlin.verification.triangles.triangulation import Layer, bisect, edges_of, graded, start
+from drumlin.verification.triangles.triangulation import (
+    TriangleLayer,
+    bisect,
+    edges_of,
+    graded,
+    start,
+)
 from drumlin_studies.random_brake import random_brake
 from drumlin_studies.stated_true import pressure_error
 
@@ -30,7 +36,7 @@ SMALL = (Level(3, 5, 1.4, 1.0), Level(5, 7, 1.2, 1.0))
 def block(a, b):
     """A grid of a rectangle in a plane in which s and d are lengths."""
     elastic = ElasticLayer.of(Material(E=1.0, nu=0.0), 1.0)
-    return start(np.linspace(0, a, 4), [np.linspace(0, 1, 3)], [Layer(0.0, a, elastic)])
+    return start(np.linspace(0, a, 4), [np.linspace(0, 1, 3)], [TriangleLayer(0.0, a, elastic)])
 
 
 def area(mesh):
@@ -90,7 +96,7 @@ def test_ring_under_even_pressure_is_lames():
     nu^2)/E, A b + B/b = 0.
     """
     a, b, E, nu, width, p = 0.1, 0.13, 2e11, 0.3, 0.04, 1e6
-    layer = Layer(-math.inf, math.inf, ElasticLayer.of(Material(E=E, nu=nu), width))
+    layer = TriangleLayer(-math.inf, math.inf, ElasticLayer.of(Material(E=E, nu=nu), width))
 
     def place(s, d):
         r = a + (b - a) * d
@@ -155,15 +161,28 @@ def pressed_circle(half):
     force = math.pi / 4 * (half * R) ** 2 * E * (1 / r - 1 / R) * width
     return brake_from(
         {
-            "title": "circle", "rotation": "clockwise", "friction": 0.0, "drum": {"radius": R},
-            "shoe": [{
-                "name": "s", "side": "internal", "hinge": {"x": 0.0, "y": -0.6 * R},
-                "lining": {"start": -0.6, "end": 0.6, "thickness": R / 3, "width": width,
-                           "material": {"E": E, "nu": 0.3}, "misfit": {"radius": r}},
-                "actuation": {"force": force, "direction": 0.0, "point": {"x": 0.0, "y": 0.0}},
-            }],
+            "title": "circle",
+            "rotation": "clockwise",
+            "friction": 0.0,
+            "drum": {"radius": R},
+            "shoe": [
+                {
+                    "name": "s",
+                    "side": "internal",
+                    "hinge": {"x": 0.0, "y": -0.6 * R},
+                    "lining": {
+                        "start": -0.6,
+                        "end": 0.6,
+                        "thickness": R / 3,
+                        "width": width,
+                        "material": {"E": E, "nu": 0.3},
+                        "misfit": {"radius": r},
+                    },
+                    "actuation": {"force": force, "direction": 0.0, "point": {"x": 0.0, "y": 0.0}},
+                }
+            ],
         }
-    )  # fmt: skip
+    )
 
 
 def test_of_two_answers_triangles_find_the_one_that_grows_from_no_friction():

@@ -80,7 +80,7 @@ SHORT = pytest.mark.parametrize(
 
 @SHORT
 def test_a_contact_within_some_hundredths_of_a_degree_of_the_end_is_known(gap, force, length):
-    """Strained by 2 and 8 %; its errors were 10 and 4 %. The moment about the pin gives the torque."""
+    """Strained by 2 and 8 %; errors were 10 and 4 %. The moment about the pin gives the torque."""
     brake, torque = corner(gap, force)
     response = drumlin.solve(brake)
     ((start, end),) = np.degrees(response.shoes[0].contact_arcs)
@@ -161,7 +161,10 @@ drum = { radius = "17 mm" }
 name = "s"
 side = "internal"
 hinge = { radius = "12.5 mm", angle = "116 deg" }
-actuation = { force = "218 N", direction = "-5 deg", point = { radius = "12.8 mm", angle = "37 deg" } }
+[shoe.actuation]
+force = "218 N"
+direction = "-5 deg"
+point = { radius = "12.8 mm", angle = "37 deg" }
 [shoe.lining]
 start = "40 deg"
 end = "96 deg"
@@ -262,10 +265,17 @@ def test_pads_are_warned_of_as_shoes_on_a_drum_are():
     clamp = read_any("studies/brakes/rail_clamp.toml")
     data = vary(clamp, {"shoe.actuation.force": "250 kN"}).model_dump(by_alias=True)
     shoe = data["shoe"][0]
-    second = vary(clamp, {
-        "shoe.name": "other", "shoe.hinge.x": -0.095, "shoe.pivot.x": 0.125, "shoe.actuation.point.x": 0.325,
-        "shoe.body.start": 0.045, "shoe.body.end": 0.205, "shoe.lining.start": 0.05, "shoe.lining.end": 0.2,
-    }).model_dump(by_alias=True)["shoe"][0]  # fmt: skip
+    other = {
+        "shoe.name": "other",
+        "shoe.hinge.x": -0.095,
+        "shoe.pivot.x": 0.125,
+        "shoe.actuation.point.x": 0.325,
+        "shoe.body.start": 0.045,
+        "shoe.body.end": 0.205,
+        "shoe.lining.start": 0.05,
+        "shoe.lining.end": 0.2,
+    }
+    second = vary(clamp, other).model_dump(by_alias=True)["shoe"][0]
     two = validated(FlatBrake, data | {"shoe": [shoe, second]})
     for model in ("fem", "rigid"):
         assert not any("warning" in note for note in drumlin.solve(clamp, model).notes)
@@ -309,8 +319,11 @@ def test_a_pad_on_a_pivot_that_must_tilt_too_far_is_refused(slope, refused):
     """
     clamp = read_any("studies/brakes/rail_clamp.toml")
     assert isinstance(clamp, FlatBrake) and all(shoe.held_by == "pivot" for shoe in clamp.shoes)
-    wedge = {f"shoe[{i}].lining.clearance": [(s.lining.start, 0.001), (s.lining.end, 0.001 + slope * (s.lining.end -
-             s.lining.start))] for i, s in enumerate(clamp.shoes)}  # fmt: skip
+    wedge = {}
+    for i, shoe in enumerate(clamp.shoes):
+        start, end = shoe.lining.start, shoe.lining.end
+        rows = [(start, 0.001), (end, 0.001 + slope * (end - start))]
+        wedge[f"shoe[{i}].lining.clearance"] = rows
     if refused:
         with pytest.raises(
             NoAnswer, match=f"turn by {math.degrees(slope):.3g} deg to touch the plane; small"
@@ -351,7 +364,7 @@ def test_a_lining_pressed_in_too_far_is_said_and_then_refused():
 
 
 def _meshed(tmp_path, change):
-    """The right shoe of the main brake with a mesh of its own, whose groups or nodes are changed."""
+    """The main brake's right shoe with a mesh of its own, whose groups or nodes are changed."""
     from drumlin.fem.mesh.file import write_mesh
     from drumlin.fem.preparation.prepare import prepare
 
@@ -413,7 +426,7 @@ def test_a_force_that_lifts_a_pad_is_borne_by_its_hinge():
 
 
 def test_the_balance_of_the_printed_pressure_is_said_where_it_is_the_worse(brake):
-    """On quadratic arcs the integrals of p(theta) over the round drum differ from the nodal forces."""
+    """On quadratic arcs integrals of p(theta) over the round drum differ from nodal forces."""
     for options in ({}, {"elements": 12}):
         response = drumlin.solve(brake, **options)
         curve = worst([shoe_balance(brake, i, shoe) for i, shoe in enumerate(response.shoes)])

@@ -289,6 +289,7 @@ def test_margins_are_taken_off_on_both_sides():
     assert _eroded(where, 1, beyond=False).astype(int).tolist() == [0, 0, 1, 0, 0, 0, 1, 1, 1, 0]
     assert _eroded(where, 1, beyond=True).astype(int).tolist() == [0, 0, 1, 0, 0, 0, 1, 1, 1, 1]
     p = np.where(np.arange(40) < 20, 0.0, 1.0) * (1 + 0.1 * (-1.0) ** np.arange(40))
-    # 1.1 and 0.9 in turn from node 20 on; the node before it might be a checkerboard's, so that 24 to 34 count
+    # The rates are 1.1 and 0.9 in turn from node 20 on. The node before might be one of a
+    # checkerboard, so that nodes 24 to 34 count.
     assert ripple(p) == pytest.approx(0.1 / math.sqrt((6 * 1.1**2 + 5 * 0.9**2) / 11), rel=1e-9)
     assert math.isnan(ripple(np.where(np.arange(40) < 8, 1.0, 0.0)))

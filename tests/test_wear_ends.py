@@ -89,8 +89,10 @@ def test_worn_in_linings_bear_by_the_law_where_it_presses_a_part(
     brake = drawn(kind, seed)
     by_law, found = law(brake), drumlin.solve(brake, worn_in=True, elements=elements)
     assert by_law.torque == pytest.approx(torque, rel=1e-6)
-    assert any(shoe.contact_arcs[0][1] - shoe.contact_arcs[0][0] < 0.99 * (b.lining.end - b.lining.start)
-               for shoe, b in zip(by_law.shoes, brake.shoes, strict=True))  # fmt: skip
+    assert any(
+        shoe.contact_arcs[0][1] - shoe.contact_arcs[0][0] < 0.99 * (b.lining.end - b.lining.start)
+        for shoe, b in zip(by_law.shoes, brake.shoes, strict=True)
+    )
     assert found.torque == pytest.approx(torque, rel=3e-4)
     for a, b in zip(found.shoes, by_law.shoes, strict=True):
         inner = np.linspace(b.theta[0], b.theta[-1], 201)[20:-20]

@@ -1,4 +1,4 @@
-"""The functions of `import drumlin`: each takes a brake or the path of its file, and calls one room.
+"""The functions of `import drumlin`: each takes a brake or its file's path, and calls one room.
 
 The command line calls the same functions. A room of the package is imported by the first call that
 needs it, so that this module loads at once.
@@ -84,7 +84,7 @@ def _in_si(option: str, value: float | str, unit: str) -> float:
 
 
 class _Corrected(NamedTuple):
-    """A brake, with its moduli corrected for finite width where asked for, and the lines on that."""
+    """A brake, its moduli corrected for finite width where asked for, and the lines on that."""
 
     brake: Brake
     notes: tuple[str, ...]

@@ -86,7 +86,7 @@ def _displacements(p: Post, c: Floats, k: Floats) -> tuple[Floats, Floats]:
     matrix[np.ix_(inner, p.under)] += bent[inner] * np.cos(p.theta)
     matrix[inner, m:] -= bent[inner]
     right[inner] = p.loaded[inner] + bent[inner] @ p.gap
-    # M_0 = 0.
+    # The first row says that the moment M_0 about the hinge vanishes.
     matrix[0, p.under] = bent[0] * np.cos(p.theta)
     matrix[0, m:] = -bent[0]
     right[0] = p.loaded[0] + bent[0] @ p.gap

@@ -41,8 +41,8 @@ from drumlin.fem.hp.corner import left_at_corners, power_at_corner, steep_corner
 from drumlin.fem.hp.division import Level
 from drumlin.fem.model import respond
 from drumlin.verification import triangles
-from drumlin.verification.triangles.levels import LEVELS as TRIANGLE_LEVELS
-from drumlin.verification.triangles.outline import Level as TriangleLevel
+from drumlin.verification.triangles.levels import TRIANGLE_LEVELS
+from drumlin.verification.triangles.outline import TriangleLevel
 from drumlin.verification.triangles.solution import ShoeSolution
 from drumlin_studies.random_brake import SHAPE_KINDS as DRAWN_KINDS
 from drumlin_studies.random_brake import random_brake

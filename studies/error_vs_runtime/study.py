@@ -64,7 +64,7 @@ SHORT = ("double_shoe/brake", "laws/shigley_16_2")
 """Brakes of the short setting."""
 WITH_PEERS = ("double_shoe/brake", "double_shoe/flexible")
 """Brakes that are solved by other programs as well."""
-QUICK = Refinement(2, (LEVELS[1], LEVELS[2]), triangles.LEVELS[:2])
+QUICK = Refinement(2, (LEVELS[1], LEVELS[2]), triangles.TRIANGLE_LEVELS[:2])
 """Refinement of the references in the short setting."""
 
 Row = dict[str, Any]

@@ -14,10 +14,12 @@ import tempfile
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from studies.manual import listing
+from studies.manual import history, listing
 from studies.manual.values import filled, values
 
 from drumlin.base.errors import NoAnswer
+from drumlin.report.figures import save
+from drumlin_studies.benchmarks import read_history
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
@@ -56,6 +58,7 @@ def report(result: Mapping[str, str], folder: Path) -> Path:
             page.write_text(
                 page.read_text(encoding="utf-8") + text if page.exists() else text, encoding="utf-8"
             )
+        save(history.picture(read_history()), source / "researcher" / "benchmarks.png")
         site = Path(place) / "site"
         build(source, site)
         if folder.exists():

@@ -10,6 +10,7 @@ import re
 from collections.abc import Mapping
 from functools import cache
 
+from studies.manual import history
 from studies.manual.solve_path import picture
 
 from drumlin.base.errors import NoAnswer
@@ -21,6 +22,7 @@ from drumlin.fem.solid.model import SOFTEST
 from drumlin.lining_wear.run_in import COEFFICIENT, WEAR_SETTLED, WORN_OUT
 from drumlin.response.response import EDGE_ZONE
 from drumlin.studies import REPOSITORY
+from drumlin_studies.benchmarks import SYSTEM_SIZE, read_history
 
 QUOTED = re.compile(r"\{\{ ([a-z_]+) \}\}")
 """A quoted value. Double braces of f-strings in examples hold more than one word."""
@@ -52,6 +54,8 @@ def values() -> dict[str, str]:
         "wear_settled": f"{100 * WEAR_SETTLED:g} %",
         "worn_out": f"{100 * WORN_OUT:g} %",
         "solve_path": picture(),
+        "benchmark_equations": str(SYSTEM_SIZE),
+        "benchmark_table": history.table(read_history()),
         **_work_values(),
     }
 

@@ -27,7 +27,7 @@ _inputs: ContextVar[list[os.stat_result] | None] = ContextVar("inputs", default=
 
 @contextmanager
 def inputs_kept() -> Iterator[None]:
-    """Protect every file that the block reads, or that `keep_input` names, from being written over."""
+    """Protect every file that the block reads, or that `keep_input` names, from overwriting."""
     token = _inputs.set([])
     try:
         yield
@@ -127,7 +127,7 @@ def check_folder(path: Path) -> None:
 
 
 def _target(path: Path) -> tuple[Path, os.stat_result | None]:
-    """The file that a path leads to through links, and its status; None where no file stands yet."""
+    """The file that a path leads to through links, and its status; None where no file is yet."""
     try:
         found = path.stat() if path.exists() else None
         target = Path(os.path.realpath(path))
@@ -189,7 +189,7 @@ def replacing(path: Path) -> Iterator[Path]:
 
 
 def _stream(path: Path, found: os.stat_result) -> Path | int | None:
-    """The pipe, device or standard stream that is written to and not replaced; None for other files.
+    """The pipe, device or stream that is written to and not replaced; None for other files.
 
     A file that standard output or error goes to is written to by the number of the stream: a new
     file in its place would lose the printed lines.

@@ -1,5 +1,4 @@
-"""Results kept as they come, so that a stopped run goes on: one line of JSON for each finished
-case.
+"""Results kept as they come, a line of JSON for each finished case, so that a stopped run goes on.
 
 Each line bears a checksum. A line that a kill tore is the last one and is dropped. A damaged line
 is skipped, and its case is computed anew; all other lines stand. (A database would lose more: in
@@ -112,13 +111,13 @@ class Journal(AbstractContextManager["Journal"]):
     def once(
         self, case: Mapping[str, Any], compute: Callable[[], dict[str, Any]]
     ) -> dict[str, Any]:
-        """The kept result of a case; where there is none, the result of `compute`, which is then kept."""
+        """The kept result of a case, else the result of `compute`, which is then kept."""
         if case not in self:
             self.add(case, compute())
         return self[case]
 
     def finish(self) -> None:
-        """Close the file for good: the next run begins anew, and the cases stay in `cases.jsonl`."""
+        """Close the file for good: the next run begins anew, and cases stay in `cases.jsonl`."""
         if self._file is not None and self.path is not None:
             self.path.replace(self.path.with_name(f"cases{self.path.suffix}"))
         self.close()

@@ -7,7 +7,7 @@ from typing import Any
 
 
 def moved(old: str, new: str) -> Callable[[str], Any]:
-    """The `__getattr__` of the old module: it gives every public name of the new one, with a warning.
+    """The `__getattr__` of an old module: it gives every public name of the new one and warns.
 
     `old` and `new` are dotted names. The new module is loaded when its first name is asked for.
     """

@@ -15,7 +15,7 @@ __all__ = ["Brake", "Shoe", "read_any", "read_brake", "vary"]
 
 
 def __getattr__(name: str) -> Any:
-    """Serve old names, of the time when a brake on a plane was a class of its own, with a warning."""
+    """Serve names of the time when a brake on a plane was another class, with a warning."""
     # The module is imported only when an old name is asked for.
     from drumlin.brake import plane_brake  # noqa: PLC0415
 

@@ -1,4 +1,4 @@
-"""Coordinates of a straight shoe beam: x along its axis from the hinge, y towards the drum's centre.
+"""Coordinates of a straight shoe beam: x along it from the hinge, y towards the drum's centre.
 
 The angle theta of a beam counts from the beam's normal through the drum's centre O, positive
 towards the loaded end. A point of the friction surface has x = x_O + R sin(theta) and

@@ -88,7 +88,7 @@ class Shoe(Meshed):
 
     @property
     def sign(self) -> int:
-        """Sign of the lining's outward normal along e_r: +1 internal, -1 external; +1 on a plane."""
+        """Sign of the lining's outward normal along e_r: +1 internal or on a plane, -1 external."""
         return 1 if self.side == "internal" else -1
 
     @property
@@ -142,7 +142,7 @@ class Shoe(Meshed):
 
     @abstractmethod
     def off(self, xy: Floats, size: float) -> Floats:
-        """Distance [m] of points (2, ...) [m] of the shoe's frame off the surface, positive = open."""
+        """Distance [m] of points (2, ...) [m] of the shoe's frame off the surface, > 0 if open."""
 
     @abstractmethod
     def phi_of(self, xy: Floats, size: float) -> Floats:
@@ -242,7 +242,7 @@ class Brake(Part):
     @property
     @abstractmethod
     def size(self) -> float:
-        """Length [m] to which other lengths are relative: drum radius or length of the first lining."""
+        """Length [m] that others are relative to: drum radius or length of the first lining."""
 
     @property
     def scale_factor(self) -> float:
@@ -312,7 +312,7 @@ class Brake(Part):
 
     @property
     def spin(self) -> int:
-        """Sense of the motion: +1 along growing places of the surface's coordinate, -1 against them."""
+        """Sense of the motion: +1 along the surface's growing coordinate, -1 against it."""
         return 1 if self.direction == self.directions[0] else -1
 
     @property
@@ -321,7 +321,7 @@ class Brake(Part):
         return self.friction * self.spin
 
     def drag_on(self, shoe: Shoe) -> float:
-        """Friction on a lining per pressure, along growing phi of the shoe's own frame, at full slip."""
+        """Friction on a lining per pressure at full slip, along growing phi of the shoe's frame."""
         return self.drag * shoe.frame.sense
 
     @property
@@ -352,7 +352,7 @@ class Brake(Part):
         return None
 
     def check_hinged(self, what: str) -> None:
-        """Raise BadInput unless all shoes are on hinges under forces of their own, as `what` needs."""
+        """Raise BadInput unless all shoes have hinges and forces of their own, as `what` needs."""
         reason = self.unhinged()
         if reason is not None:
             raise BadInput(f"{what} takes shoes on hinges under forces of their own only: {reason}")

@@ -1,4 +1,4 @@
-"""The parts of drums and shoes: ring, drum, lining, backing, bodies, actuation. All numbers are SI."""
+"""The parts of drums and shoes: ring, drum, lining, backing, bodies, actuation. Units are SI."""
 
 import math
 from abc import abstractmethod
@@ -207,11 +207,11 @@ would settle.
 class Misfit(Part):
     """Deviation of a lining's surface from the drum's circle, besides its clearance.
 
-    `drumlin.brake.off_circle` computes the gap that results. `radius` [m] is that of the lining's own circle,
-    by default the drum's. The circle meets the drum's in the lining's middle and is moved from
-    there by `offset` [m]. `taper` [m] is how much farther the lining stands back at its end away
-    from the hinge than at its end near the hinge. `blocks` are rows (angle, depth) [rad, m]: from
-    each angle on the lining stands back by this depth, before the first angle by 0.
+    `drumlin.brake.off_circle` computes the gap that results. `radius` [m] is that of the lining's
+    own circle, by default the drum's. The circle meets the drum's in the lining's middle and is
+    moved from there by `offset` [m]. `taper` [m] is how much farther the lining stands back at its
+    end away from the hinge than at its end near the hinge. `blocks` are rows (angle, depth) [rad,
+    m]: from each angle on the lining stands back by this depth, before the first angle by 0.
     """
 
     radius: Thickness | None = None
@@ -249,7 +249,8 @@ class Misfit(Part):
             places = ", ".join(text(place) for place, _ in self.blocks)
             raise ValueError(
                 f"{key}.blocks at {places}: must begin on the lining, "
-                f"{text(ends[0])} to {text(ends[1])}, more than {text(step)} from its ends and from each other"
+                f"{text(ends[0])} to {text(ends[1])}, more than {text(step)} from its ends and "
+                f"from each other"
             )
 
 
@@ -389,7 +390,7 @@ class Bar(Part):
 
     @property
     def plates(self) -> dict[str, Section]:
-        """The plates of its section by the names of their groups, from the friction surface inwards.
+        """Plates of the section by the names of their groups, from the friction surface inwards.
 
         They are "table", if the body has a table, and "shoe", its rectangle or web.
         """
@@ -407,7 +408,7 @@ class Bar(Part):
 
 
 class ArcBody(Bar):
-    """The elastic shoe behind lining and backing: an arc of constant section from `start` to `end`."""
+    """The elastic shoe behind the lining: an arc of constant section from `start` to `end`."""
 
     shape: Literal["arc"] = "arc"
     start: Angle

@@ -83,7 +83,7 @@ class DrumShoe(Shoe):
         return np.array([r * np.cos(phi), r * np.sin(phi)])
 
     def off(self, xy: Floats, size: float) -> Floats:
-        """Distance [m] of points (2, ...) [m] of the shoe's frame off the surface, positive = open."""
+        """Distance [m] of points (2, ...) [m] of the shoe's frame off the surface, > 0 if open."""
         return self.sign * (size - np.hypot(*xy))
 
     def phi_of(self, xy: Floats, size: float) -> Floats:
@@ -100,7 +100,7 @@ class DrumShoe(Shoe):
 
     @property
     def closing(self) -> float:
-        """Direction [rad] of the radius through the lining's middle, towards the friction surface."""
+        """Direction [rad] of the radius through the lining's middle, towards the drum's face."""
         return self.lining.middle + (self.sign < 0) * math.pi
 
     def misfit_gap(self, theta: Floats, size: float) -> Floats:
@@ -257,7 +257,8 @@ def _check_arc(key: str, body: ArcBody, lining: DrumLining) -> None:
     """Raise ValueError if an arc is not longer than nothing, or does not carry its lining."""
     if not 0 < body.end - body.start < 2 * math.pi:
         raise ValueError(
-            f"{key}.body.end = {deg(body.end)}: must be greater than body.start = {deg(body.start)}, "
+            f"{key}.body.end = {deg(body.end)}: must be greater than body.start = "
+            f"{deg(body.start)}, "
             "by less than 360 deg"
         )
     slack = 1e-9  # rad
@@ -291,14 +292,16 @@ def _check_beam(key: str, shoe: DrumShoe, radius: float) -> None:
     if axis.distance <= radius:
         raise ValueError(
             f"{shown}: the line from the hinge to the actuation's point passes "
-            f"{mm(axis.distance)} from the drum's centre; must be more than drum.radius = {mm(radius)}"
+            f"{mm(axis.distance)} from the drum's centre; must be more than drum.radius = "
+            f"{mm(radius)}"
         )
     ends = axis.angle(np.array([shoe.lining.start, shoe.lining.end]))
     x = axis.foot + radius * np.sin(ends)
     if np.abs(ends).max() >= 0.5 * math.pi or x.min() < 0 or x.max() > axis.length:
         raise ValueError(
             f"{key}.lining = {deg(shoe.lining.start)} to {deg(shoe.lining.end)}: "
-            "must lie between the beam's ends and less than 90 deg from where the beam is nearest to the drum"
+            "must lie between the beam's ends and less than 90 deg from where the beam is "
+            "nearest to the drum"
         )
 
 

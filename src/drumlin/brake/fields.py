@@ -148,7 +148,7 @@ class Material(Part):
 
     @property
     def E_half_plane(self) -> float:
-        """Young's modulus of the isotropic half-plane with the same compliance under pressure [Pa]."""
+        """Young's modulus [Pa] of the isotropic half-plane with the same compliance."""
         return self.E
 
     @property
@@ -203,7 +203,8 @@ class Orthotropic(Part):
             return self
         if missing:
             raise ValueError(
-                f"{missing[0]} is missing: {', '.join(ACROSS)} go together; give all of them or none"
+                f"{missing[0]} is missing: {', '.join(ACROSS)} go together; give all of them "
+                f"or none"
             )
         assert (
             self.E_across is not None
@@ -231,7 +232,7 @@ class Orthotropic(Part):
         """Lower and upper bound of nu_through_across.
 
         Each compliance is divided by the root of the product of its diagonal entries. The
-        determinant 1 - a^2 - b^2 - c^2 - 2 a b c must be positive. Here a, b and c are the Poisson's
+        determinant 1 - a^2 - b^2 - c^2 - 2 a b c must be positive. Here a, b and c are Poisson's
         ratios along-through, along-across and through-across, each times the root of the ratio of
         its moduli.
         """
@@ -243,7 +244,7 @@ class Orthotropic(Part):
 
     @property
     def E_half_plane(self) -> float:
-        """Young's modulus of the isotropic half-plane with the same compliance under pressure [Pa].
+        """Young's modulus [Pa] of the isotropic half-plane with the same compliance.
 
         The surface of a half-plane gives way by 2/E_half_plane per pressure and wave number. With
         the compliances s this is the root of 2 s_nn (sqrt(s_tt s_nn) + s_tn + s_gg/2) (Lekhnitskii,

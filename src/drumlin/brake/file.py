@@ -20,7 +20,7 @@ from drumlin.brake.drum_brake import DrumBrake
 from drumlin.brake.fields import Part, Point, unit_in
 
 LARGEST_BRAKE_FILE = 500_000
-"""Largest size of a brake file in bytes. Brake files have a few thousand; a larger file is refused."""
+"""Largest size of a brake file [bytes]. Brake files have some thousands; larger are refused."""
 
 FAULT_TEXTS = {
     "tuple_type": "must be tables, each under [[{key}]]",

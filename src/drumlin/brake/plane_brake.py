@@ -188,7 +188,7 @@ class FlatShoe(Shoe):
         return np.array([self.pin.x + self.frame.sense * xy[0], xy[1]])
 
     def at(self, depth: Floats, phi: Floats, size: float) -> Floats:
-        """Points (2, ...) [m] of the shoe's frame at a height `depth` [m] above the plane and at phi."""
+        """Points (2, ...) [m] of the shoe's frame at phi, a height `depth` [m] above the plane."""
         return np.stack(np.broadcast_arrays(size * phi, depth))
 
     def off(self, xy: Floats, size: float) -> Floats:
@@ -275,7 +275,7 @@ class FlatBrake(Brake):
 def any_from(
     data: Mapping[str, Any], *, unit_required: bool = False, base: Path | None = None
 ) -> Brake:
-    """Make a brake from the data of a brake file, on a plane for data with [plane]; see `validated`."""
+    """Make a brake from a brake file's data, on a plane for data with [plane]; see `validated`."""
     return validated(Brake.shape_of(data), data, unit_required=unit_required, base=base)
 
 

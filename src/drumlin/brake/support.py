@@ -1,4 +1,4 @@
-"""Supports of a shoe - hinge, pivot of a lever, abutment, guide - and the rigid-body modes they leave.
+"""Supports of a shoe (hinge, lever pivot, abutment, guide) and the rigid-body modes they leave.
 
 A rigid-body motion of the plane is three numbers: dx, dy [m] and turn [rad] about the origin, the
 drum's centre or that of a plane's coordinates. The point x moves by (dx - turn y, dy + turn x).
@@ -32,10 +32,10 @@ MOVES = {
 """How a shoe moves, in words of a refusal, by `Held.held_by`."""
 
 UNHELD = 2
-"""Value for the sense of an abutment's friction that leaves the abutment out, see `Held.freedoms`."""
+"""Sense of an abutment's friction that leaves the abutment out, see `Held.freedoms`."""
 
 STICKS = 1e-9
-"""Excess over the largest friction force, relative to it, up to which a foot still sticks: round-off."""
+"""Excess over the friction limit, relative to it, up to which a foot still sticks: round-off."""
 
 
 class Abutment(Part):
@@ -268,7 +268,7 @@ class Held(Part):
 
 
 def _found(mesh: Path | None, info: ValidationInfo) -> Path | None:
-    """The path from the folder of the brake file; the file there is protected from being written."""
+    """The path from the brake file's folder; the file there is protected from being written."""
     base = (info.context or {}).get("base")
     if mesh is None or base is None:
         return mesh

@@ -13,8 +13,9 @@ numbers of a brake tie q to lengths:
   conjugate to q: a torque on a drum, a braking force on a plane.
 - `Brake.size` [m] is the length to which others are relative, and with which bodies are compared: R
   on a drum, the length of the first lining on a plane.
-- `ShoeFrame.unit` is q per unit of phi. Finite elements use phi = s/size, the coordinate of a shoe's
-  own frame. On a drum phi is an angle and the unit is 1; on a plane phi is a length in sizes.
+- `ShoeFrame.unit` is q per unit of phi. Finite elements use phi = s/size, the coordinate of a
+  shoe's own frame. On a drum phi is an angle and the unit is 1; on a plane phi is a length in
+  sizes.
 
 `ShoeFrame.theta` and `ShoeFrame.phi` convert between q and phi, so that a response needs no
 conversion. A `Shoe` knows the rest of the geometry: where its frame lies, and how its points and
@@ -108,7 +109,7 @@ class FrictionSurface:
         return np.array([np.cos(q), np.sin(q)])
 
     def levers(self, q: Floats, size: float) -> Floats:
-        """Moments (2, ...) [m] about the origin of unit forces `outwards` and `along` at places q."""
+        """Moments (2, ...) [m] about the origin of unit forces `outwards` and `along` at q."""
         zero = np.zeros(np.shape(q))
         if self.straight:
             return np.array([-np.asarray(q), zero])

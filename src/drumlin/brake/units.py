@@ -15,7 +15,10 @@ from drumlin.base.texts import LONGEST_QUANTITY
 # the last denominator may be in brackets. Nothing else reaches pint, which would evaluate m^9^9^9
 # for ever.
 _WORD = r"[A-Za-zµμ°%][\wµμ°%]{0,30}(?: ?(?:\^|\*\*) ?-?\d(?!\d))?"
-_UNIT = rf"(?:1 ?/ ?)?{_WORD}(?:[ */]{{1,3}}{_WORD}){{0,5}}(?: ?/ ?\( ?{_WORD}(?:[ *]{{1,3}}{_WORD}){{0,5}} ?\))?"
+_UNIT = (
+    rf"(?:1 ?/ ?)?{_WORD}(?:[ */]{{1,3}}{_WORD}){{0,5}}"
+    rf"(?: ?/ ?\( ?{_WORD}(?:[ *]{{1,3}}{_WORD}){{0,5}} ?\))?"
+)
 _QUANTITY = re.compile(
     rf"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{{1,3}})?)\s*({_UNIT})\s*", re.ASCII
 )

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from drumlin.brake.brake import Brake
     from drumlin.response.response import FlatMerit, Merit, Response
 
-LEAST = ["shoe_factor", "reaction", "normal_force", "at"]
+LEAST_OF_SHOES = ["shoe_factor", "reaction", "normal_force", "at"]
 """Columns of the shoes' table that are left out on a narrow terminal, the first of them first."""
 
 
@@ -27,6 +27,7 @@ def print_response(brake: "Brake", response: "Response", *, verbose: bool = Fals
         tell(line)
     _print_effect(brake, response)
     _print_shoes(brake, response)
+    # The warnings and the stated errors follow the table, where a reader looks last.
     energised = [shoe.name for shoe in response.shoes if shoe.self_energising]
     if energised:
         tell(f"self-energising: {', '.join(energised)}")
@@ -100,7 +101,7 @@ def _print_shoes(brake: "Brake", response: "Response") -> None:
     shown = brake.surface.shown
     # Adding 0.0 turns a negative zero into a zero without sign.
     at = ["" if place is None else f"{place.at * shown + 0.0:.1f}" for place in places]
-    print_columns(_shoes_table(brake, response, at), LEAST)
+    print_columns(_shoes_table(brake, response, at), LEAST_OF_SHOES)
     if any(place is not None and place.zone for place in places):
         tell("peak p: the largest, half a lining's thickness at each end left out")
 
@@ -109,27 +110,35 @@ def _shoes_table(brake: "Brake", response: "Response", at: list[str]) -> dict[st
     """The columns of the shoes' table; `at`: where each pressure peaks, as a text."""
     from drumlin.response.show import arcs_text
 
-    surface, shoes, effects = brake.surface, response.shoes, response.effects
+    surface = brake.surface
     unit = surface.shown_unit
-    forces = [abs(shoe.actuation.force) * brake.scale_factor for shoe in brake.shoes]
-    factors = [
-        f"{effect / force:.3f}" if force else ""
-        for effect, force in zip(effects, forces, strict=True)
-    ]
-    normal = [f"{shoe.normal_force:.6g}" for shoe in shoes]
-    peaks = [f"{shoe.peak_pressure * 1e-6:.4g}" for shoe in shoes]
-    arcs = [arcs_text(shoe, surface).replace(", ", "\n") for shoe in shoes]
-    reactions = [f"{math.hypot(*shoe.hinge_reaction):.6g}" for shoe in shoes]
-    return {
-        "shoe": Column("shoe", "shoe\n", [shoe.name for shoe in shoes], left=True),
-        "effect": Column("torque", surface.heading, [f"{value:.6g}" for value in effects]),
-        "normal_force": Column("normal force", "normal\nforce [N]", normal),
-        "peak": Column("peak pressure", "peak p\n[MPa]", peaks),
+    table = {
+        "shoe": Column("shoe", "shoe\n", [], left=True),
+        "effect": Column("torque", surface.heading, []),
+        "normal_force": Column("normal force", "normal\nforce [N]", []),
+        "peak": Column("peak pressure", "peak p\n[MPa]", []),
         "at": Column("where the pressure peaks", f"at\n[{unit}]", at),
-        "contact": Column("contact", f"contact\n[{unit}]", arcs),
-        "reaction": Column("hinge reaction", "reaction\n[N]", reactions),
-        "shoe_factor": Column("shoe factor", f"{surface.factor}\n", factors),
+        "contact": Column("contact", f"contact\n[{unit}]", []),
+        "reaction": Column("hinge reaction", "reaction\n[N]", []),
+        "shoe_factor": Column("shoe factor", f"{surface.factor}\n", []),
     }
+    for i, shoe in enumerate(response.shoes):
+        effect = response.effects[i]
+        force = abs(brake.shoes[i].actuation.force) * brake.scale_factor
+        cells = {
+            "shoe": shoe.name,
+            "effect": f"{effect:.6g}",
+            "normal_force": f"{shoe.normal_force:.6g}",
+            "peak": f"{shoe.peak_pressure * 1e-6:.4g}",
+            # Each arc of contact has a line of its own.
+            "contact": arcs_text(shoe, surface).replace(", ", "\n"),
+            "reaction": f"{math.hypot(*shoe.hinge_reaction):.6g}",
+            # A shoe without a force of its own has no factor.
+            "shoe_factor": f"{effect / force:.3f}" if force else "",
+        }
+        for key, cell in cells.items():
+            table[key].cells.append(cell)
+    return table
 
 
 def _print_more(response: "Response", notes: list[str]) -> None:
@@ -151,7 +160,7 @@ def _print_more(response: "Response", notes: list[str]) -> None:
 
 
 def _merit_text(merit: "Merit | FlatMerit") -> str:
-    """The figures of merit that are known, as a line: names as in the JSON, the angle in degrees."""
+    """The known figures of merit as a line: names as in the JSON, the angle in degrees."""
     values = {key: value for key, value in merit._asdict().items() if value is not None}
     angle = values.pop("resultant_angle", None)
     # Adding 0.0 turns a negative zero into a zero without sign.

@@ -36,7 +36,21 @@ def _all(
 
 
 for command in (
-    init, solve, compare, study, sweep, view, explore, mesh, export, hold, sensitivity, wear, cost, reference, check,
+    init,
+    solve,
+    compare,
+    study,
+    sweep,
+    view,
+    explore,
+    mesh,
+    export,
+    hold,
+    sensitivity,
+    wear,
+    cost,
+    reference,
+    check,
     schema,
-):  # fmt: skip
+):
     app.command()(command)

@@ -72,7 +72,8 @@ def check(
         Path,
         typer.Argument(
             metavar="RESULT.csv",
-            help=r"columns 'shoe', 'theta \[deg]' (on a plane 'x \[mm]'), 'p \[MPa]'; other units as well",
+            help=r"columns 'shoe', 'theta \[deg]' (on a plane 'x \[mm]'), 'p \[MPa]'; other "
+            r"units as well",
         ),
     ],
     known: Annotated[

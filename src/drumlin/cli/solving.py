@@ -53,7 +53,7 @@ def solve(
     )
     _check_solvable(brakes, model, options)
     _check_one_brake(brakes, {"--pressure": pressure, "--fields": fields})
-    answers: list[_Answer] = []
+    answers: list[_SolvedBrake] = []
     for answer in _answers(brake_files, brakes, model, options):
         separated = any(earlier.response is not None for earlier in answers)
         _print_answer(answer, pressure, separated=separated, verbose=verbose)
@@ -61,7 +61,7 @@ def solve(
     _finish(answers, json_file)
 
 
-class _Answer(NamedTuple):
+class _SolvedBrake(NamedTuple):
     """A brake file and its response, or why there is none."""
 
     brake_file: Path
@@ -95,7 +95,7 @@ def _check_one_brake(brakes: "list[Brake]", outputs: dict[str, Path | None]) -> 
 
 def _answers(
     brake_files: list[Path], brakes: "list[Brake]", model: str, options: dict[str, Any]
-) -> Iterator[_Answer]:
+) -> Iterator[_SolvedBrake]:
     """Solve brakes one after the other.
 
     Of several brakes a refusal (NoAnswer) is an answer as well; of a single brake it is raised.
@@ -107,13 +107,13 @@ def _answers(
         except NoAnswer as error:
             if len(brakes) == 1:
                 raise
-            yield _Answer(brake_file, brake, None, error)
+            yield _SolvedBrake(brake_file, brake, None, error)
         else:
-            yield _Answer(brake_file, brake, response, None)
+            yield _SolvedBrake(brake_file, brake, response, None)
 
 
 def _print_answer(
-    answer: _Answer, pressure: Path | None, *, separated: bool, verbose: bool
+    answer: _SolvedBrake, pressure: Path | None, *, separated: bool, verbose: bool
 ) -> None:
     """Print an answer and write its pressures, or note why there is none.
 
@@ -137,7 +137,7 @@ def _print_answer(
     print_response(answer.brake, answer.response, verbose=verbose)
 
 
-def _finish(answers: list[_Answer], json_file: Path | None) -> None:
+def _finish(answers: list[_SolvedBrake], json_file: Path | None) -> None:
     """Write all answers as JSON. Raises NoAnswer where brakes have no answer."""
     from drumlin.base.files import write_json
 

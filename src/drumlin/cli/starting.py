@@ -42,6 +42,7 @@ def schema(
     made = {"brake": brake_schema, "sweep": sweep_schema}
     if kind not in made:
         raise BadInput(
-            f"KIND = {kind!r}: unknown kind of file{nearest(kind, made)}; allowed: {', '.join(made)}"
+            f"KIND = {kind!r}: unknown kind of file{nearest(kind, made)}; allowed: "
+            f"{', '.join(made)}"
         )
     write(json.dumps(made[kind](), indent=1, ensure_ascii=False) + "\n")

@@ -14,9 +14,9 @@ from drumlin.base.texts import one_line
 if TYPE_CHECKING:
     from drumlin.comparison import TableColumn
 
-SAME = ("case", "rotation")
+UNPRINTED_COLUMNS = ("case", "rotation")
 """Columns of a comparison that are the same in all rows of one brake; they are not printed."""
-LEAST = [
+LEAST_COMPARED = [
     "self_energising",
     "contact",
     "reaction_error",
@@ -26,11 +26,11 @@ LEAST = [
     "seconds",
 ]
 """Columns of a comparison that are left out on a narrow terminal, the first of them first."""
-WIDTH = 200
+PIPE_WIDTH = 200
 """Characters of a line of a comparison where the output is no terminal but a file or a pipe."""
 STATUS_WIDTH = 10
 """Characters that the column of statuses has at least; a longer status is folded into lines."""
-LONGEST = 10_000
+LONGEST_PRINTED = 10_000
 """Characters of a printed line; a longer line is cut, since a text from a file may have any length.
 """
 
@@ -41,7 +41,7 @@ def tell(line: str, *, at_once: bool = False) -> None:
     Characters that cannot be printed, as in the name of a file, are escaped. at_once: whether the
     line is written out before more lines follow.
     """
-    line, width = one_line(line, LONGEST), shutil.get_terminal_size().columns
+    line, width = one_line(line, LONGEST_PRINTED), shutil.get_terminal_size().columns
     # A line of two words is a word and a path, which stay together.
     if len(line) > width and len(line.split()) > 2:
         line = _folded(line, width, more=" " * (len(line) - len(line.lstrip()) + 2))
@@ -82,20 +82,20 @@ def _printing() -> Iterator[None]:
         raise file_fault("standard output", "written", error) from error
 
 
-LONG = 2.0
+BAR_AFTER = 2.0
 """Seconds after which `progress_if_long` shows a bar; most work of that kind is done before."""
 
 
 @contextmanager
 def progress_if_long(words: str) -> Iterator[Callable[[int, int], None]]:
-    """Show progress as `progress` does, from LONG seconds on."""
+    """Show progress as `progress` does, from BAR_AFTER seconds on."""
     start = time.monotonic()
     with ExitStack() as shown:
         bars: list[Callable[[int, int], None]] = []
 
         def done(finished: int, of: int) -> None:
             """Move the bar, and show it first where it is time to."""
-            if not bars and time.monotonic() - start > LONG:
+            if not bars and time.monotonic() - start > BAR_AFTER:
                 bars.append(shown.enter_context(progress(words)))
             for bar in bars:
                 bar(finished, of)
@@ -157,7 +157,7 @@ class Column(NamedTuple):
 
     title: str
     head: str
-    cells: Sequence[str]
+    cells: list[str]
     left: bool = False
 
     @property
@@ -181,8 +181,10 @@ def print_columns(
     """
     width = width or shutil.get_terminal_size().columns
     shown, cut = dict(columns), []
-    for key in filter(columns.__contains__, least):
-        if sum(column.width + 2 for column in shown.values()) - 2 > width:
+    for key in least:
+        # Two spaces stand between two columns, and none after the last.
+        needed = sum(column.width + 2 for column in shown.values()) - 2
+        if key in shown and needed > width:
             cut.append(shown.pop(key).title)
     with _printing():
         print("\n".join(_lines(shown.values())))
@@ -211,15 +213,24 @@ def _lines(columns: Collection[Column]) -> list[str]:
 
 def print_table(table: Sequence[dict[str, Any]], shown: "Sequence[TableColumn]") -> None:
     """Print the rows of a comparison in the columns `shown`, without columns that are empty."""
-    width = shutil.get_terminal_size().columns if sys.stdout.isatty() else WIDTH
+    width = shutil.get_terminal_size().columns if sys.stdout.isatty() else PIPE_WIDTH
     columns = {}
-    for c in shown:
-        if c.key not in SAME and any(row.get(c.key) is not None for row in table):
-            head = fill(c.heading, 9, break_long_words=False) + (f"\n[{c.unit}]" if c.unit else "")
-            cells = [one_line(c.text(row)) for row in table]
-            columns[c.key] = Column(c.title, head, cells, c.key in {"shoe", "model", "status"})
-    if "status" in columns:
-        room = width - sum(column.width + 2 for key, column in columns.items() if key != "status")
-        cells = [_folded(cell, max(room, STATUS_WIDTH)) for cell in columns["status"].cells]
-        columns["status"] = columns["status"]._replace(cells=cells)
-    print_columns(columns, LEAST, width)
+    for column in shown:
+        is_empty = all(row.get(column.key) is None for row in table)
+        if column.key in UNPRINTED_COLUMNS or is_empty:
+            continue
+        # The unit stands on a line of its own below the folded heading.
+        head = fill(column.heading, 9, break_long_words=False)
+        if column.unit:
+            head += f"\n[{column.unit}]"
+        cells = [one_line(column.text(row)) for row in table]
+        has_words = column.key in {"shoe", "model", "status"}
+        columns[column.key] = Column(column.title, head, cells, left=has_words)
+    # The status may be a long reason: it is folded into the width that the other columns leave.
+    status = columns.get("status")
+    if status is not None:
+        others = [other for key, other in columns.items() if key != "status"]
+        room = width - sum(other.width + 2 for other in others)
+        folded = [_folded(cell, max(room, STATUS_WIDTH)) for cell in status.cells]
+        columns["status"] = status._replace(cells=folded)
+    print_columns(columns, LEAST_COMPARED, width)

@@ -166,7 +166,7 @@ def limit(
 
 
 def _continues(after: Contact, before: Contact, areas: Floats) -> bool:
-    """Whether an answer continues the answer at less friction: same contact set or little growth."""
+    """Whether an answer continues that at less friction: same contact set or little growth."""
     return np.array_equal(after.active, before.active) or _grows_little(after, before, areas)
 
 
@@ -292,7 +292,7 @@ def _at_once(
 
 
 def locks(friction: float, limit: float, *, law: float, brake: str) -> str:
-    """Text of a refusal at a friction coefficient beyond the limit; law and brake as of `answer`."""
+    """Text of a refusal at a friction coefficient beyond the limit; law, brake as of `answer`."""
     return (
         f"self-locking, no equilibrium at friction {friction:g}; {brake} there is one up to "
         f"mu_lock = {limit:.4g} (rigid-shoe law: {law:.4g})"

@@ -1,4 +1,4 @@
-"""Solve unilateral contact with Coulomb friction that sticks and slips, one load increment at a time.
+"""Solve unilateral contact with friction that sticks and slips, one load increment at a time.
 
 Find pressures p, tangential tractions t and rigid-body motions y. With the changes of slip
 ds = s - s_0 and of traction dt = t - t_0 since the last converged increment they fulfil

@@ -28,7 +28,7 @@ from drumlin.response.balance import loaded
 from drumlin.response.merit import brake_factor
 from drumlin.response.show import arcs_text
 
-MM, MPA = 1e3, 1e-6
+PAGE_MM, PAGE_MPA = 1e3, 1e-6
 
 CURVE_POINTS = 160
 """Points of a curve: its segments are then some 3 pixels long on the page."""
@@ -112,6 +112,7 @@ def picture_of(answer: ExploredAnswer, brake: Brake) -> Picture:
     """
     shown = answer.brake or brake
     unit = shown.surface.shown
+    # One scale of pressure serves both models, so that their curves can be compared.
     peaks = []
     for response in (answer.found, answer.law):
         if response is not None:
@@ -126,7 +127,7 @@ def picture_of(answer: ExploredAnswer, brake: Brake) -> Picture:
         law=_curves(answer.law, shown),
         arcs=tuple(arcs),
         forces=_forces(shown if answer.found is None else loaded(shown, answer.found)),
-        scale=scale_of(max(peaks, default=0.0) * MPA),
+        scale=scale_of(max(peaks, default=0.0) * PAGE_MPA),
         motion=_motion(shown),
         head=head_of(answer),
         rows=rows_of(answer, shown),
@@ -169,7 +170,7 @@ def _curves(response: Response | None, brake: Brake) -> tuple[PressureCurve, ...
     for shoe, part in zip(response.shoes, brake.shoes, strict=True):
         if shoe.contact_arcs:
             theta, p = smooth(shoe, CURVE_POINTS)
-            curves.append(PressureCurve(theta * unit, p * MPA, part.sign))
+            curves.append(PressureCurve(theta * unit, p * PAGE_MPA, part.sign))
     return tuple(curves)
 
 
@@ -180,9 +181,11 @@ def _forces(brake: Brake) -> Lines:
         arrow = _arrow(brake, shoe)
         along = arrow.tip - arrow.tail
         across = np.array([-along[1], along[0]])
-        left, right = (arrow.tip + 0.25 * (turn * across - along) for turn in (0.5, -0.5))
+        # The head is a quarter as long as the arrow, and as wide as it is long.
+        left = arrow.tip + 0.25 * (0.5 * across - along)
+        right = arrow.tip + 0.25 * (-0.5 * across - along)
         shaft, head = np.array([arrow.tail, arrow.tip]), np.array([left, arrow.tip, right])
-        lines += [shaft.T * MM, head.T * MM]
+        lines += [shaft.T * PAGE_MM, head.T * PAGE_MM]
     return Lines([xy[0] for xy in lines], [xy[1] for xy in lines])
 
 
@@ -318,7 +321,7 @@ def _row(brake: Brake, response: Response, i: int) -> tuple[str, ...]:
         name_of(response.model),
         f"{effect:.6g}",
         f"{effect / force:.4g}" if force else "–",
-        f"{shoe.peak_pressure * MPA:.4g}",
+        f"{shoe.peak_pressure * PAGE_MPA:.4g}",
         arcs_text(shoe, brake.surface),
         "yes" if shoe.self_energising else "no",
     )
@@ -346,7 +349,7 @@ def drawing_of(brake: Brake) -> Mapping[str, Lines]:
             bodies.append(_layer(shoe, brake.size, ends, (depth, depth + shoe.body.depth)))
         if isinstance(shoe.body, Beam):
             bodies.append(_beam(shoe, brake.size))
-    held = [shoe.pin.xy * MM for shoe in brake.shoes if shoe.guide is None]
+    held = [shoe.pin.xy * PAGE_MM for shoe in brake.shoes if shoe.guide is None]
     return {
         "drum": _surface(brake),
         "linings": _lines(linings),
@@ -360,7 +363,7 @@ def _surface(brake: Brake) -> Lines:
     if brake.surface.straight:
         (x, _), reach = centre_of(brake), reach_of(brake)
         return Lines([np.array([x - reach, x + reach])], [np.zeros(2)])
-    R, circle = brake.size * MM, np.linspace(0, 2 * math.pi, 361)
+    R, circle = brake.size * PAGE_MM, np.linspace(0, 2 * math.pi, 361)
     return Lines([R * np.cos(circle)], [R * np.sin(circle)])
 
 
@@ -389,7 +392,7 @@ def _lining_ends(brake: Brake) -> list[float]:
 def brake_extent(brake: Brake) -> tuple[float, float]:
     """The places [deg], on a plane [mm], between which all linings lie, with some room."""
     ends = [place * brake.surface.shown for place in _lining_ends(brake)]
-    room = 0.04 * brake.size * MM if brake.surface.straight else 5.0
+    room = 0.04 * brake.size * PAGE_MM if brake.surface.straight else 5.0
     return min(ends) - room, max(ends) + room
 
 
@@ -398,7 +401,7 @@ def centre_of(brake: Brake) -> tuple[float, float]:
     if not brake.surface.straight:
         return 0.0, 0.0
     xy = _places_on_plane(brake)
-    x, y = 0.5 * (xy.min(axis=0) + xy.max(axis=0)) * MM
+    x, y = 0.5 * (xy.min(axis=0) + xy.max(axis=0)) * PAGE_MM
     return float(x), float(y)
 
 
@@ -424,14 +427,14 @@ def reach_of(brake: Brake) -> float:
     """
     if brake.surface.straight:
         xy = _places_on_plane(brake)
-        return float(0.55 * np.ptp(xy, axis=0).max()) * MM
+        return float(0.55 * np.ptp(xy, axis=0).max()) * PAGE_MM
     R = brake.size
     room = []
     for shoe in brake.shoes:
         # Pressures of internal shoes are drawn outside the drum.
         room.append(1.12 * (1 + PETAL) * R if shoe.sign > 0 else 1.05 * R + shoe.depth)
     room += [float(np.abs(place).max()) + 0.1 * R for place in _pins_and_arrows(brake)]
-    return max(room) * MM
+    return max(room) * PAGE_MM
 
 
 def _layer(
@@ -451,7 +454,7 @@ def _layer(
     places = np.concatenate([there, there[::-1], there[:1]])
     front, back = depths
     at = np.repeat([front, back, front], [len(there), len(there), 1])
-    x, y = shoe.points(shoe.at(at, shoe.frame.phi(places), size)) * MM
+    x, y = shoe.points(shoe.at(at, shoe.frame.phi(places), size)) * PAGE_MM
     return LayerOutline(x, y)
 
 
@@ -462,5 +465,5 @@ def _beam(shoe: Shoe, R: float) -> LayerOutline:
     half = 0.5 * (shoe.body.thickness or 0.1 * R)
     across = half * np.array([-along[1], along[0]]) / np.linalg.norm(along)
     end = hinge + along
-    xy = np.array([hinge - across, end - across, end + across, hinge + across]) * MM
+    xy = np.array([hinge - across, end - across, end + across, hinge + across]) * PAGE_MM
     return LayerOutline(xy[:, 0], xy[:, 1])

@@ -4,8 +4,8 @@ The normal forces N of the sectors keep the gaps w = Delta + N/k + z - closing >
 A beam turns about its hinge by y and bends under its moments. With the trapezoidal rule over its
 stations
 
-    M = loaded - (pressed + mu_hat dragged) N,     closing = y closing_0 + closing^T (dx/EI) M,
-    z = c N,                                       M_0 = 0:  (pressed + mu_hat dragged)_0 N = loaded_0.
+    M = loaded - (pressed + mu_hat dragged) N,   closing = y closing_0 + closing^T (dx/EI) M,
+    z = c N,                                     M_0 = 0: (pressed + mu_hat dragged)_0 N = loaded_0.
 
 These are eq. 2, 8, 16 and 19 of Barecki & Scieszka (1987), and eq. 7 solved for the displacement.
 """

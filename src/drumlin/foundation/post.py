@@ -1,4 +1,4 @@
-"""Discretise a shoe of the foundation model: stations along the beam, sectors of the lining, levers.
+"""Discretise a shoe of the foundation model: stations along the beam, lining sectors, levers.
 
 The beam has three equal divisions, before, under and behind the lining. The lining's ends are
 stations, and its end sectors are halves. The sums of Barecki & Scieszka (1987) are then trapezoidal

@@ -1,4 +1,4 @@
-"""Laws of rigid shoes on a sliding plane: the short shoe, and the long shoe with p proportional to x.
+"""Laws of rigid shoes on a sliding plane: the short shoe, the long shoe with p proportional to x.
 
 The place x is the distance from the hinge's foot on the plane, and h the height of the hinge above
 the plane (UWA notes, translational shoes, eq. iii and iv). s' is +1 if the body drags the lining
@@ -123,7 +123,8 @@ class FlatLaw:
 
 LINEAR = FlatLaw(
     "linear",
-    "rigid flat shoe turning about its hinge on a plane: p = p_max x/x_max, x from the hinge's foot",
+    "rigid flat shoe turning about its hinge on a plane: p = p_max x/x_max, x from the hinge's "
+    "foot",
     linear_load,
     lambda x, pad: np.asarray(x / pad.x_max),
 )

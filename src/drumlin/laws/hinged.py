@@ -96,7 +96,7 @@ def sine(brake: Brake) -> Response:
 
 
 def _notes(law: Law, brake: Brake, index: int, response: ShoeResponse) -> list[str]:
-    """Notes on a shoe: without contact, the remark of the law, and what lumping its forces changes."""
+    """Notes on a shoe: missing contact, the law's remark, and the effect of lumping its forces."""
     said = f"shoe {response.name!r}:"
     if not response.contact_arcs:
         return [no_contact(response.name)]

@@ -8,7 +8,7 @@ The contact has no moment about G, and together with the actuation no moment abo
     [ M_N - dD mu M_F ]_G A + [ ... ]_G B = 0,    [ ... ]_H A + [ ... ]_H B = M / (b R)
 
 The first bracket of a row is the load of cos, the second that of sin, both by `moments_about`.
-About the lining's middle B vanishes, p = p_0 cos, only if G lies there at the radius `pivot_radius`.
+About the lining's middle B vanishes, p = p_0 cos, only if G lies there at `pivot_radius`.
 
 The formulas work on arrays, for a lining that presses all along. `rigid`, of which this law is a
 special case, solves brakes.

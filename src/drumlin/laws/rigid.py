@@ -4,7 +4,7 @@ The pressure is p = sum of a_k f_k >= 0. Here f_k is how the rigid-body mode k o
 gap. There is one equilibrium for each mode. With the lining's normal n and the direction of drag t,
 the rigid-body modes u_k, the test modes v_j (brake.support) and the work Q_j of the actuation,
 
-    f_k = n.u_k,     w Int p (n.v_j - mu s t.v_j) ds = Q_j     over the part of the lining where p > 0
+    f_k = n.u_k,     w Int p (n.v_j - mu s t.v_j) ds = Q_j     over the part of lining where p > 0
 
 In known cases the law has a name: sine (a hinge on a drum), A cos + B sin (a pivot or an abutment),
 cosine (a guide on a drum), linear (a hinge on a plane), uniform (a guide on a plane).
@@ -157,7 +157,7 @@ def bears(brake: Brake, shoe: Shoe) -> int:
     free = shoe.freedoms(shoe.senses[-1])
     shapes = face.closing(free.tests)
     if len(shapes) == 1:
-        # With one mode, a place of the lining must exist whose pressure works against the actuation.
+        # With one mode, some place of the lining must press against the actuation.
         works = shapes[0] @ face.shapes(np.linspace(*ends, 65))[:2] * free.work[0]
         return 1 if works.max() > 1e-12 * np.abs(works).max() else -1
     try:
@@ -328,7 +328,7 @@ def forced(brake: Brake, *, whole: bool = False) -> Brake:
 def _share_cam(brake: Brake, shoes: list[Shoe], total: float, whole: bool) -> None:
     """Give the shoes of a cam, in place, their parts of its force `total` [N].
 
-    The tips of both shoes move equally, so that each force is inverse to the tip's motion per force.
+    The tips of both shoes move equally. Each force is inverse to the tip's motion per force.
     """
     behind = {link.to for link in brake.links}
     on_cam = [i for i, shoe in enumerate(shoes) if shoe.name not in behind]

@@ -104,13 +104,13 @@ def uniform_load(arc: Layout) -> Load:
 
 
 def short_load(arc: Layout) -> Load:
-    """f = 1, where all elements press along the middle radius: N = p_m A (UWA short shoe, eq. v)."""
+    """f = 1, all elements press along the middle radius: N = p_m A (UWA short shoe, eq. v)."""
     along = 2 * arc.half
     return Load(along, along * np.cos(arc.middle), along * np.sin(arc.middle))
 
 
 def block_load(arc: Layout) -> Load:
-    """f = cos(phi - middle) lumped at the middle: N = b R p_0 (theta_0 + sin(2 theta_0)/2) (NPTEL)."""
+    """f = cos(phi - middle), lumped: N = b R p_0 (theta_0 + sin(2 theta_0)/2) (NPTEL)."""
     along = arc.half + np.sin(2 * arc.half) / 2
     return Load(along, along * np.cos(arc.middle), along * np.sin(arc.middle))
 
@@ -204,7 +204,7 @@ class Law:
         return effect / np.where(resistance > 0, resistance, np.nan)
 
     def sensitivity(self, mu: Values, arc: Layout) -> Floats:
-        """Sensitivity S = (mu/eta) d eta/d mu = m eta (UWA, eq. 8); nan if the shoe locks itself."""
+        """Sensitivity S = (mu/eta) d eta/d mu = m eta (UWA, eq. 8); nan if self-locking."""
         M_N, _ = self.moments(arc)
         resistance = self.resistance(mu, arc)
         return M_N / np.where(resistance > 0, resistance, np.nan)
@@ -255,15 +255,18 @@ SINE = Law(
 )
 COSINE = Law(
     "cosine",
-    "rigid shoe moving along its middle radius: p = p_0 cos(theta - middle), each element along its radius",
+    "rigid shoe moving along its middle radius: p = p_0 cos(theta - middle), each element "
+    "along its radius",
     cosine_load,
     _cosine,
     _middle,
-    remark="friction is mu N at psi R, each element in its place; mu' N at the drum's surface is the law 'block'",
+    remark="friction is mu N at psi R, each element in its place; mu' N at the drum's surface "
+    "is the law 'block'",
 )
 BLOCK = Law(
     "block",
-    "p = p_0 cos(theta - middle) lumped at the drum's surface: N, and friction mu' N, at the lining's middle",
+    "p = p_0 cos(theta - middle) lumped at the drum's surface: N, and friction mu' N, at the "
+    "lining's middle",
     block_load,
     _cosine,
     _middle,

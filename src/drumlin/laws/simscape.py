@@ -102,7 +102,7 @@ class DoubleShoe:
 
     @property
     def arc(self) -> tuple[float, float]:
-        """Begin and end (phi_1, phi_2) [rad] of the lining, from the pin, according to `reading`."""
+        """Begin and end (phi_1, phi_2) [rad] of the lining from the pin, as `reading` says."""
         return self.theta_sb, self.theta_s + (self.theta_sb if self.reading == "span" else 0.0)
 
     @property

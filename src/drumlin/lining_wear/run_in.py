@@ -64,6 +64,7 @@ def target(setup: WearSetup, law: WearLaw | None = None, torque: float | None = 
     NoAnswer
         where the rigid shoe has no equilibrium
     """
+    # The closed form holds for wear in proportion to the pressure.
     if setup.model != "fem" or (law is not None and law.exponent != 1):
         return discrete_end(setup, law, torque)
     forced = rigid.forced(setup.brake)
@@ -102,6 +103,7 @@ def _law_torque(setup: WearSetup, surface: WornLining, pressed: PressedShoe) -> 
     """The torque [N m] of a lining by the law; on a plane the braking force [N]."""
     brake, lining = setup.brake, setup.brake.shoes[surface.shoe].lining
     theta = rigid.nodes((lining.start, lining.end), pressed.arcs, rigid.PRESSURE_NODES - 1)
+    # Parabolas through the law's pressure are integrated exactly.
     _, p, weight = gauss_points(theta, rigid.pressure(pressed, theta), 2)
     return float(brake.friction * lining.width * brake.scale_factor**2 * (p * weight).sum())
 
@@ -132,6 +134,7 @@ def apart(setup: WearSetup, p: Floats, goal: Floats) -> float:
     distances = []
     for surface in setup.surfaces:
         size = norm(surface, surface.along(goal))
+        # A lining that the target does not press has no relative distance.
         if size:
             distances.append(norm(surface, surface.along(p - goal)) / size)
     return max(distances, default=0.0)
@@ -234,6 +237,7 @@ def check_depth(setup: WearSetup, states: Sequence[WearState]) -> None:
     s = [state.s for state in states]
     worn_through = []
     for surface in setup.surfaces:
+        # The depth grows with the distance, so that the last state tells whether it is too much.
         thickness = setup.brake.shoes[surface.shoe].lining.thickness
         deepest = _deepest(surface, states)
         if deepest[-1] > thickness:
@@ -290,11 +294,13 @@ def life(
     for surface in setup.surfaces:
         allowed = part * setup.brake.shoes[surface.shoe].lining.thickness
         deepest = _deepest(surface, states)
+        # The lining is worn out within the run, or later at the rate that the law has.
         if deepest[-1] >= allowed:
             end = min(end, float(np.interp(allowed, deepest, s)))
         elif law.coefficient > 0:
             rate = float(law.rate(goal.pressure[surface.part], 0.0)[0].max())
             end = min(end, s[-1] + (allowed - deepest[-1]) / rate)
+    # A quantity is near the law from the last state on that is beyond the bound.
     distances = [distance(setup, state, goal) for state in states]
     pressure_near = archard.last_beyond(s, [each.pressure for each in distances], within)
     torque_near = archard.last_beyond(s, [each.torque for each in distances], within)
@@ -323,6 +329,7 @@ def checks(setup: WearSetup, states: Sequence[WearState], law: WearLaw) -> RunCh
     end = states[-1]
     area = np.concatenate([interface.area for interface in setup.interfaces])
     scale = end.removed or 1.0
+    # The first state is the new lining, whose pressure no wear has smoothed.
     ripples = []
     for state in states[1:]:
         ripples += [archard.ripple(surface.along(state.pressure)) for surface in setup.surfaces]

@@ -17,7 +17,7 @@ from drumlin.response.balance import loaded
 from drumlin.response.response import Response
 
 
-class Written(NamedTuple):
+class WrittenComparison(NamedTuple):
     """The results of a comparison whose report is written.
 
     Attributes
@@ -105,7 +105,9 @@ def _model_data(outcome: Outcome) -> dict[str, Any]:
     return {**answer, "run_time": outcome.seconds, "repeats": outcome.repeats}
 
 
-def write_comparison(brake: Brake, source: str, folder: Path, options: dict[str, Any]) -> Written:
+def write_comparison(
+    brake: Brake, source: str, folder: Path, options: dict[str, Any]
+) -> WrittenComparison:
     """Compare all models that apply to a brake, and write a page with its data.
 
     The page, CSV, JSON, figure and fields are written into `folder`.
@@ -151,7 +153,7 @@ def write_comparison(brake: Brake, source: str, folder: Path, options: dict[str,
         notes=notes + _neglected(comparison),
         source_text=source,
     )
-    return Written(table, notes, page, columns_of(brake))
+    return WrittenComparison(table, notes, page, columns_of(brake))
 
 
 def _notes(brake: Brake, comparison: Comparison[Any]) -> list[str]:

@@ -35,7 +35,7 @@ BAR_TOPS = 1, 1.2, 1.6, 2, 2.4, 3.2, 4, 6, 8, 10
 ARROW_LENGTH = 0.28
 """Length of a force's arrow relative to the size of the brake."""
 
-WIDTH, HEIGHT = 1500, 1300  # pixels
+FIELD_WIDTH, FIELD_HEIGHT = 1500, 1300  # pixels
 
 
 class NoPicture(Exception):
@@ -159,7 +159,7 @@ def draw(fields: Path, picture: Path, marks: dict[str, Any]) -> None:
     factor = _round_down(0.04 * size / (float(np.linalg.norm(u, axis=1).max()) or 1.0))
     deformed = grid.copy()
     deformed.points = np.asarray(grid.points) + factor * u
-    plotter = pv.Plotter(off_screen=True, window_size=(WIDTH, HEIGHT))
+    plotter = pv.Plotter(off_screen=True, window_size=(FIELD_WIDTH, FIELD_HEIGHT))
     plotter.set_background("white")
     _add_stress(plotter, deformed)
     plotter.add_mesh(_outline(grid), color="#888888", line_width=2)
@@ -239,8 +239,8 @@ def _aim(camera: Any, places: Floats, margin: float) -> None:
     left, bottom = places.min(axis=0) - margin
     right, top = places.max(axis=0) + margin
     # Half the height of the picture [m].
-    scale = max((top - bottom) / 2 / 0.9, (right - left) / 2 / 0.84 * HEIGHT / WIDTH)
-    x = (left + right) / 2 + 0.13 * scale * WIDTH / HEIGHT
+    scale = max((top - bottom) / 2 / 0.9, (right - left) / 2 / 0.84 * FIELD_HEIGHT / FIELD_WIDTH)
+    x = (left + right) / 2 + 0.13 * scale * FIELD_WIDTH / FIELD_HEIGHT
     y = (bottom + top) / 2 + 0.09 * scale
     camera.parallel_scale = scale
     camera.focal_point, camera.position = (x, y, 0), (x, y, 1)

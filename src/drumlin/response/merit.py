@@ -1,10 +1,10 @@
 """Figures of merit of a brake, from the pressure p(theta) of any model.
 
-Every pressure on an arc acts like a short shoe. The short shoe stands at the angle of the resultant,
-on a drum of the apparent friction radius psi R (Barecki & Scieszka 1987, eq. 22-26). The figures of
-the short shoe therefore hold for any pressure: eta = T/M = 1/(m - dD n) and S = m eta (UWA notes,
-eq. 8). Here m and n are the moments of the normal pressure and of the friction about the hinge,
-each over the torque T.
+Every pressure on an arc acts like a short shoe. The short shoe stands at the angle of the
+resultant, on a drum of the apparent friction radius psi R (Barecki & Scieszka 1987, eq. 22-26). The
+figures of the short shoe therefore hold for any pressure: eta = T/M = 1/(m - dD n) and S = m eta
+(UWA notes, eq. 8). Here m and n are the moments of the normal pressure and of the friction about
+the hinge, each over the torque T.
 """
 
 import math

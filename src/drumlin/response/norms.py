@@ -76,7 +76,7 @@ class Difference:
         return float(np.linalg.norm(forces) / np.vdot(self.weight, self.pressure))
 
     def at_peak(self, zone: float) -> float:
-        """Largest difference in the element where p_b peaks outside the zones, relative to its peak."""
+        """Largest difference in the element where p_b peaks outside the zones, over its peak."""
         inside, columns = self.inside(zone), self.columns
         highest = np.where(inside, self.pressure.max(axis=1), -math.inf).argmax()
         off = self.off[inside & (columns == columns[highest])]

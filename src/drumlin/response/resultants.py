@@ -225,7 +225,7 @@ class InnerPart:
         return _top_of_parabola(x, found[piece, sample - 1 : sample + 2].tolist())
 
     def peak(self, pressure: Floats) -> float:
-        """Largest pressure of this part; of the whole line if less than half of the force acts here."""
+        """Largest pressure of this part; of the whole line if under half of the force acts here."""
         if self.part(pressure) > 0.5:
             return self.largest(pressure)
         return largest(self.theta, pressure, self.order)

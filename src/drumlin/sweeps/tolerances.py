@@ -79,9 +79,12 @@ def draw(tolerances: Sequence[ManufacturingTolerance], n: int, seed: int) -> Flo
     d = len(tolerances)
     points = qmc.Sobol(2 * d, rng=np.random.default_rng(seed)).random(n)
     # The first d coordinates make sample A, the others sample B.
-    columns = [tolerances[i % d].distribution.ppf(points[:, i]) for i in range(2 * d)]
-    values = np.column_stack(columns)
+    values = np.empty_like(points)
+    for i in range(2 * d):
+        # The inverse of the distribution function turns a uniform number into a deviate.
+        values[:, i] = tolerances[i % d].distribution.ppf(points[:, i])
     A, B = values[:, :d], values[:, d:]
+    # Sample AB_i is A with the deviates of tolerance i taken from B.
     mixed = np.repeat(A[None], d, axis=0)
     for i in range(d):
         mixed[i, :, i] = B[:, i]
@@ -115,11 +118,16 @@ def cases(
     _check_keys({key for tolerance in tolerances for key in tolerance.moves})
     for tolerance in tolerances:
         nominal |= {key: value_of(brake, key) for key in tolerance.moves}
-    rows = [[tolerance.moves.get(key, 0.0) for key in nominal] for tolerance in tolerances]
-    slopes = np.array(rows)
+    # Row i holds the change of each key per unit of deviate i.
+    slopes = np.zeros((len(tolerances), len(nominal)))
+    for i, tolerance in enumerate(tolerances):
+        slopes[i] = [tolerance.moves.get(key, 0.0) for key in nominal]
     values = np.array([*nominal.values()]) + deviates.reshape(-1, len(tolerances)) @ slopes
-    changes = [dict(zip(nominal, row, strict=True)) for row in values.tolist()]
-    return [SweepCase(brake, change, model, options) for change in changes]
+    made = []
+    for row in values.tolist():
+        changes = dict(zip(nominal, row, strict=True))
+        made.append(SweepCase(brake, changes, model, options))
+    return made
 
 
 def _check_keys(keys: set[str]) -> None:
@@ -219,7 +227,11 @@ def shares(
     rng = np.random.default_rng(seed)
     n = values.shape[1]
     indices = _indices(values)
-    resampled = [_indices(values[:, rng.integers(n, size=n)]) for _ in range(resamples)]
+    resampled = []
+    for _ in range(resamples):
+        chosen = rng.integers(n, size=n)
+        resampled.append(_indices(values[:, chosen]))
+    # The interval leaves out as much below as above.
     tails = [(1 - confidence) / 2, (1 + confidence) / 2]
     low, high = np.quantile(np.array(resampled), tails, axis=0)
 
@@ -266,6 +278,7 @@ def healing(
     setup = fem_setup(prepare(on_round_drum, elements=elements), on_round_drum)
     states = run_in.run_in(setup, tolerance=tolerance)
     settled_at = states[-1].s
+    # The wear ends where pressure and torque are settled; later states are equal to the last.
     states_at = [archard.at(states, min(s, settled_at)) for s in distances]
     return {
         "torque": [state.torque for state in states_at],

@@ -105,7 +105,8 @@ def read_curves(path: Path, brake: Brake) -> dict[str, Curve]:
             continue
         if len(line) != len(lines[0]):
             raise BadInput(
-                f"{path}: line {number}: {len(line)} cells; must have {len(lines[0])} as the heading"
+                f"{path}: line {number}: {len(line)} cells; must have {len(lines[0])} as the "
+                f"heading"
             )
         name = line[columns["shoe"][0]].strip() if "shoe" in columns else names[0]
         if name not in points:
@@ -205,7 +206,8 @@ def _verdict(brake: Brake, spec: Shoe, known: ShoeReference, curve: Curve) -> Ve
         )
     if curve.theta[0] > theta[0] + 1e-9 or curve.theta[-1] < theta[-1] - 1e-9:
         raise BadInput(
-            f"shoe {known.name!r}: from {_place(spec, curve.theta[0])} to {_place(spec, curve.theta[-1])}: must reach "
+            f"shoe {known.name!r}: from {_place(spec, curve.theta[0])} to "
+            f"{_place(spec, curve.theta[-1])}: must reach "
             f"from {_place(spec, theta[0])} to {_place(spec, theta[-1])}"
         )
     off = np.interp(theta, *curve) - p
@@ -247,12 +249,15 @@ def lines(
     """The verdicts for people, the last line the verdict on all, of the effect of a surface."""
     effect, unit = surface.effect, surface.effect_unit
     said = [
-        f"shoe {v.shoe!r}: p off by {formatted(v.distance, '.2%')} in L2 (reference known to {v.floor:.1e}), at most "
-        f"by {formatted(v.largest, '.2%')} of the peak, at {v.at}; that is {formatted(v.torque_error, '.2%')} of the "
+        f"shoe {v.shoe!r}: p off by {formatted(v.distance, '.2%')} in L2 (reference known to "
+        f"{v.floor:.1e}), at most "
+        f"by {formatted(v.largest, '.2%')} of the peak, at {v.at}; that is "
+        f"{formatted(v.torque_error, '.2%')} of the "
         f"{effect} (known to {v.torque_floor:.1e}); {effect} of its points {v.torque:.7g} {unit}"
         for v in verdicts
     ]
     return [
         *said,
-        f"{'within' if within(verdicts, tolerance) else 'NOT within'} {tolerance:.3g} of the reference",
+        f"{'within' if within(verdicts, tolerance) else 'NOT within'} {tolerance:.3g} of the "
+        f"reference",
     ]

@@ -29,11 +29,11 @@ from drumlin.fem.substructure.body import scalar_basis, stiffness
 from drumlin.fem.substructure.elasticity import layers_of
 from drumlin.models import pick
 
-ELEMENTS = 140  # about 20 000 unknowns for a car's shoe
+COST_ELEMENTS = 140  # about 20 000 unknowns for a car's shoe
 REPEATS = 7
 SIZES = (20_000, 50_000, 100_000, 200_000, 500_000, 1_000_000)  # unknowns of a shoe in the table
 SOLID_ELEMENTS = (16, 24, 32, 48, 72)  # along the lining of a solid shoe in its table
-FITTED = 600_000  # the exponent is fitted to the sizes up to here
+LARGEST_FITTED = 600_000  # the exponent is fitted to the sizes up to here
 
 
 class Cost(NamedTuple):
@@ -67,7 +67,7 @@ class Cost(NamedTuple):
 def cost(
     brake: Brake,
     *,
-    elements: int = ELEMENTS,
+    elements: int = COST_ELEMENTS,
     penalty: float = PENALTY,
     repeats: int = REPEATS,
     mesher: Mesher | None = None,
@@ -122,7 +122,7 @@ def cost(
 
 
 def proportional(unknowns: int, shoe: Shoe, radius: float) -> object:
-    """Mesh of about so many unknowns: twice as many elements along come with twice as many through."""
+    """Mesh of about so many unknowns, with as many more elements through it as along it."""
     elements = round(0.95 * math.sqrt(unknowns))
     layers = round(elements / 15)
     even = divide(shoe, radius, elements)
@@ -145,10 +145,11 @@ def table(brake: Brake, sizes: tuple[int, ...] = SIZES) -> Iterator[str]:
             c = process.submit(job).result()
         costs.append(c)
         yield (
-            f"{c.unknowns:8d}  {c.contact_nodes:13d}  {c.solve:9.3f}  {c.solve_ratio:12.2f}  {c.further * 1e3:12.1f}  "
+            f"{c.unknowns:8d}  {c.contact_nodes:13d}  {c.solve:9.3f}  {c.solve_ratio:12.2f}  "
+            f"{c.further * 1e3:12.1f}  "
             f"{c.memory / 2**30:12.2f}"
         )
-    fitted = [c for c in costs if c.unknowns <= FITTED]
+    fitted = [c for c in costs if c.unknowns <= LARGEST_FITTED]
     if len(fitted) > 1:
         exponent = float(
             np.polyfit(np.log([c.unknowns for c in fitted]), np.log([c.solve for c in fitted]), 1)[

@@ -32,12 +32,15 @@ from drumlin.verification import triangles
 
 PACKAGES = ("numpy", "scipy", "scikit-fem")
 METHOD = (
-    "2D plane stress, unilateral contact, full-slip Coulomb friction, exact contact; value: columns of elements of "
-    "high degree; uncertainty: the larger of the distances from another division of them and from curved triangles "
+    "2D plane stress, unilateral contact, full-slip Coulomb friction, exact contact; value: "
+    "columns of elements of "
+    "high degree; uncertainty: the larger of the distances from another division of them and "
+    "from curved triangles "
     "with contact node by node"
 )
 ALONE = (
-    "2D plane stress, unilateral contact, full-slip Coulomb friction, exact contact; value: columns of elements of "
+    "2D plane stress, unilateral contact, full-slip Coulomb friction, exact contact; value: "
+    "columns of elements of "
     "high degree; uncertainty: the distance from another division of them"
 )
 
@@ -49,17 +52,17 @@ class Refinement(NamedTuple):
 
     first: int
     levels: tuple[Level, Level]
-    triangles: tuple[triangles.Level, ...]
+    triangles: tuple[triangles.TriangleLevel, ...]
 
 
-DEG = math.pi / 180
+ONE_DEGREE = math.pi / 180
 FINE = Refinement(
     3,
     (
-        Level(7, 0.02, 0.01, 0.002, 0.45, 0.45, 15 * DEG, 0.01, 0.01, 0.3),
-        Level(8, 0.01, 0.006, 0.001, 0.5, 0.5, 15 * DEG, 0.003, 0.01, 0.4),
+        Level(7, 0.02, 0.01, 0.002, 0.45, 0.45, 15 * ONE_DEGREE, 0.01, 0.01, 0.3),
+        Level(8, 0.01, 0.006, 0.001, 0.5, 0.5, 15 * ONE_DEGREE, 0.003, 0.01, 0.4),
     ),
-    triangles.LEVELS,
+    triangles.TRIANGLE_LEVELS,
 )
 """Sizes that grow slowly towards the ends of the layers and the hinge, where the torque feels them;
 thinner columns at the lining's ends would cost a stiff shoe more digits than they bring.
@@ -239,7 +242,7 @@ def _sure(value: Any, *others: Any) -> Sure:
 
 
 def _contact_force(brake: Brake, index: int, found: ShoeResponse) -> Floats:
-    """The force (2,) [N] on the lining; on a plane that which its reaction and its actuation leave."""
+    """Force (2,) [N] on the lining; on a plane the rest of reaction and actuation."""
     shoe = brake.shoes[index]
     if not shoe.flat:
         return contact_resultant(brake, index, found).force
@@ -255,7 +258,7 @@ def _shoe(brake: Brake, index: int, trio: Trio) -> ShoeReference:
     a = own[0]
     edge = edge_zone(spec, brake.scale_factor)
     first, last = spec.lining.start, spec.lining.end
-    step = 1e-3 if spec.flat else DEG  # whole millimetres, whole degrees
+    step = 1e-3 if spec.flat else ONE_DEGREE  # whole millimetres, whole degrees
     theta = np.arange(math.ceil(first / step + 1e-6), last / step - 1e-6) * step
     pressure = a.pressure_at(theta)
     return ShoeReference(

@@ -21,7 +21,7 @@ from drumlin.brake.units import LARGEST_NUMBER_SI
 from drumlin.verification.reference import Reference, ShoeReference, Sure
 
 FORMAT = "drumlin reference values, 1"
-DIGITS = 10  # significant digits in a file
+FILE_DIGITS = 10  # significant digits in a file
 _LIST = re.compile(r"\[[-+0-9.eE,\s]*\]")  # in JSON, of numbers only
 LARGEST_FILE = 10_000_000  # bytes
 UNITS = {
@@ -46,7 +46,7 @@ SURFACE_UNITS = {
 }
 
 
-def _rounded(value: Any, digits: int = DIGITS) -> Any:
+def _rounded(value: Any, digits: int = FILE_DIGITS) -> Any:
     """Numbers, also in lists, to so many significant digits."""
     if isinstance(value, list):
         return [_rounded(each, digits) for each in value]
@@ -99,7 +99,7 @@ def as_dict(found: Reference) -> dict[str, Any]:
 
 
 def write_values(data: dict[str, Any], path: Path) -> None:
-    """Write reference values, as as_dict gives them, as JSON; a list of numbers stands on one line."""
+    """Write reference values, as as_dict gives them, as JSON; a list of numbers is a line."""
     text = json.dumps(data, indent=1, allow_nan=False)
     write_text(path, _LIST.sub(lambda match: " ".join(match.group().split()), text) + "\n")
 

@@ -8,8 +8,8 @@ and carries a force with Coulomb's friction at full slip. A sequence of meshes o
 grading gives each value, and how far the last steps still moved it.
 """
 
-from drumlin.verification.triangles.levels import LEVELS, sequence, solve
-from drumlin.verification.triangles.outline import Level
+from drumlin.verification.triangles.levels import TRIANGLE_LEVELS, sequence, solve
+from drumlin.verification.triangles.outline import TriangleLevel
 from drumlin.verification.triangles.solution import ShoeSolution
 
-__all__ = ["LEVELS", "Level", "ShoeSolution", "sequence", "solve"]
+__all__ = ["TRIANGLE_LEVELS", "ShoeSolution", "TriangleLevel", "sequence", "solve"]

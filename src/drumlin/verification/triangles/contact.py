@@ -14,10 +14,12 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.support import moved
 from drumlin.verification.triangles.face import Face
 
-SETTLED = 600  # contact sets that are tried
-SPARE = 8  # of them in a row without fewer wrong nodes, until they are changed one node at a time (Judice & Pires 1994)
+MOST_SETS_TRIED = 600  # contact sets that are tried
+# Contact sets in a row without fewer wrong nodes, after which one node at a time is changed
+# (Judice & Pires 1994).
+SPARE = 8
 NOISE = 1e-13  # of the normal force, in tractions and overlaps at all wrong nodes
-PATIENCE, NEARLY = 40, 1e-9  # contact sets after which that much is enough
+ACCEPTED_AFTER, NEARLY = 40, 1e-9  # contact sets after which that much is enough
 
 
 class Rim(NamedTuple):
@@ -53,7 +55,7 @@ def settle(
     scale = float(np.median(np.abs(np.diag(A)) * weight))
     fewest, spare, least = n + 1, SPARE, math.inf
     best: Found | None = None
-    for step in range(SETTLED):
+    for step in range(MOST_SETS_TRIED):
         a = np.flatnonzero(active)
         if not len(a):
             raise NoAnswer("no node in contact")
@@ -74,7 +76,7 @@ def settle(
         wrongness = -float(off[wrong].sum()) / size_of
         if wrongness < least:
             least, best = wrongness, Found(f, y, active.copy())
-        if wrongness < NOISE or (step > PATIENCE and least < NEARLY):
+        if wrongness < NOISE or (step > ACCEPTED_AFTER and least < NEARLY):
             assert best is not None
             return best
         if len(wrong) < fewest:

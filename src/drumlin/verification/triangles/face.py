@@ -14,7 +14,7 @@ from drumlin.verification.triangles.lagrange import Nodes
 from drumlin.verification.triangles.outline import Outline
 from drumlin.verification.triangles.triangulation import Triangles
 
-GAUSS, WEIGHTS = legendre.leggauss(8)
+FACE_GAUSS, FACE_WEIGHTS = legendre.leggauss(8)
 
 
 class Shaped(NamedTuple):
@@ -81,9 +81,9 @@ def along(xy: Floats, degree: int) -> tuple[Floats, Floats, Floats]:
     """Shape functions (degree + 1, q), points (k, q, 2) and ds (k, q) of Gauss's rule on edges with
     nodes xy (k, degree + 1, 2).
     """
-    psi, slope = trace(degree, 0.5 + 0.5 * GAUSS)
+    psi, slope = trace(degree, 0.5 + 0.5 * FACE_GAUSS)
     x, dx = (np.einsum("kac,aq->kqc", xy, values) for values in (psi, slope))
-    return psi, x, np.hypot(dx[..., 0], dx[..., 1]) * 0.5 * WEIGHTS
+    return psi, x, np.hypot(dx[..., 0], dx[..., 1]) * 0.5 * FACE_WEIGHTS
 
 
 def _end_load(body: Shaped, force: Floats, point: Floats) -> Floats:

@@ -18,9 +18,9 @@ from skfem.quadrature import get_quadrature_tri
 from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.elasticity import ElasticLayer, has_directions
-from drumlin.verification.triangles.triangulation import Layer, Map, Triangles, edges_of
+from drumlin.verification.triangles.triangulation import Map, TriangleLayer, Triangles, edges_of
 
-LEAF = 8  # triangles of which a part is not halved any more
+LEAF_TRIANGLES = 8  # triangles of which a part is not halved any more
 
 
 @cache
@@ -121,7 +121,7 @@ def nodes_of(mesh: Triangles, place: Map, degree: int) -> Nodes:
     return Nodes(of, at, place(at[:, 0], at[:, 1]))
 
 
-def stiffness(mesh: Triangles, nodes: Nodes, layers: list[Layer], degree: int) -> Floats:
+def stiffness(mesh: Triangles, nodes: Nodes, layers: list[TriangleLayer], degree: int) -> Floats:
     """Plane-stress stiffness (m, 2n, 2n) of each triangle, unknown 2 i + c for component c of its
     node i [N/m].
     """
@@ -258,7 +258,7 @@ def condense(K: Floats, nodes: Nodes, held: Bools, kept: Ints, loads: Floats) ->
 
     def front(members: Ints) -> Front:
         """The front of these triangles."""
-        if len(members) <= LEAF:
+        if len(members) <= LEAF_TRIANGLES:
             free = ~held[dofs[members]]
             none = np.zeros((columns, columns))
             return joined(

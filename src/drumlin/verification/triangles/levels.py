@@ -13,24 +13,30 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
 from drumlin.verification.triangles.contact import contact
 from drumlin.verification.triangles.face import Face, face, shaped
-from drumlin.verification.triangles.outline import Level, Outline, Sharp, draft, outline
+from drumlin.verification.triangles.outline import Outline, Sharp, TriangleLevel, draft, outline
 from drumlin.verification.triangles.ring import rim, with_ring
 from drumlin.verification.triangles.shared import shared
 from drumlin.verification.triangles.solution import ShoeSolution, solution
 
-ENDS = 13  # halvings at most towards an end of the contact, where p is small, and a kink of the gap that is no tip
-SLACK = 1e-9  # of the lining, of places that are its ends
+# Largest number of halvings towards an end of the contact, where p is small, and towards a kink
+# of the gap that is no tip.
+ENDS = 13
+END_SLACK = 1e-9  # of the lining, of places that are its ends
 NARROWEST = 1e-4  # contact to whose width triangles are made
 
 
-FINDING, PASSES = Level(3, 8, 1.4, 1.0), 6  # the contact's ends, found again and again
+FINDING, PASSES = TriangleLevel(3, 8, 1.4, 1.0), 6  # the contact's ends, found again and again
 LESS = (0.0, 0.5)  # of the friction
-SAME = 2e-3  # of an arc, by which its ends still move when they are found
-LEVELS = (Level(3, 10, 1.2, 1.0), Level(4, 13, 0.7, 0.8), Level(5, 15, 0.7, 0.8))
+SETTLED_ENDS = 2e-3  # of an arc, by which its ends still move when they are found
+TRIANGLE_LEVELS = (
+    TriangleLevel(3, 10, 1.2, 1.0),
+    TriangleLevel(4, 13, 0.7, 0.8),
+    TriangleLevel(5, 15, 0.7, 0.8),
+)
 
 
 def pressed(brake: Brake) -> list[int]:
-    """Shoes that their actuation turns towards the drum, and those that do not turn about a hinge."""
+    """Shoes whose actuation turns them towards the drum, and shoes without a hinge."""
     found = []
     for i, shoe in enumerate(brake.shoes):
         if shoe.held_by != "hinge" or brake.shares:
@@ -51,7 +57,7 @@ def _wavelength(brake: Brake) -> float:
 
 
 def solve(
-    brake: Brake, level: Level, before: Sequence[ShoeSolution] | None = None
+    brake: Brake, level: TriangleLevel, before: Sequence[ShoeSolution] | None = None
 ) -> list[ShoeSolution]:
     """The solution of each shoe on meshes of one level, graded to the contact's ends of an earlier
     solution.
@@ -92,7 +98,7 @@ def solve(
     ]
 
 
-def _sharp(shoe: Shoe, shape: Outline, before: ShoeSolution | None, level: Level) -> Sharp:
+def _sharp(shoe: Shoe, shape: Outline, before: ShoeSolution | None, level: TriangleLevel) -> Sharp:
     """Kinks of a lining's gap, and the ends of its contact that are not the lining's, triangles in
     proportion to it.
     """
@@ -106,21 +112,23 @@ def _sharp(shoe: Shoe, shape: Outline, before: ShoeSolution | None, level: Level
     for arc in [] if before is None else before.arcs:
         width = max((arc[1] - arc[0]) * shape.length, NARROWEST * shape.least)
         places += [(float(end), min(shape.least, width / 4)) for end in arc]
-    slack = SLACK * (lining.end - lining.start)
+    slack = END_SLACK * (lining.end - lining.start)
     inside = [one for one in places if lining.start + slack < one[0] < lining.end - slack]
     angle, length = np.reshape(inside, (-1, 2)).T
     return Sharp((angle - shape.origin) * shape.turn, length * 0.5**most)
 
 
 def _touching(one: Face, before: ShoeSolution | None) -> Bools:
-    """Nodes of a face in contact as far as is known: all, or those of an earlier solution's arcs."""
+    """Nodes of a face in contact at first: all, or those on an earlier solution's arcs."""
     if before is None:
         return np.ones(len(one.theta), dtype=bool)
-    inside = [(one.theta > a - SLACK) & (one.theta < b + SLACK) for a, b in before.arcs]
+    inside = [(one.theta > a - END_SLACK) & (one.theta < b + END_SLACK) for a, b in before.arcs]
     return np.any(inside, axis=0)
 
 
-def sequence(brake: Brake, levels: Sequence[Level] = LEVELS) -> list[list[ShoeSolution]]:
+def sequence(
+    brake: Brake, levels: Sequence[TriangleLevel] = TRIANGLE_LEVELS
+) -> list[list[ShoeSolution]]:
     """The solutions on a sequence of meshes, each graded to the ends of the contact that the one
     before found; before them coarse ones until these ends settle. The first ones have less
     friction, from none on: with much of it other answers may stand beside the one that grows from
@@ -148,5 +156,5 @@ def sequence(brake: Brake, levels: Sequence[Level] = LEVELS) -> list[list[ShoeSo
 
 def _same_arcs(a: Floats, b: Floats) -> bool:
     return a.shape == b.shape and bool(
-        (np.abs(a - b).max(axis=1) < SAME * np.diff(b, axis=1)[:, 0]).all()
+        (np.abs(a - b).max(axis=1) < SETTLED_ENDS * np.diff(b, axis=1)[:, 0]).all()
     )

@@ -14,8 +14,8 @@ from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Beam
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.verification.triangles.triangulation import (
-    Layer,
     Map,
+    TriangleLayer,
     Triangles,
     graded,
     spaced,
@@ -25,7 +25,7 @@ from drumlin.verification.triangles.triangulation import (
 SLENDER = 12.0  # length of triangles far from all corners over the thinnest layer
 
 
-class Level(NamedTuple):
+class TriangleLevel(NamedTuple):
     """A mesh: degree of its triangles, `halvings` towards each corner, length of triangles over
     their distance from it, and factor on all lengths elsewhere.
     """
@@ -54,7 +54,7 @@ class Outline:
     """
 
     place: Map
-    layers: list[Layer]
+    layers: list[TriangleLayer]
     thickness: Floats
     s: Floats
     corners: Floats
@@ -79,7 +79,7 @@ class Outline:
 
 
 def outline(shoe: Shoe, R: float) -> Outline:
-    """The outline of a shoe. Raises BadInput for what has no section to mesh, or a mesh of its own."""
+    """The outline of a shoe. Raises BadInput for one without a section, or with its own mesh."""
     lining, backing, body = shoe.lining, shoe.backing, shoe.body
     if shoe.mesh is not None:
         raise BadInput(f"shoe {shoe.name!r} has a mesh of its own")
@@ -89,7 +89,7 @@ def outline(shoe: Shoe, R: float) -> Outline:
         [(backing.thickness, backing.material)] if backing else []
     )
     layers = [
-        Layer(lining.start, lining.end, ElasticLayer.of(material, lining.width))
+        TriangleLayer(lining.start, lining.end, ElasticLayer.of(material, lining.width))
         for _, material in parts
     ]
     thickness = [t for t, _ in parts]
@@ -98,7 +98,9 @@ def outline(shoe: Shoe, R: float) -> Outline:
     corners = [(end, float(d)) for end in s for d in range(len(parts) + 1)]
     if body is not None:
         for plate in body.plates.values():
-            layers.append(Layer(body.start, body.end, ElasticLayer.of(plate.material, plate.width)))
+            layers.append(
+                TriangleLayer(body.start, body.end, ElasticLayer.of(plate.material, plate.width))
+            )
             thickness.append(plate.thickness)
         s += [body.start, body.end]
         corners += [
@@ -129,7 +131,7 @@ def outline(shoe: Shoe, R: float) -> Outline:
 
 
 def _post(shoe: Shoe, R: float) -> Outline:
-    """A straight beam with a block cut square to it; s is the beam's angle under the lining's back."""
+    """A straight beam with a square-cut block; s is the beam's angle under the lining's back."""
     lining, backing, body = shoe.lining, shoe.backing, shoe.body
     assert isinstance(body, Beam)
     section = body.section
@@ -156,9 +158,9 @@ def _post(shoe: Shoe, R: float) -> Outline:
 
     block = axis.distance - face - back * min(math.cos(first), math.cos(last))
     layers = [
-        Layer(first, last, ElasticLayer.of(lining.material, lining.width)),
-        Layer(first, last, ElasticLayer.of(backing.material, lining.width, axis.along)),
-        Layer(low, high, ElasticLayer.of(section.material, section.width, axis.along)),
+        TriangleLayer(first, last, ElasticLayer.of(lining.material, lining.width)),
+        TriangleLayer(first, last, ElasticLayer.of(backing.material, lining.width, axis.along)),
+        TriangleLayer(low, high, ElasticLayer.of(section.material, section.width, axis.along)),
     ]
     corners = [(s, d) for s in (first, last) for d in (0.0, 1.0, 2.0)] + [
         (s, d) for s in (low, high) for d in (2.0, 3.0)
@@ -224,7 +226,7 @@ class Draft(NamedTuple):
     mesh: Triangles
 
 
-def draft(shape: Outline, sharp: Sharp, level: Level, wavelength: float) -> Draft:
+def draft(shape: Outline, sharp: Sharp, level: TriangleLevel, wavelength: float) -> Draft:
     """The mesh of a body, graded to its corners and to the sharp places of its face."""
     s, d = grid(shape, level.size, wavelength, sharp.s.tolist())
     points = np.concatenate([shape.corners, np.stack([sharp.s, 0 * sharp.s], axis=1)])

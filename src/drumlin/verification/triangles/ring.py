@@ -14,9 +14,9 @@ from drumlin.brake.elasticity import ElasticLayer
 from drumlin.verification.triangles import lagrange
 from drumlin.verification.triangles.contact import Rim
 from drumlin.verification.triangles.face import Face, Shaped, along, edge_nodes, shaped
-from drumlin.verification.triangles.outline import Draft, Level, Outline
+from drumlin.verification.triangles.outline import Draft, Outline, TriangleLevel
 from drumlin.verification.triangles.triangulation import (
-    Layer,
+    TriangleLayer,
     Triangles,
     graded,
     matched,
@@ -24,12 +24,14 @@ from drumlin.verification.triangles.triangulation import (
     start,
 )
 
-SLACK = 1e-12  # rad, of angles that are the same
+ANGLE_SLACK = 1e-12  # rad, of angles that are the same
 ROUNDS = 20
-TURN = 2 * math.pi
+FULL_TURN = 2 * math.pi
 
 
-def with_ring(brake: Brake, drafts: list[Draft], level: Level) -> tuple[list[Triangles], Shaped]:
+def with_ring(
+    brake: Brake, drafts: list[Draft], level: TriangleLevel
+) -> tuple[list[Triangles], Shaped]:
     """The linings' meshes and the ring's, whose edges match."""
     ring, R = brake.ring, brake.size
     section = None if ring is None else ring.section
@@ -39,7 +41,10 @@ def with_ring(brake: Brake, drafts: list[Draft], level: Level) -> tuple[list[Tri
     if any(shoe.sign != sign for shoe in brake.shoes):
         raise BadInput("shoes inside and outside of one ring")
     first = min(shoe.lining.start for shoe in brake.shoes)
-    turns = [TURN * math.floor((shoe.lining.start - first) / TURN + SLACK) for shoe in brake.shoes]
+    turns = [
+        FULL_TURN * math.floor((shoe.lining.start - first) / FULL_TURN + ANGLE_SLACK)
+        for shoe in brake.shoes
+    ]
 
     def on_ring(i: int, s: Floats) -> Floats:
         """Angles on the ring of places on the face of shoe i."""
@@ -57,11 +62,11 @@ def with_ring(brake: Brake, drafts: list[Draft], level: Level) -> tuple[list[Tri
     under = []
     for i, one in enumerate(drafts):
         face = one.shape.layers[0]
-        within = (one.s > face.start - SLACK) & (one.s < face.end + SLACK)
+        within = (one.s > face.start - ANGLE_SLACK) & (one.s < face.end + ANGLE_SLACK)
         under.append(np.sort(on_ring(i, one.s[within])))
     least = min(*(one.shape.least for one in drafts), section.thickness)
     s, d = _grid(under, section, R, least, level.size)
-    layer = Layer(-math.inf, math.inf, ElasticLayer.of(section.material, section.width))
+    layer = TriangleLayer(-math.inf, math.inf, ElasticLayer.of(section.material, section.width))
     shape = Outline(
         place,
         [layer],
@@ -80,14 +85,16 @@ def with_ring(brake: Brake, drafts: list[Draft], level: Level) -> tuple[list[Tri
         [np.full(len(ends), least * 0.5**level.halvings), *(one.sharp.smallest for one in drafts)]
     )
     at = np.concatenate([ends, sharp])
-    mesh = graded(start(s, [d], [layer], TURN), place, place(at, 0 * at), smallest, level.steep)
+    mesh = graded(
+        start(s, [d], [layer], FULL_TURN), place, place(at, 0 * at), smallest, level.steep
+    )
     meshes = [one.mesh for one in drafts]
     for _ in range(ROUNDS):
         before = len(mesh.layer), [len(one.layer) for one in meshes]
         above = [on_ring(i, np.unique(one.surface_spans())) for i, one in enumerate(meshes)]
-        mesh = matched(mesh, np.unique(np.concatenate(above)), SLACK)
+        mesh = matched(mesh, np.unique(np.concatenate(above)), ANGLE_SLACK)
         breaks = np.unique(mesh.surface_spans())
-        meshes = [matched(one, on_face(i, breaks), SLACK) for i, one in enumerate(meshes)]
+        meshes = [matched(one, on_face(i, breaks), ANGLE_SLACK) for i, one in enumerate(meshes)]
         if before == (len(mesh.layer), [len(one.layer) for one in meshes]):
             return meshes, shaped(shape, mesh, level.degree)
     raise AssertionError("ring and linings do not match")
@@ -100,7 +107,7 @@ def _grid(
     parts = sorted(under, key=lambda part: float(part[0]))
     t = section.thickness
     lines = []
-    for part, after in zip(parts, [*parts[1:], parts[0] + TURN], strict=True):
+    for part, after in zip(parts, [*parts[1:], parts[0] + FULL_TURN], strict=True):
         gap = np.array([part[-1], after[0]])
 
         def between(x: float, gap: Floats = gap) -> float:
@@ -108,7 +115,7 @@ def _grid(
 
         lines += [part, spaced(gap, between)[1:-1]]
     across = spaced(np.array([0.0, 1.0]), lambda x: min(0.5, least * size / t + min(x, 1 - x)))
-    return np.concatenate([*lines, [parts[0][0] + TURN]]), across
+    return np.concatenate([*lines, [parts[0][0] + FULL_TURN]]), across
 
 
 def rim(brake: Brake, ring: Shaped, faces: list[Face]) -> Rim:
@@ -117,7 +124,7 @@ def rim(brake: Brake, ring: Shaped, faces: list[Face]) -> Rim:
     """
     nodes = ring.nodes
     chosen, of = _opposite(brake, ring, faces)
-    outer = np.flatnonzero(nodes.at[:, 1] > 1 - SLACK)
+    outer = np.flatnonzero(nodes.at[:, 1] > 1 - ANGLE_SLACK)
     held = np.zeros((len(nodes.xy), 2), dtype=bool)
     assert brake.ring is not None
     if brake.ring.support == "fixed":
@@ -125,7 +132,7 @@ def rim(brake: Brake, ring: Shaped, faces: list[Face]) -> Rim:
         return Rim(
             lagrange.condense(ring.K, nodes, held.ravel(), chosen, np.zeros((held.size, 0))).of, of
         )
-    on = ring.mesh.at[..., 1] > 1 - SLACK
+    on = ring.mesh.at[..., 1] > 1 - ANGLE_SLACK
     tri, edge = np.nonzero(on & np.roll(on, -1, axis=1))
     edges = edge_nodes(nodes, tri, edge, ring.degree)
     psi, x, ds = along(nodes.xy[edges], ring.degree)
@@ -161,7 +168,7 @@ def _opposite(brake: Brake, ring: Shaped, faces: list[Face]) -> tuple[Ints, list
     for one in faces:
         middle, half = 0.5 * (one.theta[0] + one.theta[-1]), 0.5 * (one.theta[-1] - one.theta[0])
         away = np.angle((xy[:, 0] + 1j * xy[:, 1]) * np.exp(-1j * middle))
-        under = np.flatnonzero(np.abs(away) < half + SLACK)
+        under = np.flatnonzero(np.abs(away) < half + ANGLE_SLACK)
         under = under[np.argsort(away[under])]
         if len(under) != len(one.theta) or np.abs(xy[under] - one.xy).max() > 1e-9 * brake.size:
             raise AssertionError("ring and lining do not match")

@@ -9,7 +9,7 @@ from drumlin.base.arrays import Bools, Floats
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.verification.triangles import lagrange
 from drumlin.verification.triangles.contact import Found
-from drumlin.verification.triangles.face import GAUSS, WEIGHTS, Face, trace
+from drumlin.verification.triangles.face import FACE_GAUSS, FACE_WEIGHTS, Face, trace
 
 
 @dataclass(frozen=True)
@@ -92,8 +92,8 @@ def _end(theta: Floats, p: Floats, node: int, degree: int) -> float:
     far = near + degree
     if far >= len(theta):
         return float(theta[node])
-    psi, _ = trace(degree, 0.5 + 0.5 * GAUSS)
-    weight = psi @ (0.5 * WEIGHTS)
+    psi, _ = trace(degree, 0.5 + 0.5 * FACE_GAUSS)
+    weight = psi @ (0.5 * FACE_WEIGHTS)
     F = np.cumsum(
         [
             (theta[b] - theta[b - degree]) * float(weight @ p[b - degree : b + 1])

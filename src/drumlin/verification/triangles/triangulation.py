@@ -20,9 +20,10 @@ MOST_ROUNDS = 200  # of bisection
 
 
 @dataclass(frozen=True)
-class Layer:
+class TriangleLayer:
     """A layer of a body: from s = `start` to `end`, and its elasticity, with directions in the
-    brake's frame."""
+    brake's frame.
+    """
 
     start: float
     end: float
@@ -55,7 +56,7 @@ class Triangles:
 
 
 def start(
-    s: Floats, d: Sequence[Floats], layers: Sequence[Layer], period: float | None = None
+    s: Floats, d: Sequence[Floats], layers: Sequence[TriangleLayer], period: float | None = None
 ) -> Triangles:
     """Two triangles for each cell of the grid of `s` (n,) and the `d` of each layer, where the
     layer is.

@@ -1,0 +1,82 @@
+"""The history of benchmarks: measured, appended, and shown by the manual."""
+
+import json
+import math
+
+import pytest
+
+from conftest import ROOT
+from drumlin.studies import load
+from drumlin_studies import benchmarks
+
+load("manual")
+
+from studies.manual import history  # noqa: E402
+
+
+@pytest.fixture(scope="module")
+def measured():
+    """A measurement of one brake on few repeats."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(benchmarks, "TIMED_SOLVES", ("double_shoe",))
+        patch.setattr(benchmarks, "COUNTED", ("double_shoe",))
+        return benchmarks.measure_figures(repeats=1)
+
+
+def test_the_command_appends_a_line(measured, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(benchmarks, "measure_figures", lambda repeats: measured)
+    path = tmp_path / "new" / "history.jsonl"
+    benchmarks.main(str(path), "1")
+    benchmarks.main(str(path), "1")
+    assert benchmarks.read_history(path) == [measured, measured]
+    first, second = path.read_text().splitlines()
+    assert first == second == capsys.readouterr().out.splitlines()[0]
+    assert set(json.loads(first)) == {"commit", "date", "figures"}
+
+
+def test_figures_are_ratios_in_their_range(measured):
+    figures = measured.figures
+    assert all(math.isfinite(value) and value > 0 for value in figures.values())
+    assert figures["sine law"] < figures["solve double_shoe"] < figures["sensitivity"]
+    assert figures["import drumlin"] < figures["command init"] < figures["command solve"]
+    assert figures["unknowns double_shoe"] > 1000
+    assert figures["iterations double_shoe"] == int(figures["iterations double_shoe"]) >= 1
+
+
+def test_a_ratio_is_the_median_of_neighbours():
+    """A slow phase of the machine doubles both times of a repeat, and the ratio stays."""
+    timed = iter([2.0, 4.0, 2.0, 9.0, 2.0])
+    compared = iter([1.0, 2.0, 1.0, 1.0, 1.0])
+    assert benchmarks.time_ratio(lambda: next(timed), lambda: next(compared), 5) == 2.0
+
+
+def test_a_changed_source_is_marked(monkeypatch):
+    answers = {"status": " M src/drumlin/door.py", "rev-parse": "1234567"}
+    monkeypatch.setattr(benchmarks, "git", lambda *words: answers[words[0]])
+    assert benchmarks.commit_name() == "1234567+"
+    answers["status"] = ""
+    assert benchmarks.commit_name() == "1234567"
+
+
+def test_the_kept_history_is_whole():
+    kept = benchmarks.read_history()
+    assert kept
+    assert len(kept[-1].figures) >= 15
+    dates = [line.date for line in kept]
+    assert dates == sorted(dates)
+    for line in kept:
+        assert all(value > 0 for value in line.figures.values())
+    assert "benchmarks" in (ROOT / "Makefile").read_text()
+
+
+def test_every_figure_is_in_the_table_and_in_one_panel():
+    kept = benchmarks.read_history()
+    other = kept[-1]._replace(commit="abcdef0", figures={**kept[-1].figures, "hold": 1.0})
+    rows = [*kept, other]
+    table = history.table(rows)
+    panels = history.picture(rows).axes
+    labels = [str(line.get_label()) for axes in panels for line in axes.get_lines()]
+    assert sorted(labels) == sorted(other.figures)
+    for name in other.figures:
+        assert f"| {name} |" in table
+    assert "abcdef0" in table
