@@ -10,6 +10,7 @@ changes no answer.
 DEFINITION, FORMAT = "definition", "format"
 MEMORY, PASSES = "limit of memory or size", "limit of passes or steps"
 ROUND_OFF, SAID = "round-off", "threshold of a warning or a refusal that names it"
+JUDGED_MOVE = "judgement; what is moved, and by how much, is said with the answer"
 SPEED = "size of pieces that stay near the processor"
 
 NOT_TUNED: dict[str, dict[str, str]] = {
@@ -60,7 +61,11 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "TWO_ANSWERS": SAID,
         "OTHER_FRICTION": SAID,
     },
-    "fem/error_control/adapt.py": {"UNDER_TIP": DEFINITION},
+    "fem/error_control/adapt.py": {
+        "UNDER_TIP": DEFINITION,
+        "DEFAULT": "what a solve aims at, as README says",
+        "SHORTEST": SAID,
+    },
     "fem/hp/corner.py": {
         "LEAST_ROOT": "limit of a search",
         "ROOTS_TRIED": "steps of a search",
@@ -73,11 +78,11 @@ NOT_TUNED: dict[str, dict[str, str]] = {
     "fem/preparation/columns.py": {"MOST_CONTACT_NODES": MEMORY},
     "fem/mesh/abaqus.py": {
         "NODES_PER_CELL": FORMAT,
-        "MOST_MEMBERS": MEMORY,
         "NUMBERS_PER_LINE": FORMAT,
     },
     "fem/mesh/check.py": dict.fromkeys(
         (
+            "MOST_NAMES",
             "ARC_SLACK",
             "SAME_POINT",
             "MOST_COINCIDENT",
@@ -90,8 +95,29 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         ),
         SAID,
     ),
-    "fem/mesh/content.py": {"LARGEST_MESH": MEMORY},
+    "fem/mesh/content.py": {"LARGEST_MESH": MEMORY, "MOST_NESTED": PASSES},
+    "fem/mesh/contact_surface.py": dict.fromkeys(
+        (
+            "SIGNIFICANT",
+            "COORDINATE_ROUND_OFF",
+            "WINDOW_NODES",
+            "STRAIGHT",
+            "STRAIGHT_SIDES",
+            "MOST_NOISE",
+        ),
+        JUDGED_MOVE,
+    ),
+    "fem/mesh/content_of_file.py": {"MOST_DECIMALS": FORMAT, "DIGIT_SLACK": ROUND_OFF},
+    "fem/mesh/from_file.py": dict.fromkeys(
+        ("ZIGZAG", "FEW_TURNS", "SAID_MOVE", "NODES_PER_TURN", "MOST_TURNS"), SAID
+    ),
+    "fem/mesh/inp_deck.py": {"MOST_MEMBERS": MEMORY},
+    "fem/mesh/inp_parts.py": {"IN_PLACE": DEFINITION},
+    "fem/mesh/msh4.py": {"CELL_OF_GMSH": FORMAT},
+    "fem/mesh/of_meshio.py": {"MOST_VALUES": MEMORY},
+    "fem/mesh/plane_cells.py": {"PLANE_SHAPES": FORMAT, "CUBIC_MIDDLE": DEFINITION},
     "fem/mesh/file.py": {
+        "LONGEST_REASON": "length of a message",
         "MOST_FILE_NODES": MEMORY,
         "LARGEST_NUMBER": MEMORY,
         "METRES_PER_UNIT": FORMAT,

@@ -15,7 +15,7 @@ from drumlin import solve
 from drumlin.base.errors import BadInput
 from drumlin.brake.plane_brake import read_any
 from drumlin.fem.mesh import vtu
-from drumlin.fem.mesh.abaqus import read_inp
+from drumlin.fem.mesh.inp import read_inp
 from drumlin_studies.fuzzing import endings, soundness, trials
 from drumlin_studies.fuzzing.broken_meshes import MESH_SUFFIXES, mesh_files, meshed
 from drumlin_studies.fuzzing.endings import fault_of, in_process, in_subprocess

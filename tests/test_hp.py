@@ -866,7 +866,7 @@ def test_what_is_kept_is_never_that_of_another_brake_or_division(brake):
                 "closure_by_pressure",
                 "closure_by_friction",
                 "reaction_to_pressure",
-                "turned",
+                "rotation_mode",
                 "load_centre",
             ):
                 mine, theirs = getattr(a, name), getattr(b, name)

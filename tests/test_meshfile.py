@@ -15,9 +15,9 @@ import pytest
 from conftest import ROOT
 from drumlin.base.errors import BadInput, DrumlinError
 from drumlin.brake.file import read_brake, vary
-from drumlin.fem.mesh.abaqus import read_inp
 from drumlin.fem.mesh.arc import MESH_KINDS, shoe_mesh
 from drumlin.fem.mesh.file import read_mesh, write_mesh
+from drumlin.fem.mesh.inp import read_inp
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import check_divided, solve
 from drumlin.models import pick
@@ -151,15 +151,15 @@ def test_an_input_file_as_people_write_it(tmp_path, brake):
 """
     )
     mesh = read_inp((tmp_path / "m.inp").read_text())
-    assert mesh.cells_dict["quad"].tolist() == [[0, 1, 4, 3], [1, 2, 5, 4]]
-    assert mesh.cell_sets_dict["left"]["quad"].tolist() == [0]
-    assert mesh.cell_sets_dict["right"]["quad"].tolist() == [1]
-    assert mesh.cell_sets_dict["both"]["quad"].tolist() == [0, 1]
-    assert mesh.cell_sets_dict["edge"]["line"].tolist() == [0]
+    assert mesh.cells["quad"].tolist() == [[0, 1, 4, 3], [1, 2, 5, 4]]
+    assert mesh.cell_groups["left"]["quad"].tolist() == [0]
+    assert mesh.cell_groups["right"]["quad"].tolist() == [1]
+    assert mesh.cell_groups["both"]["quad"].tolist() == [0, 1]
+    assert mesh.cell_groups["edge"]["line"].tolist() == [0]
     # The file has end, middle, end; here the middle node is last.
-    assert mesh.cells_dict["line3"].tolist() == [[0, 2, 1]]
-    assert mesh.point_sets["bottom"].tolist() == [0, 1, 2]
-    assert len(mesh.point_sets["all"]) == 7
+    assert mesh.cells["line3"].tolist() == [[0, 2, 1]]
+    assert mesh.node_groups["bottom"].tolist() == [0, 1, 2]
+    assert len(mesh.node_groups["all"]) == 7
 
 
 @pytest.mark.parametrize(
@@ -171,9 +171,12 @@ def test_an_input_file_as_people_write_it(tmp_path, brake):
             "TYPE=C3D8 is not an element of a plane mesh",
         ),
         ("*NODE\n1, 0., 0.\n*ELEMENT, TYPE=CPS4\n1, 1, 1\n", "needs a label and 4 nodes"),
-        ("*INCLUDE, INPUT=more.inp\n", "INCLUDE is not followed"),
-        ("*NODE\n1, 0., 0.\n*ELEMENT, TYPE=CPS3\n1, 1, 2, 3\n", "KeyError"),
-        ("*NODE\n1, 0., zero\n", "ValueError"),
+        ("*INCLUDE, INPUT=more.inp\n", "more.inp: there is no such file"),
+        (
+            "*NODE\n1, 0., 0.\n*ELEMENT, TYPE=CPS3\n1, 1, 2, 3\n",
+            "element 1 has the node 2, which the file does not define",
+        ),
+        ("*NODE\n1, 0., zero\n", "node 1: 'zero' is not a number"),
         ("\n", "has no nodes"),
         ("", "is empty"),
     ],
@@ -378,12 +381,12 @@ FAULTS = {
         lambda m: m.points.__setitem__((..., 0), -m.points[:, 0]),
         "read in the brake's frame",
     ),
-    "two kinds of cells": (
+    "solid cells": (
         "tri1",
         lambda m: meshio.Mesh(
-            m.points, [*m.cells, ("quad", np.array([[0, 1, 2, 3]]))], point_data=m.point_data
+            m.points, [*m.cells, ("tetra", np.array([[0, 1, 2, 3]]))], point_data=m.point_data
         ),
-        "allowed is one kind of",
+        "has cells ['tetra']; allowed are triangles and quadrilaterals",
     ),
 }
 

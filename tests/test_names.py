@@ -16,17 +16,10 @@ ALLOWED: dict[str, str] = {}
 STILL_DOUBLE: set[str] = {
     "ACTUATION",
     "BRAKES",
-    "Condensed",
-    "DEEP",
     "DIGITS",
-    "Division",
     "ELEMENTS",
-    "Kind",
     "Level",
-    "MOST_ELEMENTS",
-    "MOST_NODES",
     "NEAR",
-    "SINGULAR",
     "WEIGHTS",
 }
 """Names that await a better one. A name leaves this list with its second meaning."""

@@ -43,6 +43,7 @@ _HELD = {
     "mesh": "a mesh file in place of the parametric mesh",
     "mesh_unit": "of the mesh's coordinates",
     "mesh_frame": "whose coordinates: the brake's or the shoe's own",
+    "groups": 'names or numbers that the mesh file has for its groups: `{ lining = 1, contact = "FRICTION" }`',
     "mesh_interference": "says that a contact line deep in the drum or the plane is meant",
 }
 _SHARED = {

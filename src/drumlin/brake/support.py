@@ -276,22 +276,52 @@ def _found(mesh: Path | None, info: ValidationInfo) -> Path | None:
     return Path(base / mesh)
 
 
+GroupNames = Name | int | tuple[Name | int, ...] | None
+"""How a mesh file calls a group: a name, a number, several of them, or as drumlin does."""
+
+
+class MeshGroups(Part):
+    """The names or numbers that a mesh file has for the groups of a shoe; None: drumlin's name."""
+
+    lining: GroupNames = None
+    backing: GroupNames = None
+    table: GroupNames = None
+    shoe: GroupNames = None
+    contact: GroupNames = None
+    hinge: GroupNames = None
+    actuation: GroupNames = None
+
+    def names_of(self, group: str) -> list[str]:
+        """The names in the file, in lower case, of one of drumlin's groups."""
+        given = getattr(self, group)
+        if given is None:
+            return [group]
+        several = given if isinstance(given, tuple) else (given,)
+        return [str(name).lower() for name in several]
+
+    @property
+    def given(self) -> list[str]:
+        """The groups that are named here."""
+        return [group for group in type(self).model_fields if getattr(self, group) is not None]
+
+
 class Meshed(Held):
     """A shoe that may have a mesh file, `mesh`, in place of the parametric mesh.
 
     The coordinates of the mesh are the brake's, or those of the shoe's own `frame`: then a shoe and
     its mirror image can share a file. `mesh_interference` states that a contact line deep in the
-    drum or the plane is intended.
+    drum or the plane is intended. `groups` are the names or numbers of its groups in the file.
     """
 
     mesh: Annotated[Path | None, AfterValidator(_found)] = None
-    mesh_unit: Literal["m", "mm"] = "m"
+    mesh_unit: Literal["m", "mm", "in"] = "m"
     mesh_frame: Literal["brake", "shoe"] = "brake"
     mesh_interference: bool = False
+    groups: MeshGroups = MeshGroups()
 
     @model_validator(mode="after")
     def _of_a_mesh(self) -> Self:
-        for key in ("mesh_unit", "mesh_frame", "mesh_interference"):
+        for key in ("mesh_unit", "mesh_frame", "mesh_interference", "groups"):
             if self.mesh is None and getattr(self, key) != type(self).model_fields[key].default:
                 raise ValueError(
                     f"{key} = {getattr(self, key)!r}: belongs to a mesh file; mesh is missing"

@@ -20,6 +20,7 @@ from drumlin.brake.units import mm
 from drumlin.contact.active_set import Contact
 from drumlin.fem.equilibrium.group import ShoeGroup, groups_of
 from drumlin.fem.equilibrium.sharing import NO_PUSH, WOULD_PULL
+from drumlin.fem.mesh.from_file import mesh_notes
 from drumlin.fem.preparation.bodies import held
 from drumlin.fem.preparation.cache import shape_of
 from drumlin.fem.preparation.scene import PreparedModel, clock
@@ -122,6 +123,7 @@ def respond(
         left_out=scene.left_out,
         notes=(
             *_overlap_warnings(scene, brake),
+            *_mesh_notes(scene, brake, [answer.response for answer in in_order]),
             *(answer.note for answer in in_order),
             *_support_notes(brake),
             *cam_notes(brake),
@@ -163,6 +165,18 @@ def _overlap_warnings(scene: PreparedModel, brake: Brake) -> Iterator[str]:
                 f"warning: shoe {shoe.name!r}: the contact line of its mesh lies up to {mm(deep)} in the "
                 f"{shoe.surface.word}; its pressure is that of the lining squeezed out of there"
             )
+
+
+def _mesh_notes(
+    scene: PreparedModel, brake: Brake, responses: Sequence[ShoeResponse]
+) -> Iterator[str]:
+    """Lines about the mesh files: what was passed over, moved, and counts as a gap.
+
+    Raises BadInput for a contact line that is no shape of a lining.
+    """
+    for body, shoe, response in zip(scene.bodies, brake.shoes, responses, strict=True):
+        if body.of_file is not None:
+            yield from mesh_notes(shoe, body.of_file, body.line.xy, brake.size, response)
 
 
 def _support_notes(brake: Brake) -> Iterator[str]:

@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,8 @@ from drumlin.brake.units import mm
 from drumlin.fem.mesh.arc import kind_of
 from drumlin.fem.mesh.edges import edge_nodes
 
+MOST_NAMES = 30
+"""Names of groups that a refusal lists at most."""
 ARC_SLACK = math.radians(2)
 """Largest difference [rad] between the ends of the lining's arc in the brake's file and in the mesh.
 A larger one says that mesh and brake are not the same shoe."""
@@ -45,7 +48,7 @@ JACOBIAN_RATIO = 1e-6
 in a corner, or is inverted."""
 
 
-def check(mesh: Any, shoe: Shoe, radius: float, fault: str) -> Any:
+def check(mesh: Any, shoe: Shoe, radius: float, fault: str, names: Sequence[str] = ()) -> Any:
     """The mesh with the groups that the shoe needs, after all checks.
 
     Parameters
@@ -54,13 +57,14 @@ def check(mesh: Any, shoe: Shoe, radius: float, fault: str) -> Any:
     shoe : the shoe
     radius : of the drum [m]; on a plane the length of the pad
     fault : beginning of each message
+    names : of all groups in the file
 
     Raises
     ------
     BadInput
         for the first fault that is found
     """
-    mesh = _check_groups(mesh, shoe, fault)
+    mesh = _check_groups(mesh, shoe, fault, names)
     _check_nodes(mesh, shoe, radius, fault)
     _check_elements(mesh, shoe, fault)
     _check_boundaries(mesh, fault)
@@ -97,7 +101,7 @@ def check_cells(cells: Ints, corners: int, fault: str) -> None:
         )
 
 
-def _check_groups(mesh: Any, shoe: Shoe, fault: str) -> Any:
+def _check_groups(mesh: Any, shoe: Shoe, fault: str, names: Sequence[str]) -> Any:
     """The mesh with only the groups that the shoe needs; each element must be in one of them."""
     subdomains, boundaries = mesh.subdomains, mesh.boundaries
     needed = {"lining"} | ({"backing"} if shoe.backing else set())
@@ -108,9 +112,10 @@ def _check_groups(mesh: Any, shoe: Shoe, fault: str) -> Any:
     lines = {"contact", "hinge"} | ({"actuation"} if shoe.body and not shoe.gripped else set())
     missing = sorted((needed - set(subdomains)) | (lines - set(boundaries)))
     if missing:
-        found = ", ".join([*subdomains, *boundaries]) or "none"
+        found = ", ".join(dict.fromkeys([*subdomains, *boundaries, *names][:MOST_NAMES])) or "none"
         raise BadInput(
-            f"{fault}: named groups missing or empty: {', '.join(missing)}; found: {found}"
+            f"{fault}: named groups missing or empty: {', '.join(missing)}; found: {found} "
+            f"(names or numbers of its own: groups = {{ {missing[0]} = ... }})"
         )
     named = np.concatenate([subdomains[name] for name in needed])
     if len(np.unique(named)) < mesh.nelements or len(named) > mesh.nelements:

@@ -1,6 +1,7 @@
 """The bytes of a mesh file and their digest, without loading a reader of meshes."""
 
 import hashlib
+import re
 from pathlib import Path
 
 from drumlin.base.errors import DrumlinError
@@ -23,9 +24,21 @@ def mesh_bytes(path: Path) -> bytes:
     return read_bytes(path, LARGEST_MESH, "a mesh", regular=True)
 
 
-def content_digest(path: Path) -> str:
-    """A digest of a mesh file's content; "none" for a file that cannot be read."""
+INCLUDED = re.compile(rb"^\s*\*include\s*,\s*input\s*=\s*([^\r\n,]+)", re.IGNORECASE | re.MULTILINE)
+"""The names of files that an Abaqus or CalculiX deck includes."""
+MOST_NESTED = 8
+"""Depth to which files that include each other are followed. Decks have one or two; a file that
+includes itself would never end."""
+
+
+def content_digest(path: Path, depth: int = 0) -> str:
+    """A digest of a mesh file and of those that it includes; "none" for one that cannot be read."""
     try:
-        return hashlib.sha256(mesh_bytes(path)).hexdigest()[:16]
+        data = mesh_bytes(path)
     except DrumlinError:
         return "none"
+    found = hashlib.sha256(data)
+    for name in INCLUDED.findall(data) if depth < MOST_NESTED else ():
+        included = path.parent / name.decode(errors="replace").strip().strip("\"'")
+        found.update(content_digest(included, depth + 1).encode())
+    return found.hexdigest()[:16]

@@ -1,18 +1,20 @@
-"""Meshes of shoes in files of Gmsh, Abaqus/CalculiX or VTU, with named groups.
+"""A shoe's mesh in a file: Gmsh, Abaqus/CalculiX or VTU, with named groups.
 
-A group is a set of cells or edges with that name (Gmsh's physical names, ELSET), a set of nodes
-(NSET), or cell or point data of that name that is 1 on its members and 0 elsewhere (VTU). A set of
-nodes names the outer edges whose nodes all belong to it. Capital letters do not matter.
+A group is a set of cells or edges with that name (Gmsh's physical names, ELSET, SURFACE), a set of
+nodes (NSET), or cell or point data of that name that is 1 on its members and 0 elsewhere (VTU). A set
+of nodes names the outer edges whose nodes all belong to it. Capital letters do not matter. The key
+`groups` of a shoe names groups that the file calls otherwise, by name or by number.
 """
 
 import contextlib
 import dataclasses
 import io
+import itertools
 import stat
 import warnings
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import meshio
 import numpy as np
@@ -22,42 +24,34 @@ from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.base.errors import BadInput, reason_of
 from drumlin.base.files import replacing
 from drumlin.brake.brake import Shoe
-from drumlin.fem.mesh.abaqus import read_inp, write_inp
+from drumlin.fem.mesh.abaqus import write_inp
 from drumlin.fem.mesh.arc import MESH_KINDS, kind_of
 from drumlin.fem.mesh.check import check, check_cells
+from drumlin.fem.mesh.contact_surface import put_on_surface
 from drumlin.fem.mesh.content import mesh_bytes
+from drumlin.fem.mesh.content_of_file import FileContent, rounding_of
 from drumlin.fem.mesh.edges import edge_nodes
+from drumlin.fem.mesh.from_file import ShoeMesh
+from drumlin.fem.mesh.inp import read_inp
+from drumlin.fem.mesh.msh4 import is_msh4, read_msh4
+from drumlin.fem.mesh.of_meshio import content_of
+from drumlin.fem.mesh.plane_cells import BESIDE, PlaneCells, plane_cells
 from drumlin.fem.mesh.vtu import check_unpacked
 
 FORMATS = (".msh", ".inp", ".vtu")
-"""The suffixes of files that are read and written."""
 GROUP_NAMES = ("lining", "backing", "table", "shoe", "contact", "hinge", "actuation")
-"""The names of groups that a shoe may need; groups with other names are passed over."""
 MOST_FILE_NODES = 1_000_000
-"""Largest number of nodes of a mesh in a file; a file with more is refused to save memory."""
-LARGEST_NUMBER = 10_000_000
-"""Largest number of a node in an .msh file. Its reader makes an array of that length, so that larger
-numbers are refused to save memory.
-"""
-METRES_PER_UNIT = {"m": 1.0, "mm": 1e-3}
-"""Metres per unit of length of a mesh file."""
+LARGEST_NUMBER = 10_000_000  # of a node in an .msh file: its reader makes an array of that length
+METRES_PER_UNIT = {"m": 1.0, "mm": 1e-3, "in": 0.0254}
+LONGEST_REASON = 160
+"""Characters of a reader's own words that a refusal repeats."""
 
 
 def write_mesh(path: Path, mesh: Any, shoe: Shoe) -> None:
     """Write a shoe's mesh in the brake's frame [m] with its groups: .msh (Gmsh 2.2), .inp or .vtu.
 
-    The eight-node quadrilaterals of an .inp file lack the centre node of quad2.
-
-    Parameters
-    ----------
-    path : of the file, whose suffix says the format
-    mesh : skfem's mesh in the shoe's frame
-    shoe : the shoe
-
-    Raises
-    ------
-    BadInput
-        for another suffix
+    The eight-node quadrilaterals of an .inp file lack the centre node of quad2. Raises BadInput for
+    another suffix.
     """
     if path.suffix not in FORMATS:
         raise BadInput(
@@ -85,19 +79,17 @@ def _write_msh(
     subdomains: Mapping[str, Ints],
     edges: Mapping[str, Ints],
 ) -> None:
-    """Write a Gmsh 2.2 file: a physical group for each subdomain and each named line of edges."""
     blocks = [(kind.cell, cells[elements]) for elements in subdomains.values()]
-    for along in edges.values():
-        # meshio has the middle nodes of an edge behind both ends.
-        ends_first = [0, -1, *range(1, len(along) - 1)]
-        blocks.append((kind.edge, along[ends_first].T))
-    dimensions = [2] * len(subdomains) + [1] * len(edges)
-    names = {}
-    for number, name in enumerate([*subdomains, *edges], start=1):
-        names[name] = np.array([number, dimensions[number - 1]])
-    tags = []
-    for number, (_, members) in enumerate(blocks, start=1):
-        tags.append(np.full(len(members), number, dtype=np.int32))
+    blocks += [(kind.edge, along[[0, -1, *range(1, len(along) - 1)]].T) for along in edges.values()]
+    numbers = range(1, len(blocks) + 1)
+    dims = [2] * len(subdomains) + [1] * len(edges)
+    names = {
+        name: np.array(tag) for name, *tag in zip([*subdomains, *edges], numbers, dims, strict=True)
+    }
+    tags = [
+        np.full(len(block[1]), number, dtype=np.int32)
+        for number, block in zip(numbers, blocks, strict=True)
+    ]
     data = {"gmsh:physical": tags, "gmsh:geometrical": tags}
     content = meshio.Mesh(_spatial(xy), blocks, cell_data=data, field_data=names)
     meshio.write(path, content, file_format="gmsh22", binary=False)
@@ -111,39 +103,65 @@ def _write_vtu(
     subdomains: Mapping[str, Ints],
     edges: Mapping[str, Ints],
 ) -> None:
-    """Write a VTU file: cell or point data for each group, 1 on its members and 0 elsewhere."""
-    cell_data, point_data = {}, {}
-    for name, elements in subdomains.items():
-        inside = np.isin(np.arange(len(cells)), elements)
-        cell_data[name] = [inside.astype(np.int32)]
-    for name, along in edges.items():
-        inside = np.isin(np.arange(len(xy)), along)
-        point_data[name] = inside.astype(np.int32)
-    content = meshio.Mesh(_spatial(xy), [(cell, cells)], cell_data=cell_data, point_data=point_data)
+    members = {
+        name: np.isin(np.arange(len(cells)), elements) for name, elements in subdomains.items()
+    }
+    nodes = {name: np.isin(np.arange(len(xy)), along) for name, along in edges.items()}
+    content = meshio.Mesh(
+        _spatial(xy),
+        [(cell, cells)],
+        cell_data={name: [inside.astype(np.int32)] for name, inside in members.items()},
+        point_data={name: inside.astype(np.int32) for name, inside in nodes.items()},
+    )
     meshio.write(path, content, file_format="vtu")
 
 
 def _spatial(xy: Floats) -> Floats:
-    """Points (n, 3) from points xy (n, 2) of the plane z = 0."""
     return np.column_stack([xy, np.zeros(len(xy))])
 
 
 def read_mesh(path: Path, shoe: Shoe, radius: float, key: str = "mesh") -> Any:
-    """A user's mesh of a shoe from its file, in the shoe's frame [m].
+    """A user's mesh of a shoe [in shoe.mesh_unit and shoe.mesh_frame], in the shoe's frame [m].
 
-    Parameters
-    ----------
-    path : of the file, in shoe.mesh_unit and shoe.mesh_frame
-    shoe : the shoe
-    radius : of the drum [m]; on a plane the length of the pad
-    key : name of the file's key in messages
-
-    Raises
-    ------
-    BadInput
-        for a file that cannot be read or used; the message names `key` and the file
+    Raises BadInput, naming `key` and the file, for a file that cannot be read or used.
     """
+    return read_shoe_mesh(path, shoe, radius, key).mesh
+
+
+def read_shoe_mesh(path: Path, shoe: Shoe, radius: float, key: str = "mesh") -> ShoeMesh:
+    """A user's mesh as `read_mesh`, with what was moved and passed over."""
     fault = f"{key} = '{path}'"
+    content = _content(path, shoe, fault)
+    if len(content.points) > MOST_FILE_NODES:
+        raise BadInput(
+            f"{fault}: has {len(content.points)} nodes; must have at most {MOST_FILE_NODES}"
+        )
+    unit = METRES_PER_UNIT[shoe.mesh_unit]
+    points = _plane_points(content, fault)
+    rounding = content.rounding
+    if rounding is None:
+        rounding = rounding_of(points)
+    points = points * unit
+    if shoe.mesh_frame == "brake":
+        points = shoe.own_points(points)
+    plane = plane_cells(content, points, fault)
+    # Nodes that were added stand where other nodes put them.
+    slack = np.zeros((len(plane.points), 2))
+    slack[: len(points)] = rounding * unit
+    mesh, vertex = _mesh(plane.cell, plane.cells, plane.points, fault)
+    nodal, _ = _mesh(plane.cell, plane.cells, slack, fault)
+    mesh = _with_groups(content, shoe, plane, mesh, vertex, fault)
+    mesh = check(mesh, shoe, radius, fault, content.group_names)
+    contact = put_on_surface(mesh, nodal.doflocs, shoe, radius)
+    if contact.mesh is not mesh:
+        check(
+            contact.mesh, shoe, radius, f"{fault}: with its contact line on the {shoe.surface.word}"
+        )
+    return ShoeMesh(contact.mesh, contact, content.notes + plane.notes)
+
+
+def _content(path: Path, shoe: Shoe, fault: str) -> FileContent:
+    """What a mesh file holds. Raises BadInput, led by `fault`, for one that cannot be read."""
     try:
         regular = stat.S_ISREG(path.stat().st_mode)
     except (OSError, ValueError) as error:
@@ -156,66 +174,58 @@ def read_mesh(path: Path, shoe: Shoe, radius: float, key: str = "mesh") -> Any:
     data = mesh_bytes(path)
     if suffix == ".msh":
         _check_numbers(path, fault)
-    raw = _quietly_read(path, suffix, data, fault)
-    if len(raw.points) > MOST_FILE_NODES:
-        raise BadInput(f"{fault}: has {len(raw.points)} nodes; must have at most {MOST_FILE_NODES}")
-    points = _plane_points(raw, fault) * METRES_PER_UNIT[shoe.mesh_unit]
-    if shoe.mesh_frame == "brake":
-        points = shoe.own_points(points)
-    found = _plane_cells(raw, points, fault)
-    numbered = _mesh(found, fault)
-    mesh = _with_groups(raw, found, numbered, fault)
-    return check(mesh, shoe, radius, fault)
-
-
-def _quietly_read(path: Path, suffix: str, data: bytes, fault: str) -> Any:
-    """The mesh of a file as meshio.Mesh, without its reader's printing and warnings.
-
-    Raises
-    ------
-    BadInput
-        for a file that the reader cannot read
-    """
-    printed = io.StringIO()
+    said = io.StringIO()
     try:
         with (
-            contextlib.redirect_stdout(printed),
-            contextlib.redirect_stderr(printed),
+            contextlib.redirect_stdout(said),
+            contextlib.redirect_stderr(said),
             warnings.catch_warnings(),
         ):
-            # Faults of the mesh are found by our own checks.
-            warnings.simplefilter("ignore")
-            # numpy before 2.3 warns, and newer ones raise, where a file has fewer numbers than its
-            # counts promise.
+            warnings.simplefilter("ignore")  # what is wrong with the mesh is found below
+            # numpy before 2.3 warns where newer ones refuse: counts that promise other numbers than
+            # there are.
             warnings.filterwarnings("error", "string or file could not be read", DeprecationWarning)
-            return _raw(path, suffix, data)
+            return _read(path, suffix, data, shoe)
     except MemoryError as error:
         raise BadInput(
             f"{fault}: is not a mesh that can be read (it needs more memory than there is)"
         ) from error
-    # meshio's readers raise errors of many kinds.
-    except (Exception, SystemExit) as error:
-        reason = f"{type(error).__name__}: {error}"
-        if isinstance(error, SystemExit):
-            reason = printed.getvalue().strip().removeprefix("Error: ")
+    except (Exception, SystemExit) as error:  # meshio's readers fail in their own many ways
+        gave_up = isinstance(error, SystemExit)
+        reason = (
+            said.getvalue().strip().removeprefix("Error: ")
+            if gave_up
+            else str(error)
+            if type(error) is ValueError
+            else f"{type(error).__name__}: {error}"
+        )
         raise BadInput(
-            f"{fault}: is not a mesh that can be read ({' '.join(reason.split())[:120]})"
+            f"{fault}: is not a mesh that can be read ({' '.join(reason.split())[:LONGEST_REASON]})"
         ) from error
 
 
-def _raw(path: Path, suffix: str, data: bytes) -> Any:
-    """The mesh of a file as meshio.Mesh; `data` is its content."""
-    if suffix == ".inp":
-        return read_inp(data.decode(errors="replace"))
+def _read(path: Path, suffix: str, data: bytes, shoe: Shoe) -> FileContent:
+    """What a file holds; `data` is its content. The content tells the format, not the name alone."""
+    start = data.lstrip()[:1]
+    # The mesher of CalculiX writes Abaqus text into files named .msh.
+    if suffix == ".inp" or (suffix == ".msh" and start == b"*"):
+        return read_inp(data.decode(errors="replace"), path.parent, _element_groups(shoe))
+    if suffix == ".msh" and is_msh4(data):
+        return read_msh4(data.decode(errors="replace"))
     if suffix == ".vtu":
         check_unpacked(data)
-    return meshio.read(path, "vtu" if suffix == ".vtu" else "gmsh")
+    return content_of(meshio.read(path, "vtu" if suffix == ".vtu" else "gmsh"))
+
+
+def _element_groups(shoe: Shoe) -> list[str]:
+    """The names in the file of the groups of elements that a shoe may have."""
+    names = ("lining", "backing", "table", "shoe")
+    return list(itertools.chain.from_iterable(shoe.groups.names_of(name) for name in names))
 
 
 def _check_numbers(path: Path, fault: str) -> None:
-    """Refuse node numbers in a text .msh (2.2, 4.1) that would take all memory.
-
-    Other faults are found later.
+    """Refuse node numbers in a text .msh (2.2, 4.1) that would take all memory; what else is wrong
+    is found later.
     """
     numbers = np.zeros(0)
     with (
@@ -243,62 +253,32 @@ def _check_numbers(path: Path, fault: str) -> None:
 
 
 def _numbers(file: Any, count: int) -> Floats:
-    """The next `count` numbers of a file, or all that are left."""
+    """The next `count` numbers of a file, or what there is of them."""
     return np.fromfile(file, count=max(count, 0), sep=" ")
 
 
-def _plane_points(raw: Any, fault: str) -> Floats:
-    """The coordinates x, y (n, 2) of all nodes, in the file's unit."""
-    points = np.asarray(raw.points, dtype=float)
+def _plane_points(content: FileContent, fault: str) -> Floats:
+    """x, y of all nodes (n, 2), in the file's unit. Nodes that no plane cell has may lie anywhere."""
+    points = content.points
+    used = [cells.ravel() for name, cells in content.cells.items() if name not in BESIDE]
+    nodes = np.unique(np.concatenate(used)) if used else np.zeros(0, dtype=np.int64)
+    nodes = nodes[(nodes >= 0) & (nodes < len(points))]
     if not np.isfinite(points).all():
         raise BadInput(f"{fault}: has coordinates that are not finite")
     if points.ndim != 2 or not 2 <= points.shape[1] <= 3 or not len(points):
         raise BadInput(f"{fault}: has no nodes with coordinates x, y")
-    if points.shape[1] == 3 and np.ptp(points[:, 2]) > 1e-9 * np.ptp(points):
+    spatial = points.shape[1] == 3 and len(nodes) > 0
+    if spatial and np.ptp(points[nodes, 2]) > 1e-9 * np.ptp(points[nodes]):
         raise BadInput(
             f"{fault}: is not plane, its z coordinates differ; must lie in the plane x, y"
         )
     return points[:, :2]
 
 
-class _PlaneCells(NamedTuple):
-    """The plane cells of a file: meshio's type, nodes (m, k), and the points (n, 2) of all nodes."""
-
-    cell: str
-    cells: Ints
-    points: Floats
-
-
-def _plane_cells(raw: Any, points: Floats, fault: str) -> _PlaneCells:
-    """The plane cells of a file, with centre nodes for quadrilaterals that lack them."""
-    kinds = {block.type for block in raw.cells if block.dim > 1}
-    allowed = [kind.cell for kind in MESH_KINDS.values()] + ["quad8"]
-    if len(kinds) != 1 or not kinds <= set(allowed):
-        raise BadInput(
-            f"{fault}: has cells {sorted(kinds)}; allowed is one kind of: {', '.join(allowed)}"
-        )
-    (cell,) = kinds
-    cells = raw.cells_dict[cell].astype(np.int64)
-    if not len(cells) or cells.min() < 0 or cells.max() >= len(points):
-        raise BadInput(f"{fault}: has cells with nodes that the file does not define")
-    if cell != "quad8":
-        return _PlaneCells(cell, cells, points)
-    # A centre node that leaves the shape of the eight-node quadrilateral as it is.
-    centres = points[cells[:, 4:]].sum(axis=1) / 2 - points[cells[:, :4]].sum(axis=1) / 4
-    with_centres = np.column_stack([cells, len(points) + np.arange(len(cells))])
-    return _PlaneCells("quad9", with_centres, np.vstack([points, centres]))
-
-
-class _NumberedMesh(NamedTuple):
-    """skfem's mesh, and the number in it of each node of the file that is a cell's corner, else -1."""
-
-    mesh: Any
-    vertex: Ints
-
-
-def _mesh(plane: _PlaneCells, fault: str) -> _NumberedMesh:
-    """The mesh of the plane cells."""
-    cell, cells, points = plane
+def _mesh(cell: str, cells: Ints, points: Floats, fault: str) -> tuple[Any, Ints]:
+    """skfem's mesh, and the number there of each node of the file that is a corner of a cell (-1:
+    of none).
+    """
     kind = next(kind for kind in MESH_KINDS.values() if kind.cell == cell)
     used, numbered = np.unique(cells, return_inverse=True)
     numbered = numbered.reshape(cells.shape)
@@ -308,53 +288,103 @@ def _mesh(plane: _PlaneCells, fault: str) -> _NumberedMesh:
     vertex = np.full(len(points), -1)
     vertices = np.unique(cells[:, :corners])
     vertex[vertices] = np.arange(len(vertices))
-    return _NumberedMesh(mesh, vertex)
+    return mesh, vertex
 
 
-def _with_groups(raw: Any, plane: _PlaneCells, numbered: _NumberedMesh, fault: str) -> Any:
-    """The mesh with the named groups of the file.
+def _with_groups(
+    content: FileContent, shoe: Shoe, plane: PlaneCells, mesh: Any, vertex: Ints, fault: str
+) -> Any:
+    """The mesh with the groups of the file: subdomains from its cells, boundaries from edges or
+    nodes.
 
-    Subdomains come from the file's cells, boundaries from its edges or its sets of nodes.
+    `vertex` (n,): the number in the mesh of each point that is a corner.
     """
-    mesh, vertex = numbered
     subdomains, boundaries = {}, {}
-    filed = plane.cell
-    if plane.cell == "quad9" and "quad9" not in raw.cells_dict:
-        filed = "quad8"
-    edge = kind_of(mesh).edge
-    for name, members in _named_cells(raw).items():
-        if name not in GROUP_NAMES:
-            continue
-        if len(members.get(filed, ())):
-            subdomains[name] = members[filed]
-        if len(members.get(edge, ())):
-            ends = vertex[raw.cells_dict[edge][members[edge], :2]]
-            boundaries[name] = _facets(mesh, ends, f"{fault}: group {name}")
-    outer = mesh.boundary_facets()
-    for name, nodes in _named_nodes(raw).items():
-        if name not in GROUP_NAMES or name in boundaries:
-            continue
-        inside = np.zeros(len(vertex), dtype=bool)
-        inside[nodes] = True
-        ends = vertex[_whole_edges(plane.cells, inside, len(mesh.t))]
-        found = np.intersect1d(_facets(mesh, ends, fault), outer)
+    for name in GROUP_NAMES:
+        wanted = shoe.groups.names_of(name)
+        for alias in wanted:
+            if alias in content.broken:
+                raise BadInput(f"{fault}: group {name}: {content.broken[alias]}")
+        found = _cells_of(content, plane, wanted)
         if len(found):
-            boundaries[name] = found
-    return dataclasses.replace(mesh, _subdomains=subdomains, _boundaries=boundaries)
+            subdomains[name] = found
+        facets = _edges_of(content, plane, mesh, vertex, wanted, f"{fault}: group {name}")
+        if len(facets):
+            boundaries[name] = facets
+    mesh = dataclasses.replace(mesh, _subdomains=subdomains, _boundaries=boundaries)
+    _check_given(content, shoe, fault)
+    return mesh
 
 
-def _whole_edges(cells: Ints, inside: Bools, corners: int) -> Ints:
-    """The end nodes (e, 2) of the edges of cells (m, k) all of whose nodes are `inside` (n,)."""
-    ends = cells[:, :corners]
+def _check_given(content: FileContent, shoe: Shoe, fault: str) -> None:
+    """Refuse names in the key `groups` that the file does not have."""
+    for name in shoe.groups.given:
+        missing = [
+            alias for alias in shoe.groups.names_of(name) if alias not in content.group_names
+        ]
+        if missing:
+            found = ", ".join(content.group_names) or "none"
+            raise BadInput(
+                f"{fault}: groups.{name} = {missing[0]!r}: not in the file; found: {found}"
+            )
+
+
+def _cells_of(content: FileContent, plane: PlaneCells, names: list[str]) -> Ints:
+    """Numbers of the elements in the groups of these names, each once."""
+    found = [np.zeros(0, dtype=np.int64)]
+    for name in names:
+        for cell, rows in content.cell_groups.get(name, {}).items():
+            if cell in plane.parent:
+                found.append(plane.made_of(cell, rows))
+    return np.unique(np.concatenate(found))
+
+
+def _edges_of(
+    content: FileContent,
+    plane: PlaneCells,
+    mesh: Any,
+    vertex: Ints,
+    names: list[str],
+    fault: str,
+) -> Ints:
+    """Numbers of the facets in the groups of these names: of edges, or else of nodes."""
+    ends = [np.zeros((0, 2), dtype=np.int64)]
+    outer_ends = list(ends)
+    for name in names:
+        for cell, rows in content.cell_groups.get(name, {}).items():
+            if cell.startswith("line"):
+                ends.append(content.cells[cell][rows, :2])
+        ends += [content.edge_groups[name]] if name in content.edge_groups else []
+        outer_ends += [content.outer_groups[name]] if name in content.outer_groups else []
+    found = _facets(mesh, vertex[np.concatenate(ends)], fault)
+    outlined = _facets(mesh, vertex[np.concatenate(outer_ends)], fault)
+    outer = mesh.boundary_facets()
+    found = np.union1d(found, np.intersect1d(outlined, outer))
+    nodes = [content.node_groups[name] for name in names if name in content.node_groups]
+    if len(found) or not nodes:
+        return found
+    inside = np.zeros(len(vertex), dtype=bool)
+    inside[np.concatenate(nodes)] = True
+    return np.intersect1d(_between(plane, mesh, vertex, inside, fault), outer)
+
+
+def _between(plane: PlaneCells, mesh: Any, vertex: Ints, inside: Bools, fault: str) -> Ints:
+    """The facets whose nodes all belong to a set of nodes, `inside` (n,).
+
+    A set without any middle node names the corners of its edges alone.
+    """
+    corners = plane.corners
+    ends = plane.cells[:, :corners]
     pairs = np.stack([ends, np.roll(ends, -1, axis=1)], axis=-1)
-    whole = inside[pairs].all(axis=-1)
-    if cells.shape[1] > corners:
-        whole &= inside[cells[:, corners : 2 * corners]]
-    return pairs[whole]
+    whole: Bools = np.all(inside[pairs], axis=-1)
+    middles = plane.cells[:, corners : 2 * corners]
+    if middles.size and inside[middles].any():
+        whole &= inside[middles] | plane.added[middles]
+    return _facets(mesh, vertex[pairs[whole]], fault)
 
 
 def _facets(mesh: Any, ends: Ints, fault: str) -> Ints:
-    """The numbers of the facets between the vertices `ends` (n, 2), each once."""
+    """Numbers of the facets between the vertices `ends` (n, 2), each once."""
     key = mesh.facets[0].astype(np.int64) * mesh.nvertices + mesh.facets[1]
     order = np.argsort(key)
     low, high = np.sort(ends, axis=1).T
@@ -364,39 +394,3 @@ def _facets(mesh: Any, ends: Ints, fault: str) -> Ints:
     if strange:
         raise BadInput(f"{fault}: {strange} of its {len(wanted)} edges are not edges of the cells")
     return np.sort(place)
-
-
-def _named_cells(raw: Any) -> dict[str, dict[str, Ints]]:
-    """The members of each named group, by the type of their cells."""
-    groups: dict[str, dict[str, Ints]] = {}
-    for name, members in raw.cell_sets_dict.items():
-        if not name.startswith("gmsh:"):
-            groups[name.lower()] = dict(members)
-    tags = raw.cell_data_dict.get("gmsh:physical", {})
-    for name, (tag, dim) in raw.field_data.items():
-        # One number may stand for a line and for a surface.
-        for cell, values in tags.items():
-            members = np.flatnonzero(np.asarray(values) == tag)
-            if len(members) and meshio._mesh.topological_dimension[cell] == dim:
-                groups.setdefault(name.lower(), {}).setdefault(cell, members)
-    for name, by_cell in raw.cell_data_dict.items():
-        if ":" not in name:
-            for cell, values in by_cell.items():
-                if _is_membership(values):
-                    groups.setdefault(name.lower(), {})[cell] = np.flatnonzero(values)
-    return groups
-
-
-def _named_nodes(raw: Any) -> dict[str, Ints]:
-    """The nodes of each named group."""
-    groups = {name.lower(): np.asarray(members) for name, members in raw.point_sets.items()}
-    for name, values in raw.point_data.items():
-        if ":" not in name and _is_membership(values):
-            groups[name.lower()] = np.flatnonzero(values)
-    return groups
-
-
-def _is_membership(values: Any) -> bool:
-    """Whether data says of each cell or node if it is a member: 1 or 0."""
-    values = np.asarray(values)
-    return values.ndim == 1 and bool(np.isin(values, (0, 1)).all())

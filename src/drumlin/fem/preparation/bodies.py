@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, NamedTuple, Protocol
 
@@ -10,6 +10,7 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Shoe
+from drumlin.fem.mesh.from_file import ShoeMesh
 from drumlin.fem.substructure.body import CondensedBody
 from drumlin.fem.substructure.interface import ContactLine, Coupling, radial, straight
 from drumlin.fem.substructure.loads import ACTUATION, LoadColumns
@@ -51,6 +52,7 @@ class ShoeSubstructure:
     reaction_to_pressure, reaction_to_friction : (3, n) force x, force y and moment that hold the
         frame
     reaction_to_load : (3, l) the same due to the unit loads
+    of_file : what was done to the mesh of a file
     """
 
     mesh: Any
@@ -68,6 +70,7 @@ class ShoeSubstructure:
     reaction_to_pressure: Floats
     reaction_to_friction: Floats | None
     reaction_to_load: Floats
+    of_file: ShoeMesh | None = field(default=None, kw_only=True)
 
     @property
     def columns(self) -> LoadColumns:

@@ -42,7 +42,8 @@ def shape_of(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
     mesh: tuple[object, ...] | None = None
     if shoe.mesh is not None:
         # A mesh in the brake's frame is another shape for each position of the shoe.
-        mesh = (shoe.mesh, shoe.mesh_unit, shoe.mesh_frame == "shoe" or shoe.frame)
+        frame = shoe.mesh_frame == "shoe" or shoe.frame
+        mesh = (shoe.mesh, shoe.mesh_unit, frame, shoe.groups)
     angles = [angle for arc in arcs for angle in arc]
     return (
         brake.size,

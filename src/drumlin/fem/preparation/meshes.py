@@ -12,6 +12,7 @@ from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.fields import AnyMaterial
 from drumlin.fem.mesh.arc import shoe_mesh
+from drumlin.fem.mesh.from_file import ShoeMesh
 from drumlin.fem.preparation.bodies import BodyNodes, ShoeSubstructure, coupled_shoe, load_on
 from drumlin.fem.preparation.cache import Cache, bare, bare_shoe, content, shape_of, size_of
 from drumlin.fem.preparation.scene import DividedBodies, Seconds, clock
@@ -122,6 +123,7 @@ class Assembled:
     constraints : the multi-point constraints of hinge and loaded end
     loads : unit loads (unknowns, k) on the reduced unknowns of the constraints, by name
     load_centre : (2,) point that the unit actuations act about [m]
+    of_file : what was done to the mesh of a file
     """
 
     mesh: Any
@@ -131,6 +133,7 @@ class Assembled:
     constraints: Constraints
     loads: dict[str, Floats]
     load_centre: Floats
+    of_file: ShoeMesh | None = None
 
     @cached_property
     def columns(self) -> LoadColumns:
@@ -154,7 +157,8 @@ def assemble(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Asse
         for a mesh file that cannot serve
     """
     with clock(seconds, "mesh"):
-        mesh = _mesh_of(brake, shoe, mesher)
+        of_file = _mesh_of_file(brake, shoe)
+        mesh = mesher(shoe, brake.size) if of_file is None else of_file.mesh
         basis = scalar_basis(mesh)
     with clock(seconds, "assembly"):
         K = stiffness(basis, layers_of(shoe))
@@ -171,17 +175,18 @@ def assemble(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Asse
             load_centre = pin
             actuated = np.zeros((constraints.matrix.shape[1], FRAME))
             actuated[-FRAME:] = np.eye(FRAME)
-    return Assembled(mesh, basis, line, K, constraints, {ACTUATION: actuated}, load_centre)
+    loads = {ACTUATION: actuated}
+    return Assembled(mesh, basis, line, K, constraints, loads, load_centre, of_file)
 
 
-def _mesh_of(brake: Brake, shoe: Shoe, mesher: Mesher) -> Any:
-    """The mesh of a shoe in its own frame, made by the mesher or read from the shoe's file."""
+def _mesh_of_file(brake: Brake, shoe: Shoe) -> ShoeMesh | None:
+    """The mesh of a shoe from its file, in the shoe's own frame; None for a shoe without a file."""
     if shoe.mesh is None:
-        return mesher(shoe, brake.size)
+        return None
     # meshio takes 0.1 s to load, for a mesh in a file only.
-    from drumlin.fem.mesh.file import read_mesh  # noqa: PLC0415
+    from drumlin.fem.mesh.file import read_shoe_mesh  # noqa: PLC0415
 
-    return read_mesh(shoe.mesh, shoe, brake.size, f"shoe {shoe.name!r}: mesh")
+    return read_shoe_mesh(shoe.mesh, shoe, brake.size, f"shoe {shoe.name!r}: mesh")
 
 
 def _body(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> ShoeSubstructure:
@@ -190,7 +195,7 @@ def _body(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> ShoeSub
     with clock(seconds, "condensation"):
         contact_unknowns = 2 * len(parts.line.nodes)
         condensed = condense(parts.K, parts.constraints, parts.loads, contact_unknowns)
-    made = partial(ShoeSubstructure, parts.mesh, parts.basis, parts.line)
+    made = partial(ShoeSubstructure, parts.mesh, parts.basis, parts.line, of_file=parts.of_file)
     friction = brake.friction > 0
     with clock(seconds, "coupling"):
         return coupled_shoe(made, shoe, parts.line, condensed, parts.load_centre, friction=friction)

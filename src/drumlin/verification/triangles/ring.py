@@ -26,7 +26,7 @@ from drumlin.verification.triangles.triangulation import (
 
 ANGLE_SLACK = 1e-12  # rad, of angles that are the same
 ROUNDS = 20
-FULL_TURN = 2 * math.pi
+WHOLE_TURN = 2 * math.pi
 
 
 def with_ring(
@@ -42,7 +42,7 @@ def with_ring(
         raise BadInput("shoes inside and outside of one ring")
     first = min(shoe.lining.start for shoe in brake.shoes)
     turns = [
-        FULL_TURN * math.floor((shoe.lining.start - first) / FULL_TURN + ANGLE_SLACK)
+        WHOLE_TURN * math.floor((shoe.lining.start - first) / WHOLE_TURN + ANGLE_SLACK)
         for shoe in brake.shoes
     ]
 
@@ -86,7 +86,7 @@ def with_ring(
     )
     at = np.concatenate([ends, sharp])
     mesh = graded(
-        start(s, [d], [layer], FULL_TURN), place, place(at, 0 * at), smallest, level.steep
+        start(s, [d], [layer], WHOLE_TURN), place, place(at, 0 * at), smallest, level.steep
     )
     meshes = [one.mesh for one in drafts]
     for _ in range(ROUNDS):
@@ -107,7 +107,7 @@ def _grid(
     parts = sorted(under, key=lambda part: float(part[0]))
     t = section.thickness
     lines = []
-    for part, after in zip(parts, [*parts[1:], parts[0] + FULL_TURN], strict=True):
+    for part, after in zip(parts, [*parts[1:], parts[0] + WHOLE_TURN], strict=True):
         gap = np.array([part[-1], after[0]])
 
         def between(x: float, gap: Floats = gap) -> float:
@@ -115,7 +115,7 @@ def _grid(
 
         lines += [part, spaced(gap, between)[1:-1]]
     across = spaced(np.array([0.0, 1.0]), lambda x: min(0.5, least * size / t + min(x, 1 - x)))
-    return np.concatenate([*lines, [parts[0][0] + FULL_TURN]]), across
+    return np.concatenate([*lines, [parts[0][0] + WHOLE_TURN]]), across
 
 
 def rim(brake: Brake, ring: Shaped, faces: list[Face]) -> Rim:

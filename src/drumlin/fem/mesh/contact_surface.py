@@ -1,0 +1,203 @@
+"""The contact line of a mesh file, put on the drum or the plane where only the mesh keeps it off.
+
+A lining is round, a mesh of it is not quite. Coordinates of few digits stand off the circle by up to
+half a digit, and the middle node of a straight side by the height of its arc. Both are often larger
+than the compression p t/E of the lining, so that they would change the pressure. What stands off by
+more than that is the lining's shape: a gap.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from scipy.interpolate import PchipInterpolator
+
+from drumlin.base.arrays import Bools, Floats, Ints
+from drumlin.brake.brake import Shoe
+from drumlin.fem.mesh.from_file import ContactOnSurface
+
+STRAIGHT = 0.1
+"""Distance of a side's middle node from the middle of its chord, in heights of the arc over the
+chord, up to which the side is straight. A side that follows the arc has one; the coordinates'
+rounding is added."""
+STRAIGHT_SIDES = 0.9
+"""Share of the contact's sides that must be straight for their middle nodes to be moved. Writers of
+meshes make all sides straight or none; a lining with one flat in it has curved sides elsewhere."""
+WINDOW_NODES = 8
+"""Nodes to each side of a node over which the roundings are averaged. Their mean is then a quarter
+of one of them, so that a shape of less than the rounding itself is seen."""
+SIGNIFICANT = 4.0
+"""Mean offset of the nodes around a node, in standard deviations of the mean of roundings, above
+which the offset is the lining's shape. Chance goes beyond it once in 16 000 nodes."""
+MOST_NOISE = 1.5
+"""Scatter of the nodes about their smooth line, in standard deviations of a rounding, above which
+they are left where they are: the line has a step or a corner there."""
+COORDINATE_ROUND_OFF = 1e-12
+"""Offset, in drum radii, up to which a node counts as on the surface, as in the gap."""
+
+
+@dataclass(frozen=True)
+class _ContactNodes:
+    """The nodes of the contact line, sorted along it.
+
+    Parameters
+    ----------
+    nodes : numbers of the nodes (n,) in the mesh
+    middle : whether each node (n,) is the middle of a side
+    phi : place (n,) [rad] of each node
+    off : distance (n,) [m] from the surface
+    slack : how far the coordinates' rounding may hold each node (n,) off the surface [m]
+    """
+
+    nodes: Ints
+    middle: Bools
+    phi: Floats
+    off: Floats
+    slack: Floats
+
+
+def put_on_surface(mesh: Any, rounding: Floats, shoe: Shoe, radius: float) -> ContactOnSurface:
+    """Put the contact's nodes on the surface that the file's rounding or straight sides keep off it.
+
+    Parameters
+    ----------
+    mesh : skfem's mesh in the shoe's frame [m], with the group contact
+    rounding : (2, nodes), how far x and y of each node may have been rounded [m]
+    shoe, radius : whose mesh it is, and the drum's radius [m] or the pad's length
+    """
+    line = _line_of(mesh, rounding, shoe, radius)
+    straight = _straight(mesh, line, shoe, radius)
+    target = line.off.copy()
+    free = ~(straight & line.middle)
+    target[free] = _without_rounding(line, free, shoe, radius)
+    # The middle of a straight side stands on the smooth line through the corners.
+    if straight.any():
+        corners = ~line.middle
+        smooth = PchipInterpolator(line.phi[corners], target[corners])
+        target[straight] = smooth(line.phi[straight])
+    target[np.abs(target) < COORDINATE_ROUND_OFF * radius] = 0.0
+    moves = target - line.off
+    moves[np.abs(moves) <= COORDINATE_ROUND_OFF * radius] = 0.0
+    if not moves.any():
+        return ContactOnSurface(mesh)
+    by_rounding = free & (moves != 0)
+    return ContactOnSurface(
+        _moved(mesh, line, moves, shoe),
+        rounded=int(np.count_nonzero(by_rounding)),
+        rounded_by=float(np.abs(moves[by_rounding]).max(initial=0.0)),
+        straight=int(np.count_nonzero(straight & (moves != 0))),
+        straight_by=float(np.abs(moves[straight]).max(initial=0.0)),
+    )
+
+
+def _line_of(mesh: Any, rounding: Floats, shoe: Shoe, radius: float) -> _ContactNodes:
+    """The contact line of a mesh."""
+    facets = mesh.boundaries["contact"]
+    corners = np.unique(mesh.facets[:, facets])
+    has_middles = len(mesh.dofs.facet_dofs) > 0 and mesh.doflocs.shape[1] > mesh.nvertices
+    middles = mesh.dofs.facet_dofs[0, facets] if has_middles else np.zeros(0, dtype=np.int64)
+    nodes = np.concatenate([corners, middles])
+    xy = mesh.doflocs[:, nodes]
+    phi = shoe.phi_of(xy, radius)
+    order = np.argsort(phi)
+    nodes, xy = nodes[order], xy[:, order]
+    normal = np.abs(_normals(xy, shoe))
+    # Coordinates that were turned mix the roundings of x and y, and so does the shoe's own frame.
+    slack = np.hypot(*rounding[:, nodes]) if not shoe.flat else (normal * rounding[:, nodes]).sum(0)
+    return _ContactNodes(
+        nodes=nodes,
+        middle=(np.arange(len(nodes)) >= len(corners))[order],
+        phi=phi[order],
+        off=shoe.off(xy, radius),
+        slack=slack,
+    )
+
+
+def _normals(xy: Floats, shoe: Shoe) -> Floats:
+    """Directions (2, n) in which points (2, n) come off the surface."""
+    if shoe.flat:
+        return np.array([np.zeros(xy.shape[1]), np.ones(xy.shape[1])])
+    return -shoe.sign * xy / np.hypot(*xy)
+
+
+def _straight(mesh: Any, line: _ContactNodes, shoe: Shoe, radius: float) -> Bools:
+    """Which nodes (n,) are middle nodes that straight sides keep off the drum."""
+    found = np.zeros(len(line.nodes), dtype=bool)
+    at = np.flatnonzero(line.middle)
+    if shoe.flat or not len(at) or at[0] == 0 or at[-1] == len(found) - 1:
+        return found
+    xy = mesh.doflocs[:, line.nodes]
+    first, last = xy[:, at - 1], xy[:, at + 1]
+    chord = np.hypot(*(last - first))
+    height = chord**2 / (8 * radius)
+    beside = np.hypot(*(xy[:, at] - (first + last) / 2))
+    # Where the arc is lower than a rounding, a straight side cannot be told and does no harm.
+    seen = height > 2 * line.slack[at] + COORDINATE_ROUND_OFF * radius
+    straight = seen & (beside <= STRAIGHT * height + 2 * line.slack[at])
+    counted = max(int(np.count_nonzero(seen)), 1)
+    if np.count_nonzero(straight) >= STRAIGHT_SIDES * counted:
+        found[at[straight]] = True
+    return found
+
+
+def _without_rounding(line: _ContactNodes, free: Bools, shoe: Shoe, radius: float) -> Floats:
+    """Offsets (k,) of the free nodes without the rounding of their coordinates.
+
+    They are 0 where the offset is no more than the roundings explain; elsewhere they follow the
+    smooth line through the nodes, or stay.
+    """
+    off, slack, place = line.off[free], line.slack[free], line.phi[free] * radius
+    shape = _shape_of(off, slack, place, radius)
+    found = off.copy()
+    on = np.abs(off) <= slack * (1 + 1e-6) + COORDINATE_ROUND_OFF * radius
+    found[on & np.isnan(shape)] = 0.0
+    # A plane's nodes are off by whole steps of the last digit: there is no scatter to smooth.
+    smooth = ~np.isnan(shape) & (np.abs(shape - off) <= slack)
+    if not shoe.flat:
+        found[smooth] = shape[smooth]
+    return found
+
+
+def _shape_of(off: Floats, slack: Floats, place: Floats, radius: float) -> Floats:
+    """The smooth line (k,) [m] through offsets that roundings do not explain; nan where they do.
+
+    Where a smooth line does not describe the nodes it is their own offset.
+    """
+    shape = np.full(len(off), np.nan)
+    if len(off) < 3 or not slack.any():
+        shape[np.abs(off) > slack] = off[np.abs(off) > slack]
+        return shape
+    step = float(np.median(np.diff(place)))
+    for i in range(len(off)):
+        # Nodes that are closer than sqrt(2 R d) are rounded alike where the circle lies along an axis.
+        apart = max(step, float(np.sqrt(2 * radius * slack[i])))
+        near = np.flatnonzero(np.abs(place - place[i]) <= WINDOW_NODES * apart)
+        scatter = float(slack[near].mean()) / np.sqrt(6.0)
+        independent = max(len(near) * min(1.0, step / apart), 1.0)
+        mean = float(off[near].mean())
+        beyond = np.abs(off[near]) > slack[near] * (1 + 1e-6) + COORDINATE_ROUND_OFF * radius
+        if abs(mean) <= SIGNIFICANT * scatter / np.sqrt(independent) and not beyond.any():
+            continue
+        if abs(off[i]) <= slack[i] and abs(mean) <= SIGNIFICANT * scatter / np.sqrt(independent):
+            continue
+        fit = np.polynomial.Polynomial.fit(place[near], off[near], min(2, len(near) - 1))
+        rest = off[near] - fit(place[near])
+        rough = float(np.sqrt(np.mean(rest**2))) > MOST_NOISE * scatter
+        shape[i] = off[i] if rough else fit(place[i])
+    return shape
+
+
+def _moved(mesh: Any, line: _ContactNodes, moves: Floats, shoe: Shoe) -> Any:
+    """The mesh with the nodes of the contact line moved off the surface by `moves` (n,) [m].
+
+    The centre of a quadrilateral follows its sides, so that the element keeps its shape.
+    """
+    doflocs = mesh.doflocs.copy()
+    doflocs[:, line.nodes] += moves * _normals(doflocs[:, line.nodes], shoe)
+    inner = mesh.dofs.interior_dofs
+    if doflocs.shape[1] > mesh.nvertices and len(inner):
+        change = doflocs - mesh.doflocs
+        corners = change[:, mesh.t].sum(axis=1)
+        middles = change[:, mesh.dofs.facet_dofs[0, mesh.t2f]].sum(axis=1)
+        doflocs[:, inner[0]] += middles / 2 - corners / 4
+    return replace(mesh, doflocs=doflocs)

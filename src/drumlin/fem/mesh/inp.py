@@ -1,0 +1,312 @@
+"""Meshes in Abaqus and CalculiX input files, with their parts, instances, sets and surfaces.
+
+meshio's own reader knows neither the quadratic elements of plane stress nor parts, and passes over
+what moves nodes.
+"""
+
+from collections import defaultdict
+from collections.abc import Callable, Collection
+from pathlib import Path
+from typing import NamedTuple, TypeVar
+
+import numpy as np
+
+from drumlin.base.arrays import Floats, Ints
+from drumlin.fem.mesh.abaqus import CELL_OF_TYPE, NODES_PER_CELL
+from drumlin.fem.mesh.content_of_file import FileContent, rounding_of
+from drumlin.fem.mesh.inp_deck import Deck
+from drumlin.fem.mesh.inp_parts import DeckInstance
+
+LOOSE = (
+    *("SPRING", "DASHPOT", "MASS", "ROTARYI", "CONN", "GAP", "JOINT", "ITS", "DCOUP", "HEATCAP"),
+    *("R2D", "R3D", "RAX", "RB2D", "RB3D", "DIST", "FRAME", "PIPE", "TUBE", "SLIDE"),
+)
+"""Beginnings of the types of elements that are no part of a shoe's mesh: springs, masses, connectors,
+gaps and rigid bodies. They are passed over."""
+
+Parsed = TypeVar("Parsed")
+Key = tuple[str, int]
+"""Instance and label of a node or an element."""
+
+
+class ElementPlace(NamedTuple):
+    """Where an element stands: type of its cell, and row among the cells of that type."""
+
+    cell: str
+    row: int
+
+
+def read_inp(text: str, folder: Path | None = None, wanted: Collection[str] = ()) -> FileContent:
+    """The mesh in the text of an input file; group names in lower case.
+
+    Parameters
+    ----------
+    text : of the file
+    folder : where files that it includes are looked for
+    wanted : names of groups of elements; where some instances of an assembly hold elements of
+        these groups and others hold none, those others are passed over
+
+    Raises
+    ------
+    ValueError
+        with a line that says what cannot be read
+    """
+    deck = Deck(text, folder)
+    return _Assembled(deck, _chosen(deck, wanted)).content()
+
+
+def _chosen(deck: Deck, wanted: Collection[str]) -> list[DeckInstance]:
+    """The bodies that hold the shoe: those with elements of the wanted groups, or else all."""
+    bodies = [body for body in deck.bodies if body.part.nodes]
+    owners = set()
+    for body in deck.bodies:
+        for name in wanted:
+            if name in body.part.element_sets:
+                owners |= _owners(deck, body, name)
+    found = [body for body in bodies if body.name in owners or not body.part.blocks]
+    return found if owners else bodies
+
+
+def _owners(deck: Deck, body: DeckInstance, name: str) -> set[str]:
+    """The names of the instances whose elements a set holds; of a set that cannot be read none."""
+    try:
+        return {owner.name for owner, _ in deck.members(body, "element_sets", name)}
+    except ValueError:
+        return set()
+
+
+class _Assembled:
+    """Nodes, cells and groups of the chosen bodies of a deck, numbered throughout."""
+
+    def __init__(self, deck: Deck, bodies: list[DeckInstance]) -> None:
+        self.deck, self.bodies = deck, bodies
+        self.number: dict[Key, int] = {}
+        self.place: dict[Key, ElementPlace | None] = {}
+        self.cells: dict[str, list[list[int]]] = {}
+        self.plane_strain: dict[str, None] = {}
+        self.broken: dict[str, str] = {}
+        self.points, self.rounding = self._numbered()
+        for body in bodies:
+            for block in body.part.blocks:
+                self._add(body, block.kind, block.elements)
+
+    def _numbered(self) -> tuple[Floats, Floats]:
+        """All nodes (n, 3), placed, and how far their x and y were rounded (n, 2)."""
+        points, rounding = [np.zeros((0, 3))], [np.zeros((0, 2))]
+        for body in self.bodies:
+            part, start = body.part, len(self.number)
+            for i, label in enumerate(part.nodes, start=start):
+                self.number[body.name, label] = i
+            if part.nodes:
+                points.append(body.placement(np.array(list(part.nodes.values()))))
+                rounding.append(rounding_of(np.array(list(part.written.values()))))
+        return np.vstack(points), np.vstack(rounding)
+
+    def _add(self, body: DeckInstance, kind: str, elements: dict[int, list[int]]) -> None:
+        """Add the elements of a block, or pass over springs, masses and the like."""
+        cell = cell_of(kind)
+        if kind.startswith("CPE"):
+            self.plane_strain[kind] = None
+        rows = self.cells.setdefault(cell, []) if cell else []
+        for label, nodes in elements.items():
+            if cell is None:
+                self.place[body.name, label] = None
+                continue
+            if len(nodes) != NODES_PER_CELL[cell]:
+                raise ValueError(
+                    f"*ELEMENT, TYPE={kind} needs a label and {NODES_PER_CELL[cell]} nodes on each line"
+                )
+            self.place[body.name, label] = ElementPlace(cell, len(rows))
+            found = [self._node(body.name, node, f"element {label}") for node in nodes]
+            if cell == "line3":
+                first, middle, last = found
+                found = [first, last, middle]
+            rows.append(found)
+
+    def _node(self, owner: str, label: int, where: str) -> int:
+        """The number of a node. Raises ValueError, naming where it stands, for an unknown one."""
+        found = self.number.get((owner, label))
+        if found is None:
+            raise ValueError(f"{where} has the node {label}, which the file does not define")
+        return found
+
+    def content(self) -> FileContent:
+        """What the deck holds."""
+        nodes, cells = self._groups("node_sets"), self._groups("element_sets")
+        surfaces = self._surfaces()
+        return FileContent(
+            points=self.points,
+            cells={cell: _rows(rows, NODES_PER_CELL[cell]) for cell, rows in self.cells.items()},
+            cell_groups={name: self._by_cell(keys) for name, keys in cells.items()},
+            node_groups={
+                name: np.unique(np.array([self.number[key] for key in keys], dtype=np.int64))
+                for name, keys in (nodes | surfaces.nodes).items()
+            },
+            edge_groups={name: _rows(edges, 2) for name, edges in surfaces.edges.items()},
+            outer_groups={name: _rows(edges, 2) for name, edges in surfaces.outlines.items()},
+            rounding=self.rounding,
+            turned=any(body.placement.turns or body.part.turned for body in self.bodies),
+            broken=self.broken,
+            notes=self._notes(),
+        )
+
+    def _notes(self) -> tuple[str, ...]:
+        """Lines about what was passed over, and about plane strain."""
+        notes = []
+        if self.deck.unknown:
+            notes.append(f"passed over: {', '.join(self.deck.unknown)}")
+        names = {body.name for body in self.bodies}
+        for body in self.deck.bodies:
+            if body.name not in names and body.part.blocks:
+                notes.append(
+                    f"passed over: the instance {body.name}, which holds no group of the shoe"
+                )
+        if self.plane_strain:
+            kinds = ", ".join(self.plane_strain)
+            notes.append(f"TYPE={kinds} is plane strain; it is solved in plane stress")
+        return tuple(notes)
+
+    def _groups(self, which: str) -> dict[str, list[Key]]:
+        """The members of each set; sets of the assembly go before those of parts."""
+        known = self.number if which == "node_sets" else self.place
+        what = "node" if which == "node_sets" else "element"
+
+        def found(body: DeckInstance, name: str) -> list[Key]:
+            keys = [(owner.name, label) for owner, label in self.deck.members(body, which, name)]
+            strange = next((key for key in keys if key not in known), None)
+            if strange is not None and self._chosen(strange[0]):
+                raise ValueError(
+                    f"the set {name.upper()} names the {what} {strange[1]}, "
+                    "which the file does not define"
+                )
+            return [key for key in keys if key in known]
+
+        return self._of_bodies(lambda body: getattr(body.part, which), found)
+
+    def _chosen(self, owner: str) -> bool:
+        """Whether an instance is one of the bodies that were chosen."""
+        return owner == "" or any(body.name == owner for body in self.bodies)
+
+    def _of_bodies(
+        self,
+        named: Callable[[DeckInstance], Collection[str]],
+        found: Callable[[DeckInstance, str], list[Parsed]],
+    ) -> dict[str, list[Parsed]]:
+        """What is found under each name: in the assembly, or else in all bodies together.
+
+        What cannot be read goes to `broken`.
+        """
+        groups: dict[str, list[Parsed]] = {}
+        assembly = self.deck.bodies[-1]
+        bodies = [body for body in self.bodies if body.part is not assembly.part]
+        for body in [assembly, *bodies]:
+            for name in named(body):
+                if body is not assembly and name in named(assembly):
+                    continue
+                try:
+                    groups.setdefault(name, []).extend(found(body, name))
+                except ValueError as error:
+                    self.broken[name] = str(error)
+        return groups
+
+    def _by_cell(self, keys: list[Key]) -> dict[str, Ints]:
+        """Rows of the elements of a group, by the type of their cells."""
+        rows = defaultdict(list)
+        for key in keys:
+            place = self.place[key]
+            if place is not None:
+                rows[place.cell].append(place.row)
+        return {cell: np.array(found, dtype=np.int64) for cell, found in rows.items()}
+
+    def _surfaces(self) -> "_Surfaces":
+        """The edges and nodes of all surfaces."""
+        found = _Surfaces({}, {}, {})
+
+        def take(body: DeckInstance, name: str) -> list[None]:
+            if name in body.part.refused:
+                raise ValueError(f"the surface {name.upper()}: {body.part.refused[name]}")
+            kind, rows = body.part.surfaces[name]
+            if kind == "NODE":
+                keys = [key for row in rows for key in self._in(body, "node_sets", row[0])]
+                found.nodes.setdefault(name, []).extend(keys)
+            elif kind == "ELEMENT":
+                for row in rows:
+                    face = row[1].upper() if len(row) > 1 else ""
+                    edges = self._edges(body, row[0], face, name)
+                    (found.edges if face else found.outlines).setdefault(name, []).extend(edges)
+            else:
+                raise ValueError(f"the surface {name.upper()}: TYPE={kind} is not read")
+            return []
+
+        self._of_bodies(lambda body: body.part.surfaces, take)
+        return found
+
+    def _in(self, body: DeckInstance, which: str, word: str) -> list[Key]:
+        """The members that a word on a line of *SURFACE means: of a set, or one label."""
+        name = word.lower()
+        holder = body
+        if "." in name and name not in getattr(body.part, which):
+            before, _, name = name.rpartition(".")
+            holder = self.deck.instance(before)
+        known = self.number if which == "node_sets" else self.place
+        if name in getattr(holder.part, which):
+            keys = [(owner.name, label) for owner, label in self.deck.members(holder, which, name)]
+            return [key for key in keys if key in known]
+        if not name.isdigit() or (holder.name, int(name)) not in known:
+            raise ValueError(f"a surface names {word!r}, which is no label and no set")
+        return [(holder.name, int(name))]
+
+    def _edges(self, body: DeckInstance, word: str, face: str, name: str) -> list[list[int]]:
+        """Corner points of the edges that a line of a surface names; without a face of all edges."""
+        edges = []
+        for key in self._in(body, "element_sets", word):
+            place = self.place[key]
+            if place is None:
+                continue
+            corners = self.cells[place.cell][place.row][: 3 if "triangle" in place.cell else 4]
+            if place.cell.startswith("line"):
+                edges.append(corners[:2])
+                continue
+            sides = range(len(corners))
+            if face:
+                if face[:1] not in "SE" or face[1:] not in {str(side + 1) for side in sides}:
+                    raise ValueError(
+                        f"the surface {name.upper()}: {face} is no edge of a plane element; "
+                        f"must be S1 to S{len(corners)}"
+                    )
+                sides = range(int(face[1:]) - 1, int(face[1:]))
+            edges += [[corners[i], corners[(i + 1) % len(corners)]] for i in sides]
+        return edges
+
+
+class _Surfaces(NamedTuple):
+    """Edges of surfaces by name: those that are named, those on the outline; and their nodes."""
+
+    edges: dict[str, list[list[int]]]
+    outlines: dict[str, list[list[int]]]
+    nodes: dict[str, list[Key]]
+
+
+def cell_of(kind: str) -> str | None:
+    """meshio's type of the cells of an *ELEMENT; None for springs, masses and the like.
+
+    Raises ValueError for elements that are not plane, and for axisymmetric ones.
+    """
+    if kind.startswith(LOOSE):
+        return None
+    if kind.startswith(("CAX", "CGAX", "SAX", "MAX")):
+        raise ValueError(
+            f"*ELEMENT, TYPE={kind} is axisymmetric, a ring about the axis; a shoe is plane (CPS)"
+        )
+    # Reduced, hybrid and other formulations have one shape.
+    plain = kind[:-2] if kind.endswith("R5") else kind.rstrip("HIRMSTW")
+    if plain not in CELL_OF_TYPE:
+        raise ValueError(
+            f"*ELEMENT, TYPE={kind} is not an element of a plane mesh; allowed: {', '.join(CELL_OF_TYPE)}"
+        )
+    return CELL_OF_TYPE[plain]
+
+
+def _rows(rows: list[list[int]], width: int) -> Ints:
+    """Rows of numbers as an array, which may be empty."""
+    return np.array(rows, dtype=np.int64).reshape(-1, width)

@@ -1,0 +1,244 @@
+"""The sections of an Abaqus or CalculiX deck sorted into parts, instances and an assembly."""
+
+import math
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from drumlin.fem.mesh.inp_keywords import passed_over
+from drumlin.fem.mesh.inp_parts import (
+    IN_PLACE,
+    DeckInstance,
+    DeckPart,
+    Member,
+    numbers,
+    placement_of,
+    system_of,
+    whole,
+)
+from drumlin.fem.mesh.inp_text import InputSection, sections
+
+MOST_MEMBERS = 2_000_000
+"""Number of members that all sets of a deck may have together. A set may name other sets and ranges,
+so that it can be far larger than its text."""
+OTHER_FILE = "reads its data lines from another file; use *INCLUDE, or put them into the deck"
+UNREAD_OPTIONS = {
+    "NODE": {"INPUT": OTHER_FILE},
+    "ELEMENT": {"INPUT": OTHER_FILE, "OFFSET": "renumbers elements; write out their labels"},
+    "INSTANCE": {
+        "LIBRARY": "takes the instance from another analysis; write the mesh out in full",
+        "INSTANCE": "takes the instance from another analysis; write the mesh out in full",
+    },
+}
+"""Options that change nodes, elements or their places and are not read, with what to do instead."""
+UNREAD_SET_OPTIONS = {
+    "ELSET": "names the nodes of an element set; write out their labels",
+    "COMBINE": "combines other surfaces; write out their elements",
+    "CROP": "keeps a part of a surface; write out its elements",
+    "INPUT": OTHER_FILE,
+}
+"""Options that change what a set or a surface holds and are not read, with what to do instead."""
+
+
+class Deck:
+    """Parts, instances and sets of a deck, and the keywords that were passed over."""
+
+    def __init__(self, text: str, folder: Path | None) -> None:
+        self.root, self.assembly = DeckPart(), DeckPart()
+        self.parts: dict[str, DeckPart] = {}
+        self.instances: dict[str, DeckInstance] = {}
+        self.unknown: dict[str, None] = {}
+        self._scope, self._outer = self.root, self.root
+        self._system = IN_PLACE
+        self._room = MOST_MEMBERS
+        for section in sections(text, folder):
+            self._take(section)
+
+    @property
+    def bodies(self) -> list[DeckInstance]:
+        """All that holds nodes: the instances, or the parts of a deck that places none."""
+        placed = list(self.instances.values()) or [
+            DeckInstance(name, part) for name, part in self.parts.items()
+        ]
+        return [DeckInstance("", self.root), *placed, DeckInstance("", self.assembly)]
+
+    def _take(self, section: InputSection) -> None:
+        """Take up one section."""
+        keyword, scope = section.keyword, self._scope
+        for option, reason in UNREAD_OPTIONS.get(keyword, {}).items():
+            if option in section.options:
+                raise ValueError(f"*{keyword}, {option}= {reason}")
+        if keyword == "NODE":
+            self._nodes(section)
+        elif keyword == "ELEMENT":
+            self._elements(section)
+        elif keyword == "NSET":
+            self._add_to(scope.node_sets, section, section.options.get("NSET"))
+        elif keyword == "ELSET":
+            self._add_to(scope.element_sets, section, section.options.get("ELSET"))
+        elif keyword == "SURFACE":
+            self._surface(section)
+        elif keyword == "SYSTEM":
+            self._system = system_of(section.rows)
+        elif keyword in SCOPES:
+            self._system = IN_PLACE
+            SCOPES[keyword](self, section)
+        elif keyword:
+            passed_over(section, self.unknown)
+
+    def _nodes(self, section: InputSection) -> None:
+        """Nodes, in the coordinates of the *SYSTEM before them."""
+        kind, scope = section.option("SYSTEM") or "R", self._scope
+        if kind not in ("R", "C"):
+            raise ValueError(f"*NODE, SYSTEM={kind} is not read; write rectangular coordinates")
+        scope.turned |= kind == "C" or self._system.turns
+        for row in section.rows:
+            label = whole(row[0], "*NODE")
+            written = numbers(row[1:], f"node {row[0]}")
+            xyz = [*written, 0.0, 0.0, 0.0][:3]
+            if kind == "C":
+                # Radius, angle in degrees, height.
+                angle = math.radians(xyz[1])
+                xyz = [xyz[0] * math.cos(angle), xyz[0] * math.sin(angle), xyz[2]]
+            if self._system is not IN_PLACE:
+                xyz = self._system(np.array(xyz)).tolist()
+            scope.add_node(label, xyz, [*written, 0.0, 0.0][:2])
+        labels = InputSection("NSET", {}, [[row[0]] for row in section.rows])
+        self._add_to(scope.node_sets, labels, section.options.get("NSET"))
+
+    def _elements(self, section: InputSection) -> None:
+        """Elements with the labels of their nodes; how many nodes there must be is checked later."""
+        kind, found = section.option("TYPE"), dict[int, list[int]]()
+        for row in section.rows:
+            label, *nodes = (_own_label(word) for word in row)
+            if label in found:
+                raise ValueError(f"element {label} is defined twice")
+            found[label] = nodes
+        self._scope.add_elements(kind, found)
+        labels = InputSection("ELSET", {}, [[str(label)] for label in found])
+        self._add_to(self._scope.element_sets, labels, section.options.get("ELSET"))
+
+    def _add_to(
+        self, sets: dict[str, list[Member]], section: InputSection, name: str | None
+    ) -> None:
+        """Add the data lines of a section to a set: labels, names of sets, or first, last, step."""
+        if not name:
+            return
+        for option, reason in UNREAD_SET_OPTIONS.items():
+            if option in section.options and option != section.keyword:
+                self._scope.refused[name.lower()] = f"*{section.keyword}, {option}= {reason}"
+        owner = section.options.get("INSTANCE", "").lower()
+        found = sets.setdefault(name.lower(), [])
+        for row in section.rows:
+            if "GENERATE" in section.options:
+                where = f"*{section.keyword}, GENERATE"
+                first, last, step = [*(whole(word, where) for word in row), 1][:3]
+                found.append(Member(owner, range(first, last + 1, step)))
+            else:
+                found += [Member(owner, word.lower()) for word in row]
+
+    def _surface(self, section: InputSection) -> None:
+        """A surface; its name is that of its edges or nodes."""
+        name = section.options.get("NAME", "").lower()
+        for option, reason in UNREAD_SET_OPTIONS.items():
+            if option in section.options:
+                self._scope.refused[name] = f"*SURFACE, {option}= {reason}"
+        self._scope.surfaces[name] = (section.option("TYPE") or "ELEMENT", section.rows)
+
+    def _begin_part(self, section: InputSection) -> None:
+        name = section.options.get("NAME", "").lower()
+        if name in self.parts:
+            raise ValueError(f"*PART, NAME={name}: there are two parts of this name")
+        self._scope = self.parts[name] = DeckPart(name)
+
+    def _begin_assembly(self, section: InputSection) -> None:
+        self._scope = self._outer = self.assembly
+
+    def _begin_instance(self, section: InputSection) -> None:
+        """An instance of a part, or one with nodes of its own."""
+        name, of = (section.options.get(key, "") for key in ("NAME", "PART"))
+        part = self.parts.get(of.lower())
+        if of and part is None:
+            raise ValueError(f"*INSTANCE, NAME={name}: there is no *PART, NAME={of} before it")
+        if name.lower() in self.instances:
+            raise ValueError(f"*INSTANCE, NAME={name}: there are two instances of this name")
+        self._scope = DeckPart(name.lower())
+        placement = placement_of(section.rows, name)
+        placed = DeckInstance(name.lower(), part or self._scope, placement)
+        self.instances[placed.name] = placed
+
+    def _end(self, section: InputSection) -> None:
+        """The end of a part, an instance or the assembly."""
+        own = self._scope
+        named = self.instances.get(own.name)
+        # What stands between *INSTANCE and its end belongs to the instance alone.
+        placed = section.keyword == "END INSTANCE" and named is not None and named.part is not own
+        if placed and (own.nodes or own.labels):
+            raise ValueError(f"*INSTANCE, NAME={own.name} adds nodes or elements to its part")
+        if section.keyword == "END ASSEMBLY":
+            self._outer = self.root
+        self._scope = self._outer
+
+    def members(
+        self,
+        body: DeckInstance,
+        which: str,
+        name: str,
+        above: tuple[tuple[str, str], ...] = (),
+    ) -> Iterator[tuple[DeckInstance, int]]:
+        """Instance and label of each member of a set of a body; sets in it are opened.
+
+        which: "node_sets" or "element_sets". Raises ValueError for a member that cannot be.
+        """
+        if (body.name, name) in above:
+            raise ValueError(f"the set {name.upper()} is a member of itself")
+        if name in body.part.refused:
+            raise ValueError(f"the set {name.upper()}: {body.part.refused[name]}")
+        above = (*above, (body.name, name))
+        for owner, given in getattr(body.part, which)[name]:
+            holder, word = self.instance(owner) if owner else body, given
+            if isinstance(word, str) and word not in getattr(holder.part, which) and "." in word:
+                # An assembly writes Shoe-1.12 or Shoe-1.Contact for what belongs to an instance.
+                before, _, word = word.rpartition(".")
+                holder = self.instance(before)
+            if isinstance(word, str) and word in getattr(holder.part, which):
+                yield from self.members(holder, which, word, above)
+                continue
+            labels = word if isinstance(word, range) else (_label(word, name),)
+            # The length of a range may be beyond what len can say.
+            if labels[self._room :]:
+                raise ValueError(f"the sets have more than {MOST_MEMBERS} members together")
+            self._room -= len(labels)
+            for label in labels:
+                yield holder, label
+
+    def instance(self, name: str) -> DeckInstance:
+        """The instance of a name. Raises ValueError where there is none."""
+        found = self.instances.get(name.lower().strip())
+        if found is None:
+            raise ValueError(f"there is no *INSTANCE, NAME={name}, that a set names")
+        return found
+
+
+SCOPES = {
+    "PART": Deck._begin_part,
+    "ASSEMBLY": Deck._begin_assembly,
+    "INSTANCE": Deck._begin_instance,
+    "END PART": Deck._end,
+    "END ASSEMBLY": Deck._end,
+    "END INSTANCE": Deck._end,
+}
+"""Keywords that begin or end a part, the assembly or an instance."""
+
+
+def _own_label(word: str) -> int:
+    """A label on a line of *ELEMENT."""
+    return whole(word, "*ELEMENT")
+
+
+def _label(word: str, name: str) -> int:
+    """The label in a word of a set. Raises ValueError for a word that is none."""
+    if not word.isdigit():
+        raise ValueError(f"the set {name.upper()} names {word!r}, which is no label and no set")
+    return int(word)

@@ -1,0 +1,176 @@
+"""Parts of an Abaqus or CalculiX deck, and their instances in an assembly, placed."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from drumlin.base.arrays import Floats
+
+
+class Member(NamedTuple):
+    """Members of a set: a range of labels, one label, or the name of a set; `owner`: the instance
+    that they belong to, "" for that of the set itself."""
+
+    owner: str
+    word: range | str
+
+
+@dataclass
+class DeckBlock:
+    """The elements of one *ELEMENT section: `kind` as the deck writes it, label -> node labels."""
+
+    kind: str
+    elements: dict[int, list[int]]
+
+
+@dataclass
+class DeckPart:
+    """Nodes, elements, sets and surfaces of a *PART, of a deck without parts, or of an assembly.
+
+    Parameters
+    ----------
+    nodes : label -> x, y, z in the file's unit
+    written : label -> the numbers of the node as the deck writes them, for their rounding
+    turned : whether a *SYSTEM or a cylindrical system turns its coordinates
+    blocks, labels : the elements, and the labels of all of them
+    node_sets, element_sets : members of each set by its name
+    surfaces : type and data lines of each *SURFACE by its name
+    refused : reasons why a set or a surface cannot be read, by its name
+    """
+
+    name: str = ""
+    nodes: dict[int, list[float]] = field(default_factory=dict)
+    written: dict[int, list[float]] = field(default_factory=dict)
+    turned: bool = False
+    blocks: list[DeckBlock] = field(default_factory=list)
+    labels: set[int] = field(default_factory=set)
+    node_sets: dict[str, list[Member]] = field(default_factory=dict)
+    element_sets: dict[str, list[Member]] = field(default_factory=dict)
+    surfaces: dict[str, tuple[str, list[list[str]]]] = field(default_factory=dict)
+    refused: dict[str, str] = field(default_factory=dict)
+
+    def add_node(self, label: int, xyz: Sequence[float], written: list[float]) -> None:
+        """Add a node. Raises ValueError where its label is taken."""
+        if label in self.nodes:
+            raise ValueError(f"node {label} is defined twice")
+        self.nodes[label] = [*xyz]
+        self.written[label] = written
+
+    def add_elements(self, kind: str, elements: dict[int, list[int]]) -> None:
+        """Add elements. Raises ValueError where a label is taken."""
+        taken = self.labels & elements.keys()
+        if taken:
+            raise ValueError(f"element {min(taken)} is defined twice")
+        self.labels |= elements.keys()
+        self.blocks.append(DeckBlock(kind, elements))
+
+
+@dataclass(frozen=True)
+class Placement:
+    """Where an instance stands: `turn` (3, 3) times a part's coordinates, plus `shift` (3,)."""
+
+    turn: Floats
+    shift: Floats
+
+    def __call__(self, xyz: Floats) -> Floats:
+        """Points (n, 3) of a part as they are placed."""
+        return xyz @ self.turn.T + self.shift
+
+    @property
+    def moves(self) -> bool:
+        """Whether it moves anything."""
+        return bool(np.any(self.turn != np.eye(3)) or np.any(self.shift))
+
+    @property
+    def turns(self) -> bool:
+        """Whether it turns the axes."""
+        return bool(np.any(self.turn != np.eye(3)))
+
+
+IN_PLACE = Placement(np.eye(3), np.zeros(3))
+
+
+@dataclass(frozen=True)
+class DeckInstance:
+    """A part as it stands in the assembly."""
+
+    name: str
+    part: DeckPart
+    placement: Placement = IN_PLACE
+
+
+def placement_of(rows: list[list[str]], name: str) -> Placement:
+    """The placement that the data lines of an *INSTANCE say: a shift, then a turn about an axis.
+
+    The shift comes first. The second line holds two points on the axis and the angle in degrees.
+    """
+    if len(rows) > 2:
+        raise ValueError(f"*INSTANCE, NAME={name} has {len(rows)} data lines; must have at most 2")
+    shift = np.zeros(3)
+    if rows:
+        given = numbers(rows[0], f"*INSTANCE, NAME={name}")
+        if len(given) > 3:
+            raise ValueError(f"*INSTANCE, NAME={name}: its first data line must be a shift x, y, z")
+        shift[: len(given)] = given
+    if len(rows) < 2:
+        return Placement(np.eye(3), shift)
+    given = numbers(rows[1], f"*INSTANCE, NAME={name}")
+    first, second = np.array(given[:3]), np.array(given[3:6])
+    if len(given) != 7 or not np.any(second != first):
+        raise ValueError(
+            f"*INSTANCE, NAME={name}: its second data line must be two points and an angle"
+        )
+    turn = _rotation((second - first) / np.linalg.norm(second - first), math.radians(given[6]))
+    return Placement(turn, turn @ (shift - first) + first)
+
+
+def _rotation(axis: Floats, angle: float) -> Floats:
+    """The matrix (3, 3) that turns by an angle [rad] about a unit vector (3,) (Rodrigues)."""
+    x, y, z = axis
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return np.eye(3) + math.sin(angle) * cross + (1 - math.cos(angle)) * cross @ cross
+
+
+def system_of(rows: list[list[str]]) -> Placement:
+    """The placement that a *SYSTEM says: origin, a point on its x-axis, a point in its plane x, y."""
+    if not rows:
+        return IN_PLACE
+    given = numbers(rows[0], "*SYSTEM")
+    origin, along = np.array(given[:3]), np.array(given[3:6])
+    if len(given) == 3:
+        return Placement(np.eye(3), origin)
+    third = numbers(rows[1], "*SYSTEM") if len(rows) == 2 else [0.0, 0.0, 1.0]
+    if len(given) != 6 or len(rows) > 2 or len(third) not in (2, 3):
+        raise ValueError("*SYSTEM needs an origin, a point on its x-axis and one in its x-y plane")
+    beside = np.array([*third, 0.0][:3]) - origin
+    x = along - origin
+    normal = np.cross(x, beside) if len(rows) == 2 else np.array([0.0, 0.0, 1.0])
+    if not np.any(x) or not np.any(normal):
+        raise ValueError("*SYSTEM: its three points must not lie on one line")
+    x, normal = x / np.linalg.norm(x), normal / np.linalg.norm(normal)
+    return Placement(np.column_stack([x, np.cross(normal, x), normal]), origin)
+
+
+def numbers(words: list[str], where: str) -> list[float]:
+    """Numbers in the words of a data line; Fortran's exponents D are read too.
+
+    Raises ValueError for a word that is no number, naming `where` it stands.
+    """
+    found = []
+    for word in words:
+        try:
+            found.append(float(word.upper().replace("D", "E")))
+        except ValueError:
+            raise ValueError(f"{where}: {word!r} is not a number") from None
+    return found
+
+
+def whole(word: str, where: str) -> int:
+    """A label in a word. Raises ValueError for a word that is none, naming `where` it stands."""
+    try:
+        return int(word)
+    except ValueError:
+        raise ValueError(f"{where}: {word!r} is not a label") from None

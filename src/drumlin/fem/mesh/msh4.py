@@ -1,0 +1,149 @@
+"""Gmsh's text formats 4.0 and 4.1, with all physical groups of each entity.
+
+meshio does not read the text of 4.0, and reads no 4.1 in which some entities have no group, as
+Mesh.SaveAll writes it.
+"""
+
+from collections import defaultdict
+from collections.abc import Iterator
+
+import numpy as np
+
+from drumlin.fem.mesh.content_of_file import FileContent
+
+CELL_OF_GMSH = {
+    1: ("line", 2),
+    2: ("triangle", 3),
+    3: ("quad", 4),
+    8: ("line3", 3),
+    9: ("triangle6", 6),
+    10: ("quad9", 9),
+    15: ("vertex", 1),
+    16: ("quad8", 8),
+    21: ("triangle10", 10),
+    26: ("line4", 4),
+    36: ("quad16", 16),
+}
+"""Number of nodes and meshio's name of Gmsh's element types. Others make no shoe."""
+
+Entity = tuple[int, int]
+"""Dimension and tag of a point, a curve, a surface or a volume."""
+
+
+def is_msh4(data: bytes) -> bool:
+    """Whether a file is text in Gmsh's format 4.0 or 4.1."""
+    words = data[:256].split()[:3]
+    return (
+        len(words) == 3 and words[0] == b"$MeshFormat" and words[1][:1] == b"4" and words[2] == b"0"
+    )
+
+
+def read_msh4(text: str) -> FileContent:
+    """The mesh in the text of an .msh file of format 4.0 or 4.1; group names in lower case.
+
+    A group has its name and its number as names. Raises ValueError for a text that cannot be read.
+    """
+    blocks = _blocks(text)
+    old = blocks["MeshFormat"][0].startswith(("4 ", "4.0"))
+    names = _names(blocks.get("PhysicalNames", []))
+    groups = _entities(blocks.get("Entities", []), old)
+    number, points = _nodes(blocks["Nodes"], old)
+    rows: dict[str, list[list[int]]] = defaultdict(list)
+    members: dict[str, dict[str, list[int]]] = defaultdict(lambda: defaultdict(list))
+    for entity, kind, lines in _elements(blocks["Elements"], old):
+        if kind not in CELL_OF_GMSH:
+            raise ValueError(f"has elements of Gmsh's type {kind}, which make no plane mesh")
+        cell, count = CELL_OF_GMSH[kind]
+        start = len(rows[cell])
+        rows[cell] += [[number[node] for node in line[1 : count + 1]] for line in lines]
+        for tag in groups.get(entity, ()):
+            for name in {str(tag), names.get((entity[0], tag), str(tag))}:
+                members[name][cell] += range(start, start + len(lines))
+    return FileContent(
+        points=np.array(points, dtype=float).reshape(-1, 3),
+        cells={cell: np.array(found, dtype=np.int64) for cell, found in rows.items()},
+        cell_groups={
+            name: {cell: np.array(found, dtype=np.int64) for cell, found in by_cell.items()}
+            for name, by_cell in members.items()
+        },
+    )
+
+
+def _blocks(text: str) -> dict[str, list[str]]:
+    """The lines of each block $Name ... $EndName, by its name."""
+    found: dict[str, list[str]] = {}
+    name = ""
+    for raw in text.splitlines():
+        line = raw.strip()
+        if line.startswith("$End"):
+            name = ""
+        elif line.startswith("$"):
+            name = line[1:]
+            found[name] = []
+        elif name and line:
+            found[name].append(line)
+    missing = [name for name in ("MeshFormat", "Nodes", "Elements") if not found.get(name)]
+    if missing:
+        raise ValueError(f"has no ${missing[0]}")
+    return found
+
+
+def _names(lines: list[str]) -> dict[Entity, str]:
+    """Names in lower case of the physical groups, by dimension and tag."""
+    found = {}
+    for line in lines[1:]:
+        dim, tag, name = line.split(maxsplit=2)
+        found[int(dim), int(tag)] = name.strip('"').lower()
+    return found
+
+
+def _entities(lines: list[str], old: bool) -> dict[Entity, list[int]]:
+    """Physical groups of each entity."""
+    found: dict[Entity, list[int]] = {}
+    if not lines:
+        return found
+    rest = iter(lines[1:])
+    for dim, count in enumerate(lines[0].split()):
+        # A point has three coordinates in 4.1; everything else has the six of a box.
+        start = 4 if dim == 0 and not old else 7
+        for _ in range(int(count)):
+            words = _next(rest, "$Entities").split()
+            tags = words[start + 1 : start + 1 + int(words[start])]
+            # The sign of a tag is the direction of the entity in its group.
+            found[dim, int(words[0])] = [abs(int(tag)) for tag in tags]
+    return found
+
+
+def _nodes(lines: list[str], old: bool) -> tuple[dict[int, int], list[list[float]]]:
+    """Number of each node by its tag, and the points."""
+    number: dict[int, int] = {}
+    points: list[list[float]] = []
+    rest = iter(lines[1:])
+    for _ in range(int(lines[0].split()[0])):
+        count = int(_next(rest, "$Nodes").split()[3])
+        tags = [] if old else [_next(rest, "$Nodes") for _ in range(count)]
+        for i in range(count):
+            words = _next(rest, "$Nodes").split()
+            tag = int(words.pop(0) if old else tags[i])
+            if tag in number:
+                raise ValueError(f"node {tag} is defined twice")
+            number[tag] = len(points)
+            points.append([float(word) for word in words[:3]])
+    return number, points
+
+
+def _elements(lines: list[str], old: bool) -> Iterator[tuple[Entity, int, list[list[int]]]]:
+    """Entity, Gmsh's type, and tag and nodes of the elements of each block."""
+    rest = iter(lines[1:])
+    for _ in range(int(lines[0].split()[0])):
+        first, second, kind, count = map(int, _next(rest, "$Elements").split())
+        found = [[int(word) for word in _next(rest, "$Elements").split()] for _ in range(count)]
+        yield ((second, first) if old else (first, second)), kind, found
+
+
+def _next(lines: Iterator[str], block: str) -> str:
+    """The next line of a block. Raises ValueError where there are fewer lines than it says."""
+    line = next(lines, None)
+    if line is None:
+        raise ValueError(f"{block} has fewer lines than it says")
+    return line

@@ -1,0 +1,391 @@
+"""Mesh files as people have them give the mesh that they mean, or a line that names the cause."""
+
+import random
+import re
+
+import numpy as np
+import pytest
+
+from drumlin.base.errors import BadInput
+from drumlin.brake.file import vary
+from drumlin.fem.mesh.arc import shoe_mesh
+from drumlin.fem.mesh.content import content_digest
+from drumlin.fem.mesh.content_of_file import rounding_of
+from drumlin.fem.mesh.file import read_mesh, read_shoe_mesh, write_mesh
+from drumlin.fem.mesh.from_file import turns_of
+from drumlin.fem.mesh.msh4 import read_msh4
+from drumlin.fem.solve import solve
+
+ELEMENTS = 12
+DEFINITIONS = re.compile(r"\*NODE\n.*?(?=\*ELSET)", re.DOTALL)
+
+
+@pytest.fixture
+def shoe(brake):
+    return brake.shoes[0]
+
+
+def deck_of(folder, shoe, radius, kind="quad1"):
+    """The text of the parametric mesh as an input file."""
+    path = folder / "plain.inp"
+    write_mesh(path, shoe_mesh(shoe, radius, ELEMENTS, kind), shoe)
+    return path.read_text()
+
+
+def moved_nodes(text, move):
+    """The deck with every node's x, y changed by `move`, written with all digits."""
+    head, nodes, rest = re.split(r"(?<=\*NODE\n)(.*?)(?=\*ELEMENT)", text, flags=re.DOTALL)
+    lines = []
+    for line in nodes.strip().split("\n"):
+        label, x, y, _ = line.split(",")
+        x, y = move(float(x), float(y))
+        lines.append(f"{label}, {float(x)!r}, {float(y)!r}, 0.")
+    return head + "\n".join(lines) + "\n" + rest
+
+
+def back(x, y):
+    return x - 0.0004, y
+
+
+def in_part(text, placed):
+    """The deck as a part with its sets, placed by an assembly."""
+    return (
+        f"*PART, NAME=Shoe\n{text}*END PART\n*ASSEMBLY, NAME=A\n"
+        f"*INSTANCE, NAME=Shoe-1, PART=Shoe\n{placed}*END INSTANCE\n*END ASSEMBLY\n"
+    )
+
+
+def turned(text):
+    """A part drawn a quarter turn further and moved; its instance turns it back."""
+    drawn = moved_nodes(text, lambda x, y: (-y - 0.1, x))
+    return in_part(drawn, "0.1, 0., 0.\n0., 0., 0., 0., 0., 1., -90.\n")
+
+
+def with_drum(text):
+    """A second part whose labels begin at 1, too."""
+    drum = "*PART, NAME=Drum\n*NODE\n1, .2, 0.\n2, .3, 0.\n3, .3, .1\n"
+    drum += "*ELEMENT, TYPE=CPS3\n1, 1, 2, 3\n*END PART\n"
+    inside = in_part(text, "").replace(
+        "*END ASSEMBLY", "*INSTANCE, NAME=Drum-1, PART=Drum\n*END INSTANCE\n*END ASSEMBLY"
+    )
+    return drum + inside
+
+
+def sets_of_the_assembly(text):
+    """Sets in the assembly, some with labels as Shoe-1.12, the contact as a surface of nodes."""
+    mesh = DEFINITIONS.match(text).group()
+    sets = text[len(mesh) :].replace("NSET=CONTACT", "NSET=Line")
+    sets = re.sub(r"(\*(?:EL|N)SET, .*)", r"\1, instance=Shoe-1", sets)
+    sets = re.sub(
+        r"(\*NSET, NSET=HINGE), instance=Shoe-1\n(.*)",
+        lambda m: f"{m[1]}\n" + ", ".join(f"Shoe-1.{k.strip()}" for k in m[2].split(",")),
+        sets,
+    )
+    surface = "*SURFACE, NAME=Contact, TYPE=NODE\nLine,\n"
+    return in_part(mesh, "").replace("*END ASSEMBLY", sets + surface + "*END ASSEMBLY")
+
+
+SAME = {
+    "an instance moves the part": lambda t: in_part(moved_nodes(t, back), "0.0004, 0., 0.\n"),
+    "an instance turns the part": turned,
+    "a *SYSTEM moves the nodes": lambda t: "*SYSTEM\n0.0004, 0., 0.\n" + moved_nodes(t, back),
+    "a *SYSTEM turns the nodes": lambda t: "*SYSTEM\n0., 0., 0., 0., 1., 0.\n-1., 0., 0.\n"
+    + moved_nodes(t, lambda x, y: (y, -x)),
+    "cylindrical nodes": lambda t: moved_nodes(
+        t, lambda x, y: (float(np.hypot(x, y)), float(np.degrees(np.arctan2(y, x))))
+    ).replace("*NODE", "*NODE, SYSTEM=C"),
+    "two parts": with_drum,
+    "sets of the assembly": sets_of_the_assembly,
+    "names in quotes": lambda t: t.replace("NSET=CONTACT", 'NSET="Contact"'),
+    "exponents of Fortran": lambda t: re.sub(r"(\d)e([+-]\d\d)", r"\1D\2", t),
+    "a reference point": lambda t: t.replace("*NODE\n", "*NODE\n99999, 0., 0., 0.05\n"),
+    "springs and steps": lambda t: t
+    + "*ELEMENT, TYPE=SPRINGA, ELSET=S\n99999, 1, 2\n*STEP\n*STATIC\n*CLOAD\n1, 1, 5.\n*END STEP\n",
+    "other axes of loads": lambda t: t + "*TRANSFORM, NSET=HINGE\n1., 1., 0., -1., 1., 0.\n",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", SAME)
+def test_a_deck_written_otherwise_is_the_same_mesh(tmp_path, brake, shoe, case):
+    radius = brake.drum.radius
+    text = deck_of(tmp_path, shoe, radius)
+    plain = read_mesh(tmp_path / "plain.inp", shoe, radius)
+    (tmp_path / "other.inp").write_text(SAME[case](text))
+    other = read_mesh(tmp_path / "other.inp", shoe, radius)
+    assert other.t.shape == plain.t.shape
+    assert {name: len(facets) for name, facets in other.boundaries.items()} == {
+        name: len(facets) for name, facets in plain.boundaries.items()
+    }
+    for name, facets in plain.boundaries.items():
+        on = other.boundaries[name]
+        ends = plain.p[:, plain.facets[:, facets]].mean(axis=(1, 2))
+        assert other.p[:, other.facets[:, on]].mean(axis=(1, 2)) == pytest.approx(ends, abs=1e-12)
+    order = [np.lexsort(np.round(mesh.p, 9)) for mesh in (plain, other)]
+    assert other.p[:, order[1]] == pytest.approx(plain.p[:, order[0]], abs=1e-12)
+
+
+REFUSED = {
+    "*NGEN\n1, 3, 1\n": r"\*NGEN makes nodes",
+    "*NFILL\nA, B, 3, 1\n": r"\*NFILL makes nodes",
+    "*NCOPY, CHANGE NUMBER=100, OLD SET=A, SHIFT\n": r"\*NCOPY makes nodes",
+    "*ELGEN\n1, 3\n": r"\*ELGEN makes nodes",
+    "*IMPERFECTION, FILE=a\n": r"\*IMPERFECTION moves nodes",
+    "*NODE, SYSTEM=S\n9999, 1., 2., 3.\n": "SYSTEM=S is not read",
+    "*NODE, INPUT=more.txt\n": r"\*NODE, INPUT= reads",
+    "*INCLUDE, INPUT=more.txt\n": "more.txt: there is no such file",
+    "*ELEMENT, TYPE=CAX4\n9999, 1, 2, 3, 4\n": "TYPE=CAX4 is axisymmetric",
+    "*ELEMENT, TYPE=CPS3\n9999, 1, 2, 88888\n": "element 9999 has the node 88888",
+    "*NSET, NSET=CONTACT\n88888\n": "the set CONTACT names the node 88888",
+    "*NSET, NSET=CONTACT\nNOSET\n": "the set CONTACT names 'noset'",
+    "*NSET, NSET=CONTACT, ELSET=LINING\n": r"the set CONTACT: \*NSET, ELSET= names",
+    "*SURFACE, NAME=CONTACT, COMBINE=UNION\nA, B\n": r"the surface CONTACT: \*SURFACE, COMBINE=",
+}
+
+
+@pytest.mark.parametrize("added", REFUSED)
+def test_what_would_change_the_mesh_and_is_not_read_is_refused_by_name(
+    tmp_path, brake, shoe, added
+):
+    path = tmp_path / "other.inp"
+    path.write_text(deck_of(tmp_path, shoe, brake.drum.radius) + added)
+    with pytest.raises(BadInput, match=REFUSED[added]) as refusal:
+        read_mesh(path, shoe, brake.drum.radius)
+    assert "\n" not in str(refusal.value)
+
+
+def test_included_files_are_read_and_belong_to_the_content(tmp_path, brake, shoe):
+    text = deck_of(tmp_path, shoe, brake.drum.radius)
+    mesh = DEFINITIONS.match(text).group()
+    (tmp_path / "nodes.txt").write_text(mesh)
+    (tmp_path / "other.inp").write_text("*INCLUDE, INPUT=nodes.txt\n" + text[len(mesh) :])
+    plain = read_mesh(tmp_path / "plain.inp", shoe, brake.drum.radius)
+    other = read_mesh(tmp_path / "other.inp", shoe, brake.drum.radius)
+    assert np.array_equal(other.p, plain.p)
+    before = content_digest(tmp_path / "other.inp")
+    (tmp_path / "nodes.txt").write_text(mesh + "** changed\n")
+    assert content_digest(tmp_path / "other.inp") != before
+
+
+def test_unknown_keywords_and_plane_strain_are_said(tmp_path, brake, shoe):
+    text = deck_of(tmp_path, shoe, brake.drum.radius).replace("CPS4", "CPE4")
+    (tmp_path / "other.inp").write_text(text + "*TIE, NAME=T\nA, B\n")
+    found = read_shoe_mesh(tmp_path / "other.inp", shoe, brake.drum.radius)
+    assert any("passed over: *TIE" in note for note in found.notes)
+    assert any("CPE4 is plane strain" in note for note in found.notes)
+
+
+def rounded(text, decimals):
+    """The deck with coordinates in mm of few decimals."""
+    return moved_nodes(text, lambda x, y: (round(1e3 * x, decimals), round(1e3 * y, decimals)))
+
+
+@pytest.mark.parametrize("decimals", [2, 3])
+def test_rounded_coordinates_do_not_change_the_pressure(tmp_path, brake, shoe, decimals):
+    alone = vary(brake, {"shoe": [shoe.model_dump()]})
+    text = deck_of(tmp_path, shoe, brake.drum.radius, "quad2")
+    path = tmp_path / "other.inp"
+    path.write_text(rounded(text, decimals))
+    right = solve(vary(alone, {"shoe.mesh": str(tmp_path / "plain.inp")}))
+    found = solve(vary(alone, {"shoe.mesh": str(path), "shoe.mesh_unit": "mm"}))
+    assert found.torque == pytest.approx(right.torque, rel=1e-3)
+    assert found.shoes[0].peak_pressure == pytest.approx(right.shoes[0].peak_pressure, rel=5e-3)
+    assert any("were put on the drum" in note for note in found.notes)
+
+
+def straightened(text):
+    """The deck with the middle nodes of all sides in the middle of their chords."""
+    elements = re.search(r"\*ELEMENT.*?\n(.*?)(?=\*)", text, re.DOTALL)[1]
+    nodes = re.findall(r"^(\d+), (\S+), (\S+), 0\.$", text, re.MULTILINE)
+    xy = {int(label): np.array([float(x), float(y)]) for label, x, y in nodes}
+    for line in elements.strip().split("\n"):
+        cell = [int(word) for word in line.split(",")][1:]
+        for side in range(4):
+            xy[cell[4 + side]] = (xy[cell[side]] + xy[cell[(side + 1) % 4]]) / 2
+    written = "".join(f"{label}, {x!r}, {y!r}, 0.\n" for label, (x, y) in
+                      ((k, v.tolist()) for k, v in xy.items()))  # fmt: skip
+    return "*NODE\n" + written + text[text.index("*ELEMENT") :]
+
+
+def test_middle_nodes_of_straight_sides_are_put_on_the_drum(tmp_path, brake, shoe):
+    radius = brake.drum.radius
+    path = tmp_path / "other.inp"
+    path.write_text(straightened(deck_of(tmp_path, shoe, radius, "quad2")))
+    found = read_shoe_mesh(path, shoe, radius)
+    assert found.contact.straight == ELEMENTS
+    on = found.mesh.dofs.facet_dofs[0, found.mesh.boundaries["contact"]]
+    assert shoe.off(found.mesh.doflocs[:, on], radius) == pytest.approx(0, abs=1e-12)
+
+
+@pytest.mark.parametrize("depth", [3e-6, 20e-6])
+def test_a_flat_in_rounded_coordinates_stays(tmp_path, brake, shoe, depth):
+    """A lining worn over a quarter of its length, in coordinates of 0.001 mm."""
+    radius = brake.drum.radius
+
+    def worn(x, y):
+        r, angle = np.hypot(x, y), np.arctan2(y, x)
+        middle = shoe.frame.theta(np.array([sum(shoe.arc) / 2]))[0]
+        inside = abs(np.angle(np.exp(1j * (angle - middle)))) < 0.4 and r > radius * (1 - 1e-6)
+        scale = 1e3 * (1 - inside * depth / r)
+        return round(scale * x, 3), round(scale * y, 3)
+
+    path = tmp_path / "worn.inp"
+    path.write_text(moved_nodes(deck_of(tmp_path, shoe, radius, "quad2"), worn))
+    in_mm = vary(brake, {"shoe[0].mesh": str(path), "shoe[0].mesh_unit": "mm"}).shoes[0]
+    mesh = read_mesh(path, in_mm, radius)
+    nodes = np.unique(mesh.facets[:, mesh.boundaries["contact"]])
+    off = shoe.off(mesh.p[:, nodes], radius)
+    assert off.max() == pytest.approx(depth, abs=1e-6)
+    assert np.count_nonzero(off > depth / 2) > 2
+
+
+def test_a_zigzag_is_no_lining(tmp_path, brake, shoe):
+    radius = brake.drum.radius
+    alone = vary(brake, {"shoe": [shoe.model_dump()]})
+    count = iter(range(10**6))
+
+    def shaken(x, y):
+        on = np.hypot(x, y) > radius * (1 - 1e-6)
+        scale = 1 - on * (next(count) % 2) * 2e-5
+        return scale * x, scale * y
+
+    path = tmp_path / "shaken.inp"
+    path.write_text(moved_nodes(deck_of(tmp_path, shoe, radius), shaken))
+    with pytest.raises(BadInput, match="a zigzag or a polygon is no lining"):
+        solve(vary(alone, {"shoe.mesh": str(path)}))
+
+
+def test_digits_and_turns():
+    assert rounding_of(np.array([[1.25, 3.0], [0.07, 12.57]])) == pytest.approx(0.005)
+    assert rounding_of(np.random.default_rng(0).random((20, 2))).max() < 1e-11
+    assert turns_of(np.array([0.0, 1, 0, 1, 0.9, 1, 0]), 0.5) == 3
+
+
+@pytest.mark.parametrize("kind", ["tri1", "quad2"])
+def test_groups_by_number_text_4_1_and_unnamed_entities(tmp_path, brake, shoe, kind):
+    """Gmsh's own file without names of groups; edges of no group as Mesh.SaveAll writes them."""
+    gmsh = pytest.importorskip("gmsh")
+    radius = brake.drum.radius
+    path = tmp_path / "named.msh"
+    write_mesh(path, shoe_mesh(shoe, radius, ELEMENTS, kind), shoe)
+    plain = read_mesh(path, shoe, radius)
+    gmsh.initialize(readConfigFiles=False)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.open(str(path))
+        numbers = {
+            gmsh.model.getPhysicalName(dim, tag): tag for dim, tag in gmsh.model.getPhysicalGroups()
+        }
+        for name in numbers:
+            gmsh.model.removePhysicalName(name)
+        gmsh.option.setNumber("Mesh.MshFileVersion", 4.1)
+        gmsh.write(str(tmp_path / "numbers.msh"))
+    finally:
+        gmsh.finalize()
+    with pytest.raises(BadInput, match=r"found: .*groups = \{ "):
+        read_mesh(tmp_path / "numbers.msh", shoe, radius)
+    numbered = vary(
+        brake, {"shoe[0].mesh": str(tmp_path / "numbers.msh"), "shoe[0].groups": numbers}
+    )
+    other = read_mesh(tmp_path / "numbers.msh", numbered.shoes[0], radius)
+    assert other.nelements == plain.nelements
+    assert {name: len(on) for name, on in other.boundaries.items()} == {
+        name: len(on) for name, on in plain.boundaries.items()
+    }
+
+
+def test_mixed_cells_become_quadratic_triangles(tmp_path, brake, shoe):
+    radius = brake.drum.radius
+    alone = vary(brake, {"shoe": [shoe.model_dump()]})
+    text = deck_of(tmp_path, shoe, radius)
+    head, rows, rest = re.split(r"(?<=CPS4\n)(.*?)(?=\*)", text, maxsplit=1, flags=re.DOTALL)
+    cells = [[int(word) for word in line.split(",")] for line in rows.strip().split("\n")]
+    cut = cells[::5]
+    quads = "".join(", ".join(map(str, cell)) + "\n" for cell in cells if cell not in cut)
+    halves = "".join(f"{e}, {a}, {b}, {c}\n{e + 5000}, {a}, {c}, {d}\n" for e, a, b, c, d in cut)
+    named = {name: text.split(f"ELSET={name}\n")[1].split("*")[0] for name in ("LINING", "SHOE")}
+    for name, labels in named.items():
+        inside = {int(word) for word in labels.replace("\n", ",").split(",") if word.strip()}
+        more = ", ".join(str(cell[0] + 5000) for cell in cut if cell[0] in inside)
+        rest += f"*ELSET, ELSET={name}\n{more}\n"
+    path = tmp_path / "mixed.inp"
+    path.write_text(f"{head}{quads}*ELEMENT, TYPE=CPS3\n{halves}{rest}")
+    found = solve(vary(alone, {"shoe.mesh": str(path)}))
+    assert found.torque == pytest.approx(solve(alone).torque, rel=2e-3)
+    assert any("solved as" in note for note in found.notes)
+
+
+def test_corners_of_edges_name_quadratic_edges(tmp_path, brake, shoe):
+    text = deck_of(tmp_path, shoe, brake.drum.radius, "quad2")
+    elements = re.search(r"\*ELEMENT.*?\n(.*?)(?=\*)", text, re.DOTALL)[1]
+    corners = {w.strip() for line in elements.strip().split("\n") for w in line.split(",")[1:5]}
+    head, sets = text[: text.index("*NSET")], text[text.index("*NSET") :]
+    kept = "\n".join(
+        line if line.startswith("*") else ", ".join(w for w in line.split(", ") if w in corners)
+        for line in sets.split("\n")
+    )
+    (tmp_path / "corners.inp").write_text(head + kept)
+    plain = read_mesh(tmp_path / "plain.inp", shoe, brake.drum.radius)
+    other = read_mesh(tmp_path / "corners.inp", shoe, brake.drum.radius)
+    for name, facets in plain.boundaries.items():
+        assert np.array_equal(other.boundaries[name], facets)
+
+
+def test_decks_named_msh_and_inches(tmp_path, brake, shoe):
+    radius = brake.drum.radius
+    text = deck_of(tmp_path, shoe, radius)
+    path = tmp_path / "all.msh"
+    path.write_text(moved_nodes(text, lambda x, y: (x / 0.0254, y / 0.0254)))
+    inches = vary(brake, {"shoe[0].mesh": str(path), "shoe[0].mesh_unit": "in"}).shoes[0]
+    plain = read_mesh(tmp_path / "plain.inp", shoe, radius)
+    assert read_mesh(path, inches, radius).p == pytest.approx(plain.p, abs=1e-12)
+
+
+MSH = {
+    "4.1": (
+        "0 0 1 0\n7 0 0 0 1 1 0 2 5 6 0\n",
+        "1 4 1 4\n2 7 0 4\n1\n2\n3\n4\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n",
+        "2 3 1 3\n1 3 1 1\n1 1 2\n2 7 2 2\n2 1 2 3\n3 1 3 4\n",
+    ),
+    "4": (
+        "0 0 1 0\n7 0 0 0 1 1 0 2 5 6 0\n",
+        "1 4\n7 2 0 4\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n",
+        "2 3\n3 1 1 1\n1 1 2\n7 2 2 2\n2 1 2 3\n3 1 3 4\n",
+    ),
+}
+
+
+@pytest.mark.parametrize("version", MSH)
+def test_text_of_gmsh_4_with_an_entity_of_no_group_and_one_of_two(version):
+    entities, nodes, elements = MSH[version]
+    names = '1\n2 5 "Lining"\n'
+    text = f"$MeshFormat\n{version} 0 8\n$EndMeshFormat\n"
+    blocks = {"PhysicalNames": names, "Entities": entities, "Nodes": nodes, "Elements": elements}
+    text += "".join(f"${name}\n{block}$End{name}\n" for name, block in blocks.items())
+    found = read_msh4(text)
+    assert found.cells["triangle"].tolist() == [[0, 1, 2], [0, 2, 3]]
+    assert found.cells["line"].tolist() == [[0, 1]]
+    for name in ("lining", "5", "6"):
+        assert found.cell_groups[name]["triangle"].tolist() == [0, 1]
+    assert set(found.group_names) == {"lining", "5", "6"}
+    with pytest.raises(ValueError, match="has fewer lines than it says"):
+        read_msh4(text.replace("3 1 3 4\n", ""))
+
+
+def test_damaged_decks_with_parts_are_read_or_refused_in_one_line(tmp_path, brake, shoe):
+    radius = brake.drum.radius
+    text = with_drum(deck_of(tmp_path, shoe, radius))
+    words = ["-1", "0", "1e300", "nan", "99999", "x", "*NSET", "*END PART", "", "Shoe-1.7"]
+    rng, path, refused = random.Random(3), tmp_path / "damaged.inp", 0
+    for _ in range(60):
+        lines = text.split("\n")
+        at = rng.randrange(len(lines))
+        row = lines[at].split(",")
+        row[rng.randrange(len(row))] = rng.choice(words)
+        lines[at : at + 1] = rng.choice([[], [",".join(row)], [lines[at]] * 2])
+        path.write_text("\n".join(lines))
+        try:
+            read_mesh(path, shoe, radius)
+        except BadInput as refusal:
+            refused += 1
+            assert "\n" not in str(refusal)
+    assert refused > 10
