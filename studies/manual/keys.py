@@ -16,7 +16,7 @@ from drumlin.brake.drive import Drive, Link
 from drumlin.brake.drum_brake import DrumBrake, DrumShoe
 from drumlin.brake.fields import Material, Orthotropic, Part, Point
 from drumlin.brake.plane_brake import FlatBody, FlatBrake, FlatLining, FlatMisfit, FlatShoe, Plane
-from drumlin.brake.support import Abutment, Guide
+from drumlin.brake.support import Abutment, Guide, MeshGroups
 from drumlin.sweeps.file import Normal, Range, SweepFile, Triangular, TruncatedNormal, Uniform
 from drumlin.sweeps.options import FemOptions, FoundationOptions, SolidOptions
 
@@ -72,6 +72,11 @@ BRAKE: tuple[Table, ...] = (
         "support": "its far edge: held, or only against rigid motion"}),
     ("`[[shoe]]`", DrumShoe, {
         **_HELD, "side": "inside or outside of the drum"}),
+    ("`groups` of a shoe: names or numbers in its mesh file", MeshGroups, {
+        "lining": "elements of the lining", "backing": "elements of the backing",
+        "table": "elements of the table of a T-section", "shoe": "elements of the body",
+        "contact": "edges or nodes of the face that meets the drum", "hinge": "those that the pin holds",
+        "actuation": "those that the force acts on"}),
     ("`[shoe.abutment]`", Abutment, {
         "point": "where its foot bears", "direction": "normal of the face: of the force on the foot without friction",
         "friction": "of the foot on the face, opposing the slide"}),
