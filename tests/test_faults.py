@@ -216,7 +216,7 @@ def test_a_small_vtu_that_unpacks_to_much_is_refused_before(monkeypatch):
         "".join(f"*ELSET, ELSET=A{i}, GENERATE\n1, 1000000\n" for i in range(50)),
     ],
 )
-def test_sets_of_a_mesh_that_fill_the_memory_are_not_opened(text):
+def test_sets_of_a_mesh_that_fill_the_memory_are_refused_before(text):
     # A shoe that needs such a set is refused with this reason.
     triangle = "*NODE\n1, 0, 0\n2, 1, 0\n3, 0, 1\n*ELEMENT, TYPE=CPS3, ELSET=E\n1, 1, 2, 3\n"
     broken = read_inp(triangle + text).broken
