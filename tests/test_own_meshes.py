@@ -389,3 +389,30 @@ def test_damaged_decks_with_parts_are_read_or_refused_in_one_line(tmp_path, brak
             refused += 1
             assert "\n" not in str(refusal)
     assert refused > 10
+
+
+@pytest.mark.parametrize("given", [-3.5, True, "", [1, 2.5], [True]])
+def test_a_group_that_is_no_name_and_no_number_is_refused_in_words(brake, given):
+    """Without the words of a reader, and never taken as the number 1."""
+    with pytest.raises(BadInput) as refused:
+        vary(brake, {"shoe[0].groups": {"contact": given}})
+    key, _, allowed = str(refused.value).rpartition(": must be ")
+    assert key.startswith("shoe[0].groups.contact")
+    assert key.count("[") <= 2
+    assert allowed == (
+        "the name or the whole number of a group in the mesh file, or a list of these"
+    )
+
+
+def test_what_was_moved_is_said_with_the_answer(tmp_path, brake, shoe, capsys):
+    """Not with --verbose alone: who reads the torque must see that nodes were moved."""
+    from drumlin.cli.answer import print_response
+
+    path = tmp_path / "straight.inp"
+    path.write_text(straightened(deck_of(tmp_path, shoe, brake.size, "quad2")))
+    alone = vary(brake, {"shoe": [shoe.model_dump()]})
+    moved = vary(alone, {"shoe.mesh": str(path)})
+    print_response(moved, solve(moved))
+    assert "middle nodes of the contact line were put on the drum" in " ".join(
+        capsys.readouterr().out.split()
+    )

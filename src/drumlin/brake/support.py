@@ -13,7 +13,16 @@ from pathlib import Path
 from typing import Annotated, Literal, NamedTuple, Self
 
 import numpy as np
-from pydantic import AfterValidator, Field, ValidationInfo, model_validator
+from pydantic import (
+    AfterValidator,
+    Field,
+    StrictInt,
+    ValidationError,
+    ValidationInfo,
+    ValidatorFunctionWrapHandler,
+    WrapValidator,
+    model_validator,
+)
 
 from drumlin.base.arrays import Floats
 from drumlin.base.files import keep_input
@@ -276,7 +285,19 @@ def _found(mesh: Path | None, info: ValidationInfo) -> Path | None:
     return Path(base / mesh)
 
 
-GroupNames = Name | int | tuple[Name | int, ...] | None
+def _group_names(value: object, read: ValidatorFunctionWrapHandler) -> object:
+    """Read how a mesh file calls a group; what is none of the forms is refused in one line."""
+    try:
+        return read(value)
+    except ValidationError as error:
+        raise ValueError(
+            "must be the name or the whole number of a group in the mesh file, or a list of these"
+        ) from error
+
+
+GroupNames = Annotated[
+    Name | StrictInt | tuple[Name | StrictInt, ...] | None, WrapValidator(_group_names)
+]
 """How a mesh file calls a group: a name, a number, several of them, or as drumlin does."""
 
 

@@ -44,8 +44,8 @@ def print_response(brake: "Brake", response: "Response", *, verbose: bool = Fals
 class _Notes(NamedTuple):
     """The notes of a response by where they are printed.
 
-    `apart`: shoes without contact. `warnings`. `held`: the supports of each body. `others`: what is
-    printed with --verbose only.
+    `apart`: shoes without contact. `warnings`. `held`: the supports of each body, and what was done
+    to the mesh of a file. `others`: what is printed with --verbose only.
     """
 
     apart: list[str]
@@ -62,7 +62,7 @@ class _Notes(NamedTuple):
                 notes.apart.append(line)
             elif line.startswith("warning:"):
                 notes.warnings.append(line)
-            elif line.startswith("held:"):
+            elif line.startswith("held:") or ": its mesh: " in line:
                 notes.held.append(line)
             else:
                 notes.others.append(line)
