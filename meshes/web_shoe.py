@@ -13,22 +13,17 @@ from pathlib import Path
 
 import gmsh
 
-DRUM, LINING, TABLE, WEB = (
-    150.0,
-    8.0,
-    3.0,
-    28.0,
-)  # radius of the drum; radial thicknesses of the layers
+# The radius of the drum, and the radial thicknesses of the layers.
+DRUM, LINING, TABLE, WEB = 150.0, 8.0, 3.0, 28.0
 PIN = 125.0  # distance of the pin from the centre
 LINING_ARC = (5.0, 130.0)  # deg from the pin
 TABLE_ARC = (3.0, 132.0)
 WEB_END = 125.0  # deg: where the web's inner edge ends
-FACE_X, FACE_Y = (
-    58.0,
-    (93.0, 107.0),
-)  # the cylinder pushes on this upright face, in the brake with the pin at -75 deg
+# The cylinder pushes on this upright face, in the brake with the pin at -75 deg.
+FACE_X, FACE_Y = 58.0, (93.0, 107.0)
 PIN_ANGLE = -75.0
-HOLES = [  # deg from the pin, distance from the centre, radius
+# Of each hole the angle from the pin in degrees, the distance from the centre, and the radius.
+HOLES = [
     (0.0, PIN, 6.0),  # the pin's
     (30.0, 123.5, 8.0),  # three to save weight
     (62.0, 123.5, 8.0),

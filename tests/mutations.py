@@ -51,6 +51,10 @@ class Guard(NamedTuple):
     tests: tuple[str, ...] = ("tests/test_stored_truths.py",)
     slow: bool = False
 
+    def unsafe_at(self, side: str) -> bool:
+        """Whether a change to this side asks to be noticed, by itself or in place of the other."""
+        return self.unsafe in {side, "both", "either", NOT_SHOWN}
+
 
 NOT_SHOWN = "not shown"
 """The unsafe side of a number of which it is not shown yet that the tests notice it. `make noticed`
@@ -335,7 +339,7 @@ def tried(module: str, name: str, *, safe: bool = True) -> Iterator[tuple[Change
     """The changes of a constant of TUNED, and what noticed each. safe: its safe side as well."""
     guard = TUNED[module][name]
     for change in changes(module, name):
-        if safe or guard.unsafe in {change.side, "both", "either", NOT_SHOWN}:
+        if safe or guard.unsafe_at(change.side):
             yield change, red(guard, module, change.source)
 
 
@@ -355,11 +359,7 @@ def main(*wanted: str) -> int:
             noticed = {}
             for change, by in tried(module, name):
                 noticed[change.name, change.side] = by
-                unsafe = (
-                    "unsafe"
-                    if guard.unsafe in {change.side, "both", "either", NOT_SHOWN}
-                    else "safe"
-                )
+                unsafe = "unsafe" if guard.unsafe_at(change.side) else "safe"
                 said = f"{module}  {change.name}  {change.side} ({unsafe}): {change.now}  {by or 'NOT NOTICED'}"
                 sys.stdout.write(f"{said}\n")
                 sys.stdout.flush()

@@ -406,12 +406,10 @@ def test_a_few_changed_nodes_use_the_factors_that_there_are():
 
     base, few = start(BORDERED_ABOVE + 8), few_changed
     assert few(base, changed(base, BORDERED_ABOVE // 8))
-    assert not few(
-        base, changed(base, BORDERED_ABOVE // 8 + 1)
-    )  # more than an eighth of what is on
-    assert not few(
-        start(BORDERED_ABOVE + 7), changed(start(BORDERED_ABOVE + 7), 1)
-    )  # as fast factorised
+    # More than an eighth of the nodes that are on.
+    assert not few(base, changed(base, BORDERED_ABOVE // 8 + 1))
+    # A system that is factorised as fast.
+    assert not few(start(BORDERED_ABOVE + 7), changed(start(BORDERED_ABOVE + 7), 1))
     other = base.on ^ np.isin(np.arange(len(base.on)), [4, 9, BORDERED_ABOVE + 5])
     x = Changed(base, np.eye(BORDERED_ABOVE + 8) + 0.1, other).solve(
         -np.arange(1.0, BORDERED_ABOVE + 9)

@@ -74,8 +74,8 @@ def whole_balance(brake: Brake, found: Response) -> None:
             float(cross(foot, own.hinge_reaction)) + own.reaction_moment,
         ]
     size = max(np.linalg.norm(force) for force in forces)
-    # of p(theta) on the round drum, which the elements' edges follow; that at the nodes is judged
-    # by `judge`
+    # The balance is that of p(theta) on the round drum, which the elements' edges follow. `judge`
+    # judges the balance at the nodes.
     assert np.linalg.norm(np.sum(forces, axis=0)) < 1e-9 * size
     assert abs(sum(moments)) < 1e-9 * size * brake.size
 

@@ -65,9 +65,8 @@ def test_the_designed_set_turns_every_knob_to_its_end():
     every = cases()
     assert len(every) >= 300
     assert len(set(every)) == len(every)
-    assert all(
-        json.loads(json.dumps(asdict(case))) == asdict(case) for case in every
-    )  # as a journal keeps them
+    # A journal keeps the cases as JSON.
+    assert all(json.loads(json.dumps(asdict(case))) == asdict(case) for case in every)
     for knob, low, high in (
         ("penalty", 1e-2, math.inf),
         ("friction", 0, 5),

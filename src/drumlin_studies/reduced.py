@@ -198,7 +198,8 @@ class _Bar(NamedTuple):
                 turn = (xy.T - self.foot) @ self.tangent[0]
             beyond = (turn > self.along[:, None]).astype(float)
         arm = xy.T - self.at[:, None]  # (m, n, 2)
-        moment = np.stack([-arm[..., 1], arm[..., 0]], axis=-1)  # of forces x and y
+        # The moments of unit forces along x and y.
+        moment = np.stack([-arm[..., 1], arm[..., 0]], axis=-1)
         normal = np.broadcast_to(self.tangent[:, None], arm.shape)
         shear = np.stack([-normal[..., 1], normal[..., 0]], axis=-1)
 

@@ -32,8 +32,10 @@ from drumlin.models import pick
 COST_ELEMENTS = 140  # about 20 000 unknowns for a car's shoe
 REPEATS = 7
 SIZES = (20_000, 50_000, 100_000, 200_000, 500_000, 1_000_000)  # unknowns of a shoe in the table
-SOLID_ELEMENTS = (16, 24, 32, 48, 72)  # along the lining of a solid shoe in its table
-LARGEST_FITTED = 600_000  # the exponent is fitted to the sizes up to here
+SOLID_ELEMENTS = (16, 24, 32, 48, 72)
+"""Numbers of elements along the lining of the solid shoes in their table."""
+LARGEST_FITTED = 600_000
+"""Largest number of unknowns to which the exponent of the time is fitted."""
 
 
 class Cost(NamedTuple):

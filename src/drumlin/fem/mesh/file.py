@@ -39,10 +39,17 @@ from drumlin.fem.mesh.plane_cells import BESIDE, PlaneCells, plane_cells
 from drumlin.fem.mesh.vtu import check_unpacked
 
 FORMATS = (".msh", ".inp", ".vtu")
+"""The suffixes of files that are read and written."""
 GROUP_NAMES = ("lining", "backing", "table", "shoe", "contact", "hinge", "actuation")
+"""The names of groups that a shoe may need; groups with other names are passed over."""
 MOST_FILE_NODES = 1_000_000
-LARGEST_NUMBER = 10_000_000  # of a node in an .msh file: its reader makes an array of that length
+"""Largest number of nodes of a mesh in a file; a file with more is refused to save memory."""
+LARGEST_NUMBER = 10_000_000
+"""Largest number of a node in an .msh file. Its reader makes an array of that length, so that larger
+numbers are refused to save memory.
+"""
 METRES_PER_UNIT = {"m": 1.0, "mm": 1e-3, "in": 0.0254}
+"""Metres per unit of length of a mesh file."""
 LONGEST_REASON = 160
 """Characters of a reader's own words that a refusal repeats."""
 
@@ -174,31 +181,30 @@ def _content(path: Path, shoe: Shoe, fault: str) -> FileContent:
     data = mesh_bytes(path)
     if suffix == ".msh":
         _check_numbers(path, fault)
-    said = io.StringIO()
+    printed = io.StringIO()
     try:
         with (
-            contextlib.redirect_stdout(said),
-            contextlib.redirect_stderr(said),
+            contextlib.redirect_stdout(printed),
+            contextlib.redirect_stderr(printed),
             warnings.catch_warnings(),
         ):
-            warnings.simplefilter("ignore")  # what is wrong with the mesh is found below
-            # numpy before 2.3 warns where newer ones refuse: counts that promise other numbers than
-            # there are.
+            # Faults of the mesh are found by our own checks.
+            warnings.simplefilter("ignore")
+            # numpy before 2.3 warns, and newer ones raise, where a file has fewer numbers than its
+            # counts promise.
             warnings.filterwarnings("error", "string or file could not be read", DeprecationWarning)
             return _read(path, suffix, data, shoe)
     except MemoryError as error:
         raise BadInput(
             f"{fault}: is not a mesh that can be read (it needs more memory than there is)"
         ) from error
-    except (Exception, SystemExit) as error:  # meshio's readers fail in their own many ways
-        gave_up = isinstance(error, SystemExit)
-        reason = (
-            said.getvalue().strip().removeprefix("Error: ")
-            if gave_up
-            else str(error)
-            if type(error) is ValueError
-            else f"{type(error).__name__}: {error}"
-        )
+    # meshio's readers raise errors of many kinds.
+    except (Exception, SystemExit) as error:
+        reason = f"{type(error).__name__}: {error}"
+        if isinstance(error, SystemExit):
+            reason = printed.getvalue().strip().removeprefix("Error: ")
+        elif type(error) is ValueError:
+            reason = str(error)
         raise BadInput(
             f"{fault}: is not a mesh that can be read ({' '.join(reason.split())[:LONGEST_REASON]})"
         ) from error

@@ -117,9 +117,8 @@ def loads_on(
     """Unit loads (unknowns, k) on the reduced unknowns by name, and the point (2,) that those of the
     actuation act at.
     """
-    if (
-        "actuation" not in solid.section.boundaries or shoe.gripped
-    ):  # it acts on the rigid shoe, or on what holds it
+    # Without a loaded end the force acts on the rigid shoe, or on what holds its body.
+    if "actuation" not in solid.section.boundaries or shoe.gripped:
         loads = np.zeros((constraints.matrix.shape[1], 3))
         loads[-FRAME:] = np.eye(3)
         return {ACTUATION: loads}, shoe.own_pin

@@ -20,7 +20,8 @@ from drumlin.response.response import Response
 ELEMENTS = 48
 """Default number along a lining: a limit of time, as the work goes with its fourth power."""
 STIFFNESS = 2500  # bytes of a row
-SOFTEST = 0.499  # Poisson's ratio up to which displacements alone describe a solid
+SOFTEST = 0.499
+"""Largest Poisson's ratio at which displacements alone describe a solid."""
 
 
 def why_not(brake: Brake) -> str | None:

@@ -14,12 +14,18 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.support import moved
 from drumlin.verification.triangles.face import Face
 
-MOST_SETS_TRIED = 600  # contact sets that are tried
+MOST_SETS_TRIED = 600
+"""Largest number of contact sets that are tried."""
 # Contact sets in a row without fewer wrong nodes, after which one node at a time is changed
 # (Judice & Pires 1994).
 SPARE = 8
-NOISE = 1e-13  # of the normal force, in tractions and overlaps at all wrong nodes
-ACCEPTED_AFTER, NEARLY = 40, 1e-9  # contact sets after which that much is enough
+NOISE = 1e-13
+"""Tractions and overlaps at all wrong nodes, relative to the normal force, that count as round-off.
+"""
+ACCEPTED_AFTER = 40
+"""Number of contact sets after which NEARLY is enough in place of NOISE."""
+NEARLY = 1e-9
+"""As NOISE, for contact sets that go to and fro by round-off."""
 
 
 class Rim(NamedTuple):

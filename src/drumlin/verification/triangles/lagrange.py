@@ -20,7 +20,8 @@ from drumlin.base.errors import NoAnswer
 from drumlin.brake.elasticity import ElasticLayer, has_directions
 from drumlin.verification.triangles.triangulation import Map, TriangleLayer, Triangles, edges_of
 
-LEAF_TRIANGLES = 8  # triangles of which a part is not halved any more
+LEAF_TRIANGLES = 8
+"""Number of triangles up to which a part of the mesh is not halved any more."""
 
 
 @cache

@@ -18,16 +18,23 @@ from drumlin.verification.triangles.ring import rim, with_ring
 from drumlin.verification.triangles.shared import shared
 from drumlin.verification.triangles.solution import ShoeSolution, solution
 
-# Largest number of halvings towards an end of the contact, where p is small, and towards a kink
-# of the gap that is no tip.
 ENDS = 13
-END_SLACK = 1e-9  # of the lining, of places that are its ends
-NARROWEST = 1e-4  # contact to whose width triangles are made
+"""Largest number of halvings of triangles towards an end of the contact, where p is small, and
+towards a kink of the gap that is no tip."""
+END_SLACK = 1e-9
+"""Part of the lining's length up to which a place counts as an end of the lining."""
+NARROWEST = 1e-4
+"""Width of the narrowest contact, in smallest triangles, for which triangles are made."""
 
-
-FINDING, PASSES = TriangleLevel(3, 8, 1.4, 1.0), 6  # the contact's ends, found again and again
-LESS = (0.0, 0.5)  # of the friction
-SETTLED_ENDS = 2e-3  # of an arc, by which its ends still move when they are found
+FINDING = TriangleLevel(3, 8, 1.4, 1.0)
+"""The mesh on which the ends of the contact are found."""
+PASSES = 6
+"""Largest number of solutions on that mesh, each divided at the ends that the last one found."""
+LESS = (0.0, 0.5)
+"""Parts of the friction that are solved first. The answer that grows from no friction is sought;
+with much friction others may stand beside it."""
+SETTLED_ENDS = 2e-3
+"""Movement of the ends of a contact, in parts of its length, below which they count as found."""
 TRIANGLE_LEVELS = (
     TriangleLevel(3, 10, 1.2, 1.0),
     TriangleLevel(4, 13, 0.7, 0.8),

@@ -22,7 +22,8 @@ from drumlin.verification.triangles.triangulation import (
     start,
 )
 
-SLENDER = 12.0  # length of triangles far from all corners over the thinnest layer
+SLENDER = 12.0
+"""Largest length of triangles far from all corners, over the thickness of the thinnest layer."""
 
 
 class TriangleLevel(NamedTuple):

@@ -53,7 +53,8 @@ def shared(brake: Brake, faces: list[Face], first: list[Bools]) -> tuple[list[Sh
         for i in free:
             under(i, shoes[i].actuation.force)
     left = list(brake.links)
-    while left:  # those first whose shoe is solved: a chain goes from one to the next
+    # A chain of links goes from shoe to shoe: the link whose first shoe is solved comes next.
+    while left:
         link = next(one for one in left if names.index(one.source) in found)
         left.remove(link)
         i = names.index(link.source)

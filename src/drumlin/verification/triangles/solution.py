@@ -88,7 +88,8 @@ def _arcs(theta: Floats, p: Floats, active: Bools, degree: int) -> Floats:
 def _end(theta: Floats, p: Floats, node: int, degree: int) -> float:
     if node == 0:
         return float(theta[0])
-    near = (node - 1) // degree * degree + degree  # the end of the piece in which contact begins
+    # The last node of the piece of p in which the contact begins.
+    near = (node - 1) // degree * degree + degree
     far = near + degree
     if far >= len(theta):
         return float(theta[node])

@@ -117,9 +117,8 @@ def bisect(mesh: Triangles, marked: Bools) -> Triangles:
             break
         halved[of[due, 0]] = True
     number = np.cumsum(halved) - 1 + int(mesh.vertices.max()) + 1
-    v = np.concatenate(
-        [mesh.vertices, number[of]], axis=1
-    )  # corners 0 1 2, middles 3 4 5 of the edges 01 12 20
+    # The columns are the corners 0, 1, 2 and the middles 3, 4, 5 of the edges 01, 12, 20.
+    v = np.concatenate([mesh.vertices, number[of]], axis=1)
     at = np.concatenate([mesh.at, 0.5 * (mesh.at + np.roll(mesh.at, -1, axis=1))], axis=1)
     cut = halved[of]
     kinds = [
