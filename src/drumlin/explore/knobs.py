@@ -144,16 +144,16 @@ def knobs_of(brake: Brake) -> tuple[Knob, ...]:
     fine = nice(R * 1e-5)
     is_flat = brake.surface.straight
     knobs = [
-        _friction(brake),
-        _force(brake),
-        _shift(brake, R),
-        _turn(brake),
-        _clearance(brake, fine),
+        _friction_knob(brake),
+        _force_knob(brake),
+        _shift_knob(brake, R),
+        _turn_knob(brake),
+        _clearance_knob(brake, fine),
         # A lining that fits a plane has no radius, and its wear has no unit of distance.
-        None if is_flat else _misfit(brake, fine),
+        None if is_flat else _misfit_knob(brake, fine),
         None if is_flat else WEAR_KNOB,
-        _modulus(brake, "lining", "lining modulus", "MPa", 1e6),
-        _modulus(brake, "shoe", "shoe modulus", "GPa", 1e9),
+        _modulus_knob(brake, "lining", "lining modulus", "MPa", 1e6),
+        _modulus_knob(brake, "shoe", "shoe modulus", "GPa", 1e9),
     ]
     return tuple(knob for knob in knobs if knob is not None)
 
@@ -164,7 +164,7 @@ def nice(value: float) -> float:
     return float(min((1, 2, 5, 10), key=lambda digit: abs(math.log(value / power / digit))) * power)
 
 
-def _friction(brake: Brake) -> Knob:
+def _friction_knob(brake: Brake) -> Knob:
     """The knob of the friction coefficient."""
     return Knob(
         name="friction",
@@ -178,10 +178,10 @@ def _friction(brake: Brake) -> Knob:
     )
 
 
-def _force(brake: Brake) -> Knob | None:
+def _force_knob(brake: Brake) -> Knob | None:
     """The knob of the force, pressure or torque that pushes the shoes; None where it is 0."""
     if brake.actuation is not None:
-        return _drive(brake.actuation)
+        return _drive_knob(brake.actuation)
     forces = [shoe.actuation.force for shoe in brake.shoes]
     largest = max(forces, key=abs)
     if largest == 0:
@@ -202,7 +202,7 @@ def _force(brake: Brake) -> Knob | None:
     return Knob("force", label, "kN", low, high, step, largest * 1e-3, changes)
 
 
-def _drive(drive: Drive) -> Knob:
+def _drive_knob(drive: Drive) -> Knob:
     """The knob of a common actuation: pressure of a cylinder, force or torque of a cam."""
     # A brake file gives one of these keys.
     key = next(key for key in DRIVES if getattr(drive, key) is not None)
@@ -219,7 +219,7 @@ def _drive(drive: Drive) -> Knob:
     return Knob("force", label, unit, low, high, nice(abs(start) * 1e-2), start, changes)
 
 
-def _shift(brake: Brake, R: float) -> Knob:
+def _shift_knob(brake: Brake, R: float) -> Knob:
     """The knob that moves the lines of action, in mm; R [mm] is the size of the brake."""
     return Knob(
         name="shift",
@@ -229,11 +229,11 @@ def _shift(brake: Brake, R: float) -> Knob:
         high=nice(R / 5),
         step=nice(R / 400),
         start=0.0,
-        changes=lambda value: _shifted(brake, value * 1e-3),
+        changes=lambda value: _shifted_forces(brake, value * 1e-3),
     )
 
 
-def _shifted(brake: Brake, by: float) -> Changes:
+def _shifted_forces(brake: Brake, by: float) -> Changes:
     """New points of all forces, moved across the line of action by a length [m].
 
     A positive length leads away from the hinge.
@@ -249,7 +249,7 @@ def _shifted(brake: Brake, by: float) -> Changes:
     return changes
 
 
-def _turn(brake: Brake) -> Knob:
+def _turn_knob(brake: Brake) -> Knob:
     """The knob that turns the lines of action, in degrees."""
     return Knob(
         name="turn",
@@ -259,11 +259,11 @@ def _turn(brake: Brake) -> Knob:
         high=30.0,
         step=0.5,
         start=0.0,
-        changes=lambda value: _turned(brake, math.radians(value)),
+        changes=lambda value: _turned_forces(brake, math.radians(value)),
     )
 
 
-def _turned(brake: Brake, by: float) -> Changes:
+def _turned_forces(brake: Brake, by: float) -> Changes:
     """New directions of all forces, turned by an angle [rad]; on mirrored shoes the other way."""
     changes: Changes = {}
     for i, shoe in enumerate(brake.shoes):
@@ -272,7 +272,7 @@ def _turned(brake: Brake, by: float) -> Changes:
     return changes
 
 
-def _clearance(brake: Brake, step: float) -> Knob:
+def _clearance_knob(brake: Brake, step: float) -> Knob:
     """The knob of the clearance, with a step [mm].
 
     Where the file has tables, or clearances that differ, its value is added to them.
@@ -298,7 +298,7 @@ def _clearance(brake: Brake, step: float) -> Knob:
     return Knob("clearance", label, "mm", -reach, 2 * reach, step, start, changes)
 
 
-def _misfit(brake: Brake, step: float) -> Knob:
+def _misfit_knob(brake: Brake, step: float) -> Knob:
     """The knob of the linings' radius over the drum's, with a step [mm].
 
     Where the radii differ, its value is added to them.
@@ -324,7 +324,7 @@ def _misfit(brake: Brake, step: float) -> Knob:
     return Knob("misfit", label, "mm", -reach, reach, step, start, changes)
 
 
-def _modulus(brake: Brake, part: str, label: str, unit: str, factor: float) -> Knob | None:
+def _modulus_knob(brake: Brake, part: str, label: str, unit: str, factor: float) -> Knob | None:
     """The knob of Young's modulus of the linings or the shoes; None where the file has no modulus.
 
     It reaches from a hundredth to a hundred times the file's modulus. All moduli of an orthotropic
@@ -352,7 +352,7 @@ def _modulus(brake: Brake, part: str, label: str, unit: str, factor: float) -> K
         times = value * factor / largest
         made: Changes = {}
         for i in moduli:
-            made |= _stiffer(brake.shoes[i], i, part, times)
+            made |= _scaled_moduli(brake.shoes[i], i, part, times)
         return made
 
     start = largest / factor
@@ -369,7 +369,7 @@ def _shown_modulus(shoe: Shoe, part: str) -> float | None:
     return shoe.body.material.E_along
 
 
-def _stiffer(shoe: Shoe, i: int, part: str, times: float) -> Changes:
+def _scaled_moduli(shoe: Shoe, i: int, part: str, times: float) -> Changes:
     """New moduli and bending stiffness of a part of a shoe, multiplied by a factor.
 
     Parameters
@@ -436,7 +436,7 @@ def setting_from(
     words = {motion_of(brake): brake.directions, "law": laws_of(brake)}
     for name, text in query.items():
         if name in knob_of:
-            setting, line = _read(knob_of[name], text, setting)
+            setting, line = _turn_by_text(knob_of[name], text, setting)
             lines += [line] if line else []
         elif name in words and text in words[name]:
             setting = replace(setting, law=text) if name == "law" else replace(setting, sense=text)
@@ -449,7 +449,7 @@ def setting_from(
     return setting, tuple(lines)
 
 
-def _read(knob: Knob, text: str, setting: KnobSetting) -> tuple[KnobSetting, str]:
+def _turn_by_text(knob: Knob, text: str, setting: KnobSetting) -> tuple[KnobSetting, str]:
     """The setting with a knob turned to a value of a link, given as text, and a line of complaint.
 
     The line is empty where the value is a number within the range of the knob.

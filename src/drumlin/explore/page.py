@@ -113,7 +113,7 @@ def split(address: str) -> tuple[str, dict[str, str]]:
         return "", {}
 
 
-def _page(request: _Request) -> Reply:
+def _reply_page(request: _Request) -> Reply:
     """The page itself, with its sliders and all that does not move."""
     setting, brake = request.setting, request.explorer.brake
     low, high = brake_extent(brake)
@@ -129,7 +129,7 @@ def _page(request: _Request) -> Reply:
     text = _template().render(
         title=brake.title,
         lines=request.lines,
-        knobs=list(map(partial(_slider, setting), request.explorer.knobs)),
+        knobs=list(map(partial(_slider_data, setting), request.explorer.knobs)),
         motion=motion_of(brake),
         senses=brake.directions,
         laws=laws,
@@ -173,7 +173,7 @@ def _template() -> jinja2.Template:
     return environment.get_template("page.html")
 
 
-def _slider(setting: KnobSetting, knob: Knob) -> dict[str, Any]:
+def _slider_data(setting: KnobSetting, knob: Knob) -> dict[str, Any]:
     """The data of a knob's slider; a knob that moves by factors has logarithmic places."""
 
     def place(value: float) -> float:
@@ -195,7 +195,7 @@ def _slider(setting: KnobSetting, knob: Knob) -> dict[str, Any]:
     }
 
 
-def _picture(request: _Request) -> Reply:
+def _reply_picture(request: _Request) -> Reply:
     """The answer for a setting: curves, contact, forces and words."""
     explorer = request.explorer
     answer = explorer.answer(request.setting)
@@ -219,7 +219,7 @@ def _picture(request: _Request) -> Reply:
     return Reply(200, JSON, json.dumps(data, allow_nan=False))
 
 
-def _locking(request: _Request) -> Reply:
+def _reply_slow_parts(request: _Request) -> Reply:
     """The parts of the page that take long: self-locking, errors and the link.
 
     The page asks for these parts when its sliders rest.
@@ -235,7 +235,7 @@ def _locking(request: _Request) -> Reply:
     return Reply(200, JSON, json.dumps(data, allow_nan=False))
 
 
-def _brake(request: _Request) -> Reply:
+def _reply_brake_file(request: _Request) -> Reply:
     """The brake file of a setting; its clearances include the wear of the linings."""
     explorer, name = request.explorer, request.name
     answer = explorer.answer(request.setting)
@@ -246,13 +246,13 @@ def _brake(request: _Request) -> Reply:
     if answer.distance:
         head += "# Its clearances are tables of what wear has left.\n"
     try:
-        text = brake_text(_found_from_anywhere(answer.brake))
+        text = brake_text(_with_absolute_paths(answer.brake))
     except BadInput as error:
         return Reply(422, HTML, escape(str(error)))
     return Reply(200, TOML, head + text, f"{_file_name(name)}_explored.toml")
 
 
-def _found_from_anywhere(brake: Brake) -> Brake:
+def _with_absolute_paths(brake: Brake) -> Brake:
     """The brake with absolute paths of its mesh files.
 
     The browser chooses the folder of the saved file, so that relative paths would lead nowhere.
@@ -275,9 +275,9 @@ def _file_name(name: str) -> str:
 
 
 PAGE_PATHS: Mapping[str, Callable[[_Request], Reply]] = {
-    "/": _page,
-    "/picture": _picture,
-    "/locking": _locking,
-    "/brake.toml": _brake,
+    "/": _reply_page,
+    "/picture": _reply_picture,
+    "/locking": _reply_slow_parts,
+    "/brake.toml": _reply_brake_file,
 }
 """The function that replies to each path."""

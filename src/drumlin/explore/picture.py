@@ -124,19 +124,19 @@ def picture_of(answer: ExploredAnswer, brake: Brake) -> Picture:
     # The same reason may hold for both models; the page shows it once.
     failures = (answer.failure, answer.law_failure)
     return Picture(
-        fem=_curves(answer.found, shown),
-        law=_curves(answer.law, shown),
+        fem=_pressure_curves(answer.found, shown),
+        law=_pressure_curves(answer.law, shown),
         arcs=tuple(arcs),
-        forces=_forces(shown if answer.found is None else loaded(shown, answer.found)),
+        forces=_force_arrows(shown if answer.found is None else loaded(shown, answer.found)),
         scale=scale_of(max(peaks, default=0.0) * PAGE_MPA),
-        motion=_motion(shown),
-        head=head_of(answer),
-        rows=rows_of(answer, shown),
+        motion=_motion_sign(shown),
+        head=answer_html(answer),
+        rows=table_rows(answer, shown),
         failures=tuple(dict.fromkeys(filter(None, failures))),
     )
 
 
-def _motion(brake: Brake) -> str:
+def _motion_sign(brake: Brake) -> str:
     """The sign for the motion of the drum, or of the body that slides."""
     if brake.surface.straight:
         return "→" if brake.spin > 0 else "←"
@@ -164,7 +164,7 @@ def scale_of(peak: float) -> float:
     return float(digits[np.argmax(digits * power >= peak)]) * power
 
 
-def _curves(response: Response | None, brake: Brake) -> tuple[PressureCurve, ...]:
+def _pressure_curves(response: Response | None, brake: Brake) -> tuple[PressureCurve, ...]:
     """The pressure curve of each shoe that touches the drum or the plane."""
     if response is None:
         return ()
@@ -176,11 +176,11 @@ def _curves(response: Response | None, brake: Brake) -> tuple[PressureCurve, ...
     return tuple(curves)
 
 
-def _forces(brake: Brake) -> Lines:
+def _force_arrows(brake: Brake) -> Lines:
     """An arrow [mm] for each force: its shaft from tail to tip, and its head."""
     lines = []
     for shoe in brake.shoes:
-        arrow = _arrow(brake, shoe)
+        arrow = _force_arrow(brake, shoe)
         along = arrow.tip - arrow.tail
         across = np.array([-along[1], along[0]])
         # The head is a quarter as long as the arrow, and as wide as it is long.
@@ -198,14 +198,14 @@ class _Arrow(NamedTuple):
     tip: Floats
 
 
-def _arrow(brake: Brake, shoe: Shoe) -> _Arrow:
+def _force_arrow(brake: Brake, shoe: Shoe) -> _Arrow:
     """The arrow of a shoe's force; the brake's largest force has an arrow of the length ARROW."""
     largest = max(abs(shoe.actuation.force) for shoe in brake.shoes) or 1.0
-    tip = _loaded(shoe)
+    tip = _force_point(shoe)
     return _Arrow(tip - ARROW * brake.size * shoe.actuation.vector / largest, tip)
 
 
-def _loaded(shoe: Shoe) -> Floats:
+def _force_point(shoe: Shoe) -> Floats:
     """The point (2,) [m] where a force is drawn.
 
     Inside a drum it is the place of the line of action that is nearest to the lining's end away
@@ -224,7 +224,7 @@ def _loaded(shoe: Shoe) -> Floats:
 # The answer in words and in a table.
 
 
-def head_of(answer: ExploredAnswer) -> str:
+def answer_html(answer: ExploredAnswer) -> str:
     """Torque, brake factor and law in a line of HTML."""
     if answer.found is None or answer.brake is None:
         return "no answer"
@@ -283,19 +283,19 @@ def error_html(answer: ExploredAnswer, stated: StatedError | None, *, asked: boo
             own = f"whose own errors are estimated as {torque:.1e} and {pressure:.1e}"
         words = (
             "error of the finite elements on this fixed division: "
-            f"{answer.brake.surface.effect} {_small(stated.torque)}, "
-            f"p {_small(stated.pressure)} (L2, worst shoe) from drumlin solve, {own}"
+            f"{answer.brake.surface.effect} {_error_text(stated.torque)}, "
+            f"p {_error_text(stated.pressure)} (L2, worst shoe) from drumlin solve, {own}"
         )
     worn = f"; wear in steps of {WEAR_TOLERANCE:g} of p" if answer.distance else ""
     return f"<p>{words}{worn}</p>"
 
 
-def _small(error: float) -> str:
+def _error_text(error: float) -> str:
     """A relative error in words."""
     return f"{error:.1e}" if error > ROUNDING else "only rounding"
 
 
-def rows_of(answer: ExploredAnswer, brake: Brake) -> tuple[tuple[str, ...], ...]:
+def table_rows(answer: ExploredAnswer, brake: Brake) -> tuple[tuple[str, ...], ...]:
     """The table below the picture: its headings, then a row for each shoe and model."""
     surface = brake.surface
     head = (
@@ -311,11 +311,11 @@ def rows_of(answer: ExploredAnswer, brake: Brake) -> tuple[tuple[str, ...], ...]
     for i in range(len(brake.shoes)):
         for response in (answer.found, answer.law):
             if response is not None:
-                rows.append(_row(brake, response, i))
+                rows.append(_table_row(brake, response, i))
     return (head, *rows)
 
 
-def _row(brake: Brake, response: Response, i: int) -> tuple[str, ...]:
+def _table_row(brake: Brake, response: Response, i: int) -> tuple[str, ...]:
     """The row of the table for the shoe number `i` by the model of a response."""
     shoe, effect = response.shoes[i], response.effects[i]
     # The torque of the force at the size of the brake; on a plane the force.
@@ -350,24 +350,24 @@ def drawing_of(brake: Brake) -> Mapping[str, Lines]:
     linings, bodies = [], []
     for shoe in brake.shoes:
         lining, depth = shoe.lining, shoe.lining.thickness or 0.0
-        linings.append(_layer(shoe, brake.size, (lining.start, lining.end), (0.0, depth)))
+        linings.append(_layer_outline(shoe, brake.size, (lining.start, lining.end), (0.0, depth)))
         if shoe.mesh is None and isinstance(shoe.body, Bar):
             depth += shoe.backing.thickness if shoe.backing else 0.0
             ends = shoe.body.start, shoe.body.end
-            bodies.append(_layer(shoe, brake.size, ends, (depth, depth + shoe.body.depth)))
+            bodies.append(_layer_outline(shoe, brake.size, ends, (depth, depth + shoe.body.depth)))
         if isinstance(shoe.body, Beam):
-            bodies.append(_beam(shoe, brake.size))
+            bodies.append(_beam_outline(shoe, brake.size))
     # A shoe on a guide turns about no point. A hinge is a line of one point.
     hinges = [shoe.pin.xy[:, None] * PAGE_MM for shoe in brake.shoes if shoe.guide is None]
     return {
-        "drum": _surface(brake),
+        "drum": _surface_line(brake),
         "linings": Lines.of(linings),
         "bodies": Lines.of(bodies),
         "hinges": Lines.of(hinges),
     }
 
 
-def _surface(brake: Brake) -> Lines:
+def _surface_line(brake: Brake) -> Lines:
     """The friction surface as a line [mm]."""
     if brake.surface.straight:
         (x, _), reach = centre_of(brake), reach_of(brake)
@@ -401,7 +401,7 @@ def centre_of(brake: Brake) -> tuple[float, float]:
     """The middle (x, y) [mm] of the picture: the drum's centre, or the middle of a plane brake."""
     if not brake.surface.straight:
         return 0.0, 0.0
-    xy = _places_on_plane(brake)
+    xy = _extreme_points(brake)
     x, y = 0.5 * (xy.min(axis=0) + xy.max(axis=0)) * PAGE_MM
     return float(x), float(y)
 
@@ -410,11 +410,11 @@ def _pins_and_arrows(brake: Brake) -> Floats:
     """The points (n, 2) [m] of all pins and of the ends of all arrows."""
     points: list[Floats] = []
     for shoe in brake.shoes:
-        points += [shoe.pin.xy, *_arrow(brake, shoe)]
+        points += [shoe.pin.xy, *_force_arrow(brake, shoe)]
     return np.array(points)
 
 
-def _places_on_plane(brake: Brake) -> Floats:
+def _extreme_points(brake: Brake) -> Floats:
     """Points (n, 2) [m] that must be in the picture of a brake on a plane."""
     below = -1.2 * PETAL * brake.size
     ends = _lining_ends(brake)
@@ -427,7 +427,7 @@ def reach_of(brake: Brake) -> float:
     It holds shoes, hinges, pressures and forces.
     """
     if brake.surface.straight:
-        xy = _places_on_plane(brake)
+        xy = _extreme_points(brake)
         return float(0.55 * np.ptp(xy, axis=0).max()) * PAGE_MM
     R = brake.size
     room = []
@@ -438,7 +438,7 @@ def reach_of(brake: Brake) -> float:
     return max(room) * PAGE_MM
 
 
-def _layer(
+def _layer_outline(
     shoe: Shoe, size: float, ends: tuple[float, float], depths: tuple[float, float]
 ) -> Floats:
     """The outline (2, n) [mm] of a layer of a shoe.
@@ -458,7 +458,7 @@ def _layer(
     return shoe.points(shoe.at(at, shoe.frame.phi(places), size)) * PAGE_MM
 
 
-def _beam(shoe: Shoe, R: float) -> Floats:
+def _beam_outline(shoe: Shoe, R: float) -> Floats:
     """The outline (2, 4) [mm] of a straight beam; R [m] is the size of the brake.
 
     A beam whose file gives no thickness is drawn a tenth of R thick.

@@ -141,7 +141,7 @@ def write_comparison(
         mesh_options = {k: v for k, v in options.items() if k in {"elements", "kind"}}
         solved_brake = finite_width(brake) if options.get("finite_width") else brake
         not_drawn = draw_fields(solved_brake, fem, folder, "fields", **mesh_options)
-    notes = _notes(brake, comparison)
+    notes = _notes_of_models(brake, comparison)
     page = fill(
         Path(__file__).with_name("comparison.html"),
         folder / "index.html",
@@ -150,13 +150,13 @@ def write_comparison(
         columns=columns_of(brake),
         drawn=drawn,
         not_drawn=not_drawn,
-        notes=notes + _neglected(comparison),
+        notes=notes + _lines_on_neglect(comparison),
         source_text=source,
     )
     return WrittenComparison(table, notes, page, columns_of(brake))
 
 
-def _notes(brake: Brake, comparison: Comparison[Any]) -> list[str]:
+def _notes_of_models(brake: Brake, comparison: Comparison[Any]) -> list[str]:
     """The notes of the models that answered, and why the other models do not apply."""
     notes = []
     for outcome in comparison.outcomes:
@@ -166,7 +166,7 @@ def _notes(brake: Brake, comparison: Comparison[Any]) -> list[str]:
     return notes
 
 
-def _neglected(comparison: Comparison[Any]) -> list[str]:
+def _lines_on_neglect(comparison: Comparison[Any]) -> list[str]:
     """What each model neglects, in lines."""
     lines = []
     for outcome in comparison.outcomes:

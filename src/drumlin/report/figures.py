@@ -199,7 +199,7 @@ def pressures(
         figure = Figure(figsize=(5.2 * columns, 3.1 * rows), layout="constrained")
         grid = figure.subplots(rows, columns, squeeze=False, sharey=True)
         few = max(len(responses) for _, responses in panels) <= 2
-        top = _top(panels)
+        top = _top_of_scale(panels)
         for axes, panel in zip(grid.flat, panels, strict=False):
             axes.set_ylim(0, top)
             _draw_panel(axes, panel, surface, named=few)
@@ -208,7 +208,7 @@ def pressures(
             axes.set_ylabel("pressure p [MPa]")
         used = list(grid.flat)[: len(panels)]
         for column in range(columns):
-            _label_lowest(used[column::columns])
+            _label_lowest_panel(used[column::columns])
         for axes in grid.flat[len(panels) :]:
             axes.set_visible(False)
         # The panel with the most labels has the key for all.
@@ -216,7 +216,7 @@ def pressures(
     return figure
 
 
-def _top(panels: Sequence[Panel]) -> float:
+def _top_of_scale(panels: Sequence[Panel]) -> float:
     """The top of the scale of pressure [MPa]: 12 % above the largest peak."""
     peaks: list[float] = []
     for _, responses in panels:
@@ -247,7 +247,7 @@ def _draw_panel(axes: Axes, panel: Panel, surface: FrictionSurface, *, named: bo
         name_curve(axes, even * unit, lines, i, name_of(model), color_of(model))
 
 
-def _label_lowest(column: Sequence[Axes]) -> None:
+def _label_lowest_panel(column: Sequence[Axes]) -> None:
     """Leave the labels of the angle to the lowest panel, where all of a column show one range."""
     if len({axes.get_xlim() for axes in column}) != 1:
         return

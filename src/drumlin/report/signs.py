@@ -28,7 +28,7 @@ FORCE_COLOR = RED
 MOTION_COLOR = BLUE
 
 
-def held(axes: Axes, shoe: Shoe, unit: float, *, on_strut: bool = False) -> None:
+def draw_support(axes: Axes, shoe: Shoe, unit: float, *, on_strut: bool = False) -> None:
     """Draw what holds a shoe.
 
     Parameters
@@ -39,20 +39,20 @@ def held(axes: Axes, shoe: Shoe, unit: float, *, on_strut: bool = False) -> None
     on_strut : whether its abutment is the end of a strut
     """
     if shoe.hinge is not None:
-        pin(axes, shoe.hinge, unit, fixed=True)
+        draw_pin(axes, shoe.hinge, unit, fixed=True)
     if shoe.pivot is not None:
         if shoe.hinge is not None:
             lever = np.array([shoe.hinge.xy, shoe.pivot.xy, shoe.actuation.point.xy])
             axes.plot(*lever.T * MM_PER_M, color=FAINT, lw=3, alpha=0.5, zorder=2)
-        pin(axes, shoe.pivot, unit, fixed=False)
+        draw_pin(axes, shoe.pivot, unit, fixed=False)
     if shoe.abutment is not None:
         point = shoe.abutment.point.xy * MM_PER_M
-        face(axes, point, shoe.abutment.direction, unit, ground=not on_strut)
+        draw_abutment_face(axes, point, shoe.abutment.direction, unit, ground=not on_strut)
     if shoe.guide is not None:
-        _guide(axes, shoe.pin.xy * MM_PER_M, shoe.guide.direction, unit)
+        _draw_guide(axes, shoe.pin.xy * MM_PER_M, shoe.guide.direction, unit)
 
 
-def _guide(axes: Axes, at: Floats, direction: float, unit: float) -> None:
+def _draw_guide(axes: Axes, at: Floats, direction: float, unit: float) -> None:
     """Draw a guide: two lines along its direction [rad], beside a point (2,) [mm]."""
     along = np.array([math.cos(direction), math.sin(direction)])
     for side in (-1.0, 1.0):
@@ -61,7 +61,9 @@ def _guide(axes: Axes, at: Floats, direction: float, unit: float) -> None:
         axes.plot(*ends.T, color=INK, lw=2.5, zorder=5)
 
 
-def face(axes: Axes, at: Floats, direction: float, unit: float, *, ground: bool) -> None:
+def draw_abutment_face(
+    axes: Axes, at: Floats, direction: float, unit: float, *, ground: bool
+) -> None:
     """Draw the face of an abutment as a line.
 
     Parameters
@@ -89,7 +91,7 @@ class _Arm(NamedTuple):
     end: Floats
 
 
-def arms(axes: Axes, shoe: Shoe, radius: float, force: Floats, unit: float) -> None:
+def draw_rigid_arms(axes: Axes, shoe: Shoe, radius: float, force: Floats, unit: float) -> None:
     """Draw the rigid arms of an elastic shoe, dashed, and the stretch of its back that is gripped.
 
     A rigid arm joins the body to a hinge, pivot or force that stands off the body.
@@ -126,7 +128,7 @@ def arms(axes: Axes, shoe: Shoe, radius: float, force: Floats, unit: float) -> N
             axes.plot(*line.T, color=INK, lw=1.6, ls="--", zorder=4)
 
 
-def between(axes: Axes, brake: Brake, loaded: Mapping[str, Floats], unit: float) -> None:
+def draw_shared_parts(axes: Axes, brake: Brake, loaded: Mapping[str, Floats], unit: float) -> None:
     """Draw what shoes share: struts from one shoe to another, a cam between their tips.
 
     Parameters
@@ -150,7 +152,7 @@ def between(axes: Axes, brake: Brake, loaded: Mapping[str, Floats], unit: float)
         axes.add_patch(Circle(middle, radius, facecolor=BODY_COLOR, edgecolor=INK, zorder=5))
 
 
-def pin(axes: Axes, point: Point, unit: float, *, fixed: bool) -> None:
+def draw_pin(axes: Axes, point: Point, unit: float, *, fixed: bool) -> None:
     """Draw a pin: on hatched ground if it is fixed, or on a lever."""
     x, y = point.xy * MM_PER_M
     if fixed:
