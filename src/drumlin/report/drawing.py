@@ -65,7 +65,9 @@ def _draw_drum_brake(axes: Axes, brake: Brake) -> None:
     tips = {shoe.name: _arrow_tip(shoe, R, unit) for shoe in brake.shoes}
     _draw_forces(axes, brake, tips, unit)
     corners = np.array([[-1.0, -1.0], [1.0, 1.0]]) * _outer_radius(brake)
-    points = [corners, *(_sign_corners(shoe, R, unit) for shoe in brake.shoes)]
+    points = [corners]
+    for shoe in brake.shoes:
+        points += [_arrow_corners(shoe.actuation, tips[shoe.name], unit), _pin_corners(shoe, unit)]
     _set_limits(axes, np.concatenate(points), 1.8 * unit)
 
 
@@ -130,8 +132,9 @@ def _angle_of_free_radius(brake: Brake, R: float, unit: float) -> float:
         tip = _force_point(shoe, R)
         tail = tip - _arrow_vector(shoe.actuation, unit)
         taken += [shoe.lining.start, shoe.lining.end, 0.5 * (shoe.lining.start + shoe.lining.end)]
-        taken += [math.atan2(y, x) for x, y in (tip, tail)]
+        taken += [math.atan2(tip[1], tip[0]), math.atan2(tail[1], tail[0])]
     candidates = np.radians(np.arange(-60, 300, 5) + 2.0)
+    # The candidate whose nearest taken angle is farthest away, measured around the circle.
     away = []
     for candidate in candidates:
         away.append(min(abs(math.remainder(candidate - t, 2 * math.pi)) for t in taken))
@@ -311,13 +314,6 @@ def _arrow_tip(shoe: Shoe, R: float, unit: float) -> Floats:
     return load + arrow if shoe.sign < 0 and (load - middle) @ arrow > 0 else load
 
 
-def _sign_corners(shoe: Shoe, R: float, unit: float) -> Floats:
-    """Points (n, 2) [mm] of a shoe that must be in the picture."""
-    return np.concatenate(
-        [_arrow_corners(shoe.actuation, _arrow_tip(shoe, R, unit), unit), _pin_corners(shoe, unit)]
-    )
-
-
 def _pin_corners(shoe: Shoe, unit: float) -> Floats:
     """Two corners (2, 2) [mm] of the box around the sign of a shoe's pin."""
     return shoe.pin.xy * MM_PER_M + np.array([[-1.2, -1.6], [1.2, 1.6]]) * unit
@@ -427,7 +423,7 @@ def _draw_rigid_flat_shoe(axes: Axes, shoe: Shoe, unit: float) -> None:
     axes.plot(*line.T, color=BODY_COLOR, lw=7, solid_capstyle="round", zorder=2)
 
 
-# Forces and words.
+# Forces, and the words beside them.
 
 
 def _arrow_vector(actuation: Actuation, unit: float) -> Floats:
