@@ -172,6 +172,7 @@ class Explorer:
         run = self._worn.get(brake, lambda: _run(scene, brake))
         state = at(run.states, wear * run.unit)
         for surface in run.setup.surfaces:
+            # A lining worn below the allowed thickness has no answer.
             deepest, lining = state.depth[surface.part].max(), brake.shoes[surface.shoe].lining
             if deepest > WORN_OUT * lining.thickness:
                 raise NoAnswer(
@@ -245,6 +246,7 @@ def _with_law(answer: ExploredAnswer) -> ExploredAnswer:
     if name is None or brake is None:
         return answer
     try:
+        # The formula for self-locking holds on a drum, for the worst shoe.
         if name in LAWS and not brake.surface.straight:
             locking = min(locking_friction(brake, shoe, LAWS[name]) for shoe in brake.shoes)
             answer = replace(answer, law_locking=locking)

@@ -200,6 +200,7 @@ def _reply_picture(request: _Request) -> Reply:
     explorer = request.explorer
     answer = explorer.answer(request.setting)
     picture = picture_of(answer, explorer.brake)
+    # Self-locking takes time to find: the picture only shows a limit that is known already.
     known = explorer.known_locking(answer.brake) if answer.brake is not None else None
     whole_numbers = partial(numbers_of, scale=picture.scale)
     arcs = np.rint(np.array(picture.arcs) / PLACE_STEP).astype(int)
@@ -241,6 +242,7 @@ def _reply_brake_file(request: _Request) -> Reply:
     answer = explorer.answer(request.setting)
     if answer.brake is None or answer.failure:
         return Reply(422, HTML, escape(answer.failure))
+    # The first lines of the file say from which link it comes.
     link = link_of(explorer.knobs, explorer.brake, request.setting)
     head = f"# {one_line(name)}, explored: {link or 'as it is'}\n"
     if answer.distance:

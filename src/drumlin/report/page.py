@@ -98,6 +98,7 @@ def fill(template: Path, page: Path, **values: Any) -> Path:
 
 def _environment(template: Path, page: Path) -> jinja2.Environment:
     """The functions and filters that a template can use for a page."""
+    # Templates are looked for among those of drumlin, then beside the given template.
     own_templates = jinja2.PackageLoader("drumlin", "report")
     beside = jinja2.FileSystemLoader(template.parent)
     environment = jinja2.Environment(
@@ -150,6 +151,7 @@ def with_contents(text: str) -> str:
         name = next(next_name)
         return f'<h2 id="{name}"><a href="#{name}">{heading[1]}</a></h2>'
 
+    # Each heading becomes a link to itself, so that a reader can pass the link on.
     text = _HEADING.sub(linked, text)
     if len(titles) < LEAST_SECTIONS:
         return text

@@ -20,6 +20,7 @@ from drumlin.report.palette import BLUE, FAINT, INK, RED
 MM_PER_M = 1e3
 """Millimetres in a metre: drawings have their axes in mm."""
 
+# The colours of the parts of a brake in drawings.
 DRUM_COLOR = "#e6ebf0"
 BODY_COLOR = "#aab6c2"
 BLOCK_COLOR = "#e3cfa4"
@@ -55,6 +56,7 @@ def draw_support(axes: Axes, shoe: Shoe, unit: float, *, on_strut: bool = False)
 def _draw_guide(axes: Axes, at: Floats, direction: float, unit: float) -> None:
     """Draw a guide: two lines along its direction [rad], beside a point (2,) [mm]."""
     along = np.array([math.cos(direction), math.sin(direction)])
+    # A line on each side of the point.
     for side in (-1.0, 1.0):
         across = side * 0.6 * unit * np.array([-along[1], along[0]])
         ends = at + across + np.outer([-1.2 * unit, 1.2 * unit], along)
@@ -78,6 +80,7 @@ def draw_abutment_face(
     tangent = np.array([-normal[1], normal[0]])
     line = at + np.outer([-unit, unit], tangent)
     axes.plot(*line.T, color=INK, lw=2.5, zorder=5)
+    # Hatching shows that the face is fixed.
     for place in np.linspace(-0.9, 0.9, 6 if ground else 0):
         foot = at + place * unit * tangent
         hatch = np.array([foot, foot - 0.45 * unit * (normal + tangent)])
@@ -121,6 +124,7 @@ def draw_rigid_arms(axes: Axes, shoe: Shoe, radius: float, force: Floats, unit: 
         drawn = [_Arm(middle, pin_at), _Arm(middle, force)]
         if shoe.pivot is not None:
             drawn = [_Arm(middle, shoe.pivot.xy * MM_PER_M)]
+    # Arms that are shorter than a sign would only blur it.
     for arm in drawn:
         start = shoe.points(arm.middle[:, None])[:, 0] * MM_PER_M
         line = np.array([start, arm.end])
