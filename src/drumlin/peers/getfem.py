@@ -394,7 +394,7 @@ def _problem_of(
 
 
 def _body_arrays(brake: Brake, loaded: Loaded) -> dict[str, Any]:
-    """The mesh of a shoe's body and its elastic constants, by names that end in the body's number."""
+    """The mesh and the elastic constants of a shoe's body, by names that end in its number."""
     shoe, k = loaded.shoe, loaded.body
     basis, mesh = loaded.parts.basis, loaded.parts.mesh
     E, width = shoe.lining.material.E_through, shoe.lining.width
