@@ -392,9 +392,8 @@ def _scaled_moduli(shoe: Shoe, i: int, part: str, times: float) -> Changes:
     # A bending stiffness that the file gives overrules that of the section.
     EI = shoe.body.bending_stiffness
     if EI is not None:
-        stiffer = EI * times
-        if isinstance(EI, tuple):
-            stiffer = np.multiply(EI, [1.0, times]).tolist()
+        is_table = isinstance(EI, tuple)
+        stiffer = np.multiply(EI, [1.0, times] if is_table else times).tolist()
         changes[f"shoe[{i}].body.bending_stiffness"] = stiffer
     return changes
 

@@ -113,7 +113,7 @@ def picture_of(answer: ExploredAnswer, brake: Brake) -> Picture:
     shown = answer.brake or brake
     unit = shown.surface.shown
     # One scale of pressure serves both models, so that their curves can be compared.
-    peaks = []
+    peaks: list[float] = []
     for response in (answer.found, answer.law):
         if response is not None:
             peaks += map(attrgetter("peak_pressure"), response.shoes)

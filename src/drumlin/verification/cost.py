@@ -204,7 +204,8 @@ def table(brake: Brake, sizes: tuple[int, ...] = SIZES) -> Iterator[str]:
             costs.append((row.unknowns, row.solve))
     if len(costs) > 1:
         # The slope of the line through the logarithms is the power.
-        exponent = np.polyfit(*np.log(costs).T, 1)[0]
+        unknowns, seconds = np.log(costs).T
+        exponent = np.polyfit(unknowns, seconds, 1)[0]
         yield f"solve ~ N^{exponent:.2f} up to {costs[-1][0]} unknowns"
 
 
