@@ -282,7 +282,7 @@ def _clearance_knob(brake: Brake, step: float) -> Knob:
     start = float(given[0]) * 1e3 if same and not isinstance(given[0], tuple) else 0.0
 
     def changes(value: float) -> Changes:
-        """New clearances of all linings, changed by the same length; `value` [mm] of the knob."""
+        """New clearances of all linings, changed by one length; `value` [mm] is the knob's."""
         more = (value - start) * 1e-3
         made: Changes = {}
         for i, old in enumerate(given):
@@ -312,7 +312,7 @@ def _misfit_knob(brake: Brake, step: float) -> Knob:
     start = given[0] * 1e3 if same else 0.0
 
     def changes(value: float) -> Changes:
-        """New radii of all linings, changed by the same length; `value` [mm] of the knob."""
+        """New radii of all linings, changed by one length; `value` [mm] is the knob's."""
         more = (value - start) * 1e-3
         made: Changes = {}
         for i, old in enumerate(given):

@@ -216,6 +216,7 @@ class WearState:
 
 
 WearInterfaces = Sequence[WearInterface]
+"""The interfaces of a brake, each in equilibrium by itself."""
 
 
 def run(
@@ -360,7 +361,7 @@ class _Course:
         return size
 
     def _shorten(self, step: float) -> None:
-        """Try again with a shorter step. Raises NoAnswer for one that round-off would swallow."""
+        """Shorten the next step of the run. Raises NoAnswer where round-off would swallow the step."""
         self._step = step
         s = self.state.s
         if step < SHORTEST_STEP * max(s, 1e-300) and s > 0:
@@ -385,7 +386,7 @@ def run_on(interfaces: WearInterfaces, law: WearLaw, stations: Sequence[float]) 
 
 
 def together(interfaces: WearInterfaces) -> WearInterface:
-    """Several interfaces as one: block by block, with every combination of their footings."""
+    """Join several interfaces into one, with every combination of their footings."""
     combinations = product(*(interface.footings for interface in interfaces))
     first, *others = map(_joined, combinations)
     all_settle = all(map(attrgetter("settle"), interfaces))
@@ -606,7 +607,7 @@ class _WearIntegrals(NamedTuple):
 
 
 class _WornContact(NamedTuple):
-    """The linings of all interfaces in contact.
+    """The answer for the linings of all interfaces in contact with the drum.
 
     Attributes
     ----------
@@ -621,7 +622,7 @@ class _WornContact(NamedTuple):
 
 
 class _InterfaceContact(NamedTuple):
-    """The linings of one interface in contact.
+    """The answer for the linings of one interface in contact with the drum.
 
     Attributes
     ----------
@@ -636,7 +637,7 @@ class _InterfaceContact(NamedTuple):
 
 
 class _Stepper:
-    """Steps of interfaces under one actuation and one sense of rotation.
+    """A solver that wears the linings of some interfaces step by step, for one sense of rotation.
 
     The last contact sets are first guesses, and the last footings are kept while they stand.
 

@@ -239,7 +239,10 @@ def _deepest(surface: WornLining, states: Sequence[WearState]) -> list[float]:
 
 
 def check_depth(setup: WearSetup, states: Sequence[WearState]) -> None:
-    """Raise NoAnswer where a lining is worn through; it says which one was first, and when."""
+    """Raise NoAnswer where a lining is worn through.
+
+    The message names the lining that is worn through first, and the sliding distance.
+    """
     s = list(map(attrgetter("s"), states))
     worn_through = []
     for surface in setup.surfaces:
@@ -402,7 +405,7 @@ def as_dict(
     """
 
     def by_lining(values: Floats) -> list[list[float]]:
-        """Values (n,) of all unknowns as one list a lining."""
+        """Values (n,) at all unknowns, as a list for each lining."""
         return [surface.along(values).tolist() for surface in setup.surfaces]
 
     def state_data(state: WearState) -> dict[str, Any]:
@@ -493,7 +496,7 @@ def _heading_lines(setup: WearSetup, law: WearLaw) -> list[str]:
 
 
 def _state_line(setup: WearSetup, state: WearState, goal: WearTarget, law: WearLaw) -> str:
-    """One line of the table of states; parameters as of `report_lines`."""
+    """The line of a wear state in the table of states; parameters as of `report_lines`."""
     off = distance(setup, state, goal)
     force = setup.brake.shoes[setup.surfaces[0].shoe].actuation.force
     return (

@@ -102,7 +102,7 @@ def _worn_gap(interface: WearInterface, linings: list[slice]) -> Floats:
     end = steady(interface, WearLaw(1.0))
     footing, M, p = interface.footings[end.footing], interface.weight, end.contact.p
     A, q, B, *_ = footing.problem
-    # The motions that leave each rough foot where it is are those of the footing with the fewest.
+    # The footing with the fewest motions is that in which each rough foot stays where it is.
     resting = min(map(attrgetter("problem.B"), interface.footings), key=lambda B: B.shape[1])
     solved = scipy.linalg.solve(M, np.column_stack([q + A @ p, resting]), assume_a="pos")
     # opened is c, and approach y closes the gap by a motion y.
@@ -117,7 +117,7 @@ def _worn_gap(interface: WearInterface, linings: list[slice]) -> Floats:
         own_motions = np.any(resting[part] != 0, axis=0)
         rest[own_motions] += amount * motions.evenly[own_motions]
     depth_per_pressure = EVEN_WEAR * np.abs(bent).max() / p.max()
-    # The footing judges the slide in its own motions, which include those of the feet.
+    # The footing judges the slide by its own motions, among which are the slides of the feet.
     rest_among_all = np.linalg.lstsq(B, resting @ rest, rcond=None)[0]
     y = rest_among_all + depth_per_pressure * end.contact.y
     if not footing.stands(replace(end.contact, y=y)):

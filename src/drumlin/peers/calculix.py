@@ -54,6 +54,7 @@ from drumlin.response.response import Balance, ShoeResponse
 INSTALL_CALCULIX = (
     "CalculiX is not installed (no ccx on the PATH); on Debian and Ubuntu: apt install calculix-ccx"
 )
+"""The message where CalculiX is missing."""
 
 LARGEST_STATE_IMBALANCE = 1e-3
 """Largest imbalance of forces or moments, relative, with which a state is believed.
@@ -120,7 +121,7 @@ class CalculixState(NamedTuple):
 
 @functools.cache
 def version() -> str:
-    """The version of the `ccx` on the PATH. Raises PeerMissing where there is none."""
+    """The version of CalculiX, the `ccx` on the PATH. Raises PeerMissing where ccx is missing."""
     path = shutil.which("ccx")
     if path is None:
         raise PeerMissing(INSTALL_CALCULIX)
@@ -132,7 +133,7 @@ def version() -> str:
 def export(
     brake: Brake, folder: Path, stem: str, *, elements: int = ELEMENTS, kind: str = DEFAULT_KIND
 ) -> tuple[list[Path], list[str]]:
-    """Write the decks of a brake, one for each shoe, as `solve` runs them at first.
+    """Write a CalculiX deck for each shoe of a brake, with the setting with which `solve` begins.
 
     It needs no CalculiX. Raises BadInput as `solve` does.
 
@@ -343,7 +344,7 @@ def run(
 
 
 def _fault(output: str) -> str:
-    """The last line in which CalculiX names an error; "" where there is none."""
+    """The last line in which CalculiX names an error; "" where CalculiX names no error."""
     faults = ""
     for line in output.splitlines():
         if "*ERROR" in line or "diverge" in line:

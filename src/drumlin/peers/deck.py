@@ -378,7 +378,7 @@ def pin_load_lines(loaded: Loaded, setting: DeckSetting, grid: DeckGrid) -> list
 
 
 def header_lines(brake: Brake, loaded: Loaded, setting: DeckSetting, name: str) -> list[str]:
-    """The comment lines of a deck: what it is, how to run it, how to read it.
+    """The comment lines at the head of a deck: its brake, its units, how to run and read it.
 
     Parameters
     ----------

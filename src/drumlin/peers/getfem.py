@@ -49,6 +49,8 @@ SCRIPT = Path(__file__).with_name("getfem_brake.py")
 """The script that another Python runs with GetFEM."""
 
 INSTALL_GETFEM = "GetFEM is not installed; on Debian and Ubuntu: apt install python3-getfem++"
+"""The message where GetFEM is missing."""
+
 FORMULATIONS = ("full slip", "coulomb")
 """The formulations of contact with friction; the head of the script describes both."""
 
@@ -166,7 +168,7 @@ class _Costs(NamedTuple):
 
 
 class _Solver:
-    """Runs of the script for the shoes of one brake.
+    """A runner of the GetFEM script for the shoes of one brake, which keeps the results and times.
 
     Parameters
     ----------

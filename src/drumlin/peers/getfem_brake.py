@@ -299,7 +299,7 @@ class PeerBody:
         return values
 
     def solve(self, shoe: dict[str, Any], friction: float) -> dict[str, Any]:
-        """Solve one shoe; returns its pressure at the contact nodes, torque, reaction and so on.
+        """Solve one shoe at a friction coefficient; returns its pressure, torque and forces.
 
         The shoe keeps its state under "state", from which its next solve starts.
         """

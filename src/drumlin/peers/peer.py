@@ -108,7 +108,7 @@ class Loaded:
 
     @property
     def on_body(self) -> bool:
-        """Whether the force acts on the body's loaded end, not on what holds the shoe."""
+        """Whether the force acts on the body's loaded end, and not on the part that holds the shoe."""
         return "actuation" in self.parts.mesh.boundaries and not self.shoe.gripped
 
     @property
@@ -310,7 +310,7 @@ class EndedProcess(NamedTuple):
 
 
 def run_process(command: Sequence[str], folder: Path, longest: float) -> EndedProcess:
-    """Run a peer in a folder, on one thread, without this Python's paths.
+    """Run a peer's command in a folder, on one thread, without the paths of the running Python.
 
     Raises NoAnswer where it still runs after `longest` seconds.
     """

@@ -69,7 +69,7 @@ class _SolidShoe(NamedTuple):
 def export(
     brake: Brake, folder: Path, stem: str, *, elements: int = ELEMENTS, across: int | None = None
 ) -> tuple[list[Path], list[str]]:
-    """Write the decks of a brake's solid shoes, one for each, as `calculix.export` does.
+    """Write a CalculiX deck for each solid shoe of a brake.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ def solve(
     across: int | None = None,
     setting: DeckSetting | None = None,
 ) -> Peer:
-    """Solve a brake's solid shoes by CalculiX; it raises what `calculix.solve` raises.
+    """Solve a brake's solid shoes by CalculiX. Raises the errors of `calculix.solve`.
 
     Parameters
     ----------

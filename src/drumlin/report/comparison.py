@@ -92,7 +92,7 @@ def results_json(comparisons: Sequence[Comparison[Any]], **more: Any) -> str:
 
 
 def _case_data(comparison: Comparison[Any]) -> dict[str, Any]:
-    """One comparison as plain data for JSON."""
+    """The comparison of all models on one brake as plain data for JSON."""
     return {
         "case": comparison.case,
         "rotation": comparison.brake.sense,

@@ -142,7 +142,7 @@ def _angle_of_free_radius(brake: Brake, R: float, unit: float) -> float:
 
 
 def _draw_shoe(axes: Axes, shoe: Shoe, R: float, unit: float, *, on_strut: bool) -> None:
-    """Draw a shoe with its layers, its name and what holds it.
+    """Draw a shoe with its layers, its name and its support.
 
     Parameters
     ----------
@@ -157,7 +157,7 @@ def _draw_shoe(axes: Axes, shoe: Shoe, R: float, unit: float, *, on_strut: bool)
     arc = math.degrees(shoe.lining.start), math.degrees(shoe.lining.end)
     depth = shoe.lining.thickness * MM_PER_M
     _draw_layer(axes, shoe, R, _Layer(0.0, depth, arc, LINING_COLOR))
-    # Only a mesh of its own knows what is behind the lining.
+    # For a shoe with a mesh file only the mesh says which parts lie behind the lining.
     if shoe.mesh is None:
         if isinstance(shoe.body, Beam):
             _draw_beam(axes, shoe, R, unit)
@@ -262,7 +262,7 @@ def _rigid_shoe_lines(shoe: Shoe, R: float) -> list[Floats]:
     if np.all(clear > R) and shoe.sign < 0:
         foot = _nearest_on_lever(hinge, load, middle)
         return [back, np.array([hinge, load]), np.array([middle, foot])]
-    # Otherwise the end of the back that is nearer to the hinge is joined to it.
+    # Other shoes: the end of the back that is nearer to the hinge is joined to the hinge.
     near, far = back[0], back[-1]
     if np.linalg.norm(back[0] - hinge) > np.linalg.norm(back[-1] - hinge):
         near, far = far, near
@@ -358,7 +358,7 @@ def _draw_plane(axes: Axes, ends: tuple[float, float], spin: int, unit: float) -
 
 
 def _draw_flat_shoe(axes: Axes, shoe: Shoe, unit: float, *, on_strut: bool) -> None:
-    """Draw a shoe on a plane with its layers, its name, what holds it, and its hinge's height."""
+    """Draw a shoe on a plane with its layers, its name, its support, and its hinge's height."""
     if isinstance(shoe.body, Bar) and shoe.lining.thickness is not None:
         _draw_flat_layers(axes, shoe, shoe.body)
     else:
@@ -377,7 +377,7 @@ def _draw_flat_layers(axes: Axes, shoe: Shoe, body: Bar) -> None:
     """Draw the layers of a shoe on a plane: lining, block and plates of the body."""
     lining = shoe.lining.start * MM_PER_M, shoe.lining.end * MM_PER_M
     layers = [_Layer(0.0, shoe.lining.thickness * MM_PER_M, lining, LINING_COLOR)]
-    # Only a mesh of its own knows what is behind the lining.
+    # For a shoe with a mesh file only the mesh says which parts lie behind the lining.
     if shoe.mesh is None:
         top = layers[0].thickness
         if shoe.backing:

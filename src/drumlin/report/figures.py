@@ -96,7 +96,7 @@ def key(figure: Figure, axes: Axes, **more: Any) -> None:
 def name_curve(
     axes: Axes, x: Floats, curves: Sequence[Floats], which: int, words: str, color: str
 ) -> None:
-    """Write a name beside one of several curves, where the name lies on no curve; else nowhere.
+    """Write the name of a curve beside it, if there is a place that no curve crosses.
 
     Parameters
     ----------

@@ -41,7 +41,7 @@ LOOKS: dict[str, tuple[str, Any]] = {
 
 
 def color_of(model: str) -> str:
-    """A model's colour, the same in every figure."""
+    """The colour of a model, which every figure uses."""
     return LOOKS[model][0] if model in LOOKS else FAINT
 
 

@@ -35,7 +35,8 @@ BAR_TOPS = 1, 1.2, 1.6, 2, 2.4, 3.2, 4, 6, 8, 10
 ARROW_LENGTH = 0.28
 """Length of a force's arrow relative to the size of the brake."""
 
-FIELD_WIDTH, FIELD_HEIGHT = 1500, 1300  # pixels
+FIELD_WIDTH, FIELD_HEIGHT = 1500, 1300
+"""Width and height of the picture of the fields in pixels."""
 
 
 class NoPicture(Exception):
@@ -223,7 +224,7 @@ def _add_forces(plotter: Any, forces: list[list[float]], size: float) -> list[li
 
 
 def _text_of_picture(marks: dict[str, Any], factor: float) -> str:
-    """The text of the picture: its title and what its signs mean."""
+    """The text of the picture: its title and the meaning of its signs."""
     surface = "plane" if marks["flat"] else "drum"
     return (
         f"{marks['title']}\n"

@@ -30,7 +30,7 @@ MOTION_COLOR = BLUE
 
 
 def draw_support(axes: Axes, shoe: Shoe, unit: float, *, on_strut: bool = False) -> None:
-    """Draw what holds a shoe.
+    """Draw the support of a shoe: its pin, pivot, abutment or guide.
 
     Parameters
     ----------
@@ -133,7 +133,7 @@ def draw_rigid_arms(axes: Axes, shoe: Shoe, radius: float, force: Floats, unit: 
 
 
 def draw_shared_parts(axes: Axes, brake: Brake, loaded: Mapping[str, Floats], unit: float) -> None:
-    """Draw what shoes share: struts from one shoe to another, a cam between their tips.
+    """Draw the parts that shoes share: struts from shoe to shoe, a cam between the shoes' tips.
 
     Parameters
     ----------

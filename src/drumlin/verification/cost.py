@@ -153,7 +153,7 @@ def _baseline_seconds(body: ShoeSubstructure, shoe: Shoe, repeats: int) -> Float
     hinge = body.basis.get_dofs(body.mesh.boundaries["hinge"]).flatten()
     free[2 * hinge] = free[2 * hinge + 1] = False
     K = K[free][:, free].tocsc()
-    # The settings are those for a symmetric matrix.
+    # These settings make SuperLU use the symmetry of the matrix.
     factorise = partial(
         splu,
         K,

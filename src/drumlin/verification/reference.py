@@ -101,7 +101,7 @@ class Trio(NamedTuple):
 
     @property
     def others(self) -> tuple[Response, ...]:
-        """The responses whose distances from the cited one are the uncertainty."""
+        """The responses whose distances from the cited response are the uncertainty."""
         return (self.before,) if self.other is None else (self.before, self.other)
 
 
@@ -278,7 +278,7 @@ def reference(brake: Brake, text: str, command: str, trio: Trio | None = None) -
 
 
 def _with_uncertainty(values: Sequence[Any]) -> Sure:
-    """The first of some values, with its largest distance from the other ones as uncertainty.
+    """The first of some values; its largest distance from the other values is the uncertainty.
 
     An array of another shape, such as another number of contact arcs, is infinitely far away.
     """
