@@ -361,7 +361,7 @@ class _Course:
         return size
 
     def _shorten(self, step: float) -> None:
-        """Shorten the next step of the run. Raises NoAnswer where round-off would swallow the step."""
+        """Shorten the next step. Raises NoAnswer where round-off would swallow the shorter step."""
         self._step = step
         s = self.state.s
         if step < SHORTEST_STEP * max(s, 1e-300) and s > 0:

@@ -108,7 +108,7 @@ class Loaded:
 
     @property
     def on_body(self) -> bool:
-        """Whether the force acts on the body's loaded end, and not on the part that holds the shoe."""
+        """Whether the force acts on the body's loaded end, and not on the holder of the shoe."""
         return "actuation" in self.parts.mesh.boundaries and not self.shoe.gripped
 
     @property
