@@ -177,7 +177,7 @@ class Journal(AbstractContextManager["Journal"]):
         return True
 
     def _rename(self, path: Path, head: bytes) -> None:
-        """Rename a journal of another drumlin; BadInput if its first line `head` is of no journal."""
+        """Rename a journal of another drumlin. Raises BadInput where `head` begins no journal."""
         if not re.fullmatch(re.escape(HEAD) + rb'[^"]*"\}\n', head):
             raise BadInput(f"{path}: is no journal; move it away, or write elsewhere")
         names = (path.with_name(f"{path.name}.{n}") for n in count(1))
