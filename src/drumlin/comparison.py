@@ -104,6 +104,7 @@ def richardson(fine: float, first: float, last: float, ratio: float = 2.0) -> Ex
     order = math.log(abs(gain), ratio) if abs(gain) > 1 else math.nan
     if gain <= 1:
         return Extrapolated(order, fine, max(abs(first), abs(last)))
+    # The steps after the finest mesh would form a geometric series with the ratio 1/gain.
     correction = last / (gain - 1)
     return Extrapolated(order, fine + correction, abs(correction))
 

@@ -72,11 +72,11 @@ def _registry() -> Any:
 def _factor(unit: str, si: str) -> float:
     """Factor from `unit` to the SI unit `si`; raises ValueError if it measures something else."""
     common = COMMON.get(si, {}).get(unit.strip())
-    return _by_pint(unit, si) if common is None else common
+    return _factor_by_pint(unit, si) if common is None else common
 
 
-def _by_pint(unit: str, si: str) -> float:
-    """The same factor from pint."""
+def _factor_by_pint(unit: str, si: str) -> float:
+    """The factor from `unit` to the SI unit `si`, from pint; ValueError as `_factor` raises."""
     registry = _registry()
     try:
         factor, base = registry.get_base_units(registry.parse_units(unit.strip()))
@@ -131,6 +131,7 @@ def to_si(value: object, si: str, *, unit_required: bool) -> float:
         raise ValueError(f"has no unit; write {QUANTITY_NAMES[si]} such as {EXAMPLES[si]!r}")
     else:
         number = _float(value)
+    # The comparison is false for nan, too.
     if not abs(number) <= LARGEST_NUMBER_SI:
         raise ValueError(f"must be finite and at most {LARGEST_NUMBER_SI:g} in SI units")
     return number if abs(number) >= SMALLEST else 0.0
