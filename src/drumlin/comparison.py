@@ -183,6 +183,7 @@ def rows(
     reference : name of the model that errors refer to
     case : name of the brake in the table; None: its title
     """
+    # Without the reference, as where it has no answer, the rows state no errors.
     true = next((o.response for o in outcomes if o.model == reference), None)
     table: list[dict[str, Any]] = []
     for outcome in outcomes:
@@ -253,6 +254,7 @@ def columns_of(brake: Brake) -> tuple[TableColumn, ...]:
     surface = brake.surface
     if not surface.straight:
         return COLUMNS
+    # Keys stay those of a drum, so that programs read both kinds of table alike.
     words: dict[str, dict[str, Any]] = {
         "rotation": {"heading": surface.moving},
         "torque": {"heading": surface.effect, "unit": surface.effect_unit},
@@ -327,6 +329,7 @@ def compare(
     outcomes = []
     for model in applicable(brake):
         if models is None or model.name in models:
+            # The options are those of the finite elements; no other model takes them.
             own_options = options if model.name == "fem" else {}
             outcomes.append(run(model.name, partial(model.solve, brake, **own_options), repeats))
     return Comparison(case or brake.title, brake, tuple(outcomes))
@@ -364,6 +367,7 @@ class Convergence:
         The error is the relative L2 distance of the finest p from its limit, by extrapolation of
         the distances between successive meshes.
         """
+        # With the value 0 for the finest p, the uncertainty is the distance of p from its limit.
         first, last = self.pressure_steps(shoe)[-2:]
         limit = richardson(0.0, first, last)
         return limit.order, limit.uncertainty

@@ -82,7 +82,8 @@ class FlatLining(Lining):
     misfit: FlatMisfit = FlatMisfit()
 
     @model_validator(mode="after")
-    def _order(self) -> Self:
+    def _check_ends_and_misfit(self) -> Self:
+        """Raise ValueError for ends in the wrong order or a misfit that is too large."""
         long, radius = self.end - self.start, self.misfit.radius
         if long <= 0:
             raise ValueError(f"end = {mm(self.end)} must be greater than start = {mm(self.start)}")
@@ -124,11 +125,13 @@ class FlatFrame(ShoeFrame):
 
     def to_brake(self, vectors: Floats) -> Floats:
         """Convert vectors (..., 2) of the shoe's frame to the brake's."""
+        # A shoe whose lining lies towards -x from its pin is mirrored.
         return np.asarray(vectors) * np.array([float(self.sense), 1.0])
 
     def to_shoe(self, vectors: Floats) -> Floats:
         """Convert vectors (..., 2) of the brake's frame to the shoe's."""
-        return np.asarray(vectors) * np.array([float(self.sense), 1.0])
+        # A mirror image of the mirror image is the vector itself.
+        return self.to_brake(vectors)
 
 
 class FlatShoe(Shoe):
@@ -142,8 +145,10 @@ class FlatShoe(Shoe):
     body: FlatBody | None = None
 
     @model_validator(mode="after")
-    def _on_body(self) -> Self:
+    def _check_lining_on_body(self) -> Self:
+        """Raise ValueError where the lining reaches beyond the body."""
         lining, body = self.lining, self.body
+        # Ends that a file gives in different units may differ by round-off.
         slack = 1e-9 * (lining.end - lining.start)
         if body and not body.start - slack <= lining.start < lining.end <= body.end + slack:
             raise ValueError(

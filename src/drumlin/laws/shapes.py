@@ -75,7 +75,7 @@ def moments_about(load: Load, R: Values, x: Values, y: Values = 0.0) -> tuple[Fl
 
 
 def sine_load(arc: Layout) -> Load:
-    """f = sin phi: Is, Isc, Iss (UWA long shoe; NPTEL lesson 12.1; Simscape double-shoe brake)."""
+    """Integrals of the pressure f = sin phi over the arc (UWA notes; NPTEL lesson 12.1)."""
     phi_1, phi_2 = arc.phi_1, arc.phi_2
     Is = np.cos(phi_1) - np.cos(phi_2)
     Iss = (phi_2 - phi_1) / 2 - (np.sin(2 * phi_2) - np.sin(2 * phi_1)) / 4
@@ -84,7 +84,7 @@ def sine_load(arc: Layout) -> Load:
 
 
 def cos_load(arc: Layout) -> Load:
-    """f = cos phi: Ic, Icc, Isc; with sin phi it spans the pressures of a shoe with two modes."""
+    """Integrals of f = cos phi, which with sin phi spans the pressures of a shoe with two modes."""
     phi_1, phi_2 = arc.phi_1, arc.phi_2
     Ic = np.sin(phi_2) - np.sin(phi_1)
     Icc = (phi_2 - phi_1) / 2 + (np.sin(2 * phi_2) - np.sin(2 * phi_1)) / 4
@@ -92,19 +92,20 @@ def cos_load(arc: Layout) -> Load:
 
 
 def cosine_load(arc: Layout) -> Load:
-    """f = cos(phi - middle): total 2 sin theta_0, theta_0 + sin(2 theta_0)/2 along the middle."""
+    """Integrals of the pressure f = cos(phi - middle) over the arc."""
+    # The resultant of the pressure lies along the middle radius.
     along = arc.half + np.sin(2 * arc.half) / 2
     return Load(2 * np.sin(arc.half), along * np.cos(arc.middle), along * np.sin(arc.middle))
 
 
 def uniform_load(arc: Layout) -> Load:
-    """f = 1, where every element presses along its own radius."""
+    """Integrals of the even pressure f = 1, where each element presses along its own radius."""
     along = 2 * np.sin(arc.half)
     return Load(2 * arc.half, along * np.cos(arc.middle), along * np.sin(arc.middle))
 
 
 def short_load(arc: Layout) -> Load:
-    """f = 1, all elements press along the middle radius: N = p_m A (UWA short shoe, eq. v)."""
+    """Integrals of f = 1, where all elements press along the middle radius (UWA notes, eq. v)."""
     along = 2 * arc.half
     return Load(along, along * np.cos(arc.middle), along * np.sin(arc.middle))
 
