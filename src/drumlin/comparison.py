@@ -10,7 +10,7 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from itertools import pairwise
+from itertools import chain, pairwise
 from statistics import median
 from typing import Any, Generic, NamedTuple, TypeVar
 
@@ -270,11 +270,9 @@ def as_csv(table: Sequence[dict[str, Any]]) -> str:
     No text in it is a formula to a spreadsheet.
     """
     # A dict keeps the order in which the keys first occur.
-    keys: dict[str, None] = {}
-    for row in table:
-        keys |= dict.fromkeys(row)
+    keys = list(dict.fromkeys(chain.from_iterable(table)))
     text = io.StringIO()
-    writer = csv.DictWriter(text, list(keys), lineterminator="\n")
+    writer = csv.DictWriter(text, keys, lineterminator="\n")
     writer.writeheader()
     writer.writerows({key: cell(value) for key, value in row.items()} for row in table)
     return text.getvalue()
