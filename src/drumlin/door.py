@@ -418,6 +418,7 @@ def hold(
     scene = scene_of(held, **on_mesh)
     if end is None:
         end = holding.full_slip_rotation(scene, held, **stiffness)
+    # The state at rest comes first, so that there is one state more than increments.
     rotations = np.linspace(0.0, end, steps + 1)
     states = holding.hold(scene, held, rotations, say=say, **stiffness)
     return HoldingRun(held, tuple(states), notes)
@@ -655,6 +656,7 @@ def check(
         raise BadInput(f"--tolerance = {tolerance:g}: must be greater than 0 and less than 1")
     source = _source_of(brake)
     curves = read_curves(Path(result), source.brake)
+    # Reference values are looked for beside the brake file first, then among drumlin's own.
     values = Path("reports") / "reference" / "values"
     beside = () if source.folder is None else (source.folder,)
     known = reference or stored(source.text, *beside, values, REPOSITORY / values)

@@ -34,6 +34,7 @@ def examples() -> dict[str, Path]:
     A file brake.toml has the name of its folder. Another file beside it has the folder's name
     before its own.
     """
+    # Files of studies come first, so that a mesh file of the same name gets the longer name.
     found: dict[str, Path] = {}
     in_studies = sorted((REPOSITORY / "studies").glob("*/*.toml"))
     in_meshes = sorted((REPOSITORY / "meshes").glob("*.toml"))

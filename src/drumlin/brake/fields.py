@@ -27,7 +27,7 @@ from drumlin.base.texts import nearest
 from drumlin.brake.units import EXAMPLES, QUANTITY_NAMES, to_si
 
 
-def _si(value: object, si: str, info: ValidationInfo, key: str = "") -> float:
+def _in_si(value: object, info: ValidationInfo, si: str, key: str = "") -> float:
     """Convert a value to SI; the context of the validation tells whether it needs a unit.
 
     Parameters
@@ -46,11 +46,7 @@ def _si(value: object, si: str, info: ValidationInfo, key: str = "") -> float:
 
 def _quantity(si: str) -> BeforeValidator:
     """The validator that reads a quantity with this SI unit."""
-
-    def read(value: object, info: ValidationInfo, *, si: str) -> float:
-        return _si(value, si, info)
-
-    return BeforeValidator(partial(read, si=si))
+    return BeforeValidator(partial(_in_si, si=si))
 
 
 def _one_line(text: str) -> str:
@@ -326,10 +322,10 @@ def _from_polar(data: object, info: ValidationInfo) -> object:
     if set(data) != {"radius", "angle"}:
         raise ValueError("must be { radius = ..., angle = ... } or { x = ..., y = ... }")
     # A negative radius would turn the point to the other side of the centre unseen.
-    radius = _si(data["radius"], "m", info, "radius")
+    radius = _in_si(data["radius"], info, "m", "radius")
     if radius < 0:
         raise ValueError(f"radius = {data['radius']!r} must not be negative")
-    angle = _si(data["angle"], "rad", info, "angle")
+    angle = _in_si(data["angle"], info, "rad", "angle")
     return Point(x=radius * math.cos(angle), y=radius * math.sin(angle))
 
 
@@ -361,7 +357,7 @@ def _number_or_rows(
 ) -> float | Rows:
     """Read a number or a table; parameters as of `_rows`, `si` the unit of the number."""
     if not isinstance(value, list | tuple):
-        return _si(value, si, info)
+        return _in_si(value, info, si)
     rows = _rows(
         value, info, place=place, name=name, row=row, kinds=f"{QUANTITY_NAMES[si]} or rows"
     )
@@ -394,7 +390,7 @@ def _rows(
     for item in items:
         if not isinstance(item, list | tuple) or len(item) != 2:
             raise ValueError(f'must be {kinds} like ["{EXAMPLES[row[0]]}", "{EXAMPLES[row[1]]}"]')
-        rows.append((_si(item[0], row[0], info, place), _si(item[1], row[1], info, name)))
+        rows.append((_in_si(item[0], info, row[0], place), _in_si(item[1], info, row[1], name)))
     # Places that do not grow would have two values, or none between them.
     for k in range(1, len(rows)):
         if rows[k][0] <= rows[k - 1][0]:

@@ -262,10 +262,13 @@ class FlatBrake(Brake):
         return self.model_copy(update=changes)
 
     @model_validator(mode="after")
-    def _whole(self, info: ValidationInfo) -> Self:
+    def _check_and_drive_shoes(self, info: ValidationInfo) -> Self:
+        """The brake with the forces of its drive and struts; ValueError where parts do not fit."""
         check_names([shoe.name for shoe in self.shoes])
+        # Numbers of a file must have units; this tells data of a file from data of a program.
         from_file = bool((info.context or {}).get("unit_required"))
         shoes = driven(self.shoes, self.actuation, self.links, file=from_file)
+        # The length of the first lining is the size of the brake, to which all shoes refer.
         size = shoes[0].lining.end - shoes[0].lining.start
         shoes = tuple(shoe.of_size(size) for shoe in shoes)
         for i, shoe in enumerate(shoes):

@@ -111,7 +111,7 @@ def short_load(arc: Layout) -> Load:
 
 
 def block_load(arc: Layout) -> Load:
-    """f = cos(phi - middle), lumped: N = b R p_0 (theta_0 + sin(2 theta_0)/2) (NPTEL)."""
+    """Integrals of f = cos(phi - middle) whose force acts along the middle radius (NPTEL 12.1)."""
     along = arc.half + np.sin(2 * arc.half) / 2
     return Load(along, along * np.cos(arc.middle), along * np.sin(arc.middle))
 
@@ -134,13 +134,8 @@ def pivot_radius(R: Values, theta_0: Values) -> Floats:
 
 
 def _one(arc: Layout) -> Floats:
-    """Factor 1 on mu."""
+    """The factor 1 on mu, for friction that is not lumped."""
     return np.ones(np.shape(arc.half))
-
-
-def _of_block(arc: Layout) -> Floats:
-    """Factor on mu of a friction that is lumped at the lining's middle."""
-    return equivalent_friction(arc.half)
 
 
 @dataclass(frozen=True)
@@ -233,17 +228,17 @@ def m_and_n(mu: Values, theta_m: Values, r: Values, a: Values) -> tuple[Floats, 
 
 
 def _middle(arc: Layout) -> Floats:
-    """Peak at the lining's middle."""
+    """Angle phi [rad] of the lining's middle, where a pressure of this kind has its peak."""
     return arc.middle
 
 
 def _cosine(phi: Floats, arc: Layout) -> Floats:
-    """f = cos(phi - middle)."""
+    """The pressure f = cos(phi - middle), same shape as phi."""
     return np.cos(phi - arc.middle)
 
 
 def _constant(phi: Floats, arc: Layout) -> Floats:
-    """f = 1."""
+    """The even pressure f = 1, same shape as phi."""
     return np.ones(np.broadcast_shapes(np.shape(phi), np.shape(arc.middle)))
 
 
@@ -272,7 +267,7 @@ BLOCK = Law(
     _cosine,
     _middle,
     lumped=True,
-    friction=_of_block,
+    friction=lambda arc: equivalent_friction(arc.half),
 )
 UNIFORM = Law(
     "uniform",
