@@ -72,7 +72,7 @@ class ShoeFrame(NamedTuple):
 
 
 class Shoe(Meshed):
-    """One shoe with its lining and its support (`Held`). Without `body` it is rigid."""
+    """One shoe with its lining and its support (`Held`). A shoe without `body` is rigid."""
 
     surface: ClassVar[FrictionSurface]
 

@@ -175,7 +175,7 @@ class Lobes(Part):
 
 
 class Drum(Part):
-    """The drum with its friction radius R [m]. Without `ring` it is rigid.
+    """The drum with its friction radius R [m]. A drum without `ring` is rigid.
 
     `out_of_round` holds the harmonics of its surface off the circle at `angle` = 0 [rad]; the
     harmonics turn with the drum.

@@ -41,7 +41,7 @@ from drumlin.brake.units import deg, mm
 
 
 class DrumShoe(Shoe):
-    """One shoe with its lining and its support (`Held`). Without `body` it is rigid."""
+    """One shoe on a drum with its lining and its support. A shoe without `body` is rigid."""
 
     surface = DRUM
     side: Literal["internal", "external"]

@@ -28,7 +28,7 @@ from drumlin.brake.units import EXAMPLES, QUANTITY_NAMES, to_si
 
 
 def _in_si(value: object, info: ValidationInfo, si: str, key: str = "") -> float:
-    """Convert a value to SI; the context of the validation tells whether it needs a unit.
+    """Convert a value to SI; the context of the validation tells whether a unit is required.
 
     Parameters
     ----------

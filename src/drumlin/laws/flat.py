@@ -34,7 +34,7 @@ class FlatLoad(NamedTuple):
 
 
 class FlatLayout(NamedTuple):
-    """Layout of a flat shoe, as a law needs it; entries broadcast.
+    """Lengths of a shoe on a plane that the formulas of a law take; entries broadcast.
 
     Attributes
     ----------
@@ -143,7 +143,7 @@ def span(shoe: Shoe) -> tuple[float, float]:
 
 
 def layout(brake: Brake, shoe: Shoe) -> FlatLayout:
-    """Layout of a shoe on a plane, as a law needs it."""
+    """The lengths of a shoe on a plane that the formulas of a law take."""
     return FlatLayout(*span(shoe), h=shoe.pin.y, s=brake.spin * shoe.frame.sense)
 
 

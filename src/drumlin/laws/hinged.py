@@ -30,7 +30,7 @@ ANGLE_ROUND_OFF = 1e-9
 
 
 def layout(brake: Brake, shoe: Shoe) -> Layout:
-    """Layout of a shoe, as a law needs it."""
+    """The angles and radii of a shoe on a drum that the formulas of a law take."""
     return Layout(*shoe.arc, R=brake.size, a=shoe.pin.radius, dD=double_delta(brake, shoe))
 
 

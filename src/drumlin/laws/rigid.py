@@ -122,7 +122,7 @@ def locking_friction(brake: Brake, shoe: Shoe) -> float:
 
 
 def press(brake: Brake, shoe: Shoe, *, whole: bool = False) -> PressedShoe | None:
-    """Solve a shoe for its contact; None if the actuation lifts it off or vanishes.
+    """The contact of a rigid shoe; None if its actuation is zero or lifts the shoe off.
 
     Parameters
     ----------

@@ -28,7 +28,7 @@ class Load(NamedTuple):
 
 
 class Layout(NamedTuple):
-    """Layout of a shoe, as a law needs it; entries broadcast.
+    """Angles and radii of a shoe on a drum that the formulas of a law take; entries broadcast.
 
     Attributes
     ----------

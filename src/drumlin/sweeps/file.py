@@ -97,7 +97,7 @@ DISTRIBUTIONS: Mapping[str, type[Distribution]] = {
 
 
 class SweepFile(Part):
-    """A sweep file as it is written."""
+    """The keys of a sweep file, with the values that the file gives."""
 
     title: Title | None = None
     brake: Annotated[str, Field(pattern=r"^[^\x00-\x1f]*$")] | dict[str, Any]

@@ -61,7 +61,7 @@ def table(
 
 
 def _changed_value(key: str, value: Any, base: Path | None) -> Any:
-    """A changed value as it stands in the table."""
+    """The cell of a changed value: a path from the folder `base`, a table of numbers as JSON."""
     if base is not None and names_mesh(key):
         return Path(os.path.relpath(value, base)).as_posix()
     return json.dumps(value) if isinstance(value, list | tuple) else value

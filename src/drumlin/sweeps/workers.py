@@ -179,7 +179,7 @@ class _ProcessPool(Executor):
 
 
 class _Outcome(NamedTuple):
-    """What came of a call: whether the function returned, and what it returned or raised."""
+    """The outcome of a call in a process: whether the function returned, and its value or error."""
 
     returned: bool
     value: Any
