@@ -12,6 +12,7 @@ from drumlin.contact import active_set
 from drumlin.contact.equations import Problem
 from drumlin.fem.analysis.self_locking import limits
 from drumlin.fem.error_control.levels import LEVELS, steps
+from drumlin.fem.preparation.meshes import ELEMENTS
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin.laws import law
