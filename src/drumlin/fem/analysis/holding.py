@@ -263,11 +263,11 @@ def _held_group(group: ShoeGroup, increments: int) -> _HeldGroup:
     feet = Feet.of(group)
     count = len(feet.on)
     # Nodes that touch without friction stick at first, as do the feet.
-    touches = replace(group, brake=feet.smooth(0.0), senses=()).answer().active
+    touches = replace(group, brake=feet.without_abutment_friction(0.0), senses=()).answer().active
     start = np.append(np.where(touches, STICK, OPEN), np.full(count, STICK))
     unit_gaps = np.concatenate(group.gaps) / group.unit_force
     gap = np.append(group.masses @ unit_gaps, np.zeros(count))
-    friction = feet.friction()
+    friction = feet.node_friction()
     try:
         loading = _loading(problem, gap, friction, start, increments)
     except NoAnswer as error:
