@@ -15,7 +15,7 @@ from drumlin.brake.file import read_brake, vary
 from drumlin.contact import equations, stick_slip
 from drumlin.contact.stick_slip import BACKWARD, FORWARD, OPEN, STICK, FrictionalProblem, History
 from drumlin.fem.analysis.at_rest import holding_problem
-from drumlin.fem.analysis.holding import as_dict, full_slip_rotation, hold, turned
+from drumlin.fem.analysis.holding import as_dict, full_slip_rotation, hold, turn_drum
 from drumlin.fem.equilibrium.group import ShoeGroup
 from drumlin.fem.model import respond
 from drumlin.fem.preparation.prepare import prepare
@@ -127,7 +127,7 @@ def test_the_equations_of_the_found_states_hold_and_their_tangent_agrees_with_di
     rest = History(np.zeros(n), np.zeros(n))
     mu = 0.3
     found = stick_slip.solve(problem, mu, rest, np.full(n, STICK))
-    for found_next in turned(problem, lever / 2000.0, mu, found, 0.0, rotation):
+    for found_next in turn_drum(problem, lever / 2000.0, mu, found, 0.0, rotation):
         before, state, found = found.history, found.state, found_next
     moved = problem._replace(q_s=problem.q_s + lever * rotation / 2000.0)
     assert (np.abs(found.t) <= mu * found.p + 1e-8 * found.p.max()).all()
