@@ -593,8 +593,8 @@ def _find_full_slip(held: _HeldGroup, target: float, slipping: int) -> float:
         step = min(max(step * lacking, LATER * reached), reached / LATER)
     sticking = np.count_nonzero(increment.state[:n] == STICK)
     raise NoAnswer(
-        f"not converged: after a rotation of {reached:.3g} rad {sticking} of {n} nodes still stick, "
-        f"at {torque:.5g} of the sliding drum's {target:.5g} N m"
+        f"not converged: after a rotation of {reached:.3g} rad "
+        f"{sticking} of {n} nodes still stick, at {torque:.5g} of the sliding drum's {target:.5g} N m"
     )
 
 
@@ -602,7 +602,7 @@ def _find_full_slip(held: _HeldGroup, target: float, slipping: int) -> float:
 
 
 def as_dict(states: list[Hold]) -> list[dict[str, Any]]:
-    """Convert states to plain data for JSON, in rad, N m, Pa and J, with the states of nodes by name."""
+    """Convert states to plain data for JSON, in rad, N m, Pa and J; nodes have named states."""
     rows = []
     for state in states:
         shoes = [_lining_as_dict(state, i) for i in range(len(state.names))]

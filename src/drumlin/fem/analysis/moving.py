@@ -134,7 +134,8 @@ def _motion_along(scene: PreparedModel, i: int, shoe: Shoe, key: str, direction:
             loads.append((there.load - here.load) / step)
     if not places:
         raise NoAnswer(
-            f"shoe {shoe.name!r}: no slope along its {key}, there its division into elements changes"
+            f"shoe {shoe.name!r}: no slope along its {key}, "
+            "there its division into elements changes"
         )
     nodes = shoe.frame.to_shoe(np.mean(places, axis=0).T)
     load = shoe.frame.to_shoe(np.mean(loads, axis=0).T)

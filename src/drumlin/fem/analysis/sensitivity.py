@@ -157,7 +157,8 @@ def sensitivity(scene: PreparedModel, brake: Brake, *, penalty: float = PENALTY)
         raise NoAnswer("sensitivity: without friction there is no torque")
     if scene.brake.friction == 0:
         raise BadInput(
-            f"friction = {brake.friction:g}: the scene was prepared without friction, for mu = 0 only"
+            f"friction = {brake.friction:g}: "
+            "the scene was prepared without friction, for mu = 0 only"
         )
     pressed: dict[int, ShoeSensitivity] = {}
     ring, drive = 0.0, 0.0
@@ -577,7 +578,8 @@ def _shoe_lines(own: ShoeSensitivity, force: float, T: float, elasticity: str) -
     # Adding 0.0 turns -0.0 into 0.0, which prints without a sign of minus.
     per_micrometre = own.clearance / T * 1e-3 * PERCENT_PER_MM + 0.0
     return [
-        f"    {by_force}{elasticity} E: {moduli}{bent}; {elasticity} penalty {own.penalty / T:+.1e}",
+        f"    {by_force}{elasticity} E: {moduli}{bent}; "
+        f"{elasticity} penalty {own.penalty / T:+.1e}",
         f"    clearance {per_micrometre:+.4g} %/µm" + (f"; {held}" if held else ""),
     ]
 
