@@ -594,7 +594,8 @@ def _find_full_slip(held: _HeldGroup, target: float, slipping: int) -> float:
     sticking = np.count_nonzero(increment.state[:n] == STICK)
     raise NoAnswer(
         f"not converged: after a rotation of {reached:.3g} rad "
-        f"{sticking} of {n} nodes still stick, at {torque:.5g} of the sliding drum's {target:.5g} N m"
+        f"{sticking} of {n} nodes still stick, "
+        f"at {torque:.5g} of the sliding drum's {target:.5g} N m"
     )
 
 

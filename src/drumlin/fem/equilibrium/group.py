@@ -71,7 +71,7 @@ class ShoeGroup(GroupProblems):
     """A group of shoes with its state, its contact problems and their answers."""
 
     def at_friction(self, friction: float) -> "ShoeGroup":
-        """The group at another friction coefficient of the drum, with the same senses of friction."""
+        """The group at another friction coefficient of the drum, with the same senses at feet."""
         return replace(self, brake=self.brake.model_copy(update={"friction": friction}))
 
     # The answer under given senses of friction at the abutments
@@ -85,7 +85,7 @@ class ShoeGroup(GroupProblems):
         for k, shoe in enumerate(self.shoes):
             xy = self.bodies[k].line.xy
             reach.check_pin(shoe, xy, self.gaps[k], self.loads[k].moment)
-        law = min(self.law(i) for i in self.members)
+        law = min(map(self.law, self.members))
         try:
             contact = self_locking.answer(
                 self.problem_at,
@@ -209,7 +209,7 @@ class ShoeGroup(GroupProblems):
             return ""
         if not end.limit.friction < friction:
             return ""
-        law = min(self.law(i) for i in self.members)
+        law = min(map(self.law, self.members))
         locked = self_locking.locks(friction, end.limit.friction, law=law, brake=ELASTIC_BRAKE)
         return end.lets_go or f"{self.names}: {locked}"
 

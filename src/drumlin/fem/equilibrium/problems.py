@@ -46,7 +46,7 @@ class GroupProblems(GroupState):
         return Sliding.through(self.problem_at(0.0), self.problem_at(1.0))
 
     def problem_at(self, friction: float) -> Problem:
-        """The contact problem at a friction coefficient; its matrices are linear in the friction."""
+        """The contact problem at a friction coefficient, on which its matrices depend linearly."""
         sharing = self._sharing_at(friction)
         return self.blocks(friction) if sharing is None else sharing.problem
 
@@ -83,7 +83,7 @@ class GroupProblems(GroupState):
 
     @cached_property
     def sharing(self) -> Sharing | None:
-        """How the shoes share forces by struts and a cam; None where each shoe has its own force."""
+        """How the shoes share forces by struts and a cam; None if each shoe has its own force."""
         return self._sharing_at(self.brake.friction)
 
     def _sharing_at(self, friction: float) -> Sharing | None:

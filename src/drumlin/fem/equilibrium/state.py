@@ -6,6 +6,7 @@ Nothing in this module depends on the friction coefficient of the drum.
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from operator import attrgetter
 from typing import NamedTuple
 
 import numpy as np
@@ -200,17 +201,17 @@ class GroupState:
     @cached_property
     def levers(self) -> Floats:
         """The torque (n, shoes) [m^3] of each shoe per pressure of each node and per mu."""
-        return np.asarray(block_diag(*(body.coupling.lever for body in self.bodies)).T)
+        return np.asarray(block_diag(*map(attrgetter("coupling.lever"), self.bodies)).T)
 
     @cached_property
     def areas(self) -> Floats:
         """The area (n,) [m^2] of each contact node, which turns its pressure into a force."""
-        return np.concatenate([body.coupling.area for body in self.bodies])
+        return np.concatenate(list(map(attrgetter("coupling.area"), self.bodies)))
 
     @cached_property
     def masses(self) -> Floats:
-        """The mass matrix (n, n) [m^2] of the contact nodes, which turns gaps into weighted gaps."""
-        return np.asarray(block_diag(*(body.coupling.M for body in self.bodies)))
+        """The mass matrix (n, n) [m^2] of the contact nodes, which weights the gaps."""
+        return np.asarray(block_diag(*map(attrgetter("coupling.M"), self.bodies)))
 
     # What the shoes share
 
@@ -241,8 +242,8 @@ class GroupState:
         drive = self.brake.actuation
         if not drive or not drive.is_cam:
             return []
-        pushed_by_struts = [to for _, to in self.links]
-        return [k for k in range(len(self.shoes)) if k not in pushed_by_struts]
+        pushed_by_struts = {to for _, to in self.links}
+        return sorted(set(range(len(self.shoes))) - pushed_by_struts)
 
     @cached_property
     def total(self) -> float:
