@@ -434,15 +434,10 @@ def pressed_shoe(
     pressure: Floats,
     *,
     order: int,
-    torque: float,
-    normal_force: float,
-    self_energising: bool,
-    hinge_reaction: Floats,
-    turn: float | None = None,
     located: bool = True,
     peak: float | None = None,
     surface: PressureOverWidth | None = None,
-    **more: Any,
+    **results: Any,
 ) -> ShoeResponse:
     """Make the response of a shoe whose elastic lining is pressed.
 
@@ -452,11 +447,12 @@ def pressed_shoe(
     scale_factor : length per unit of the surface's coordinate [m/rad, on a plane 1]
     theta : growing or falling nodes (n,) [rad]
     pressure : pressures (n,) [Pa] at the nodes
-    order, torque, normal_force, self_energising, hinge_reaction, turn : attributes of ShoeResponse
+    order : degree of the pieces of the pressure
     located : whether the ends of the contact and the peak are located within their elements
     peak : peak pressure [Pa], if it is known
     surface : pressure over the width, whose rows stand at theta
-    more : other attributes of ShoeResponse
+    results : the attributes torque, normal_force, self_energising and hinge_reaction of
+        ShoeResponse, and optional ones
 
     Raises
     ------
@@ -480,18 +476,13 @@ def pressed_shoe(
         surface = surface._replace(pressure=surface.pressure[forward])
     return ShoeResponse(
         name=shoe.name,
-        torque=torque,
-        normal_force=normal_force,
-        self_energising=self_energising,
         peak_pressure=peak,
-        hinge_reaction=hinge_reaction,
         contact_arcs=arcs,
         theta=theta,
         pressure=pressure,
         order=order,
-        turn=turn,
         surface=surface,
-        **more,
+        **results,
     )
 
 
