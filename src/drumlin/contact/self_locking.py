@@ -267,7 +267,7 @@ def answer(
         raise NoAnswer(at_once.reason) from None
     if np.isinf(end.friction):
         return end.last
-    raise PathEnded(locks(friction, end.friction, law=law, brake=brake), end)
+    raise PathEnded(locking_text(friction, end.friction, law=law, brake=brake), end)
 
 
 def _at_once(
@@ -291,7 +291,7 @@ def _at_once(
     return _AtOnce(found, half, True, sure, "self-locking, no stable equilibrium")
 
 
-def locks(friction: float, limit: float, *, law: float, brake: str) -> str:
+def locking_text(friction: float, limit: float, *, law: float, brake: str) -> str:
     """Text of a refusal at a friction coefficient beyond the limit; law, brake as of `answer`."""
     return (
         f"self-locking, no equilibrium at friction {friction:g}; {brake} there is one up to "

@@ -210,7 +210,7 @@ class ShoeGroup(GroupProblems):
         if not end.limit.friction < friction:
             return ""
         law = min(map(self.law, self.members))
-        locked = self_locking.locks(friction, end.limit.friction, law=law, brake=ELASTIC_BRAKE)
+        locked = self_locking.locking_text(friction, end.limit.friction, law=law, brake=ELASTIC_BRAKE)
         return end.lets_go or f"{self.names}: {locked}"
 
     # The answer followed in the friction coefficient of the drum
