@@ -305,7 +305,7 @@ def test_a_ring_takes_part_in_holding():
     assert states[-1].torque == pytest.approx(respond(scene, spec).torque, rel=1e-9)
 
 
-@pytest.mark.parametrize("way", [stick_slip._followed, stick_slip._closed])
+@pytest.mark.parametrize("way", [stick_slip._follow_from_states, stick_slip._follow_from_wide_gaps])
 def test_a_path_ends_at_an_answer_also_where_it_turns_back(way, monkeypatch):
     """Four nodes on random elastic bodies, mu = 1: on a tenth of the paths the load grows again
     before it falls.

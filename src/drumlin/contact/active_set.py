@@ -208,7 +208,7 @@ def settle(
 def _equations_of(
     system: EquilibratedSystem, active: Bools, base: Equations | None
 ) -> Equations | Changed:
-    """Factorise the equations of a contact set (n,), by the factors of `base` if few nodes differ."""
+    """Factorise the equations of a contact set (n,), or reuse `base` if few nodes differ."""
     on = system.on(active)
     if base is not None and few_changed(base, on):
         return Changed(base, system.K, on)

@@ -108,7 +108,8 @@ class Hold:
         """The fraction of the touching contact nodes that stick; 0 if no node touches."""
         states = np.concatenate(self.state)
         touching = np.count_nonzero(states != OPEN)
-        return np.count_nonzero(states == STICK) / touching if touching else 0.0
+        sticking = np.count_nonzero(states == STICK)
+        return float(sticking / touching) if touching else 0.0
 
 
 class _HeldGroup(NamedTuple):
