@@ -310,9 +310,9 @@ def test_a_path_ends_at_an_answer_also_where_it_turns_back(way, monkeypatch):
     """Four nodes on random elastic bodies, mu = 1: on a tenth of the paths the load grows again
     before it falls.
     """
-    monkeypatch.setattr(stick_slip, "_newton", way)
-    monkeypatch.setattr(stick_slip, "_followed", way)
-    monkeypatch.setattr(stick_slip, "_closed", way)
+    monkeypatch.setattr(stick_slip, "_solve_by_newton", way)
+    monkeypatch.setattr(stick_slip, "_follow_from_states", way)
+    monkeypatch.setattr(stick_slip, "_follow_from_wide_gaps", way)
     n, none = 4, np.zeros(0)
     for seed in range(100):
         rng = np.random.default_rng(seed)

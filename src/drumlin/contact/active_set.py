@@ -6,8 +6,8 @@ motions y (k,) with the weighted gaps
     w = q + A p + B y,    p >= 0,  w >= 0,  p w = 0,       C p = h
 
 A (n, n) is the compliance. Friction makes A unsymmetric. A penalty eps adds the compliance M/eps,
-which is zero for an infinite penalty. The rigid-body motions y are free; a hinged shoe has one, its
-rotation. C p = h are the equilibria in the rigid-body modes; without friction C = B^T.
+which is zero for an infinite penalty. The rigid-body motions y are free; the motion of a hinged
+shoe is its rotation. C p = h are the equilibria in the rigid-body modes; without friction C = B^T.
 
 A trial contact set gives each node a pressure or a gap. A node is wrong if its pressure or its gap
 is negative. The active-set method is a semismooth Newton method: all wrong nodes change at once
@@ -51,7 +51,7 @@ PATH_LIFT = math.sqrt(np.finfo(float).eps)
 
 The added gap (the lift) differs from node to node, which keeps two nodes from changing together.
 The root of the round-off lies as far above the round-off as below the gaps. With lifts as large as
-the gaps a path may miss an answer that it finds with smaller lifts.
+the gaps a path may miss an answer that smaller lifts find.
 """
 
 PATIENCE = 5
@@ -568,7 +568,7 @@ def _order_by_pressures(sets: list[list[int]], moves: Bools, bears: Bools) -> li
     known = np.zeros(len(moves), dtype=bool)
     found, left = [], list(range(len(sets)))
     while left:
-        # Modes that wait for each other have no order: then the first of them is taken.
+        # Shoes that push each other in a circle have no order: then the first set is taken.
         following = left[0]
         for i in left:
             borne = bears[sets[i]].any(axis=0)
@@ -608,7 +608,7 @@ def _first_touching_nodes(q: Floats, B: Floats, C: Floats, h: Floats, moved: Boo
     Raises
     ------
     NoAnswer
-        if no such nodes balance the load by pressures
+        if no k nodes balance the load by pressures
     """
     k = len(h)
     candidates = np.flatnonzero(moved)
@@ -629,7 +629,7 @@ def _first_touching_nodes(q: Floats, B: Floats, C: Floats, h: Floats, moved: Boo
     pressed = (p >= 0).all(axis=1)
     if not pressed.any():
         raise NoAnswer("no equilibrium: contact pressure cannot balance the actuation anywhere")
-    # Of these sets the one counts whose motion leaves the smallest remaining gap widest.
+    # The set is chosen whose motion leaves the smallest remaining gap widest.
     gaps = q[sets[pressed]][..., None]
     y = -np.linalg.solve(closings[pressed], gaps)[..., 0]
     smallest_gap = (q[candidates] + y @ B[candidates].T).min(axis=1)

@@ -50,9 +50,9 @@ round-off.
 LARGEST_FORCE_GROWTH = 0.5
 """Largest relative growth of the contact force over a step of friction that is not halved.
 
-The contact force is the sum of pressures times areas. It grows as 1/(mu_lock - mu). From mu/2 to mu
-it grows by at most (1 - 1/4)/(1 - 1/2) - 1 = 0.5 for any mu up to mu_lock/2. A step over which the
-contact set changes and the force grows by more is halved.
+The contact force is the sum of pressures times areas and grows as 1/(mu_lock - mu). From mu/2 to mu
+the force grows by at most (1 - 1/4)/(1 - 1/2) - 1 = 0.5 for any mu up to mu_lock/2. A step over
+which the contact set changes and the force grows by more is halved.
 """
 
 HALVED_ABOVE = 600
@@ -279,7 +279,10 @@ def _settle_at_once(
     areas: Floats,
     law: float,
 ) -> _AtOnce:
-    """Settle at once at a friction coefficient and at half of it; parameters as of `answer`."""
+    """Settle at a friction coefficient and at half of the coefficient, without following a path.
+
+    `problem` is the problem at `friction`. The other parameters are parameters of `answer`.
+    """
     found = half = None
     try:
         found = settle(problem, start)
@@ -382,7 +385,7 @@ def next_eigenvalue(sliding: Sliding, friction: float, active: Bools) -> float:
     G = np.linalg.solve(system.K[unknowns[:, None], unknowns], K1)[: len(nodes)]
     gamma = np.linalg.eigvals(G)
     gamma = gamma[gamma.imag == 0].real
-    # Only negative eigenvalues lie above the friction; those next to 0 belong to mu = inf.
+    # Only negative gamma give a friction above the present one; a gamma next to 0 gives mu = inf.
     falling = gamma[gamma < -1e-300]
     return float(friction - 1 / falling.min()) if len(falling) else np.inf
 
@@ -459,7 +462,7 @@ def first_singular(sliding: Sliding) -> float:
 def _settle_stable(
     sliding: Sliding, friction: float, start: Bools, most: int = 30
 ) -> Contact | None:
-    """The stable answer that settles from a contact set (n,) in at most `most` steps, or None."""
+    """The stable answer that settles from a contact set (n,) in `most` steps; None without one."""
     try:
         found = settle(sliding.at(friction), start, most)
     except NoAnswer:

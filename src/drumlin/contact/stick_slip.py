@@ -20,11 +20,12 @@ Each piece borders on two others:
     stick:     slip = 0,    |t| < mu p (edges to forward and backward)
 
 An increment is therefore one piecewise linear equation (Klarbring 1986; Alart & Curnier 1991).
-Newton's method solves it, all nodes at once. Where Newton's method cycles, a path of answers is
-followed. The load of the path goes from a load that the present states balance to the true load,
-and one node changes at a time (Lemke 1965; Eaves 1976).
+Newton's method solves this equation, and all nodes change at once. If Newton's method cycles, a
+path of answers is followed. The load of the path goes from a load that the present states balance
+to the true load, and one node changes at a time (Lemke 1965; Eaves 1976).
 
-The history (t_0, s_0) is an input. Only the caller changes it, by committing a converged increment.
+The history (t_0, s_0) is an input. Only the caller changes the history, by committing a converged
+increment.
 """
 
 from dataclasses import dataclass
@@ -48,8 +49,8 @@ MOST_STATE_CHANGES = 6
 STATE_ROUND_OFF = 1e-10
 """Relative distance beyond an edge of its piece up to which a node stays in its state.
 
-The distance is a difference of two numbers and relative to the larger of them. A node farther
-beyond the edge changes its state.
+The distance is a difference of two numbers, relative to the larger number. A node farther beyond
+the edge changes its state.
 """
 
 
@@ -214,7 +215,7 @@ class _Piece:
         # At a slipping node t = sliding p; at a sticking node sliding is 0.
         sense = (state == FORWARD).astype(float) - (state == BACKWARD)
         self.sliding = (system.mu * sense)[self.pressed]
-        # The unknowns are the pressures of the pressed nodes and the tractions of the stuck ones.
+        # The unknowns are the pressures of pressed nodes and the tractions of sticking nodes.
         self.basic = np.concatenate([self.pressed, stuck])
         pressed, dragged = self.pressed, n + self.pressed
         by_pressure = system.A[:, pressed] + system.A[:, dragged] * self.sliding

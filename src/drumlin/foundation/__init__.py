@@ -1,6 +1,6 @@
 """The elastic foundation model of post brakes: beam, layers of springs and elastic ring.
 
-The model is the one of Barecki & Scieszka (1987).
+The model was published by Barecki & Scieszka (1987).
 """
 
 from drumlin.foundation.model import LIFTS, RING_SECTIONS, rim, solve, why_not

@@ -42,7 +42,7 @@ RING_SECTIONS = 360
 """Number of divisions of each beam if the user gives none."""
 
 LARGEST_SHOE_TURN = 0.2
-"""Largest turn of a shoe [rad] that the model accepts, since it assumes small displacements."""
+"""Largest turn of a shoe [rad] that the model accepts: the model assumes small displacements."""
 
 LIFTS = {
     "plane-stress": (
@@ -63,7 +63,7 @@ LIFTS = {
     "own-pressure": "the other shoe's pressure is the same, half a turn on, not its own",
     "ring-friction": "friction does not bend the ring",
 }
-"""Effects that the paper neglects, by the names that the option --lift takes to include them."""
+"""Effects that the paper neglects, by the names with which the option --lift includes an effect."""
 
 ALWAYS = (
     "shear and stretching of the beam: it only bends",
@@ -206,7 +206,7 @@ def ring_of(brake: Brake, theta: Floats, loads: Floats, lift: frozenset[str]) ->
 def rim(brake: Brake, response: Response, theta: Floats, lift: Iterable[str] = ()) -> Floats:
     """The inward displacement (shoes, k) [m] of the rim under each shoe's pressure.
 
-    With "all-modes" in `lift` the displacement of the rim is the sum of the rows. Without it each
+    With "all-modes" in `lift` the displacement of the rim is the sum of the rows. Otherwise each
     row is the displacement of a rim that an equal shoe loads opposite.
 
     Parameters
@@ -304,7 +304,7 @@ def _group_responses(
 
 
 def left_out(brake: Brake, names: frozenset[str]) -> tuple[str, ...]:
-    """The effects that are neglected for a brake, each with the option that includes it.
+    """The effects that are neglected for a brake, each with the option that includes the effect.
 
     `names` are the names of the effects that the model includes.
     """

@@ -67,8 +67,8 @@ def flexibility(
 
     A thick ring bends at the radius of the section's middle, with hoop and shear deformation. A
     mode n of the radial load then moves the ring by (1 + 3 e + n^2 e E/(kappa G)) times as much,
-    with e = I/(A r^2), and the mean load stretches it. This follows from the energy of the curved
-    bar (Timoshenko: Strength of Materials II, M = -r H in every mode n >= 2).
+    with e = I/(A r^2), and the mean load stretches the ring. The factor follows from the energy of
+    the curved bar (Timoshenko: Strength of Materials II, M = -r H in every mode n >= 2).
 
     Parameters
     ----------

@@ -23,7 +23,7 @@ def check_strain(shoe: Shoe, scale_factor: float, force: float, contact: float) 
     """Raise NoAnswer if a force would press a lining in by many times its thickness.
 
     The strain is the mean over the contact, or over a length of one thickness if the contact is
-    shorter. The peak strain does not count, because at a corner it only tells how fine the mesh is.
+    shorter. The peak strain does not count: at a corner the peak only tells how fine the mesh is.
 
     Parameters
     ----------

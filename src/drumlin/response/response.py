@@ -199,7 +199,7 @@ class ShoeResponse:
         apart = x[:, :, None] - x[:, None]  # (pieces, nodes, nodes)
         unit = np.eye(self.order + 1)
         factors = (y / (apart + unit).prod(axis=2))[piece]
-        # Products of the distances to all nodes before a node, and to all nodes behind it.
+        # Products of the distances to all nodes before a node, and to all nodes behind the node.
         off = theta[..., None] - x[piece]
         before, behind = np.ones(off.shape), np.ones(off.shape)
         np.cumprod(off[..., :-1], axis=-1, out=before[..., 1:])
@@ -452,7 +452,7 @@ def pressed_shoe(
     peak : peak pressure [Pa], if it is known
     surface : pressure over the width, whose rows stand at theta
     results : the attributes torque, normal_force, self_energising and hinge_reaction of
-        ShoeResponse, and optional ones
+        ShoeResponse, and optional attributes
 
     Raises
     ------

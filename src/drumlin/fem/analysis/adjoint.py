@@ -72,7 +72,8 @@ def group_adjoint(group: ShoeGroup) -> GroupAdjoint:
     per_friction = _equation_matrix(group, 1.0) - without_friction
     y, F = group.coordinates(contact), np.abs(group.forces(contact.p))
     coordinates = sum(map(len, y))
-    # The travel of a cam's tips stands last. No equation multiplies it by mu, so that it may be 0.
+    # The last unknown is the travel of a cam's tips. No equation multiplies the travel by mu, so
+    # that its value does not matter here.
     travel = np.zeros(len(without_friction) - n - coordinates - len(F))
     answer = np.concatenate([contact.p, *y, F, travel])
     weights = np.zeros((len(answer), len(F)))
@@ -107,7 +108,7 @@ def _slope_by_ring(group: ShoeGroup, a: Floats, p: Floats) -> float:
 
 
 def _slope_by_given_forces(group: ShoeGroup, shoes: list[ShoeAdjoint]) -> float:
-    """The change of the torque by the logarithm of all forces but those of struts [N m]."""
+    """The change of the torque by the logarithm of all forces but the forces of struts [N m]."""
     pushed_by_struts = [to for _, to in group.links]
     return float(sum(own.c * own.F for k, own in enumerate(shoes) if k not in pushed_by_struts))
 

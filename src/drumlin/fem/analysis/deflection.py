@@ -24,7 +24,7 @@ def beam_deflection(
     from_hinge = of_shoe.points - axis.hinge
     # Nodes on the axis are off the axis by round-off only.
     on = np.abs(from_hinge @ axis.towards) < 1e-9 * axis.length
-    # A node on the axis stands once for each material around it, and is taken once.
+    # The fields repeat a node for each material around the node: each place is taken once.
     x, first = np.unique(np.round(from_hinge[on] @ axis.along, 12), return_index=True)
     return x, (of_shoe.displacement[on] @ axis.towards)[first]
 

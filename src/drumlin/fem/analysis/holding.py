@@ -2,9 +2,9 @@
 
 Here the actuation force comes on while the drum is at rest. In `solve` the drum turns already as
 the force comes on. The linings forget this difference at full slip, where all their nodes have
-slipped one way. A foot on a rough abutment remembers it: the foot slides while the force comes on,
-and may then stick. Its end is an equilibrium within the cone of friction, but the torque there
-differs from the torque of `solve`. A note of the state says so.
+slipped one way. A foot on a rough abutment remembers the difference: the foot slides while the
+force comes on, and may then stick. The end of the path is an equilibrium within the foot's cone of
+friction, but the torque differs from the torque of `solve`. A note of the state says so.
 """
 
 import math
@@ -134,7 +134,7 @@ class _HeldGroup(NamedTuple):
 
     @property
     def lining_nodes(self) -> int:
-        """Number of nodes on linings; the nodes of feet follow them."""
+        """The number of nodes on linings, which come before the nodes of feet."""
         return self.group.node_ranges[-1].stop
 
     def torque(self, at: Increment) -> float:
@@ -298,8 +298,8 @@ def _put_force_on(
 
     Without gaps all quantities grow with the force, and one increment is exact. With gaps the force
     grows like the cubes of whole numbers, since most changes happen under little force. Under a
-    force so small that one or two nodes bear it, an increment may not settle from the present
-    states. Such an increment is taken together with the next increment.
+    very small force, which one or two nodes bear, an increment may not settle from the present
+    states. An increment that does not settle is taken together with the next increment.
 
     Parameters
     ----------
@@ -524,7 +524,7 @@ def _differing_feet(
         if presses and abs(at.t[node] / at.p[node] - along / bearing) <= OTHER_FRICTION:
             continue
         slide = float(group.coordinates(contact)[k][-1]) if group.each_sense[k] else 0.0
-        # The slip counts against the slide. Subtracted from 0.0 it never prints as -0.
+        # The slip counts against the slide. Subtraction from 0.0 never prints -0.
         came_to = f"{1e6 * size * (0.0 - at.s[node]):.6g} µm"
         by_solve = f"{1e6 * size * slide:.6g} µm"
         feet.append(_FootSlide(f"the foot of shoe {shoe.name!r} {came_to}", by_solve))

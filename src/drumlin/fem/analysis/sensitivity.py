@@ -279,7 +279,7 @@ class _ShoeSlopes:
         friction = float(self.adjoint.friction[k])
         by_penalty = float(own.a @ (coupling.M @ own.p)) / group.stiffnesses[k]
         of_moduli = self._moduli_slopes(by_penalty)
-        # A strut or a cam gives the force of a shoe that shares it.
+        # The force of a shoe under a cam or behind a strut is no datum of the brake file.
         shares_force = k in [*group.cam, *(to for _, to in group.links)]
         sign_of_force = math.copysign(1.0, shoe.actuation.force)
         forward = slice(None, None, shoe.frame.sense)
@@ -417,14 +417,14 @@ class _ShoeSlopes:
         v = self.displacements.v[contact] - modes.test_modes @ own.b
         coupling = coupling_of(line, shoe)
         nodal = self.drag * (coupling.T.T @ own.p) - coupling.N.T @ own.p
-        # A turn by one radian moves the contact nodes aside as they move along the line.
+        # Nodes that have moved by `step` travel aside as well when the shoe turns.
         aside = step * np.array([-move.line[1], move.line[0]]).T.ravel()
         gap = gap_at(line.xy, line.phi, brake, shoe)
         value = brake.friction * float(coupling.lever @ own.p)
         closing = coupling.N @ (u + aside * (turns @ own.y))
         value += float(own.a @ (closing - coupling.M @ (gap + squeezed)))
         value += float(nodal @ (v - aside * (turns @ own.b)))
-        # A strut from the shoe passes on what its foot bears of these forces.
+        # A strut passes on the part of these nodal forces that the shoe's foot bears.
         whole = shoe.frame.to_brake(nodal.reshape(-1, 2).sum(axis=0))
         for to in self._pushed_shoes():
             value -= self.adjoint.shoes[to].c * float(whole @ shoe.bearing)
@@ -433,7 +433,7 @@ class _ShoeSlopes:
     def _ring_terms(self, line: ContactLine) -> float:
         """The ring's part of the weighted gaps, times the adjoint, on a moved contact line.
 
-        A rigid drum has no such part, and the value is 0.
+        The value is 0 for a rigid drum.
         """
         group, scene = self.group, self.group.scene
         if scene.ring is None or scene.ring_under is None:

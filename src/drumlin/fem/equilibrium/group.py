@@ -1,8 +1,8 @@
 """Groups of shoes that must be solved together, and the answers of their contact problems.
 
-A shoe on a rigid drum is a group by itself. Shoes on an elastic ring influence each other, and so
-do shoes that share a force: such shoes form one group. All analyses of the contact (sliding,
-holding, wear, sensitivity, self-locking) start from these groups.
+A shoe on a rigid drum is a group by itself. Shoes on an elastic ring influence each other and form
+one group, and so do shoes that share a force. All analyses of the contact (sliding, holding, wear,
+sensitivity, self-locking) start from groups.
 """
 
 import math
@@ -52,8 +52,8 @@ class FollowedEnd(NamedTuple):
     Attributes
     ----------
     limit : the friction coefficient at which the answer ends
-    lets_go : text that names the cam, strut or foot which would have to pull at the end although
-        it can only push; empty if the answer ends for another reason
+    lets_go : text that names the cam, strut or foot which would have to pull at the end and cannot;
+        empty if the answer ends for another reason
     """
 
     limit: self_locking.Limit
@@ -61,7 +61,7 @@ class FollowedEnd(NamedTuple):
 
 
 class SettledGroup(NamedTuple):
-    """A group with known senses of friction at its abutments, and its answer under them."""
+    """A group with known senses of friction at its abutments, and its answer."""
 
     group: "ShoeGroup"
     contact: active_set.Contact
@@ -210,7 +210,9 @@ class ShoeGroup(GroupProblems):
         if not end.limit.friction < friction:
             return ""
         law = min(map(self.law, self.members))
-        locked = self_locking.locking_text(friction, end.limit.friction, law=law, brake=ELASTIC_BRAKE)
+        locked = self_locking.locking_text(
+            friction, end.limit.friction, law=law, brake=ELASTIC_BRAKE
+        )
         return end.lets_go or f"{self.names}: {locked}"
 
     # The answer followed in the friction coefficient of the drum
@@ -314,7 +316,7 @@ def groups_of(scene: PreparedModel, brake: Brake, penalty: float = math.inf) -> 
 
 
 def pressed_shoes(scene: PreparedModel, brake: Brake) -> list[int]:
-    """The positions of the shoes that an actuation force presses, or a strut from such a shoe."""
+    """The positions of the shoes that an actuation force or a strut presses on the drum."""
     touching = {i for i, shoe in enumerate(brake.shoes) if pressed(scene.bodies[i], brake, shoe)}
     names = [shoe.name for shoe in brake.shoes]
     # The struts of a chain are listed in order from the actuation on.

@@ -59,7 +59,7 @@ def rigid_body_modes(
     """
     if shoe.held_by == "hinge":
         return _turn_about_pin(body, moment)
-    # A shoe without a force of its own has the modes that a unit force would give it.
+    # A shoe that gets its force from a strut has the modes of a shoe under a unit force.
     loaded = shoe if shoe.actuation.force else shoe.under(1.0)
     free = loaded.freedoms(sense)
     size = abs(shoe.actuation.force) or 1.0
@@ -71,7 +71,7 @@ def rigid_body_modes(
         pin_motion=at_pin(shoe, free.motions),
     )
     if free.names[0] == "turn":
-        # The turn about the pin is known exactly. It replaces the first mode, in place.
+        # The exact turn about the pin overwrites the first mode.
         for whole, exact in zip(modes, _turn_about_pin(body, moment), strict=True):
             whole[..., :1] = exact
     return modes

@@ -53,7 +53,7 @@ class GroupProblems(GroupState):
     def blocks(self, friction: float) -> Problem:
         """The contact problem at a friction coefficient if no shoe shares its force.
 
-        The matrices are those of single shoes in blocks, plus the flexibility of the ring.
+        The matrices of single shoes are the blocks, and the flexibility of the ring is added.
         """
         parts = [self._shoe_problem(k, friction) for k in range(len(self.members))]
         if self.ring is None and len(parts) == 1:

@@ -67,7 +67,7 @@ def check_turns(shoe: Shoe, sense: int, gap: Floats, coordinates: Floats) -> Non
     if (shoe.held_by in {"hinge", "guide"} and not shoe.flat) or (gap <= 0).any():
         return
     turns = coordinates[np.isin(shoe.freedoms(sense).names, ["turn", "tilt"])]
-    # On a pivot the shoe turns with its lever and tilts on it, so that the sum counts as well.
+    # A shoe on a pivot turns with its lever and tilts on the lever: the sum of both counts as well.
     _check_turn(shoe, max(map(abs, (*turns, sum(turns)))))
 
 

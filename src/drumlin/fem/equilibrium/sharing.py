@@ -36,8 +36,8 @@ class ForceEffects(NamedTuple):
 
     Attributes
     ----------
-    nodes : where the n pressures of the shoe stand among those of the group
-    modes : where the k generalised coordinates of the shoe stand among those of the group
+    nodes : places of the shoe's n pressures among the pressures of the group
+    modes : places of the shoe's k generalised coordinates among the coordinates of the group
     opened : opening (n,) of the weighted gaps by the force
     tip : elastic travel (n,) of the tip along the force, by the pressures
     yields : elastic travel of the tip along the force, by the force
@@ -132,7 +132,7 @@ def _shared_forces(
     links: list[tuple[int, int]],
     cam: list[int],
 ) -> _Forces:
-    """The actuation forces under a cam and struts; a shoe that shares none keeps its own force."""
+    """The actuation forces under a cam and struts; other shoes keep their own forces."""
     fixed = np.array(own, dtype=float)
     by_pressure = np.zeros((len(shoes), blocks.B.shape[0]))
     # The equilibrium in the main mode of a shoe gives the force of the cam.
@@ -263,6 +263,6 @@ def _main_mode(blocks: Problem, shoe: ForceEffects) -> int:
 
     The choice is the same at every friction coefficient.
     """
-    # Modes are turns and slides of different units: their squared effect on the gaps scales them.
+    # Turns and slides have different units: the squared effect of a mode on the gaps is its scale.
     size = np.linalg.norm(blocks.B[:, shoe.modes], axis=0)
     return int((shoe.work * shoe.moves / size**2).argmax())

@@ -123,10 +123,10 @@ class GroupState:
 
     @cached_property
     def mode_ranges(self) -> tuple[slice, ...]:
-        """The places of each shoe's generalised coordinates among those of the group."""
+        """The places of each shoe's generalised coordinates among the coordinates of the group."""
         return in_turn(modes.work.size for modes in self.modes)
 
-    # What moves and loads each shoe
+    # The loads and the rigid-body modes of each shoe
 
     @cached_property
     def unit_force(self) -> float:
@@ -213,7 +213,7 @@ class GroupState:
         """The mass matrix (n, n) [m^2] of the contact nodes, which weights the gaps."""
         return np.asarray(block_diag(*map(attrgetter("coupling.M"), self.bodies)))
 
-    # What the shoes share
+    # The ring, the struts and the cam
 
     @cached_property
     def ring(self) -> RingRoots | None:
@@ -267,6 +267,6 @@ def gap_at(xy: Floats, phi: Floats, brake: Brake, shoe: Shoe) -> Floats:
     """
     theta, radius = shoe.frame.theta(phi), brake.size
     off = shoe.off(xy, radius)
-    # Nodes on the drum's radius are off it by round-off, which would be a gap or an overlap.
+    # Round-off moves nodes off the drum's radius, which would look like a gap or an overlap.
     off = np.where(np.abs(off) < 1e-12 * radius, 0.0, off)
     return off + clearance.gap(brake, shoe, theta)
