@@ -80,13 +80,6 @@ class EquilibratedSystem(NamedTuple):
         return unknowns
 
 
-class Scales(NamedTuple):
-    """The factors (n + k,) that multiply the `rows` and the `columns` of a contact problem."""
-
-    rows: Floats
-    columns: Floats
-
-
 def equilibrated(problem: Problem, like: EquilibratedSystem | None = None) -> EquilibratedSystem:
     """Scale a problem so that A has a unit diagonal, B unit columns and C unit rows.
 
@@ -107,8 +100,8 @@ def equilibrated(problem: Problem, like: EquilibratedSystem | None = None) -> Eq
     return EquilibratedSystem(K, r, rows, columns, n)
 
 
-def _scales(problem: Problem) -> Scales:
-    """The factors that equilibrate a contact problem."""
+def _scales(problem: Problem) -> tuple[Floats, Floats]:
+    """The factors (n + k,) of the rows and of the columns that equilibrate a problem."""
     A, _, B, C, _ = problem
     k = B.shape[1]
     # A has a unit diagonal, and the largest entry of each mode is 1.
@@ -116,10 +109,8 @@ def _scales(problem: Problem) -> Scales:
     modes = np.concatenate([B, C.T], axis=1)
     largest = np.abs(modes * of_nodes[:, None]).max(axis=0)
     of_modes = 1 / np.maximum(largest, TINY)
-    return Scales(
-        rows=np.concatenate([of_nodes, of_modes[k:]]),
-        columns=np.concatenate([of_nodes, of_modes[:k]]),
-    )
+    rows = np.concatenate([of_nodes, of_modes[k:]])
+    return rows, np.concatenate([of_nodes, of_modes[:k]])
 
 
 def condition(problem: Problem, active: Bools) -> float:

@@ -146,19 +146,6 @@ class _HeldGroup(NamedTuple):
         return turn_drum(self.problem, self.lever, self.friction, increment, start, end)
 
 
-class _Loading(NamedTuple):
-    """The increment in which the force is fully on, and the energy dissipated before.
-
-    Attributes
-    ----------
-    increment : the increment with the force fully on
-    spent : energy [J/N^2] dissipated by slip while the force came on
-    """
-
-    increment: Increment
-    spent: float
-
-
 class _SlidingAnswer(NamedTuple):
     """The answer of a group under a drum that slides already as the force comes on.
 
@@ -282,18 +269,18 @@ def _held_group(group: ShoeGroup, increments: int) -> _HeldGroup:
     gap = np.append(group.masses @ unit_gaps, np.zeros(count))
     friction = feet.node_friction()
     try:
-        loading = _put_force_on(problem, gap, friction, start, increments)
+        rest, spent = _put_force_on(problem, gap, friction, start, increments)
     except NoAnswer as error:
         # A brake that locks itself is refused by the line below, with its limit.
         group.settled()
         raise NoAnswer(f"{group.names}: {error}, the drum at rest") from error
     per_rotation = lever * (group.brake.spin / group.unit_force)
-    return _HeldGroup(group, problem, per_rotation, friction, *loading)
+    return _HeldGroup(group, problem, per_rotation, friction, rest, spent)
 
 
 def _put_force_on(
     problem: FrictionalProblem, gap: Floats, friction: Floats, state: Ints, increments: int
-) -> _Loading:
+) -> tuple[Increment, float]:
     """Increase the actuation force to its full value while the drum rests.
 
     Without gaps all quantities grow with the force, and one increment is exact. With gaps the force
@@ -308,6 +295,10 @@ def _put_force_on(
     friction : friction coefficient (n,) of each node
     state : states (n,) of the nodes from which the first increment starts
     increments : number of increments
+
+    Returns
+    -------
+    the increment with the force fully on, and the energy [J/N^2] that slip has dissipated
 
     Raises
     ------
@@ -327,7 +318,7 @@ def _put_force_on(
             continue
         energy += _slip_work(problem, increment, history)
         history, state = increment.history, increment.state
-    return _Loading(increment, energy)
+    return increment, energy
 
 
 # The drum is turned

@@ -68,13 +68,6 @@ class Moves(NamedTuple):
         return float(np.abs(self.line).max()) < STILL
 
 
-class ShiftedLine(NamedTuple):
-    """A contact line whose nodes have moved with a point by `step` [m]."""
-
-    step: float
-    line: ContactLine
-
-
 def node_motions(scene: PreparedModel, i: int, shoe: Shoe, key: str) -> list[Moves]:
     """The motions of the nodes of a shoe as one of its points moves along x and along y.
 
@@ -183,8 +176,8 @@ def _move_point(shoe: Shoe, key: str, step: Floats) -> Shoe:
 
 def shifted_lines(
     body: ShoeSubstructure, shoe: Shoe, radius: float, moves: Moves
-) -> Iterator[ShiftedLine]:
-    """The contact line of a body with its point one step ahead, and one step behind.
+) -> Iterator[tuple[float, ContactLine]]:
+    """The step [m] of a point and the moved contact line, for a step ahead and a step behind.
 
     Parameters
     ----------
@@ -195,4 +188,4 @@ def shifted_lines(
     line = body.line
     for step in (NODE_STEP * radius, -NODE_STEP * radius):
         xy = line.xy + step * moves.line
-        yield ShiftedLine(step, replace(line, xy=xy, phi=shoe.phi_of(xy, radius)))
+        yield step, replace(line, xy=xy, phi=shoe.phi_of(xy, radius))

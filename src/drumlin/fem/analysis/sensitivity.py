@@ -229,29 +229,6 @@ class _Displacements(NamedTuple):
     v: Floats
 
 
-class _CountedModes(NamedTuple):
-    """Factors of the rigid-body modes of a shoe.
-
-    Attributes
-    ----------
-    sign : sign (k,) of each mode in the frame of the shoe against the frame of the brake
-    worked : factor (k,), 1 if the actuation works on the mode; 0 for the tilt of a shoe on a lever
-    """
-
-    sign: Floats
-    worked: Floats
-
-
-class _ModuliSlopes(NamedTuple):
-    """The change of the torque by the logarithm of stiffnesses [N m].
-
-    `moduli` are the moduli of each part. `bending_stiffness` is None if the brake file gives none.
-    """
-
-    moduli: dict[str, float]
-    bending_stiffness: float | None
-
-
 class _ShoeSlopes:
     """The slopes of the brake's torque by data of one shoe.
 
@@ -268,8 +245,10 @@ class _ShoeSlopes:
         self.under_cam = k in self.group.cam
         self.tip_multiplier = self.own.c if self.under_cam else 0.0
         names = np.array(self.shoe.freedoms(self.group.senses[k]).names)
-        sign = np.where(names == "turn", float(self.shoe.frame.sense), 1.0)
-        self.counted = _CountedModes(sign, np.where(names == "tilt", 0.0, 1.0))
+        # The sign of each rigid-body mode in the frame of the shoe against the frame of the brake.
+        self.mode_signs = np.where(names == "turn", float(self.shoe.frame.sense), 1.0)
+        # The actuation does no work on the tilt of a shoe on a lever.
+        self.works = np.where(names == "tilt", 0.0, 1.0)
 
     def sensitivity(self) -> ShoeSensitivity:
         """Compute all sensitivities of the shoe."""
@@ -278,7 +257,7 @@ class _ShoeSlopes:
         torque = float(self.adjoint.torque[k])
         friction = float(self.adjoint.friction[k])
         by_penalty = float(own.a @ (coupling.M @ own.p)) / group.stiffnesses[k]
-        of_moduli = self._moduli_slopes(by_penalty)
+        moduli, bending_stiffness = self._moduli_slopes(by_penalty)
         # The force of a shoe under a cam or behind a strut is no datum of the brake file.
         shares_force = k in [*group.cam, *(to for _, to in group.links)]
         sign_of_force = math.copysign(1.0, shoe.actuation.force)
@@ -289,8 +268,8 @@ class _ShoeSlopes:
             friction=friction,
             S=_relative_slope(group.brake.friction, friction, torque),
             force=None if shares_force else sign_of_force * own.c,
-            moduli=of_moduli.moduli,
-            bending_stiffness=of_moduli.bending_stiffness,
+            moduli=moduli,
+            bending_stiffness=bending_stiffness,
             clearance=-float(own.a @ coupling.M.sum(axis=1)),
             held=self._support_slopes(),
             penalty=by_penalty,
@@ -315,10 +294,10 @@ class _ShoeSlopes:
         u, v = self.body.condensed.displacements(nodal, np.zeros((FRAME, 2)), loads).T
         return _Displacements(u, v)
 
-    def _moduli_slopes(self, by_penalty: float) -> _ModuliSlopes:
-        """The slopes of the torque by the shoe's moduli, or by a given bending stiffness.
+    def _moduli_slopes(self, by_penalty: float) -> tuple[dict[str, float], float | None]:
+        """The slopes [N m] of the torque by the moduli of each part, and by the bending stiffness.
 
-        The lining's modulus E also changes the contact stiffness alpha E/t. The slope `by_penalty`
+        The second slope is None if the brake file gives no bending stiffness. The lining's modulus E also changes the contact stiffness alpha E/t. The slope `by_penalty`
         [N m] by the contact stiffness is therefore a part of the slope by the lining's modulus.
         """
         u, v = self.displacements
@@ -330,7 +309,7 @@ class _ShoeSlopes:
         bar = self.shoe.body
         given = bar is not None and bar.bending_stiffness is not None
         bending_stiffness = effects.pop("shoe") if given else None
-        return _ModuliSlopes(effects, bending_stiffness)
+        return effects, bending_stiffness
 
     # Supports
 
@@ -356,7 +335,7 @@ class _ShoeSlopes:
         Motions enter the equations by the work of forces alone. On a rigid motion this is the work
         of the wrench of the forces.
         """
-        own, shoe, worked = self.own, self.shoe, self.counted.worked
+        own, shoe, works = self.own, self.shoe, self.works
         N, T = self.body.coupling.N, self.body.coupling.T
         xy = shoe.points(self.body.line.xy)
         on_gaps, by_drum = own.a @ N, self.drag * (own.p @ T) - own.p @ N
@@ -364,9 +343,9 @@ class _ShoeSlopes:
         of_drum = wrench(shoe.frame.to_brake(by_drum.reshape(-1, 2)), xy.T)
         sign = math.copysign(1.0, shoe.actuation.force)
         push = wrench(sign * shoe.actuation.direction_vector, shoe.actuation.point.xy)
-        y, b = self.counted.sign * own.y, self.counted.sign * own.b
-        by_equilibria = change.tests @ of_drum + own.F * worked * (change.tests @ push)
-        by_tip = self.tip_multiplier * (y * worked) @ (change.motions @ push)
+        y, b = self.mode_signs * own.y, self.mode_signs * own.b
+        by_equilibria = change.tests @ of_drum + own.F * works * (change.tests @ push)
+        by_tip = self.tip_multiplier * (y * works) @ (change.motions @ push)
         return float(y @ (change.motions @ of_gaps) - b @ by_equilibria - by_tip)
 
     def _slopes_by_nodes(self, moves: list[Moves]) -> Floats:
@@ -466,7 +445,7 @@ class _ShoeSlopes:
         pushing = np.array([*shoe.frame.to_shoe(force), couple])
         load = body.columns.factors({ACTUATION: pushing})
         work = free.tests @ np.array([*force, moment])
-        tested = self.counted.sign * self.counted.worked * work
+        tested = self.mode_signs * self.works * work
         return own.F * float(own.a @ (body.closure_by_load @ load) - own.b @ tested)
 
     def slopes_by_force_point(self) -> list[Floats]:
