@@ -72,8 +72,8 @@ def shoe_balance(brake: Brake, index: int, response: ShoeResponse) -> Balance:
 def guide_moments(force: float, length: float) -> list[float]:
     """Two opposite moments [N m] that set the scale of the moments on a guided shoe.
 
-    All other moments on the shoe may vanish. The moment of the actuation force [N] at the end of a
-    lining of this length [m] then tells which moment is small.
+    All other moments on the shoe may vanish. The scale is the moment about the middle of a lining
+    of this length [m] of the actuation force [N], if the force acted at an end of the lining.
     """
     return [0.5 * force * length, -0.5 * force * length]
 

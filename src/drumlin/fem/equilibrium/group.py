@@ -71,7 +71,7 @@ class ShoeGroup(GroupProblems):
     """A group of shoes with its state, its contact problems and their answers."""
 
     def at_friction(self, friction: float) -> "ShoeGroup":
-        """The group at another friction coefficient of the drum, with the same senses at feet."""
+        """The group at another friction of the drum, with the same senses of friction at feet."""
         return replace(self, brake=self.brake.model_copy(update={"friction": friction}))
 
     # The answer under given senses of friction at the abutments
