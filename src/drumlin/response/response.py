@@ -48,12 +48,6 @@ NEITHER = 1e-9
 If its work is smaller, friction neither helps nor opposes the actuation.
 """
 
-NEAR_PEAK = 0.8
-"""Fraction of the peak pressure above which a pressure lies near the peak.
-
-Only changes of the pressure near the peak change the peak.
-"""
-
 NO_FORCE = 1e-6
 """Fraction of the contact's force below which a support reaction counts as zero."""
 
