@@ -12,9 +12,9 @@ from drumlin.contact.equations import (
     Changed,
     Equations,
     Problem,
+    bordering_pays,
     condition,
     equilibrated,
-    few_changed,
 )
 
 
@@ -388,7 +388,7 @@ def test_coarse_problems_are_those_on_every_other_node():
         P[-1] = P[-1] if n % 2 else [0, 0, 0.5]
         assert active_set.halved_sums(rows) == pytest.approx(P.T @ rows)
         assert active_set.halved_sums(rows.T, 1) == pytest.approx((P.T @ rows).T)
-        assert active_set.between(rows[: (n + 1) // 2, 0], n) == pytest.approx(
+        assert active_set.interpolated(rows[: (n + 1) // 2, 0], n) == pytest.approx(
             P @ rows[: (n + 1) // 2, 0]
         )
     assert active_set.coarse_start(free(np.eye(47), np.ones(47))).all()
@@ -404,7 +404,7 @@ def test_a_few_changed_nodes_use_the_factors_that_there_are():
     def changed(base, count):
         return base.on ^ (np.arange(len(base.on)) < count)
 
-    base, few = start(BORDERED_ABOVE + 8), few_changed
+    base, few = start(BORDERED_ABOVE + 8), bordering_pays
     assert few(base, changed(base, BORDERED_ABOVE // 8))
     # More than an eighth of the nodes that are on.
     assert not few(base, changed(base, BORDERED_ABOVE // 8 + 1))

@@ -32,8 +32,8 @@ from drumlin.contact.equations import (
     Equations,
     EquilibratedSystem,
     Problem,
+    bordering_pays,
     equilibrated,
-    few_changed,
     regular,
 )
 
@@ -80,8 +80,8 @@ negative value changes between contact and separation.
 MOST_CANDIDATE_SETS = 2016
 """Number of sets of k nodes among which the first touching set of k modes is sought.
 
-The number limits the memory. It admits all pairs of 64 nodes or all triples of 23. Of more nodes
-only every few are candidates.
+The number limits the memory. All pairs of 64 nodes or all triples of 23 nodes stay below it. Of
+more nodes only every few are candidates.
 """
 
 
@@ -210,7 +210,7 @@ def _equations_of(
 ) -> Equations | Changed:
     """Factorise the equations of a contact set (n,), or reuse `base` if few nodes differ."""
     on = system.on(active)
-    if base is not None and few_changed(base, on):
+    if base is not None and bordering_pays(base, on):
         return Changed(base, system.K, on)
     return Equations(system.K, on)
 
@@ -434,10 +434,10 @@ def coarse_start(problem: Problem) -> Bools:
         coarse = settle(halved(problem)).p > 0
     except NoAnswer:
         return active
-    return beside(coarse, count)
+    return spread_to_all_nodes(coarse, count)
 
 
-def beside(coarse: Bools, count: int) -> Bools:
+def spread_to_all_nodes(coarse: Bools, count: int) -> Bools:
     """The contact set (count,) on all nodes from a contact set on every other node.
 
     The nodes next to a node of the coarse set belong to the fine set.
@@ -461,7 +461,7 @@ def halved(problem: Problem) -> Problem:
     )
 
 
-def between(coarse: Floats, count: int) -> Floats:
+def interpolated(coarse: Floats, count: int) -> Floats:
     """Interpolate pressures at every other node to pressures at all nodes (count,)."""
     p = np.empty(count)
     p[::2] = coarse
@@ -501,7 +501,7 @@ def _resists_modes(problem: Problem, active: Bools) -> bool:
     if k < 2:
         return bool(touched.any()) or not B.size
     # Pressures in a mode without load, as the slide of a shoe under a cam, balance each other. A
-    # single node cannot resist such a mode.
+    # single node cannot resist a mode without load.
     unloaded = problem.h == 0
     if unloaded.any():
         bearing = np.count_nonzero(problem.C[unloaded][:, active], axis=1)

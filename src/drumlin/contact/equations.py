@@ -88,7 +88,9 @@ def equilibrated(problem: Problem, like: EquilibratedSystem | None = None) -> Eq
     """
     A, q, B, C, h = problem
     n, k = B.shape
-    rows, columns = _scales(problem) if like is None else (like.row_scales, like.column_scales)
+    rows, columns = (
+        _equilibrating_scales(problem) if like is None else (like.row_scales, like.column_scales)
+    )
     K = np.zeros((n + k, n + k))
     np.multiply(A, rows[:n, None], out=K[:n, :n])
     K[:n, n:] = B * rows[:n, None]
@@ -100,7 +102,7 @@ def equilibrated(problem: Problem, like: EquilibratedSystem | None = None) -> Eq
     return EquilibratedSystem(K, r, rows, columns, n)
 
 
-def _scales(problem: Problem) -> tuple[Floats, Floats]:
+def _equilibrating_scales(problem: Problem) -> tuple[Floats, Floats]:
     """The factors (n + k,) of the rows and of the columns that equilibrate a problem."""
     A, _, B, C, _ = problem
     k = B.shape[1]
@@ -263,7 +265,7 @@ def _determinant_sign(factors: tuple[Floats, Ints]) -> int:
     return 1 if (negative + swaps) % 2 == 0 else -1
 
 
-def few_changed(base: Equations, on: Bools) -> bool:
+def bordering_pays(base: Equations, on: Bools) -> bool:
     """Whether bordering `base` is cheaper than factorising the free unknowns `on` (n + k,) anew."""
     size = len(base._at)
     changed = np.count_nonzero(base.on ^ on)

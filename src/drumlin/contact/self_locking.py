@@ -9,7 +9,7 @@ K = [[A, B], [C, 0]]. They grow without bound where K0 + mu K1 is singular. The 
 eigenvalue of the pencil, the smallest above the current mu. The contact set changes on the way
 there, and so does the eigenvalue. The answer is therefore followed from mu = 0. The limit mu_lock
 is the eigenvalue of a contact set that holds right up to the eigenvalue. Such a limit does not
-depend on force or clearance, which are negligible beside pressures without bound.
+depend on force or clearance, which are negligible spread_to_all_nodes pressures without bound.
 
 An answer may also end where the path turns back: at a change of the contact set beyond which the
 determinant has the other sign. Other answers may exist beyond, to which the contact would jump. A
@@ -25,7 +25,15 @@ import numpy as np
 
 from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import NoAnswer
-from drumlin.contact.active_set import Contact, beside, between, halved, halved_sums, settle, solve
+from drumlin.contact.active_set import (
+    Contact,
+    halved,
+    halved_sums,
+    interpolated,
+    settle,
+    solve,
+    spread_to_all_nodes,
+)
 from drumlin.contact.equations import Problem, equilibrated
 
 LARGEST_SOUGHT_FRICTION = 1e3
@@ -142,7 +150,7 @@ def limit(
     NoAnswer
         if there is no answer at mu = 0
     """
-    areas = _areas(sliding.still, areas)
+    areas = _areas_or_ones(sliding.still, areas)
     mu, found = (0.0, _solve_without_friction(sliding.still)) if known is None else known
     steps, step = 0, LARGEST_FRICTION_STEP
     critical, critical_set = np.inf, np.zeros(0, dtype=bool)
@@ -247,7 +255,7 @@ def answer(
     if friction == 0:
         return _solve_without_friction(problem_at(0.0), start)
     problem = problem_at(friction)
-    areas = _areas(problem, areas)
+    areas = _areas_or_ones(problem, areas)
     if len(problem.q) > HALVED_ABOVE:
         like = _settle_like_coarse(problem, problem_at(0.0), friction, start, areas, law)
         if like is not None:
@@ -335,12 +343,12 @@ def _settle_like_coarse(
     coarse = Sliding.through(halved(still), halved(problem), friction)
     try:
         like = answer(coarse.at, friction, None, halved_sums(areas), law=law, brake="")
-        first = beside(like.p > 0, len(problem.q)) if start is None else start
+        first = spread_to_all_nodes(like.p > 0, len(problem.q)) if start is None else start
         found = settle(problem, first)
     except NoAnswer:
         return None
     # The work of the difference tells two meshes of one answer from two answers.
-    off = between(like.p, len(found.p)) - found.p
+    off = interpolated(like.p, len(found.p)) - found.p
     work_off = float(off @ (problem.A @ off))
     work = float(found.p @ (problem.A @ found.p))
     same = work_off < LARGEST_MESH_DIFFERENCE**2 * work
@@ -366,7 +374,7 @@ def _grows_little(found: Contact, before: Contact, areas: Floats) -> bool:
     return before.regular and force <= (1 + LARGEST_FORCE_GROWTH) * force_before
 
 
-def _areas(problem: Problem, areas: Floats | None) -> Floats:
+def _areas_or_ones(problem: Problem, areas: Floats | None) -> Floats:
     """The areas (n,) of the nodes, or 1 for each node if `areas` is None."""
     return np.ones(len(problem.q)) if areas is None else areas
 
@@ -453,7 +461,7 @@ def first_singular(sliding: Sliding) -> float:
     sets = ((np.arange(2**n)[:, None] >> np.arange(n)) & 1).astype(bool)
     smallest = np.inf
     for active in sets[sets.sum(axis=1) >= max(k, 1)]:
-        # A set that leaves a mode free at every friction is singular, and no answer meets it.
+        # A contact set that leaves a mode free is singular at any friction; no answer has this set.
         with suppress(np.linalg.LinAlgError):
             smallest = min(smallest, next_eigenvalue(sliding, 0.0, active))
     return smallest

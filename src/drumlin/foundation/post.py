@@ -158,14 +158,14 @@ def layers(
         1/(1 - nu^2) times stiffer
     """
 
-    def soft(thickness: Floats, material: AnyMaterial) -> Floats:
+    def compliance(thickness: Floats, material: AnyMaterial) -> Floats:
         """The compliance [m/Pa] of a layer of a thickness [m]."""
         # `why_not` has refused orthotropic materials.
         assert isinstance(material, Material)
         return thickness * ((1 - material.nu**2) if plane_stress else 1.0) / material.E
 
     lining, backing = shoe.lining, shoe.backing
-    total = soft(np.full(theta.shape, lining.thickness), lining.material)
+    total = compliance(np.full(theta.shape, lining.thickness), lining.material)
     if backing is None:
         return total
     thickness = np.full(theta.shape, backing.thickness)
@@ -174,7 +174,7 @@ def layers(
         assert isinstance(shoe.body, Beam) and shoe.body.thickness is not None
         face = axis.distance - shoe.body.thickness / 2
         thickness = face - (brake.size + lining.thickness) * np.cos(theta)
-    return total + soft(thickness, backing.material)
+    return total + compliance(thickness, backing.material)
 
 
 def shoe_angles(axis: Axis, shoe: Shoe, theta: Floats) -> Floats:

@@ -132,7 +132,7 @@ class ShoeResponse:
     Attributes
     ----------
     name : name of the shoe
-    torque : size of the torque on the drum [N m]; it opposes the rotation
+    torque : size of the torque on the drum [N m], which opposes the rotation
     normal_force : size of the vector sum of the normal forces [N]
     self_energising : whether friction helps the actuation
     peak_pressure : largest pressure [Pa]. Elastic models leave out half a lining thickness at each
@@ -155,7 +155,7 @@ class ShoeResponse:
     error : estimated relative errors "pressure" (L2 outside the edge zones), "torque", "peak" and
         "reaction"; None if nothing was estimated
     softness : relative change of the results by the contact's penalty
-    lost : relative change of the results by the round-off of the elimination, as far as it is known
+    lost : known relative change of the results by the round-off of the elimination
     """
 
     name: str
@@ -443,7 +443,7 @@ def pressed_shoe(
     pressure : pressures (n,) [Pa] at the nodes
     order : degree of the pieces of the pressure
     located : whether the ends of the contact and the peak are located within their elements
-    peak : peak pressure [Pa], if it is known
+    peak : peak pressure [Pa]; None if unknown
     surface : pressure over the width, whose rows stand at theta
     results : the attributes torque, normal_force, self_energising and hinge_reaction of
         ShoeResponse, and optional attributes
@@ -524,7 +524,7 @@ def peak_place(brake: Brake, index: int, response: ShoeResponse) -> PeakPlace | 
         return None
     theta, pressure = response.curve()
     zone = edge_zone(brake.shoes[index], brake.scale_factor)
-    inside = _inside(theta, zone)
+    inside = _is_outside_zones(theta, zone)
     # The response does not tell whether its peak leaves out the zones at the ends. The curve's
     # largest value outside the zones, or its largest value of all, comes nearest to the peak.
     apart = abs(pressure[inside].max(initial=0.0) - response.peak_pressure)
@@ -539,10 +539,10 @@ def nodal_peak(theta: Floats, pressure: Floats, zone: float) -> float:
 
     All nodes count if no node outside the zones presses.
     """
-    inside = _inside(theta, zone)
+    inside = _is_outside_zones(theta, zone)
     return float(pressure[inside if pressure[inside].any() else slice(None)].max())
 
 
-def _inside(theta: Floats, zone: float) -> Bools:
+def _is_outside_zones(theta: Floats, zone: float) -> Bools:
     """Whether angles (n,) are more than a zone away from the first angle and the last angle."""
     return np.asarray((theta > theta[0] + zone) & (theta < theta[-1] - zone))

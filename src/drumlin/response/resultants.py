@@ -70,11 +70,11 @@ def _coefficients(order: int) -> Floats:
 
 def shape(order: int, xi: Floats) -> Floats:
     """The Lagrange shape functions on the nodes `lobatto` at points xi: (order + 1, *xi.shape)."""
-    rows = _legendre(order, xi)
+    rows = _legendre_values(order, xi)
     return (_coefficients(order).T @ rows.reshape(order + 1, -1)).reshape(rows.shape)
 
 
-def _legendre(order: int, xi: Floats) -> Floats:
+def _legendre_values(order: int, xi: Floats) -> Floats:
     """The Legendre polynomials up to a degree at points xi, shaped (order + 1, *xi.shape)."""
     # The recurrence gives each polynomial from the two polynomials before.
     rows = np.ones((order + 1, *np.shape(xi)))
@@ -86,7 +86,7 @@ def _legendre(order: int, xi: Floats) -> Floats:
 
 
 @cache
-def _integrals(order: int) -> Floats:
+def _integral_coefficients(order: int) -> Floats:
     """The Legendre coefficients (order + 1, order + 2) of the integrals of the shape functions.
 
     Each row is the integral of one shape function from -1 on.
@@ -107,7 +107,7 @@ def at_gauss(order: int) -> tuple[Floats, Floats]:
 
 
 @cache
-def _weights(order: int) -> Floats:
+def _piece_weights(order: int) -> Floats:
     """The integrals (order + 1,) of the shape functions over a piece of length 1."""
     return np.asarray(at_gauss(order)[0] @ WEIGHTS / 2, dtype=float)
 
@@ -183,10 +183,10 @@ class InnerPart:
         # The limits in the coordinate of each piece, [-1, 1].
         xi = np.minimum(np.maximum((limits[:, None] - ends[:-1]) / half - 1, -1.0), 1.0)
         # Integrals of the shape functions of each piece from its begin up to the limits.
-        integrals = _integrals(order) @ _legendre(order + 1, xi).swapaxes(0, 1)
+        integrals = _integral_coefficients(order) @ _legendre_values(order + 1, xi).swapaxes(0, 1)
         up_to = half[:, None] * integrals.swapaxes(1, 2)
         between = up_to[3:1:-1] - up_to[:2]
-        # Neighbours add up in the nodes that they share.
+        # A node between two pieces gets the weights of both pieces.
         found = np.zeros((2, len(self.theta)))
         found[:, :-1] = between[:, :, :-1].reshape(2, -1)
         found[:, order::order] += between[:, :, -1]
@@ -350,7 +350,7 @@ def _locate_end(theta: Floats, pressure: Floats, node: int, order: int) -> float
     # An arc of less than two elements ends at its node.
     if far >= len(theta):
         return float(theta[node])
-    means = by_piece(pressure[begin : far + 1], order) @ _weights(order)
+    means = by_piece(pressure[begin : far + 1], order) @ _piece_weights(order)
     first, second = means.tolist()
     first, second = first * (theta[near] - theta[begin]), second * (theta[far] - theta[near])
     f_near, f_far = (max(force, 0.0) ** (2 / 3) for force in (first, first + second))

@@ -17,7 +17,7 @@ from drumlin.brake.support import UNHELD
 from drumlin.contact import equations
 from drumlin.contact.stick_slip import FrictionalProblem
 from drumlin.fem.equilibrium.group import ShoeGroup
-from drumlin.fem.equilibrium.sharing import ForceEffects, share
+from drumlin.fem.equilibrium.sharing import ForceEffects, share_forces
 from drumlin.fem.model import PENALTY
 from drumlin.fem.preparation.bodies import actuation, contact_stiffness
 
@@ -229,7 +229,7 @@ def _share_forces(
     shoes : the matrices of tractions on each shoe
     """
     n = len(problem.q_w)
-    # The n pressures and n tractions together are the unknowns of one contact problem for `share`.
+    # The n pressures and n tractions together are the unknowns of one contact problem for `share_forces`.
     whole = equations.Problem(
         A=np.block([[problem.A_wp, problem.A_wt], [problem.A_sp, problem.A_st]]),
         q=np.concatenate([problem.q_w, problem.q_s]),
@@ -247,7 +247,7 @@ def _share_forces(
             bearing=np.concatenate([normal.bearing, tangential.bearing]),
         )
         effects.append(both)
-    sharing = share(whole, effects, still.own_forces, still.links, still.cam, still.total)
+    sharing = share_forces(whole, effects, still.own_forces, still.links, still.cam, still.total)
     A, q, B, C, h = sharing.problem
     return FrictionalProblem(
         A_wp=A[:n, :n],

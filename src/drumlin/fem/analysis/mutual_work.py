@@ -107,14 +107,16 @@ def work_by_part(
     layers : materials of the parts by their names
     u, v : displacements (2 nodes,) [m]
     """
-    constants, directions = _constants(basis, layers), _directions(basis, layers)
+    constants, directions = _element_constants(basis, layers), _layer_directions(basis, layers)
     work = np.zeros(len(constants))
-    for sample in _samples(basis):
+    for sample in _element_samples(basis):
         along = None if directions is None else directions.along[sample.elements]
-        stress = _stress(sample.gradient(u), constants[sample.elements], along)
+        stress = _stress_of_gradients(sample.gradient(u), constants[sample.elements], along)
         strain = sample.gradient(v)
         work[sample.elements] = np.einsum("eqcd,eqcd,eq->e", stress, strain, sample.area)
-    return {name: float(work[elements].sum()) for name, elements in _mesh(basis).subdomains.items()}
+    return {
+        name: float(work[elements].sum()) for name, elements in _mesh_of(basis).subdomains.items()
+    }
 
 
 def change_by_nodes(
@@ -135,13 +137,16 @@ def change_by_nodes(
     moves : motions (k, 2 nodes) of the nodes per unit motion of a point
     axes : turns (k,) [rad/m] of the axis of a straight beam per unit motion of a point
     """
-    constants, directions = _constants(basis, layers), _directions(basis, layers)
+    constants, directions = _element_constants(basis, layers), _layer_directions(basis, layers)
     changes = np.zeros(len(moves))
-    for sample in _samples(basis):
+    for sample in _element_samples(basis):
         own = constants[sample.elements]
         along = None if directions is None else directions.along[sample.elements]
         of_u, of_v = sample.gradient(u), sample.gradient(v)
-        stress_u, stress_v = _stress(of_u, own, along), _stress(of_v, own, along)
+        stress_u, stress_v = (
+            _stress_of_gradients(of_u, own, along),
+            _stress_of_gradients(of_v, own, along),
+        )
         by_turn = None if along is None else _work_by_turn(of_u, of_v, own, along)
         # The areas grow by div V.
         work = np.einsum("eqcd,eqcd->eq", stress_u, of_v)
@@ -159,7 +164,7 @@ def change_by_nodes(
     return changes
 
 
-def _stress(H: Floats, constants: Floats, along: Floats | None) -> Floats:
+def _stress_of_gradients(H: Floats, constants: Floats, along: Floats | None) -> Floats:
     """The stress times width (e, q, 2, 2) [N/m] of displacement gradients.
 
     Parameters
@@ -172,13 +177,13 @@ def _stress(H: Floats, constants: Floats, along: Floats | None) -> Floats:
     volumetric = lam * np.trace(H, axis1=2, axis2=3)[..., None, None] * np.eye(2)
     stress = volumetric + mu * (H + H.swapaxes(2, 3))
     if along is not None:
-        for stiffer, d in ((a, along), (b, _through(along))):
+        for stiffer, d in ((a, along), (b, _vectors_through(along))):
             stretch = np.einsum("eqc,eqcd,eqd->eq", d, H, d)[..., None, None]
             stress = stress + stiffer * stretch * d[..., None] * d[..., None, :]
     return np.asarray(stress)
 
 
-def _through(along: Floats) -> Floats:
+def _vectors_through(along: Floats) -> Floats:
     """The unit vectors (..., 2) through layers, from the unit vectors along the layers."""
     return np.stack([-along[..., 1], along[..., 0]], axis=-1)
 
@@ -212,24 +217,24 @@ class _DirectionStrains(NamedTuple):
 
 def _direction_strains(H: Floats, constants: Floats, along: Floats) -> _DirectionStrains:
     """The strains of displacement gradients H (e, q, 2, 2) in the directions of the layers."""
-    a, b, through = constants[:, 2:3], constants[:, 3:4], _through(along)
+    a, b, through = constants[:, 2:3], constants[:, 3:4], _vectors_through(along)
     eps_along = np.einsum("eqc,eqcd,eqd->eq", along, H, along)
     eps_through = np.einsum("eqc,eqcd,eqd->eq", through, H, through)
     shear = np.einsum("eqc,eqcd,eqd->eq", along, H + H.swapaxes(2, 3), through)
     return _DirectionStrains(shear, a * eps_along - b * eps_through)
 
 
-def _constants(basis: Any, layers: Mapping[str, ElasticLayer]) -> Floats:
+def _element_constants(basis: Any, layers: Mapping[str, ElasticLayer]) -> Floats:
     """The elastic constants (elements, 4) [N/m] of `elasticity.split` of each element."""
     constants = np.zeros((basis.element_dofs.shape[1], 4))
-    for name, elements in _mesh(basis).subdomains.items():
+    for name, elements in _mesh_of(basis).subdomains.items():
         constants[elements] = split(layers[name].stiffness)
     return constants
 
 
-def _directions(basis: Any, layers: Mapping[str, ElasticLayer]) -> _Directions | None:
+def _layer_directions(basis: Any, layers: Mapping[str, ElasticLayer]) -> _Directions | None:
     """The directions of the layers of a body; None if all layers are isotropic."""
-    subdomains = _mesh(basis).subdomains
+    subdomains = _mesh_of(basis).subdomains
     if not any(has_directions(layers[name].elasticity) for name in subdomains):
         return None
     if isinstance(basis, ColumnGrid):
@@ -245,12 +250,12 @@ def _directions(basis: Any, layers: Mapping[str, ElasticLayer]) -> _Directions |
     return _Directions(np.moveaxis(along, 0, 2), curvature, straight)
 
 
-def _mesh(basis: Any) -> Any:
+def _mesh_of(basis: Any) -> Any:
     """The mesh of a basis, which knows the subdomains. A grid of columns is its own mesh."""
     return basis if isinstance(basis, ColumnGrid) else basis.mesh
 
 
-def _samples(basis: Any) -> Iterator[_Sample]:
+def _element_samples(basis: Any) -> Iterator[_Sample]:
     """The shape functions of all elements of a body, in chunks of elements that fit in memory."""
     if isinstance(basis, ColumnGrid):
         count = len(basis.ordered_dofs)

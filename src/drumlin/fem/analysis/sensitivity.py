@@ -643,7 +643,7 @@ def against_differences(
     """
     slopes = sensitivity(prepare(brake, elements=elements), brake, penalty=penalty)
     rows = []
-    for probe in _probes(brake, index, slopes):
+    for probe in _probed_slopes(brake, index, slopes):
         torques = []
         for step in (probe.step, -probe.step):
             changed = vary(brake, dict(probe.changes(step)))
@@ -655,7 +655,7 @@ def against_differences(
     return slopes, rows
 
 
-def _probes(brake: Brake, index: int, slopes: Sensitivity) -> list[_Probe]:
+def _probed_slopes(brake: Brake, index: int, slopes: Sensitivity) -> list[_Probe]:
     """The slopes that are compared with differences: by friction, and by data of shoe `index`."""
     shoe, own, key = brake.shoes[index], slopes.shoes[index], f"shoe[{index}]."
     gap, body = shoe.lining.clearance, shoe.body

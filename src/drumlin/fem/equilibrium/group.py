@@ -97,7 +97,9 @@ class ShoeGroup(GroupProblems):
             )
         except NoAnswer as error:
             # Nothing locks where a shared force falls to zero: the shoe leaves the drum there.
-            if isinstance(error, self_locking.PathEnded) and (refusal := self._pull_at(error.end)):
+            if isinstance(error, self_locking.PathEnded) and (
+                refusal := self._pull_text_at(error.end)
+            ):
                 raise PullNeeded(refusal) from error
             raise NoAnswer(f"{self.names}: {error}") from error
         for k, coordinates in enumerate(self.coordinates(contact)):
@@ -117,7 +119,7 @@ class ShoeGroup(GroupProblems):
             return self.scene.laws[i]
         return rigid.locking_friction(self.brake, shoe)
 
-    def _pull_at(self, end: self_locking.Limit) -> str:
+    def _pull_text_at(self, end: self_locking.Limit) -> str:
         """The text that refuses an answer whose end `end` comes as a shared force falls to zero.
 
         The text is empty if no shared force falls to zero.
@@ -146,7 +148,7 @@ class ShoeGroup(GroupProblems):
         try:
             return self._first_footing(first)
         except NoAnswer as error:
-            refusal = self._refusal()
+            refusal = self._refusal_text()
             if not refusal:
                 raise
             raise NoAnswer(refusal) from error
@@ -195,7 +197,7 @@ class ShoeGroup(GroupProblems):
         push = self.forces(contact.p)[k] * shoe.actuation.direction_vector
         return np.asarray(-shoe.frame.to_brake((drag * dragged - normal)[:2]) - push)
 
-    def _refusal(self) -> str:
+    def _refusal_text(self) -> str:
         """The text that refuses a group with rough feet at the end of its followed answer.
 
         The text is empty without rough feet, and if the answer does not end below this friction.
@@ -227,21 +229,21 @@ class ShoeGroup(GroupProblems):
         if not self.links and not self.cam and all(shoe.abutment is None for shoe in self.shoes):
             limit = self_locking.limit(self.sliding, most, areas=self.areas)
             return FollowedEnd(limit, lets_go="")
-        low, (at, contact) = self._least_friction(most)
+        low, (at, contact) = self._find_least_friction(most)
         end = self_locking.limit(at.sliding, most, (low, contact), self.areas)
         while low < (last := min(end.friction * (1 - NEAR_POLE), most)):
             high = min(low + FRICTION_STEP * max(1.0, low), last)
             after = at._settled_pushing(high)
             # Under more friction the group may settle again, but the followed answer ends here.
             if after is None:
-                return at._end_between(end, low, high)
+                return at._bisect_end(end, low, high)
             low = high
             if after.group.senses != at.senses:
                 at, contact = after
                 end = self_locking.limit(at.sliding, most, (low, contact), self.areas)
-        return FollowedEnd(end, lets_go=at._pull_at(end))
+        return FollowedEnd(end, lets_go=at._pull_text_at(end))
 
-    def _least_friction(self, most: float) -> tuple[float, SettledGroup]:
+    def _find_least_friction(self, most: float) -> tuple[float, SettledGroup]:
         """Find the least friction of the drum that has an answer, and the answer.
 
         The friction grows from 0 in steps of FRICTION_STEP. A foot may need friction of the drum to
@@ -265,7 +267,7 @@ class ShoeGroup(GroupProblems):
         pulls = found.group._pull_text(found.group.forces(found.contact.p))
         return None if pulls else found
 
-    def _end_between(self, end: self_locking.Limit, low: float, high: float) -> FollowedEnd:
+    def _bisect_end(self, end: self_locking.Limit, low: float, high: float) -> FollowedEnd:
         """Find the end of an answer by bisection between two frictions of the drum.
 
         Parameters

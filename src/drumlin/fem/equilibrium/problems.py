@@ -10,7 +10,7 @@ from drumlin.brake.brake import Shoe
 from drumlin.contact.active_set import Contact
 from drumlin.contact.equations import Problem
 from drumlin.contact.self_locking import Sliding
-from drumlin.fem.equilibrium.sharing import ForceEffects, Sharing, share
+from drumlin.fem.equilibrium.sharing import ForceEffects, Sharing, share_forces
 from drumlin.fem.equilibrium.state import GroupState
 from drumlin.fem.preparation.bodies import ShoeSubstructure
 
@@ -91,7 +91,7 @@ class GroupProblems(GroupState):
         if not self.links and not self.cam:
             return None
         blocks, effects = self.blocks(friction), self.force_effects(friction)
-        return share(blocks, effects, self.own_forces, self.links, self.cam, self.total)
+        return share_forces(blocks, effects, self.own_forces, self.links, self.cam, self.total)
 
     def force_effects(self, friction: float) -> list[ForceEffects]:
         """The effects of each shoe's actuation force, which are linear in the friction."""

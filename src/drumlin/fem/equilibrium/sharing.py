@@ -96,7 +96,7 @@ class _Forces(NamedTuple):
     by_pressure: Floats
 
 
-def share(
+def share_forces(
     blocks: Problem,
     shoes: list[ForceEffects],
     own: Floats,
