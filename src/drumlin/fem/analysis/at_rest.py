@@ -229,7 +229,7 @@ def _share_forces(
     shoes : the matrices of tractions on each shoe
     """
     n = len(problem.q_w)
-    # The n pressures and n tractions together are the unknowns of one contact problem for `share_forces`.
+    # `share_forces` takes the n pressures and n tractions as the unknowns of one contact problem.
     whole = equations.Problem(
         A=np.block([[problem.A_wp, problem.A_wt], [problem.A_sp, problem.A_st]]),
         q=np.concatenate([problem.q_w, problem.q_s]),

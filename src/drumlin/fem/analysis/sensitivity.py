@@ -297,8 +297,9 @@ class _ShoeSlopes:
     def _moduli_slopes(self, by_penalty: float) -> tuple[dict[str, float], float | None]:
         """The slopes [N m] of the torque by the moduli of each part, and by the bending stiffness.
 
-        The second slope is None if the brake file gives no bending stiffness. The lining's modulus E also changes the contact stiffness alpha E/t. The slope `by_penalty`
-        [N m] by the contact stiffness is therefore a part of the slope by the lining's modulus.
+        The second slope is None if the brake file gives no bending stiffness. The lining's modulus
+        E also changes the contact stiffness alpha E/t. The slope `by_penalty` [N m] by the contact
+        stiffness is therefore a part of the slope by the lining's modulus.
         """
         u, v = self.displacements
         effects: dict[str, float] = {}
