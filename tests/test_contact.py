@@ -12,9 +12,9 @@ from drumlin.contact.equations import (
     Changed,
     Equations,
     Problem,
+    bordering_pays,
     condition,
     equilibrated,
-    few_changed,
 )
 
 
@@ -216,7 +216,7 @@ def test_followed_from_wider_gaps_the_contact_is_that_of_the_answer(n, seed, ske
     A, x = p_matrix(rng, n, skew), rng.uniform(0.2, 1.0, n)
     motion = (-x[:, None], -x[None], np.array([-1.0])) if hinged else free(A, x)[2:]
     problem = Problem(A, rng.normal(size=n), *motion)
-    active, steps = active_set.narrowed(problem)
+    active, steps = active_set.follow_from_wider_gaps(problem)
     found = active_set.settle(problem, active)
     assert found.steps == 1
     assert steps <= 10 * n
@@ -230,7 +230,7 @@ def test_followed_from_wider_gaps_the_contact_is_that_of_the_answer(n, seed, ske
 def test_followed_from_wider_gaps_a_contact_without_answer_never_arrives():
     """A spring that softens as it is pressed, w = -1 - p: no pressure closes it."""
     with pytest.raises(NoAnswer, match="never reaches"):
-        active_set.narrowed(free([[-1.0]], [-1.0]))
+        active_set.follow_from_wider_gaps(free([[-1.0]], [-1.0]))
 
 
 @pytest.mark.parametrize(
@@ -249,7 +249,7 @@ def test_a_path_that_turns_back_is_followed_to_the_only_answer(A, q, p):
     """Gaps grow again on the way, in the last case twice; the answers are the only ones of all
     eight contact sets.
     """
-    active, steps = active_set.narrowed(free(A, q))
+    active, steps = active_set.follow_from_wider_gaps(free(A, q))
     assert active.tolist() == [value > 0 for value in p]
     assert steps <= 5
     assert active_set.settle(free(A, q), active).p == pytest.approx(p, rel=1e-9)
@@ -268,7 +268,7 @@ def test_wrong_nodes_that_do_not_become_fewer_are_given_up_after_five_steps_more
     assert end.value.steps == 7
     with pytest.raises(active_set.NotSettled, match="after 2 steps"):
         active_set.settle(cycle, start, most=2)
-    _, followed = active_set.narrowed(cycle)
+    _, followed = active_set.follow_from_wider_gaps(cycle)
     assert active_set.solve(cycle, start).steps == 7 + followed + 1
 
 
@@ -307,7 +307,7 @@ def test_nodes_that_the_actuation_closes_first():
     A, q, B, C, h = hinged_twice()
 
     def first(*changed, **more):
-        return active_set._first_touch(Problem(A, *changed), **more)
+        return active_set._first_touching_set(Problem(A, *changed), **more)
 
     assert first(q, B, C, h).tolist() == [True, True, False]
     assert first(np.array([0.5, 0.2, 0.5]), B, C, h).tolist() == [True, True, True]  # at once
@@ -388,7 +388,7 @@ def test_coarse_problems_are_those_on_every_other_node():
         P[-1] = P[-1] if n % 2 else [0, 0, 0.5]
         assert active_set.halved_sums(rows) == pytest.approx(P.T @ rows)
         assert active_set.halved_sums(rows.T, 1) == pytest.approx((P.T @ rows).T)
-        assert active_set.between(rows[: (n + 1) // 2, 0], n) == pytest.approx(
+        assert active_set.interpolated(rows[: (n + 1) // 2, 0], n) == pytest.approx(
             P @ rows[: (n + 1) // 2, 0]
         )
     assert active_set.coarse_start(free(np.eye(47), np.ones(47))).all()
@@ -404,7 +404,7 @@ def test_a_few_changed_nodes_use_the_factors_that_there_are():
     def changed(base, count):
         return base.on ^ (np.arange(len(base.on)) < count)
 
-    base, few = start(BORDERED_ABOVE + 8), few_changed
+    base, few = start(BORDERED_ABOVE + 8), bordering_pays
     assert few(base, changed(base, BORDERED_ABOVE // 8))
     # More than an eighth of the nodes that are on.
     assert not few(base, changed(base, BORDERED_ABOVE // 8 + 1))
@@ -424,8 +424,10 @@ def test_pairs_of_nodes_that_carry_no_two_motions_are_passed_over_in_silence():
     B = np.array([[1.0, 0.0], [1.0, 0.5], [2.0, 0.0], [1.0, 1.0]])
     for h in ([1.0, 0.3], [1.0, -0.1]):
         with pytest.raises(NoAnswer, match="cannot balance"):
-            active_set._first_nodes(np.full(4, 0.1), B, -B.T, np.array(h), np.ones(4, dtype=bool))
-    first = active_set._first_nodes(
+            active_set._first_touching_nodes(
+                np.full(4, 0.1), B, -B.T, np.array(h), np.ones(4, dtype=bool)
+            )
+    first = active_set._first_touching_nodes(
         np.full(4, 0.1), B, -B.T, np.array([-1.0, -0.3]), np.ones(4, dtype=bool)
     )
     assert len(set(first)) == 2

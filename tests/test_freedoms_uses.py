@@ -55,7 +55,7 @@ def test_a_foot_on_a_rough_face_sticks_and_slips_as_the_linings_do(spin: int) ->
     scene = prepare(brake, elements=12)
     (group,) = grouped(scene, brake, [0], 1e6)
     problem, lever = holding_problem(group)
-    mu = Feet.of(group).friction()
+    mu = Feet.of(group).node_friction()
     assert mu[-1] == 0.2
     assert lever[-1] == 0
     end, n = full_slip_rotation(scene, brake), len(lever)

@@ -141,7 +141,9 @@ def test_every_increment_obeys_contact_and_friction():
     assert kinds == {0, 1, 2, 3}
 
 
-@pytest.mark.parametrize("left", [("_newton",), ("_newton", "_followed")])
+@pytest.mark.parametrize(
+    "left", [("_solve_by_newton",), ("_solve_by_newton", "_follow_from_states")]
+)
 def test_both_paths_lead_to_the_answer_of_newtons_method(monkeypatch, left):
     """From the states at hand, and from wide gaps."""
     for seed in range(2):

@@ -197,7 +197,7 @@ def test_solve_is_the_drum_that_slides_already_as_the_force_comes_on(count: int)
             nothing, n = np.zeros(len(lever)), group.node_ranges[-1].stop
             slips = np.full(n, FORWARD if brake.spin > 0 else BACKWARD)
             start = np.append(slips, np.full(len(feet.on), STICK))
-            at = stick_slip.solve(slid, feet.friction(), History(nothing, nothing), start)
+            at = stick_slip.solve(slid, feet.node_friction(), History(nothing, nothing), start)
             assert STICK not in at.state[:n]
             _, found = group.settled()
             assert group.levers.T @ at.p[:n] == pytest.approx(group.levers.T @ found.p, rel=1e-6)

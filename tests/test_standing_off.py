@@ -93,7 +93,7 @@ def test_a_shoe_that_another_one_pushes_touches_where_this_push_presses_it():
     problem = Problem(1e-6 * np.eye(4), np.array([1.0, 3.0, 1.0, 1.0]), B, C, np.array([-1.0, 0.0]))
     found = active_set.solve(problem, np.zeros(4, dtype=bool))
     np.testing.assert_allclose(found.p, [1.0, 0.0, 0.5, 0.0], atol=1e-9)
-    np.testing.assert_array_equal(active_set.narrowed(problem)[0], found.active)
+    np.testing.assert_array_equal(active_set.follow_from_wider_gaps(problem)[0], found.active)
 
 
 @pytest.mark.parametrize("seed", partly(range(1, 7), ()))

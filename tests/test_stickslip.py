@@ -15,7 +15,7 @@ from drumlin.brake.file import read_brake, vary
 from drumlin.contact import equations, stick_slip
 from drumlin.contact.stick_slip import BACKWARD, FORWARD, OPEN, STICK, FrictionalProblem, History
 from drumlin.fem.analysis.at_rest import holding_problem
-from drumlin.fem.analysis.holding import as_dict, full_slip_rotation, hold, turned
+from drumlin.fem.analysis.holding import as_dict, full_slip_rotation, hold, turn_drum
 from drumlin.fem.equilibrium.group import ShoeGroup
 from drumlin.fem.model import respond
 from drumlin.fem.preparation.prepare import prepare
@@ -127,7 +127,7 @@ def test_the_equations_of_the_found_states_hold_and_their_tangent_agrees_with_di
     rest = History(np.zeros(n), np.zeros(n))
     mu = 0.3
     found = stick_slip.solve(problem, mu, rest, np.full(n, STICK))
-    for found_next in turned(problem, lever / 2000.0, mu, found, 0.0, rotation):
+    for found_next in turn_drum(problem, lever / 2000.0, mu, found, 0.0, rotation):
         before, state, found = found.history, found.state, found_next
     moved = problem._replace(q_s=problem.q_s + lever * rotation / 2000.0)
     assert (np.abs(found.t) <= mu * found.p + 1e-8 * found.p.max()).all()
@@ -305,14 +305,14 @@ def test_a_ring_takes_part_in_holding():
     assert states[-1].torque == pytest.approx(respond(scene, spec).torque, rel=1e-9)
 
 
-@pytest.mark.parametrize("way", [stick_slip._followed, stick_slip._closed])
+@pytest.mark.parametrize("way", [stick_slip._follow_from_states, stick_slip._follow_from_wide_gaps])
 def test_a_path_ends_at_an_answer_also_where_it_turns_back(way, monkeypatch):
     """Four nodes on random elastic bodies, mu = 1: on a tenth of the paths the load grows again
     before it falls.
     """
-    monkeypatch.setattr(stick_slip, "_newton", way)
-    monkeypatch.setattr(stick_slip, "_followed", way)
-    monkeypatch.setattr(stick_slip, "_closed", way)
+    monkeypatch.setattr(stick_slip, "_solve_by_newton", way)
+    monkeypatch.setattr(stick_slip, "_follow_from_states", way)
+    monkeypatch.setattr(stick_slip, "_follow_from_wide_gaps", way)
     n, none = 4, np.zeros(0)
     for seed in range(100):
         rng = np.random.default_rng(seed)

@@ -26,7 +26,7 @@ from drumlin.fem.preparation.cache import shape_of
 from drumlin.fem.preparation.scene import PreparedModel, clock
 from drumlin.fem.substructure.loads import ACTUATION
 from drumlin.laws.rigid import cam_notes
-from drumlin.response.balance import borne, relative_balance, worst
+from drumlin.response.balance import guide_moments, relative_balance, worst
 from drumlin.response.response import (
     NEITHER,
     Balance,
@@ -482,7 +482,7 @@ def _shoe_balance(solution: _ShoeSolution, acting: _ActingForces) -> Balance:
     ]
     if shoe.guide is not None:
         length = group.brake.scale_factor * (shoe.lining.end - shoe.lining.start)
-        moments += [acting.twist, *borne(solution.force, length)]
+        moments += [acting.twist, *guide_moments(solution.force, length)]
     balance = relative_balance([acting.contact[:2], acting.reaction, acting.push], moments)
     if shoe.held_by == "hinge":
         return balance

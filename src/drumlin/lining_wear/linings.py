@@ -219,7 +219,7 @@ def foundation_setup(
     reason = foundation.why_not(brake)
     if reason is not None:
         raise BadInput(f"foundation does not apply to this brake: {reason}")
-    names = foundation.lifted(brake, lift)
+    names = foundation.included_effects(brake, lift)
     touching = [i for i, shoe in enumerate(brake.shoes) if pressing_moment(shoe) > 0]
     # Shoes influence each other through an elastic ring that each shoe's own pressure deforms.
     meet = brake.ring is not None and "own-pressure" in names

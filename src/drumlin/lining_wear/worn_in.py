@@ -44,7 +44,7 @@ from drumlin.brake.fields import Rows, rows_of
 from drumlin.fem.model import PENALTY, respond
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.solve import scene_of
-from drumlin.foundation.model import RING_SECTIONS, lifted, system
+from drumlin.foundation.model import RING_SECTIONS, included_effects, system
 from drumlin.foundation.post import shoe_angles
 from drumlin.laws import sine
 from drumlin.lining_wear.archard import WearInterface, WearLaw, steady
@@ -186,7 +186,7 @@ def worn_in_foundation(
     NoAnswer
         for a self-locking shoe
     """
-    names, law = lifted(brake, lift), sine(brake)
+    names, law = included_effects(brake, lift), sine(brake)
     fitting = fitted(brake, drum=True)
     shoes = list(range(len(brake.shoes)))
     gaps: dict[int, Rows] = {}

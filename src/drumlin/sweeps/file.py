@@ -24,7 +24,7 @@ from drumlin.brake.file import is_interval, read_toml, unit_of, validated, value
 from drumlin.brake.plane_brake import any_from, read_any
 from drumlin.brake.units import to_si
 from drumlin.fem.mesh.content import mesh_bytes
-from drumlin.foundation.model import lifted
+from drumlin.foundation.model import included_effects
 from drumlin.models import MODELS
 from drumlin.sweeps.cases import SweepCase, mesh_files, names_mesh
 from drumlin.sweeps.options import MODEL_OPTIONS
@@ -223,7 +223,7 @@ def _checked_models(
         models[name] = checked.model_dump(exclude_none=True)
         # The foundation model refuses a brake on a plane altogether, as its `why_not` says later.
         if "lift" in models[name] and not brake.surface.straight:
-            lifted(brake, models[name]["lift"])
+            included_effects(brake, models[name]["lift"])
     return models
 
 
