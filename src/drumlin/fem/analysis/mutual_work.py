@@ -27,10 +27,10 @@ import numpy as np
 
 from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.brake.elasticity import ElasticLayer, has_directions
-from drumlin.fem.hp.element import element, gauss_points, gradients
+from drumlin.fem.hp.element import gauss_points, gradients, reference_element
 from drumlin.fem.hp.grid import ColumnGrid
 from drumlin.fem.substructure.body import points_of, values_of
-from drumlin.fem.substructure.elasticity import split
+from drumlin.fem.substructure.elasticity import split_elasticity
 
 SAMPLE_CHUNK = 500
 """Elements of a grid whose gradients are held at once: a few megabytes at degree 8. Fewer elements
@@ -157,7 +157,7 @@ def _stress(H: Floats, constants: Floats, along: Floats | None) -> Floats:
     Parameters
     ----------
     H : the gradients
-    constants : (e, 4) of `elasticity.split` [N/m]
+    constants : (e, 4) of `elasticity.split_elasticity` [N/m]
     along : unit vectors (e, q, 2) along the layers; None where all layers are isotropic
     """
     lam, mu, a, b = constants.T[:, :, None, None, None]
@@ -181,7 +181,7 @@ def _work_by_turn(of_u: Floats, of_v: Floats, constants: Floats, along: Floats) 
     Parameters
     ----------
     of_u, of_v : gradients (e, q, 2, 2)
-    constants : (e, 4) of `elasticity.split` [N/m]
+    constants : (e, 4) of `elasticity.split_elasticity` [N/m]
     along : unit vectors (e, q, 2)
     """
     of_first = _direction_strains(of_u, constants, along)
@@ -208,10 +208,10 @@ def _direction_strains(H: Floats, constants: Floats, along: Floats) -> _Directio
 
 
 def _constants(basis: Any, layers: Mapping[str, ElasticLayer]) -> Floats:
-    """The constants of `elasticity.split` times the width of each element (elements, 4) [N/m]."""
+    """The constants of `elasticity.split_elasticity` times the width of each element (elements, 4) [N/m]."""
     constants = np.zeros((basis.element_dofs.shape[1], 4))
     for name, elements in _mesh(basis).subdomains.items():
-        constants[elements] = split(layers[name].stiffness)
+        constants[elements] = split_elasticity(layers[name].stiffness)
     return constants
 
 
@@ -245,7 +245,7 @@ def _samples(basis: Any) -> Iterator[_Sample]:
             own = slice(first, first + SAMPLE_CHUNK)
             slopes, area = gradients(basis.element_nodes[own], basis.degree)
             elements, dofs = np.arange(count)[own], basis.ordered_dofs[own]
-            yield _Sample(elements, dofs, slopes, element(basis.degree).values, area)
+            yield _Sample(elements, dofs, slopes, reference_element(basis.degree).values, area)
         return
     slopes = np.array([psi[0].grad for psi in basis.basis]).transpose(2, 1, 0, 3)
     elements = np.arange(basis.mesh.nelements)

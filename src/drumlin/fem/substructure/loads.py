@@ -3,7 +3,7 @@
 A body is condensed once for all unit loads that its model needs. Each load has a name and as many
 columns as components. The actuation has three: unit force x, unit force y and unit couple on the
 loaded end, or on the frame of a body whose back is held. A further force, or a thermal strain, adds
-one more name. A caller that combines the columns names the loads that act and receives the factors
+one more name. A caller that combines the columns names the acting loads and receives the factors
 of all columns.
 """
 
@@ -21,13 +21,16 @@ ACTUATION = "actuation"
 
 @dataclass(frozen=True)
 class LoadColumns:
-    """The columns of a body's unit loads: `sizes` has the name and number of columns of each."""
+    """The columns of a body's unit loads.
+
+    `sizes` has the name of each load and the number of its columns.
+    """
 
     sizes: tuple[tuple[str, int], ...] = ()
 
     @classmethod
     def of(cls, loads: Mapping[str, Floats]) -> "LoadColumns":
-        """The columns of loads (unknowns, k) by name."""
+        """The load columns of unit loads (unknowns, k), which are given by name."""
         return cls(tuple((name, forces.shape[1]) for name, forces in loads.items()))
 
     @cached_property
@@ -38,11 +41,11 @@ class LoadColumns:
 
     @property
     def count(self) -> int:
-        """Number of all columns."""
+        """Number of columns of all loads together."""
         return sum(size for _, size in self.sizes)
 
     def factors(self, acting: Mapping[str, Floats]) -> Floats:
-        """Factors (l,) of all columns, zero for the loads that do not act.
+        """Factors (l,) by which all columns are multiplied, zero for loads that do not act.
 
         Parameters
         ----------
@@ -64,5 +67,5 @@ class LoadColumns:
 
 
 def stacked_loads(loads: Mapping[str, Floats], unknowns: int) -> Floats:
-    """The columns (unknowns, l) of all loads, one after the other."""
+    """The columns (unknowns, l) of all loads side by side, in the order of the loads."""
     return np.concatenate([np.zeros((unknowns, 0)), *loads.values()], axis=1)
