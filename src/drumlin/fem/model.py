@@ -44,43 +44,53 @@ if TYPE_CHECKING:
     from drumlin.fem.error_control.refinement import Refined
 
 DOUBLE = float(np.finfo(float).eps)
-"""Relative spacing of double-precision numbers: no refined answer is said to be more certain."""
+"""Relative spacing of double-precision numbers; no refined answer is stated to be more certain."""
 OVERLAP = 0.01
-"""Fraction of the lining's thickness by which a mesh may lie in the drum without a warning. Above it
-the pressure is noticeably that of a lining squeezed into place. It changes no answer.
+"""Fraction of the lining's thickness by which a mesh may lie in the drum without a warning.
+
+Above it the pressure is noticeably that of a lining squeezed into place. It changes no answer.
 """
 PENALTY = 1e8
-"""Default penalty factor alpha: the contact stiffness per area is alpha E/t of the lining. The
-penetration p/eps is then 1e-8 of the lining's own compression p t/E, and the pressure is off by
-about the same fraction, or by more in a contact that is short beside the lining's thickness. Each
-response states by how much.
+"""Default penalty factor alpha: the contact stiffness per area is alpha E/t of the lining.
+
+The penetration is then 1e-8 of the lining's own compression p t/E. The pressure is off by about the
+same fraction, or by more in a contact that is short beside the lining's thickness. Each response
+states by how much.
 """
 LARGEST_ANSWER_IMBALANCE = 1e-8
 """Imbalance of forces and moments, relative to the largest of them, up to which an answer stands.
+
 Above it the substructures have lost too many digits, and the answer is refined. A refined answer
 above it is refused.
 """
 LARGEST_LOSS = 1e-5
-"""Round-off error of the pressure, relative, up to which an answer needs no refinement. On a mesh,
-which states no error, a refined answer above it is refused. The discretisation error of a mesh is
-some hundred times larger, and hp elements state ten times the loss. The value is a judgement, and
-the refusal prints the loss.
+"""Round-off error of the pressure, relative, up to which an answer needs no refinement.
+
+On a mesh, which states no error, a refined answer above it is refused. The discretisation error of
+a mesh is some hundred times larger, and hp elements state ten times the loss. The value is a
+judgement, and the refusal prints the loss.
 """
 MOST_LOSS = 1e-3
-"""Round-off error of the pressure, relative, up to which an answer on hp elements stands that cannot
-be refined, or has been. Its stated error contains ten times the loss, 1 %. An answer that has lost
-more is refused. The value is a judgement, and the refusal prints the loss.
+"""Round-off error of the pressure, relative, up to which an answer on hp elements stands.
+
+It holds for answers that have been refined, or cannot be. Their stated error contains ten times the
+loss, 1 %. An answer that has lost more is refused. The value is a judgement, and the refusal prints
+the loss.
 """
 MAX_REFINED = 240_000
-"""Unknowns of a group times their degree squared up to which answers on hp elements are refined.
+"""Unknowns of a group times their degree squared up to which hp elements are refined.
+
 The refinement then takes seconds. Above it the fill-in of the factors grows with the square.
 """
 SETTLED_CORRECTION = 1e-10
-"""Relative correction of the pressures below which a refinement is taken as converged. Above it the
-other form of the full system is tried as well, and the better answer is taken.
+"""Relative correction of the pressures below which a refinement is taken as converged.
+
+Above it the other form of the full system is tried as well, and the better answer is taken.
 """
 TOO_FAR = "stiffnesses or sizes are too far apart for the arithmetic"
+"""Reason that is printed where an answer has lost too many digits by round-off."""
 REFINED = "refined in the whole system, condensed it loses digits"
+"""Remark that is printed with an answer that iterative refinement has corrected."""
 
 
 def respond(
@@ -91,17 +101,17 @@ def respond(
     Parameters
     ----------
     scene : the prepared model
-    brake : the brake, which may differ from that of the model in friction, rotation, load, clearance
+    brake : the brake; its friction, rotation, load and clearance may differ from the model's
     penalty : factor alpha of the contact stiffness alpha E/t per area; math.inf for exact contact
-    start : response of a similar brake or on another mesh, whose contact is the first guess; it saves
-        steps and does not change the answer
+    start : response of a similar brake or on another mesh, whose contact is the first guess; it
+        saves steps and does not change the answer
 
     Raises
     ------
     BadInput
         for a brake that is not that of the prepared model
     NoAnswer
-        self-locking, no equilibrium, not converged
+        where the brake locks itself, has no equilibrium, or the contact does not converge
     """
     check_penalty(penalty)
     if brake is not scene.brake:
@@ -135,11 +145,13 @@ def _check_same(scene: PreparedModel, brake: Brake) -> None:
     """Raise BadInput for a brake whose substructures are not those of the prepared model."""
     if [shape_of(brake, shoe) for shoe in brake.shoes] != scene.shapes:
         raise BadInput(
-            "the brake differs from the prepared scene in more than friction, rotation, load, clearance"
+            "the brake differs from the prepared scene in more than "
+            "friction, rotation, load, clearance"
         )
     if brake.friction > 0 and scene.brake.friction == 0:
         raise BadInput(
-            f"friction = {brake.friction:g}: the scene was prepared without friction, for mu = 0 only"
+            f"friction = {brake.friction:g}: the scene was prepared without friction, "
+            "for mu = 0 only"
         )
     if brake.ring != scene.brake.ring:
         raise BadInput("the brake's drum.ring differs from that of the prepared scene")
@@ -162,17 +174,18 @@ def _overlap_warnings(scene: PreparedModel, brake: Brake) -> Iterator[str]:
         deep = -float(shoe.off(body.line.xy, brake.size).min())
         if deep > OVERLAP * shoe.lining.thickness:
             yield (
-                f"warning: shoe {shoe.name!r}: the contact line of its mesh lies up to {mm(deep)} in the "
-                f"{shoe.surface.word}; its pressure is that of the lining squeezed out of there"
+                f"warning: shoe {shoe.name!r}: the contact line of its mesh lies up to "
+                f"{mm(deep)} in the {shoe.surface.word}; its pressure is that of the lining "
+                "squeezed out of there"
             )
 
 
 def _mesh_notes(
     scene: PreparedModel, brake: Brake, responses: Sequence[ShoeResponse]
 ) -> Iterator[str]:
-    """Lines about the mesh files: what was passed over, moved, and counts as a gap.
+    """Lines about the mesh files: what was left out, what was moved, and what counts as a gap.
 
-    Raises BadInput for a contact line that is no shape of a lining.
+    Raises BadInput for a contact line that does not have the shape of a lining.
     """
     for body, shoe, response in zip(scene.bodies, brake.shoes, responses, strict=True):
         if body.of_file is not None:
@@ -209,12 +222,20 @@ def _support_text(shoe: Shoe, bar: Bar, size: float) -> str:
     )
 
 
-# The answers of a group of shoes
+# Answers of a group of shoes, from its substructures or refined
 
 
 @dataclass(frozen=True)
 class _ShoeAnswer:
-    """The response of a shoe, the balance of its forces, the steps of its contact, and its line."""
+    """The answer of one shoe: its response, and what is printed about it.
+
+    Attributes
+    ----------
+    response : response of the shoe
+    balance : imbalance of its forces and moments
+    steps : steps of the contact algorithm
+    note : the line on its contact
+    """
 
     response: ShoeResponse
     balance: Balance
@@ -259,7 +280,8 @@ class _ShoeSolution(NamedTuple):
 
 def _untouched_answer(shoe: Shoe) -> _ShoeAnswer:
     """The answer of a shoe that its force does not press on the drum."""
-    note = f"shoe {shoe.name!r}: no contact, the force does not turn it towards the {shoe.surface.word}"
+    word = shoe.surface.word
+    note = f"shoe {shoe.name!r}: no contact, the force does not turn it towards the {word}"
     return _ShoeAnswer(untouched(shoe, -shoe.actuation.vector), Balance(0.0, 0.0), 0, note)
 
 
@@ -270,16 +292,15 @@ def _group_answers(group: ShoeGroup, start: Response | None) -> dict[int, _ShoeA
     """
     first = None
     if start is not None:
-        parts = [_touching(group, k, start) for k in range(len(group.members))]
+        parts = [_nodes_touching(group, k, start) for k in range(len(group.members))]
         first = np.concatenate(parts)
     settled = group.settled(first)
     solution = _condensed_solution(*settled)
     answers = _shoe_answers(solution)
     if settled.group.sharing is not None:
         if not _imbalance(answers) < LARGEST_ANSWER_IMBALANCE:
-            raise LostDigits(
-                f"{settled.group.names}: lost digits, it balances only to {_imbalance(answers):.1e}; {TOO_FAR}"
-            )
+            balance = f"it balances only to {_imbalance(answers):.1e}"
+            raise LostDigits(f"{settled.group.names}: lost digits, {balance}; {TOO_FAR}")
         return answers
     refinable = _refinable(settled.group)
     # On a solid the full system is never assembled.
@@ -304,7 +325,7 @@ def _condensed_solution(group: ShoeGroup, contact: Contact) -> _GroupSolution:
         pressures=[size * contact.p[part] for part in group.node_ranges],
         coordinates=[size * y for y in coordinates],
         forces=size * group.forces(contact.p),
-        changes=size * _changes(group, contact, coordinates),
+        changes=size * _pressure_changes(group, contact, coordinates),
         steps=contact.steps,
         refined=False,
     )
@@ -348,8 +369,8 @@ def _refined_answers(solution: _GroupSolution, contact: Contact) -> dict[int, _S
         lost, most = _largest_loss(answers), MOST_LOSS
     if lost >= most or not imbalance < LARGEST_ANSWER_IMBALANCE:
         raise LostDigits(
-            f"{group.names}: lost digits, even refined its pressure is certain only to {lost:.1e} and balances to "
-            f"{imbalance:.1e}; {TOO_FAR}"
+            f"{group.names}: lost digits, even refined its pressure is certain only to "
+            f"{lost:.1e} and balances to {imbalance:.1e}; {TOO_FAR}"
         )
     return answers
 
@@ -367,12 +388,12 @@ def _imbalance(answers: dict[int, _ShoeAnswer]) -> float:
 
 
 def refined_group(group: ShoeGroup, active: Bools, order: str = "COLAMD") -> "Refined":
-    """The answer of a group to all digits: the full system, refined from a contact set.
+    """The answer of a group to all digits, by iterative refinement of the full system.
 
     Parameters
     ----------
     group : the group, settled
-    active : the contact set (n,)
+    active : (n,) whether each contact node touches at the start of the refinement
     order : of the elimination, by SuperLU's names
 
     Raises
@@ -412,7 +433,10 @@ def _shoe_answers(solution: _GroupSolution) -> dict[int, _ShoeAnswer]:
 
 
 def _shoe_answer(solution: _ShoeSolution, steps: int) -> _ShoeAnswer:
-    """The answer of a shoe. Raises NoAnswer where its cam or strut would have to pull it."""
+    """The answer of one shoe of a group.
+
+    Raises NoAnswer where the shoe's cam or strut would have to pull it.
+    """
     group, shoe = solution.group, solution.group.shoes[solution.k]
     if group.sharing is not None and solution.force < NO_PUSH * group.unit_force:
         raise NoAnswer(f"shoe {shoe.name!r}: {WOULD_PULL}")
@@ -431,11 +455,11 @@ class _ActingForces(NamedTuple):
 
     Attributes
     ----------
-    normal : force x, y [N] and moment about the centre [N m] of the pressures, on the drum, (3,)
-    contact : force x, y [N] and moment about the centre [N m] of the drum on the lining, (3,)
-    push : the actuation (2,) [N]
+    normal : (3,) force x, y [N] and moment about the centre [N m] of the pressures on the drum
+    contact : (3,) force x, y [N] and moment about the centre [N m] of the drum on the lining
+    push : (2,) force of the actuation [N]
     push_moment : moment of the actuation about the pin [N m]
-    reaction : of the support (2,) [N]
+    reaction : (2,) force of the support [N]
     twist : moment of a guide [N m]; 0 for other supports
     """
 
@@ -503,14 +527,14 @@ def _virtual_work_imbalance(solution: _ShoeSolution) -> float:
 
 
 class _ArithmeticErrors(NamedTuple):
-    """The penalty error and the round-off error of a shoe's answer, relative."""
+    """The relative errors of a shoe's answer by the penalty and by round-off."""
 
     penalty: ShoeChange
     round_off: ShoeChange
 
 
 def _arithmetic_errors(solution: _ShoeSolution, acting: _ActingForces) -> _ArithmeticErrors:
-    """The penalty error and the round-off error of a shoe's answer."""
+    """The relative errors of a shoe's answer by the penalty and by round-off."""
     normal_force = math.hypot(*acting.normal[:2])
     size = reaction_size(acting.reaction, normal_force)
     by_penalty, by_round_off = _relative_changes(solution, size)
@@ -520,7 +544,7 @@ def _arithmetic_errors(solution: _ShoeSolution, acting: _ActingForces) -> _Arith
 
 
 def _shoe_note(solution: _ShoeSolution, errors: _ArithmeticErrors) -> str:
-    """The line on a shoe's contact: its penetration, the penalty's effect, and a refinement."""
+    """The line on a shoe's contact: its penetration, the penalty's effect, and any refinement."""
     group, k, p = solution.group, solution.k, solution.p
     shoe, lever = group.shoes[k], group.bodies[k].coupling.lever
     contact = "exact contact, no penetration"
@@ -577,8 +601,8 @@ def _shoe_response(
 # Penalty error and round-off error
 
 
-def _changes(group: ShoeGroup, contact: Contact, coordinates: Sequence[Floats]) -> Floats:
-    """The change of the pressures (2, n), to first order, by the penalty and by round-off.
+def _pressure_changes(group: ShoeGroup, contact: Contact, coordinates: Sequence[Floats]) -> Floats:
+    """The first-order change of all pressures (2, n) by the penalty and by round-off.
 
     The effect of the contact's compliance x = 1/alpha grows as x/(1 + x), and its tangent as
     x/(1 + x)^2. Digits that the elimination of the substructures has lost move the contact as if it
@@ -632,7 +656,7 @@ def _weight_inside(shoe: Shoe, phi: Floats, area: Floats) -> Floats:
     return np.where(inside, area, 0.0)
 
 
-def _touching(group: ShoeGroup, k: int, start: Response) -> Bools:
+def _nodes_touching(group: ShoeGroup, k: int, start: Response) -> Bools:
     """The contact nodes of shoe `k` of a group within the contact arcs of an earlier response."""
     theta = group.shoes[k].frame.theta(group.bodies[k].line.phi)
     touching = np.zeros(len(theta), dtype=bool)

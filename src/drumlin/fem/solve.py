@@ -24,7 +24,7 @@ from drumlin.response.merit import with_merits
 from drumlin.response.response import Response
 
 REPORTED_IMBALANCE = 1e-8
-"""Imbalance of p(theta) beyond that of the nodal forces, relative, above which a note is written.
+"""Imbalance of p(theta), relative and beyond that of the nodal forces, above which a note is given.
 
 Elements with straight or parabolic sides lie a little off the round drum, so that p(theta) on the
 drum balances worse than the forces at the nodes. The value changes no answer.
@@ -46,11 +46,11 @@ def solve(
     Parameters
     ----------
     brake : the brake
-    elements : finite elements along each lining; the brake is then solved on one mesh, without
-        estimate
-    kind : of the finite elements; the brake is then solved on one mesh, too, as with a mesh file
-    tolerance : of the estimated relative errors of p (L2, outside the edge zones) and of the torque;
-        by default DEFAULT, or the error that is reached
+    elements : number of finite elements along each lining; the brake is then solved on one mesh,
+        without error estimate
+    kind : kind of the finite elements; the brake is then solved on one mesh, as with a mesh file
+    tolerance : tolerance of the estimated relative errors of p (L2, outside the edge zones) and of
+        the torque; by default DEFAULT, or the error that is reached
     penalty : factor alpha of the contact stiffness alpha E/t
     finite_width : whether the linings' moduli are corrected for the widths of the shoes, see
         fem/preparation/finite_width.py
@@ -59,9 +59,10 @@ def solve(
     Raises
     ------
     BadInput
-        for `elements` or a `kind` together with a tolerance, and as `check_divided` does
+        for `elements` or a `kind` together with a tolerance, and for those that `check_divided`
+        refuses
     NoAnswer
-        where the tolerance is not reached, and as `respond` does
+        where the tolerance is not reached, and where `respond` has no answer
     """
     if finite_width:
         other = corrected(brake)
@@ -109,7 +110,7 @@ def scene_of(
     Raises
     ------
     BadInput
-        as `check_divided` does
+        for `elements` or a `kind` that `check_divided` refuses
     """
     check_divided(brake, elements=elements, kind=kind)
     if not _has_levels(brake, elements, kind):
@@ -140,7 +141,7 @@ def _has_levels(brake: Brake, elements: int | None, kind: str | None) -> bool:
 
 
 def _with_curve_balance(brake: Brake, response: Response) -> Response:
-    """The response with a note where p(theta) on the round drum balances worse than nodal forces."""
+    """The response, with a note where p(theta) balances worse than the nodal forces do."""
     under_forces = loaded(brake, response)
     curve = worst([shoe_balance(under_forces, i, shoe) for i, shoe in enumerate(response.shoes)])
     more_force = curve.force - response.balance.force
@@ -148,7 +149,7 @@ def _with_curve_balance(brake: Brake, response: Response) -> Response:
     if max(more_force, more_moment) <= REPORTED_IMBALANCE:
         return response
     note = (
-        f"p(theta) on the round drum balances to {curve.force:.1e} (force) and {curve.moment:.1e} (moment) only: "
-        "the lining's elements are not quite as round"
+        f"p(theta) on the round drum balances to {curve.force:.1e} (force) and "
+        f"{curve.moment:.1e} (moment) only: the lining's elements are not quite as round"
     )
     return replace(response, notes=(*response.notes, note))

@@ -230,7 +230,8 @@ class Skeleton:
     def displacements_everywhere(self, layers: Mapping[str, ElasticLayer], u: Floats) -> Floats:
         """Displacements (2 grid nodes, m) of all nodes of the grid.
 
-        `u` (2 N, m) are the displacements of the skeleton. No force acts on the nodes inside elements.
+        `u` (2 N, m) are the displacements of the skeleton. No force acts on the nodes inside
+        elements.
         """
         grid = self.grid
         everywhere = np.empty((grid.N, 2, u.shape[1]))
