@@ -96,7 +96,7 @@ REFINED = "refined in the whole system, condensed it loses digits"
 def respond(
     scene: PreparedModel, brake: Brake, *, penalty: float = PENALTY, start: Response | None = None
 ) -> Response:
-    """The response of a brake on a prepared model of the same geometry and stiffness.
+    """The response of a brake, on a prepared model of the same geometry and stiffness.
 
     Parameters
     ----------
@@ -163,7 +163,7 @@ def check_penalty(penalty: float) -> None:
         raise BadInput(f"--penalty = {penalty}: must be greater than 0 (or inf)")
 
 
-# Lines about the brake as a whole
+# The following functions make lines about the brake as a whole.
 
 
 def _overlap_warnings(scene: PreparedModel, brake: Brake) -> Iterator[str]:
@@ -183,7 +183,7 @@ def _overlap_warnings(scene: PreparedModel, brake: Brake) -> Iterator[str]:
 def _mesh_notes(
     scene: PreparedModel, brake: Brake, responses: Sequence[ShoeResponse]
 ) -> Iterator[str]:
-    """Lines about the mesh files: what was left out, what was moved, and what counts as a gap.
+    """Lines about mesh files: which parts are left out, which nodes are moved, which gaps count.
 
     Raises BadInput for a contact line that does not have the shape of a lining.
     """
@@ -193,7 +193,7 @@ def _mesh_notes(
 
 
 def _support_notes(brake: Brake) -> Iterator[str]:
-    """One line on how the bodies of hp elements are supported, if there are any.
+    """One line on how the shoes' bodies of hp elements are supported, if a shoe has such a body.
 
     A pin that stands off its body is joined to it rigidly, which changes the pressure.
     """
@@ -222,7 +222,7 @@ def _support_text(shoe: Shoe, bar: Bar, size: float) -> str:
     )
 
 
-# Answers of a group of shoes, from its substructures or refined
+# The following functions answer a group of shoes, from its substructures or by refinement.
 
 
 @dataclass(frozen=True)
@@ -279,7 +279,7 @@ class _ShoeSolution(NamedTuple):
 
 
 def _untouched_answer(shoe: Shoe) -> _ShoeAnswer:
-    """The answer of a shoe that its force does not press on the drum."""
+    """The answer of a shoe whose force does not press it on the drum."""
     word = shoe.surface.word
     note = f"shoe {shoe.name!r}: no contact, the force does not turn it towards the {word}"
     return _ShoeAnswer(untouched(shoe, -shoe.actuation.vector), Balance(0.0, 0.0), 0, note)
@@ -335,7 +335,7 @@ def _refinable(group: ShoeGroup) -> bool:
     """Whether the full system of a group can be refined in seconds; never that of a solid."""
     orders = [body.line.order for body in group.bodies]
     size = sum(body.unknowns * body.line.order**2 for body in group.bodies)
-    # The factors of large systems of high degree fill in.
+    # The sparse factors of large systems of high degree fill in and take too long.
     small = size <= MAX_REFINED or max(orders) <= 2
     return group.scene.model != "solid" and small
 
@@ -362,7 +362,7 @@ def _refined_answers(solution: _GroupSolution, contact: Contact) -> dict[int, _S
         )
     )
     imbalance = _imbalance(answers)
-    # A mesh states no error, hp elements do.
+    # Meshes (order 1 and 2) state no error and are judged more strictly than hp elements.
     if max(body.line.order for body in group.bodies) <= 2:
         lost, most = refined.correction, LARGEST_LOSS
     else:
@@ -401,7 +401,7 @@ def refined_group(group: ShoeGroup, active: Bools, order: str = "COLAMD") -> "Re
     NoAnswer
         where the system is singular, or the contact set does not settle
     """
-    # Few brakes lose digits, and the module needs scipy.sparse.
+    # The module loads scipy.sparse, and only few brakes need a refinement.
     from drumlin.fem.error_control.refinement import full_system, refine  # noqa: PLC0415
 
     refined = refine(full_system(group), active, order)
@@ -411,7 +411,7 @@ def refined_group(group: ShoeGroup, active: Bools, order: str = "COLAMD") -> "Re
     return min(refined, other, key=lambda each: each.correction)
 
 
-# The answer of a shoe
+# The following functions answer one shoe of a solved group.
 
 
 def _shoe_answers(solution: _GroupSolution) -> dict[int, _ShoeAnswer]:
@@ -514,7 +514,7 @@ def _shoe_balance(solution: _ShoeSolution, acting: _ActingForces) -> Balance:
 
 
 def _virtual_work_imbalance(solution: _ShoeSolution) -> float:
-    """The largest residual of virtual work on a shoe's test modes, relative."""
+    """The largest relative residual of virtual work on a shoe's test modes."""
     group, k, p = solution.group, solution.k, solution.p
     coupling, modes = group.bodies[k].coupling, group.modes[k]
     drag = group.brake.drag_on(group.shoes[k])
@@ -538,7 +538,7 @@ def _arithmetic_errors(solution: _ShoeSolution, acting: _ActingForces) -> _Arith
     normal_force = math.hypot(*acting.normal[:2])
     size = reaction_size(acting.reaction, normal_force)
     by_penalty, by_round_off = _relative_changes(solution, size)
-    # The elimination of a substructure has a round-off error of its own.
+    # The elimination of a substructure adds a round-off error of its own.
     least = 0.0 if solution.refined else solution.group.bodies[solution.k].condensed.force_imbalance
     return _ArithmeticErrors(by_penalty, ShoeChange(*(max(part, least) for part in by_round_off)))
 
@@ -598,7 +598,7 @@ def _shoe_response(
     )
 
 
-# Penalty error and round-off error
+# The following functions estimate the penalty error and the round-off error.
 
 
 def _pressure_changes(group: ShoeGroup, contact: Contact, coordinates: Sequence[Floats]) -> Floats:
@@ -622,7 +622,7 @@ def _pressure_changes(group: ShoeGroup, contact: Contact, coordinates: Sequence[
 
 
 def _relative_changes(solution: _ShoeSolution, reaction: float) -> list[ShoeChange]:
-    """Relative changes of a shoe's pressure, torque, reaction and peak, one for each row of changes.
+    """Relative changes of a shoe's pressure, torque, reaction and peak, for each row of changes.
 
     The pressure counts outside EDGE_ZONE at the lining's ends, unless half of the force is there.
     `reaction` is the size of the support reaction [N].

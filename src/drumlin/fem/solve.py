@@ -77,6 +77,7 @@ def solve(
                 f"--tolerance = {tolerance:g}: chooses the elements; leave out --{option} = {value}"
             )
     brake.check_meshable()
+    # A tolerance must be met; without options the default tolerance is met as well as possible.
     answer = partial(respond, penalty=penalty)
     if tolerance is not None:
         check_tolerance(brake, tolerance)
@@ -97,7 +98,7 @@ def scene_of(
     kind: str | None = None,
     cache: Cache | None = None,
 ) -> PreparedModel:
-    """The prepared model on which `solve` ends, for holding, wear, slopes and pictures.
+    """The prepared model of the finest division that `solve` uses, for further analyses.
 
     A brake that has no answer in sliding is divided as the second level is.
 
@@ -116,6 +117,7 @@ def scene_of(
     if not _has_levels(brake, elements, kind):
         elements = ELEMENTS if elements is None else elements
         return prepare(brake, elements=elements, kind=kind or DEFAULT_KIND, cache=cache)
+    # The model is that of the last division on which the answer was found.
     try:
         return adapt(brake, DEFAULT, respond, must=False, cache=cache).scene
     except NoAnswer:
@@ -136,12 +138,13 @@ def check_divided(brake: Brake, *, elements: int | None = None, kind: str | None
 
 
 def _has_levels(brake: Brake, elements: int | None, kind: str | None) -> bool:
-    """Whether a brake is divided by levels of hp elements, not by one mesh."""
+    """Whether a brake is solved on levels of hp elements, not on one mesh."""
     return elements is None and kind is None and not any(shoe.mesh for shoe in brake.shoes)
 
 
 def _with_curve_balance(brake: Brake, response: Response) -> Response:
     """The response, with a note where p(theta) balances worse than the nodal forces do."""
+    # Positive differences mean that p(theta) balances worse than the nodal forces do.
     under_forces = loaded(brake, response)
     curve = worst([shoe_balance(under_forces, i, shoe) for i, shoe in enumerate(response.shoes)])
     more_force = curve.force - response.balance.force

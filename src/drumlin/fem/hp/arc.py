@@ -36,7 +36,7 @@ from drumlin.fem.substructure.elasticity import split_elasticity
 
 
 class NodalFunctions(NamedTuple):
-    """Nodal functions of degree p along one direction of a column, and the column's symmetry.
+    """Nodal functions of degree p along one direction of an element column, and its symmetry.
 
     Attributes
     ----------
@@ -68,20 +68,21 @@ class NodalFunctions(NamedTuple):
 def nodal_functions(p: int) -> NodalFunctions:
     """The nodal functions of degree p along one direction, and the symmetry of a column.
 
-    They are those of scikit-fem's quadrilateral: the sums of its shape functions over one direction
-    are the nodal functions along the other.
+    The sums of the shape functions of scikit-fem's quadrilateral over one direction are the nodal
+    functions along the other direction.
     """
     n = p + 1
     x, weights = unit_gauss_rule(p)
     value, slope = shape_functions(p, grid_points(x))
-    # The second axis of the grid of nodes is summed over, at the first Gauss point across.
+    # The functions are summed over the nodes across the column, at the first Gauss point there.
     values = value.reshape(n, n, n, n).sum(axis=0)[:, 0]
     slopes = slope[:, 1].reshape(n, n, n, n).sum(axis=0)[:, 0]
     node = np.repeat(np.arange(n), 2)
     place = 2 * np.minimum(node, p - node) + np.tile([0, 1], n)
     sign = np.ones((2, n, 2))
     sign[0, n // 2 :, 1] = sign[1, n // 2 :, 0] = -1.0
-    # The middle node of an even degree moves along the radius, or across it.
+    # The middle node of an even degree moves along the radius in the symmetric displacements, and
+    # around the drum in the antisymmetric ones.
     if p % 2 == 0:
         sign[:, p // 2] = np.eye(2)
         place[p : p + 2] = p
@@ -89,7 +90,8 @@ def nodal_functions(p: int) -> NodalFunctions:
     fold[:, place, np.arange(2 * n)] = sign.reshape(2, -1)
     fold /= np.abs(fold).sum(axis=2, keepdims=True)
 
-    # The unknowns (along, across) on the sides, on the first and last edge, and inside an element.
+    # The unknowns of an element by their two numbers, along and across the column: first those on
+    # the sides, on the first and on the last edge, then those inside the element.
     further = np.arange(2, n)
     outer_along = np.concatenate([np.tile([0, 1], n), further, further])
     outer_across = np.repeat([*range(n), 0, p], [2] * n + [p - 1] * 2)
@@ -97,6 +99,7 @@ def nodal_functions(p: int) -> NodalFunctions:
     inner = np.tile(further, p - 1), np.repeat(np.arange(1, p), p - 1)
 
     def positions(rows: tuple[Ints, Ints], columns: tuple[Ints, Ints]) -> Ints:
+        """Positions of a block in the unordered stiffness, by its rows and its columns."""
         along, across = rows[0][:, None], rows[1][:, None]
         return np.asarray(((along * n + columns[0]) * n + across) * n + columns[1])
 
@@ -115,9 +118,9 @@ def nodal_functions(p: int) -> NodalFunctions:
 
 
 def _forces_by_symmetry(V: Floats, p: int) -> Floats:
-    """Forces on symmetric and antisymmetric unknowns (2, ..., p + 1, m) from forces on nodes.
+    """Forces on symmetric and on antisymmetric unknowns (2, ..., p + 1, m) of a column.
 
-    The forces V (..., 2 (p + 1), m) on nodes have x and y together.
+    They follow from the forces V (..., 2 (p + 1), m) on its nodes, with x and y together.
     """
     fold = nodal_functions(p).fold
     return np.asarray(fold.reshape(2, *(1,) * (V.ndim - 2), *fold.shape[1:]) @ V)
@@ -148,7 +151,7 @@ def angular_integrals(
     whole = np.sqrt(2) * strain.reshape(2 * count, 2 * n, -1)
     parts = [trace, whole]
     if directed:
-        # The unit vector through the layers, (2 c, 1, q) for each component.
+        # Both components (2 c, 1, q) of the unit vector through the layers.
         x, y = np.tile(at / np.hypot(*at), (1, 2, 1))[:, :, None]
         xx, yy, xy = strain[:, :, 0], strain[:, :, 1], strain[:, :, 2]
         through = x**2 * xx + y**2 * yy + np.sqrt(2) * x * y * xy
@@ -180,7 +183,8 @@ def _weighted_strains(angles: Floats, at: Floats, by: Floats, p: int, *, flat: b
     gradient[:, :, 0] = tangent[:, :, None] * functions.slopes
     gradient[:, :, 1] = normal[:, :, None] * functions.values
 
-    # Displacements on both sides of a column count along the side's own radius and across it.
+    # A displacement on a side of a column counts along the radius of the side and across the
+    # radius.
     turn = np.zeros((count, n))
     turn[:, ::p] = 0.0 if flat else angles[:, ::p]
     c, s = np.array([np.cos(turn), np.sin(turn)])[:, :, None, :, None]
@@ -251,7 +255,9 @@ def condensed_arc_elements(
 def arc_column_stiffness(
     parts: Floats, p: int, *, contact: bool, held: bool, loads: Floats | None = None
 ) -> Floats:
-    """The stiffness (c, n, n) of arc columns, on the unknowns of `columns.ColumnSubstructure`.
+    """The stiffness (c, n, n) of columns on an arc or a pad, without their inner unknowns.
+
+    The unknowns are those of `columns.ColumnSubstructure`.
 
     Parameters
     ----------
@@ -259,7 +265,8 @@ def arc_column_stiffness(
     p : degree
     contact : whether the outermost edge of the columns is in contact
     held : whether the innermost edge of the columns is held
-    loads : (c, 2 (p + 1), m) unit loads on the innermost edge; they become m extra unknowns
+    loads : (c, 2 (p + 1), m) unit loads on the innermost edge; the factors of the loads
+        become m extra unknowns
     """
     half = column_unknowns(p, len(parts), contact=contact, held=held, sides=1)
     n = 2 * (p + 1) * contact
@@ -269,7 +276,7 @@ def arc_column_stiffness(
     K = column_stiffness(parts.reshape(len(parts), -1, 4 * p, 4 * p), half, folded)
     S, A = K.reshape(2, -1, *K.shape[1:])
 
-    # The unknowns of a column: extra ones and left line, contact, right line.
+    # A column has the unknowns of the loads and of the left line, the contact, and the right line.
     extra = K.shape[-1] - half.sides
     own = extra + half.line
     lines = slice(extra, own)
@@ -278,7 +285,7 @@ def arc_column_stiffness(
     mirror = np.ones(half.line)
     mirror[1::2] = -1.0
     np.add(S[:, left, left], A[:, left, left], out=whole[:, left, left])
-    # The products are made in place: half of the time is that of new memory.
+    # The products are made in place, since new memory would take as long as the products.
     left_right = whole[:, left, right]
     np.subtract(S[:, left, lines], A[:, left, lines], out=left_right)
     left_right *= mirror

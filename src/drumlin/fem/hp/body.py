@@ -41,7 +41,7 @@ def shoe_grid(shoe: Shoe, radius: float, div: ShoeDivision) -> ColumnGrid:
     rows, n = len(depth), len(along)
     under = np.arange(rows * n).reshape(rows, n)
     blocks, count = [ElementBlock(under, depth, along, div.part)], rows * n
-    # The faces at which the body continues beyond the lining, before and behind it.
+    # At these two faces the body continues beyond the lining, before and behind the lining.
     faces = [under[first * p :, 0], under[first * p :, -1]]
     for k, ends in enumerate((div.before, div.after)):
         if first == div.layers or len(ends) == 1:
@@ -65,7 +65,7 @@ def _held_and_loaded_nodes(
     back: Ints,
     faces: list[Ints],
 ) -> dict[str, Ints]:
-    """The nodes "hinge", which move with the frame, and "actuation", on the loaded end.
+    """The node sets of a shoe: "hinge" moves with the frame, "actuation" is the loaded end.
 
     Parameters
     ----------
@@ -107,7 +107,7 @@ def condensed_body(
     L, info = dpotrf(S[FRAME:, FRAME:], lower=1)
     if info:
         raise NoAnswer(SINGULAR_BODY)
-    # The forces that round-off leaves on the rigid-body modes move the contact.
+    # Forces that round-off leaves on the rigid-body modes move the contact nodes.
     half_error = solve_lower(L, found.rigid_mode_forces)
     system = partial(_whole_system, shoe, div, grid, end_loads)
     return CondensedBody(
@@ -131,7 +131,7 @@ def _whole_system(
     end_loads: EndLoads,
     basis: ColumnGrid | Skeleton,
 ) -> InnerSystem:
-    """The whole system of a shoe, on all nodes of its grid or on those of the skeleton.
+    """The stiffness, constraints and loads of a shoe on all nodes of its grid or its skeleton.
 
     Parameters
     ----------
@@ -157,7 +157,7 @@ def unit_actuation_forces(div: ShoeDivision, grid: ColumnGrid) -> tuple[Floats, 
 
 
 def _loads_on_end(div: ShoeDivision, grid: ColumnGrid, end_loads: EndLoads) -> LoadedEnd:
-    """The unit loads on the nodes of the loaded end."""
+    """The unit loads on the nodes of the loaded end of a divided shoe."""
     depths = nodes_between(div.depths[div.first :], div.degree)
     return end_loads(grid.doflocs[:, grid.sets["actuation"]], depths, div.degree)
 

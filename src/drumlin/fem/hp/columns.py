@@ -21,7 +21,7 @@ from drumlin.base.arrays import Floats
 from drumlin.fem.hp.element import schur_complement, schur_complements
 
 UnknownsAt = tuple[slice, slice]
-"""Places of the same unknowns in the stiffness of an element, and in that of its column."""
+"""Two places of some unknowns: in the stiffness of an element, and in that of its column."""
 
 
 class ColumnUnknowns(NamedTuple):
@@ -59,7 +59,8 @@ def column_unknowns(
     """
     side, edge, node = 2 * (p + 1), sides * (p - 1), 2 * contact
     line = 2 * (layers * p + (not held)) - node
-    # The edges of an element begin behind its sides, and the right line behind the contact.
+    # In an element the edges begin behind the sides (`own`); in the column the right line begins
+    # behind the contact (`far`).
     own = sides * side
     far = line + (edge + sides * node if contact else 0)
     kept, inside = [], []
@@ -78,7 +79,7 @@ def column_unknowns(
             ]
             between = slice(own, own + edge), slice(line + node, line + node + edge)
             places += [*corners[:sides], between]
-        # The inner nodes of a held edge do not move, and those of the contact are kept.
+        # The inner nodes of a held edge do not move, and the inner nodes of the contact are kept.
         first_edge = (k == 0 and contact) * edge
         last_edge = (2 - (k + 1 == layers and held)) * edge
         above = (k - contact) * edge
@@ -119,7 +120,8 @@ def column_stiffness(
         _add_blocks(part, (inside,), kept, coupling)
         _add_blocks(part, (inside,), (inside,), inner)
     if loads is not None:
-        # The first two unknowns of the innermost edge end the line, the others are inner ones.
+        # The first two unknowns of the innermost edge end the line; its other unknowns are
+        # eliminated.
         at = slice(extra + unknowns.line - 2, extra + unknowns.line)
         K[:, at, :extra] = -loads[:, :2]
         K[:, :extra, at] = -loads[:, :2].transpose(0, 2, 1)
@@ -133,13 +135,13 @@ def _add_blocks(
     """Add blocks of the elements `part` (c, m, m) of one layer to the columns `target`."""
     for own, at in rows:
         for other, to in columns:
-            # target[...] += would look the view up twice.
+            # The statement target[...] += would look the view up twice.
             view = target[:, at, to]
             view += part[:, own, other]
 
 
 class ColumnSubstructure(NamedTuple):
-    """The stiffness `K` (n, n) of one column or of several assembled ones.
+    """A substructure: the stiffness `K` (n, n) of one column, or of several assembled columns.
 
     `left` and `right` are the numbers of unknowns of the left and the right line.
     """
@@ -157,10 +159,10 @@ def assemble_pair(
     Parameters
     ----------
     A, B : the left and the right substructure
-    shared : number of unknowns at the end of A's contact that are the first of B's
+    shared : number of contact unknowns that both share, the last of A and the first of B
     extra : number of extra unknowns, which both share
     """
-    # In A the line stands behind `before`, and in B it ends at `beyond`.
+    # The shared line begins at `before` in A, and ends at `beyond` in B.
     line = A.right
     before, beyond = len(A.K) - line, extra + line
     n = before - shared + len(B.K) - beyond
@@ -168,7 +170,7 @@ def assemble_pair(
     rest = slice(before - shared, None)
     K[:before, :before] = A.K[:before, :before]
     C[:, :before] = A.K[before:, :before]
-    # K[...] += would write the views twice.
+    # The statement K[...] += would write the views twice.
     own, coupling = K[rest, rest], C[:, rest]
     own += B.K[beyond:, beyond:]
     coupling += B.K[extra:beyond, beyond:]
@@ -184,10 +186,11 @@ def assemble_pair(
 def assemble_row(
     pieces: Sequence[ColumnSubstructure], shared: int, extra: int = 0
 ) -> ColumnSubstructure:
-    """All substructures of a row as one; `shared` and `extra` are as of `assemble_pair`.
+    """All substructures of a row as one substructure, on the outer lines and the contact.
 
-    The neighbours that make the smallest substructure go first, which takes within a few percent of
-    the fewest multiplications. Equal pairs, of the same two objects, are assembled once.
+    `shared` and `extra` are numbers of unknowns, as in `assemble_pair`. The two neighbours that
+    make the smallest substructure are assembled first, which takes within a few percent of the
+    fewest multiplications. Equal pairs, of the same two objects, are assembled once.
     """
     made = list(pieces)
     first = dict[int, int]()
@@ -195,6 +198,7 @@ def assemble_row(
     made_of: dict[tuple[int, int], int] = {}
 
     def sizes_of(row: list[int]) -> list[int]:
+        """Number of unknowns that each pair of neighbours would have."""
         return [len(made[i].K) + len(made[j].K) - 2 * made[i].right for i, j in pairwise(row)]
 
     sizes = sizes_of(row)
@@ -222,12 +226,12 @@ def eliminate_line(
     end : (l + part, l + part) stiffness of a body that hangs on the line; the l own unknowns of the
         body take the place of the line, on [own | part] on the left, [part | own] on the right
     part : number of the last unknowns of the line that the body hangs on
-    right : whether the right line goes, not the left one
+    right : whether the right line is eliminated; otherwise the left line is
     """
     own = 0 if end is None else len(end) - part
     n, line = len(piece.K), piece.right if right else piece.left
-    # The remaining unknowns and those that go, in the substructure; then the remaining unknowns
-    # and those of the body, in the result.
+    # In the substructure the unknowns `rest` remain and the unknowns `gone` go. In the result the
+    # remaining unknowns are `kept`, and those of the body are `added`.
     if right:
         rest, gone = slice(n - line), slice(n - line, n)
         kept, added = rest, slice(n - line, None)

@@ -54,7 +54,7 @@ class ReferenceElement(NamedTuple):
 
 @cache
 def reference_element(p: int, *, precise: bool = False) -> ReferenceElement:
-    """The element of degree p >= 2; with `precise` its slopes are computed in long double."""
+    """The reference element of degree p >= 2; with `precise` its slopes are in long double."""
     x, w = unit_gauss_rule(p)
     number = np.arange((p + 1) ** 2).reshape(p + 1, p + 1)
     edges = number[:, 0], number[:, -1], number[0, 1:-1], number[-1, 1:-1]
@@ -87,11 +87,11 @@ def grid_points(x: Floats) -> Floats:
 
 
 def shape_functions(p: int, x: Floats) -> tuple[Floats, Floats]:
-    """Values (a, q) and slopes (a, 2, q) of the nodal functions at points x (2, q) of [0, 1]^2.
+    """Values (a, q) and slopes (a, 2, q) of an element's nodal functions at points x (2, q).
 
-    The nodes are counted by rows of the grid.
+    The element is the unit square [0, 1]^2. Its nodes are counted by rows of their grid.
     """
-    # The laws need no scikit-fem.
+    # scikit-fem loads only with finite elements; the pressure laws do without.
     import skfem  # noqa: PLC0415
 
     hierarchical = skfem.ElementQuadP(p) if p > 2 else skfem.ElementQuad2()
@@ -115,7 +115,7 @@ def _precise_shape_functions(p: int, x: Floats) -> tuple[Any, Any]:
     apart = nodes[:, None] - nodes + np.eye(p + 1)
 
     def product(i: int, *others: int) -> Any:
-        """The product of the factors of polynomial i, without those of the nodes `others`."""
+        """The product of the factors of polynomial i, without the factors of the nodes `others`."""
         kept = [j for j in range(p + 1) if j != i and j not in others]
         return np.prod([(x - nodes[j]) / apart[i, j] for j in kept], axis=0)
 
@@ -174,7 +174,7 @@ class _ElementIntegrals(NamedTuple):
     strains: tuple[Any, ...]
 
     def stiffness(self, rows: slice, columns: slice) -> Any:
-        """The block (e, rows, 2, columns, 2) of the stiffness on some nodes by some nodes."""
+        """The stiffness (e, rows, 2, columns, 2) of the forces on `rows` by the nodes `columns`."""
         lam, mu = self.constants[:, :1, None], self.constants[:, 1:2, None]
         xx, xy = self.products[:, 0, rows, 0, columns], self.products[:, 0, rows, 1, columns]
         yx, yy = self.products[:, 1, rows, 0, columns], self.products[:, 1, rows, 1, columns]
@@ -188,10 +188,10 @@ class _ElementIntegrals(NamedTuple):
         return K
 
     def _directional_stiffness(self, rows: slice, columns: slice) -> Any:
-        """The stiffness (m, rows, 2, columns, 2) that the directions of layers add."""
+        """The stiffness (m, rows, 2, columns, 2) that orthotropy along and through layers adds."""
 
         def work(strain: Any) -> Any:
-            """The work of stresses equal to the strains of `rows` on the strains of `columns`."""
+            """The integrals of products of two strains: one of `rows`, one of `columns`."""
             left, right = strain[:, rows], strain[:, columns]
             count, points = len(strain), strain.shape[-1]
             flat_right = right.reshape(count, -1, points).transpose(0, 2, 1)
@@ -204,7 +204,7 @@ class _ElementIntegrals(NamedTuple):
 
 
 def _element_integrals(xy: Any, elasticity: Any, p: int, along: Any) -> _ElementIntegrals:
-    """The integrals over elements; the parameters are those of `element_stiffness`."""
+    """The integrals of gradients over elements; parameters as of `element_stiffness`."""
     slopes, constants = _weighted_gradients(xy, p), split_elasticity(elasticity)
     e, _, a, q = slopes.shape
     flat = slopes.reshape(e, 2 * a, q)
@@ -228,7 +228,7 @@ def _strains_in_direction(slopes: Any, direction: Any) -> Any:
 
 
 def _weighted_gradients(xy: Any, p: int) -> Any:
-    """Gradients (e, 2, a, q) of the shape functions, times the root of each Gauss point's area.
+    """Gradients (e, 2, a, q) of the shape functions, times the root of the Gauss points' areas.
 
     `xy` (e, 2, a) are the nodes. The gradients of an element whose map is inverted have the other
     sign.
@@ -240,7 +240,7 @@ def _weighted_gradients(xy: Any, p: int) -> Any:
     det = J[:, 0, 0] * J[:, 1, 1] - J[:, 0, 1] * J[:, 1, 0]
     J *= np.sqrt(reference.weights / np.abs(det))[:, None, None]
     first, second = reference.slopes[:, :q], reference.slopes[:, q:]
-    # G is d psi / d x_c times the root of dA, but for the sign of det.
+    # The gradient G is d psi / d x_c times the root of dA, but for the sign of det.
     G = np.empty((e, 2, a, q), dtype=xy.dtype)
     np.subtract(J[:, 1, 1][:, None] * first, J[:, 1, 0][:, None] * second, out=G[:, 0])
     np.subtract(J[:, 0, 0][:, None] * second, J[:, 0, 1][:, None] * first, out=G[:, 1])
@@ -269,9 +269,10 @@ def schur_complement(K: Floats, C: Floats, inner: Floats) -> Floats:
 
 
 def schur_complements(K: Floats, C: Floats, inner: Floats) -> Floats:
-    """The Schur complements of batches (b, k, k), (b, m, k), (b, m, m), one after the other.
+    """The Schur complements of b matrices, which take the place of K (b, k, k).
 
-    numpy's batched functions would need more copies.
+    C is (b, m, k) and `inner` (b, m, m), as of `schur_complement`. The matrices go one by one,
+    since numpy's batched functions would need more copies.
     """
     for own in zip(K, C, inner, strict=True):
         schur_complement(*own)
@@ -367,7 +368,7 @@ def gradients(xy: Floats, p: int) -> tuple[Floats, Floats]:
     q = len(reference.weights)
     J = (xy @ reference.slopes).reshape(*xy.shape[:2], 2, q)  # d x_c / d xi_d
     det = J[:, 0, 0] * J[:, 1, 1] - J[:, 0, 1] * J[:, 1, 0]
-    # d xi_d / d x_c, (d, c, e, q)
+    # The inverse has the derivatives d xi_d / d x_c, (d, c, e, q).
     inverse = np.array([[J[:, 1, 1], -J[:, 0, 1]], [-J[:, 1, 0], J[:, 0, 0]]]) / det
     slopes = reference.slopes.reshape(len(reference.order), 2, q)
     return np.einsum("adq,dceq->ecaq", slopes, inverse), np.abs(det) * reference.weights

@@ -1,7 +1,7 @@
 """All nodes and elements of a body of columns, numbered.
 
-Pictures, files, slopes and refinement of round-off need them; they are made when asked for. The
-grid stands where skfem's basis stands for a body on a mesh.
+Pictures, files, slopes and refinement of round-off need all nodes, which are made when asked for.
+The grid stands where skfem's basis stands for a body on a mesh.
 """
 
 from collections.abc import Callable, Mapping
@@ -54,8 +54,7 @@ class ColumnGrid:
     blocks : the rectangles of elements
     point_at : from depths and positions along the lining to points (2, ...) [m]
     sets : nodes by the name of their set
-    N : number of nodes; the contact nodes come first, by growing angle where the blocks have them
-        so
+    N : number of nodes; the contact nodes come first, by growing angle if the blocks order them
     """
 
     degree: int
@@ -78,7 +77,7 @@ class ColumnGrid:
         return np.arange(2 * self.N)
 
     def numbers_of(self, nodes: Ints) -> Ints:
-        """The numbers of nodes of the grid: their own, other than in a `Skeleton`."""
+        """The same `nodes`; a `Skeleton` gives the numbers that they have there."""
         return nodes
 
     @cached_property
@@ -115,7 +114,7 @@ class ColumnGrid:
 
     @cached_property
     def outline(self) -> Ints:
-        """Nodes around each element (4 p, elements)."""
+        """Nodes on the boundary of each element (4 p, elements), in turn around it."""
         at = self._local_numbers
         around = np.concatenate([at[0, :-1], at[:-1, -1], at[-1, :0:-1], at[:0:-1, 0]])
         return self.element_dofs[around]
@@ -172,7 +171,7 @@ class ColumnGrid:
 
     @cached_property
     def skeleton(self) -> "Skeleton":
-        """The nodes on the sides of the elements."""
+        """The grid's nodes on the sides of elements, without those inside elements."""
         dofs = self.ordered_dofs[:, : reference_element(self.degree).outer]
         nodes = np.unique(dofs)
         number = np.full(self.N, -1)
@@ -184,8 +183,8 @@ class ColumnGrid:
 class Skeleton:
     """The nodes on the sides of a grid's elements, without those inside the elements.
 
-    It stands where a basis stands. A grid of high degree has most of its unknowns inside its
-    elements, and the elimination of these couples no two elements.
+    A skeleton stands where skfem's basis stands for a body on a mesh. A grid of high degree has
+    most of its unknowns inside its elements, and the elimination of these couples no two elements.
 
     Attributes
     ----------
@@ -203,12 +202,12 @@ class Skeleton:
 
     @property
     def N(self) -> int:
-        """Number of nodes."""
+        """Number of nodes of the skeleton."""
         return len(self.nodes)
 
     @property
     def doflocs(self) -> Floats:
-        """Points of the nodes (2, N) [m]."""
+        """Points of the skeleton's nodes (2, N) [m]."""
         return self.grid.doflocs[:, self.nodes]
 
     @property
@@ -257,7 +256,7 @@ def recover_displacements(
     frame: Floats,
     loads: Floats,
 ) -> Floats:
-    """Displacements (2 grid nodes, m) of all nodes, solved for on the skeleton first.
+    """Displacements (2 grid nodes, m) of all nodes of a grid, solved for on the skeleton first.
 
     The insides of elements are eliminated one by one.
 

@@ -41,7 +41,7 @@ from drumlin.response.resultants import WEIGHTS, at_gauss, lobatto
 FULL_TURN = 2 * math.pi
 """A whole turn [rad]."""
 SAME_ANGLE = 1e-9
-"""Distance [rad] below which two ends of columns count as one end: they differ by round-off."""
+"""Distance [rad] of two ends of columns below which they differ by round-off only."""
 
 
 class RingDivision(NamedTuple):
@@ -62,9 +62,9 @@ class RingDivision(NamedTuple):
 
     @property
     def contact_edges(self) -> Ints:
-        """Nodes (p + 1, c) of the friction surface on the c columns in contact, from 0 on.
+        """Nodes (p + 1, c) of the friction surface on each of the c columns in contact.
 
-        The node where the ring closes is the first node again.
+        The nodes are counted from the first angle. Where the ring closes, node 0 follows the last.
         """
         p, count = self.degree, len(self.contact)
         edges = np.flatnonzero(self.contact) * p + np.arange(p + 1)[:, None]
@@ -72,12 +72,12 @@ class RingDivision(NamedTuple):
 
     @property
     def contact_nodes(self) -> Ints:
-        """Nodes of the friction surface that lie under a lining, counted from the first angle."""
+        """Nodes of the friction surface under linings, counted from the first angle."""
         return np.unique(self.contact_edges)
 
     @property
     def first_of_runs(self) -> Ints:
-        """First columns of the runs: rows of columns under one lining or between two linings."""
+        """The first column of each run; a run is all columns under one lining or between two."""
         runs = np.flatnonzero(np.diff(self.contact, prepend=not self.contact[0]))
         # A ring in contact all around has two runs, so that a line between them closes it.
         return runs if len(runs) > 1 else np.array([0, 1])
@@ -90,20 +90,20 @@ def divide_ring(
 
     Parameters
     ----------
-    section : of the ring
-    radius : of the friction surface [m]
+    section : section of the ring
+    radius : radius of the friction surface [m]
     linings : ends of the columns of each lining, growing, in the brake's angles [rad]
     level : degree and grading
-    sharp : size of the thinnest layer [m], as of `division.ShoeDivision`
+    sharp : upper bound of the size of the thinnest layer [m], as of `division.ShoeDivision`
     """
-    # The ends of all linings' columns within one turn from the first lining on.
+    # Within one turn from the first lining on: the ends of the columns of all linings.
     origin = min(float(ends[0]) % FULL_TURN for ends in linings)
     parts = [ends - ends[0] + (float(ends[0]) - origin) % FULL_TURN for ends in linings]
     places = np.sort(np.concatenate([part % FULL_TURN for part in parts]))
     places = places[np.append(True, np.diff(places) > SAME_ANGLE)]
     places = np.append(places[places < FULL_TURN - SAME_ANGLE], FULL_TURN)
 
-    # Between linings the columns grow away from both neighbours.
+    # Between two linings the columns grow from the size of their neighbours to the middle.
     angles, contact = [places[:1]], []
     sizes = np.diff(places)
     for k, (a, b) in enumerate(pairwise(places)):
@@ -137,7 +137,7 @@ def ring_body(
     brake : the brake, which has a ring with a section
     level : degree and grading
     linings : contact line of each lining, in its shoe's frame
-    sharp : size of the thinnest layer [m], as of `division.ShoeDivision`
+    sharp : upper bound of the size of the thinnest layer [m], as of `division.ShoeDivision`
     """
     # The assertion holds of every brake that `scene.why_not` lets pass.
     ring, radius, sign = brake.ring, brake.size, brake.shoes[0].sign
@@ -160,7 +160,7 @@ def ring_body(
 
 
 def _ring_contact_line(div: RingDivision, grid: ColumnGrid) -> ContactLine:
-    """The nodes under all linings, with those of each column in contact."""
+    """The contact line of the ring: the nodes under all linings."""
     nodes, touching = grid.sets["contact"], div.contact_nodes
     place = np.full(len(div.contact) * div.degree, -1)
     place[touching] = np.arange(len(touching))
@@ -187,7 +187,7 @@ def _condensed_ring(
     A = _closed_ring_stiffness(
         _assembled_runs(section, radius, sign, div, free=free), div, line, extra
     )
-    # Three unknowns of the rim hold a free ring, statically determinate.
+    # Three unknowns of the rim hold a free ring; the support is statically determinate.
     if free:
         A = _without_rigid_motion(A, extra, n, line, div)
     A = eliminate_line(ColumnSubstructure(A, 0, len(A) - extra - n), right=True).K
@@ -218,7 +218,7 @@ class _Run(NamedTuple):
 def _assembled_runs(
     section: Section, radius: float, sign: int, div: RingDivision, *, free: bool
 ) -> list[_Run]:
-    """The assembled runs of columns, from the first angle on.
+    """The runs of columns of a ring, each assembled to one stiffness, from the first angle on.
 
     Parameters
     ----------
@@ -264,7 +264,7 @@ def _side_loads(radius: float, along: Floats, p: int) -> Floats:
 
 
 def _column_rim_loads(radius: float, along: Floats, p: int) -> Floats:
-    """Forces (c, 2 (p + 1), 3) on the rim's nodes of columns, spread like the rigid-body modes.
+    """Forces (c, 2 (p + 1), 3) on the rim of columns, spread like the rigid-body modes.
 
     The forces are in the columns' frames, for unit loads on the whole rim of a round ring. `along`
     (c, p + 1) are the angles of the nodes about the columns' middle [rad].
@@ -307,7 +307,8 @@ def _closed_ring_stiffness(runs: list[_Run], div: RingDivision, line: int, extra
     extra : number of extra unknowns
     """
     starts, count = div.first_of_runs, len(runs)
-    # The contact unknowns before each run; a run between linings has those of its first node only.
+    # Number of contact unknowns of each run without its last node. A run between two linings has
+    # those of its first node only.
     p = div.degree
     columns = np.diff([*starts, len(div.contact)])
     own = np.where(div.contact[starts], 2 * p * columns, 2)
@@ -340,13 +341,13 @@ def _without_rigid_motion(
     Parameters
     ----------
     A : (n, n) stiffness of the closed ring
-    extra, contact, line : numbers of extra unknowns, of contact unknowns, and of those of a line
+    extra, contact, line : numbers of unknowns of the loads, of the contact, and of a line
     div : division of the ring
     """
     angles = div.angles[div.first_of_runs]
     away = 0.5 * (angles - angles[0])
     k = int(np.abs(np.sin(away)).argmax())
-    # A rotation moves the other node rather around the drum than along the radius.
+    # Whether a rotation moves the other node more around the drum than along the radius.
     along = abs(math.sin(away[k])) > abs(math.cos(away[k]))
     node = extra + contact + line - 2
     other = extra + contact + (k + 1) * line - 2 + along
@@ -365,7 +366,7 @@ def ring_grid(radius: float, sign: int, div: RingDivision) -> ColumnGrid:
     depth, along = nodes_between(div.depths, p), nodes_between(div.angles, p)
     rows, n = len(depth), len(along) - 1
     nodes = np.arange(rows * n).reshape(rows, n)
-    # The last column of nodes is the first again.
+    # The ring closes: the last column of nodes is the first column again.
     closed = np.column_stack([nodes, nodes[:, 0]])
 
     def point_at(depth: Floats, phi: Floats) -> Floats:
@@ -391,7 +392,7 @@ def rim_forces(radius: float, div: RingDivision, grid: ColumnGrid) -> Floats:
 def _whole_system(
     section: Section, grid: ColumnGrid, rim: Floats, basis: ColumnGrid | Skeleton
 ) -> InnerSystem:
-    """The whole system of a ring, on all nodes of its grid or on those of the skeleton.
+    """The stiffness, constraints and loads of a ring on all nodes of its grid or its skeleton.
 
     Parameters
     ----------

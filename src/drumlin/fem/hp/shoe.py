@@ -56,7 +56,7 @@ class LoadedEnd(NamedTuple):
     moments: Floats
 
     def resultants(self, pin: Floats) -> Floats:
-        """Force x, force y and moment (3, l) about the `pin` (2,) [m]."""
+        """Force x, force y and moment (3, l) of each unit load about the `pin` (2,) [m]."""
         arm = self.centre - pin
         resultants = self.moments.copy()
         resultants[2] += arm[0] * self.moments[1] - arm[1] * self.moments[0]
@@ -79,7 +79,7 @@ def unit_actuations(xy: Floats, depths: Floats, p: int) -> LoadedEnd:
     depths : (n,) depths of the nodes, in proportion to the distance along the end
     p : degree
     """
-    # Positions along the end, from -1/2 to 1/2.
+    # The ends of the elements along the loaded end, in positions from -1/2 to 1/2.
     ends = (depths[::p] - depths[0]) / (depths[-1] - depths[0]) - 0.5
     at = np.arange(len(ends) - 1)[:, None] * p + np.arange(p + 1)
     psi, _ = at_gauss(p)
@@ -100,7 +100,7 @@ def unit_actuations(xy: Floats, depths: Floats, p: int) -> LoadedEnd:
 class CondensedShoe(NamedTuple):
     """A shoe condensed to [frame | contact nodes x, y], with estimates of round-off.
 
-    The estimates are not known for a shoe whose frame is its back itself, and are zero there.
+    The estimates are zero for a shoe whose frame is its back, since they are not known then.
 
     Attributes
     ----------
@@ -124,7 +124,7 @@ class CondensedShoe(NamedTuple):
 
 
 def point_map(shoe: Shoe, radius: float) -> PointMap:
-    """The map from depths and angles of a division to points in the shoe's frame."""
+    """The map from depths and positions along the lining to points in the shoe's frame."""
     return _beam_map(shoe, radius) if isinstance(shoe.body, Beam) else partial(shoe.at, size=radius)
 
 
@@ -144,8 +144,10 @@ def _beam_map(shoe: Shoe, radius: float) -> PointMap:
     start = float(np.min(ends))
 
     def point_at(depth: Floats, phi: Floats) -> Floats:
+        """Points (2, ...) of the beam, its block and its lining in the shoe's frame [m]."""
         depth, phi = np.broadcast_arrays(depth, phi)
-        # The angle under the lining counts from the axis's foot, the distance beyond it along x.
+        # Under the lining the angle counts from the foot of the axis; beyond the lining the
+        # distance counts along x.
         a = np.clip(phi, s, e) - s + start
         beyond = back * (np.minimum(phi - s, 0) + np.maximum(phi - e, 0))
         r = radius + thickness * np.minimum(depth, 1)
@@ -161,13 +163,16 @@ def _beam_map(shoe: Shoe, radius: float) -> PointMap:
 
 
 def nodes_of_pieces(ends: Floats, p: int) -> Floats:
-    """The nodes (m, p + 1) of m pieces of degree p between `ends` (m + 1,)."""
+    """Positions (m, p + 1) of the nodes of m elements of degree p between `ends` (m + 1,)."""
     first, last = ends[:-1, None], ends[1:, None]
     return np.asarray(0.5 * (last + first) + 0.5 * (last - first) * lobatto(p))
 
 
 def nodes_between(ends: Floats, p: int) -> Floats:
-    """The nodes (m p + 1,) of m pieces of degree p between `ends` (m + 1,), common nodes once."""
+    """Positions (m p + 1,) of the nodes of m elements in a row; common nodes count once.
+
+    `ends` (m + 1,) are the ends of the elements, and p is their degree.
+    """
     return np.append(nodes_of_pieces(ends, p)[:, :-1].ravel(), ends[-1])
 
 
@@ -181,7 +186,7 @@ def element_nodes(place: PointMap, depths: Floats, along: Floats, p: int) -> Flo
     along : (c, p + 1) positions of the columns' nodes along the lining
     p : degree
     """
-    # The points of all nodes, (2, layers, columns, p + 1, p + 1).
+    # xy are the points of all nodes, (2, layers, columns, p + 1, p + 1).
     xy = place(nodes_of_pieces(depths, p)[:, None, :, None], along[:, None, :])
     xy = xy.reshape(*xy.shape[:3], -1).transpose(1, 2, 0, 3)
     return np.ascontiguousarray(xy[..., reference_element(p).order])
@@ -239,7 +244,7 @@ class _ColumnKinds(NamedTuple):
 
 
 def _column_kinds(shoe: Shoe, div: ShoeDivision, *, directed: bool) -> _ColumnKinds:
-    """The kinds of columns; on an arc equal columns are of one kind, wherever they stand."""
+    """The kinds of columns of a shoe; on an arc equally wide columns are of one kind."""
     p = div.degree
     rows = [div.angles]
     if div.first < div.layers:
@@ -267,7 +272,7 @@ def _condensed_columns(
         """The columns of a row of kinds, of the layers from `layer` on."""
         if not len(row):
             return []
-        # np.unique would load np.ma.
+        # bincount stands for np.unique, which would load numpy's masked arrays.
         kinds = np.flatnonzero(np.bincount(row))
         depths, own = div.depths[layer:], elasticity[layer:]
         unknowns = column_unknowns(p, div.layers - layer, contact=contact, held=held)
@@ -316,8 +321,8 @@ def _axis_angle(shoe: Shoe, phi: Floats) -> Floats:
     return np.full_like(phi, -0.5 * np.pi) if shoe.flat else phi
 
 
-def _contact_axes(shoe: Shoe, div: ShoeDivision) -> Floats:
-    """Angles (n,) [rad] that rotate the components of contact nodes back to the shoe's frame."""
+def _angles_back_to_frame(shoe: Shoe, div: ShoeDivision) -> Floats:
+    """Angles (n,) [rad] that rotate components at the contact nodes back to the shoe's frame."""
     return -_axis_angle(shoe, side_angles(div.angles, div.degree))
 
 
@@ -350,11 +355,11 @@ def condense_shoe(
     if div.first < div.layers and not any(row.grip):
         return _hinged_shoe(shoe, radius, div, row, end_loads, R)
     S = _gripped_stiffness(row) if any(row.grip) else _lining_stiffness(row.under)
-    return _back_held_shoe(shoe, rotate_components(S, _contact_axes(shoe, div)), R)
+    return _back_held_shoe(shoe, rotate_components(S, _angles_back_to_frame(shoe, div)), R)
 
 
 def _back_held_shoe(shoe: Shoe, S: Floats, R: Floats) -> CondensedShoe:
-    """A shoe whose back is held, by a grip or as a rigid shoe; the force acts on the frame there.
+    """A condensed shoe whose back is held by a grip or by a rigid shoe, as is the force.
 
     `S` (2n, 2n) is the stiffness of the contact nodes, and `R` (2n, 3) their rigid-body modes.
     """
@@ -378,7 +383,7 @@ def _hinged_shoe(
     end_loads: EndLoads,
     R: Floats,
 ) -> CondensedShoe:
-    """An elastic shoe that is held at its hinge and loaded at its other end.
+    """A condensed elastic shoe that is held at its hinge and loaded at its other end.
 
     Parameters
     ----------
@@ -387,14 +392,14 @@ def _hinged_shoe(
     R : (2n, 3) rigid-body modes of the contact nodes
     """
     p, place, pin = div.degree, point_map(shoe, radius), shoe.own_pin
-    back = _contact_axes(shoe, div)
+    back = _angles_back_to_frame(shoe, div)
     depths = nodes_between(div.depths[div.first :], p)
     near, far = div.before[-1], div.after[-1]
     hinge_modes = _rotate_all(rigid_body_modes(place(depths, near), pin), _axis_angle(shoe, near))
     end = end_loads(place(depths, far), depths, p)
     end_forces = _rotate_all(end.forces, _axis_angle(shoe, far))
 
-    # All columns as one, on [frame | contact nodes | loads].
+    # The assembled columns have the unknowns [frame | contact nodes | loads].
     columns = row.under.copy()
     columns[0] = _first_column_on_hinge(columns[0], row.before, hinge_modes)
     loaded = _loaded_body_stiffness(row.after, end_forces)
@@ -425,7 +430,7 @@ def _hinged_shoe(
 def _lining_stiffness(
     row: list[ColumnSubstructure], left: Floats | None = None, right: Floats | None = None
 ) -> Floats:
-    """Stiffness of the contact nodes of the columns `row` under the lining.
+    """Stiffness of the contact nodes, from the columns `row` under the lining.
 
     `left` and `right` are the stiffness of the bodies that hang on the back of both ends.
     """
@@ -441,7 +446,7 @@ def _gripped_stiffness(columns: _ShoeColumns) -> Floats:
     The body beyond the lining is free.
     """
     row, (first, last) = columns.under.copy(), columns.grip
-    # The held columns lack the last node of the others' lines.
+    # The lines of the held columns lack the last node of the other columns' lines.
     line = row[first].left
     if first > 0:
         K, left, _ = row[first - 1]
@@ -459,9 +464,10 @@ def _gripped_stiffness(columns: _ShoeColumns) -> Floats:
 def _first_column_on_hinge(
     first: ColumnSubstructure, before: list[ColumnSubstructure], held: Floats
 ) -> ColumnSubstructure:
-    """The first column under the lining with the body before it, down to the hinge.
+    """The first column under the lining, joined to the part of the body that the hinge holds.
 
-    Its unknowns are [frame | own]. `held` (n, 3) are the rigid-body modes of the line at the hinge.
+    The unknowns are [frame | own unknowns of the column]. `held` (n, 3) are the rigid-body modes of
+    the line at the hinge.
     """
     if not before:
         return eliminate_line(_constrain_to_frame(first, held))
@@ -484,9 +490,10 @@ def _loaded_body_stiffness(after: list[ColumnSubstructure], load: Floats) -> Flo
 
 
 def _constrain_to_frame(piece: ColumnSubstructure, held: Floats) -> ColumnSubstructure:
-    """A column whose left line is constrained to the frame: [left line | frame | ...].
+    """A column whose left line is partly constrained to the frame of the hinge.
 
-    The last unknowns of the line move with the frame by the modes `held` (n, 3).
+    The last unknowns of the line move with the frame by the modes `held` (n, 3). The unknowns of
+    the result are [rest of the left line | frame | other unknowns].
     """
     left = piece.left - len(held)
     at, frame = slice(left, piece.left), slice(left, left + FRAME)
@@ -554,5 +561,5 @@ def _stiffness_with_frame(S: Floats, R: Floats) -> Floats:
 
 
 def _rotate_all(V: Floats, angle: Floats) -> Floats:
-    """Vectors V (2n, m) in axes that are turned by one angle [rad]."""
+    """Vectors V (2n, m) with the components of all nodes in axes turned by one angle [rad]."""
     return rotate_row_components(V.T, np.reshape(angle, 1)).T

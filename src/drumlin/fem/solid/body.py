@@ -46,7 +46,7 @@ class SolidBody(ShoeSubstructure):
 
 
 def solid_layers(shoe: Shoe) -> dict[str, ElasticLayer]:
-    """The elastic layers of the meshed half of a shoe, by subdomain; they count twice."""
+    """The elastic layers of a shoe by subdomain, with the stiffness of both halves."""
     layers = {}
     for name, (material, _) in materials_of(shoe).items():
         # The assertion holds of every brake that `model.why_not` lets pass.
@@ -56,7 +56,7 @@ def solid_layers(shoe: Shoe) -> dict[str, ElasticLayer]:
 
 
 def held_subdomain(shoe: Shoe) -> str:
-    """The subdomain that the hinge holds: of a rigid shoe the lining, or the lining's backing."""
+    """The subdomain that the hinge holds: the body, or the back part of a rigid shoe's lining."""
     if shoe.body is not None:
         return "shoe"
     return "lining" if shoe.backing is None else "backing"
@@ -98,7 +98,7 @@ def constrain_solid(
         inner[rigid, 2] = False
     inside = inner[order.nodes].ravel()
     dofs = (3 * order.nodes[:, None] + np.arange(3)).ravel()[inside]
-    # The regions without an inner unknown do not count.
+    # Regions are numbered anew without those that have no inner unknown.
     _, region = np.unique(np.repeat(order.region, 3)[inside], return_inverse=True)
     dofs = np.concatenate([dofs, (3 * contact[:, None] + np.arange(2)).ravel()])
     arm = basis.doflocs[:2, rigid] - pin[:, None]
@@ -134,7 +134,7 @@ class _UnitLoads(NamedTuple):
 
 def _unit_loads(solid: Solid, shoe: Shoe, constraints: Constraints) -> _UnitLoads:
     """The unit loads of a shoe's actuation on its reduced unknowns."""
-    # Without a loaded end the force acts on the rigid shoe, or on what holds its body.
+    # Without a loaded end the force acts on the rigid shoe, or on the grip of its body.
     if "actuation" not in solid.section.boundaries or shoe.gripped:
         loads = np.zeros((constraints.matrix.shape[1], 3))
         loads[-FRAME:] = np.eye(3)

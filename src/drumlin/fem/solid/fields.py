@@ -78,8 +78,8 @@ class SolidFields(NamedTuple):
 class _SolidPartFields(NamedTuple):
     """Fields of one subdomain.
 
-    `nodes` (n,) are its nodes, `cells` (27, m) its cells by the positions of their nodes in `nodes`,
-    and `von_mises` (n,) the von Mises stress of the nodes [Pa].
+    `nodes` (n,) are its nodes, `cells` (27, m) its cells by the positions of their nodes in
+    `nodes`, and `von_mises` (n,) the von Mises stress of the nodes [Pa].
     """
 
     nodes: Ints
@@ -88,7 +88,7 @@ class _SolidPartFields(NamedTuple):
 
 
 def recover(scene: PreparedModel, brake: Brake, response: Response, index: int) -> SolidFields:
-    """The fields in shoe `index` of a brake, recovered from the contact pressure of its response."""
+    """The fields in shoe `index` of a brake, from the contact pressure of its response."""
     brake = loaded(brake, response)
     shoe, body, answer = brake.shoes[index], scene.bodies[index], response.shoes[index]
     p = np.zeros(len(body.line.nodes))
@@ -100,7 +100,7 @@ def recover(scene: PreparedModel, brake: Brake, response: Response, index: int) 
     pressure[body.line.nodes] = p
     layers = solid_layers(shoe)
 
-    # The subdomains one after the other, with the nodes of each numbered behind those before it.
+    # The subdomains follow one another; a node at their interface stands once for each of them.
     parts, cells, part_of_cell, pressures = [], [], [], []
     count = 0
     for i, (name, members) in enumerate(body.mesh.subdomains.items()):

@@ -111,7 +111,7 @@ def extrude(section: Any, half: Mapping[str, float], levels: Floats) -> Solid:
     levels : (m + 1,) ends of the elements over half the width [m]
     """
     cells, outer = section.t, 0.5 * (levels[1:] + levels[:-1])
-    # Whether each cell of the section has an element in each layer of elements.
+    # `exists` says whether a cell of the section has an element in a layer of elements.
     exists = np.zeros((len(levels) - 1, cells.shape[1]), dtype=bool)
     for name, elements in section.subdomains.items():
         exists[:, elements] = outer[:, None] < half[name]

@@ -57,7 +57,7 @@ class InnerSystem(NamedTuple):
 
     @classmethod
     def of(cls, K: Any, constraints: Constraints, loads: Floats) -> "InnerSystem":
-        """The system of a body with the stiffness K (2 nodes, 2 nodes) of all nodes."""
+        """The whole system of a body, from the stiffness K (2 nodes, 2 nodes) of all nodes."""
         A = constraints.matrix.T @ K @ constraints.matrix
         return cls(A.tocsc(), constraints, loads)
 
@@ -102,12 +102,12 @@ class CondensedBody:
 
     @property
     def constraints(self) -> Constraints:
-        """The reduced unknowns."""
+        """The multi-point constraints of the body; the call makes the whole system."""
         return self.inside().constraints
 
     @property
     def loads(self) -> Floats:
-        """The unit loads (unknowns, l) on the reduced unknowns."""
+        """The unit loads (unknowns, l) on the reduced unknowns; the call makes the whole system."""
         return self.inside().loads
 
     def half(self, forces: Floats) -> Floats:
@@ -196,7 +196,7 @@ def _isotropic_stiffness(
         lame[:, members] = np.array([matrix[0, 1], matrix[-1, -1]])[:, None]
     lam, mu = lame[:, :, None, None, None, None]
 
-    # H is the integral of psi_a,i psi_b,j.
+    # H is the integral of psi_a,i psi_b,j over each element.
     G = np.ascontiguousarray(gradients.transpose(2, 0, 1, 3)).reshape(elements, d * a, points)
     H = (G * dx[:, None, :] @ G.transpose(0, 2, 1)).reshape(elements, a, d, a, d)
     K = lam * H + mu * H.transpose(0, 1, 4, 3, 2)
@@ -206,7 +206,7 @@ def _isotropic_stiffness(
 
 
 def sparse_stiffness(K: Any, nodes: Ints, N: int, d: int = 2) -> Any:
-    """The sparse stiffness (d N, d N) of N nodes, from that of elements.
+    """The sparse stiffness (d N, d N) of N nodes, assembled from that of elements.
 
     Parameters
     ----------
@@ -240,7 +240,7 @@ def points_of(basis: Any, *, precise: bool = False) -> Any:
 
 
 def _directional_stiffness(layer: ElasticLayer, gradients: Any, dx: Any, points: Any) -> Any:
-    """Stiffness (e, a, 2, a, 2) that a layer's directions add to its isotropic part [N/m].
+    """Stiffness (e, a, 2, a, 2) that orthotropy adds to the isotropic part of a layer [N/m].
 
     Parameters
     ----------
@@ -253,7 +253,7 @@ def _directional_stiffness(layer: ElasticLayer, gradients: Any, dx: Any, points:
     along = layer.directions(points)
 
     def work(direction: Any) -> Any:
-        """Work (e, d a, d a) of the stretches in a direction (2, e, q) by unit displacements."""
+        """The integrals (e, d a, d a) of products of two strains in a direction (2, e, q)."""
         grown = np.einsum("ceq,aceq->aeq", direction, gradients)
         stretch = np.einsum("ceq,aeq->eacq", direction, grown).reshape(elements, d * a, -1)
         return (stretch * dx[:, None]) @ stretch.transpose(0, 2, 1)
@@ -336,7 +336,7 @@ def constraint_matrix(
     free = len(dofs)
     rows, columns, values = [dofs], [np.arange(free)], [np.ones(free)]
     if rigid is not None and arm is not None:
-        # Of each rigid node: x by dx, x by the rotation, y by dy, y by the rotation.
+        # Each rigid node has four entries: x by dx, x by the rotation, y by dy, y by the rotation.
         ones = np.ones(len(rigid))
         rows += [rigid, rigid, rigid + 1, rigid + 1]
         columns += list(np.repeat([[free], [free + 2], [free + 1], [free + 2]], len(rigid), axis=1))
@@ -349,7 +349,7 @@ def constraint_matrix(
 def condense(
     K: Any, constraints: Constraints, loads: Mapping[str, Floats], contact: int
 ) -> CondensedBody:
-    """The statically condensed body: only contact nodes and frame remain.
+    """The body after static condensation: only contact nodes and frame remain.
 
     Parameters
     ----------

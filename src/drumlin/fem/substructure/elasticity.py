@@ -64,7 +64,7 @@ def stack_elasticity(layers: Mapping[str, ElasticLayer], part: Sequence[str]) ->
 
 
 def through_layers(along: Any) -> Any:
-    """Unit vectors (2, ...) through layers, from the unit vectors `along` (2, ...) the layers."""
+    """Unit vectors (2, ...) through layers, from unit vectors `along` (2, ...) the layers."""
     return np.stack([-along[1], along[0]])
 
 
@@ -80,7 +80,7 @@ def stress(gradient: Floats, elasticity: Floats, along: Floats | None) -> Floats
     lam, mu, a, b = np.moveaxis(split_elasticity(elasticity), -1, 0)
     strain = 0.5 * (gradient + gradient.swapaxes(0, 1))
     stresses = 2 * mu * strain
-    # Plane stress: lambda is that of the plane, so that the trace is of both strains in it.
+    # In plane stress the trace is that of the two strains in the plane.
     for i in range(2):
         stresses[i, i] += lam * (gradient[0, 0] + gradient[1, 1])
     if along is not None:

@@ -18,7 +18,7 @@ from drumlin.base.errors import NoAnswer
 from drumlin.base.lapack import dpotrf, dtrsm
 
 LEAF_HALVINGS = 5
-"""Number of halvings of the mesh that are left out: the smallest regions have up to 2^5 elements.
+"""Number of halvings that the dissection leaves out: the smallest regions have 2^5 elements.
 
 Smaller regions cost more calls, larger regions more multiplications with zeros. The answer is the
 same but for round-off.
@@ -102,7 +102,8 @@ def dissection(xy: Floats, elements: Ints) -> Order:
 def _axis_positions(group: Ints, x: Floats) -> Floats:
     """Positions (m,) of points along the principal axis of their group.
 
-    `x` (d, m) are the points relative to the middle of their group, and `group` (m,) the groups.
+    `x` (d, m) are the points relative to the middle of their group, and `group` (m,) is the number
+    of the group of each point.
     """
     if len(x) == 2:
         xy, xx_yy = _group_means(group, np.array([x[0] * x[1], x[0] * x[0] - x[1] * x[1]]))
@@ -123,12 +124,13 @@ def _group_means(group: Ints, values: Floats) -> Floats:
 
 
 def eliminate(A: Any, region: Ints, loads: Floats) -> Eliminated:
-    """The Schur complement of a sparse matrix, without its first len(region) unknowns.
+    """The Schur complement of a sparse matrix on its last unknowns, and the condensed loads.
 
     Parameters
     ----------
     A : (n, n) symmetric positive definite sparse matrix
-    region : number of the region of each unknown that is eliminated, not decreasing
+    region : number of the region of each eliminated unknown, not decreasing; these unknowns stand
+        first
     loads : (n, l) loads
 
     Raises
@@ -155,7 +157,8 @@ def solve_by_fronts(A: Any, region: Ints, right: Floats) -> Floats:
     Parameters
     ----------
     A : (n, n) symmetric positive definite sparse matrix
-    region : as of `eliminate`; the unknowns behind them are solved for together
+    region : number of the region of each unknown that a front eliminates, not decreasing; the
+        unknowns behind the last of these are solved for together
     right : (n, m) right-hand sides
 
     Raises
@@ -168,7 +171,7 @@ def solve_by_fronts(A: Any, region: Ints, right: Floats) -> Floats:
     complements = _empty_complements(region)
     x = np.array(right, dtype=float)
 
-    # Forward substitution, front by front.
+    # The forward substitution goes front by front.
     fronts = []
     for front in _factorised_fronts(lower, region, complements):
         x[front.own] = dtrsm(1.0, front.L, x[front.own], lower=1)
@@ -180,7 +183,7 @@ def solve_by_fronts(A: Any, region: Ints, right: Floats) -> Floats:
         raise NoAnswer(SINGULAR_BODY)
     x[inner:] = dtrsm(1.0, L, dtrsm(1.0, L, x[inner:], lower=1), lower=1, trans_a=1)
 
-    # Back substitution, which frees the memory of each front.
+    # The back substitution frees the memory of each front.
     while fronts:
         front = fronts.pop()
         rest = x[front.own] - front.below.T @ x[front.later]
@@ -189,7 +192,7 @@ def solve_by_fronts(A: Any, region: Ints, right: Floats) -> Floats:
 
 
 class _FrontFactor(NamedTuple):
-    """The Cholesky factor of one front.
+    """The Cholesky factor of a front, the dense matrix of one region.
 
     `own` are the unknowns that the front eliminates, `later` (m,) the unknowns of later regions
     that they touch. `L` (k, k) is the factor of the own part, and `below` (m, k) its rows for the
@@ -221,7 +224,10 @@ def _lower_triangle(A: Any) -> Any:
 def _factorised_fronts(
     lower: Any, region: Ints, complements: _Complements
 ) -> Iterator[_FrontFactor]:
-    """The factorised fronts of all regions in turn; their Schur complements go to `complements`."""
+    """The factorised fronts of all regions in turn.
+
+    The Schur complement of each front goes to `complements`.
+    """
     inner, regions = len(region), len(complements) - 1
     starts = np.searchsorted(region, np.arange(regions + 1))
     indptr, indices, data = lower.indptr, lower.indices, lower.data
@@ -229,7 +235,7 @@ def _factorised_fronts(
         start, end = starts[r], starts[r + 1]
         if start == end:
             continue
-        # The front holds the region's own unknowns first, and those that they touch.
+        # The front holds the region's own unknowns first, then the later unknowns that they touch.
         span = slice(indptr[start], indptr[end])
         rows = indices[span]
         columns = np.repeat(np.arange(end - start), np.diff(indptr[start : end + 1]))

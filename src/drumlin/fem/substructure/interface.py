@@ -58,11 +58,11 @@ class ContactLine:
 
     @cached_property
     def inside(self) -> InnerPart:
-        """The part of the line in which the pressure may peak."""
+        """The part of the contact line in which a peak of the pressure is looked for."""
         return InnerPart(self.along(np.zeros(len(self.phi)))[0], self.order, self.edge)
 
     def along(self, p: Floats) -> tuple[Floats, Floats]:
-        """Angles (n,) [rad] and pressure (n,) [Pa] along the line.
+        """Angles (n,) [rad] of the contact nodes, and the pressure (n,) [Pa] there.
 
         The pressure of a solid's face is its mean over the width.
         """
@@ -114,10 +114,10 @@ def edge_points(
 
 
 def end_loads(basis: Any, facets: Ints) -> tuple[Floats, Floats]:
-    """Nodal forces (2 nodes, 3) of unit force x, y and unit couple on a loaded end, and its centre.
+    """Nodal forces (2 nodes, 3) of the unit loads on a loaded end, and its centre (2,) [m].
 
-    The forces are spread evenly. The couple, about the centre (2,) [m] of the
-    end, is a traction that grows linearly from the centre.
+    The loads are unit force x, unit force y and a unit couple about the centre. The forces are
+    spread evenly; the couple is a traction that grows linearly from the centre.
 
     Parameters
     ----------
@@ -158,7 +158,7 @@ def contact_line(
     position = np.empty(basis.N, dtype=np.int64)
     position[nodes] = np.arange(len(nodes))
     pieces = position[dofs]
-    # Each edge by growing angle, and the edges by the angle at which they begin.
+    # The nodes of an edge stand by growing angle, and the edges by the angle at which they begin.
     pieces = np.where(phi[pieces[0]] < phi[pieces[-1]], pieces, pieces[::-1])
     pieces = pieces[:, np.argsort(phi[pieces[0]])]
     return ContactLine(nodes, basis.doflocs[:, nodes], phi, pieces, edge=edge)
@@ -168,6 +168,7 @@ def radial(sign: int) -> Directions:
     """Makes the normals sign e_r and tangents e_phi of a round drum about O."""
 
     def directions(x: Floats) -> tuple[Floats, Floats]:
+        """Unit normals and unit tangents (2, ...) of the drum at points x (2, ...)."""
         r = np.hypot(*x)
         return sign * x / r, np.array([-x[1], x[0]]) / r
 
@@ -190,7 +191,7 @@ def couple(line: ContactLine, width: float, directions: Directions) -> Coupling:
     r = np.ones(ds.shape) if directions is straight else np.hypot(*x)
     weight = width * ds
 
-    # The integrals over all edges of M, of both components of N and of both of T, one row each.
+    # One row has the integrals over all edges for M, for each component of N, and for each of T.
     factors = weight * np.concatenate([np.ones((1, *ds.shape)), *directions(x)])
     products = (psi[:, None] * psi).reshape(len(psi) ** 2, -1)
     blocks = (factors @ products.T).reshape(len(factors), -1)

@@ -35,7 +35,7 @@ class LoadColumns:
 
     @cached_property
     def places(self) -> dict[str, slice]:
-        """The columns of each load among all columns, by name."""
+        """The places of the columns of each load among all columns, by the name of the load."""
         names = [name for name, _ in self.sizes]
         return dict(zip(names, in_turn(size for _, size in self.sizes), strict=True))
 
@@ -62,7 +62,7 @@ class LoadColumns:
         return factors
 
     def part(self, name: str, factors: Floats) -> Floats:
-        """The factors (k, ...) of one load among those of all columns (l, ...)."""
+        """The factors (k, ...) of the load `name`, out of the factors (l, ...) of all columns."""
         return factors[self.places[name]]
 
 

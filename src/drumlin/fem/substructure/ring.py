@@ -108,7 +108,7 @@ def ring_mesh(ring: Section, radius: float, shoes: tuple[Shoe, ...], elements: i
 
 
 def _ring_angles(radius: float, shoes: tuple[Shoe, ...], elements: int) -> Floats:
-    """Angles [rad] at which elements of a ring meet: those of the linings, equal ones between."""
+    """Angles [rad] at which elements of a ring meet, equally spaced between linings."""
     parts, arcs = [], []
     for shoe in sorted(shoes, key=lambda shoe: shoe.lining.start % (2 * math.pi)):
         lining = shoe.lining
@@ -117,7 +117,7 @@ def _ring_angles(radius: float, shoes: tuple[Shoe, ...], elements: int) -> Float
         parts.append(lining.start % (2 * math.pi) + angles_of_lining)
     angles = np.unique(np.concatenate(parts) % (2 * math.pi))
     step = min(arcs) / elements
-    # Linings may overlap: angles that are nearly the same would make slivers.
+    # Where linings overlap, angles that are nearly the same would make slivers.
     if len(arcs) > 1:
         angles = angles[np.append(True, np.diff(angles) > 0.01 * step)]
     gaps = np.diff(np.append(angles, angles[0] + 2 * math.pi))
@@ -171,7 +171,7 @@ def closed_mesh(angles: Floats, depths: Floats, radius: float, sign: int, name: 
 
 
 def ring_body(brake: Brake, elements: int, linings: tuple[ContactLine, ...]) -> RingSubstructure:
-    """The meshed and condensed ring under the linings.
+    """The ring of a brake on a mesh, condensed to its nodes under the linings.
 
     Parameters
     ----------
@@ -283,7 +283,7 @@ def couple_ring(
     ring_nodes = other.pieces[:, overlaps.ring]
     own_xy, ring_xy = lining.xy[:, own_nodes], ring.xy[:, ring_nodes]
 
-    # The quadrature points of all overlaps, and both local coordinates there.
+    # Each overlap has quadrature points, with a local coordinate on the edge of either side.
     length = (overlaps.end - overlaps.start)[:, None]
     angle = overlaps.start[:, None] + 0.5 * length * (1 + GAUSS)
     xi = _local_coordinates(own_xy, angle)
@@ -296,7 +296,7 @@ def couple_ring(
     angle_per_xi = np.abs(x[0] * dx[1] - x[1] * dx[0]) / r**2
     ds = np.hypot(*dx) / angle_per_xi * 0.5 * length * WEIGHTS * width
 
-    # The couple that moves the friction from the lining's arc to the ring's.
+    # The couple `arm` moves the friction from the lining's arc to the ring's arc.
     r_ring = np.hypot(*np.einsum("cki,kiq->ciq", ring_xy, phi))
     ring_slopes = slopes(ring.order, eta)
     tau = np.einsum("cki,kiq->ciq", ring_xy, ring_slopes)
@@ -328,7 +328,7 @@ class _Overlaps(NamedTuple):
 
 
 def _common_refinement(lining: "_EdgeArcs", ring: "_EdgeArcs") -> _Overlaps:
-    """The overlaps of the edges of a lining with those of the ring, whatever the whole turns."""
+    """The overlaps of a lining's edges with the ring's edges; whole turns do not count."""
     turns = np.subtract.outer(lining.start + lining.end, ring.start + ring.end)
     whole_turns = 2 * math.pi * np.round(0.5 * turns / (2 * math.pi))
     first = np.maximum(lining.start[:, None], ring.start + whole_turns)
@@ -351,7 +351,7 @@ class _EdgeArcs(NamedTuple):
 
 
 def _edge_arcs(line: ContactLine) -> _EdgeArcs:
-    """The edges of a line, each by growing angle, with the angles (m,) of both ends."""
+    """The edges of a contact line, each by growing angle, with the angles of both ends."""
     z = line.xy[0] + 1j * line.xy[1]
     first, last = z[line.pieces[0]], z[line.pieces[-1]]
     turn = np.angle(last / first)
@@ -366,11 +366,11 @@ def _local_coordinates(xy: Floats, angle: Floats) -> Floats:
     `xy` (2, k, m) are the nodes of the edges, and `angle` (m, points) the angles of the rays [rad].
     """
     order = xy.shape[1] - 1
-    # On a ray the product with its normal is zero.
+    # A point lies on the ray where its product with the normal of the ray is zero.
     normal = np.array([-np.sin(angle), np.cos(angle)])
     side = np.einsum("cki,ciq->kiq", xy, normal)
     xi = (side[0] + side[-1]) / (side[0] - side[-1])
-    # Newton's iteration from the crossing of the chord, which is exact for straight edges.
+    # Newton's iteration starts where the chord crosses the ray, which is exact on straight edges.
     for _ in range(8 if order > 1 else 0):
         functions = shape(order, xi.ravel()).reshape(-1, *xi.shape)
         value = np.einsum("kiq,kiq->iq", functions, side)
