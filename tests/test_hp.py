@@ -793,7 +793,7 @@ def test_gradients_at_the_nodes_of_a_grid_are_those_of_a_linear_field_and_its_ce
         x, y = grid.doflocs[:, corners]
         return 0.5 * (x * np.roll(y, -1, axis=0) - y * np.roll(x, -1, axis=0)).sum(axis=0)
 
-    cells = grid.element_dofs[grid.quarters]  # (4, cells of an element, elements)
+    cells = grid.element_dofs[grid.subcells]  # (4, cells of an element, elements)
     each = areas(cells.reshape(4, -1)).reshape(cells.shape[1:]).sum(axis=0)
     np.testing.assert_allclose(each, areas(grid.outline), rtol=1e-12)
 

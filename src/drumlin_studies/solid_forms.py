@@ -192,7 +192,7 @@ def point_contact(
     K = stiffness(solid.basis, {PART: ElasticLayer(solid_elasticity_matrix(material), HALVES)})
     body = condense(K, ties, {}, 2 * len(face.nodes))
     coupling = face.couple(0.0, _upwards)
-    half = body.half(coupling.N.T)
+    half = body.half_flexibility(coupling.N.T)
     r = np.hypot(face.xy[0], np.tile(face.z, len(face.line.nodes)))
     load, area = 4 / 3 / (1 - nu**2), coupling.area
     problem = Problem(

@@ -72,7 +72,7 @@ def _shoe_tractions(group: ShoeGroup, k: int) -> _ShoeTractions:
     n = len(body.line.nodes)
     # Tractions count along e_theta of the brake.
     T = shoe.frame.sense * coupling.T
-    Y = condensed.half(np.hstack([-coupling.N.T, T.T, condensed.load_on_contact]))
+    Y = condensed.half_flexibility(np.hstack([-coupling.N.T, T.T, condensed.load_on_contact]))
     pressed, dragged, loaded = np.split(Y, [n, 2 * n], axis=1)
     load, _ = actuation(body, shoe)
     force = abs(shoe.actuation.force) / group.unit_force

@@ -241,7 +241,7 @@ def _at_nodes(mesh: Any, elements: Ints) -> _ElementNodes:
     """Some elements of a mesh at their own nodes."""
     if isinstance(mesh, ColumnGrid):
         dofs = mesh.element_dofs[:, elements]
-        return _ElementNodes(dofs, mesh.gradients(elements), mesh.quarters)
+        return _ElementNodes(dofs, mesh.gradients(elements), mesh.subcells)
     element = kind_of(mesh).element()
     at = element.doflocs.T
     basis = skfem.Basis(mesh, element, quadrature=(at, np.ones(at.shape[1])), elements=elements)

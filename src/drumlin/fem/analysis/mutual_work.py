@@ -29,7 +29,7 @@ from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.brake.elasticity import ElasticLayer, has_directions
 from drumlin.fem.hp.element import gauss_points, gradients, reference_element
 from drumlin.fem.hp.grid import ColumnGrid
-from drumlin.fem.substructure.body import points_of, values_of
+from drumlin.fem.substructure.body import quadrature_points, shape_values
 from drumlin.fem.substructure.elasticity import split_elasticity
 
 SAMPLE_CHUNK = 500
@@ -223,7 +223,7 @@ def _directions(basis: Any, layers: Mapping[str, ElasticLayer]) -> _Directions |
     if isinstance(basis, ColumnGrid):
         points = np.moveaxis(gauss_points(basis.element_nodes, basis.degree), 1, 0)
     else:
-        points = points_of(basis)
+        points = quadrature_points(basis)
     along, straight = np.empty(points.shape), np.zeros(points.shape[1], dtype=bool)
     for name, elements in subdomains.items():
         along[:, elements] = layers[name].directions(points[:, elements])
@@ -249,4 +249,4 @@ def _samples(basis: Any) -> Iterator[_Sample]:
         return
     slopes = np.array([psi[0].grad for psi in basis.basis]).transpose(2, 1, 0, 3)
     elements = np.arange(basis.mesh.nelements)
-    yield _Sample(elements, basis.element_dofs.T, slopes, values_of(basis), basis.dx)
+    yield _Sample(elements, basis.element_dofs.T, slopes, shape_values(basis), basis.dx)

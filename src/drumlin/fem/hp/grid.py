@@ -107,7 +107,7 @@ class ColumnGrid:
         return np.arange((self.degree + 1) ** 2).reshape(self.degree + 1, -1)
 
     @cached_property
-    def quarters(self) -> Ints:
+    def subcells(self) -> Ints:
         """Local nodes (4, p p) at the corners of the quadrilaterals between an element's nodes."""
         at = self._local_numbers
         return np.array([at[:-1, :-1], at[:-1, 1:], at[1:, 1:], at[1:, :-1]]).reshape(4, -1)

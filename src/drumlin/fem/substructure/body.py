@@ -26,7 +26,7 @@ from drumlin.fem.substructure.elimination import (
     eliminate,
     solve_by_fronts,
 )
-from drumlin.fem.substructure.loads import LoadColumns, stacked_loads
+from drumlin.fem.substructure.loads import LoadColumns, stack_loads
 
 FRAME = 3
 """Number of degrees of freedom of a rigid line: dx, dy and the rotation about the pin."""
@@ -77,7 +77,7 @@ class CondensedBody:
     Attributes
     ----------
     L_cc : (2n, 2n) lower Cholesky factor of the contact's stiffness with the frame held
-    L_fc : (3, 2n) = S_fc L_cc^-T; L_fc Y are the forces that hold the frame, see `half`
+    L_fc : (3, 2n) = S_fc L_cc^-T; the forces L_fc Y hold the frame, with the half flexibility Y
     load_on_contact, load_on_frame : (2n, l), (3, l) unit loads, condensed to contact and frame
     load_work : (l, l) work of the unit loads with contact and frame held
     inside : makes the whole system, which only few callers need
@@ -110,7 +110,7 @@ class CondensedBody:
         """The unit loads (unknowns, l) on the reduced unknowns; the call makes the whole system."""
         return self.inside().loads
 
-    def half(self, forces: Floats) -> Floats:
+    def half_flexibility(self, forces: Floats) -> Floats:
         """The half flexibility Y = L_cc^-1 G of nodal forces G (2n, m) on the contact nodes."""
         return solve_lower(self.L_cc, forces)
 
@@ -171,7 +171,7 @@ def stiffness(basis: Any, layers: Mapping[str, ElasticLayer], *, precise: bool =
     dimensions = gradients.shape[1]
     for name, members in basis.mesh.subdomains.items():
         if dimensions == 2 and has_directions(layers[name].elasticity):
-            points = points_of(basis, precise=precise)[:, members]
+            points = quadrature_points(basis, precise=precise)[:, members]
             own = gradients[:, :, members]
             K[members] += _directional_stiffness(layers[name], own, dx[members], points)
     return sparse_stiffness(K, basis.element_dofs.T, basis.N, dimensions)
@@ -224,7 +224,7 @@ def sparse_stiffness(K: Any, nodes: Ints, N: int, d: int = 2) -> Any:
     return sp.coo_matrix(entries, shape=(d * N, d * N)).tocsc()
 
 
-def values_of(basis: Any, *, precise: bool = False) -> Any:
+def shape_values(basis: Any, *, precise: bool = False) -> Any:
     """Values (a, points) of a basis's shape functions at its quadrature points.
 
     With `precise` the values are computed in long double.
@@ -233,10 +233,10 @@ def values_of(basis: Any, *, precise: bool = False) -> Any:
     return np.array([basis.elem.lbasis(at, i)[0] for i in range(len(basis.element_dofs))])
 
 
-def points_of(basis: Any, *, precise: bool = False) -> Any:
+def quadrature_points(basis: Any, *, precise: bool = False) -> Any:
     """Quadrature points (2, elements, points) of a basis [m]; with `precise` in long double."""
     nodes = basis.doflocs[:, basis.element_dofs]
-    return np.einsum("cae,aq->ceq", nodes, values_of(basis, precise=precise))
+    return np.einsum("cae,aq->ceq", nodes, shape_values(basis, precise=precise))
 
 
 def _directional_stiffness(layer: ElasticLayer, gradients: Any, dx: Any, points: Any) -> Any:
@@ -363,7 +363,7 @@ def condense(
     NoAnswer
         for a singular stiffness
     """
-    system = InnerSystem.of(K, constraints, stacked_loads(loads, constraints.matrix.shape[1]))
+    system = InnerSystem.of(K, constraints, stack_loads(loads, constraints.matrix.shape[1]))
     S, condensed_loads, work = eliminate(system.A, constraints.region, system.loads)
     L_cc, info = dpotrf(S[:contact, :contact], lower=1)
     if info:

@@ -66,6 +66,6 @@ class LoadColumns:
         return factors[self.places[name]]
 
 
-def stacked_loads(loads: Mapping[str, Floats], unknowns: int) -> Floats:
+def stack_loads(loads: Mapping[str, Floats], unknowns: int) -> Floats:
     """The columns (unknowns, l) of all loads side by side, in the order of the loads."""
     return np.concatenate([np.zeros((unknowns, 0)), *loads.values()], axis=1)

@@ -447,14 +447,14 @@ class FreeRing:
         return cls(
             rim=rim.reshape(-1, 2, FRAME).transpose(1, 0, 2),
             balance=np.asarray(balance),
-            half_rim=condensed.half(condensed.load_on_contact),
+            half_rim=condensed.half_flexibility(condensed.load_on_contact),
             root=sqrtm(condensed.load_work).real,
         )
 
 
 def _half_flexibility(condensed: CondensedBody, forces: Floats, free: FreeRing | None) -> Floats:
     """The half flexibility W (m, k) of a ring: W^T W is the work of nodal forces (2n, k)."""
-    Y = condensed.half(forces)
+    Y = condensed.half_flexibility(forces)
     if free is None:
         return Y
     reaction = free.balance @ forces
