@@ -103,18 +103,8 @@ def nodal_functions(p: int) -> NodalFunctions:
         along, across = rows[0][:, None], rows[1][:, None]
         return np.asarray(((along * n + columns[0]) * n + across) * n + columns[1])
 
-    return NodalFunctions(
-        x,
-        weights,
-        values,
-        slopes,
-        sign.reshape(2, -1),
-        place,
-        fold,
-        outer=positions(outer, outer),
-        mixed=positions(inner, outer),
-        inner=positions(inner, inner),
-    )
+    blocks = positions(outer, outer), positions(inner, outer), positions(inner, inner)
+    return NodalFunctions(x, weights, values, slopes, sign.reshape(2, -1), place, fold, *blocks)
 
 
 def _forces_by_symmetry(V: Floats, p: int) -> Floats:

@@ -395,10 +395,10 @@ def _hinged_shoe(
     back = _angles_back_to_frame(shoe, div)
     depths = nodes_between(div.depths[div.first :], p)
     near, far = div.before[-1], div.after[-1]
-    hinge_modes = _rotate_all(rigid_body_modes(place(depths, near), pin), _axis_angle(shoe, near))
+    hinge_modes = rigid_body_modes(place(depths, near), pin)
+    hinge_modes = _rotate_all(hinge_modes, _axis_angle(shoe, near))
     end = end_loads(place(depths, far), depths, p)
     end_forces = _rotate_all(end.forces, _axis_angle(shoe, far))
-
     # The assembled columns have the unknowns [frame | contact nodes | loads].
     columns = row.under.copy()
     columns[0] = _first_column_on_hinge(columns[0], row.before, hinge_modes)
@@ -456,9 +456,9 @@ def _gripped_stiffness(columns: _ShoeColumns) -> Floats:
         free = np.delete(np.arange(len(K)), [line, line + 1])
         row[last] = ColumnSubstructure(K[free[:, None], free], line, right)
     before, after = columns.before, columns.after
-    left = eliminate_line(assemble_row(before, 0)).K if before else None
-    right = eliminate_line(assemble_row(after, 0), right=True).K if after else None
-    return _lining_stiffness(row, left, right)
+    body_before = eliminate_line(assemble_row(before, 0)).K if before else None
+    body_after = eliminate_line(assemble_row(after, 0), right=True).K if after else None
+    return _lining_stiffness(row, body_before, body_after)
 
 
 def _first_column_on_hinge(

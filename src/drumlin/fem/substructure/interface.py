@@ -15,7 +15,7 @@ equal those of the traction on the same arc to round-off, on any mesh.
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -94,10 +94,23 @@ class Coupling:
         return self.M.sum(axis=1)
 
 
-def edge_points(
-    xy: Floats, at: Floats = GAUSS, weights: Floats = WEIGHTS
-) -> tuple[Floats, Floats, Floats]:
-    """Shape functions (order + 1, q), points (2, m, q) [m] and lengths ds (m, q) [m] on edges.
+class EdgePoints(NamedTuple):
+    """The quadrature points on m edges.
+
+    Attributes
+    ----------
+    functions : (order + 1, q) shape functions at the points
+    xy : (2, m, q) the points [m]
+    ds : (m, q) lengths of the points, their weights times the length of the edge [m]
+    """
+
+    functions: Floats
+    xy: Floats
+    ds: Floats
+
+
+def edge_points(xy: Floats, at: Floats = GAUSS, weights: Floats = WEIGHTS) -> EdgePoints:
+    """The quadrature points on edges, with the shape functions and lengths there.
 
     The quadrature goes along the edges themselves. skfem's boundary bases invert the map of the
     element with an absolute tolerance, which small and slender elements do not meet.
@@ -110,7 +123,7 @@ def edge_points(
     order = xy.shape[1] - 1
     psi, slope = at_gauss(order) if at is GAUSS else (shape(order, at), slopes(order, at))
     xy = xy.transpose(0, 2, 1)
-    return psi, xy @ psi, np.hypot(*(xy @ slope)) * weights
+    return EdgePoints(psi, xy @ psi, np.hypot(*(xy @ slope)) * weights)
 
 
 def end_loads(basis: Any, facets: Ints) -> tuple[Floats, Floats]:
