@@ -566,7 +566,14 @@ def _shoe_note(solution: _ShoeSolution, errors: _ArithmeticErrors) -> str:
 def _shoe_response(
     solution: _ShoeSolution, acting: _ActingForces, errors: _ArithmeticErrors
 ) -> ShoeResponse:
-    """The response of a shoe, in the frame of the brake."""
+    """The response of a shoe, in the frame of the brake.
+
+    Parameters
+    ----------
+    solution : the part of the shoe in the solution of its group
+    acting : the forces on the shoe
+    errors : relative errors by the penalty and by round-off
+    """
     group, k, p = solution.group, solution.k, solution.p
     brake, shoe, body, modes = group.brake, group.shoes[k], group.bodies[k], group.modes[k]
     frame, line, drag = shoe.frame, body.line, brake.drag_on(shoe)
@@ -607,6 +614,12 @@ def _pressure_changes(group: ShoeGroup, contact: Contact, coordinates: Sequence[
     The effect of the contact's compliance x = 1/alpha grows as x/(1 + x), and its tangent as
     x/(1 + x)^2. Digits that the elimination of the substructures has lost move the contact as if it
     had strained under the rigid-body modes.
+
+    Parameters
+    ----------
+    group : the settled group of shoes
+    contact : its contact under a unit force
+    coordinates : (k_i,) generalised coordinates of each shoe
     """
     opened, strayed = [], []
     for k, (body, part) in enumerate(zip(group.bodies, group.node_ranges, strict=True)):
@@ -649,7 +662,14 @@ def _relative_changes(solution: _ShoeSolution, reaction: float) -> list[ShoeChan
 
 
 def _weight_inside(shoe: Shoe, phi: Floats, area: Floats) -> Floats:
-    """The areas (n,) of the contact nodes at the angles phi (n,), 0 in the zones at the ends."""
+    """The areas (n,) of the contact nodes at the angles phi (n,), 0 in the zones at the ends.
+
+    Parameters
+    ----------
+    shoe : the shoe
+    phi : (n,) angles of the contact nodes [rad]
+    area : (n,) areas of the contact nodes [m^2]
+    """
     start, end = shoe.arc
     zone = singular_zone(end - start)
     inside = (phi > start + zone) & (phi < end - zone)
@@ -657,7 +677,14 @@ def _weight_inside(shoe: Shoe, phi: Floats, area: Floats) -> Floats:
 
 
 def _nodes_touching(group: ShoeGroup, k: int, start: Response) -> Bools:
-    """The contact nodes of shoe `k` of a group within the contact arcs of an earlier response."""
+    """The contact nodes of shoe `k` of a group within the contact arcs of an earlier response.
+
+    Parameters
+    ----------
+    group : the group of shoes
+    k : position of the shoe in the group
+    start : the earlier response
+    """
     theta = group.shoes[k].frame.theta(group.bodies[k].line.phi)
     touching = np.zeros(len(theta), dtype=bool)
     for first, last in start.shoes[group.members[k]].contact_arcs:

@@ -128,6 +128,12 @@ def check_divided(brake: Brake, *, elements: int | None = None, kind: str | None
     """Raise BadInput for `elements` or a `kind` that would divide no part of the brake.
 
     Shoes with mesh files are not divided. A ring is divided into elements, of one kind only.
+
+    Parameters
+    ----------
+    brake : the brake
+    elements : number of elements along each lining; None for no choice
+    kind : kind of the elements; None for no choice
     """
     given = {"kind": kind} if brake.ring else {"elements": elements, "kind": kind}
     for option, value in given.items():

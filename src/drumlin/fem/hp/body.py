@@ -157,7 +157,13 @@ def unit_actuation_forces(div: ShoeDivision, grid: ColumnGrid) -> tuple[Floats, 
 
 
 def _loads_on_end(div: ShoeDivision, grid: ColumnGrid, end_loads: EndLoads) -> LoadedEnd:
-    """The unit loads on the nodes of the loaded end of a divided shoe."""
+    """The unit loads on the nodes of the loaded end of a divided shoe.
+
+    Parameters
+    ----------
+    div, grid : the division and the grid of the shoe
+    end_loads : makes the unit loads from the nodes of the end
+    """
     depths = nodes_between(div.depths[div.first :], div.degree)
     return end_loads(grid.doflocs[:, grid.sets["actuation"]], depths, div.degree)
 
@@ -171,7 +177,14 @@ def _grid_forces(grid: ColumnGrid, forces: Floats) -> Floats:
 
 
 def shoe_contact_line(shoe: Shoe, radius: float, div: ShoeDivision) -> ContactLine:
-    """The contact line of a divided shoe; its nodes come first in the grid."""
+    """The contact line of a divided shoe; its nodes come first in the grid.
+
+    Parameters
+    ----------
+    shoe : a parametric shoe
+    radius : radius of the drum [m]
+    div : division of the shoe
+    """
     p = div.degree
     phi = nodes_between(div.angles, p)
     pieces = np.arange(len(div.angles) - 1) * p + np.arange(p + 1)[:, None]

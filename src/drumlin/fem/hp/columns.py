@@ -132,7 +132,14 @@ def column_stiffness(
 def _add_blocks(
     part: Floats, rows: Sequence[UnknownsAt], columns: Sequence[UnknownsAt], target: Floats
 ) -> None:
-    """Add blocks of the elements `part` (c, m, m) of one layer to the columns `target`."""
+    """Add blocks of the elements `part` (c, m, m) of one layer to the columns `target`.
+
+    Parameters
+    ----------
+    part : (c, m, m) stiffness of one element in each of c columns
+    rows, columns : the unknowns of the rows and of the columns of the blocks
+    target : (c, n, n) matrices that the blocks are added to
+    """
     for own, at in rows:
         for other, to in columns:
             # The statement target[...] += would look the view up twice.

@@ -163,8 +163,7 @@ class ColumnGrid:
         Unknown 2 i + c is component c of node i.
         """
         kind = np.longdouble if precise else float
-        points = self.doflocs.astype(kind)[:, self.ordered_dofs]
-        xy = np.ascontiguousarray(points.transpose(1, 0, 2))
+        xy = self.element_nodes.astype(kind)
         along = self.layer_directions(layers, xy)
         K = element_stiffness(xy, self.elasticity(layers).astype(kind), self.degree, along)
         return sparse_stiffness(K, self.ordered_dofs, self.N)

@@ -208,17 +208,12 @@ def _condensed_ring(
     )
 
 
-class _Run(NamedTuple):
-    """A run of assembled columns: whether it is in `contact`, and its stiffness `K` (n, n)."""
-
-    contact: bool
-    K: Floats
-
-
 def _assembled_runs(
     section: Section, radius: float, sign: int, div: RingDivision, *, free: bool
-) -> list[_Run]:
-    """The runs of columns of a ring, each assembled to one stiffness, from the first angle on.
+) -> list[Floats]:
+    """The stiffness (n, n) of each run of columns of a ring, from the first angle on.
+
+    A run is all columns under one lining, or all columns between two linings.
 
     Parameters
     ----------
@@ -249,12 +244,19 @@ def _assembled_runs(
             kind_of = np.arange(last - first)
         kinds_made = [ColumnSubstructure(each, line, line) for each in made]
         row = [kinds_made[k] for k in kind_of]
-        runs.append(_Run(contact, assemble_row(row, 2 * contact, FRAME * free).K))
+        runs.append(assemble_row(row, 2 * contact, FRAME * free).K)
     return runs
 
 
 def _side_loads(radius: float, along: Floats, p: int) -> Floats:
-    """The loads of `_column_rim_loads`, with the end nodes in the axes of the columns' sides."""
+    """The loads of `_column_rim_loads`, with the end nodes in the axes of the columns' sides.
+
+    Parameters
+    ----------
+    radius : radius of the rim [m]
+    along : (c, p + 1) angles of the nodes about the middle of their column [rad]
+    p : degree
+    """
     loads = _column_rim_loads(radius, along, p)
     for at, k in ((slice(2), 0), (slice(-2, None), -1)):
         nodal = loads[:, at].transpose(0, 2, 1)
@@ -293,7 +295,7 @@ def _rotate_loads(K: Floats, angle: Floats) -> Floats:
     return K
 
 
-def _closed_ring_stiffness(runs: list[_Run], div: RingDivision, line: int, extra: int) -> Floats:
+def _closed_ring_stiffness(runs: list[Floats], div: RingDivision, line: int, extra: int) -> Floats:
     """Stiffness of the closed ring on [extra | contact nodes by growing angle | inner lines].
 
     The lines stand between the runs. The first node of a line is in contact, since one of both runs
@@ -301,7 +303,7 @@ def _closed_ring_stiffness(runs: list[_Run], div: RingDivision, line: int, extra
 
     Parameters
     ----------
-    runs : the runs of columns
+    runs : stiffness of each run of columns
     div : division of the ring
     line : number of unknowns of a line without its first node
     extra : number of extra unknowns
@@ -315,18 +317,18 @@ def _closed_ring_stiffness(runs: list[_Run], div: RingDivision, line: int, extra
     tops = extra + np.concatenate([[0], np.cumsum(own)])
     first = int(tops[-1])
     A = np.zeros((first + count * line,) * 2)
-    for k, run in enumerate(runs):
+    for k, K in enumerate(runs):
         after = (k + 1) % count
         left_node, right_node = tops[k] + np.arange(2), tops[after] + np.arange(2)
         left_line = first + k * line + np.arange(line)
         right_line = first + after * line + np.arange(line)
         between = np.arange(tops[k] + 2, tops[k + 1])
-        if run.contact:
+        if div.contact[starts[k]]:
             order = [left_line, left_node, between, right_node, right_line]
         else:
             order = [left_node, left_line, right_node, right_line]
         place = np.concatenate([np.arange(extra), *order])
-        np.add.at(A, (place[:, None], place), run.K)
+        np.add.at(A, (place[:, None], place), K)
     return A
 
 
@@ -380,7 +382,14 @@ def ring_grid(radius: float, sign: int, div: RingDivision) -> ColumnGrid:
 
 
 def rim_forces(radius: float, div: RingDivision, grid: ColumnGrid) -> Floats:
-    """Nodal forces (2 N, 3) that are spread over the rim like the rigid-body modes."""
+    """Nodal forces (2 N, 3) that are spread over the rim like the rigid-body modes.
+
+    Parameters
+    ----------
+    radius : radius of the rim [m]
+    div : division of the ring
+    grid : all nodes and elements of the ring
+    """
     p, count = div.degree, len(div.contact)
     forces = np.zeros((grid.N, 2, FRAME))
     pieces = _column_rim_loads(radius, nodes_of_pieces(div.angles, p), p)

@@ -244,7 +244,13 @@ class _ColumnKinds(NamedTuple):
 
 
 def _column_kinds(shoe: Shoe, div: ShoeDivision, *, directed: bool) -> _ColumnKinds:
-    """The kinds of columns of a shoe; on an arc equally wide columns are of one kind."""
+    """The kinds of columns of a shoe; on an arc equally wide columns are of one kind.
+
+    Parameters
+    ----------
+    shoe, div : the shoe and its division
+    directed : whether a layer of the shoe is orthotropic
+    """
     p = div.degree
     rows = [div.angles]
     if div.first < div.layers:
@@ -269,7 +275,15 @@ def _condensed_columns(
     plane = radius if shoe.flat else None
 
     def columns_of(row: Ints, layer: int, *, contact: bool, held: bool) -> list[ColumnSubstructure]:
-        """The columns of a row of kinds, of the layers from `layer` on."""
+        """The columns of a row of kinds, of the layers from `layer` on.
+
+        Parameters
+        ----------
+        row : kind of each column
+        layer : number of the first layer of the columns
+        contact : whether the outermost edge is in contact
+        held : whether the innermost edge is held
+        """
         if not len(row):
             return []
         # bincount stands for np.unique, which would load numpy's masked arrays.
@@ -432,7 +446,10 @@ def _lining_stiffness(
 ) -> Floats:
     """Stiffness of the contact nodes, from the columns `row` under the lining.
 
-    `left` and `right` are the stiffness of the bodies that hang on the back of both ends.
+    Parameters
+    ----------
+    row : columns under the lining
+    left, right : stiffness of the bodies that hang on the back of both ends, if there are any
     """
     row = row.copy()
     row[0] = eliminate_line(row[0], left, 0 if left is None else len(left))
@@ -466,8 +483,13 @@ def _first_column_on_hinge(
 ) -> ColumnSubstructure:
     """The first column under the lining, joined to the part of the body that the hinge holds.
 
-    The unknowns are [frame | own unknowns of the column]. `held` (n, 3) are the rigid-body modes of
-    the line at the hinge.
+    The unknowns are [frame | own unknowns of the column].
+
+    Parameters
+    ----------
+    first : the first column under the lining
+    before : columns of the body before the lining, from the hinge on
+    held : (n, 3) rigid-body modes of the line at the hinge
     """
     if not before:
         return eliminate_line(_constrain_to_frame(first, held))

@@ -7,7 +7,6 @@ unknowns, on the friction surface too.
 """
 
 from functools import partial
-from typing import NamedTuple
 
 import numpy as np
 
@@ -121,26 +120,24 @@ def end_forces(solid: Solid) -> tuple[Floats, Floats]:
     return forces, centre
 
 
-class _UnitLoads(NamedTuple):
-    """The unit loads of a shoe's actuation.
+def _unit_loads(solid: Solid, shoe: Shoe, constraints: Constraints) -> tuple[Floats, Floats]:
+    """Unit loads (unknowns, 3) of a shoe's actuation, and the point (2,) that they act at [m].
 
-    `columns` (unknowns, 3) are unit force x, unit force y and unit couple on the reduced unknowns,
-    `centre` (2,) is the point that they act at [m].
+    They are unit force x, unit force y and unit couple on the reduced unknowns.
+
+    Parameters
+    ----------
+    solid : the meshed half of the shoe
+    shoe : the shoe
+    constraints : its reduced unknowns
     """
-
-    columns: Floats
-    centre: Floats
-
-
-def _unit_loads(solid: Solid, shoe: Shoe, constraints: Constraints) -> _UnitLoads:
-    """The unit loads of a shoe's actuation on its reduced unknowns."""
     # Without a loaded end the force acts on the rigid shoe, or on the grip of its body.
     if "actuation" not in solid.section.boundaries or shoe.gripped:
         loads = np.zeros((constraints.matrix.shape[1], 3))
         loads[-FRAME:] = np.eye(3)
-        return _UnitLoads(loads, shoe.own_pin)
+        return loads, shoe.own_pin
     forces, centre = end_forces(solid)
-    return _UnitLoads(np.asarray(constraints.matrix.T @ forces.reshape(-1, 3)), centre)
+    return np.asarray(constraints.matrix.T @ forces.reshape(-1, 3)), centre
 
 
 def solid_body(
@@ -162,11 +159,10 @@ def solid_body(
         face, rigid = friction_face(solid, shoe, brake.size), hinge_nodes(solid, shoe)
         bonded = shoe.body is None
         constraints = constrain_solid(solid, face.nodes, rigid, shoe.own_pin, bonded=bonded)
-        loads = _unit_loads(solid, shoe, constraints)
+        loads, centre = _unit_loads(solid, shoe, constraints)
     with clock(seconds, "condensation"):
-        named_loads = {ACTUATION: loads.columns}
-        condensed = condense(K, constraints, named_loads, 2 * len(face.nodes))
+        condensed = condense(K, constraints, {ACTUATION: loads}, 2 * len(face.nodes))
     with clock(seconds, "coupling"):
         made = partial(SolidBody, solid.mesh, solid.basis, face)
         friction = brake.friction > 0
-        return coupled_shoe(made, shoe, face, condensed, loads.centre, friction=friction)
+        return coupled_shoe(made, shoe, face, condensed, centre, friction=friction)

@@ -88,7 +88,15 @@ class _SolidPartFields(NamedTuple):
 
 
 def recover(scene: PreparedModel, brake: Brake, response: Response, index: int) -> SolidFields:
-    """The fields in shoe `index` of a brake, from the contact pressure of its response."""
+    """The fields in shoe `index` of a brake, from the contact pressure of its response.
+
+    Parameters
+    ----------
+    scene : the prepared model of solid shoes
+    brake : the brake
+    response : response of the brake on the model
+    index : position of the shoe in the brake
+    """
     brake = loaded(brake, response)
     shoe, body, answer = brake.shoes[index], scene.bodies[index], response.shoes[index]
     p = np.zeros(len(body.line.nodes))

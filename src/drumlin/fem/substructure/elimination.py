@@ -227,6 +227,12 @@ def _factorised_fronts(
     """The factorised fronts of all regions in turn.
 
     The Schur complement of each front goes to `complements`.
+
+    Parameters
+    ----------
+    lower : lower triangle of the sparse matrix
+    region : number of the region of each eliminated unknown, not decreasing
+    complements : Schur complements that wait for each region
     """
     inner, regions = len(region), len(complements) - 1
     starts = np.searchsorted(region, np.arange(regions + 1))

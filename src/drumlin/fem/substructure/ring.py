@@ -108,7 +108,14 @@ def ring_mesh(ring: Section, radius: float, shoes: tuple[Shoe, ...], elements: i
 
 
 def _ring_angles(radius: float, shoes: tuple[Shoe, ...], elements: int) -> Floats:
-    """Angles [rad] at which elements of a ring meet, equally spaced between linings."""
+    """Angles [rad] at which elements of a ring meet, equally spaced between linings.
+
+    Parameters
+    ----------
+    radius : radius of the friction surface [m]
+    shoes : shoes whose linings press the ring
+    elements : number along each lining
+    """
     parts, arcs = [], []
     for shoe in sorted(shoes, key=lambda shoe: shoe.lining.start % (2 * math.pi)):
         lining = shoe.lining
@@ -453,7 +460,14 @@ class FreeRing:
 
 
 def _half_flexibility(condensed: CondensedBody, forces: Floats, free: FreeRing | None) -> Floats:
-    """The half flexibility W (m, k) of a ring: W^T W is the work of nodal forces (2n, k)."""
+    """The half flexibility W (m, k) of a ring: W^T W is the work of nodal forces (2n, k).
+
+    Parameters
+    ----------
+    condensed : the condensed ring
+    forces : (2n, k) nodal forces on its contact nodes
+    free : the balance of a free ring; None where the far edge is fixed
+    """
     Y = condensed.half_flexibility(forces)
     if free is None:
         return Y
