@@ -451,7 +451,7 @@ def _shoe_answer(solution: _ShoeSolution, steps: int) -> _ShoeAnswer:
 
 
 class _ActingForces(NamedTuple):
-    """The forces on a shoe, in its own frame.
+    """The forces on a shoe, in the frame of the shoe.
 
     Attributes
     ----------

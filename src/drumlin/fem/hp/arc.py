@@ -216,8 +216,8 @@ def condensed_arc_elements(
 ) -> Floats:
     """Stiffness (l, 2, c, 4 p, 4 p) of condensed arc elements, for both symmetries.
 
-    The unknowns are those on the boundary of an element. Displacements of the left and the right
-    side count along the side's own radius and across it.
+    The unknowns are those on the boundary of an element. Displacements
+    on the left and the right side are measured along the side's own radius and across it.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 """Columns of elements as substructures: condensed to two sides and contact, and assembled.
 
 A column is a stack of elements from the contact inwards. On an arc the displacements on each side
-count along the radius and around the drum, and those between the sides as in the column's middle.
+are measured along the radius and around the drum, those between the sides as in the middle.
 So equal columns have equal stiffness wherever they stand, and each kind is made once.
 
 A substructure has the unknowns [left line | contact | right line], x and y of a node together. The

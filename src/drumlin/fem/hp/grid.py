@@ -65,7 +65,7 @@ class ColumnGrid:
 
     @cached_property
     def doflocs(self) -> Floats:
-        """Points of the nodes (2, N) [m]."""
+        """Points of the grid's nodes (2, N) [m]."""
         xy = np.zeros((2, self.N))
         for block in self.blocks:
             xy[:, block.number] = self.point_at(block.depth[:, None], block.along)
@@ -114,7 +114,7 @@ class ColumnGrid:
 
     @cached_property
     def outline(self) -> Ints:
-        """Nodes on the boundary of each element (4 p, elements), in turn around it."""
+        """Nodes on the boundary of each element (4 p, elements), in order around the element."""
         at = self._local_numbers
         around = np.concatenate([at[0, :-1], at[:-1, -1], at[-1, :0:-1], at[:0:-1, 0]])
         return self.element_dofs[around]

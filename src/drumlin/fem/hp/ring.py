@@ -123,7 +123,7 @@ def divide_ring(
 
 
 def _lies_under(angle: float, ends: Floats) -> bool:
-    """Whether an angle of the first turn lies between the `ends` of a lining, in any turn."""
+    """Whether an `angle` [rad] lies under a lining, between its `ends`; whole turns do not count."""
     return any(ends[0] < angle + turn < ends[-1] for turn in (0.0, FULL_TURN))
 
 
@@ -211,7 +211,7 @@ def _condensed_ring(
 def _assembled_runs(
     section: Section, radius: float, sign: int, div: RingDivision, *, free: bool
 ) -> list[Floats]:
-    """The stiffness (n, n) of each run of columns of a ring, from the first angle on.
+    """The stiffness (n, n) of each run of element columns of a ring, from the first angle on.
 
     A run is all columns under one lining, or all columns between two linings.
 
@@ -249,7 +249,7 @@ def _assembled_runs(
 
 
 def _side_loads(radius: float, along: Floats, p: int) -> Floats:
-    """The loads of `_column_rim_loads`, with the end nodes in the axes of the columns' sides.
+    """The rim loads of `_column_rim_loads`, with end nodes measured in the axes of column sides.
 
     Parameters
     ----------

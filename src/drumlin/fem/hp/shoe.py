@@ -129,7 +129,7 @@ def point_map(shoe: Shoe, radius: float) -> PointMap:
 
 
 def _beam_map(shoe: Shoe, radius: float) -> PointMap:
-    """The map of a straight beam, whose depth counts in layers.
+    """The map from depths and positions to points of a shoe with a straight beam.
 
     Depths from 0 to 1 are in the lining, from 1 to 2 in the block, which is cut square to the beam,
     and from 2 to 3 in the beam.
@@ -218,7 +218,7 @@ def _layer_directions(
 
 
 class _ShoeColumns(NamedTuple):
-    """The columns of a shoe under the lining, before it and behind it, in their order.
+    """The element columns of a shoe under the lining, before it and behind it, in order.
 
     Equal columns are the same object. The columns grip[0] to grip[1] - 1 under the lining are those
     whose back a grip holds; both are 0 without a grip.
@@ -231,7 +231,7 @@ class _ShoeColumns(NamedTuple):
 
 
 class _ColumnKinds(NamedTuple):
-    """The kinds of columns of a shoe, and the data that makes a column of each kind.
+    """The kinds of element columns of a shoe, and the data that makes a column of each kind.
 
     `along` (kinds, p + 1) are the positions of the nodes of each kind along the lining, `angular`
     the angular integrals of columns on arcs (None of a straight beam), and `which` (columns,) the
@@ -244,7 +244,7 @@ class _ColumnKinds(NamedTuple):
 
 
 def _column_kinds(shoe: Shoe, div: ShoeDivision, *, directed: bool) -> _ColumnKinds:
-    """The kinds of columns of a shoe; on an arc equally wide columns are of one kind.
+    """The kinds of element columns of a shoe; on an arc equally wide columns are of one kind.
 
     Parameters
     ----------
@@ -267,7 +267,7 @@ def _column_kinds(shoe: Shoe, div: ShoeDivision, *, directed: bool) -> _ColumnKi
 def _condensed_columns(
     shoe: Shoe, radius: float, div: ShoeDivision, layers: dict[str, ElasticLayer]
 ) -> _ShoeColumns:
-    """The condensed columns of a shoe; the parameters are those of `condense_shoe`."""
+    """The condensed element columns of a shoe; parameters as of `condense_shoe`."""
     p = div.degree
     elasticity = stack_elasticity(layers, div.part)
     directed = bool(has_directions(elasticity).any())
@@ -275,7 +275,7 @@ def _condensed_columns(
     plane = radius if shoe.flat else None
 
     def columns_of(row: Ints, layer: int, *, contact: bool, held: bool) -> list[ColumnSubstructure]:
-        """The columns of a row of kinds, of the layers from `layer` on.
+        """The columns of elements in a row, given the kind of each, without the layers before `layer`.
 
         Parameters
         ----------
@@ -315,9 +315,9 @@ def _condensed_columns(
 
 
 def side_angles(ends: Floats, p: int) -> Floats:
-    """Angles (m p + 1,) of the axes in which the displacements of contact nodes count.
+    """Angles (m p + 1,) of the axes along which displacements of contact nodes are measured.
 
-    A node between the `ends` (m + 1,) of a column has the axes of the column's middle.
+    A node between two `ends` (m + 1,) of columns has the axes of the column's middle.
     """
     angles = np.append(np.repeat(0.5 * (ends[1:] + ends[:-1]), p), 0.0)
     angles[::p] = ends
@@ -325,10 +325,10 @@ def side_angles(ends: Floats, p: int) -> Floats:
 
 
 def _axis_angle(shoe: Shoe, phi: Floats) -> Floats:
-    """The angles [rad] of the axes in which displacements count at positions phi of columns.
+    """The angles [rad] of the axes along which displacements at positions phi are measured.
 
-    On an arc displacements count along the radius, on a pad along the normal, whose tangent is the
-    plane's x, and in a straight beam along the axes of the frame.
+    On an arc displacements are measured along the radius, on a pad along the plane's normal, and in
+    a straight beam along the axes of the frame.
     """
     if isinstance(shoe.body, Beam):
         return np.zeros_like(phi)

@@ -41,9 +41,9 @@ def serendipity_cells(cells: Ints) -> Ints:
 
 
 def orient_cells(points: Floats, cells: Ints) -> Ints:
-    """The cells (m, 20) with bottom and top exchanged where their volume is negative.
+    """The hexahedra `cells` (m, 20), turned over where their volume is negative.
 
-    A mirror image turns cells over. `points` (n, 3) are the nodes.
+    A mirror image makes volumes negative. `points` (n, 3) are the nodes.
     """
     a, b, c, d = (points[cells[:, i]] for i in (0, 1, 3, 4))
     volume = np.einsum("mi,mi->m", np.cross(b - a, c - a), d - a)
