@@ -123,7 +123,7 @@ def divide_ring(
 
 
 def _lies_under(angle: float, ends: Floats) -> bool:
-    """Whether an `angle` [rad] lies under a lining, between its `ends`; whole turns do not count."""
+    """Whether an `angle` [rad] lies between the `ends` of a lining; whole turns do not count."""
     return any(ends[0] < angle + turn < ends[-1] for turn in (0.0, FULL_TURN))
 
 

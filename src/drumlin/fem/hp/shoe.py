@@ -275,7 +275,7 @@ def _condensed_columns(
     plane = radius if shoe.flat else None
 
     def columns_of(row: Ints, layer: int, *, contact: bool, held: bool) -> list[ColumnSubstructure]:
-        """The columns of elements in a row, given the kind of each, without the layers before `layer`.
+        """The element columns of a row of kinds, without the layers before `layer`.
 
         Parameters
         ----------
