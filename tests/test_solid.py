@@ -286,7 +286,7 @@ def test_condensed_it_yields_as_the_whole_system_does(flexible):
     )
     u = body.condensed.displacements(nodal, frame, load)
     at = (3 * body.line.nodes[:, None] + np.arange(2)).ravel()
-    half = body.condensed.half
+    half = body.condensed.half_flexibility
     mine = half(np.eye(n)).T @ half(nodal + body.condensed.load_on_contact @ load)
     moved = -half(np.eye(n)).T @ (body.condensed.L_fc.T @ frame)
     np.testing.assert_allclose(mine + moved, u[at], atol=1e-8 * np.abs(u).max())
