@@ -28,13 +28,6 @@ from drumlin.fem.substructure.elasticity import stack_elasticity
 from drumlin.fem.substructure.loads import ACTUATION, LoadColumns
 from drumlin.response.resultants import GAUSS, WEIGHTS, at_gauss, lobatto
 
-LEFT = 0.02
-"""Fraction of the uncorrected rigid-body residual that the round-off estimate keeps.
-
-The residual S R + F should be zero. The correction takes the residual off, and the estimate assumes
-that this fraction remains. 0 would call corrected answers exact; 1 would refuse right answers. The
-stored truths judge the value.
-"""
 PointMap = Callable[[Floats, Floats], Floats]
 """Gives points (2, ...) in the shoe's frame [m] at depths and positions along the lining."""
 
@@ -435,7 +428,7 @@ def _hinged_shoe(
         loads=np.concatenate([on_frame, load]),
         work=-A[loads, loads],
         centre=end.centre,
-        rigid_mode_forces=corrected.remaining_forces,
+        rigid_mode_forces=corrected.round_off_forces,
         force_imbalance=float(np.abs(imbalance[:2, actuation][:, :2]).max()),
         columns=end.columns,
     )
@@ -534,11 +527,11 @@ def _constrain_to_frame(piece: ColumnSubstructure, held: Floats) -> ColumnSubstr
 class _CorrectedStiffness(NamedTuple):
     """The stiffness `S` (2n, 2n) of the contact nodes, corrected for round-off.
 
-    `remaining_forces` (2n, 3) estimate the forces that round-off still leaves on rigid-body modes.
+    `round_off_forces` (2n, 3) estimate the forces that round-off adds to rigid-body modes.
     """
 
     S: Floats
-    remaining_forces: Floats
+    round_off_forces: Floats
 
 
 def _correct_rigid_modes(S: Floats, R: Floats, held: Floats) -> _CorrectedStiffness:
@@ -547,8 +540,8 @@ def _correct_rigid_modes(S: Floats, R: Floats, held: Floats) -> _CorrectedStiffn
     If the contact moves with the frame by R, then S R = -held. The forces `held` are small beside
     the stiffness of thin columns, and have more digits. The first correction changes each node's
     own part, where most digits were lost. The second correction is the least symmetric change that
-    leaves no residual. The estimate of the forces that remain is the residual half way, and LEFT of
-    the residual before.
+    leaves no residual. The corrected stiffness is wrong elsewhere by as much as rigid-body modes
+    showed: the estimate of the forces that round-off adds is the residual before any correction.
 
     Parameters
     ----------
@@ -565,7 +558,7 @@ def _correct_rigid_modes(S: Floats, R: Floats, held: Floats) -> _CorrectedStiffn
     change, moment = back @ after.T, R.T @ after
     symmetric_moment = 0.5 * (moment + moment.T)
     corrected = S - change - change.T + back @ symmetric_moment @ back.T
-    return _CorrectedStiffness(corrected, after + LEFT * before)
+    return _CorrectedStiffness(corrected, before)
 
 
 def _stiffness_with_frame(S: Floats, R: Floats) -> Floats:
