@@ -183,7 +183,7 @@ def test_condensed_displacements_equal_those_of_the_whole_system(brake):
     u[free] = spsolve(K[free][:, free].tocsc(), forces[free])
     scale = np.abs(u).max()
 
-    Y = condensed.half(np.column_stack([nodal + condensed.load_on_contact @ factors]))
+    Y = condensed.half_flexibility(np.column_stack([nodal + condensed.load_on_contact @ factors]))
     work = float((Y[:, 0] ** 2).sum())
     c = np.column_stack([u[2 * line.nodes], u[2 * line.nodes + 1]]).ravel()
     assert work == pytest.approx(c @ (nodal + condensed.load_on_contact @ factors), rel=1e-9)

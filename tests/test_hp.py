@@ -25,24 +25,29 @@ from drumlin.fem.error_control.estimate import FACTORS, estimate
 from drumlin.fem.error_control.levels import LEVELS, steps
 from drumlin.fem.error_control.places import places_of
 from drumlin.fem.hp import division
-from drumlin.fem.hp.arc import angular, arc_columns, elements
+from drumlin.fem.hp.arc import angular_integrals, arc_column_stiffness, condensed_arc_elements
 from drumlin.fem.hp.columns import (
     ColumnSubstructure,
-    assembled,
-    assembled_pair,
-    columns,
-    stack,
-    turned,
-    without_line,
+    assemble_pair,
+    assemble_row,
+    column_stiffness,
+    column_unknowns,
+    eliminate_line,
+    rotate_components,
 )
 from drumlin.fem.hp.division import Singularity, divide, graded
-from drumlin.fem.hp.element import condensed_elements, element, shape_functions, stiffness
-from drumlin.fem.hp.shoe import distinct, nodes_of, rigid
+from drumlin.fem.hp.element import (
+    condensed_elements,
+    element_stiffness,
+    reference_element,
+    shape_functions,
+)
+from drumlin.fem.hp.shoe import distinct_sizes, element_nodes
 from drumlin.fem.model import PENALTY, refined_group, respond
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import scene_of, solve
-from drumlin.fem.substructure.body import FRAME, condense
+from drumlin.fem.substructure.body import FRAME, condense, rigid_body_modes
 from drumlin.fem.substructure.elasticity import layers_of
 from drumlin.laws import sine
 from drumlin.lining_wear.worn_in import solve as solve_worn_in
@@ -73,7 +78,11 @@ def curved(p):
     at = np.array([np.repeat(x, p + 1), np.tile(x, p + 1)])
     phi = np.array([quadratic.elem.lbasis(at, i)[0] for i in range(9)])
     xy = np.einsum("cae,an->ecn", mesh.doflocs[:, quadratic.element_dofs], phi)
-    return mesh, np.ascontiguousarray(xy[:, :, element(p).order]), at[:, element(p).order]
+    return (
+        mesh,
+        np.ascontiguousarray(xy[:, :, reference_element(p).order]),
+        at[:, reference_element(p).order],
+    )
 
 
 @pytest.mark.parametrize(
@@ -84,7 +93,7 @@ def test_the_stiffness_is_that_of_skfems_own_assembly_of_the_same_mesh(p):
     hierarchical = skfem.ElementQuadP(p)
     basis = skfem.Basis(mesh, skfem.ElementVector(hierarchical), intorder=2 * p + 1)
     theirs = linear_elasticity(*plane_stress(STEEL.E, STEEL.nu)).assemble(basis)
-    ours = stiffness(xy, np.tile(elasticity_matrix(STEEL), (len(xy), 1, 1)), p)
+    ours = element_stiffness(xy, np.tile(elasticity_matrix(STEEL), (len(xy), 1, 1)), p)
     at_nodes = np.array(
         [hierarchical.lbasis(at, i)[0] for i in range((p + 1) ** 2)]
     )  # (functions, nodes)
@@ -114,8 +123,8 @@ def test_in_long_double_the_stiffness_is_the_same_and_rigid_motions_strain_nothi
     p = 5
     _, xy, _ = curved(p)
     matrices = np.tile(elasticity_matrix(STEEL), (len(xy), 1, 1))
-    K = stiffness(xy, matrices, p)
-    precise = stiffness(xy.astype(np.longdouble), matrices.astype(np.longdouble), p)
+    K = element_stiffness(xy, matrices, p)
+    precise = element_stiffness(xy.astype(np.longdouble), matrices.astype(np.longdouble), p)
     size = np.abs(K).max()
     assert np.abs(K - precise).max() < 1e-13 * size
     turn = np.stack([-xy[:, 1], xy[:, 0]], axis=2).astype(np.longdouble)
@@ -136,24 +145,26 @@ def test_columns_merged_in_any_order_are_the_whole_eliminated_at_once():
             ]
             for d in depth
         ]
-    )[..., element(p).order]
+    )[..., reference_element(p).order]
     K = condensed_elements(
         xy, np.tile(elasticity_matrix(Material(E=1.0, nu=0.3)), (layers, 1, 1)), p
     )
-    of = stack(p, layers, contact=True, held=False)
-    parts = [ColumnSubstructure(part, of.line, of.line) for part in columns(K, of)]
-    whole = assembled(parts, 2)
+    of = column_unknowns(p, layers, contact=True, held=False)
+    parts = [ColumnSubstructure(part, of.line, of.line) for part in column_stiffness(K, of)]
+    whole = assemble_row(parts, 2)
     one_by_one = parts[0]
     for part in parts[1:]:
-        one_by_one = assembled_pair(one_by_one, part, 2)
+        one_by_one = assemble_pair(one_by_one, part, 2)
     size = np.abs(whole.K).max()
     np.testing.assert_allclose(whole.K, one_by_one.K, atol=1e-11 * size)
     assert len(whole.K) == 2 * of.line + 2 * (m * p + 1)
     assert np.abs(whole.K.reshape(len(whole.K), -1, 2).sum(axis=1)).max() < 1e-12 * size
-    ends = assembled([without_line(parts[0]), *parts[1:-1], without_line(parts[-1], right=True)], 2)
+    ends = assemble_row(
+        [eliminate_line(parts[0]), *parts[1:-1], eliminate_line(parts[-1], right=True)], 2
+    )
     assert ends.left == ends.right == 0
     np.testing.assert_allclose(
-        ends.K, without_line(without_line(whole), right=True).K, atol=1e-11 * size
+        ends.K, eliminate_line(eliminate_line(whole), right=True).K, atol=1e-11 * size
     )
     np.testing.assert_allclose(ends.K, every_unknown_at_once(K, p), atol=1e-11 * size)
 
@@ -172,16 +183,21 @@ def test_columns_of_an_arc_by_symmetric_and_antisymmetric_motions_are_those_of_t
     def place(depth, phi):
         return np.array([(0.14 - depth) * np.cos(phi), (0.14 - depth) * np.sin(phi)])
 
-    of = stack(p, 3, contact=contact, held=held)
-    theirs = columns(condensed_elements(nodes_of(place, depths, angles, p), matrices, p), of)
+    of = column_unknowns(p, 3, contact=contact, held=held)
+    theirs = column_stiffness(
+        condensed_elements(element_nodes(place, depths, angles, p), matrices, p), of
+    )
     nodes = p + 1 if contact else 0
-    ours = arc_columns(
-        elements(radii, angular(angles, p), matrices, p), p, contact=contact, held=held
+    ours = arc_column_stiffness(
+        condensed_arc_elements(radii, angular_integrals(angles, p), matrices, p),
+        p,
+        contact=contact,
+        held=held,
     )
     for K, own, side in zip(theirs, ours, half, strict=True):
         lines = np.full(of.line // 2, side)
         ends = np.concatenate([[-side], np.zeros(nodes - 2), [side]]) if contact else []
-        expected = turned(K, np.concatenate([lines * -1, ends, lines]))
+        expected = rotate_components(K, np.concatenate([lines * -1, ends, lines]))
         np.testing.assert_allclose(own, expected, rtol=0, atol=1e-11 * np.abs(expected).max())
 
 
@@ -195,7 +211,7 @@ def every_unknown_at_once(K, p):
     for k in range(layers):
         for j in range(m):
             own = number[k * p : (k + 1) * p + 1, j * p : (j + 1) * p + 1].ravel()[
-                element(p).order[: 4 * p]
+                reference_element(p).order[: 4 * p]
             ]
             at = (2 * own[:, None] + [0, 1]).ravel()
             A[at[:, None], at] += K[k, j]
@@ -287,7 +303,7 @@ def test_what_round_off_took_from_the_answer_is_little_and_seen(flexible, which,
 
 def test_the_turn_of_the_frame_moves_the_contact_as_a_rigid_body(brake):
     shoe, body = body_and_parts(brake)
-    motion = rigid(body.line.xy, np.array([shoe.hinge.radius, 0.0]))
+    motion = rigid_body_modes(body.line.xy, np.array([shoe.hinge.radius, 0.0]))
     assert body.condensed.L_cc @ body.condensed.L_fc.T == pytest.approx(
         -(body.condensed.L_cc @ body.condensed.L_cc.T) @ motion, rel=1e-6, abs=1e-6 * 3e8
     )
@@ -561,7 +577,7 @@ def test_divisions_grow_from_their_ends_and_contain_what_they_must(brake):
     everywhere = np.diff(divide(shoe, brake.drum.radius, LEVELS[2]).angles)
     assert borne[-1] == pytest.approx(everywhere[-1])
     assert borne[0] > 3 * everywhere[0], "no pressure there: not graded to its spike"
-    values, which = distinct(np.array([0.1, 0.2, 0.1 * (1 + 1e-15)]))
+    values, which = distinct_sizes(np.array([0.1, 0.2, 0.1 * (1 + 1e-15)]))
     assert which.tolist() == [0, 1, 0] and values == pytest.approx([0.1, 0.2])
 
 
@@ -761,7 +777,7 @@ def test_gradients_at_the_nodes_of_a_grid_are_those_of_a_linear_field_and_its_ce
         x, y = grid.doflocs[:, corners]
         return 0.5 * (x * np.roll(y, -1, axis=0) - y * np.roll(x, -1, axis=0)).sum(axis=0)
 
-    cells = grid.element_dofs[grid.quarters]  # (4, cells of an element, elements)
+    cells = grid.element_dofs[grid.subcells]  # (4, cells of an element, elements)
     each = areas(cells.reshape(4, -1)).reshape(cells.shape[1:]).sum(axis=0)
     np.testing.assert_allclose(each, areas(grid.outline), rtol=1e-12)
 

@@ -21,7 +21,7 @@ from drumlin.brake.file import read_brake, vary
 from drumlin.fem.model import respond
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solid import model
-from drumlin.fem.solid.body import face_of
+from drumlin.fem.solid.body import friction_face
 from drumlin.fem.solid.face import width_matrix
 from drumlin.fem.solid.mesh import solid_mesh, width_levels
 from drumlin.fem.solve import solve
@@ -269,7 +269,7 @@ def test_the_mesh_has_the_volume_of_its_parts(flexible):
         volume = float(solid.basis.dx[solid.mesh.subdomains[name]].sum())
         assert 2 * volume == pytest.approx(arc * (outer**2 - inner**2) / 2 * width, rel=3e-6)
         outer = inner
-    face = face_of(solid, shoe, R)
+    face = friction_face(solid, shoe, R)
     assert face.width.sum() == pytest.approx(lining.width)
 
 
@@ -286,7 +286,7 @@ def test_condensed_it_yields_as_the_whole_system_does(flexible):
     )
     u = body.condensed.displacements(nodal, frame, load)
     at = (3 * body.line.nodes[:, None] + np.arange(2)).ravel()
-    half = body.condensed.half
+    half = body.condensed.half_flexibility
     mine = half(np.eye(n)).T @ half(nodal + body.condensed.load_on_contact @ load)
     moved = -half(np.eye(n)).T @ (body.condensed.L_fc.T @ frame)
     np.testing.assert_allclose(mine + moved, u[at], atol=1e-8 * np.abs(u).max())

@@ -226,7 +226,7 @@ def test_flat_patch_whole_and_inclined(turned):
         ) * np.ones_like(points)
 
     coupling = couple(line, 1.0, directions)
-    Y = condensed.half(-coupling.N.T)
+    Y = condensed.half_flexibility(-coupling.N.T)
     # The strip of height 1 has the strain -.05, which gives s = -1e5.
     depth = 0.05
     n = len(line.nodes)

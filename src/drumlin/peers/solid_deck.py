@@ -18,10 +18,10 @@ from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.fields import Material
 from drumlin.fem.preparation.meshes import materials_of
-from drumlin.fem.solid.body import end_forces, face_of, hinged
-from drumlin.fem.solid.fields import oriented, serendipity
+from drumlin.fem.solid.body import end_forces, friction_face, hinge_nodes
+from drumlin.fem.solid.fields import orient_cells, serendipity_cells
 from drumlin.fem.solid.mesh import Solid, solid_mesh
-from drumlin.fem.solid.model import ELEMENTS, across_of, why_not
+from drumlin.fem.solid.model import ELEMENTS, elements_across, why_not
 from drumlin.peers import calculix
 from drumlin.peers.deck import (
     DRUM_LAYER,
@@ -132,7 +132,7 @@ def _posed(brake: Brake, elements: int, across: int | None) -> list[_SolidShoe]:
     posed = []
     for loaded in loaded_shoes(brake, elements):
         shoe = loaded.shoe
-        solid = solid_mesh(shoe, brake.size, elements, across or across_of(shoe, elements))
+        solid = solid_mesh(shoe, brake.size, elements, across or elements_across(shoe, elements))
         posed.append(_SolidShoe(loaded, solid))
     return posed
 
@@ -160,15 +160,15 @@ def deck(
     # Cells keep the node numbers of drumlin's mesh, some of which are then unused.
     x = solid.basis.doflocs
     points = np.column_stack([shoe.frame.to_brake(x[:2].T), x[2]]) * MM
-    cells = oriented(points, serendipity(solid.basis.element_dofs))
+    cells = orient_cells(points, serendipity_cells(solid.basis.element_dofs))
     used = np.unique(cells)
-    held = np.intersect1d(hinged(solid, shoe), used)
+    held = np.intersect1d(hinge_nodes(solid, shoe), used)
     grid = _deck_grid(loaded, points, cells, held)
     drum_mesh = mesh_drum(brake, loaded, FirstLabels(grid.turn + 1, len(cells) + 1))
     # The mid-plane stays plane. A rigid shoe holds the back of its lining in this direction, too.
     mid_plane = np.intersect1d(solid.node[solid.node[:, 0] >= 0, 0], used)
     bonded = held if shoe.body is None else held[:0]
-    face = face_of(solid, shoe, brake.size).nodes
+    face = friction_face(solid, shoe, brake.size).nodes
     lines = [
         *header_lines(brake, loaded, setting, name),
         "** half of the shoe, z >= 0: what is called thickness above is that half",

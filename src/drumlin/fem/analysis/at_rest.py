@@ -71,7 +71,7 @@ def _shoe_tractions(group: ShoeGroup, k: int) -> _ShoeTractions:
     # Tractions count along e_theta of the brake, whichever way the shoe's own frame turns.
     T = shoe.frame.sense * coupling.T
     # Products of two halves are entries of the flexibility by pressures, tractions and loads.
-    Y = condensed.half(np.hstack([-coupling.N.T, T.T, condensed.load_on_contact]))
+    Y = condensed.half_flexibility(np.hstack([-coupling.N.T, T.T, condensed.load_on_contact]))
     pressed, dragged, loaded = np.split(Y, [n, 2 * n], axis=1)
     load, _ = actuation(body, shoe)
     force = abs(shoe.actuation.force) / group.unit_force

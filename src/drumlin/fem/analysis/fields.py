@@ -266,7 +266,7 @@ def _element_nodes(mesh: Any, elements: Ints) -> _ElementNodes:
     """The shape functions of the given elements of a mesh at their own nodes."""
     if isinstance(mesh, ColumnGrid):
         dofs = mesh.element_dofs[:, elements]
-        return _ElementNodes(dofs, mesh.gradients(elements), mesh.quarters)
+        return _ElementNodes(dofs, mesh.gradients(elements), mesh.subcells)
     element = kind_of(mesh).element()
     # scikit-fem evaluates shape functions at quadrature points, which are the nodes here.
     at = element.doflocs.T

@@ -30,10 +30,10 @@ import numpy as np
 
 from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.brake.elasticity import ElasticLayer, has_directions
-from drumlin.fem.hp.element import element, gauss_points, gradients
+from drumlin.fem.hp.element import gauss_points, gradients, reference_element
 from drumlin.fem.hp.grid import ColumnGrid
-from drumlin.fem.substructure.body import points_of, values_of
-from drumlin.fem.substructure.elasticity import split
+from drumlin.fem.substructure.body import quadrature_points, shape_values
+from drumlin.fem.substructure.elasticity import split_elasticity
 
 SAMPLE_CHUNK = 500
 """Elements of a grid whose gradients are in memory at once: a few megabytes at degree 8.
@@ -170,7 +170,7 @@ def _stress_of_gradients(H: Floats, constants: Floats, along: Floats | None) -> 
     Parameters
     ----------
     H : displacement gradients (e, q, 2, 2)
-    constants : elastic constants (e, 4) [N/m] of `elasticity.split`
+    constants : elastic constants (e, 4) [N/m] of `elasticity.split_elasticity`
     along : unit vectors (e, q, 2) along the layers; None if all layers are isotropic
     """
     lam, mu, a, b = constants.T[:, :, None, None, None]
@@ -194,7 +194,7 @@ def _work_by_turn(of_u: Floats, of_v: Floats, constants: Floats, along: Floats) 
     Parameters
     ----------
     of_u, of_v : displacement gradients (e, q, 2, 2)
-    constants : elastic constants (e, 4) [N/m] of `elasticity.split`
+    constants : elastic constants (e, 4) [N/m] of `elasticity.split_elasticity`
     along : unit vectors (e, q, 2) along the layers
     """
     of_first = _direction_strains(of_u, constants, along)
@@ -225,10 +225,10 @@ def _direction_strains(H: Floats, constants: Floats, along: Floats) -> _Directio
 
 
 def _element_constants(basis: Any, layers: Mapping[str, ElasticLayer]) -> Floats:
-    """The elastic constants (elements, 4) [N/m] of `elasticity.split` of each element."""
+    """The elastic constants (elements, 4) [N/m] of `elasticity.split_elasticity` of each element."""
     constants = np.zeros((basis.element_dofs.shape[1], 4))
     for name, elements in _mesh_of(basis).subdomains.items():
-        constants[elements] = split(layers[name].stiffness)
+        constants[elements] = split_elasticity(layers[name].stiffness)
     return constants
 
 
@@ -240,7 +240,7 @@ def _layer_directions(basis: Any, layers: Mapping[str, ElasticLayer]) -> _Direct
     if isinstance(basis, ColumnGrid):
         points = np.moveaxis(gauss_points(basis.element_nodes, basis.degree), 1, 0)
     else:
-        points = points_of(basis)
+        points = quadrature_points(basis)
     along, straight = np.empty(points.shape), np.zeros(points.shape[1], dtype=bool)
     # A layer with one fixed direction is straight; all other layers run around the drum's centre.
     for name, elements in subdomains.items():
@@ -263,8 +263,8 @@ def _element_samples(basis: Any) -> Iterator[_Sample]:
             own = slice(first, first + SAMPLE_CHUNK)
             slopes, area = gradients(basis.element_nodes[own], basis.degree)
             elements, dofs = np.arange(count)[own], basis.ordered_dofs[own]
-            yield _Sample(elements, dofs, slopes, element(basis.degree).values, area)
+            yield _Sample(elements, dofs, slopes, reference_element(basis.degree).values, area)
         return
     slopes = np.array([psi[0].grad for psi in basis.basis]).transpose(2, 1, 0, 3)
     elements = np.arange(basis.mesh.nelements)
-    yield _Sample(elements, basis.element_dofs.T, slopes, values_of(basis), basis.dx)
+    yield _Sample(elements, basis.element_dofs.T, slopes, shape_values(basis), basis.dx)
