@@ -60,8 +60,9 @@ def browser(folder):
 
 
 def play(page, address):
-    """Open the page of the study's brake, move sliders, hold each torque against that of solve;
-    returns the link.
+    """Move the sliders of the study brake's page and compare each torque with that of solve.
+
+    Returns the link to the state that the page shows at the end.
     """
     from selenium.webdriver.common.by import By
     from selenium.webdriver.common.keys import Keys

@@ -1,6 +1,4 @@
-"""Levels of columns: errors against references made another way, steps, refusals; meshes that are
-refined.
-"""
+"""Levels of columns: errors against independent references, steps, refusals, refined meshes."""
 
 import math
 import time
@@ -43,8 +41,9 @@ def distance(response, truth):
 @pytest.mark.parametrize("name", ["brake", "flexible"])
 @pytest.mark.slow
 def test_two_references_agree_and_levels_meet_their_tolerance(name, request):
-    """p to 1e-4 and torque to 1e-6 between references; levels: p within 0.5 % in 0.3 s and 0.1 % in
-    1 s.
+    """References agree on p to 1e-4 and on the torque to 1e-6; levels meet their tolerance.
+
+    On a level p is within 0.5 % in 0.3 s and within 0.1 % in 1 s.
 
     The times are those of a quiet machine; here they only must not be several times as long.
     """
@@ -71,8 +70,9 @@ def test_two_references_agree_and_levels_meet_their_tolerance(name, request):
 
 @pytest.mark.slow
 def test_a_shoe_that_lifts_off_in_places_is_followed_to_its_contact_ends(brake):
-    """Steel of 5 mm behind a stiff lining: contact at both ends only; meshes six times as fine
-    judge.
+    """A 5 mm steel shoe behind a stiff lining bears at both ends only; its contact ends are found.
+
+    Meshes six times as fine are the reference.
     """
     thin = vary(brake, {"shoe.body.thickness": 5e-3, "shoe.lining.material.E": 1e9})
     coarse, truth = solve(thin, tolerance=5e-3), solve(thin, tolerance=3e-4)

@@ -1,6 +1,4 @@
-"""Linings of many blocks and tables of many rows: the error that is stated is at least the one that
-is there.
-"""
+"""Linings of many blocks and tables of many rows: the stated error covers the true one."""
 
 import math
 from itertools import islice
@@ -36,8 +34,10 @@ def off(one: np.ndarray, true: np.ndarray) -> float:
 
 @pytest.mark.parametrize("steps", blocks.STEPS)
 def test_a_lining_of_many_blocks_reaches_the_tolerance_and_says_its_error(steps: int) -> None:
-    """Against curved triangles (`python tests/blocks.py`). With no columns that end at steps the
-    estimated error stays at a tenth of p.
+    """A lining of many blocks meets the tolerance, and its stated error covers the true one.
+
+    Curved triangles are the reference (`python tests/blocks.py`). Without columns that end at steps
+    the estimate stays at a tenth of p.
     """
     brake, true = blocks.brake_of(steps), blocks.stored(steps)
     response = solve(brake)
@@ -74,8 +74,10 @@ def test_columns_at_steps_shrink_with_the_levels_where_the_lining_presses_and_no
 
 
 def test_an_end_of_the_contact_beside_a_step_ends_a_column() -> None:
-    """Also where it is nearer to the step's end than the columns there are wide: with the place of
-    the step in its stead, errors stayed from the second level to the sixth.
+    """An end of the contact beside a step of the lining ends a column.
+
+    This holds too where the end is nearer to the step than columns are wide there: with the step's
+    place in its stead errors stayed the same from the second level to the sixth.
     """
     brake = blocks.brake_of(12)
     shoe, R = brake.shoes[0], brake.size
@@ -107,8 +109,10 @@ def solved(brake: Brake, monkeypatch: pytest.MonkeyPatch) -> tuple[Response, Res
 
 
 def test_the_chords_of_a_table_are_seen_where_they_matter(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of 41 rows, against all kinks as places. Without columns that end at kinks 0.15 % is stated
-    of p, and the error is 0.40 %.
+    """Kinks of a table of clearances end columns where p feels them.
+
+    The table has 41 rows; all kinks as places are the reference. Without columns that end at kinks
+    0.15 % is stated of p, and the error is 0.40 %.
     """
     found, true = solved(
         curved(vary(blocks.brake_of(12), {"shoe[0].lining.misfit": {}}), 41), monkeypatch
@@ -121,8 +125,9 @@ def test_the_chords_of_a_table_are_seen_where_they_matter(monkeypatch: pytest.Mo
 
 
 def test_what_the_chords_of_a_table_change_in_p_is_foretold() -> None:
-    """On a rigid shoe with a thin lining p = M (closed - gap)/t, whose gap strays from its curve by
-    a known parabola.
+    """The change of p by a table's chords is predicted for a rigid shoe with a thin lining.
+
+    There p = M (closed - gap)/t, and the gap strays from its curve by a known parabola.
     """
     brake = blocks.brake_of(10)
     shoe, R = brake.shoes[0], brake.size
@@ -145,8 +150,9 @@ def test_what_the_chords_of_a_table_change_in_p_is_foretold() -> None:
 
 
 def test_kinks_that_p_does_not_feel_are_no_places(brake: Brake) -> None:
-    """A table of so many rows that its chords change p by less than a level's own error is a
-    curve.
+    """Kinks whose chords change p by less than a level's error end no columns.
+
+    A table of that many rows is treated as a curve.
     """
     many = curved(brake, 2001)
     response = solve(many)

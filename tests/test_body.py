@@ -1,6 +1,4 @@
-"""Stiffness, dissection and condensation against closed forms and against solving everything at
-once.
-"""
+"""Stiffness, dissection and condensation against closed forms and one dense solve."""
 
 import math
 
@@ -71,8 +69,10 @@ def test_uniaxial_plane_stress(kind):
 
 
 def test_curved_cantilever_under_end_shear():
-    """Quarter ring, a = 1, b = 2, E = 1e4, fixed at one end, moved by u0 = 0.01 at the other: P u0
-    = (ln 2 - 0.6)/pi.
+    """A curved cantilever under end shear has the closed-form force at its moved end.
+
+    Quarter ring, a = 1, b = 2, E = 1e4, fixed at one end, moved by u0 = 0.01 at the other: P u0 =
+    (ln 2 - 0.6)/pi.
 
     Timoshenko & Goodier's curved bar under end shear; the strain energy, plane stress, nu = 1/4,
     unit width. The shear traction's distribution is that of the closed form, so the end
@@ -112,8 +112,9 @@ def test_dissection_is_an_order_of_all_nodes_in_which_regions_follow_one_another
 
 
 def test_elimination_equals_the_dense_schur_complement():
-    """Any symmetric positive definite sparse matrix and any split into regions, empty ones
-    included.
+    """Elimination equals the dense Schur complement for any positive definite sparse matrix.
+
+    The matrix is split into any regions, empty ones included.
     """
     rng = np.random.default_rng(4)
     for inner, kept in ((30, 7), (60, 3), (5, 12)):

@@ -28,8 +28,10 @@ def test_names_of_many_kinds_are_taken(tmp_path, name):
 
 
 def test_the_study_brake_has_the_source_geometry(brake):
-    """Simscape defaults: pin 125 mm at 15 deg from the axis, line of force at 100 mm, lining 5 to
-    130 deg.
+    """The study's brake has Simscape's default geometry.
+
+    The pin lies 125 mm out at 15 deg from the axis, the line of force 100 mm out, and the lining
+    covers 5 to 130 deg.
     """
     assert brake.drum.radius == pytest.approx(0.150, rel=1e-15)
     for shoe in brake.shoes:

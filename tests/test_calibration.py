@@ -1,6 +1,4 @@
-"""The factors of the error estimate are the smallest that cover what they must, and can be found
-again.
-"""
+"""The factors of the error estimate are the smallest sufficient ones, and can be fitted anew."""
 
 import json
 import math
@@ -30,8 +28,9 @@ PROVENANCE = Provenance("1 to 3", 3, 9, "abc", "2000-01-01")
 
 
 def made_up(count, part, beside=1e-9, seed=0):
-    """Levels whose true errors are a part of their steps, up to `part`, and of what chance would
-    change.
+    """Made-up levels whose true errors are a share of their steps, at most `part`.
+
+    Each level also has the change that columns of random signs would cause.
     """
     rng = np.random.default_rng(seed)
     levels = []
@@ -62,8 +61,9 @@ def test_the_fit_finds_the_factors_that_cover_all_but_the_share_that_may_be_miss
 
 
 def test_errors_that_steps_miss_by_accident_are_covered_by_what_does_not_cancel():
-    """One step in ten is a thousandth of what it was before the cancellation; chance tells the
-    size.
+    """An error far above its accidentally small step is covered by the cancellation floor.
+
+    One step in ten is a thousandth of its size before the cancellation.
     """
     rng = np.random.default_rng(1)
     levels = []

@@ -1,6 +1,4 @@
-"""The command line as a person meets it: answers, refusals, exit statuses, what it loads and how
-fast.
-"""
+"""The command line as a user meets it: answers, refusals, exit statuses, start-up time."""
 
 import json
 import os

@@ -1,6 +1,4 @@
-"""What the pressure does at a pressed corner and under a tip, by closed forms and by a solved
-contact.
-"""
+"""The pressure at a pressed corner and under a tip, by closed forms and a solved contact."""
 
 import math
 from itertools import islice, pairwise
@@ -76,8 +74,9 @@ def test_columns_at_a_tip_leave_the_error_that_they_are_made_for():
 
 
 def test_a_solved_contact_has_the_power_of_its_corner_over_decades():
-    """The slopes of log p by a solve whose columns there are polynomials, without any power of its
-    own: between
+    """A solved contact has the closed-form power of its corner over two decades.
+
+    Columns are polynomials there, without a power of their own. Slopes of log p are taken between
     0.0003 and 0.01 of the contact, where neither the elements at the corner nor the rest of the
     lining matter.
     """
@@ -95,8 +94,10 @@ def test_a_solved_contact_has_the_power_of_its_corner_over_decades():
 
 @pytest.mark.parametrize("at_start", [True, False])
 def test_what_gives_way_to_a_power_keeps_force_and_moment_and_finds_the_power_again(at_start):
-    """Of p = x^-0.3 + 2 - x, interpolated on columns that grow from a corner, its value there made
-    up.
+    """Replacing p at a corner by a power keeps force and moment and finds the power again.
+
+    The pressure is p = x^-0.3 + 2 - x on columns that grow from a corner, with a made-up value
+    there.
     """
     power, order = -0.3, 6
     ends = np.concatenate([[0.0], 1e-4 * 2.4 ** np.arange(11)])
@@ -134,8 +135,9 @@ def test_the_power_of_a_corner_makes_p_many_times_more_exact(name, level, most, 
 
 
 def test_what_is_left_of_p_is_known_where_it_has_no_bound():
-    """Under a tip the columns leave what the true error is; far smaller pieces leave little at a
-    corner.
+    """The error of p beside a singular point is known: under a tip it is the true one.
+
+    At a corner far smaller columns leave little error.
     """
     stored = read(TRUTHS / "tip_short.json")
     *_, last = islice(steps(stored.brake, respond), 4)

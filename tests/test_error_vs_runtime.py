@@ -40,9 +40,7 @@ class Stopping(Journal):
 
 @pytest.fixture(scope="module")
 def outcome(tmp_path_factory):
-    """The module, the result of a run that was stopped twice, and what was in its journal at each
-    stop.
-    """
+    """The study's module, its result after two interruptions, and its journal at each of them."""
     path = tmp_path_factory.mktemp("study") / "journal.jsonl"
     module, _ = load("error_vs_runtime")
     kept, references = [], {}

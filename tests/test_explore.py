@@ -1,6 +1,4 @@
-"""The page to play with: knobs, answers and pictures without a browser; then one browser that moves
-a slider.
-"""
+"""The page to explore a brake: knobs, answers and pictures, then a browser that moves a slider."""
 
 import json
 import math

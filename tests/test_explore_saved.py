@@ -1,6 +1,4 @@
-"""The brake file that the page saves: valid, and the same brake, whatever the names of files and
-folders.
-"""
+"""The brake file that the page saves is valid and is the same brake, whatever its names."""
 
 import os
 import shutil

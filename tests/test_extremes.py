@@ -1,6 +1,4 @@
-"""Stiffnesses, sizes and arcs far apart, solved by columns: within what is stated of a graded mesh,
-or refused.
-"""
+"""Extreme stiffnesses, sizes and arcs: the stated error covers a graded mesh's, or a refusal."""
 
 import pytest
 
@@ -27,8 +25,9 @@ SLOW = [
 
 
 def check(case):
-    """The errors of a brake are within what is stated, as far as a mesh can tell: its corners
-    converge slowly, and the last step may be as large as half of what is left.
+    """Check that a brake's errors are within the stated ones, as far as a graded mesh can tell.
+
+    Corners converge slowly on a mesh: its last step may be half of the error that is left.
     """
     brake = case.brake()
     found = solve(brake)

@@ -1,6 +1,4 @@
-"""Broken inputs of every generator: an answer that is finite, or one line. And the judge itself,
-which can say no.
-"""
+"""Broken inputs of every generator give a finite answer or one line, and faults are noticed."""
 
 import math
 import random
@@ -99,7 +97,9 @@ def test_a_warning_and_a_run_that_works_without_end_are_found(monkeypatch):
 
 
 def test_a_sound_mesh_is_answered_and_that_of_an_impossible_one_is_a_fault(monkeypatch):
-    """Impossible meshes are made from meshes that drumlin takes: else their refusal would prove
+    """A sound mesh is answered, and a generator that calls a sound mesh impossible is caught.
+
+    Impossible meshes are made from meshes that drumlin takes: otherwise a refusal would prove
     nothing.
     """
     for suffix in MESH_SUFFIXES:

@@ -61,8 +61,9 @@ def test_a_stiff_shoe_with_a_thin_lining_returns_to_the_sine_law(rotation):
 
 
 def test_the_deviation_from_the_law_falls_with_the_lining(brake):
-    """Rigid shoe (no body): only the lining's own shear and bulging are left, and they vanish with
-    t/R.
+    """The torque of a rigid shoe tends to the sine law as its lining becomes thin.
+
+    The lining's own shear and bulging alone are left, and they vanish with t/R.
     """
     deviations = []
     for thickness in (0.008, 0.004, 0.002):
@@ -174,8 +175,9 @@ def open_heels(brake, flexible):
 
 @pytest.mark.parametrize("kind", ["quad2", "tri2"])
 def test_contact_ends_are_located_inside_an_element(kind, open_heels):
-    """Within a fifth of an inner element of the ends on a fine mesh, and nearer than the node next
-    to the pressed.
+    """Contact ends are located within a fifth of an inner element of those of a fine mesh.
+
+    They are nearer to the true end than the last pressed node's neighbour.
     """
     errors, nodes = [], []
     for spec, true in open_heels:
@@ -261,8 +263,9 @@ def test_the_mirror_image_gives_the_mirrored_answer(friction, tilt, height, rota
 
 
 def test_a_brake_in_mm_n_mpa_numbers_gives_the_same_numbers(brake):
-    """All lengths as numbers of mm, moduli of MPa: torque in N mm, pressure in MPa, the same to
-    round-off.
+    """A brake in numbers of mm, N and MPa has the same torque and pressures to round-off.
+
+    The torque then is in N mm, the pressure in MPa.
     """
     data = brake.model_dump(by_alias=True)
 
@@ -380,8 +383,9 @@ def test_a_rigid_shoe_locks_where_the_sine_law_does():
 
 
 def test_torque_grows_without_bound_towards_the_elastic_limit_of_self_locking():
-    """Follow the left shoe: its torque rises with mu, faster and faster, until there is no
-    equilibrium.
+    """The left shoe's torque grows with friction without bound towards the elastic limit.
+
+    Beyond the limit there is no equilibrium.
     """
     torques = []
     for friction in np.arange(0.05, 3.0, 0.05):
@@ -410,8 +414,9 @@ def test_a_shoe_that_turns_without_ever_touching_is_refused(brake):
 
 
 def test_cost_is_counted_from_the_same_run(brake):
-    """Ratios are for the command `drumlin cost` to state; here: they are finite, ordered and not
-    absurd.
+    """Cost counts one run: ratios are finite, ordered and not absurd.
+
+    Exact ratios are for the command `drumlin cost` to state.
     """
     c = cost(brake, elements=60, repeats=3)
     assert 1 < c.solve_ratio < 10

@@ -1,6 +1,4 @@
-"""Figures that everybody can read: colours apart under colour blindness, curves named and cut ones
-marked.
-"""
+"""Figures that everybody can read: colours for the colour-blind, named and cut curves."""
 
 from itertools import combinations
 
@@ -169,9 +167,7 @@ def test_the_top_of_a_colour_bar_is_round_in_its_quarters_and_near():
 
 
 def test_panels_of_other_angles_say_their_own(root, brake):
-    """Blocks one after the other around a drum have their axes each; shoes in both rotations share
-    them.
-    """
+    """Panels of blocks at other angles have an axis each; both rotations of a shoe share one."""
     band = read_any(root / "studies/brakes/band.toml")
     blocks = [(shoe.name, {"rigid": shoe}) for shoe in solve(band, "rigid").shoes]
     shown = [axes for axes in figures.pressures(blocks).axes if axes.get_visible()]

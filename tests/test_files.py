@@ -1,6 +1,4 @@
-"""Where files are read and written: what is replaced, what never is, what a pipe gets, what has a
-limit.
-"""
+"""Reading and writing files: replaced files, protected ones, pipes and limits of size."""
 
 import os
 import signal

@@ -1,6 +1,4 @@
-"""The foundation model: its grid and ring from below, closed forms of beams, limits, contact,
-refusals.
-"""
+"""The foundation model: grid, ring, closed forms of beams, limits, contact and refusals."""
 
 import math
 import time
@@ -101,8 +99,9 @@ def test_two_opposite_forces_are_twice_one_and_the_known_ring():
 
 
 def test_a_cantilever_and_a_beam_of_two_stiffnesses():
-    """The lever matrices alone: closing^T (dx/EI) M of a beam clamped at its hinge is P L^3/(3 EI)
-    at its end.
+    """The foundation model's lever matrices bend a clamped beam by P L^3/(3 EI) at its end.
+
+    closing^T (dx/EI) M of the beam alone, clamped at its hinge.
     """
     errors = []
     for sections in (40, 80):
@@ -124,8 +123,9 @@ def test_a_cantilever_and_a_beam_of_two_stiffnesses():
 
 
 def test_a_beam_on_an_elastic_foundation_is_hetenyis():
-    """A nearly flat lining (R = 20 km) under all of a beam, hinged at one end, loaded at the other,
-    no lift-off.
+    """A beam on an elastic foundation, hinged at one end and loaded at the other, is Hetenyi's.
+
+    The lining is nearly flat (R = 20 km), lies under all of the beam and nowhere lifts off.
 
     EI w'''' = -k w with w = 0, w'' = 0 at the hinge and w'' = 0, EI w''' = -P at the end:
     w is the sum of exp(+-bx +- i bx) that meets the four conditions, b^4 = k/(4 EI).
@@ -502,8 +502,9 @@ def test_self_locking_is_said_with_the_friction_it_begins_at():
 
 @pytest.mark.parametrize("spin", [1, -1])
 def test_a_flexible_post_does_not_lock_and_is_followed_to_any_friction(spin):
-    """At mu = 5 and 6 there is a second, unstable contact set, which a guess may lead to; torque
-    has no jump.
+    """A flexible post brake does not lock and is followed to any friction without a jump of torque.
+
+    At mu = 5 and 6 there is a second, unstable contact set, to which a guess may lead.
     """
     torques = [foundation.solve(upright(D=2.05, mu=mu, spin=spin)).torque for mu in (4.0, 5.0, 6.0)]
     assert torques[2] - torques[1] == pytest.approx(torques[1] - torques[0], rel=0.6)

@@ -1,6 +1,4 @@
-"""Shoes held by a pivot, an abutment or a guide, by finite elements: rigid limit, balances, mirror
-images.
-"""
+"""Elastic shoes on a pivot, an abutment or a guide: rigid limit, balances, mirror images."""
 
 import math
 from pathlib import Path
@@ -118,7 +116,9 @@ def test_meshes_answer_as_columns_do() -> None:
 
 
 def test_a_body_bolted_to_a_lever_is_held_as_a_guided_one_where_the_lever_is_long() -> None:
-    """Far away on a normal of the guide's direction a pin lets the shoe move along it, and does not
+    """A body bolted to a very long lever is held as a guided body is.
+
+    A far pin on a normal of the guide's direction lets the shoe move along the guide and does not
     turn it.
     """
     guided = brake_of("guide", 1, body=BODY | {"grip": 0.03})
@@ -157,8 +157,9 @@ FILES = ["band", "crane", "duo_servo", "duplex", "s_cam", "simplex_hinged", "blo
 
 @pytest.mark.parametrize("name", FILES)
 def test_the_displacements_inside_are_those_of_the_answer(name: str, root: Path) -> None:
-    """However a shoe is held and pushed, where it bears it stands on the drum: no displacement
-    along radii.
+    """Displacements recovered inside a shoe leave its pressed face on the drum, however held.
+
+    On pressed nodes the radial displacement vanishes.
     """
     brake = drumlin.read_brake(root / f"studies/brakes/{name}.toml")
     scene = scene_of(brake, elements=20)

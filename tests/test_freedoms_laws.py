@@ -1,6 +1,4 @@
-"""The rigid-shoe law, however a shoe is held and pushed: closed forms, its special cases, balances,
-symmetries.
-"""
+"""The rigid-shoe law for every support and load: closed forms, special cases, symmetries."""
 
 import math
 from math import atan, cos, pi, radians, sin
@@ -62,8 +60,9 @@ def brake_of(*shoes: dict[str, Any], mu: float = 0.3, spin: int = -1, **more: An
 def limpert(
     mu: float, lead: int, m: float, arc: float = radians(110), be: float = 0.05, off: float = OFF
 ) -> float:
-    """Brake factor T/(r F) of a shoe on an abutment (Limpert, Brake Design and Safety), upper signs
-    leading.
+    """Brake factor T/(r F) of a shoe on an abutment (Limpert, Brake Design and Safety).
+
+    The upper signs are those of the leading shoe.
     """
     D = (C + A + m * off) / R * cos(be) + m * C / R * sin(be)
     E = m * C / R * cos(be) - (C + A + m * off) / R * sin(be)
@@ -95,8 +94,10 @@ def test_abutted_shoes_of_all_kinds_are_the_closed_form(
 
 
 def test_friction_of_an_abutment_opposes_the_slide_that_it_finds() -> None:
-    """A leading shoe slides with the drum, so that mu_s acts as the slope does; a trailing one the
-    other way.
+    """An abutment's friction opposes the slide of the foot that the law itself finds.
+
+    A leading shoe slides with the drum, so that mu_s acts as the slope does; a trailing one slides
+    the other way.
     """
     for spin, m in ((-1, 0.2), (1, -0.2)):
         rough, sloped = (
@@ -106,8 +107,9 @@ def test_friction_of_an_abutment_opposes_the_slide_that_it_finds() -> None:
 
 
 def test_a_foot_that_sticks_is_a_hinge() -> None:
-    """So rough an abutment holds the foot: the sine law about it, with a reaction inside the cone
-    of friction.
+    """A foot that sticks to a rough abutment acts as a hinge.
+
+    The sine law about the foot holds, with a reaction inside the cone of friction.
     """
     brake = brake_of(abutted(0.3, -1, 0.0, friction=2.0), mu=0.3)
     hinge = vary(brake, {"shoe.abutment": None, "shoe.hinge": {"x": OFF, "y": -A}})
@@ -117,8 +119,9 @@ def test_a_foot_that_sticks_is_a_hinge() -> None:
 
 
 def secondary(hx: float, hy: float) -> dict[str, Any]:
-    """The other shoe of a duo-servo brake, hinged at the top, its lining 20 to 130 deg from the
-    strut's end.
+    """The secondary shoe of a duo-servo brake, hinged at the top.
+
+    Its lining covers 20 to 130 deg from the strut's end.
     """
     lining = LINING | {"start": radians(-90 - 130), "end": radians(-90 - 20)}
     return {"name": "second", "side": "internal", "hinge": {"x": hx, "y": hy}, "lining": lining}
@@ -132,8 +135,9 @@ def hinged_factor(mu: float, h: float, a: float, phi_1: float, phi_2: float) -> 
 
 
 def test_duo_servo_is_the_closed_form() -> None:
-    """B = B1 + B2 (c + B1 r)/a of a strut that pushes along x; with a slope m the equilibria give
-    (c + B1 r)/(a + m o).
+    """A duo-servo brake has the closed-form factor B = B1 + B2 (c + B1 r)/a of a level strut.
+
+    With a slope m of the abutment the equilibria give (c + B1 r)/(a + m o).
 
     The strut is a two-force member: its line meets the secondary at the arm 2 a + m o about a hinge
     at (0, a).
@@ -153,8 +157,9 @@ def test_duo_servo_is_the_closed_form() -> None:
 
 
 def test_duo_servo_by_the_short_formula() -> None:
-    """B = B1 + B2 (c + B1 r)/a leaves out that a slope m lifts the foot at o: exact without slope,
-    and with o = 0.
+    """The short formula of a duo-servo brake is exact without a slope or with an offset of zero.
+
+    B = B1 + B2 (c + B1 r)/a neglects that a slope m lifts the foot at o.
     """
     B2 = hinged_factor(0.3, 2 * A, A, radians(50), radians(160))
 
@@ -210,8 +215,10 @@ def test_a_cam_that_moves_both_tips_equally_has_the_closed_form(mu: float, spin:
 
 
 def test_a_cam_on_linings_of_unlike_stiffness_says_how_it_shares_its_force() -> None:
-    """New, F1 B1 t1/E1 = F2 B2 t2/E2; worn in, F1 B1 = F2 B2: what a rigid shoe's tip goes by is p
-    t/E, then wear.
+    """A cam on linings of unlike stiffness says how it shares its force between the shoes.
+
+    New linings share by F1 B1 t1/E1 = F2 B2 t2/E2, worn-in ones by F1 B1 = F2 B2: the tip of a
+    rigid shoe moves by p t/E when new and by the wear later.
     """
     brake = vary(cam_brake(0.3, -1), {"shoe.lining.thickness": 3e-4})
     unlike = vary(brake, {"shoe[1].lining.material.E": 1e8})

@@ -48,8 +48,9 @@ def test_forces_shared_by_a_cam_or_a_strut_hold_the_drum_by_what_it_slides_at(
 
 @pytest.mark.parametrize("spin", [1, -1])
 def test_a_foot_on_a_rough_face_sticks_and_slips_as_the_linings_do(spin: int) -> None:
-    """Coulomb's law at the foot, from the equations; and at full slip the drum is held by what it
-    slides at.
+    """A foot on a rough face obeys Coulomb's law: it opens, sticks or slips as linings do.
+
+    At full slip the drum is held by the friction of all faces that it slides on.
     """
     brake = vary(brake_of("rough abutment", spin, body=BODY), {"shoe.lining.thickness": 0.005})
     scene = prepare(brake, elements=12)

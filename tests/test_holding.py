@@ -1,6 +1,4 @@
-"""The holding brake on brakes of all kinds: to full slip and back, against another discretisation,
-true refusals.
-"""
+"""The holding brake on brakes of all kinds: full slip and back, another solver, refusals."""
 
 import math
 from collections import Counter
@@ -29,8 +27,9 @@ OTHER = {"clockwise": "counter-clockwise", "counter-clockwise": "clockwise"}
 
 
 def any_brake(seed):
-    """A random brake, every third with a ring, every third with a lining of another radius, below
-    self-locking.
+    """A random brake below self-locking, for the tests of `hold`.
+
+    Every third has a ring, every third a lining of another radius.
 
     Also its scene.
     """
@@ -92,8 +91,10 @@ def test_at_the_rotation_of_full_slip_no_path_sticks():
 
 
 def test_an_increment_that_does_not_settle_is_halved():
-    """A shoe that stands off its drum goes at once through forty times the rotation to full slip,
-    to and fro.
+    """An increment of `hold` that does not settle is halved.
+
+    A shoe that stands off its drum goes at once through forty times the rotation to full slip,
+    forth and back.
     """
     brake = standing_off(420078)
     scene = prepare(brake, elements=12)
@@ -105,8 +106,9 @@ def test_an_increment_that_does_not_settle_is_halved():
 
 
 def test_every_increment_obeys_contact_and_friction():
-    """Gaps, pressures, tractions and slips of each node, elementwise, from the equations and not
-    from its state.
+    """Every increment of `hold` obeys contact and Coulomb's law at each node.
+
+    Gaps, pressures, tractions and slips are taken from the equations and not from the node's state.
     """
     kinds = set()
     for seed in range(6):
@@ -164,8 +166,9 @@ def _refuse(system, start):
 
 
 def test_another_discretisation_and_another_method_give_the_same_history():
-    """Triangles with a layer at quadrature points, friction as bounded minimisation: forth and
-    back, to .3 %.
+    """Triangles with friction by bounded minimisation give the same history as `hold`, to 0.3 %.
+
+    The drum turns forth and back; a layer at quadrature points transmits the contact.
     """
     both = read_brake(STUDY / "flexible.toml")
     brake = both.model_copy(update={"shoes": both.shoes[1:]})

@@ -1,6 +1,4 @@
-"""Elements of high degree: stiffness, columns, rings and contact against skfem's own, closed forms
-and each other.
-"""
+"""Elements of high degree against skfem's own assembly, closed forms and each other."""
 
 import math
 from dataclasses import replace
@@ -187,8 +185,9 @@ def test_columns_of_an_arc_by_symmetric_and_antisymmetric_motions_are_those_of_t
 
 
 def every_unknown_at_once(K, p):
-    """Condensed elements (layers, columns, n, n) side by side on the nodes of their outermost
-    edges, by one solve.
+    """The outermost edges' stiffness of condensed elements side by side, by one dense solve.
+
+    The elements have the shape (layers, columns, n, n).
     """
     layers, m = K.shape[:2]
     number = np.arange((layers * p + 1) * (m * p + 1)).reshape(layers * p + 1, -1)
@@ -224,8 +223,9 @@ CASES = {
 
 @pytest.mark.parametrize("case", CASES)
 def test_a_condensed_shoe_is_what_one_sparse_factorisation_leaves(brake, case):
-    """Contact stiffness, unit loads, their work: against the assembled grid, nodes eliminated in
-    another order.
+    """A condensed shoe equals the assembled grid whose nodes are eliminated in another order.
+
+    Contact stiffness, unit loads and their work are compared.
     """
     shoe, body = body_and_parts(vary(brake, CASES[case]))
     _, ties, loads = body.condensed.inside()
@@ -268,9 +268,11 @@ def test_a_post_is_what_one_sparse_factorisation_leaves():
     [("flexible", 1.0, 0), ("flexible", 1e-6, 0), (6676, 1.0, 0), (7578, 1.0, 1)],
 )
 def test_what_round_off_took_from_the_answer_is_little_and_seen(flexible, which, softer, level):
-    """Against the whole system refined in long double. Much was lost of a shoe far softer than its
-    lining, of a slender one that lies on a thin lining at one place, 6676, and of one under a small
-    contact, 7578, before rigid motions and unit loads told what: 1e-5 and 1e-4 of p.
+    """The round-off estimate covers the lost digits of p, and refinement leaves little to lose.
+
+    The whole system, refined in long double, is the reference. Before rigid-body modes and unit
+    loads corrected it, p lost 1e-5 to 1e-4 on a shoe far softer than its lining, on a slender one
+    on a thin lining (6676) and under a small contact (7578).
     """
     brake = flexible if which == "flexible" else random_brake(which)
     brake = vary(brake, {"shoe.body.material.E": softer * brake.shoes[0].body.material.E})
@@ -298,8 +300,10 @@ def test_the_turn_of_the_frame_moves_the_contact_as_a_rigid_body(brake):
 
 @pytest.mark.parametrize("support", ["fixed", "free"])
 def test_a_ring_under_even_pressure_grows_as_lame_says(brake, support):
-    """Two half linings without friction, even p: u = p R/E ((1 - nu) R^2 + (1 + nu) b^2)/(b^2 -
-    R^2) of a free ring.
+    """A free ring under even pressure grows by Lame's solution.
+
+    u = p R/E ((1 - nu) R^2 + (1 + nu) b^2)/(b^2 - R^2). Two half linings press evenly without
+    friction.
     """
     R, b, E, nu = 0.15, 0.165, 1.2e11, 0.25
     ring = {"thickness": b - R, "width": 0.04, "material": {"E": E, "nu": nu}, "support": support}
@@ -342,8 +346,9 @@ def test_rings_of_columns_and_of_a_mesh_answer_alike(brake, support):
 
 @pytest.mark.slow
 def test_levels_converge_fast_and_the_estimate_is_an_upper_value(flexible):
-    """Errors against the finest level: p falls at least threefold a level; what is stated is more,
-    and not ten times.
+    """The error of p falls at least threefold a level, and the stated error covers it tightly.
+
+    The finest level is the reference. The stated error is at most ten times the true one.
     """
     # The last level has fewer digits than the others.
     made = list(steps(flexible, respond))[:5]
@@ -382,8 +387,9 @@ def test_every_solve_states_its_error_and_columns_end_where_the_contact_ends(bra
 
 
 def test_a_small_smooth_contact_is_that_of_hertz(brake):
-    """A lining of a smaller radius touches over a few millimetres: p and its width by Hertz, far
-    from all edges.
+    """A small smooth contact has the pressure and the width of Hertz.
+
+    A lining of a smaller radius touches over a few millimetres, far from all edges.
     """
     rigid_shoe = vary(
         brake,
@@ -442,8 +448,9 @@ def test_columns_of_the_first_level_end_where_a_short_contact_ends(seed):
     [(0.1901, 0.2205, 0.2733, 1.95e9, 0.011), (0.0628, 0.1235, 0.1191, 1.6e9, 0.246)],
 )
 def test_a_block_deeper_than_long_bears_down_to_its_foot(length, thickness, backing, E, mu):
-    """Its corners at the back feel the force however far they are: the torque's error stays below
-    the stated one.
+    """The torque's stated error covers a block that is deeper than long.
+
+    Corners at the block's back feel the force however far they are.
     """
     block = {
         "name": "block",
@@ -481,8 +488,10 @@ def test_a_block_deeper_than_long_bears_down_to_its_foot(length, thickness, back
 
 @pytest.mark.parametrize("seed", [5, 23])
 def test_corners_beyond_a_short_contact_cost_little_and_change_nothing(monkeypatch, seed):
-    """Divided as finely as those near it they are a quarter of the unknowns in a layer on a rigid
-    shoe (5) and on an elastic one (23), and move p by less than its level's error.
+    """Corners beyond a short contact need few unknowns and do not change p.
+
+    Divided as finely as near corners they were a quarter of the unknowns in a layer on a rigid shoe
+    (5) and on an elastic one (23), and moved p by less than the level's error.
     """
     brake, found = random_brake(seed, "small contact"), []
     (_, before), (_, true) = islice(steps(brake, respond), 1, 3)
@@ -500,7 +509,9 @@ def test_corners_beyond_a_short_contact_cost_little_and_change_nothing(monkeypat
 
 
 def test_most_short_contacts_are_known_by_default_on_the_third_level():
-    """Its estimate is a part of the step from the second level, which must know p well enough: with
+    """Most short contacts meet the default tolerance on the third level.
+
+    The estimate there is a share of the step from the second level, which must know p well: with
     wider columns at the ends the fourth level, three times as dear, would be needed more often.
     """
 
@@ -518,8 +529,10 @@ def test_most_short_contacts_are_known_by_default_on_the_third_level():
 
 
 def test_a_short_contact_is_graded_faster():
-    """Its pressure rises from its ends as a root: columns that grow as those under a long contact
-    are more by a fifth and change p by less than its level's error.
+    """A short contact is graded faster, which costs less and changes p by less than its error.
+
+    Its pressure rises from its ends as a root: columns graded as for a long contact are a fifth
+    more.
     """
     brake = random_brake(2, "small contact")
     true = [step.response for step in steps(brake, respond)][-1]
@@ -585,8 +598,9 @@ def test_divisions_grow_from_their_ends_and_contain_what_they_must(brake):
 
 
 def test_a_table_of_many_clearances_is_a_curve(brake):
-    """Its rows are not graded to: it costs what a smooth gap costs, and meshes of another kind
-    answer alike.
+    """A table of many clearances is a smooth curve whose rows end no columns.
+
+    The table costs as much as a smooth gap, and another kind of mesh gives the same torque.
     """
     theta = np.linspace(-70, 55, 1001)
     table = np.column_stack([np.radians(theta), 1e-4 * np.cos(np.radians(theta)) ** 2]).tolist()
@@ -621,8 +635,9 @@ def test_the_column_at_an_end_of_the_lining_is_as_narrow_as_the_contact_that_rea
 
 @pytest.mark.parametrize("at_start", [True, False])
 def test_what_is_open_beside_an_end_of_the_lining_is_columns_of_its_own(brake, at_start):
-    """A contact that ends at 0.4 % of its length from there ends between two columns, on every
-    level.
+    """A strip open beside an end of the lining has columns of its own on every level.
+
+    The contact ends at 0.4 % of its length from the lining's end.
     """
     shoe, R = brake.shoes[0], brake.drum.radius
     start, end = shoe.arc
@@ -635,8 +650,9 @@ def test_what_is_open_beside_an_end_of_the_lining_is_columns_of_its_own(brake, a
 
 
 def test_a_contact_that_ends_all_but_at_an_end_of_the_lining_converges():
-    """0.4 % of its length from there: where no column ends with it, p is 0.3 % off on the fourth
-    level.
+    """A contact that ends 0.4 % of its length from the lining's end converges.
+
+    Without a column that ends with the contact p is 0.3 % off on the fourth level.
     """
     *_, one, other = (
         step.response.shoes[0] for step in steps(random_brake(7986), respond, levels=LEVELS[:5])
@@ -680,8 +696,9 @@ def test_an_open_node_between_two_that_press_is_a_place(brake):
 
 
 def test_an_opening_that_is_nothing_beside_its_contact_is_no_place(brake):
-    """Between columns of 1e-6 rad, as at an end of the contact, p may waver: nodes there open and
-    close.
+    """An opening far shorter than its contact ends no columns.
+
+    Between columns of 1e-6 rad, as at an end of the contact, nodes may open and close in turn.
     """
     response = solve(brake, elements=40)
     shoe = response.shoes[0]
@@ -745,8 +762,9 @@ def test_the_largest_value_of_a_polynomial_is_found_between_its_nodes():
 
 
 def test_fields_recovered_on_a_grid_are_in_balance(brake):
-    """The displacements of all nodes under the contact's forces: the assembled stiffness gives
-    these forces back.
+    """Displacements recovered on a grid balance the contact's forces.
+
+    The assembled stiffness times the displacements of all nodes gives these forces back.
     """
     response = solve(brake)
     made = prepare(brake, LEVELS[1], places_of(brake, response))
@@ -835,8 +853,10 @@ def test_cases_of_a_sweep_state_their_errors_and_share_divisions(brake):
 
 
 def test_what_is_kept_is_never_that_of_another_brake_or_division(brake):
-    """Bodies and ring from one cache are those that are made anew: with and without friction, other
-    sizes, other ends of the contact, a guided shoe whose force acts elsewhere.
+    """A cache never returns the body or ring of another brake or division.
+
+    Bodies and rings from one cache equal new ones: with and without friction, for other sizes,
+    other ends of the contact, and a guided shoe whose force acts elsewhere.
     """
     ring = {
         "thickness": 0.02,

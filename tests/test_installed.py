@@ -1,6 +1,4 @@
-"""drumlin away from its checkout: examples, schemas, what a wheel and an sdist carry, and a wheel
-that is used.
-"""
+"""drumlin away from its checkout: examples, schemas, contents of wheel and sdist, a used wheel."""
 
 import json
 import os
@@ -184,8 +182,9 @@ def test_the_sdist_is_complete_and_the_wheel_carries_what_commands_need(built):
 
 @pytest.mark.slow
 def test_the_wheel_serves_in_an_empty_folder(built, tmp_path):
-    """In an environment of its own, which borrows the libraries of this one, not its drumlin; even
-    the page.
+    """The built wheel serves in an empty folder, the page included.
+
+    Its environment borrows all libraries of this one but drumlin.
     """
     place, here = tmp_path / "environment", tmp_path / "empty"
     here.mkdir()

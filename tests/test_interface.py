@@ -58,8 +58,9 @@ def test_normal_pressure_has_no_moment_about_the_centre_and_drag_has_the_torque(
 
 
 def test_nodal_forces_have_the_resultant_of_the_traction(brake):
-    """Against an integration over the exact arc that knows nothing of the mesh: they differ by its
-    chord error.
+    """Nodal forces have the resultant of the traction integrated over the exact arc.
+
+    Both differ by the chord error of the mesh, of which the integration knows nothing.
     """
     shoe = brake.shoes[0]
     body = prepare(brake, elements=80).bodies[0]
@@ -75,8 +76,7 @@ def test_nodal_forces_have_the_resultant_of_the_traction(brake):
 
 @pytest.mark.parametrize("sign", [1, -1])
 def test_patch_test_on_the_arc(sign):
-    """Ring pressed into ring by an interference, on meshes that do not match: the even pressure of
-    Lame.
+    """A ring pressed into a ring by interference has Lame's even pressure on unmatched meshes.
 
     Even to the error of the arcs, which falls with more than the second power of the element;
     forces and moment on both rings balance to round-off. The pressure is carried by the inner ring
@@ -115,8 +115,9 @@ def circle(count):
 
 
 def lame_interference(interference):
-    """Pressure between rings of R = 1 held at r = 0.6 and r = 1.4, plane stress: u = A r + B/r, u =
-    0 where held.
+    """Pressure between two rings of R = 1, held at r = 0.6 and r = 1.4, in plane stress.
+
+    u = A r + B/r, and u = 0 where the rings are held.
     """
     E, nu = pair.LADDER_STEEL.E, pair.LADDER_STEEL.nu
     # Both bodies have a radial displacement per pressure.
@@ -160,8 +161,9 @@ STRAIGHT = {
 
 @pytest.mark.parametrize("order", [1, 2])
 def test_the_matrices_of_straight_edges_are_those_of_the_book(order):
-    """Two edges, of lengths 2 and 1, on the line x = 3 from y = -1 to 2; directions are given, not
-    radial.
+    """The coupling matrices of two straight edges are those of the textbook.
+
+    The edges, of lengths 2 and 1, lie on x = 3 from y = -1 to 2; directions are given, not radial.
     """
     y = np.array([-1.0, 0, 1, 1.5, 2])[:: 3 - order]
     line = ContactLine(

@@ -1,6 +1,4 @@
-"""A journal keeps finished cases, loses none but damaged ones, and belongs to one state of the
-program and one run.
-"""
+"""A journal keeps finished cases, drops damaged ones alone, and serves one program and run."""
 
 import errno
 import json

@@ -146,8 +146,9 @@ def wears(at: Posed) -> None:
 
 
 def slopes(at: Posed) -> None:
-    """All forces grown alike, those of a cylinder or a cam too, make the torque grow so where
-    linings fit.
+    """Slopes under all forces grown alike, which scale the torque where linings fit.
+
+    The forces of wheel cylinders and cams count too.
     """
     found = sensitivity(prepare(at.brake, elements=ELEMENTS), at.brake)
     forces = [
@@ -161,9 +162,7 @@ def slopes(at: Posed) -> None:
 
 
 def held(at: Posed) -> None:
-    """Turned far enough the drum is held by what it slides at, or a line says that a foot stands
-    elsewhere.
-    """
+    """`hold` ends at full slip: friction holds the drum, or a line names a foot held elsewhere."""
     scene = prepare(at.brake, elements=ELEMENTS)
     states = hold(scene, at.brake, np.linspace(0, full_slip_rotation(scene, at.brake), 4))
     torque = drumlin.solve(at.brake, elements=ELEMENTS).effect
@@ -209,8 +208,9 @@ ROUGHLY = Refinement(2, LEVELS[1:3], triangles.TRIANGLE_LEVELS[:1])
 
 
 def referred(at: Posed) -> None:
-    """Reference values, of rougher meshes than those that are cited; on a drum their other solver
-    covers the brake.
+    """Reference values on coarser meshes than the cited ones.
+
+    On a drum their second solver covers the brake.
     """
     trio = responses(at.brake, ROUGHLY)
     assert (trio.other is None) == flat(at.brake)

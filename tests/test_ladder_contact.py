@@ -1,6 +1,4 @@
-"""Contact of elastic bodies against closed forms: Hertz, Cattaneo-Mindlin, Persson, Westergaard,
-Lame, patches.
-"""
+"""Elastic contact against closed forms: Hertz, Cattaneo-Mindlin, Persson, Westergaard, Lame."""
 
 import math
 
@@ -55,8 +53,9 @@ def hertz_load(rho, E):
 
 
 def test_hertz(hertz):
-    """Parabolic gap: a = sqrt(4 P rho/(pi E*)), p_0 = sqrt(P E*/(pi rho)), 1/E* = 2/E in plane
-    stress.
+    """Hertz: a = sqrt(4 P rho/(pi E*)), p_0 = sqrt(P E*/(pi rho)), 1/E* = 2/E in plane stress.
+
+    The gap is a parabola.
     """
     rho, E = 2.0, LADDER_STEEL.E / 2
     P = hertz_load(rho, E)
@@ -77,8 +76,9 @@ def test_hertz(hertz):
 
 @pytest.mark.parametrize("share", [0.2, 0.5, 0.8])
 def test_cattaneo_mindlin(hertz, half_planes, share):
-    """Tangential load Q < mu P after P: stick within c = a sqrt(1 - Q/(mu P)), slip outside, t by
-    superposition.
+    """Cattaneo-Mindlin: a tangential load Q < mu P sticks within c = a sqrt(1 - Q/(mu P)).
+
+    Outside the contact slips; t follows by superposition.
     """
     rho, mu, E = 2.0, 0.3, LADDER_STEEL.E / 2
     P = hertz_load(rho, E)
@@ -121,8 +121,9 @@ def test_cattaneo_mindlin(hertz, half_planes, share):
 
 
 def disc_in_hole(eps, count=50):
-    """A disc, loaded at its centre through a small core, in the hole of a large plate; meshes do
-    not match.
+    """A disc, loaded at its centre through a small core, in the hole of a large plate.
+
+    The meshes of disc and plate do not match.
 
     The elements shrink towards the ends +-eps [rad] of the contact, where p ~ sqrt(distance).
     """
@@ -189,8 +190,7 @@ def test_swapping_sides_changes_nothing_beyond_discretisation():
 
 
 def wavy(mean_share, m=40):
-    """Ring in ring with a wavy gap: mean pressure and waviness against Westergaard's periodic
-    contact.
+    """Two rings with a wavy gap: mean pressure and waviness by Westergaard's periodic contact.
 
     The rings are thick against the wave 2 pi/m, so that each wave sees half-planes; the mean
     pressure comes from an interference.
@@ -221,8 +221,10 @@ def test_westergaard_full_contact():
 
 
 def test_westergaard_partial_contact():
-    """p = 2 p_mean cos(psi)/sin^2(psi_a) sqrt(sin^2 psi_a - sin^2 psi), psi = pi x/lambda, sin^2
-    psi_a = p_mean/p*.
+    """Partial contact of a wavy gap has Westergaard's pressure.
+
+    p = 2 p_mean cos(psi)/sin^2(psi_a) sqrt(sin^2 psi_a - sin^2 psi), psi = pi x/lambda, sin^2 psi_a
+    = p_mean/p*.
     """
     pair, found, p_star = wavy(0.2)
     m = 40

@@ -1,6 +1,4 @@
-"""Elasticity alone: a manufactured solution with its rates, and the singularity of a sharp sliding
-edge.
-"""
+"""Elasticity alone: a manufactured solution with its rates, and a sharp sliding edge."""
 
 import math
 
@@ -28,8 +26,9 @@ KINDS = {
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_manufactured_solution_converges_at_the_rate_of_the_element(kind):
-    """u = (sin(pi x) sin(pi y), x y) with its body force: L2 error of order 3 (quadratic) or 2
-    (linear).
+    """A manufactured solution converges in L2 with order 3 (quadratic) or 2 (linear elements).
+
+    u = (sin(pi x) sin(pi y), x y) with its body force.
     """
     make, raise_, order = KINDS[kind]
     E, nu = 1000.0, 0.3
@@ -77,8 +76,9 @@ def test_a_manufactured_solution_converges_at_the_rate_of_the_element(kind):
 
 @pytest.fixture(scope="module")
 def strip():
-    """A strip, rigid at its back, sharp edges: elements shrink to 1e-7 of its thickness at its ends
-    and face.
+    """A strip with sharp edges, rigid at its back.
+
+    Elements shrink to 1e-7 of its thickness towards its ends and its face.
     """
     thickness, half = 0.05, 0.1
     fine = towards(1e-8, 1.35, half)

@@ -48,8 +48,10 @@ def test_the_limit_of_one_node_on_a_hinge_is_that_of_its_lever(lever):
 
 
 def test_an_answer_that_turns_back_at_finite_pressure_ends_where_the_set_changes():
-    """w_2 = 0.5 - mu p_1 closes at mu = 0.5, where p_1 = 1 is far from any pole; on both nodes det
-    = 1 - 8 mu^2 < 0.
+    """An answer that turns back at finite pressure ends where its contact set changes.
+
+    w_2 = 0.5 - mu p_1 closes at mu = 0.5, where p_1 = 1 is far from any pole; on both nodes det = 1
+    - 8 mu^2 < 0.
     """
     still = Problem(
         np.eye(2), np.array([-1.0, 0.5]), np.zeros((2, 0)), np.zeros((0, 2)), np.zeros(0)
@@ -154,9 +156,10 @@ def test_below_half_the_limit_all_starts_agree_and_beyond_it_none_is_answered(se
 
 
 def test_where_the_answer_turns_back_those_beyond_stand_apart_and_are_refused():
-    """A dent in this lining lets the contact leap: other answers are in equilibrium beyond, up to
-    mu = 1.269 and again on the lining's end alone. Nothing leads to them, however long the steps of
-    friction that would leap too.
+    """Answers beyond the turning point of friction stand apart and are refused.
+
+    A dent in this lining lets the contact leap: other answers are in equilibrium up to mu = 1.269
+    and again on the lining's end alone. No path of friction leads to them, however long its steps.
     """
     brake = random_brake(37, "locking")
     scenes = prepare(brake, elements=16), prepare(brake, LEVELS[2]), prepare(brake, elements=64)
@@ -174,8 +177,9 @@ def test_where_the_answer_turns_back_those_beyond_stand_apart_and_are_refused():
 
 
 def test_beyond_the_limit_of_the_rigid_shoe_a_quiet_answer_is_not_taken_unfollowed():
-    """At twice that limit one stands apart that is stable and hardly grows with friction; no
-    friction leads there.
+    """A stable answer beyond the rigid shoe's limit is refused unless friction leads to it.
+
+    At twice that limit one stands apart that hardly grows with friction.
     """
     brake = random_brake(100, "locking")
     (group,) = groups_of(prepare(brake, elements=14), brake, 1e6)
@@ -191,8 +195,10 @@ def test_beyond_the_limit_of_the_rigid_shoe_a_quiet_answer_is_not_taken_unfollow
 
 
 def test_a_large_problem_is_answered_as_if_it_were_followed_on_all_nodes(flexible, monkeypatch):
-    """Assisted and opposed, up to the limit and beyond it, followed on every other, fourth and
-    eighth node.
+    """A large problem is answered as if it were followed on all nodes.
+
+    It is followed on every other, fourth and eighth node, assisted and opposed, up to the limit and
+    beyond.
     """
     scene = prepare(flexible, elements=24)
     for group in groups_of(scene, flexible, 1e4):
@@ -255,7 +261,9 @@ def test_below_the_first_singular_set_every_load_has_one_answer(brake):
 
 @pytest.mark.parametrize(("elements", "large"), [(16, 600), (48, 600), (64, 600), (64, 30)])
 def test_of_two_stable_answers_the_one_that_friction_leads_to(elements, large, monkeypatch):
-    """At mu = 0.822, a hundredth below where its contact jumps, this shoe has another one of four
+    """Of two stable answers solve returns the one that growing friction leads to.
+
+    At mu = 0.822, a hundredth below the jump of its contact, this shoe has another answer of four
     times the torque.
     """
     monkeypatch.setattr(self_locking, "HALVED_ABOVE", large)
@@ -299,8 +307,9 @@ def test_from_a_quiet_answer_at_half_of_the_friction_the_others_are_followed(
 
 
 def test_a_refusal_is_not_its_own_cause(brake):
-    """A sweep asks a refusal for what caused it, and so on: of a chain that leads back to itself
-    for ever.
+    """A refusal is not its own cause: a chain of causes that leads back to itself ends.
+
+    A sweep asks a refusal for its cause, and the cause for its own.
     """
     locked = vary(brake, {"friction": 1.3})
     with pytest.raises(NoAnswer, match="self-locking") as refused:

@@ -1,6 +1,4 @@
-"""The manual: what is read off the program is complete, every public name is described, examples
-and links hold.
-"""
+"""The manual is complete, describes every public name, and its examples and links hold."""
 
 import ast
 import importlib
@@ -129,9 +127,7 @@ def test_every_public_name_has_a_docstring():
 
 
 def public(tree, owner=""):
-    """Public functions, classes and their methods; a method that overrides another's is described
-    there.
-    """
+    """Public functions, classes and methods; an overriding method counts with the first one."""
     for node in tree.body:
         if isinstance(node, ast.FunctionDef | ast.ClassDef) and not node.name.startswith("_"):
             yield node, owner

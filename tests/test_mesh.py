@@ -169,8 +169,9 @@ def test_files_that_are_no_mesh_are_refused(tmp_path, brake):
 
 
 def test_the_committed_meshes_solve_as_the_brake_they_were_made_from(brake):
-    """meshes/double_shoe.toml: the parametric shoes of the study at 24 elements, through their
-    files.
+    """The committed meshes solve as the parametric brake they were made from.
+
+    meshes/double_shoe.toml: the study's shoes at 24 elements, through their files.
     """
     filed = read_brake(ROOT / "meshes" / "double_shoe.toml")
     assert solve(filed).torque == pytest.approx(solve(brake, elements=24).torque, rel=1e-9)

@@ -1,6 +1,4 @@
-"""Mesh files: every format and kind gives the answer of the mesh that was written, and every fault
-is one line.
-"""
+"""Mesh files: every format and kind gives the written mesh's answer, every fault one line."""
 
 import math
 import random
@@ -118,8 +116,10 @@ def test_an_input_file_that_gmsh_writes_has_edges_as_elements(tmp_path):
 
 
 def test_an_input_file_as_people_write_it(tmp_path, brake):
-    """Two element sections with their sets, sets of sets, ranges, long lines, small letters,
-    foreign keywords.
+    """An input file as people write it is read.
+
+    Two element sections with their sets, sets of sets, ranges, long lines, small letters, foreign
+    keywords.
     """
     (tmp_path / "m.inp").write_text(
         """*Heading

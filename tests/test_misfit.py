@@ -66,8 +66,10 @@ def test_to_first_order_the_gap_is_that_of_small_mismatches(dr, offset):
     ("side", "dr"), [("internal", -1), ("internal", 1), ("external", -1), ("external", 1)]
 )
 def test_where_a_lining_of_another_radius_touches(side, dr):
-    """Internal: a smaller one in its middle, a larger one at its ends; external the other way
-    round.
+    """A lining of another radius touches where geometry says.
+
+    On an internal shoe a smaller one bears in its middle, a larger one at its ends; on an external
+    shoe the other way round.
     """
     sign = 1 if side == "internal" else -1
     brake = vary(rigid(side), {f"{MISFIT}.radius": R + dr * 5e-4})
@@ -140,8 +142,9 @@ def test_gross_mismatch_on_a_thick_lining_is_hertz():
 
 
 def test_an_offset_across_the_hinges_radius_is_a_turn_of_the_shoe():
-    """It changes the gap by sin(phi), which the shoe's turn takes back; along the radius it does
-    not.
+    """An offset across the hinge's radius changes the gap by sin(phi), as a turn of the shoe does.
+
+    The shoe turns back by it; an offset along the radius stays.
     """
     base, hinge = respond(SCENE, BRAKE), BRAKE.shoes[0].hinge
     across = np.array([-hinge.y, hinge.x]) / hinge.radius
@@ -321,8 +324,9 @@ def test_the_foundation_has_the_same_misfit():
 
 
 def test_worn_in_every_lining_bears_by_the_sine_law():
-    """Whatever misfit it had, internal shoes as external ones; on a drum that is not round it does
-    not stay so.
+    """Worn in, a lining of any misfit bears by the sine law, inside or outside the drum.
+
+    On a drum that is not round it does not stay so.
     """
     law = sine(BRAKE)
     off = vary(BRAKE, {f"{MISFIT}.radius": R - 1e-4, f"{MISFIT}.taper": 5e-5})
@@ -344,8 +348,9 @@ def test_worn_in_every_lining_bears_by_the_sine_law():
 
 
 def test_the_worn_in_shape_is_the_one_that_wear_ends_with():
-    """Archard's wear, step by step: its worn shape is `worn_in`'s but for what the shoe's turn
-    makes up, sin(phi).
+    """`worn_in` returns the shape that Archard's wear ends with.
+
+    Both differ by a turn of the shoe alone, sin(phi).
     """
     off = vary(BRAKE, {f"{MISFIT}.radius": R + 5e-5, f"{MISFIT}.taper": -3e-5})
     setup = fem_setup(SCENE, off)

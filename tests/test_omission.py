@@ -1,6 +1,4 @@
-"""What is left out of a brake: exact where it is said to be, predicted where not; for a tolerance,
-nothing is.
-"""
+"""Neglected parts of a brake: exact where claimed, predicted otherwise, none for a tolerance."""
 
 import math
 from dataclasses import replace
@@ -67,8 +65,10 @@ def test_what_is_left_out_exactly_changes_nothing_but_round_off():
 
 @pytest.mark.parametrize("support", ["fixed", "free"])
 def test_the_sketched_ring_is_the_thick_walled_ring_and_the_thin_one_of_theory(support):
-    """Mode 0 against Lame, high modes against the half-plane, of a thin free ring modes 2 to 5
-    against bending.
+    """The surrogate ring yields as a thick-walled ring and, when thin, as bending theory says.
+
+    Mode 0 against Lame, high modes against the half-plane, modes 2 to 5 of a thin free ring against
+    bending.
     """
     R, t, E, nu = 0.15, 0.02, 1.2e11, 0.25
     ring = Ring(thickness=t, width=0.04, material=IRON, support=support)

@@ -1,6 +1,4 @@
-"""Orthotropic materials: keys and refusals, closed forms, other solvers, and what physics asks of
-every brake.
-"""
+"""Orthotropic materials: keys and refusals, closed forms, other solvers, and physics."""
 
 import math
 import re
@@ -240,8 +238,9 @@ def test_an_isotropic_material_written_as_an_orthotropic_one_gives_the_same_answ
 
 @pytest.mark.parametrize("elements", [None, 12])
 def test_a_nearly_isotropic_material_gives_nearly_the_same_answer(elements):
-    """The kernels integrate what it is stiffer along and through; the answer hangs on it without a
-    jump.
+    """A nearly isotropic material gives nearly the isotropic answer, without a jump.
+
+    The kernels integrate the part that is stiffer along and through.
     """
     near = {
         key: {**alike(material), "G_along_through": 1.0 * material.G_along_through * (1 + 1e-7)}
@@ -254,9 +253,7 @@ def test_a_nearly_isotropic_material_gives_nearly_the_same_answer(elements):
 
 
 def pad(thickness, material):
-    """A pad on a guide that is square to the plane, rigid behind its lining, 500 N on 120 mm x 40
-    mm.
-    """
+    """A pad on a guide square to the plane, rigid behind its lining: 500 N on 120 mm x 40 mm."""
     lining = {
         "start": 0.0,
         "end": 0.12,
@@ -276,8 +273,9 @@ def pad(thickness, material):
 
 
 def test_a_thin_bonded_lining_gives_way_by_its_uniaxial_strain():
-    """p t/D_22, D_22 = E_t/(1 - nu^2 E_t/E_a): held along by its back. What its ends miss halves
-    with t.
+    """A thin bonded lining gives way by p t/D_22 with D_22 = E_t/(1 - nu^2 E_t/E_a).
+
+    Its back holds it along. The error at its ends halves with t.
     """
     off = []
     for t in (1e-3, 5e-4):
@@ -292,8 +290,9 @@ def test_a_thin_bonded_lining_gives_way_by_its_uniaxial_strain():
     [(4.0, "MeshQuad2", 2e-5), (0.25, "MeshQuad2", 2e-5), (3.0, "MeshTri2", 2e-4)],
 )
 def test_a_ring_under_inner_pressure_opens_as_lekhnitskii_has_it(stiffer, kind, close):
-    """u = A r^k + B r^-k, k = sqrt(E_around/E_radial), sigma_r = -p inside and 0 outside
-    (Anisotropic Plates, s. 24).
+    """A ring under inner pressure opens as Lekhnitskii says (Anisotropic Plates, s. 24).
+
+    u = A r^k + B r^-k, k = sqrt(E_around/E_radial), sigma_r = -p inside and 0 outside.
 
     The directions turn with the arc: a quarter ring on two planes of symmetry.
     """
@@ -337,8 +336,9 @@ def test_a_ring_under_inner_pressure_opens_as_lekhnitskii_has_it(stiffer, kind, 
 
 
 def test_the_half_plane_modulus_is_that_of_its_waves():
-    """Displacements exp(i x - s y) of a half-plane y > 0 under a wave of pressure without shear,
-    from equilibrium.
+    """The half-plane modulus follows from waves exp(i x - s y) of the half-plane y > 0.
+
+    A wave of pressure without shear loads the surface; s follows from equilibrium.
     """
     material = Orthotropic(**LINING)
     D = elasticity_matrix(material)
@@ -501,8 +501,9 @@ def test_comparing_says_which_models_do_not_apply_and_answers_by_the_elements():
 @pytest.mark.parametrize("elements", [None, 16])
 @pytest.mark.parametrize("name", ["arcs", pytest.param("posts", marks=pytest.mark.slow)])
 def test_slopes_are_those_of_differences(name, elements):
-    """By one factor on all moduli of a part, and by the points that a straight beam's directions
-    turn with.
+    """Slopes by moduli and points of orthotropic parts are those of differences.
+
+    One factor scales all moduli of a part; a straight beam's directions turn with its points.
     """
     brake = orthotropic(FLEXIBLE if name == "arcs" else vary(POST, {"drum.ring": None}), 3)
     divided = Divided(elements, Cache())
@@ -525,9 +526,11 @@ def test_slopes_by_moduli_are_said_to_be_by_one_factor_on_all():
 
 
 def test_stresses_are_those_of_the_layers_directions():
-    """At the surface of a lining on a rigid shoe the radial stress is -p, on columns as on a mesh.
-    Held along by the shoe the lining has the strain e through it and, since its surface moves
-    inwards by t e, e t/R around.
+    """Stresses of an orthotropic layer are those of its directions.
+
+    At the surface of a lining on a rigid shoe the radial stress is -p, on columns as on a mesh. The
+    shoe holds the lining along; through it the strain is e, and around it e t/R, as the surface
+    moves inwards by t e.
     """
     brake = with_lining(
         vary(MAIN, {"shoe.body": None, "friction": 0.0, "shoe.lining.thickness": 0.004})
@@ -642,8 +645,10 @@ def test_the_power_of_p_at_a_corner_tends_to_that_of_isotropic_materials(inward,
 
 @pytest.mark.parametrize("stiffer", [1.0, pytest.param(3.0, marks=pytest.mark.slow)])
 def test_a_pressed_corner_has_the_power_of_p_of_its_material(stiffer):
-    """Nodes near the edge of a pad on a guide that friction drags into the pad, on columns that are
-    graded to it.
+    """The pressure at a pressed corner has the power of its orthotropic material.
+
+    Nodes lie near the edge of a pad on a guide that friction drags into the pad, on columns graded
+    to this edge.
     """
     changes = {"shoe.lining.material.E_along": 3e8 * stiffer, "friction": 0.3}
     brake = vary(pad(0.02, LINING), changes)

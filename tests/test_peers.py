@@ -1,6 +1,4 @@
-"""CalculiX and GetFEM: the decks, what is read back and refused, the answers where the peers are
-installed.
-"""
+"""CalculiX and GetFEM: decks, reading back, refusals, and answers where they are installed."""
 
 import shutil
 from contextlib import suppress
@@ -99,8 +97,9 @@ def outward(ends):
 )
 @pytest.mark.parametrize("index", [0, 1])
 def test_deck_states_the_brake(brake, kind, index):
-    """Load, faces towards each other on the friction surface, hinge and rotation, all in mm, N,
-    MPa.
+    """A CalculiX deck states the brake in mm, N and MPa: load, faces, hinge and rotation.
+
+    Faces look towards each other on the friction surface.
     """
     setting = DeckSetting(rotation=2e-3, thickness=0.02)
     loaded = loaded_shoes(brake, 12, kind)[index]
@@ -182,8 +181,9 @@ def test_decks_that_calculix_does_not_get():
 
 
 def written(brake, loaded, setting, **changes) -> tuple[str, str, str, float]:
-    """CalculiX's results for a uniform pressure that holds the shoe in balance, and that pressure
-    [Pa].
+    """CalculiX's result files for a uniform pressure that balances the shoe, and the pressure.
+
+    The pressure is in Pa.
     """
     shoe, R = loaded.shoe, brake.drum.radius
     theta = drum_angles(loaded)
@@ -350,8 +350,9 @@ def test_export_command(tmp_path):
 @needs_getfem
 @pytest.mark.parametrize(("formulation", "close"), [("full slip", 2e-6), ("coulomb", 4e-5)])
 def test_getfem_agrees(formulation, close):
-    """The same condition on the same mesh; GetFEM decides contact in the weak sense, drumlin node
-    by node.
+    """GetFEM agrees with drumlin on the same mesh and contact condition.
+
+    GetFEM decides contact in the weak sense, drumlin node by node.
     """
     peer, own = (
         peers.solve("getfem", MAIN, elements=40, formulation=formulation),
@@ -386,8 +387,9 @@ def agree(brake, elements=16, close=2e-4, balanced=1e-9, **options):
 
 @needs_getfem
 def test_getfem_takes_a_pivot_and_a_rough_abutment():
-    """The edge that is held moves by the free motions; what it is tested on leans with an
-    abutment's friction.
+    """GetFEM takes a pivot and a rough abutment.
+
+    The held edge moves by the rigid-body modes; the test modes lean with an abutment's friction.
     """
     agree(vary(read_any(STUDIES / "brakes" / "crane.toml"), {"shoe.body": None}), 10)
     agree(vary(read_any(STUDIES / "brakes" / "simplex_abutted.toml"), {"shoe.body": None}), 10)
@@ -395,8 +397,10 @@ def test_getfem_takes_a_pivot_and_a_rough_abutment():
 
 @needs_getfem
 def test_getfem_shares_a_cams_force_so_that_both_tips_go_alike():
-    """Where linings fit they go in proportion to the forces, which settle at once; else they are
-    sought.
+    """GetFEM shares a cam's force so that both tips move alike.
+
+    Where linings fit, tips move in proportion to the forces, which settle at once; otherwise the
+    share is sought.
     """
     brake = read_any(STUDIES / "brakes" / "s_cam.toml")
     wrong = {
@@ -430,8 +434,10 @@ def test_getfem_takes_shoes_however_they_are_held(file):
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", HOLDING_KINDS)
 def test_getfem_on_random_brakes_of_every_kind(kind):
-    """On a mesh that is fine enough for the ends of their contacts: on 16 elements the two place
-    them apart. GetFEM's steps go round in circles on some meshes; then on another.
+    """GetFEM agrees on random brakes of every kind.
+
+    The mesh is fine enough for the ends of the contacts: on 16 elements both programs place them
+    apart. Where GetFEM's steps go round in circles, another mesh is taken.
     """
     for seed in range(2):
         for elements in (48, 40, 56, 64, 72):
@@ -457,8 +463,10 @@ def test_getfem_on_other_brakes():
 @needs_calculix
 @pytest.mark.slow
 def test_calculix_agrees():
-    """p within 2 % in L2, one lining thickness away from the ends; the torque of elements that bear
-    no load across their thickness on another mesh.
+    """CalculiX's pressure is within 2 % of drumlin's in L2, away from the ends.
+
+    One lining thickness is left out there. The torque is compared on another mesh, whose elements
+    bear no load across their thickness.
     """
     peer, own = peers.solve("calculix", MAIN, elements=20), solve(MAIN, elements=80)
     assert peer.response.torque == pytest.approx(own.torque, rel=5e-4)
@@ -470,9 +478,7 @@ def test_calculix_agrees():
 
 
 def torques(brake, elements, setting=None):
-    """Relative distance of each shoe's torque by CalculiX from drumlin's on the same mesh, with the
-    same penalty.
-    """
+    """Relative distance of each shoe's torque by CalculiX from drumlin's, same mesh and penalty."""
     own = solve(brake, elements=elements, kind="quad2", penalty=(setting or DeckSetting()).penalty)
     other = peers.solve("calculix", brake, elements=elements, setting=setting).response
     return np.array([a.torque / b.torque - 1 for a, b in zip(other.shoes, own.shoes, strict=True)])

@@ -89,8 +89,9 @@ def test_a_grip_longer_than_its_body_is_said_as_it_is_held() -> None:
 
 
 def test_a_thin_lining_gives_way_as_a_bonded_layer() -> None:
-    """Under an even pressure a bonded layer in plane stress is squeezed by p t (1 - nu^2)/E, but
-    for its free ends.
+    """A thin lining under even pressure is squeezed by p t (1 - nu^2)/E, but for its free ends.
+
+    This is a bonded layer in plane stress.
 
     Those add a width of the order of the thickness, so that halving it halves what is missing.
     """
@@ -111,8 +112,9 @@ def test_a_thin_lining_gives_way_as_a_bonded_layer() -> None:
 def test_the_pressure_at_the_edge_has_the_exponent_of_a_quarter_plane(
     mu: float, exponent: float
 ) -> None:
-    """p ~ r^(lambda - 1) where the plane runs onto a square edge of nu 0.3 (plane stress, sliding
-    on a rigid plane).
+    """The pressure at a pad's leading edge has a quarter plane's power, p ~ r^(lambda - 1).
+
+    The plane runs onto a square edge of nu = 0.3 in plane stress, sliding on a rigid plane.
 
     lambda solves the transcendental equation of a wedge of 90 deg, free on one side and sliding on
     the other.
@@ -224,8 +226,9 @@ def test_the_end_face_by_which_a_hinge_holds_a_pad_lies_on_the_plane_as_it_is() 
 def test_pads_are_worn_on_guides_along_the_normal_of_the_plane(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    """Worn in they bear evenly: the braking force is mu times that of the force's part along the
-    normal.
+    """Pads on guides along the plane's normal wear in to even pressure.
+
+    The braking force is mu times the part of the force along the normal.
     """
     file = ROOT / "studies" / "brakes" / "rail_clamp.toml"
     brake = read_any(file)
@@ -255,8 +258,10 @@ def test_a_worn_pad_is_solved_again_as_it_was_worn() -> None:
 
 @pytest.mark.parametrize("sliding", ["+x", "-x"])
 def test_the_fields_of_a_pad_stand_where_it_does_and_bear_its_pressure(sliding: str) -> None:
-    """Pressed nodes stay on the plane, under the stress that p and friction make there; the plane
-    pushes up.
+    """The fields of a pad lie where the pad does and carry its pressure.
+
+    Pressed nodes stay on the plane, under the stress of p and friction there; the plane pushes
+    upwards.
     """
     brake = placed(pad("pivot", sliding, body=BODY), mirrored=sliding == "-x", shift=0.4)
     made = scene_of(brake)

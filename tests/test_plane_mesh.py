@@ -1,6 +1,4 @@
-"""Pads on a plane with a mesh of the user's own: the parametric pad's answer, mirror images, and
-faults in one line.
-"""
+"""Pads with a mesh of the user's own: parametric answers, mirror images, faults in one line."""
 
 import random
 from collections.abc import Callable
@@ -56,8 +54,9 @@ def test_every_format_gives_the_answer_of_the_mesh_that_was_written(tmp_path: Pa
 def test_a_pad_of_every_holding_answers_as_the_parametric_one(
     kind: str, elastic: bool, tmp_path: Path
 ) -> None:
-    """Whatever holds it holds the group hinge; triangles come to the same within the
-    discretisation.
+    """A meshed pad on every support answers as the parametric one.
+
+    Each support holds the group hinge; triangles agree within the discretisation.
     """
     brake = pad(kind, "-x", **({"body": BODY} if elastic else {}))
     a, own = drumlin.solve(brake).shoes[0], filed(brake, tmp_path / "pad.msh", "tri2", 60)
@@ -231,8 +230,10 @@ def test_a_damaged_mesh_is_solved_or_refused_in_one_line(tmp_path: Path) -> None
 
 
 def test_compare_takes_a_pad_with_misfit_and_a_mesh_of_its_own(tmp_path: Path) -> None:
-    """Errors of the laws, those of a lining that fits, against the finite elements of one that does
-    not.
+    """`compare` takes a pad with misfit and a mesh of its own.
+
+    The laws assume a fitting lining; their errors are those against the finite elements of the
+    misfit.
     """
     own = vary(
         filed(pad("hinge", body=BODY), tmp_path / "pad.msh"), {"shoe.lining.misfit.taper": 2e-5}

@@ -1,6 +1,4 @@
-"""The textbook penalty at quadrature points: right where it converges, and it says where it does
-not.
-"""
+"""The textbook penalty at quadrature points: right where it converges, and it says where not."""
 
 import math
 from pathlib import Path

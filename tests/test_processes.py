@@ -1,6 +1,4 @@
-"""The command line as a process: signals, streams, locales, foreign code in the current folder,
-missing packages.
-"""
+"""The command line as a process: signals, streams, locales, foreign code, missing packages."""
 
 import os
 import resource

@@ -26,9 +26,7 @@ ROTATIONS = ("counter-clockwise", "clockwise")
 
 @st.composite
 def shoes(draw, R):
-    """A shoe for a drum of radius R as a brake file has it: lining rigid, backed or on an elastic
-    arc.
-    """
+    """Tables of a random shoe for a drum of radius R: lining rigid, backed or on an elastic arc."""
 
     def between(low, high):
         return draw(st.floats(low, high))

@@ -1,6 +1,4 @@
-"""Random brakes of every way to hold and push shoes: what physics demands of laws and finite
-elements alike.
-"""
+"""Random brakes of every support and load: what physics demands of laws and finite elements."""
 
 import math
 import tempfile
@@ -111,9 +109,7 @@ def fitting(brake: Brake) -> bool:
 
 
 def moved(seed: int, kind: str, turn: float, length: float, modulus: float) -> None:
-    """Turned, mirrored, shifted; larger and stiffer; under twice the forces; as a file with its
-    units.
-    """
+    """The brake turned, mirrored, shifted, scaled, stiffened, under twice the forces, as a file."""
     brake = random_kind(seed, kind)
     flat = isinstance(brake, FlatBrake)
     for solve in MODELS:
@@ -178,9 +174,7 @@ def both_ways(brake: Brake) -> list[Brake]:
 
 
 def rigid_limit(seed: int, kind: str) -> int:
-    """How many of both senses have an answer; without one by the law there is none by finite
-    elements.
-    """
+    """How many of both rotations have an answer; finite elements have none where the law none."""
     answers = 0
     for brake in both_ways(random_kind(seed, kind, rigid=True)):
         try:
@@ -255,7 +249,8 @@ def test_a_hinged_shoe_ends_where_the_law_does() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", LINKED)
 def test_finite_elements_end_where_the_law_does(kind: str) -> None:
-    """At self-locking, where a shoe tips, its foot leaves the abutment, or a cam would have to
-    pull.
+    """Finite elements refuse where the rigid law does.
+
+    At self-locking, where a shoe tips, its foot leaves the abutment, or a cam would have to pull.
     """
     assert sum(locked(seed, kind) for seed in range(12)) >= 6

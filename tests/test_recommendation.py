@@ -37,8 +37,10 @@ def test_luck_is_no_recommendation_and_ties_go_to_the_more_exact():
 
 
 def test_what_to_use_is_a_matrix_of_brakes_and_targets():
-    """Three brakes: a law that is right, one that finite elements alone know, one whose reference
-    knows too little.
+    """The recommendation is a matrix of brakes and target errors.
+
+    Three brakes: a law that is right, one for finite elements alone, one whose reference knows too
+    little.
     """
     law = {
         "family": "law",
@@ -84,8 +86,10 @@ def test_what_to_use_is_a_matrix_of_brakes_and_targets():
 
 
 def test_peers_are_held_against_the_fastest_way_to_each_error():
-    """Ratios of the quickest rows on both sides; a row that is not quick, or on an even mesh, does
-    not count.
+    """Peers are compared with drumlin's fastest way to each error.
+
+    Ratios are of the quickest rows on both sides; a slow row, or one on an even mesh, does not
+    count.
     """
 
     def made(family, error, ratio, **more):

@@ -1,6 +1,4 @@
-"""Reference values against what is known otherwise, their file, and the check of somebody's
-p(theta).
-"""
+"""Reference values against independent ones, their file, and the check of a table p(theta)."""
 
 import json
 import re
@@ -45,8 +43,9 @@ def quick(brake):
 
 @pytest.mark.slow
 def test_a_reference_agrees_with_a_coarser_one_and_with_another_discretisation(known, quick):
-    """The independent one has an error of some 1e-5 itself: from 45 to 90 elements it changes by
-    2e-5.
+    """A reference agrees with a coarser one and with an independent discretisation.
+
+    The independent one has an error of some 1e-5: from 45 to 90 elements it changes by 2e-5.
     """
     assert known.torque.value == pytest.approx(independent.torque("double_shoe/brake"), rel=2e-5)
     assert known.torque.relative < 1e-6

@@ -1,6 +1,4 @@
-"""Resultants of a pressure, where it ends, and what a response says of it: against closed forms,
-without any model.
-"""
+"""Resultants and ends of a pressure, and texts of a response, against closed forms."""
 
 import math
 from dataclasses import replace
@@ -92,8 +90,9 @@ def shoe_of(theta, pressure, order=2, **more):
 @pytest.mark.parametrize("sign", [1, -1])
 @pytest.mark.parametrize("drag", [0.3, -0.4])
 def test_an_even_pressure_on_an_arc(sign, drag):
-    """p R b over a < theta < b: -sign p R b (sin b - sin a, cos a - cos b) and drag times that
-    turned by 90 deg.
+    """An even pressure on an arc a < theta < b has the closed-form resultant.
+
+    -sign p R b (sin b - sin a, cos a - cos b), and drag times this vector turned by 90 deg.
     """
     theta, p, R, width = polynomial(2, KNOTS), 3e5, 0.2, 0.05
     found = resultant(
@@ -159,8 +158,10 @@ def test_arcs_reach_to_the_node_next_to_a_pressed_one(pressed, arcs):
     ],
 )
 def test_the_end_of_a_contact_is_where_the_integral_of_its_square_root_begins(order, end, found):
-    """Nodal values whose integrals to 0.5 and to 1 are (theta - end)^1.5; an end beyond its step is
-    taken to it.
+    """The end of a contact is where the integral of the pressure's square root begins.
+
+    Nodal values have the integrals (theta - end)^1.5 up to 0.5 and to 1; an end beyond its step is
+    taken to the step.
     """
     theta = np.linspace(0, 5, 10 * order + 1)
     F, G = 0.5**-1 * (0.5 - end) ** 1.5, 0.5**-1 * (1 - end) ** 1.5  # over the step

@@ -67,8 +67,9 @@ def test_shoes_meet_through_a_free_ring_and_not_through_a_rigid_drum():
 
 
 def test_a_thin_free_ring_bends_as_theory_says():
-    """Diametral pair of forces on a thin ring: shortening F R^3/(EI) (pi/4 - 2/pi) = .148778 and
-    .136620 widening.
+    """A thin free ring under two opposite forces shortens by .148778 and widens by .136620.
+
+    Both in F R^3/(EI); the first is pi/4 - 2/pi.
 
     The pair is spread over short arcs of the friction surface; the linear response comes from the
     ring body alone.
@@ -148,8 +149,9 @@ def test_a_scene_with_another_ring_is_refused():
 
 @pytest.mark.parametrize("support", ["fixed", "free"])
 def test_the_fields_of_ring_and_lining_meet_on_the_friction_surface(support):
-    """Recovered inside both bodies on their own meshes, the normal displacements agree where there
-    is contact.
+    """Normal displacements of ring and lining agree on the friction surface where they touch.
+
+    Both are recovered inside their own meshes.
     """
     spec = ringed(support=support)
     scene = prepare(spec, elements=60)

@@ -1,6 +1,4 @@
-"""Feet on rough abutments: what `solve` means, where `hold` ends elsewhere and says so, and where
-they lock.
-"""
+"""Feet on rough abutments: `solve`, the different end of `hold` and its note, and locking."""
 
 import json
 import math
@@ -58,8 +56,10 @@ def pad(folder: Path) -> FlatBrake:
 
 
 class Layer(NamedTuple):
-    """A rigid pad on springs, its rigid motion about the origin; a foot on springs, stiff beside
-    those of the lining.
+    """A rigid pad on springs with its foot on springs, far stiffer than those of the lining.
+
+    `motion` (3,): dx, dy [m], turn [rad] about the origin; `t` (n,), `foot`: friction forces [N];
+    `slid` [m]: displacement of the plane.
 
     `motion` (3,): dx, dy [m], turn [rad]; `t` (n,), `foot`: forces of friction [N]; `slid` [m]: of
     the plane.
@@ -77,8 +77,9 @@ STIFF = 1e3
 
 
 def moved(brake: FlatBrake, before: Layer, share: float, slid: float) -> Layer:
-    """The state under a share of the force, the plane slid by so much: Coulomb's law for each
-    spring, by increments.
+    """The pad's state under a share of its force and a displacement `slid` [m] of the plane.
+
+    Coulomb's law for each spring, by increments.
 
     Each spring is a normal and a shear spring in series with friction (return mapping). Three
     equilibria, by Newton's method.
@@ -126,7 +127,9 @@ def moved(brake: FlatBrake, before: Layer, share: float, slid: float) -> Layer:
 
 
 def test_both_ways_are_those_of_springs_with_friction(tmp_path: Path) -> None:
-    """`hold`: the force at rest, then the plane slides. `solve`: the plane slides already as the
+    """`hold` and `solve` differ on a rough foot as two load paths of springs with friction do.
+
+    `hold`: the force acts at rest, then the plane slides. `solve`: the plane slides already as the
     force comes on.
     """
     brake = pad(tmp_path)
@@ -185,8 +188,10 @@ def rough_brakes(count: int) -> list[Brake]:
 
 @pytest.mark.parametrize("count", [6, pytest.param(60, marks=pytest.mark.slow)])
 def test_solve_is_the_drum_that_slides_already_as_the_force_comes_on(count: int) -> None:
-    """By the stick-slip equations, in which a foot is a node that opens, sticks and slips as those
-    of linings do.
+    """`solve` answers for a drum that slides already as the force comes on.
+
+    The stick-slip equations are the reference: the foot is a node that opens, sticks and slips as
+    those of linings do.
     """
     for brake in rough_brakes(count):
         scene = prepare(brake, elements=ELEMENTS)
@@ -205,8 +210,9 @@ def test_solve_is_the_drum_that_slides_already_as_the_force_comes_on(count: int)
 
 @pytest.mark.parametrize("seed", [115, 219, pytest.param(61, marks=pytest.mark.slow)])
 def test_a_little_force_on_a_crowned_pad_is_no_refusal(seed: int) -> None:
-    """Under a ten-thousandth of the force it bears on a node or two. Seeds 61 and 219 were refused
-    at rest.
+    """A ten-thousandth of the force on a crowned pad, borne by a node or two, is no refusal.
+
+    Seeds 61 and 219 were refused at rest.
     """
     (row,) = checks(seed)
     assert row.outcome in {"agrees", "said"}, row
@@ -231,8 +237,10 @@ def test_the_problem_of_a_rough_foot_is_not_there_before_its_friction_is_known()
 
 @pytest.mark.parametrize("count", [2, pytest.param(30, marks=pytest.mark.slow)])
 def test_the_limit_of_rough_feet_is_where_solves_at_growing_friction_end(count: int) -> None:
-    """With the foot's friction as the rigid shoe's 47 of 133 were wrong, by up to eight times, and
-    so was the line.
+    """The limit of friction with rough feet is where solves at growing friction end.
+
+    With the foot's friction taken from the rigid shoe 47 of 133 limits were wrong, by up to eight
+    times.
     """
     for brake in rough_brakes(count):
         scene = prepare(brake, elements=ELEMENTS)
@@ -256,8 +264,10 @@ def vary_friction(brake: Brake, friction: float) -> Brake:
 
 @pytest.mark.slow
 def test_the_limit_of_thin_linings_is_that_of_the_law() -> None:
-    """The law has an answer up to there and none beyond, a foot that slides the other way on the
-    way there or not.
+    """The limit of friction with a thin lining is that of the rigid law.
+
+    The law has an answer up to there and none beyond, also where the foot changes its direction of
+    sliding on the way.
     """
     seen = 0
     for seed in range(8):

@@ -1,6 +1,4 @@
-"""Sensitivities from the tangent: against differences of whole solves, and what scaling demands of
-them.
-"""
+"""Slopes from the tangent against differences of whole solves and against scaling."""
 
 import json
 import math
@@ -85,9 +83,7 @@ def test_a_pull_is_a_push_the_other_way(brake):
 
 @pytest.mark.parametrize("index", range(2))
 def test_an_uneven_clearance_acts_through_its_density(brake, index):
-    """A small bump in the clearance: its change of torque is the integral of the density times the
-    bump.
-    """
+    """An uneven clearance acts through its density: a bump changes the torque by its integral."""
     scene = prepare(brake, elements=20)
     found = sensitivity(scene, brake)
     shoe, R = found.shoes[index], brake.drum.radius

@@ -32,8 +32,9 @@ def test_rigid_shoes_with_thin_linings_share_as_by_the_law(make: Any, spin: int)
 
 
 def test_under_a_cam_the_tips_of_elastic_shoes_go_the_same_way() -> None:
-    """Judged by each shoe alone under its share: another problem, whose tip is found by the work of
-    a small change.
+    """Under a cam the tips of elastic shoes move by equal amounts.
+
+    Each shoe alone under its share is the reference; the work of a small change gives its tip.
     """
     brake = cam_brake(body=0.012, thickness=0.006)
     scene = prepare(brake, elements=40)
@@ -56,8 +57,10 @@ def test_under_a_cam_the_tips_of_elastic_shoes_go_the_same_way() -> None:
 
 
 def test_a_cam_feels_the_corners_of_the_loaded_ends() -> None:
-    """Where the table of a T-section ends under the load the stress is singular. Against triangles,
-    to 3e-6.
+    """A cam feels the singular corners of the loaded ends of its shoes.
+
+    Where the table of a T-section ends under the load the stress is singular. Triangles agree to
+    3e-6.
     """
     brake = cam_brake(
         body=0.02, thickness=0.012, web=0.002, table={"thickness": 0.004, "width": 0.04}
@@ -71,8 +74,9 @@ def test_a_cam_feels_the_corners_of_the_loaded_ends() -> None:
 
 
 def test_the_tip_moves_as_the_energy_says() -> None:
-    """Without friction the work of the force is the elastic energy: tip = dW/dF, by central
-    differences of W = F tip/2.
+    """The tip of a frictionless shoe moves by tip = dW/dF, with W = F tip/2.
+
+    The force's work is the elastic energy; dW/dF is a central difference.
 
     The brake is linear where the contact does not change with the force, as without gaps.
     """

@@ -79,8 +79,9 @@ def turned(brake: Brake, i: int, key: str) -> Callable[[float], dict[str, Any]]:
 
 
 class Row(NamedTuple):
-    """A slope, exactly, and how the brake is changed for its difference: by steps of this size,
-    over a unit.
+    """An exact slope, and the change of the brake whose solves give its difference.
+
+    `changes` takes a step; `step` is its size, and `unit` divides the difference.
     """
 
     what: str

@@ -1,6 +1,4 @@
-"""Slopes along points with which a shoe's body moves, and over bending stiffnesses: against
-differences of solves.
-"""
+"""Slopes along points that move a shoe's body, and by bending stiffness, against differences."""
 
 import json
 import math
@@ -204,8 +202,9 @@ def test_a_mesh_in_the_shoes_frame_turns_with_its_pin(kind, draw, tmp_path):
 
 
 def largest(brake: Brake, elements: int | None, key: str = "") -> float:
-    """The largest relative difference of slopes whose names begin so from differences over three
-    steps.
+    """The largest relative difference of slopes whose names begin with a key.
+
+    Differences over three steps are the reference.
     """
     divided = Divided(elements, consistency_slopes.Cache())
     base = divided.solved(brake)
@@ -307,8 +306,9 @@ ORTHOTROPIC = np.array([[9.0, 0.8, 0.0], [0.8, 3.0, 0.0], [0.0, 0.0, 2.5]])
 
 
 def some_layers(names: Iterable[str], *, directed: bool) -> dict[str, ElasticLayer]:
-    """A layer of each name, the first around the centre, the others straight, each stiffer than the
-    one before.
+    """A layer of each name, the first around the centre, the others straight.
+
+    Each layer is stiffer than the one before.
     """
     found = {}
     for k, name in enumerate(names):
@@ -322,8 +322,9 @@ def some_layers(names: Iterable[str], *, directed: bool) -> dict[str, ElasticLay
 @pytest.mark.parametrize("directed", [False, True], ids=["isotropic", "orthotropic"])
 @pytest.mark.parametrize("name", BODIES)
 def test_the_mutual_work_is_that_of_the_assembled_stiffness_and_so_is_its_change(name, directed):
-    """The change is that of the stiffness assembled anew with the nodes moved, by a central
-    difference.
+    """The mutual work and its change are those of the assembled stiffness.
+
+    Nodes are moved and the stiffness assembled anew for a central difference.
     """
     body = BODIES[name](random_brake(3, "post")).bodies[0]
     basis, size = body.basis, np.abs(body.basis.doflocs).max()
@@ -361,8 +362,9 @@ def test_the_mutual_work_changes_as_the_axis_of_straight_layers_turns(name):
 
 
 def test_displacements_on_columns_come_without_a_factorisation_of_the_whole(monkeypatch):
-    """Such a factorisation had an index limit, met with 270 000 nodes, and wrote on standard
-    output.
+    """Displacements on columns need no factorisation of the whole shoe.
+
+    This factorisation had an index limit, met at 270 000 nodes, and wrote on standard output.
     """
 
     def refuse(*_: Any, **__: Any) -> None:

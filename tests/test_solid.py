@@ -1,6 +1,4 @@
-"""The solid shoe against plane stress where they must agree, closed forms in three dimensions,
-balance.
-"""
+"""Solid shoes: plane stress where they must agree, closed forms in 3-D, balances."""
 
 import json
 import resource
@@ -91,7 +89,9 @@ def of_kind(root, name):
 
 @pytest.mark.parametrize("name", KINDS)
 def test_without_lateral_contraction_every_kind_of_shoe_is_plane_stress(root, name):
-    """Pivots, abutments, struts, a cam: the rigid line across the width stands for the point of the
+    """Without lateral contraction every kind of solid shoe is plane stress.
+
+    Pivots, abutments, struts, a cam: the rigid line across the width stands for the point of the
     plane.
     """
     given = of_kind(root, name)
@@ -126,7 +126,9 @@ def test_every_kind_of_solid_shoe_balances_and_meets_the_drum(root, name):
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "within"), [("brake", 1e-4), ("flexible", 1.3e-4)])
 def test_a_tenth_of_the_linings_thickness_wide_it_is_plane_stress(root, name, within):
-    """Between flexible shoes 1.17e-4 are left on this mesh, 1.02e-4 on one of 200 elements; 6e-5 at
+    """A solid shoe a tenth of its lining's thickness in width is plane stress.
+
+    Flexible shoes differ by 1.17e-4 on this mesh, by 1.02e-4 on one of 200 elements, by 6e-5 at
     half the width.
     """
     brake = read_brake(root / "studies" / "double_shoe" / f"{name}.toml")
@@ -139,8 +141,10 @@ def test_a_tenth_of_the_linings_thickness_wide_it_is_plane_stress(root, name, wi
 
 
 def test_what_is_left_of_a_narrow_shoe_is_its_mesh(brake):
-    """Lining and shoe contract differently across the width, and a solid joins them over a layer of
-    elements: what that costs goes with their size, not with the width.
+    """The difference of a narrow solid shoe from plane stress is its mesh's error.
+
+    Lining and shoe contract differently across the width, and a solid joins them over a layer of
+    elements: this error goes with their size, not with the width.
     """
 
     def off(elements, part):
@@ -344,9 +348,7 @@ def test_the_command_writes_the_surface(root, tmp_path):
 
 
 def test_the_fields_are_those_of_the_contact(flexible):
-    """The friction surface moves to the drum: the radial displacement where it is pressed is the
-    penalty's own.
-    """
+    """Fields of a solid shoe: its pressed surface moves to the drum by the penalty's own amount."""
     from drumlin.fem.solid.fields import recover
 
     brake = t_section(flexible)
@@ -385,8 +387,10 @@ def test_a_hundred_thousand_unknowns_in_a_minute(flexible):
 def test_a_large_face_is_answered_on_every_other_node_and_settles_once_on_all(
     flexible, monkeypatch
 ):
-    """Where friction assists the pressure is a spike at the lining's end: node by node two meshes
-    are far apart there, not in their work.
+    """A large face is solved on every other node and then once on all nodes.
+
+    Where friction assists, the pressure is a spike at the lining's end: two meshes differ there
+    node by node, but not in their work.
     """
     from drumlin.contact import self_locking
 

@@ -1,6 +1,4 @@
-"""Solid shoes as decks for CalculiX: what the decks say, and what CalculiX answers where it is
-installed.
-"""
+"""Solid shoes as CalculiX decks: their contents, and CalculiX's answers where it is installed."""
 
 import numpy as np
 import pytest
@@ -27,8 +25,9 @@ def volume(points, nodes):
 
 
 class Parsed:
-    """A deck as its keywords with their rows of words, its nodes (n, 3) by label, and its elements
-    of 20 nodes, which stand on two lines.
+    """A solid's deck as its keywords with their rows of words.
+
+    `nodes` (n, 3) by label; `elements` of 20 nodes, each on two lines.
     """
 
     def __init__(self, text):
@@ -94,8 +93,9 @@ def test_all_elements_have_a_positive_volume_and_the_faces_lie_on_the_drum(posed
 
 
 def test_middles_of_edges_lie_between_their_ends(posed):
-    """The order of the nodes: the middle of an edge is nearer to both its ends than they are to
-    each other.
+    """Middle nodes of a solid's edges lie between their ends.
+
+    Each is nearer to both ends than these are to each other.
     """
     _, _, _, parsed = posed
     around = [
@@ -154,8 +154,9 @@ def test_the_command_writes_the_decks(root, tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize("section", ["one width", "T-section"])
 def test_calculix_answers_alike(flexible, section):
-    """Torque within 1e-3, mean pressure within 2 % away from the edges, on the mesh that both
-    share.
+    """CalculiX agrees on solid shoes: the torque to 1e-3, the mean pressure to 2 %.
+
+    The mesh is the same; the edges of the lining are left out.
     """
     brake = t_section(flexible) if section == "T-section" else flexible
     mine = model.solve(brake, elements=24, across=3)

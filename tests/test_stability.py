@@ -1,6 +1,4 @@
-"""Knobs at their ends: the whole system as a judge, what it mended, and the study on its short
-setting.
-"""
+"""Knobs at their extremes: refinement of the whole system, and the short stability study."""
 
 import json
 import math
@@ -133,8 +131,10 @@ def test_a_torque_near_self_locking_has_a_bad_condition():
 
 @pytest.mark.parametrize("assisted", [True, False])
 def test_a_soft_shoe_is_refined_instead_of_refused(assisted):
-    """The digits that condensation loses, some 1e-16 over the ratio of bending to lining stiffness,
-    come back.
+    """A very soft shoe is refined instead of refused.
+
+    Condensation loses some 1e-16 over the ratio of bending to lining stiffness; refinement recovers
+    these digits.
     """
     softer = [
         answer(KnobCase(shoe=E, assisted=assisted, elements=20)) for E in (1e-5, 1e-6, 1e-7, 1e-8)
@@ -165,7 +165,9 @@ def test_a_refined_reaction_is_that_of_the_strains_where_those_have_their_digits
 
 
 def test_a_reaction_whose_strains_lose_their_digits_follows_from_the_pressure():
-    """The shoe bends so far beside what it strains at its pin that long double sees 6e-7 of the
+    """A reaction whose strains lose their digits follows from the pressure.
+
+    The shoe bends so far compared with the strains at its pin that long double sees 6e-7 of the
     reaction wrong there, and 2e-10 of p.
     """
     knobs = {
@@ -215,7 +217,9 @@ def test_triangles_agree_where_digits_were_lost(seed):
 
 @pytest.mark.slow
 def test_what_a_refinement_cannot_settle_is_part_of_the_error(monkeypatch):
-    """A lining forty times as stiff as its shoe: p stays uncertain in the corners, the forces
+    """What refinement cannot settle counts as part of the stated error.
+
+    With a lining forty times as stiff as its shoe p stays uncertain in the corners, the forces
     hardly at all.
     """
     # The balance depends on the number of threads.
@@ -236,8 +240,10 @@ def test_what_a_refinement_cannot_settle_is_part_of_the_error(monkeypatch):
 
 
 def test_wide_gaps_on_tiny_compressions_keep_their_digits():
-    """A force so small that the shoe touches at one node: its pressure is in proportion to the
-    force, to round-off.
+    """Wide gaps on tiny compressions keep their digits.
+
+    A force so small that the shoe touches at one node has a pressure in proportion to the force, to
+    round-off.
     """
     torques = [
         answer(KnobCase(clearance=1e-4, force=F, elements=16)).torque / F

@@ -1,6 +1,4 @@
-"""Linings that stand off by far more than their force compresses them: no refusal that meshes do
-not share.
-"""
+"""Linings that stand off by far more than their compression: meshes agree on refusals."""
 
 import numpy as np
 import pytest
@@ -51,7 +49,9 @@ ONE_SHOE = {
 
 
 def test_a_contact_that_moves_from_wide_columns_to_narrow_ones_does_not_lock():
-    """Its force falls by a tenth over the second half of the friction; the sum of nodal pressures
+    """A contact that moves from wide columns to narrow ones does not lock.
+
+    Its force falls by a tenth over the second half of the friction; the sum of nodal pressures
     grows thirteenfold, as more nodes press.
     """
     brake = brake_from(ONE_SHOE)
@@ -84,8 +84,10 @@ def test_a_rigid_plank_on_a_curve_stands_on_the_two_nodes_beside_its_load():
 
 
 def test_a_shoe_that_another_one_pushes_touches_where_this_push_presses_it():
-    """One node each and a hinge each; the first one's pressure 1 pushes the second one the other
-    way than its own load, which is none, would have it.
+    """A shoe pushed by another shoe touches where this push presses it.
+
+    One node and one hinge each: the first one's pressure 1 pushes the second one against the
+    direction of its own load, which is zero.
     """
     B = -np.eye(4, 2)[[0, 0, 1, 1]] * np.array([[1.0], [2.0], [1.0], [-1.0]])
     C = np.array([[-1.0, -2.0, 0.0, 0.0], [0.5, 1.0, -1.0, 1.0]])
@@ -126,7 +128,9 @@ def test_a_refusal_is_asked_for_once_more_where_another_division_may_answer(brak
 
 
 def test_a_cam_that_would_have_to_pull_is_not_said_to_lock():
-    """The force of its second shoe falls to nothing below the friction: at 0.0307 on a mesh of 80
+    """A cam that would have to pull is refused as such, not as locked.
+
+    The force of its second shoe falls to zero below the friction: at 0.0307 on a mesh of 80
     elements.
     """
     brake = standing_off(2361)

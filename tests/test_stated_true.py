@@ -155,8 +155,10 @@ def shifted(response, by):
 
 
 def test_forces_that_agree_by_chance_are_as_uncertain_as_the_columns_of_the_pressure(brake, level):
-    """Torques and reactions of two levels are the same though each column of p changes them, up and
-    down in turn.
+    """Forces that agree by chance are as uncertain as the columns of the pressure.
+
+    Torques and reactions of two levels are equal though each column of p changes them, up and down
+    in turn.
     """
 
     def turns(shoe):
@@ -181,8 +183,10 @@ def test_forces_that_agree_by_chance_are_as_uncertain_as_the_columns_of_the_pres
 
 
 def test_a_peak_that_agrees_by_chance_is_as_uncertain_as_the_pressure_near_it(brake, level):
-    """As the mean of that and of the distance in L2; of p in columns without the peak it does not
-    matter.
+    """A peak that agrees by chance is as uncertain as the pressure near it.
+
+    Its error is the mean of this uncertainty and of the distance in L2; columns away from the peak
+    do not matter.
     """
 
     def heights(shoe):
@@ -230,8 +234,10 @@ def test_the_shortest_contact_of_a_shoe_counts(brake):
 
 
 def test_errors_of_two_shoes_torques_do_not_cancel(brake):
-    """One loses what the other gains, so that the brake's torque does not move at all: the next
-    level may undo it.
+    """Errors of two shoes' torques do not cancel.
+
+    One loses what the other gains, so that the brake's torque does not move: the next level may
+    undo the balance.
     """
     last = solve(brake, elements=10)
     gained = [
@@ -247,7 +253,9 @@ def test_errors_of_two_shoes_torques_do_not_cancel(brake):
 
 
 def test_a_peak_in_the_column_at_a_pressed_end_is_not_known():
-    """A post presses with its lining's end: p grows there without bound from level to level, beside
+    """A peak in the column at a pressed end is unknown.
+
+    A post presses with its lining's end: p grows there without bound from level to level, beside
     the last node.
     """
     brake = random_brake(488)
@@ -270,8 +278,9 @@ def test_the_penalty_changes_torque_and_pressure_as_a_response_says(brake, index
 
 @pytest.mark.parametrize("penalty", [30.0, 1.0, 0.1, 1e-3])
 def test_what_a_soft_contact_changes_is_stated(brake, penalty):
-    """Down to one a thousand times as soft as the lining, whose pressure hardly hangs on it any
-    more.
+    """The error of a soft contact is stated, down to a thousandth of the lining's stiffness.
+
+    The pressure of the softest contact hardly depends on it any more.
     """
     level = prepare(brake, COLUMNS[2])
     firm, soft = (respond(level, brake, penalty=each).shoes for each in (math.inf, penalty))
@@ -296,8 +305,9 @@ def test_what_a_soft_contact_changes_of_a_post_is_stated_too():
 
 
 def test_a_shoe_without_reaction_has_a_torque(brake):
-    """Its actuation aims along the resultant of the contact: the pin bears nothing, the torque is
-    as certain.
+    """A shoe without a reaction has a torque of the usual certainty.
+
+    Its actuation aims along the resultant of the contact, so that the pin bears no load.
     """
     single = vary(brake.model_copy(update={"shoes": brake.shoes[:1]}), {"shoe.body": None})
     for _ in range(4):
@@ -319,8 +329,9 @@ def test_a_shoe_without_reaction_has_a_torque(brake):
 
 
 def test_columns_are_a_truth_that_triangles_share(brake, truth):
-    """They differ by no more than twice what both are unsure of; both see the error of a coarse
-    answer.
+    """Columns and triangles agree on the truth to twice their uncertainties.
+
+    Both see the error of a coarse answer.
     """
     finer = by_columns(brake, 1e-2)
     apart = errors(brake, finer.shoes, truth.shoes)
@@ -347,9 +358,11 @@ def test_columns_that_lost_digits_are_no_truth_beyond_them(brake, monkeypatch):
 
 
 def test_a_level_that_moves_away_again_is_no_truth(brake, monkeypatch):
-    """Of a post with a ring the finest columns lose digits, and p gets a spike where the lining is
-    open; of a small contact one level moves p as far as the one before, and the next ones bring it
-    home.
+    """A level that moves away again is no truth.
+
+    The finest columns of a post with a ring lose digits, and p gets a spike where the lining is
+    open. On a small contact one level moves p as far as the level before, and the next ones bring
+    it back.
     """
 
     def straying(last):
@@ -382,8 +395,10 @@ def test_a_peak_at_an_end_of_the_lining_is_unbounded_and_so_is_its_error():
 
 @pytest.mark.parametrize("tip", [True, False])
 def test_a_peak_under_a_tip_of_the_gap_is_unbounded_and_so_is_its_error(brake, tip):
-    """Where a table of clearances has a kink towards the drum p grows as under a wedge: as the
-    logarithm of columns.
+    """A peak under a tip of the gap is unbounded and so is its error.
+
+    Where a table of clearances has a kink towards the drum p grows as under a wedge: as the
+    logarithm of the columns' size.
     """
     (shoe, *_), gap = brake.shoes, 1e-4
     middle, ends = shoe.lining.middle, (shoe.lining.start, shoe.lining.end)
@@ -409,8 +424,10 @@ def test_a_peak_under_a_tip_of_the_gap_is_unbounded_and_so_is_its_error(brake, t
 
 @pytest.mark.parametrize(("part", "unknown"), [(0.6, 1.0), (0.4, 0.0)])
 def test_a_peak_that_finer_columns_may_find_at_an_end_is_unknown_before(part, unknown):
-    """A lining that bears at its end, where p grows from level to level: it will be the largest
-    there once it is more than half of what is the largest now.
+    """A peak that finer columns may find at a pressed end is unknown before they do.
+
+    At such an end p grows from level to level: it will be the largest once it is over half of the
+    largest now.
     """
     brake = random_brake(4334, "arc")
     *_, last = islice(steps(brake, respond), 2)

@@ -1,6 +1,4 @@
-"""Stick and slip from below: five friction states, directions, energy over a loop, tangents, the
-holding brake.
-"""
+"""Stick and slip: five friction states, directions, energy, tangents, the holding brake."""
 
 import math
 
@@ -26,8 +24,9 @@ SCENE = prepare(BRAKE, elements=30)
 
 
 def spring(push, shift, stiffness=100.0, penalty=0.0):
-    """One node on a normal and a tangential spring, pushed by -push against the drum that has moved
-    by `shift`.
+    """One node on a normal and a tangential spring, pushed against a drum moved by `shift`.
+
+    The load is -push.
     """
     one, none = np.ones((1, 1)), np.zeros((1, 1))
     return FrictionalProblem(
@@ -82,8 +81,9 @@ def test_a_tangential_penalty_is_an_elastic_slip():
 
 
 def test_a_closed_loop_dissipates_its_area():
-    """Forth and back beyond the limit: the dissipated energy is the loop's area, 4 mu p (shift - mu
-    p/k).
+    """A closed loop of sliding dissipates its area, 4 mu p (shift - mu p/k).
+
+    The drum moves forth and back beyond the limit of sticking.
     """
     mu, push, k, top = 0.5, 10.0, 100.0, 0.2
     path = np.concatenate(
@@ -105,8 +105,9 @@ def test_a_closed_loop_dissipates_its_area():
 
 
 def test_solving_twice_changes_nothing():
-    """History is an input: a second evaluation gives the same answer and leaves the history as it
-    was.
+    """A second evaluation gives the same answer and leaves the friction's history as it was.
+
+    The history is an input.
     """
     history = History(np.array([1.0]), np.array([0.01]))
     a = stick_slip.solve(spring(10.0, 0.2), 0.5, history, np.array([STICK]))
@@ -117,8 +118,10 @@ def test_solving_twice_changes_nothing():
 
 @given(st.integers(0, 500))
 def test_the_equations_of_the_found_states_hold_and_their_tangent_agrees_with_differences(seed):
-    """Open, stick and slip together: residuals vanish, and p, t move with the load as their linear
-    equations say.
+    """The equations of the found friction states hold, and their tangent agrees with differences.
+
+    Open, sticking and slipping nodes together: residuals vanish, and p, t move with the load by
+    their linear equations.
     """
     problem, lever = holding_problem(ShoeGroup(SCENE, BRAKE, (seed % 2,), 1e4))
     rng = np.random.default_rng(seed)
@@ -152,8 +155,9 @@ def test_the_equations_of_the_found_states_hold_and_their_tangent_agrees_with_di
 
 
 def test_direction_of_friction_on_a_wedge():
-    """NAFEMS CGS-4: a wedge of tan a = .1 pushed up with mu = .3: F/G = (tan a + mu)/(1 - mu tan a)
-    = .412371.
+    """NAFEMS CGS-4: a wedge pushed up has F/G = (tan a + mu)/(1 - mu tan a) = .412371.
+
+    tan a = .1 and mu = .3.
     """
     slope, mu = math.atan(0.1), 0.3
     x = np.linspace(0, 1, 5)
@@ -181,8 +185,9 @@ def test_direction_of_friction_on_a_wedge():
 
 @pytest.mark.parametrize("turned", [0.0, 0.4, 1.1])
 def test_flat_patch_whole_and_inclined(turned):
-    """A strip pressed evenly on a plane at any inclination: even pressure to round-off, with its
-    resultant.
+    """A strip pressed on a plane of any inclination has an even pressure and its resultant.
+
+    Both hold to round-off.
     """
     import skfem
 
@@ -307,8 +312,10 @@ def test_a_ring_takes_part_in_holding():
 
 @pytest.mark.parametrize("way", [stick_slip._followed, stick_slip._closed])
 def test_a_path_ends_at_an_answer_also_where_it_turns_back(way, monkeypatch):
-    """Four nodes on random elastic bodies, mu = 1: on a tenth of the paths the load grows again
-    before it falls.
+    """A path of loads ends at an answer also where it turns back.
+
+    Four nodes on random elastic bodies, mu = 1: on a tenth of the paths the load grows again before
+    it falls.
     """
     monkeypatch.setattr(stick_slip, "_newton", way)
     monkeypatch.setattr(stick_slip, "_followed", way)

@@ -1,6 +1,4 @@
-"""The study on its short setting: its headline numbers, its files, and the report without a
-renderer.
-"""
+"""The double-shoe study in its short setting: headline numbers, files, and its report."""
 
 import csv
 import json
@@ -25,8 +23,9 @@ def result(module):
 
 
 def test_headline_numbers(result):
-    """The published law against the independent discretisation; rotation does not matter by
-    symmetry.
+    """The study's headline numbers: the published law against an independent discretisation.
+
+    The rotation does not matter by symmetry.
     """
     law = {
         (row["case"], row["rotation"]): row["torque_error"]

@@ -1,6 +1,4 @@
-"""The misfit study on its short setting: what it found, that it goes on where it was stopped, and
-its report.
-"""
+"""The misfit study in its short setting: findings, continuation after a stop, and report."""
 
 import numpy as np
 import pytest
@@ -31,8 +29,9 @@ def result(module, journal):
 
 
 def by_another_mesh(larger):
-    """Change of the torque by linings ground to a radius that is larger by so much [m], to first
-    order in the gap.
+    """Change of the torque by linings ground to a radius larger by an amount [m].
+
+    To first order in the gap.
     """
     brake = read_brake(STUDY / "brake.toml")
     torques = []

@@ -70,8 +70,9 @@ def test_new_and_worn_in_are_told_apart(result):
 
 
 def independent_life(brake, coefficient=1e-14, travel=2e5, within=0.01):
-    """Distance of p from the sine law when new, and the part of the life that it stays beyond 1 %;
-    the worst lining's.
+    """Distance of p from the sine law when new, and the share of life until it is within 1 %.
+
+    Both of the worst lining.
 
     By another discretisation; the life ends at 80 % of the lining's thickness, and the ends are cut
     off by 1/30.

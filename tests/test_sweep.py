@@ -1,6 +1,4 @@
-"""Sweeps: what a file means and what it may not say, bodies that are shared, rows that do not
-depend on who solves.
-"""
+"""Sweeps: the meaning of their files, refusals, shared bodies, rows that depend on no worker."""
 
 import math
 import time
@@ -265,9 +263,7 @@ def test_bodies_are_condensed_once_for_all_loads(brake, monkeypatch):
 
 
 def test_shared_bodies_change_no_digit(brake, flexible):
-    """Each case by bodies that others made first, in whatever order, and by its own: the very same
-    numbers.
-    """
+    """Cases of a sweep that share bodies, in any order, have the numbers of cases that do not."""
     changes = [
         {"friction": mu, "shoe[0].lining.thickness": t} for mu in (0.0, 0.3) for t in (7e-3,)
     ]
@@ -354,8 +350,10 @@ def test_tables(brake, tmp_path):
 
 
 def test_cases_that_share_bodies_cost_a_fraction_of_others():
-    """A thousand take some 20 s on two cores; here ratios of the process's own time, which is a
-    fifth.
+    """Cases that share bodies take a fraction of the time of others.
+
+    A thousand cases take some 20 s on two cores; ratios of the process's own time, a fifth, are
+    tested.
     """
 
     def spent(do):

@@ -1,6 +1,4 @@
-"""What passes and what lasts: which rows a sweep keeps, what it tries again, meshes by content,
-workers that die.
-"""
+"""Which rows a sweep keeps or tries again, meshes by content, workers that die."""
 
 import os
 import shutil

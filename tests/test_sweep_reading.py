@@ -1,6 +1,4 @@
-"""How a sweep file is read: many values are judged by their extremes where that is enough, else
-with progress shown.
-"""
+"""Reading a sweep file: extremes judge many values where they suffice, else with progress."""
 
 import io
 import random

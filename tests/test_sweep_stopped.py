@@ -1,6 +1,4 @@
-"""Sweeps that are killed, and sweeps whose workers are: the table equals that of an undisturbed run
-byte for byte.
-"""
+"""Killed sweeps and killed workers: the table equals an undisturbed run's byte for byte."""
 
 import importlib.util
 import json
@@ -94,8 +92,9 @@ def finished(output: Path, *how: object) -> list[str]:
 
 
 def killed_at(moments: list[int], sweep_file: Path, folder: Path, jobs: list[int]) -> bytes:
-    """The table of a sweep that was killed when its journal had so many rows; no case may be solved
-    twice.
+    """The table of a sweep that was killed at given row counts of its journal, then finished.
+
+    No case may be solved twice.
     """
     output, journal = folder / "out.csv", folder / "out.csv.journal"
     for moment, number in zip(moments, jobs, strict=True):
@@ -279,8 +278,9 @@ NO_SCHEDULERS = {
 @needs_dask
 @pytest.mark.parametrize("kind", NO_SCHEDULERS)
 def test_what_is_no_scheduler_is_refused_in_one_line(sweep_file, tmp_path, kind):
-    """Within five seconds, those that Python and its libraries take to start, and those of a busy
-    machine.
+    """An address that is no Dask scheduler is refused in one line.
+
+    Within five seconds: the start of Python and its libraries on a busy machine.
     """
     port, tried = NO_SCHEDULERS[kind]
     with port() as address:

@@ -1,6 +1,4 @@
-"""What the terminal says: the answer first, whole words and lines within 80 columns, refusals that
-help.
-"""
+"""What the terminal prints: the answer first, lines within 80 columns, helpful refusals."""
 
 import json
 import math

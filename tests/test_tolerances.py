@@ -30,7 +30,9 @@ TOLERANCES = (
 
 @pytest.mark.slow
 def test_the_shares_of_the_sine_laws_torque_are_those_of_its_derivatives(brake):
-    """Small tolerances: S_i = (dT/dx_i s_i)^2 / sum; the law knows no modulus: 0. First and total
+    """Shares of small tolerances are those of the sine law's derivatives.
+
+    S_i = (dT/dx_i s_i)^2 / sum. The law has no modulus, whose share is 0. First and total shares
     agree.
     """
     n = 128

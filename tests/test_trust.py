@@ -60,8 +60,9 @@ def test_a_contact_within_the_lining_s_end_has_a_peak_pressure():
 
 
 def corner(gap, force):
-    """The main brake whose right shoe presses at its lining's end alone, this far off .2 deg
-    before; and mu N R.
+    """The main brake whose right shoe presses at its lining's end alone, and mu N R [N m].
+
+    The shoe stands off by `gap` 0.2 deg before this end.
     """
     brake = drumlin.read_brake("studies/double_shoe/brake.toml")
     table = [["-70 deg", "1 mm"], ["54.8 deg", gap], ["55 deg", "0 mm"]]
@@ -181,7 +182,9 @@ material = { E = "340 GPa", nu = 0.23 }
 
 
 def test_a_shoe_is_not_taken_as_rigid_where_that_cannot_be_judged(tmp_path):
-    """Its contact is a tenth of a degree long; taken as rigid it pressed by 47.5 N, in truth by
+    """A shoe is not taken as rigid where its rigidity cannot be judged.
+
+    The contact is a tenth of a degree long; taken as rigid the shoe pressed by 47.5 N, in truth by
     38.6 N.
     """
     file = tmp_path / "thin.toml"
@@ -233,8 +236,9 @@ def test_running_in_says_no_number_that_is_not_finite(tmp_path, words):
 @pytest.mark.parametrize("rotation", ["clockwise", "counter-clockwise"])
 @pytest.mark.parametrize("direction", ["90 deg", "-90 deg"])
 def test_eta_is_its_own_formula_wherever_the_lining_lies(start, end, rotation, direction):
-    """eta = T/M = 1/(m - dD n), UWA notes eq. 6, also where the lining reaches beyond half a turn
-    from the hinge.
+    """The figure of merit eta = T/M = 1/(m - dD n) follows its formula wherever the lining lies.
+
+    UWA notes, eq. 6, also where the lining reaches beyond half a turn from the hinge.
     """
     changes = {"rotation": rotation, "shoe[0].actuation.direction": direction}
     changes |= {"shoe[0].lining.start": start, "shoe[0].lining.end": end}
@@ -292,7 +296,9 @@ def test_pads_are_warned_of_as_shoes_on_a_drum_are():
 
 
 def test_a_pad_that_must_turn_too_far_to_touch_is_refused():
-    """A clearance c at x from the pin takes a turn of some c/x; small displacements hold up to 11.5
+    """A pad that must turn by more than 11.5 deg to touch is refused.
+
+    A clearance c at x from the pin takes a turn of some c/x; small displacements hold up to 11.5
     deg.
     """
     clamp, pad = read_any("studies/brakes/rail_clamp.toml"), read_any("studies/laws/pad.toml")
@@ -314,8 +320,10 @@ def test_a_pad_that_must_turn_too_far_to_touch_is_refused():
 
 @pytest.mark.parametrize(("slope", "refused"), [(0.1, False), (0.25, True), (0.5, True)])
 def test_a_pad_on_a_pivot_that_must_tilt_too_far_is_refused(slope, refused):
-    """Its lining stands off in a wedge, which the lever's turn and the tilt about the pivot close
-    together: at most the 0.2 rad that small displacements hold.
+    """A pad on a pivot that must tilt by more than 0.2 rad is refused.
+
+    Its lining stands off in a wedge, which the lever's turn and the tilt about the pivot close
+    together; small displacements hold up to 0.2 rad.
     """
     clamp = read_any("studies/brakes/rail_clamp.toml")
     assert isinstance(clamp, FlatBrake) and all(shoe.held_by == "pivot" for shoe in clamp.shoes)
@@ -334,8 +342,10 @@ def test_a_pad_on_a_pivot_that_must_tilt_too_far_is_refused(slope, refused):
 
 
 def test_a_lining_pressed_in_too_far_is_said_and_then_refused():
-    """p/E: 5 % at the peak is beyond small strains; ten times the lining's thickness in the mean is
-    no answer, a higher peak may only be a corner's.
+    """A lining pressed in too far is reported, and further in is refused.
+
+    p/E of 5 % at the peak is beyond small strains. Ten times the lining's thickness in the mean is
+    no answer; a higher peak may only be a corner's.
     """
     brake = drumlin.read_brake("studies/double_shoe/brake.toml")
     small, E = drumlin.solve(brake, elements=20), 300e6

@@ -1,6 +1,4 @@
-"""Wear as such: against closed forms on a Winkler lining, balances, and the checkerboard of
-explicit steps.
-"""
+"""Wear: closed forms on a Winkler lining, balances, and the checkerboard of explicit steps."""
 
 import math
 from itertools import pairwise
@@ -27,8 +25,9 @@ from winkler_lining import FORCE, LAW, MU, RADIUS, UNIT, winkler
 
 
 def test_a_rigid_shoe_on_springs_forgets_its_shape_exponentially():
-    """In contact all along p = p_law + exp(-k K s) (p_0 - p_law): rigid motions and equilibrium do
-    not change that.
+    """A rigid shoe on springs forgets its shape as p = p_law + exp(-k K s) (p_0 - p_law).
+
+    The lining is in contact all along: rigid-body modes and equilibrium do not change this decay.
     """
     interface, phi = winkler(lambda phi: 2e-6 * np.cos(3 * phi))
     states = run([interface], LAW, distance=6 * UNIT, tolerance=1e-3)
@@ -157,8 +156,9 @@ def test_bad_input_is_named(law, options, word):
 
 @pytest.mark.parametrize("exponent", [0.5, 1.0, 2.0, 3.0])
 def test_the_rate_and_its_slope(exponent):
-    """k p (p/p_ref)^(m - 1); under m = 1 rounded off where p is small, so that the slope stays
-    finite.
+    """The rate of wear k p (p/p_ref)^(m - 1), and its slope.
+
+    For m < 1 the rate is rounded off at small p, so that the slope stays finite.
     """
     law, p = WearLaw(2e-13, exponent, 4e5), np.array([1e5, 4e5, 9e5])
     rate, slope = law.rate(p, 0.0)
@@ -235,8 +235,9 @@ def test_steps_keep_their_tolerance_and_end_where_they_are_asked_to():
 
 
 def test_a_drum_that_turns_back_and_forth():
-    """Each way as far as it is told; at a turn the depth stays, and the pressure is that of the
-    other way.
+    """Wear on a drum that turns back and forth goes each way as far as asked.
+
+    At a turn the depth stays, and the pressure is that of the other rotation.
     """
     (ahead, _), (back, _) = (
         winkler(lambda phi: 2e-6 * np.cos(3 * phi), elements=8, mu=mu) for mu in (MU, -MU)
