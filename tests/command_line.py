@@ -31,5 +31,6 @@ def drumlin(*words):
         with pytest.raises(SystemExit) as end:
             main()
     status = end.value.code or 0
-    assert isinstance(status, int)  # a text would be printed and be status 1
+    # An exit with a text instead of a number would print the text and have the status 1.
+    assert isinstance(status, int)
     return subprocess.CompletedProcess(words, status, out.getvalue(), err.getvalue())

@@ -87,7 +87,8 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def pytest_configure(config: pytest.Config) -> None:
     skips = Skips(config)
     config.pluginmanager.register(skips)
-    settings.load_profile("all" if skips.failed else "quick")  # before a test module is read
+    # The profile must be loaded before pytest reads a test module.
+    settings.load_profile("all" if skips.failed else "quick")
 
 
 class Skips:
@@ -96,7 +97,8 @@ class Skips:
     KEY = "drumlin/skipped"
 
     def __init__(self, config: pytest.Config) -> None:
-        self.cache: Any = getattr(config, "cache", None)  # there is none with -p no:cacheprovider
+        # With -p no:cacheprovider pytest has no cache.
+        self.cache: Any = getattr(config, "cache", None)
         self.again, self.found = config.getoption("--skipped"), list[str]()
         self.failed = self.again or config.getoption("--no-skips")
         self.notes = (
@@ -141,6 +143,7 @@ class Skips:
 
     def pytest_sessionfinish(self, session: pytest.Session) -> None:
         if self.again and session.exitstatus == pytest.ExitCode.NO_TESTS_COLLECTED:
-            session.exitstatus = pytest.ExitCode.OK  # nothing was skipped
+            # Nothing was skipped in the last run, so that no test is left to run.
+            session.exitstatus = pytest.ExitCode.OK
         if self.notes and not self.failed:
             self.cache.set(self.KEY, sorted(set(self.found)))

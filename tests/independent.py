@@ -247,9 +247,8 @@ def hold(
     K, f = (one.ties.T @ one.K @ one.ties).tocsc(), one.ties.T @ one.load
     lining = np.zeros(len(one.load))
     lining[one.surface.get_dofs(facets=one.surface.find).flatten()] = 1.0
-    kept = np.union1d(
-        np.flatnonzero(one.ties.T @ lining != 0), [len(f) - 1]
-    )  # and the turn about the pin
+    # The last column is the rigid turn about the pin.
+    kept = np.union1d(np.flatnonzero(one.ties.T @ lining != 0), [len(f) - 1])
     inner = np.setdiff1d(np.arange(len(f)), kept)
     into = np.column_stack([K[np.ix_(inner, kept)].toarray(), f[inner]])
     through = splu(K[np.ix_(inner, inner)].tocsc()).solve(into)
@@ -264,14 +263,16 @@ def hold(
     )
     weight, radius = one.weight.ravel() * penalty * one.spring, one.radius.ravel()
 
-    x = np.linalg.solve(K_c + (N.T * weight) @ N, f_c)  # a first guess: pressed without friction
+    # The first guess is the pressed lining without friction.
+    x = np.linalg.solve(K_c + (N.T * weight) @ N, f_c)
     elastic, at, p, torques = np.zeros(len(radius)), 0.0, np.zeros(len(radius)), []
     for rotation in rotations:
         turned = elastic + radius * brake.spin * (rotation - at) + (T @ x if torques else 0.0)
 
         def energy(x, bound, turned=turned):
-            """Energy, its slope, its second slope, and p and t per eps; convex, for the bound (q,)
-            of t is given.
+            """Energy, its slope and second slope, and p and t per eps, for a bound (q,) of t.
+
+            With the bound given the energy is convex.
             """
             p, trial = np.maximum(N @ x, 0.0), turned - T @ x
             t = np.clip(trial, -bound, bound)

@@ -44,7 +44,8 @@ def test_stiffness_equals_skfems_own_form(kind):
     K = stiffness(basis, {"shoe": ElasticLayer.of(STEEL, 0.04)})
     vector = basis.with_element(skfem.ElementVector(basis.elem))
     theirs = 0.04 * linear_elasticity(*plane_stress(STEEL.E, STEEL.nu)).assemble(vector)
-    place = np.empty(2 * basis.N, dtype=int)  # ours: 2 node + component
+    # Node numbers of drumlin are 2 node + component.
+    place = np.empty(2 * basis.N, dtype=int)
     place[2 * basis.element_dofs.ravel()] = vector.element_dofs[0::2].ravel()
     place[2 * basis.element_dofs.ravel() + 1] = vector.element_dofs[1::2].ravel()
     difference = abs(K - theirs[place][:, place]).max()

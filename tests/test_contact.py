@@ -135,7 +135,8 @@ def test_the_tangent_agrees_with_differences(n, seed):
     found = active_set.solve(free(A, q))
     step = 1e-7
     moved = active_set.solve(free(A, q + step * dq))
-    if np.array_equal(found.active, moved.active):  # else the set changed within the step
+    # Otherwise the contact set has changed within the step, and no slope exists.
+    if np.array_equal(found.active, moved.active):
         change = (moved.p - found.p) / step
         assert found.tangent(dq) == pytest.approx(change, abs=1e-4 * max(1.0, np.abs(change).max()))
 
@@ -282,8 +283,10 @@ def test_wrong_nodes_that_do_not_become_fewer_are_given_up_after_five_steps_more
 def test_round_off_does_not_change_the_contact_set_and_more_does():
     on, off = np.array([True, True]), np.array([False, True])
     for size, steps in ((1e-14, 1), (1e-9, 2)):
-        assert active_set.settle(free(np.eye(2), [size, -1]), on).steps == steps  # a pull
-        assert active_set.settle(free(np.eye(2), [-size, -1]), off).steps == steps  # a penetration
+        # A node that is pulled open must leave the contact.
+        assert active_set.settle(free(np.eye(2), [size, -1]), on).steps == steps
+        # A node that penetrates the drum must join the contact.
+        assert active_set.settle(free(np.eye(2), [-size, -1]), off).steps == steps
         scaled = Problem(
             np.eye(2),
             np.array([-size, 1.0]),
@@ -317,13 +320,15 @@ def test_nodes_that_the_actuation_closes_first():
         return active_set._first_touch(Problem(A, *changed), **more)
 
     assert first(q, B, C, h).tolist() == [True, True, False]
-    assert first(np.array([0.5, 0.2, 0.5]), B, C, h).tolist() == [True, True, True]  # at once
+    # The third node closes at once with the others.
+    assert first(np.array([0.5, 0.2, 0.5]), B, C, h).tolist() == [True, True, True]
     assert first(np.array([0.5, 0.2, 0.5]), B, C, h, alone=True).tolist() == [True, True, False]
+    # The third node closes more slowly than the others.
     assert first(np.array([0.5, 0.2, 0.4]), B * [[1], [1], [0.5]], C, h).tolist() == [
         True,
         True,
         False,
-    ]  # slower
+    ]
     # The pressure of the third would help the actuation.
     resisting = C * [[1, 1, -1]]
     assert first(np.array([0.5, 0.2, 0.1]), B, resisting, h).tolist() == [True, True, False]
@@ -401,9 +406,8 @@ def test_coarse_problems_are_those_on_every_other_node():
             P @ rows[: (n + 1) // 2, 0]
         )
     assert active_set.coarse_start(free(np.eye(47), np.ones(47))).all()
-    assert active_set.coarse_start(
-        free(-np.eye(48), -np.ones(48))
-    ).all()  # without an answer: all nodes, too
+    # Where no start is found all nodes are returned.
+    assert active_set.coarse_start(free(-np.eye(48), -np.ones(48))).all()
 
 
 def test_a_few_changed_nodes_use_the_factors_that_there_are():

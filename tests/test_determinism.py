@@ -111,8 +111,7 @@ def test_the_number_of_threads_moves_no_number():
         for a, b in zip(one["shoes"], two["shoes"], strict=True):
             for key, value in a.items():
                 x, y = np.array(numbers(value)), np.array(numbers(b[key]))
-                size = (
-                    1.0 if key == "error" else np.abs(x).max(initial=1e-300)
-                )  # errors are relative already
+                # Stated errors are relative already.
+                size = 1.0 if key == "error" else np.abs(x).max(initial=1e-300)
                 within = 1e-9 if key in {"torque", "normal_force", "hinge_reaction"} else 3e-7
                 np.testing.assert_allclose(x, y, rtol=0, atol=within * size, err_msg=key)

@@ -164,7 +164,8 @@ def test_the_locking_limit_is_a_pole_of_the_torque(root):
         ).torque
         for part in (2e-3, 1e-3)
     )
-    assert nearer / near == pytest.approx(2, rel=0.05)  # it grows as 1/(mu_lock - mu)
+    # The torque grows as 1/(mu_lock - mu), so that half the distance doubles it.
+    assert nearer / near == pytest.approx(2, rel=0.05)
     with pytest.raises(drumlin.NoAnswer, match="self-locking"):
         drumlin.solve(drumlin.vary(brake, {"friction": limit.friction * 1.01}), elements=12)
 
@@ -263,7 +264,8 @@ def test_a_path_may_be_a_text_and_a_response_carries_its_figures_of_merit(root):
     brake = drumlin.read_brake(str(root / BRAKE))
     response = drumlin.solve(brake, elements=10)
     assert response.torque == pytest.approx(sum(shoe.torque for shoe in response.shoes))
-    for i, shoe in enumerate(response.shoes):  # T/(F R) by hand, F = 2 kN, R = 150 mm
+    # The brake factor is T/(F R) by hand with F = 2 kN and R = 150 mm.
+    for i, shoe in enumerate(response.shoes):
         assert response.merits[i].shoe_factor == pytest.approx(
             shoe.torque / (2000 * 0.150), rel=1e-12
         )

@@ -136,7 +136,8 @@ def test_on_meshes_the_stiffness_is_that_of_scikit_fems_own_assembly(kind, name)
     make, raised = KINDS[kind]
     grid = make.init_tensor(np.linspace(0.1, 0.14, 4), np.linspace(0.05, 0.12, 5))
     mesh = raised(grid) if raised else grid
-    if kind == "quad2":  # curved
+    # The edges of quad2 elements are curved.
+    if kind == "quad2":
         mesh = skfem.MeshQuad2(mesh.doflocs + 0.01 * np.sin(40 * mesh.doflocs[::-1]), mesh.t)
     mesh = mesh.with_subdomains({"body": np.arange(mesh.nelements)})
     basis = scalar_basis(mesh)

@@ -57,7 +57,8 @@ def test_untouched_knobs_leave_the_brake_as_it_is(explorer):
 CHANGES = {
     "friction": (0.41, {"friction": 0.41}),
     "force": (3.0, {"shoe.actuation.force": "3 kN"}),
-    "shift": (5.0, {"shoe.actuation.point.y": "105 mm"}),  # both lines are level, above the hinges
+    # Both lines of force are level, above the hinges.
+    "shift": (5.0, {"shoe.actuation.point.y": "105 mm"}),
     "turn": (
         10.0,
         {"shoe[0].actuation.direction": "10 deg", "shoe[1].actuation.direction": "170 deg"},
@@ -94,7 +95,8 @@ def test_worn_long_enough_the_brake_is_the_laws(explorer):
     assert worn.found.torque == pytest.approx(worn.law.torque, rel=2e-3)
     new = explorer.answer(turned(explorer))
     assert abs(new.found.torque / new.law.torque - 1) > 0.02
-    assert worn.distance == pytest.approx(50 * 8e-3 / (1e-14 * 300e6))  # of t/(k E)
+    # The lining of t = 8 mm wears at the rate k E.
+    assert worn.distance == pytest.approx(50 * 8e-3 / (1e-14 * 300e6))
 
 
 def test_a_lining_is_not_worn_beyond_its_thickness():
@@ -142,7 +144,8 @@ def test_a_setting_that_keeps_the_bodies_costs_a_fraction_of_a_solve(explorer):
 def test_self_locking_is_said_and_its_distance(explorer):
     answer = explorer.answer(start_of(explorer.brake))
     limit = min(explorer.locking(answer.brake).values())
-    assert limit == pytest.approx(1.1812, rel=1e-3)  # by the condensed matrices on 80 elements
+    # The limit comes from the condensed matrices on 80 elements.
+    assert limit == pytest.approx(1.1812, rel=1e-3)
     assert answer.law_locking == pytest.approx(0.8231, rel=1e-3)
     locked = Explorer(vary(explorer.brake, {"friction": 0.9}))
     beyond = locked.answer(turned(locked, friction=1.3))
@@ -260,7 +263,8 @@ def test_a_link_leads_back_to_its_setting(explorer):
 def test_what_a_link_cannot_mean_is_said(explorer, query, said):
     page = reply(explorer, f"/?{query}", "b")
     assert page.status == 200
-    assert page.text.count("<script>") == 1  # its own
+    # The page has no script but its own.
+    assert page.text.count("<script>") == 1
     line = next(text for text in page.text.splitlines() if 'id="head"' in text)
     assert said in line.replace("&#39;", "'")
     data = json.loads(reply(explorer, f"/picture?{query}", "b").text)
@@ -323,9 +327,8 @@ def test_shoes_that_share_a_force_are_explored_by_it(brake):
     assert answer.found.torque == pytest.approx(drumlin.solve(brake).torque, rel=1e-3)
     force = knob(explorer, "force")
     twice = explorer.answer(turned(explorer, force=2 * force.start))
-    assert twice.found.torque == pytest.approx(
-        2 * answer.found.torque, rel=1e-6
-    )  # no clearance: proportional
+    # Without a clearance pressures are proportional to the force.
+    assert twice.found.torque == pytest.approx(2 * answer.found.torque, rel=1e-6)
     assert reply(explorer, "/", "b").status == reply(explorer, "/picture", "b").status == 200
 
 
@@ -343,9 +346,8 @@ def test_a_browser_moves_a_slider_and_reads_the_torque_of_solve(tmp_path, explor
         contact = [math.hypot(*xy) for xy in drawn["drum-contact"]]
         assert contact == pytest.approx([150] * len(contact), abs=0.02)
         rate = page.execute_async_script(DRAG)
-        assert rate > 3, (
-            f"{rate:.1f} pictures a second while a slider is dragged"
-        )  # wanted: 30, on a machine of its own
+        # The aim is 30 on a machine of its own; other processes share this one.
+        assert rate > 3, f"{rate:.1f} pictures a second while a slider is dragged"
         assert not [line for line in page.get_log("browser") if line["level"] == "SEVERE"]
 
 

@@ -86,7 +86,8 @@ def test_forces_and_moments_balance_and_contact_is_complementary(brake):
             area = body.coupling.area
             compression = found.p.max() * shoe.lining.thickness / shoe.lining.material.E
             assert found.p.min() >= 0
-            assert (w / area).min() > -1e-9 * compression  # no penetration beyond p/eps
+            # No node may penetrate the drum by more than p/eps.
+            assert (w / area).min() > -1e-9 * compression
             assert np.abs(found.p * w / area).max() < 1e-9 * found.p.max() * compression
 
 
@@ -95,7 +96,8 @@ def test_a_clearance_opens_the_contact_and_stays_complementary():
     response = respond(SCENE, open_)
     assert max(response.balance.force, response.balance.moment) < 1e-9
     right = response.shoes[0]
-    assert right.contact_arcs[0][0] > math.radians(-40)  # the heel stays off
+    # The heel must stay off the drum, or the test would say nothing of an open end.
+    assert right.contact_arcs[0][0] > math.radians(-40)
     assert right.pressure[0] == 0
     assert response.torque < respond(SCENE, BRAKE).torque
 
@@ -186,13 +188,15 @@ def test_contact_ends_are_located_inside_an_element(kind, open_heels):
                 solve(spec, elements=count, kind=kind).shoes, true, spec.shoes, strict=True
             ):
                 near, far = shoe.contact_arcs[0], exact[0]
-                k = 0 if part.frame.sense > 0 else -1  # the heel is next to the hinge
+                # The heel is the end of the lining next to the hinge.
+                k = 0 if part.frame.sense > 0 else -1
                 theta, p = shoe.theta, shoe.pressure
                 first = np.flatnonzero(p > 0)[k]
                 step = np.diff(theta[:: shoe.order]).max()
                 errors.append((near[k] - far[k]) / step)
                 nodes.append((theta[first + (-1 if k == 0 else 1)] - far[k]) / step)
-                assert 0 < first < len(theta) - 1  # an end inside the lining
+                # This contact ends inside the lining.
+                assert 0 < first < len(theta) - 1
     assert len(errors) == 16
     assert np.abs(errors).max() < 0.2
     assert np.linalg.norm(errors) < 0.5 * np.linalg.norm(nodes)
@@ -427,12 +431,10 @@ def test_cost_is_counted_from_the_same_run(brake):
 def test_the_cost_table_has_a_row_a_size_and_the_exponent(brake):
     head, *rows, last = table(brake, sizes=(2_000, 4_000))
     assert "memory [GiB]" in head
-    assert [float(row.split()[0]) for row in rows] == pytest.approx(
-        [2_000, 4_000], rel=0.4
-    )  # whole layers
-    assert all(
-        0.05 < float(row.split()[-1]) < 2 for row in rows
-    )  # GiB: Python and its libraries take 0.08
+    # Meshes consist of whole layers of elements and meet a size only roughly.
+    assert [float(row.split()[0]) for row in rows] == pytest.approx([2_000, 4_000], rel=0.4)
+    # The memory is in GiB; Python and its libraries alone take 0.08.
+    assert all(0.05 < float(row.split()[-1]) < 2 for row in rows)
     assert "solve ~ N^" in last
 
 

@@ -55,11 +55,13 @@ def distance(a, b, sight):
 def test_the_simulation_knows_what_dichromats_confuse():
     assert distance("#ff0000", "#00a000", "normal") > 100
     assert lab("#ffffff", "normal") == pytest.approx([100, 0, 0], abs=0.01)
-    olive, brick = "#8a7a00", "#b06a00"  # a confusion of deuteranopes
+    # People with deuteranopia confuse these two colours.
+    olive, brick = "#8a7a00", "#b06a00"
     assert distance(olive, brick, "deuteranopia") < 0.5 * distance(olive, brick, "normal")
     for grey in ("#000000", "#777777", "#ffffff"):
         for sight in SIGHT:
-            assert lab(grey, sight)[1:] == pytest.approx([0, 0], abs=0.6)  # greys stay grey
+            # Grey must stay grey in the eyes of everybody.
+            assert lab(grey, sight)[1:] == pytest.approx([0, 0], abs=0.6)
 
 
 @pytest.mark.parametrize("sight", SIGHT)
@@ -93,7 +95,8 @@ def test_a_pressure_that_is_cut_off_is_marked_and_two_curves_have_their_names_be
     assert [line.get_ydata()[0] for line in lower.lines] == [0.5 * p.max()] * len(
         lower.lines
     ) and lower.lines
-    assert not any(axes.get_legend() for axes in few.axes)  # nothing over the data
+    # A legend must not lie over the data.
+    assert not any(axes.get_legend() for axes in few.axes)
     many = figures.pressures(
         [("right", {name: solve(brake, name).shoes[0] for name in ("sine", "cosine", "uniform")})]
     )
@@ -138,9 +141,8 @@ def test_a_rigid_arm_is_drawn_from_what_holds_and_pushes_a_block_to_its_grip(roo
     axes, _, dashed = drawn(root / "studies/brakes/block_on_lever.toml")
     ends = [line[-1].tolist() for line in dashed]
     assert ends == [[-250, 200], [450, 200]]
-    np.testing.assert_allclose(
-        [line[0] for line in dashed], [[0, 200]] * 2, atol=1e-9
-    )  # the middle of its back
+    # Both lines begin in the middle of the block's back.
+    np.testing.assert_allclose([line[0] for line in dashed], [[0, 200]] * 2, atol=1e-9)
     back = [
         line.get_xydata() for line in axes.lines if np.allclose(np.hypot(*line.get_xydata().T), 200)
     ]

@@ -88,7 +88,8 @@ def test_a_link_stays_and_its_target_is_replaced(tmp_path):
     try:
         write_text(tmp_path / "to pipe", "sent")
     except BadInput:
-        (tmp_path / "pipe").write_text("")  # or else the reader waits for ever
+        # Without this write the reader would wait for ever.
+        (tmp_path / "pipe").write_text("")
         raise
     finally:
         reader.join()
@@ -120,7 +121,8 @@ def test_a_new_file_has_the_mode_that_the_umask_leaves(tmp_path, mask):
 def test_a_pipe_is_written_to_and_read(tmp_path):
     pipe = tmp_path / "p"
     os.mkfifo(pipe)
-    got, text = [], "x" * 300_000  # more than a pipe holds
+    # A pipe holds less than this text.
+    got, text = [], "x" * 300_000
     reader = threading.Thread(target=lambda: got.append(pipe.read_text()))
     reader.start()
     write_text(pipe, text)
@@ -314,7 +316,8 @@ def test_what_is_no_mesh_is_refused_at_once(tmp_path, monkeypatch, kind):
         with pytest.raises(BadInput, match=rf"m\.msh.*({said})"), within(10):
             start = time.process_time()
             run(words)
-        assert time.process_time() - start < 1.5  # the libraries are loaded as well
+        # The libraries are loaded within this time as well.
+        assert time.process_time() - start < 1.5
 
 
 # texts

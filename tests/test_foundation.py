@@ -79,7 +79,8 @@ def test_ring_coefficients_are_their_fourier_series(d):
     )
     assert ring.one_force(d) == pytest.approx(float(terms @ np.cos(n * d)), abs=1e-10)
     assert ring.drag_of_one_force(d) == pytest.approx(float((terms / n) @ np.sin(n * d)), abs=1e-10)
-    if abs(math.sin(d)) > 0.1:  # converges as 1/n^2 there
+    # Away from sin(d) = 0 the series of the shear converges as 1/n^2.
+    if abs(math.sin(d)) > 0.1:
         assert ring.shear_of_one_force(d) == pytest.approx(
             float((terms * n**2) @ np.cos(n * d)), abs=1e-7
         )
@@ -157,7 +158,8 @@ def test_a_beam_on_an_elastic_foundation_is_hetenyis():
         return (np.exp(np.multiply.outer(x, roots)) @ c).real
 
     x = np.linspace(0.01, L, 200)
-    assert exact(x).min() > 0  # no lift-off, else the case is another
+    # The beam must not lift off, or Hetenyi's solution would be another.
+    assert exact(x).min() > 0
     errors = []
     for sections in (60, 120, 240):
         answer = foundation.solve(flat, sections=sections).shoes[0].deformation
@@ -370,7 +372,8 @@ def test_three_hundred_and_sixty_sections_take_some_twenty_milliseconds():
         start = time.process_time()
         foundation.solve(brake, sections=360)
         seconds.append(time.process_time() - start)
-    assert min(seconds) < 0.1  # a slow machine takes longer
+    # On a busy machine the shortest of several times counts.
+    assert min(seconds) < 0.1
 
 
 # lifting one simplification at a time
@@ -483,9 +486,8 @@ def test_refusals_of_the_model():
 
 def test_self_locking_is_said_with_the_friction_it_begins_at():
     def stiff(mu):
-        return vary(
-            soft(D=2.05, EI=5e12, mu=mu), {"shoe.actuation.force": 1.0}
-        )  # the torque grows beyond bounds
+        # The torque grows beyond all bounds.
+        return vary(soft(D=2.05, EI=5e12, mu=mu), {"shoe.actuation.force": 1.0})
 
     with pytest.raises(
         NoAnswer, match=r"self-locking.*mu_lock = [0-9.]+ \(rigid-shoe law"
@@ -497,7 +499,8 @@ def test_self_locking_is_said_with_the_friction_it_begins_at():
         foundation.solve(stiff(lock * (1 - gap)), lift=["tilt"]).torque * gap
         for gap in (1e-2, 2e-3)
     ]
-    assert torques[1] == pytest.approx(torques[0], rel=0.05)  # grows as 1/(mu_lock - mu)
+    # The torque grows as 1/(mu_lock - mu), so that torque times distance stays.
+    assert torques[1] == pytest.approx(torques[0], rel=0.05)
 
 
 @pytest.mark.parametrize("spin", [1, -1])

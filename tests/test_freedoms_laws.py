@@ -24,7 +24,8 @@ from drumlin.response.response import Response, ShoeResponse
 many = settings(suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much])
 SIGNS = st.sampled_from([1, -1])
 LINING = {"thickness": 0.005, "width": 0.04, "material": {"E": 3e8, "nu": 0.25}}
-R, F, C, A, OFF = 0.11, 1000.0, 0.08, 0.08, 0.025  # of the closed form's example
+# The dimensions are those of the closed form's example.
+R, F, C, A, OFF = 0.11, 1000.0, 0.08, 0.08, 0.025
 
 
 def abutted(
@@ -268,7 +269,8 @@ def test_the_law_of_a_hinge_is_the_sine_law_and_that_of_a_guide_the_cosine() -> 
             {"shoe.hinge": None} | {f"shoe[{i}].guide": {"direction": i * pi} for i in (0, 1)},
         )
         shoe = law(guided).shoes[0]
-        N = F  # the friction is across the guide
+        # The friction acts across the guide and does not change the normal force.
+        N = F
         assert shoe.torque == approx(0.3 * float(equivalent_friction(0.9)) * N * R, rel=1e-12)
         assert shoe.pressure == approx(shoe.peak_pressure * np.cos(shoe.theta), rel=1e-12)
 
@@ -378,7 +380,8 @@ def test_forces_moments_and_what_holds_the_shoe_balance(brake: Brake) -> None:
         assert shoe.pressure.min() >= 0
         size = np.linalg.norm(shoe.hinge_reaction) + abs(data.actuation.force)
         x, y = shoe.hinge_reaction
-        if data.guide is not None:  # bears nothing along itself
+        # A guide bears no force along itself.
+        if data.guide is not None:
             assert abs(x * cos(data.guide.direction) + y * sin(data.guide.direction)) < 1e-9 * size
         if data.abutment is not None:
             c, s = cos(data.abutment.direction), sin(data.abutment.direction)

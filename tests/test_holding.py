@@ -137,7 +137,8 @@ def test_every_increment_obeys_contact_and_friction():
             assert w.min() >= -1e-9 * of_w
             assert (at.p * np.abs(w)).max() <= 1e-9 * of_p * of_w
             assert (np.abs(at.t) - mu * at.p).max() <= 1e-9 * of_p
-            short = mu * at.p - np.sign(slip) * at.t  # of the bound, the way it slips
+            # The distance to the bound of friction is taken in the direction of the slip.
+            short = mu * at.p - np.sign(slip) * at.t
             assert (short * np.abs(slip)).max() <= 1e-8 * of_p * of_s
             assert problem.C_p @ at.p + problem.C_t @ at.t == pytest.approx(problem.h, rel=1e-8)
     assert kinds == {0, 1, 2, 3}
@@ -178,7 +179,8 @@ def test_another_discretisation_and_another_method_give_the_same_history():
     found = np.array([state.torque for state in hold(scene, brake, rotations)])
     expected = independent.hold(brake, 0, rotations, 28, 1e3)
     assert found == pytest.approx(expected, abs=3e-3 * found.max())
-    assert found[[3, 6]] == pytest.approx(expected[[3, 6]], rel=2e-4)  # full slip, either way
+    # States 3 and 6 are at full slip, in one direction and in the other.
+    assert found[[3, 6]] == pytest.approx(expected[[3, 6]], rel=2e-4)
 
 
 def test_the_history_converges_with_the_increment():

@@ -87,7 +87,8 @@ def test_the_stiffness_is_that_of_skfems_own_assembly_of_the_same_mesh(p):
     at_nodes = np.array(
         [hierarchical.lbasis(at, i)[0] for i in range((p + 1) ** 2)]
     )  # (functions, nodes)
-    local = np.einsum("ia,eacbd,jb->eicjd", at_nodes, ours, at_nodes)  # on skfem's own functions
+    # The stiffness is transformed to skfem's own functions.
+    local = np.einsum("ia,eacbd,jb->eicjd", at_nodes, ours, at_nodes)
     mapped = np.zeros(theirs.shape)
     dofs = basis.element_dofs.T
     for K, own in zip(local.reshape(len(xy), dofs.shape[1], -1), dofs, strict=True):
@@ -255,9 +256,8 @@ def test_a_post_is_what_one_sparse_factorisation_leaves():
     assert pytest.approx(T, abs=1e-9 * np.abs(T).max()) == S
     assert body.condensed.load_on_frame == pytest.approx(other.load_on_frame, abs=1e-8)
     ends = [body.basis.doflocs[:, body.basis.sets[name]] for name in ("hinge", "actuation")]
-    middles = [
-        0.5 * (nodes[:, 0] + nodes[:, -1]) for nodes in ends
-    ]  # its axis goes from the pin to the force
+    # The beam's axis goes from the pin to the force.
+    middles = [0.5 * (nodes[:, 0] + nodes[:, -1]) for nodes in ends]
     assert middles[0] == pytest.approx(shoe.own_pin, abs=1e-12)
     assert middles[1] == pytest.approx(shoe.own_points(shoe.actuation.point.xy), abs=1e-12)
     assert body.load_centre == pytest.approx(middles[1])
@@ -323,7 +323,8 @@ def test_a_ring_under_even_pressure_grows_as_lame_says(brake, support):
     gap = np.linalg.solve(made.bodies[0].coupling.M, made.ring.pressed[0].T @ opened)
     if support == "free":
         u = 1e6 * R / E * ((1 - nu) * R**2 + (1 + nu) * b**2) / (b**2 - R**2)
-    else:  # u = A r + B/r, held at b
+    else:
+        # A ring held at b moves by u = A r + B/r.
         A = 1e6 / (-E / (1 - nu) - E / (1 + nu) * b**2 / R**2)
         u = A * R - A * b**2 / R
     assert gap == pytest.approx(u, rel=1e-6)
@@ -353,7 +354,8 @@ def test_levels_converge_fast_and_the_estimate_is_an_upper_value(flexible):
     # The last level has fewer digits than the others.
     made = list(steps(flexible, respond))[:5]
     responses, truth = [step.response for step in made], made[-1].response
-    lost = ROUND_OFF * max(shoe.lost.pressure for shoe in truth.shoes)  # of the truth itself
+    # Round-off of the finest level limits how well it can judge the others.
+    lost = ROUND_OFF * max(shoe.lost.pressure for shoe in truth.shoes)
     errors = [
         max(pressure_distance(a, b) for a, b in zip(r.shoes, truth.shoes, strict=True))
         for r in responses
@@ -576,9 +578,8 @@ def test_divisions_grow_from_their_ends_and_contain_what_they_must(brake):
     beside = divide(
         shoe, brake.drum.radius, LEVELS[2], [(start + x, 1e-7, False) for x in (2e-10, 1e-7)]
     )
-    assert (
-        np.diff(beside.angles).min() >= 0.99 * division.FINEST * t
-    )  # however near to its end a lining is open
+    # The bound holds however near to its end a lining is open.
+    assert np.diff(beside.angles).min() >= 0.99 * division.FINEST * t
     div = divide(shoe, brake.drum.radius, LEVELS[2], [(1.0, 0.5, False)])
     assert 1.0 in div.angles
     at = int(np.flatnonzero(div.angles == 1.0)[0])
@@ -625,12 +626,10 @@ def test_the_column_at_an_end_of_the_lining_is_as_narrow_as_the_contact_that_rea
     assert first() == pytest.approx(unknown, rel=1e-9)
     assert first(start, start + 1.0) == pytest.approx(unknown, rel=1e-9)
     assert first(start, start + 1e-3) == pytest.approx(level.edge * 5e-4, rel=1e-9)
-    assert first(start + 1e-7, start + 1e-7 + 1e-3) == pytest.approx(
-        level.edge * 5e-4, rel=1e-9
-    )  # all but reaches it
-    assert first(start + 0.1, end) == pytest.approx(
-        level.back * t, rel=1e-9
-    )  # nothing presses there
+    # A contact that all but reaches the end counts as one that reaches it.
+    assert first(start + 1e-7, start + 1e-7 + 1e-3) == pytest.approx(level.edge * 5e-4, rel=1e-9)
+    # Nothing presses at this end, so that the columns there may be wide.
+    assert first(start + 0.1, end) == pytest.approx(level.back * t, rel=1e-9)
 
 
 @pytest.mark.parametrize("at_start", [True, False])
@@ -795,7 +794,8 @@ def test_gradients_at_the_nodes_of_a_grid_are_those_of_a_linear_field_and_its_ce
         x, y = grid.doflocs[:, corners]
         return 0.5 * (x * np.roll(y, -1, axis=0) - y * np.roll(x, -1, axis=0)).sum(axis=0)
 
-    cells = grid.element_dofs[grid.quarters]  # (4, cells of an element, elements)
+    # The shape is (4, cells of an element, elements).
+    cells = grid.element_dofs[grid.quarters]
     each = areas(cells.reshape(4, -1)).reshape(cells.shape[1:]).sum(axis=0)
     np.testing.assert_allclose(each, areas(grid.outline), rtol=1e-12)
 
@@ -846,7 +846,8 @@ def test_cases_of_a_sweep_state_their_errors_and_share_divisions(brake):
         0 < row["error_pressure"] <= DEFAULT.pressure and row["error_torque"] <= DEFAULT.torque
         for row in rows
     )
-    assert rows == [solved(case) for case in cases]  # a row depends on its case alone
+    # A row of a sweep must depend on its case alone.
+    assert rows == [solved(case) for case in cases]
     meshed = solved(cases[0]._replace(options={"elements": 20}))
     assert "error_pressure" not in meshed
     assert meshed["torque"] == pytest.approx(rows[0]["torque"], rel=1e-4)

@@ -36,9 +36,8 @@ def test_every_example_is_listed_printed_and_is_a_brake(tmp_path):
     } <= set(listed)
     for name, path in examples().items():
         (tmp_path / "my.toml").write_text(drumlin("init", name).stdout)
-        assert read_any(tmp_path / "my.toml") == read_any(path), (
-            name
-        )  # mesh files are found from anywhere
+        # Mesh files must be found from any current folder.
+        assert read_any(tmp_path / "my.toml") == read_any(path), name
     done = drumlin("init", "duble_shoe")
     assert done.returncode == 2 and "did you mean 'double_shoe'?" in done.stderr
 
@@ -98,7 +97,8 @@ def test_every_example_keeps_to_its_schema_and_names_it():
 @pytest.mark.parametrize(
     ("old", "new"),
     [
-        ('radius = "150 mm"', "radius = 150"),  # a quantity without its unit
+        # A quantity without its unit is an error of the schema.
+        ('radius = "150 mm"', "radius = 150"),
         ('radius = "150 mm"', 'radius = "big"'),
         ('radius = "150 mm"', 'radiuss = "150 mm"'),
         ('rotation = "counter-clockwise"', 'rotation = "left"'),
@@ -125,9 +125,8 @@ def test_tables_and_sweeps_are_in_the_schemas():
     assert faults(brake_schema(), data) == []
     sweep = tomllib.loads(SWEEPS[0].read_text())
     assert faults(sweep_schema(), sweep | {"pressure": "psi"})
-    assert faults(
-        sweep_schema(), sweep | {"vary": {"friction": {"distribution": "normal"}}}
-    )  # no deviation
+    # A single value has no deviation.
+    assert faults(sweep_schema(), sweep | {"vary": {"friction": {"distribution": "normal"}}})
 
 
 # a wheel
@@ -235,7 +234,8 @@ def test_the_wheel_serves_in_an_empty_folder(built, tmp_path):
     kept = run("solve", "my.toml", "--elements", 80, "--pressure", "p.csv") and run(
         "check", "my.toml", "p.csv"
     )
-    assert "carried" in kept.splitlines()[0]  # the reference values come with it
+    # The wheel carries the reference values.
+    assert "carried" in kept.splitlines()[0]
     program = [place / "bin" / "drumlin"]
     with served(program, "my.toml", cwd=here, env=free) as address, browser(tmp_path) as page:
         link = play(page, address)

@@ -190,7 +190,8 @@ def test_the_matrices_of_straight_edges_are_those_of_the_book(order):
     lever = 0.5 * sum(
         end / 2 * math.hypot(3, end) + 9 / 2 * math.asinh(end / 3) for end in (1.0, 2.0)
     )
-    assert found.lever.sum() == pytest.approx(lever, rel=1e-7)  # 0.5 Int sqrt(9 + y^2) dy
+    # The lever is 0.5 Int sqrt(9 + y^2) dy.
+    assert found.lever.sum() == pytest.approx(lever, rel=1e-7)
 
 
 @pytest.mark.parametrize("kind", ["quad2", "quad1"])

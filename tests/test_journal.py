@@ -126,10 +126,11 @@ def test_the_journal_of_another_program_is_kept_aside(tmp_path):
 def test_two_runs_at_a_time_are_refused(tmp_path):
     with Journal(tmp_path / "j.jsonl"), pytest.raises(BadInput, match="another run"):
         Journal(tmp_path / "j.jsonl")
+    # Both journals are moved aside and begun anew.
     with (
         Journal(tmp_path / "j.jsonl", "a"),
         pytest.raises(BadInput, match="another run"),
-    ):  # moved aside and anew
+    ):
         Journal(tmp_path / "j.jsonl", "a")
 
 

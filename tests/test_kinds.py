@@ -90,7 +90,8 @@ def radius(brake: Brake) -> float:
 
 
 def with_misfit(at: Posed) -> None:
-    if flat(at.brake):  # whose guides take up every moment
+    # The guides of a pad take up every moment.
+    if flat(at.brake):
         crowned = drumlin.solve(
             vary(at.brake, {"shoe.lining.misfit": {"radius": 100.0, "taper": 1e-5}})
         )

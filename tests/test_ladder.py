@@ -88,7 +88,8 @@ def test_exponents_of_the_corner(mu, exponent):
 
 def test_hertz_and_westergaard_in_their_limits():
     half, peak = closed_forms.hertz(1e5, 2.0, 1e11)
-    assert math.pi * half * peak / 2 == approx(1e5)  # the half-ellipse carries the load
+    # The half-ellipse of pressure carries the load.
+    assert math.pi * half * peak / 2 == approx(1e5)
     assert peak == approx(1e11 * half / (2 * 2.0))
     psi = np.linspace(-math.pi / 2, math.pi / 2, 100001)
     for mean in (0.2, 0.7, 1.5):
@@ -100,7 +101,8 @@ def test_hertz_and_westergaard_in_their_limits():
 
 
 def test_the_flat_punch_carries_its_load():
-    turned = (np.arange(1000) + 0.5) / 1000 * math.pi - math.pi / 2  # x = a sin
+    # The angles are those of x = a sin(turned).
+    turned = (np.arange(1000) + 0.5) / 1000 * math.pi - math.pi / 2
     p = closed_forms.flat_punch(3.0, 0.2, 0.2 * np.sin(turned))
     assert (p * 0.2 * np.cos(turned)).mean() * math.pi == approx(3.0)
 

@@ -183,7 +183,8 @@ def test_swapping_sides_changes_nothing_beyond_discretisation():
     a = active_set.solve(one.normal(gap(one.angle)))
     b = active_set.solve(two.normal(gap(two.angle)))
     assert 0.2 < (a.p > 0).mean() < 0.8
-    theta = np.linspace(2.2, 4.0, 50) - math.pi  # around the touching side, cos = -1 at pi
+    # The touching side of the disc is where the cosine is -1, at pi.
+    theta = np.linspace(2.2, 4.0, 50) - math.pi
     theta = np.where(theta > 0, theta - math.pi, theta + math.pi)
     pa, pb = (np.interp(theta, x.angle, f.p, period=2 * math.pi) for x, f in ((one, a), (two, b)))
     assert pa == pytest.approx(pb, abs=3e-3 * a.p.max())

@@ -100,12 +100,14 @@ def test_the_pressure_at_a_sharp_edge_that_the_drum_runs_onto_goes_as_r_to_lambd
     n = len(pair.angle)
     q = pair.coupling.M @ np.full(n, -1e-4 * thickness)
     found = active_set.solve(Problem(A, q, np.zeros((n, 0)), np.zeros((0, n)), np.zeros(0)))
-    r = pair.angle - pair.angle[0]  # the drum moves along +phi, onto this end
+    # The drum moves along +phi, onto this end.
+    r = pair.angle - pair.angle[0]
     near = (r > 1e-5 * thickness) & (r < 3e-3 * thickness)
     assert near.sum() > 10
     slope = np.polyfit(np.log(r[near]), np.log(found.p[near]), 1)[0]
     assert slope == pytest.approx(exponent - 1, abs=0.01)
     away = pair.angle[-1] - pair.angle
-    if mu:  # no singularity where the drum leaves
+    # Where the drum leaves the lining the stress has no singularity.
+    if mu:
         last = (away > 1e-5 * thickness) & (away < 3e-3 * thickness)
         assert found.p[last].max() < 1.2 * np.median(found.p)

@@ -158,9 +158,8 @@ def test_bhandari_12_8_internal_shoes() -> None:
     helped = rated(helped, MODELS["sine"].solve, 1e6)
     opposed = hinged(**shoe, moment=helped.shoes[0].actuation.force, spin=1)
     torque = solve("sine", helped).torque + solve("sine", opposed).torque
-    assert helped.shoes[0].actuation.force / 0.1875 == approx(
-        2089.795894, rel=1e-9
-    )  # the force has a unit arm
+    # The force has an arm of one unit.
+    assert helped.shoes[0].actuation.force / 0.1875 == approx(2089.795894, rel=1e-9)
     assert torque * 1e3 == approx(434831.0515, rel=1e-9)
 
 
@@ -456,7 +455,8 @@ def test_pivot_off_the_middle_leaves_no_moment_about_it() -> None:
         np.array([np.cos(theta), np.sin(theta)]),
         np.array([-np.sin(theta), np.cos(theta)]),
     )
-    traction = p * radial + 0.3 * p * across  # external shoe, counter-clockwise drum
+    # The shoe is external and the drum turns counter-clockwise.
+    traction = p * radial + 0.3 * p * across
     place = 0.25 * radial - brake.shoes[0].pivot.xy[:, None]
     moment = place[0] * traction[1] - place[1] * traction[0]
     assert abs(np.trapezoid(moment, theta)) < 1e-8 * np.trapezoid(abs(moment), theta)

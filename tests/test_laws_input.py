@@ -30,7 +30,8 @@ FILES = {
     "laws/bhandari_12_8.toml": ON_DRUM,
     "post_brake/brake.toml": ON_DRUM | {"foundation"},
 }
-NOT_BRAKES = {"examples.toml"}  # the study's own data
+# The file of examples holds data of the study, not a brake.
+NOT_BRAKES = {"examples.toml"}
 
 
 @pytest.mark.parametrize(("file", "expected"), FILES.items())

@@ -123,7 +123,8 @@ def test_rigid_shoes_tend_to_the_law_as_their_linings_become_thin(brake):
         rigid = vary(brake, {"shoe.body": None, "shoe.lining.thickness": t})
         off.append(limits(prepare(rigid, elements=60), rigid, 3.0)[(1,)].friction / law - 1)
     assert abs(off[2]) < 5e-3
-    assert off[0] / off[1] == pytest.approx(2, rel=0.05)  # linear in t/R: the lining's shear
+    # The difference is linear in t/R by the lining's own shear.
+    assert off[0] / off[1] == pytest.approx(2, rel=0.05)
     assert off[1] / off[2] == pytest.approx(2, rel=0.05)
 
 
@@ -233,7 +234,8 @@ def test_the_law_that_is_kept_with_a_scene_is_that_of_the_brake_at_hand(
     brake, changes, monkeypatch
 ):
     scene, other = prepare(brake, elements=8), vary(brake, changes)
-    turned = other.model_copy(update={"shoes": other.shoes[::-1]})  # a mirror image in each place
+    # Each shoe becomes a mirror image in the other one's place.
+    turned = other.model_copy(update={"shoes": other.shoes[::-1]})
     for at_hand in (other, turned):
         expected = [rigid.locking_friction(at_hand, shoe) for shoe in at_hand.shoes]
         assert math.inf in expected and min(expected) < 10

@@ -72,7 +72,8 @@ def test_a_value_says_its_kind_unit_and_limits():
     text = listing.brake_file()
     assert '| `radius` | a length such as `"8 mm"`, > 0; required |' in text
     assert "| `friction` | a number, ≥ 0, ≤ 1e+06; required |" in text
-    assert '| `blocks` | rows like `["55 deg", "8 mm"]`; may be left out |' in text  # no number
+    # The default of `blocks` is given in words, not as a number.
+    assert '| `blocks` | rows like `["55 deg", "8 mm"]`; may be left out |' in text
     assert '| `blocks` | rows like `["8 mm", "8 mm"]`; may be left out |' in text
     assert (
         '| `clearance` | a length such as `"8 mm"`, or rows like `["55 deg", "8 mm"]`; default'
@@ -243,7 +244,8 @@ class Links(HTMLParser):
 
 @pytest.mark.slow
 def test_the_manual_is_built_whole_and_stands_alone(tmp_path, monkeypatch):
-    monkeypatch.setenv("MPLBACKEND", "agg")  # as the command line does
+    # The command line sets this backend, too.
+    monkeypatch.setenv("MPLBACKEND", "agg")
     page = manual.report(manual.study(), tmp_path / "manual")
     site = page.parent
     pages = {path: Links(path.read_text(encoding="utf-8")) for path in site.rglob("*.html")}
@@ -271,11 +273,11 @@ def test_the_manual_is_built_whole_and_stands_alone(tmp_path, monkeypatch):
     # The number on the page was computed when the page was built.
     assert f"{torque:.6g}" in text
     for name in ("engineer/table", "engineer/which_law", "researcher/python", "notebooks/engineer"):
-        assert "_images/" in (site / f"{name}.html").read_text(
-            encoding="utf-8"
-        )  # the figures of its examples
+        # These are the figures of the manual's examples.
+        assert "_images/" in (site / f"{name}.html").read_text(encoding="utf-8")
     assert "<math" in (site / "researcher" / "contact.html").read_text(encoding="utf-8")
-    for path in pages:  # no command of TeX is left in a formula
+    # No command of TeX may be left in a formula.
+    for path in pages:
         assert not re.search(r"<m[ion][^>]*>\\", path.read_text(encoding="utf-8")), path.name
     index = (site / "searchindex.js").read_text(encoding="utf-8")
     assert '"lock' in index or "lock:" in index

@@ -41,7 +41,8 @@ def test_groups_cover_the_mesh_and_its_ends(brake):
         radius = np.hypot(*mesh.p[:, np.unique(mesh.facets[:, mesh.boundaries["contact"]])])
         assert radius == pytest.approx(spec.drum.radius, rel=1e-13)
         hinge = mesh.p[:, np.unique(mesh.facets[:, mesh.boundaries["hinge"]])]
-        assert np.arctan2(hinge[1], hinge[0]) == pytest.approx(0, abs=1e-12)  # the pin's ray
+        # The axis of the mesh is the pin's ray.
+        assert np.arctan2(hinge[1], hinge[0]) == pytest.approx(0, abs=1e-12)
         assert len(mesh.boundaries["actuation"]) > 0
 
 
@@ -140,7 +141,8 @@ def test_a_mesh_that_does_not_fit_is_refused_in_one_line(written, brake, case):
     assert "\n" not in str(refusal.value)
 
 
-@pytest.mark.parametrize("name", ["double_shoe_left.msh", "web_shoe.msh"])  # formats 2.2 and 4.1
+# The two files have the formats 2.2 and 4.1.
+@pytest.mark.parametrize("name", ["double_shoe_left.msh", "web_shoe.msh"])
 def test_a_node_number_that_would_fill_the_memory_is_refused(tmp_path, brake, name):
     text = (ROOT / "meshes" / name).read_text()
     start = text.index("\n", text.index("$Nodes\n") + 7) + 1

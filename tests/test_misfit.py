@@ -46,7 +46,8 @@ def test_the_gap_ends_on_the_linings_own_circle(dr, x, y, middle, sign):
     centre = (R - r) * np.exp(1j * middle) + R * (x + 1j * y)
     assert np.abs(rho * np.exp(1j * theta) - centre) == pytest.approx(np.full(41, r), rel=1e-13)
     if x == y == 0:
-        assert abs(gap[20]) <= 1e-15 * R  # the circles meet in the lining's middle
+        # Both circles meet in the lining's middle.
+        assert abs(gap[20]) <= 1e-15 * R
 
 
 @pytest.mark.parametrize(("dr", "offset"), [(-1e-4, 0.0), (1e-4, 0.0), (0.0, 1e-4), (-1e-4, 1e-4)])
@@ -170,9 +171,11 @@ def same(a, b, rel=1e-9):
 def test_taper_blocks_and_growth_are_the_clearances_that_they_say():
     lining = BRAKE.shoes[0].lining
     taper = vary(BRAKE, {"shoe[0].lining.misfit.taper": 4e-5})
-    table = [[lining.start, -2e-5], [lining.end, 2e-5]]  # the right shoe's hinge is at the start
+    # The right shoe's hinge is at the start of its lining.
+    table = [[lining.start, -2e-5], [lining.end, 2e-5]]
     same(respond(SCENE, taper), respond(SCENE, vary(BRAKE, {"shoe[0].lining.clearance": table})))
-    other = vary(BRAKE, {"shoe[1].lining.misfit.taper": 4e-5})  # the left one's is at the end
+    # The left shoe's hinge is at the end of its lining.
+    other = vary(BRAKE, {"shoe[1].lining.misfit.taper": 4e-5})
     at = BRAKE.shoes[1].lining
     table = [[at.start, 2e-5], [at.end, -2e-5]]
     same(respond(SCENE, other), respond(SCENE, vary(BRAKE, {"shoe[1].lining.clearance": table})))
@@ -337,7 +340,8 @@ def test_worn_in_every_lining_bears_by_the_sine_law():
         min(min(gap for _, gap in shoe.lining.clearance) for shoe in worn_in(SCENE, off).shoes) >= 0
     )
     block = rigid("external", half=40, force=500.0)
-    assert solve(block, elements=20).torque == 0  # no friction
+    # Without friction the block does not brake.
+    assert solve(block, elements=20).torque == 0
     block = vary(block, {"friction": 0.3})
     scene = prepare(block, elements=20)
     assert respond(scene, worn_in(scene, block)).torque == pytest.approx(

@@ -79,7 +79,8 @@ def test_the_sketched_ring_is_the_thick_walled_ring_and_the_thin_one_of_theory(s
     outer = [b, 1 / b] if support == "fixed" else stress(b)
     A, B = np.linalg.solve(np.array([stress(R), outer]), [-1.0, 0.0])
     assert radial[0] == pytest.approx(A * R + B / R, rel=1e-6)
-    below = int(HALF_PLANE_WAVE * R / t)  # the last wave that is not that of a half-plane
+    # Higher waves are those of a half-plane.
+    below = int(HALF_PLANE_WAVE * R / t)
     assert radial[below] == pytest.approx(2 * R / (E * below), rel=5e-3)
     assert shear[below] == pytest.approx((1 - nu) * R / (E * below), rel=2e-2)
     assert radial[250] == pytest.approx(2 * R / (E * 250), rel=1e-12)

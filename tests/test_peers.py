@@ -47,7 +47,8 @@ class Parsed:
     def __init__(self, text):
         self.sections = []
         for line in text.splitlines():
-            assert len(line) <= 132  # CalculiX reads no more
+            # CalculiX reads no more of a line.
+            assert len(line) <= 132
             if line.startswith("**"):
                 continue
             words = [word.strip() for word in line.split(",")]
@@ -142,8 +143,10 @@ def test_deck_states_the_brake(brake, kind, index):
         node, component, own = int(terms[0]), int(terms[1]), float(terms[2])
         arm = parsed.nodes[node] - pin
         turned = np.array([-arm[1], arm[0]])[component - 1]
-        assert own * turned + float(terms[8]) == pytest.approx(0, abs=1e-9 * R)  # turn 1
-        assert own + float(terms[5]) == 0  # shift 1
+        # A turn of 1 about the pin satisfies the constraint.
+        assert own * turned + float(terms[8]) == pytest.approx(0, abs=1e-9 * R)
+        # A shift of 1 satisfies the constraint.
+        assert own + float(terms[5]) == 0
 
     moved = {}
     for row in parsed.rows("BOUNDARY"):
@@ -152,7 +155,8 @@ def test_deck_states_the_brake(brake, kind, index):
     assert set(moved) == {n for e in drum for n in parsed.elements[e]}
     for node, u in moved.items():
         x = parsed.nodes[node]
-        assert x @ u == pytest.approx(0, abs=1e-11 * (x @ x))  # along its tangent
+        # The drum moves along its tangent.
+        assert x @ u == pytest.approx(0, abs=1e-11 * (x @ x))
         assert (x[0] * u[1] - x[1] * u[0]) / (x @ x) == pytest.approx(brake.spin * 2e-3, rel=1e-12)
 
     (modulus, nu) = map(float, parsed.rows("ELASTIC")[0])
@@ -160,7 +164,8 @@ def test_deck_states_the_brake(brake, kind, index):
     names = [given["NAME"] for key, given, _ in parsed.sections if key == "MATERIAL"]
     (thickness,) = {float(row[0]) for row in parsed.rows("SOLID SECTION")}
     assert thickness == pytest.approx(0.02 * shoe.lining.width * 1e3)
-    if brake is BACKED:  # wider than the lining: stiffer instead
+    # A body wider than the lining is written as a stiffer one.
+    if brake is BACKED:
         assert float(parsed.rows("ELASTIC")[names.index("SHOE")][0]) == pytest.approx(
             2.1e5 * 50 / 40
         )

@@ -50,7 +50,8 @@ def test_friction_on_a_guide_along_the_normal_neither_helps_nor_opposes(
     tilt: float, sliding: str, helps: int
 ) -> None:
     """cos(90 deg) is 6e-17 and not 0: round-off is no self-energising."""
-    for turned in (0.0, pi):  # the same guide
+    # A guide turned by 180 deg is the same guide.
+    for turned in (0.0, pi):
         brake = pad("guide", sliding, guide={"direction": tilt - pi / 2 + turned})
         for found in (drumlin.solve(brake, elements=20), law(brake)):
             assert found.shoes[0].self_energising == bool(helps)
@@ -217,9 +218,8 @@ def test_the_end_face_by_which_a_hinge_holds_a_pad_lies_on_the_plane_as_it_is() 
     near, far = (
         shoe.end_face(brake.size, loaded=loaded) - shoe.own_pin for loaded in (False, True)
     )
-    assert near == pytest.approx(
-        [0.05, 0.011 - 0.06], rel=1e-12
-    )  # half of the body behind the lining
+    # Half of the body lies behind the lining.
+    assert near == pytest.approx([0.05, 0.011 - 0.06], rel=1e-12)
     assert far == pytest.approx([0.19, 0.011 - 0.06], rel=1e-12)
 
 
@@ -272,7 +272,8 @@ def test_the_fields_of_a_pad_stand_where_it_does_and_bear_its_pressure(sliding: 
     (left, low), (right, high) = found.points.min(axis=0), found.points.max(axis=0)
     assert (left, right) == pytest.approx((shoe.body.start, shoe.body.end), abs=1e-12)
     assert (low, high) == pytest.approx((0.0, 0.021), abs=1e-12)
-    away = np.abs(found.points[:, 0] - shoe.lining.start - 0.06) < 0.05  # from the lining's ends
+    # The points lie away from the lining's ends.
+    away = np.abs(found.points[:, 0] - shoe.lining.start - 0.06) < 0.05
     on = (found.pressure > 0.1 * found.pressure.max()) & away
     p = found.pressure[on]
     assert np.abs(found.displacement[on, 1]).max() < 1e-3 * np.abs(found.displacement).max()

@@ -162,7 +162,8 @@ def test_a_pad_in_blocks_bears_by_those_that_do_not_stand_back() -> None:
     assert (first[0], second[1]) == (-LENGTH / 2, LENGTH / 2)
     assert -0.02 - step < first[1] < -0.02
     assert 0.02 < second[0] < 0.02 + step
-    brake = pad("hinge", body=BODY)  # under which only the far end bears
+    # Under this body the far end of the lining alone bears.
+    brake = pad("hinge", body=BODY)
     stepped = vary(brake, {MISFIT: {"blocks": [[0.1, 1e-3], [0.14, 0.0]]}})
     (places,) = places_of(stepped, respond(prepare(brake, LEVELS[1]), brake)).values()
     assert sum(kind in {Singularity.STEP, Singularity.OPEN_STEP} for *_, kind in places) == 4

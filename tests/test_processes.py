@@ -49,7 +49,8 @@ def test_a_signal_leaves_no_temporary_file_and_no_child(tmp_path, number):
         stdout=subprocess.DEVNULL,
     )
     end = time.monotonic() + 60
-    while not (tmp_path / "report" / "fields.vtu").exists():  # then the child that draws is at work
+    # Once this file is there the child that draws is at work.
+    while not (tmp_path / "report" / "fields.vtu").exists():
         assert process.poll() is None and time.monotonic() < end
         time.sleep(0.005)
     time.sleep(0.3)

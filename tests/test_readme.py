@@ -108,7 +108,8 @@ def test_run_in():
     digits(distance, float(made["pressure_distance"]))
     assert float(made["pressure_life"]) == pytest.approx(1 / 8, rel=0.05)
     flexible = rows("run_in/brakes.csv", brake="double_shoe/flexible", model="fem")[0]
-    assert float(flexible["pressure_life"]) > 1  # "takes longer than the lining lasts"
+    # README says that this "takes longer than the lining lasts".
+    assert float(flexible["pressure_life"]) > 1
 
 
 def test_stated_against_true_errors():

@@ -58,7 +58,8 @@ def test_a_reference_agrees_with_a_coarser_one_and_with_another_discretisation(k
         assert coarse.pressure_uncertainty < 5e-3
 
 
-STORED = ("brakes", "double_shoe", "laws", "plane_stress", "post_brake")  # folders of studies/
+# These are folders of studies/.
+STORED = ("brakes", "double_shoe", "laws", "plane_stress", "post_brake")
 
 
 def test_every_stored_reference_is_of_its_brake_file_and_known_as_well_as_it_says():
@@ -82,7 +83,8 @@ def test_every_stored_reference_is_of_its_brake_file_and_known_as_well_as_it_say
             )
             own = next(s for s in brake.shoes if s.name == shoe.name)
             if own.held_by != "hinge" or brake.links or brake.actuation is not None:
-                continue  # a lever, a strut or a cam pushes too
+                # A lever, a strut or a cam pushes this shoe too.
+                continue
             drum, pin = np.array(shoe.contact_force.value), np.array(shoe.hinge_reaction.value)
             force = own.actuation.vector
             assert np.linalg.norm(drum + pin + force) < 1e-6 * np.linalg.norm(force)
@@ -92,7 +94,8 @@ def test_a_file_of_reference_values_returns_what_was_written(known, tmp_path):
     path = tmp_path / "values.json"
     write_values(as_dict(known), path)
     assert as_dict(read_reference(path)) == as_dict(known)
-    assert max(len(line) for line in path.read_text().splitlines()) > 1000  # arrays on a line each
+    # Arrays stand on a line each.
+    assert max(len(line) for line in path.read_text().splitlines()) > 1000
     for text in ("", "[]", '{"format": "other"}', path.read_text().replace('"edge"', '"edgy"')):
         path.write_text(text)
         with pytest.raises(BadInput, match=r"values\.json"):
@@ -178,7 +181,8 @@ def test_curves_that_stop_short_and_references_of_other_brakes_are_refused(brake
         "shoe[0].lining.clearance": 1e-6,
         "drum.radius": 0.2,
     }
-    for key, value in others.items():  # their shoes bear the same names
+    # The shoes of other brakes bear the same names.
+    for key, value in others.items():
         with pytest.raises(BadInput, match=re.escape(f"of another brake: {key} is not the same")):
             check(vary(brake, {key: value}), known, read_curves(path, brake))
     titled = vary(
@@ -217,9 +221,8 @@ def test_commands(tmp_path):
         app, ["reference", str(brake_file), "--output", str(tmp_path / "r.json")]
     )
     assert made.exit_code == 0 and "uncertainty" in made.output
-    kept = read_reference(
-        VALUES / "laws_short_block.json"
-    ).torque  # what is stored is what the command gives
+    # The stored value must be the one that the command gives.
+    kept = read_reference(VALUES / "laws_short_block.json").torque
     assert read_reference(tmp_path / "r.json").torque.value == pytest.approx(
         kept.value, abs=2 * kept.uncertainty
     )

@@ -66,7 +66,8 @@ def test_polynomials_are_integrated_and_evaluated_exactly(order):
         shoe = shoe_of(theta, theta**degree, order)
         assert shoe.pressure_at(at) == pytest.approx(at**degree, rel=1e-13)
         assert shoe.pressure_at(np.array([0.2 - 1e-9, 1.9 + 1e-9])).tolist() == [0, 0]
-    kinked = np.abs(theta - 0.6)  # each piece has its own polynomial
+    # Each piece of p has a polynomial of its own.
+    kinked = np.abs(theta - 0.6)
     assert integrate(theta, kinked, order) == pytest.approx((0.4**2 + 1.3**2) / 2, rel=1e-14)
     assert shoe_of(theta, kinked, order).pressure_at(np.array([0.59, 0.61])) == pytest.approx(
         [0.01, 0.01]
@@ -164,7 +165,8 @@ def test_the_end_of_a_contact_is_where_the_integral_of_its_square_root_begins(or
     taken to the step.
     """
     theta = np.linspace(0, 5, 10 * order + 1)
-    F, G = 0.5**-1 * (0.5 - end) ** 1.5, 0.5**-1 * (1 - end) ** 1.5  # over the step
+    # Both are integrals over the step.
+    F, G = 0.5**-1 * (0.5 - end) ** 1.5, 0.5**-1 * (1 - end) ** 1.5
     if order == 1:
         p = [0, 2 * F, 2 * (G - F) - 2 * F]
     # The node in the middle is not pressed, either.
@@ -180,7 +182,8 @@ def test_the_end_of_a_contact_is_where_the_integral_of_its_square_root_begins(or
     )
     two = slice(None, 2 * order + 1)
     assert contact_arcs(theta[two], pressure[two], order)[0][0] == pytest.approx(found, abs=1e-12)
-    one = slice(None, order + 1)  # too short to tell
+    # One element is too short to tell where the contact ends.
+    one = slice(None, order + 1)
     assert (
         contact_arcs(theta[one], pressure[one], order)[0][0]
         == theta[np.flatnonzero(pressure > 0)[0] - 1]
@@ -229,11 +232,12 @@ def test_an_elastic_lining_by_growing_angles(brake):
         4.0,
         False,
     )
+    # The zones of 8 mm / (2 150 mm) at the ends are left out.
     assert (found.peak_pressure, found.order, found.turn) == (
         7.0,
         2,
         0.5,
-    )  # without 8 mm / (2 150 mm) at the ends
+    )
     assert found.contact_arcs == ((0.0, 1.0),) and found.lumped is not None
     other = pressed_shoe(
         shoe,
@@ -261,7 +265,8 @@ def test_an_elastic_lining_by_growing_angles(brake):
     )
     assert over_width.surface.pressure.mean(axis=1) == pytest.approx(over_width.pressure)
     assert other.theta == pytest.approx(theta[::-1]) and other.pressure == pytest.approx(p)
-    assert other.turn is None and 0 < other.contact_arcs[0][0] < 0.125  # p = 0 at the first node
+    # At the first node p = 0, so that the contact begins behind it.
+    assert other.turn is None and 0 < other.contact_arcs[0][0] < 0.125
 
 
 def test_forces_and_moments_are_balanced_relative_to_the_largest(brake):

@@ -117,7 +117,8 @@ def test_a_thin_free_ring_bends_as_theory_says():
         scene = prepare(spec, elements=4)
         ring, bodies = scene.ring, scene.bodies
         areas = [body.coupling.area for body in bodies]
-        p = [np.full(len(a), 1.0 / a.sum()) for a in areas]  # one newton on each side
+        # Even pressures of one newton act on each side.
+        p = [np.full(len(a), 1.0 / a.sum()) for a in areas]
         opening = [
             float(p[i] @ ring.pressed[i].T @ sum(ring.pressed[j] @ p[j] for j in (0, 1)))
             for i in (0, 1)
@@ -170,7 +171,8 @@ def test_the_fields_of_ring_and_lining_meet_on_the_friction_surface(support):
     )
     compression = response.shoes[1].peak_pressure * 0.008 / 3e8
     assert np.abs(mine - theirs).max() < 2e-3 * compression
-    if support == "free":  # the rim's mean motion is zero
+    # The mean motion of a free rim is zero.
+    if support == "free":
         far = np.hypot(*ring.points.T) > 0.165 - 1e-9
         assert (
             np.abs(ring.displacement[far].mean(axis=0)).max()

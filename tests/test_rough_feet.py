@@ -147,11 +147,11 @@ def test_both_ways_are_those_of_springs_with_friction(tmp_path: Path) -> None:
     assert states[-1].torque == pytest.approx(held, rel=1e-6)
     at = free
     for share in np.linspace(0, 1, 21)[1:]:
-        at = moved(brake, at, share, brake.spin * share)  # a metre: all springs slip
+        # A displacement of a metre lets all springs slip.
+        at = moved(brake, at, share, brake.spin * share)
     slid = brake.spin * at.t.sum()
-    assert respond(scene, brake).torque == pytest.approx(
-        slid, rel=0.01
-    )  # the springs leave out the lining's ends
+    # The springs leave out the effect of the lining's ends.
+    assert respond(scene, brake).torque == pytest.approx(slid, rel=0.01)
     assert held > 1.1 * slid
 
 

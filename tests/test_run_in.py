@@ -89,9 +89,8 @@ def test_half_the_step_gives_the_same_answer(setup, states):
     area = np.concatenate([interface.area for interface in setup.interfaces])
     for a, b in zip(states, halved, strict=True):
         assert a.s == b.s
-        assert area @ (a.pressure - b.pressure) ** 2 < 1e-6 * (
-            area @ b.pressure**2
-        )  # the tolerance asked for
+        # The tolerance asked for is 1e-3, here squared.
+        assert area @ (a.pressure - b.pressure) ** 2 < 1e-6 * (area @ b.pressure**2)
         assert a.torque == pytest.approx(b.torque, rel=1e-4)
 
 
@@ -156,7 +155,8 @@ def test_a_square_law_of_wear_tends_to_the_root_of_the_sine(setup):
 
 def test_constant_torque_needs_the_force_that_the_worn_brake_needs(scene, brake, setup):
     states = run_in(setup, torque=450.0)
-    assert len(setup.interfaces) == 2  # both shoes share one force
+    # Both shoes share one force of the cam.
+    assert len(setup.interfaces) == 2
     for state in states[:: len(states) // 3]:
         force = {
             f"shoe[{i}].actuation.force": state.force * brake.shoes[i].actuation.force
@@ -181,7 +181,8 @@ def test_a_reversal_undoes_the_law_until_the_lining_has_run_in_anew(scene, brake
     third = run_in(
         setup, backward=other, reverse=every / 3, distance=3.0 * (every / 3), tolerance=5e-3
     )
-    assert sum(a.forward != b.forward for a, b in pairwise(third)) == 2  # none at the very end
+    # The run does not turn back at its very end.
+    assert sum(a.forward != b.forward for a, b in pairwise(third)) == 2
     with pytest.raises(BadInput, match="distance must be given"):
         run_in(setup, backward=other, reverse=every)
 

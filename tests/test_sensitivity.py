@@ -89,9 +89,8 @@ def test_an_uneven_clearance_acts_through_its_density(brake, index):
     shoe, R = found.shoes[index], brake.drum.radius
     height = 1e-9
     theta = shoe.theta
-    bump = height * np.exp(
-        -(((theta - theta.mean() - 0.3) / 0.2) ** 2)
-    )  # nearer to one end than to the other
+    # The bump lies nearer to one end than to the other.
+    bump = height * np.exp(-(((theta - theta.mean() - 0.3) / 0.2) ** 2))
     table = [[float(a), float(g)] for a, g in zip(theta, bump, strict=True)]
     change = (
         respond(scene, vary(brake, {f"shoe[{index}].lining.clearance": table})).torque

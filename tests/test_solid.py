@@ -360,9 +360,8 @@ def test_the_fields_are_those_of_the_contact(flexible):
         on = found.pressure > 0
         moved = np.einsum("nc,nc->n", r, found.displacement[:, :2])
         assert on.sum() > 50
-        assert (
-            np.abs(found.displacement[found.points[:, 2] == 0, 2]).max() == 0
-        )  # nothing leaves the mid-plane
+        # No displacement leaves the mid-plane.
+        assert np.abs(found.displacement[found.points[:, 2] == 0, 2]).max() == 0
         # Weakly, not at every node: against what the shoe moves elsewhere.
         assert np.abs(moved[on]).mean() < 0.02 * np.abs(found.displacement).max()
         assert shoe.lining.material.E > 0 and (found.von_mises >= 0).all()
@@ -375,13 +374,15 @@ def test_a_hundred_thousand_unknowns_in_a_minute(flexible):
     first = respond(scene, flexible)
     cold = time.process_time() - start
     assert scene.bodies[0].unknowns > 95_000
-    assert cold < 180  # 60 on a machine of its own
+    # On a machine of its own it takes 60 s.
+    assert cold < 180
     start = time.process_time()
     second = respond(scene, vary(flexible, {"friction": 0.4}))
     # The value was 0.03; it was 0.15 where all nodes were followed.
     assert time.process_time() - start < 0.12 * cold
     assert second.torque > 1.2 * first.torque
-    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss < 6e6  # kB
+    # In kB.
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss < 6e6
 
 
 def test_a_large_face_is_answered_on_every_other_node_and_settles_once_on_all(
@@ -496,7 +497,8 @@ def test_a_guided_solid_shoe_balances(flexible, friction):
     for i, (shoe, found) in enumerate(zip(brake.shoes, response.shoes, strict=True)):
         along = np.array([np.cos(shoe.guide.direction), np.sin(shoe.guide.direction)])
         bears = contact_resultant(brake, i, found).force @ along
-        assert bears == pytest.approx(-4e3, rel=1e-4)  # nothing of the force goes into the guide
+        # None of the actuation's force goes into the guide.
+        assert bears == pytest.approx(-4e3, rel=1e-4)
 
 
 def test_a_pad_without_thickness_is_refused_in_a_line(root):

@@ -33,7 +33,8 @@ class Parsed:
     def __init__(self, text):
         self.sections = []
         for line in text.splitlines():
-            assert len(line) <= 132  # CalculiX reads no more
+            # CalculiX reads no more of a line.
+            assert len(line) <= 132
             if line.startswith("*") and not line.startswith("**"):
                 key, *words = (word.strip() for word in line[1:].split(","))
                 self.sections.append((key, dict(word.partition("=")[::2] for word in words), []))

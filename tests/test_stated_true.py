@@ -138,7 +138,8 @@ def test_an_estimate_is_a_factor_of_the_last_step_and_what_lies_beside_it(brake)
     assert stated()["pressure"] == 0.0
     yielding = stated(softness=ShoeChange(1.0, 1e-3, 1.0))
     assert yielding["torque"] == pytest.approx(step + SOFTER * 1e-3)
-    assert yielding["pressure"] == 0.0  # which does not differ at all
+    # This part of the answer does not differ at all.
+    assert yielding["pressure"] == 0.0
     rounded = stated(lost=ShoeChange(1.0, 1e-3, 1.0))
     assert rounded["torque"] == pytest.approx(step + ROUND_OFF * 1e-3)
 
@@ -204,7 +205,8 @@ def test_a_peak_that_agrees_by_chance_is_as_uncertain_as_the_pressure_near_it(br
         return 1e-3 * (highest < highest.max()) * (inside > 0)
 
     middle = level.shoes[0]
-    assert middle.pressure.max() == pytest.approx(middle.peak_pressure, rel=0.05)  # not at its end
+    # The peak lies inside the lining and not at its end.
+    assert middle.pressure.max() == pytest.approx(middle.peak_pressure, rel=0.05)
     for by, near in ((high, 1e-3), (low, 0.0)):
         before = shifted(level, by)
         own = estimate(brake, before, level).shoes[0]

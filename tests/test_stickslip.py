@@ -51,12 +51,18 @@ REST = History(np.zeros(1), np.zeros(1))
 @pytest.mark.parametrize(
     ("mu", "shift", "state", "t"),
     [
-        (0.0, 0.05, FORWARD, 0.0),  # no friction
-        (math.inf, 0.05, STICK, 5.0),  # no slip at all
-        (0.5, 0.05, STICK, 5.0),  # just at the limit mu p = 5
-        (0.5, 0.20, FORWARD, 5.0),  # slip
-        (0.5, 0.02, STICK, 2.0),  # stick
-        (0.5, -0.20, BACKWARD, -5.0),  # slip the other way
+        # Without friction the node slips at once.
+        (0.0, 0.05, FORWARD, 0.0),
+        # With infinite friction the node never slips.
+        (math.inf, 0.05, STICK, 5.0),
+        # This node is just at its limit mu p = 5.
+        (0.5, 0.05, STICK, 5.0),
+        # This node slips.
+        (0.5, 0.20, FORWARD, 5.0),
+        # This node sticks.
+        (0.5, 0.02, STICK, 2.0),
+        # This node slips the other way.
+        (0.5, -0.20, BACKWARD, -5.0),
     ],
 )
 def test_friction_states_of_one_node_are_exact(mu, shift, state, t):
@@ -94,14 +100,16 @@ def test_a_closed_loop_dissipates_its_area():
     previous, states = (0.0, 0.0), set()
     for k_step, shift in enumerate(path):
         found = stick_slip.solve(spring(push, shift, k), mu, history, state)
-        if k_step > 40:  # the closed part: from top to top
+        # The closed part of the path goes from top to top.
+        if k_step > 40:
             work += 0.5 * (found.t[0] + previous[1]) * (shift - previous[0])
             dissipated += found.t[0] * (found.s[0] - history.s[0])
         history, state, previous = found.history, found.state, (shift, found.t[0])
         states.add(int(found.state[0]))
     assert states == {STICK, FORWARD, BACKWARD}
     assert dissipated == pytest.approx(4 * mu * push * (top - mu * push / k), rel=1e-9)
-    assert work == pytest.approx(dissipated, rel=0.02)  # trapezoids cut the loop's corners
+    # Trapezoids cut the corners of the loop.
+    assert work == pytest.approx(dissipated, rel=0.02)
 
 
 def test_solving_twice_changes_nothing():
@@ -137,9 +145,8 @@ def test_the_equations_of_the_found_states_hold_and_their_tangent_agrees_with_di
     slip = found.s - before.s - problem.Q @ (found.t - before.t)
     sticks = found.state == STICK
     assert np.abs(slip[sticks]).max(initial=0) < 1e-9 * np.abs(found.s).max()
-    assert (
-        found.t * slip >= -1e-9 * np.abs(found.t).max() * np.abs(found.s).max()
-    ).all()  # friction dissipates
+    # Friction can only dissipate.
+    assert (found.t * slip >= -1e-9 * np.abs(found.t).max() * np.abs(found.s).max()).all()
     step = 1e-6 * rotation
     nearby = stick_slip.solve(
         moved._replace(q_s=moved.q_s + lever * step / 2000.0), mu, before, state
@@ -169,7 +176,8 @@ def test_direction_of_friction_on_a_wedge():
     )
     # The outward normal of the block points into the wedge.
     down = np.array([math.sin(slope), -math.cos(slope)])
-    up = np.array([math.cos(slope), math.sin(slope)])  # the way the block moves
+    # The block moves up along the slope.
+    up = np.array([math.cos(slope), math.sin(slope)])
 
     def directions(points):
         shape = (2, *([1] * (points.ndim - 1)))
@@ -246,9 +254,11 @@ def test_a_holding_brake_saturates_at_its_full_slip_torque():
     end = full_slip_rotation(SCENE, BRAKE)
     states = hold(SCENE, BRAKE, np.linspace(0, end, 13))
     torques = np.array([state.torque for state in states])
-    assert abs(torques[0]) < 1e-9 * torques[-1]  # at rest both shoes balance by symmetry
+    # At rest both shoes balance each other by symmetry.
+    assert abs(torques[0]) < 1e-9 * torques[-1]
     assert (np.diff(torques[:-1]) > 0).all()
-    assert torques[-2] == pytest.approx(torques[-1], rel=1e-9)  # full slip comes before the end
+    # Full slip is reached before the last state.
+    assert torques[-2] == pytest.approx(torques[-1], rel=1e-9)
     assert states[0].sticking > 0.1
     assert 0 < states[6].sticking < states[1].sticking
     assert states[-1].sticking == 0
@@ -287,7 +297,8 @@ def test_the_work_of_the_drum_and_of_the_force_is_dissipated_or_stored():
     dissipated = loop[-1].dissipated - loop[0].dissipated
     assert torque.min() < 0 < torque.max()
     assert loop[-1].torque == pytest.approx(loop[0].torque, rel=1e-6)
-    assert dissipated == pytest.approx(work, rel=0.03)  # trapezoids of both
+    # Both are integrals by trapezoids.
+    assert dissipated == pytest.approx(work, rel=0.03)
 
 
 def test_refusals():
@@ -344,7 +355,8 @@ def test_a_path_ends_at_an_answer_also_where_it_turns_back(way, monkeypatch):
         w = problem.q_w + problem.A_wp @ p + problem.A_wt @ t
         s = problem.q_s + problem.A_sp @ p + problem.A_st @ t
         assert np.minimum(p, w) == pytest.approx(np.zeros(n), abs=1e-8)
-        assert t == pytest.approx(np.clip(t + s, -p, p), abs=1e-8)  # projection on |t| <= mu p
+        # The projection on |t| <= mu p must leave the traction as it is.
+        assert t == pytest.approx(np.clip(t + s, -p, p), abs=1e-8)
 
 
 def test_a_vanishing_gap_changes_nothing():

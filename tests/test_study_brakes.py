@@ -56,10 +56,11 @@ def test_the_elastic_cam_brake_wears_in_to_equal_torques() -> None:
 @pytest.mark.slow
 def test_a_case_takes_solid_shoes_where_they_apply() -> None:
     paths = {path.stem: path for path in FILES}
+    # On a pivot levers alone tell the force.
     for name, least in (
         ("simplex_hinged", 1e-3),
         ("rail_clamp", 0.0),
-    ):  # a pivot: levers alone tell the force
+    ):
         found = case(name, read_any(paths[name]), 12, solid=True)
         (row,) = [row for row in others_of(found) if row["model"] == "solid"]
         assert least <= abs(row["new"]) < 0.05

@@ -73,7 +73,8 @@ def test_the_report_holds_every_number_and_the_files(module, result, tmp_path):
     assert {"rigid_limit", "convergence", "torque_limit", "cost", "versions"} <= set(data)
     assert (tmp_path / "fields.vtu").stat().st_size > 10_000
     assert "a fault" not in text
-    assert (tmp_path / "fields.png").stat().st_size > 20_000  # a white page has some 9 kB
+    # A white page has some 9 kB.
+    assert (tmp_path / "fields.png").stat().st_size > 20_000
 
 
 def test_without_off_screen_rendering_the_report_says_so_and_goes_on(

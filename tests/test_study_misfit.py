@@ -50,9 +50,8 @@ def test_some_hundredths_of_a_millimetre_change_the_torque_by_tens_of_per_cent(r
         )
     assert min(off.values()) > -0.2
     ratio = result.ratios["torque"]
-    assert ratio[2, 3] == pytest.approx(
-        result.single[0]["from_law"], abs=1e-3
-    )  # the middle of the map is the fit
+    # The middle of the map is the fitting lining.
+    assert ratio[2, 3] == pytest.approx(result.single[0]["from_law"], abs=1e-3)
     assert (np.diff(ratio[-1]) > 0).all() and (np.diff(ratio[:, -1]) > 0).all()
 
 

@@ -46,7 +46,8 @@ def test_without_lateral_contraction_only_the_table_is_left(result):
 def test_one_width_is_within_one_per_cent_and_thin_tables_are_not(result):
     one, table = result.maps
     assert np.abs(one.errors["torque"]).max() < 0.01
-    worst = table.errors["torque"][0, 0]  # the thinnest table on the narrowest web
+    # This is the thinnest table on the narrowest web.
+    worst = table.errors["torque"][0, 0]
     assert 0.02 < worst < 0.05 and table.errors["uneven"][0, 0] > 0.4
     assert np.abs(table.errors["corrected_torque"]).max() < 0.01
 
@@ -100,7 +101,8 @@ def test_worn_in_the_pressure_is_even_across_the_width_and_the_laws_along_the_ar
         assert uneven[0] > 0.15 and uneven[-1] < 2e-3
         assert law[0] > 0.5 and law[-1] < 0.1
         healed = [np.array(series) / series[0] for series in (uneven, law)]
-        assert (healed[0][1:] < healed[1][1:]).all()  # the width heals first
+        # The pressure becomes even across the width first.
+        assert (healed[0][1:] < healed[1][1:]).all()
 
 
 def test_the_report(module, result, tmp_path):

@@ -53,7 +53,8 @@ def test_steps_do_not_matter_but_their_kind_does(result):
         assert ripples["implicit", step]["touching"] > 0.98
     bad = ripples["explicit", 0.5]
     assert bad["ripple"] > 0.05
-    assert abs(bad["torque_error"]) < 0.01  # it still looks right
+    # The torque still looks right where the pressure is wrong.
+    assert abs(bad["torque_error"]) < 0.01
 
 
 def test_new_and_worn_in_are_told_apart(result):
@@ -119,9 +120,8 @@ def wear(*arguments):
 
 def test_the_command_runs_a_brake_in_and_writes_all_states(tmp_path):
     out = wear("--elements", "30", "--json", str(tmp_path / "run.json"))
-    assert re.search(
-        r"worn in \(law\): torque 435\.21\d N m", out
-    )  # 2 kN times the published .2176081 m
+    # The torque is 2 kN times the published lever of .2176081 m.
+    assert re.search(r"worn in \(law\): torque 435\.21\d N m", out)
     data = json.loads((tmp_path / "run.json").read_text())
     first, last = data["states"][0], data["states"][-1]
     assert abs(last["torque_from_law"]) < 1e-3 and last["pressure_from_law"] < 1e-3

@@ -256,7 +256,8 @@ def test_bodies_are_condensed_once_for_all_loads(brake, monkeypatch):
         {"shoe[0].actuation.point.y": 0.09},
     ]
     run([SweepCase(brake, change, "fem", {"elements": 10}) for change in loads])
-    assert len(made) == 1  # both shoes share it
+    # Both shoes share one body.
+    assert len(made) == 1
     softer = [{"shoe[0].lining.material.E": 2e8, "friction": mu} for mu in (0.2, 0.3)]
     run([SweepCase(brake, change, "fem", {"elements": 10}) for change in softer])
     assert len(made) == 3
@@ -305,12 +306,14 @@ def test_any_executor_gives_the_same_rows(brake, count, tmp_path):
             done=lambda *at: told.append(at),
         )
     assert rows == run(cases) and told == [(n, 41) for n in range(42)]
-    with Journal(tmp_path / "journal") as journal:  # all are there, four more are asked for
+    # All cases are in the journal; four more are asked for.
+    with Journal(tmp_path / "journal") as journal:
         more = cases + [
             SweepCase(brake, {"friction": mu}, "sine") for mu in (0.11, 0.12, 0.13, 0.11)
         ]
         run(more, journal=journal, done=lambda *at: told.append(at))
-        assert told[42] == (42, 45)  # the doubled one is not solved twice
+        # The doubled case is not solved twice.
+        assert told[42] == (42, 45)
         assert told[-1] == (45, 45) and len(journal) == 44
 
 

@@ -183,7 +183,8 @@ def test_a_case_that_kills_its_workers_is_a_failed_row_and_the_rest_goes_on(brak
         assert len(journal) == 4
     assert rows[:2] + rows[3:] == expected[:2] + expected[3:]
     assert rows[2] == {"status": "failed: its worker was lost (BrokenExecutor: its process died)"}
-    assert deadly.sent[-2:] == [[0.3], [0.3]]  # alone, and once more
+    # The deadly case is tried alone, and once more.
+    assert deadly.sent[-2:] == [[0.3], [0.3]]
 
 
 def environment(name):

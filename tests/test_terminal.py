@@ -122,7 +122,8 @@ def test_where_the_pressure_peaks(root, brake):
     clamp = read_any(root / "studies/brakes/rail_clamp.toml")
     (shoe,) = solve(clamp, elements=40).shoes
     place = peak_place(clamp, 0, shoe)
-    assert place.zone == 5e-3 and abs(place.at) < 75e-3 - 5e-3  # half of 10 mm
+    # The zone is half of the 10 mm of thickness.
+    assert place.zone == 5e-3 and abs(place.at) < 75e-3 - 5e-3
     assert (
         shoe.pressure_at(np.array(place.at))
         == pytest.approx(shoe.peak_pressure, rel=1e-3)
@@ -131,7 +132,8 @@ def test_where_the_pressure_peaks(root, brake):
     response = solve(brake, elements=40)
     for i, shoe in enumerate(response.shoes):
         place, zone = peak_place(brake, i, shoe), edge_zone(brake.shoes[i], brake.drum.radius)
-        assert zone == pytest.approx(4 / 150, rel=1e-12)  # half of 8 mm at R = 150 mm
+        # The zone is half of 8 mm at R = 150 mm.
+        assert zone == pytest.approx(4 / 150, rel=1e-12)
         assert place.zone == (zone if shoe.pressure.max() > shoe.peak_pressure else 0.0)
         assert shoe.theta[0] + zone <= place.at <= shoe.theta[-1] - zone
     lifted = vary(brake, {"shoe[0].actuation.force": -1.0})

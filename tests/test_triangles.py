@@ -51,13 +51,15 @@ def test_bisection_keeps_area_and_fits(seed):
     assert area(mesh).sum() == pytest.approx(2.0, rel=1e-12)
     places = {}
     for number, at in zip(mesh.vertices.ravel(), mesh.at.reshape(-1, 2), strict=True):
-        assert places.setdefault(int(number), tuple(at)) == tuple(at)  # a corner is one place
+        # A corner of several triangles has one place.
+        assert places.setdefault(int(number), tuple(at)) == tuple(at)
     assert len(set(places.values())) == len(places)
     edges, of = edges_of(mesh)
     once = np.flatnonzero(np.bincount(of.ravel()) == 1)
     ends = np.array([[places[int(a)], places[int(b)]] for a, b in edges[once]])
     on_border = (ends == np.array([0.0, 0.0])) | (ends == np.array([2.0, 1.0]))
-    assert on_border.all(axis=1).any(axis=1).all()  # no node hangs inside
+    # No node may hang inside the mesh.
+    assert on_border.all(axis=1).any(axis=1).all()
 
 
 def test_triangles_are_as_small_as_their_distance_asks():

@@ -132,14 +132,14 @@ def test_a_zone_at_the_ends_is_left_out_where_it_bears_less_than_half():
         shoe = _pressing([1.0, 1.0] + [inner] * 18 + [1.0, 1.0])
         assert edge_left_out(shoe.theta, shoe.pressure, 1, 0.1) == zone
     spiked, even = _pressing([1000] + [1e-3] * 1000), _pressing([999] + [1e-3] * 1000)
-    assert pressure_distance(even, spiked) == pytest.approx(
-        1e-3, rel=1e-2
-    )  # not that of the rest, 0
+    # The distance is not that of the rest of the lining, which is 0.
+    assert pressure_distance(even, spiked) == pytest.approx(1e-3, rel=1e-2)
 
 
 @pytest.mark.parametrize("turned", [False, True])
 def test_what_differs_within_a_zone_at_either_end_alone_is_no_distance(turned):
-    a, b = [9.0] + [1.0] * 20, [1.0] * 21  # they differ in the first twentieth alone
+    # The two pressures differ in their first twentieth alone.
+    a, b = [9.0] + [1.0] * 20, [1.0] * 21
     one, other = (_pressing(p[::-1] if turned else p) for p in (a, b))
     assert pressure_distance(one, other, 0.05) == pytest.approx(0.0, abs=1e-12)
     assert pressure_distance(one, other, 0.04) > 0.01
@@ -203,7 +203,8 @@ def test_next_to_no_friction_leaves_numbers(model, friction):
     response = drumlin.solve(brake, model)
     json.dumps(response.as_dict(), allow_nan=False)
     per_friction = drumlin.solve(vary(brake, {"friction": 1e-9}), model).torque / 1e-9
-    expected = friction * per_friction if friction >= 1e-30 else 0.0  # below it is none
+    # Friction below this value counts as none.
+    expected = friction * per_friction if friction >= 1e-30 else 0.0
     assert response.torque == pytest.approx(expected, rel=1e-7, abs=0.0)
 
 
@@ -284,15 +285,15 @@ def test_pads_are_warned_of_as_shoes_on_a_drum_are():
     for model in ("fem", "rigid"):
         assert not any("warning" in note for note in drumlin.solve(clamp, model).notes)
         found = [note for note in drumlin.solve(two, model).notes if "warning" in note]
-        assert [("'pad'" in note, "strained" in note) for note in found[:1]] == [
-            (True, True)
-        ]  # its own first
+        # A shoe's own notes come first.
+        assert [("'pad'" in note, "strained" in note) for note in found[:1]] == [(True, True)]
         assert "'pad' and 'other'" in found[-1] and "from 50 mm to 75 mm" in found[-1]
     bare = validated(
         FlatBrake,
         data | {"shoe": [shoe | {"body": None, "lining": {**shoe["lining"], "material": None}}]},
     )
-    assert drumlin.solve(bare, "rigid").notes == ()  # it has no modulus
+    # This lining has no modulus that could be exceeded.
+    assert drumlin.solve(bare, "rigid").notes == ()
 
 
 def test_a_pad_that_must_turn_too_far_to_touch_is_refused():
@@ -351,9 +352,8 @@ def test_a_lining_pressed_in_too_far_is_said_and_then_refused():
     small, E = drumlin.solve(brake, elements=20), 300e6
     shoe = small.shoes[1]
     ((start, end),) = shoe.contact_arcs
-    strain = (
-        shoe.peak_pressure / E
-    )  # and the mean, not of the resultant: opposite sides do not relieve each other
+    # The mean counts, not the resultant: opposite sides do not relieve each other.
+    strain = shoe.peak_pressure / E
     mean = np.trapezoid(shoe.pressure, shoe.theta) / (E * (end - start))
     assert not any("strained" in note for note in small.notes)
 
@@ -418,7 +418,8 @@ def test_a_mesh_that_lies_in_the_drum_is_said_and_then_refused(tmp_path, depth, 
 
 
 def test_the_sine_law_refuses_a_lining_that_reaches_past_its_hinge_on_one_side():
-    brake = drumlin.read_brake("studies/double_shoe/brake.toml")  # its right hinge lies at -75 deg
+    # The right hinge of this brake lies at -75 deg.
+    brake = drumlin.read_brake("studies/double_shoe/brake.toml")
     changes = {"shoe[0].lining.start": "-80 deg", "shoe[0].body.start": "-85 deg"}
     with pytest.raises(BadInput, match="within 0 to 180 deg of the hinge"):
         drumlin.solve(vary(brake, changes), "sine")

@@ -189,7 +189,8 @@ def test_every_number_of_a_state_between_two_is_interpolated():
     assert (found.removed, found.pressed, found.work) == (3.0, 4.0, 5.0)
     assert found.depth.tolist() == [1, 3] and found.pressure.tolist() == [3, 7]
     assert at([a, b], 0.5) is a and at([a, b], 3.0) is b
-    assert at([a, b], 4.0).torque == 40.0  # beyond the last one: straight on
+    # Beyond the last state the straight line goes on.
+    assert at([a, b], 4.0).torque == 40.0
 
 
 def test_rubs_together_are_block_by_block_and_wear_as_each_alone():
@@ -231,7 +232,8 @@ def test_steps_keep_their_tolerance_and_end_where_they_are_asked_to():
     stopped = run([interface], LAW, until=lambda state: state.removed > 0.3 * coarse[-1].removed)
     assert stopped[-2].removed <= 0.3 * coarse[-1].removed < stopped[-1].removed
     third = run([interface], LAW, distance=3 * UNIT, tolerance=1e-2)
-    assert [s.s for s in third] == [s.s for s in coarse]  # nothing is kept from one run to the next
+    # A run must not keep anything of the one before.
+    assert [s.s for s in third] == [s.s for s in coarse]
 
 
 def test_a_drum_that_turns_back_and_forth():

@@ -68,7 +68,8 @@ def test_wear_ends_at_the_law_where_that_presses_a_part_only(
     torque = MU * WIDTH * RADIUS**2 * np.trapezoid(shape, x) * FORCE / (pressed + MU * dragged)
     assert float(interface.torque @ found.p) == pytest.approx(torque, rel=within)
     assert (found.p[phi < -0.05] == 0).all()
-    assert (found.w[phi < -0.05] > 0).all()  # the lifted part goes away from the drum
+    # The lifted part must move away from the drum.
+    assert (found.w[phi < -0.05] > 0).all()
     last = run([interface], wears, distance=1e5 * UNIT)[-1]
     assert last.torque == pytest.approx(torque, rel=within)
     assert np.linalg.norm(last.pressure - found.p) < 1e-3 * np.linalg.norm(found.p)

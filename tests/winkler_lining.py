@@ -30,7 +30,8 @@ def winkler(gap, *, elements=24, mu=MU, arc=(0.3, 2.2)):
         q=coupling.M @ gap(phi),
         B=-approach[:, None],
         C=(mu * (coupling.T @ turned) - approach)[None],
-        h=np.array([FORCE]),  # the shoe presses as it turns clockwise
+        # The shoe presses as it turns clockwise.
+        h=np.array([FORCE]),
     )
     interface = WearInterface(
         problem,
