@@ -16,6 +16,7 @@ from drumlin.fem.analysis.holding import full_slip_rotation, hold
 from drumlin.fem.analysis.sensitivity import sensitivity
 from drumlin.fem.solve import scene_of
 from drumlin.laws import law
+from picking import picked
 
 R, BAND, HALF, PITCH = 0.25, 0.267, math.radians(18), math.radians(48)
 
@@ -125,9 +126,7 @@ def test_elastic_blocks_balance_and_thin_linings_bear_by_the_law(spin: int) -> N
     brake = band(spin=spin)
     fem, rigid = drumlin.solve(brake), law(brake)
     assert fem.torque == pytest.approx(rigid.torque, rel=3e-3)
-    assert [shoe.torque for shoe in fem.shoes] == pytest.approx(
-        [shoe.torque for shoe in rigid.shoes], rel=3e-3
-    )
+    assert picked(fem.shoes, "torque") == pytest.approx(picked(rigid.shoes, "torque"), rel=3e-3)
     assert max(fem.balance.force, fem.balance.moment) < 1e-9
 
 

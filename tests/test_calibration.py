@@ -23,6 +23,7 @@ from drumlin_studies.calibration import (
     samples,
 )
 from drumlin_studies.stored_truth import by_finer
+from picking import picked
 
 PROVENANCE = Provenance("1 to 3", 3, 9, "abc", "2000-01-01")
 
@@ -109,7 +110,8 @@ def test_the_file_holds_the_factors_and_what_they_were_fitted_on(tmp_path):
     assert read_factors(path) == factors
     data = json.loads(path.read_text(encoding="utf-8"))
     assert data["provenance"] == {**PROVENANCE._asdict(), "quantile": QUANTILE}
-    assert all(len(data[name]["meaning"].split()) > 10 for name in Factors._fields)
+    for name in Factors._fields:
+        assert len(data[name]["meaning"].split()) > 10
 
 
 def test_the_file_that_the_code_reads_was_written_by_the_command():
@@ -132,7 +134,7 @@ def test_what_is_observed_of_a_level_is_what_a_solve_states(seen):
     from itertools import pairwise
 
     brake, levels = seen
-    responses = [step.response for step in steps(brake, respond)]
+    responses = picked(steps(brake, respond), "response")
     for (before, last), level in zip(pairwise(responses), levels, strict=True):
         stated = estimate.estimate(brake, before, last)
         assert stated.brake["pressure"] == pytest.approx(

@@ -154,7 +154,7 @@ def test_changing_a_few_nodes_of_a_factorised_set_equals_factorising_the_other_s
     active = rng.random(n) < 0.8
     system, other = equilibrated(problem), active.copy()
     other[rng.choice(n, n // 10, replace=False)] ^= True
-    base, direct = (Equations(system.K, system.on(of)) for of in (active, other))
+    base, direct = Equations(system.K, system.on(active)), Equations(system.K, system.on(other))
     changed = Changed(base, system.K, system.on(other))
     for r in (system.r, rng.normal(size=(n + 1, 3))):
         a, b = direct.solve(r), changed.solve(r)

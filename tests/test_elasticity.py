@@ -24,6 +24,7 @@ from drumlin.fem.substructure.elasticity import across, split, stress
 from drumlin.response.resultants import lobatto
 from drumlin.verification.triangles import lagrange
 from drumlin.verification.triangles.triangulation import TriangleLayer, start
+from picking import picked
 
 DIRECTED = np.array([[9.0, 0.8, 0.0], [0.8, 3.0, 0.0], [0.0, 0.0, 2.5]]) * 1e8
 """A layer three times as stiff along as through, with a shear stiffness of its own.
@@ -216,7 +217,7 @@ def test_columns_in_product_form_are_those_of_their_elements(p, contact, held, f
         ElasticLayer(D, 0.04, np.array([0.0, 1.0]) if flat else None)
         for D in (DIRECTED, 0.1 * DIRECTED, steel)
     ]
-    matrices = np.array([layer.stiffness for layer in layers])
+    matrices = np.array(picked(layers, "stiffness"))
     angles, radius = half[:, None] * lobatto(p), 0.14
 
     def place(depth, phi):

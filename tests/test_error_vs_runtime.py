@@ -14,6 +14,7 @@ from drumlin.verification.reference import Trio, responses
 from drumlin_studies import work_precision
 from drumlin_studies.recommendation import TARGET_NAMES, best_rows, matrices
 from drumlin_studies.work_precision import ERROR_KEYS, Method, floor, measure, timing
+from picking import having, saying
 
 pytestmark = pytest.mark.slow
 
@@ -69,7 +70,7 @@ def outcome(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def rows(outcome):
-    return [row for row in outcome[1].rows if row["brake"] == MAIN]
+    return having(outcome[1].rows, brake=MAIN)
 
 
 def pick(rows, family, **options):
@@ -82,11 +83,7 @@ def test_a_stopped_run_goes_on_and_keeps_every_row(outcome):
     _, result, (first, second), whole = outcome
     assert second.startswith(first) and whole.startswith(second)
     keys = [(row["brake"], row["family"], row["method"]) for row in result.rows]
-    assert (
-        len(set(keys))
-        == len(keys)
-        == len([line for line in whole.splitlines() if '\\"family\\"' in line])
-    )
+    assert len(set(keys)) == len(keys) == len(saying(whole.splitlines(), '\\"family\\"'))
     assert set(result.floors) == {MAIN, "laws/shigley_16_2"}
 
 
@@ -151,7 +148,8 @@ def test_every_converged_row_is_whole(outcome):
         if row["status"] == "converged":
             assert row["lower"] <= row["seconds"] <= row["upper"] and row["repeats"] >= 3
             assert 1e5 < row["memory"] < 1e9
-            assert all(math.isfinite(row[key]) for key in ERROR_KEYS)
+            for key in ERROR_KEYS:
+                assert math.isfinite(row[key])
 
 
 def test_report(outcome, tmp_path):
@@ -169,7 +167,8 @@ def test_report(outcome, tmp_path):
     for matrix in matrices(best_rows(result.rows, result.floors)):
         cells = [cell for line in matrix.lines.values() for cell in line]
         assert {cell.row["target"] for cell in cells} == set(matrix.targets)
-        assert all(f'<td class="text {cell.sort}">{cell.what}<' in text for cell in cells)
+        for cell in cells:
+            assert f'<td class="text {cell.sort}">{cell.what}<' in text
     assert (tmp_path / "work_precision_double_shoe_brake.png").stat().st_size > 20_000
     assert (tmp_path / "values" / "double_shoe_brake.json").exists()
     assert len((tmp_path / "results.csv").read_text().splitlines()) == len(result.rows) + 1
@@ -182,7 +181,8 @@ def test_methods_that_do_not_apply_are_rows(brake):
             brake, Method("weak penalty", "w", {"elements": 4, "penalty": -1.0}), None, lambda: None
         ),
     ]
-    assert all(row["status"].startswith("refused: --") for row in rows)
+    for row in rows:
+        assert row["status"].startswith("refused: --")
     with pytest.raises(BadInput):
         load("no_such_study")
 
@@ -211,7 +211,5 @@ def test_the_floor_is_the_distance_of_both_references_whose_shoes_do_not_cancel(
     )
     peaks = replace(one, shoes=tuple(replace(s, pressure=1.01 * s.pressure) for s in one.shoes))
     found = floor(brake, Trio(one, peaks, None))
-    assert [found[key] for key in ("pressure_error", "peak_error")] == pytest.approx(
-        [0.01, 0.01], rel=1e-9
-    )
+    assert [found["pressure_error"], found["peak_error"]] == pytest.approx([0.01, 0.01], rel=1e-9)
     assert set(floor(brake, Trio(one, one, one)).values()) == {0.0}

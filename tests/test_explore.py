@@ -25,6 +25,7 @@ from drumlin.fem.model import respond
 from drumlin.laws import sine
 from drumlin.lining_wear.worn_in import worn_in
 from drumlin.response.resultants import integrate
+from picking import having, picked
 from shared_forces import cam_brake, servo
 
 pytestmark = pytest.mark.slow
@@ -36,7 +37,7 @@ def explorer():
 
 
 def knob(explorer, name):
-    return next(knob for knob in explorer.knobs if knob.name == name)
+    return having(explorer.knobs, name=name)[0]
 
 
 def turned(explorer, **values):
@@ -82,9 +83,9 @@ def test_a_knob_does_what_a_changed_file_does(explorer, name):
 
 
 def test_every_quantity_has_a_test():
-    assert set(CHANGES) | {"wear"} == {
-        knob.name for knob in knobs_of(read_brake(STUDY / "brake.toml"))
-    }
+    assert set(CHANGES) | {"wear"} == set(
+        picked(knobs_of(read_brake(STUDY / "brake.toml")), "name")
+    )
 
 
 def test_worn_long_enough_the_brake_is_the_laws(explorer):
@@ -173,7 +174,7 @@ def test_a_picture_shows_the_pressure_it_is_of(explorer):
         )
     torques = [row[2] for row in picture.rows if row[1] == "finite elements"]
     assert sum(map(float, torques)) == pytest.approx(answer.found.torque, rel=1e-5)
-    assert [np.radians(arc) for arc in picture.arcs] == [
+    assert list(map(np.radians, picture.arcs)) == [
         pytest.approx(arc) for shoe in answer.found.shoes for arc in shoe.contact_arcs
     ]
 
@@ -182,7 +183,7 @@ def test_a_brake_on_a_plane_is_explored_too():
     path = ROOT / "studies/brakes/rail_clamp.toml"
     brake = read_any(path)
     explorer = Explorer(brake)
-    names = {each.name for each in explorer.knobs}
+    names = set(picked(explorer.knobs, "name"))
     assert {"friction", "force", "shift", "turn", "clearance", "lining"} <= names and not {
         "wear",
         "misfit",
@@ -348,7 +349,7 @@ def test_a_browser_moves_a_slider_and_reads_the_torque_of_solve(tmp_path, explor
         rate = page.execute_async_script(DRAG)
         # The aim is 30 on a machine of its own; other processes share this one.
         assert rate > 3, f"{rate:.1f} pictures a second while a slider is dragged"
-        assert not [line for line in page.get_log("browser") if line["level"] == "SEVERE"]
+        assert not having(page.get_log("browser"), level="SEVERE")
 
 
 DRAWN = """

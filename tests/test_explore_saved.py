@@ -16,6 +16,7 @@ from drumlin.brake.writing import brake_text
 from drumlin.explore.answers import Explorer
 from drumlin.explore.page import reply
 from drumlin.explore.serve import _Server
+from picking import picked
 
 NAMES = [
     os.fsdecode(b"br\xffake"),
@@ -97,7 +98,7 @@ def test_mesh_files_are_found_from_any_folder(tmp_path, monkeypatch, name):
     (tmp_path / "elsewhere" / saved.file).write_text(saved.text, encoding="utf-8")
     monkeypatch.chdir("/")
     again = read_any(tmp_path / "elsewhere" / saved.file)
-    assert [shoe.mesh for shoe in again.shoes] == [tmp_path / shoe.mesh for shoe in brake.shoes]
+    assert picked(again.shoes, "mesh") == [tmp_path / shoe.mesh for shoe in brake.shoes]
     shoes = tuple(
         shoe.model_copy(update={"mesh": mine.mesh})
         for shoe, mine in zip(again.shoes, brake.shoes, strict=True)

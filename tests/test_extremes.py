@@ -31,9 +31,9 @@ def check(case):
     """
     brake = case.brake()
     found = solve(brake)
-    coarse, fine = (solve(brake, elements=elements) for elements in (60, 120))
+    coarse, fine = solve(brake, elements=60), solve(brake, elements=120)
     assert found.torque > 0
-    off, step = (abs(one.torque / fine.torque - 1) for one in (found, coarse))
+    off, step = abs(found.torque / fine.torque - 1), abs(coarse.torque / fine.torque - 1)
     assert off <= found.error["torque"] + 2 * step
     for a, b, c in zip(found.shoes, fine.shoes, coarse.shoes, strict=True):
         assert pressure_distance(a, b) <= found.error["pressure"] + 2 * pressure_distance(c, b)

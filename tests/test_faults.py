@@ -20,6 +20,7 @@ from drumlin_studies.fuzzing.endings import fault_of, in_process, in_subprocess
 from drumlin_studies.fuzzing.faults import reference_text, result_text, shown
 from drumlin_studies.fuzzing.inputs import BrokenInput, brake_text
 from judged_endings import BAD, GIVEN, GOOD, REFUSED
+from picking import saying
 
 SECONDS = 15.0
 FIRST = {"changed sweeps": 100, "impossible meshes": 100, "structure": 60, "journals": 8}
@@ -61,9 +62,7 @@ def test_a_process_of_its_own_ends_alike(generator):
 def test_words_that_no_process_can_be_given_are_tried_in_this_one():
     """A NUL, half of a surrogate pair: both are among the words."""
     numbers = [n for n in range(60) if not all(map(trials.passes, trials.made("words", n).words))]
-    assert {True, False} == {
-        any("\0" in word for word in trials.made("words", n).words) for n in numbers
-    }
+    assert {True, False} == {bool(saying(trials.made("words", n).words, "\0")) for n in numbers}
     assert [trials.tried("words", n, apart=True).status for n in numbers[:6]] == [2] * len(
         numbers[:6]
     )

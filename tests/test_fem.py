@@ -1,7 +1,7 @@
 """The finite-element model: limits, laws of physics as properties, convergence, refusals."""
 
 import math
-from itertools import pairwise
+from itertools import pairwise, starmap
 
 import meshio
 import numpy as np
@@ -22,6 +22,7 @@ from drumlin.fem.solve import solve
 from drumlin.laws import locking_friction, sine
 from drumlin.response.norms import pressure_distance
 from drumlin.verification.cost import cost, table
+from picking import picked, saying
 
 ROTATIONS = ("counter-clockwise", "clockwise")
 BRAKE = read_brake(STUDY / "brake.toml")
@@ -109,7 +110,8 @@ def test_torque_and_pressure_converge(brake):
     assert abs(result.responses[-1].torque / limit.value - 1) < 2e-6
     for shoe in (0, 1):
         steps = result.pressure_steps(shoe)
-        assert all(b < a / 1.9 for a, b in pairwise(steps))
+        for a, b in pairwise(steps):
+            assert b < a / 1.9
         order, error = result.pressure(shoe)
         assert order > 1.9
         assert error < 1e-3
@@ -132,9 +134,7 @@ def test_every_kind_of_mesh_converges_to_one_answer(kind, brake, fine):
     for count in elements:
         response = solve(brake, elements=count, kind=kind, penalty=math.inf)
         assert max(response.balance.force, response.balance.moment) < 1e-9
-        distances = [
-            pressure_distance(a, b) for a, b in zip(response.shoes, fine.shoes, strict=True)
-        ]
+        distances = list(starmap(pressure_distance, zip(response.shoes, fine.shoes, strict=True)))
         errors.append([abs(response.torque / fine.torque - 1), max(distances)])
     # The order is of each number: lists compare by their first number alone.
     assert (np.array(errors[1]) < most).all()
@@ -162,7 +162,7 @@ def test_the_fields_of_every_kind_agree(kind, brake, tmp_path):
     assert np.linalg.norm(moved[1] - moved[0]) < 0.05 * np.linalg.norm(moved[0])
     write_vtu(tmp_path / "f.vtu", [found])
     mesh = meshio.read(tmp_path / "f.vtu")
-    assert [block.type for block in mesh.cells] == [found.cell_type]
+    assert picked(mesh.cells, "type") == [found.cell_type]
     assert mesh.point_data["von Mises [Pa]"] == pytest.approx(found.von_mises)
 
 
@@ -170,9 +170,7 @@ def test_the_fields_of_every_kind_agree(kind, brake, tmp_path):
 def open_heels(brake, flexible):
     """Brakes whose heels a clearance holds off, and their contact arcs on a fine mesh."""
     specs = [vary(spec, {"shoe.lining.clearance": 1e-4}) for spec in (brake, flexible)]
-    return [
-        (spec, [shoe.contact_arcs for shoe in solve(spec, elements=200).shoes]) for spec in specs
-    ]
+    return [(spec, picked(solve(spec, elements=200).shoes, "contact_arcs")) for spec in specs]
 
 
 @pytest.mark.parametrize("kind", ["quad2", "tri2"])
@@ -339,7 +337,7 @@ def test_starts_agree():
 
 def test_equal_shoes_are_condensed_once_and_it_is_said(brake):
     assert SCENE.bodies[0] is SCENE.bodies[1]
-    assert any("condensed once" in line for line in SCENE.left_out)
+    assert saying(SCENE.left_out, "condensed once")
     other = prepare(vary(brake, {"shoe[1].lining.thickness": 0.007}), elements=10)
     assert other.bodies[0] is not other.bodies[1]
 
@@ -360,7 +358,8 @@ def test_a_force_that_is_zero_or_pulls_the_shoe_off_is_an_answer(brake, force):
     for response in (respond(SCENE, free), sine(free)):
         assert response.torque == 0
         assert response.converged
-        assert all(not shoe.contact_arcs and not shoe.pressure.any() for shoe in response.shoes)
+        for shoe in response.shoes:
+            assert not shoe.contact_arcs and not shoe.pressure.any()
         assert "no contact" in response.notes[0]
         assert response.shoes[0].hinge_reaction == pytest.approx(-free.shoes[0].actuation.vector)
 
@@ -434,7 +433,8 @@ def test_the_cost_table_has_a_row_a_size_and_the_exponent(brake):
     # Meshes consist of whole layers of elements and meet a size only roughly.
     assert [float(row.split()[0]) for row in rows] == pytest.approx([2_000, 4_000], rel=0.4)
     # The memory is in GiB; Python and its libraries alone take 0.08.
-    assert all(0.05 < float(row.split()[-1]) < 2 for row in rows)
+    for row in rows:
+        assert 0.05 < float(row.split()[-1]) < 2
     assert "solve ~ N^" in last
 
 

@@ -26,6 +26,7 @@ from drumlin.base.files import (
 )
 from drumlin.base.texts import MOST_DIGITS, check_digits, check_toml, one_line, typed
 from drumlin.cli.process import run
+from picking import picked
 
 
 def node(path, kind, minor):
@@ -44,7 +45,7 @@ def node(path, kind, minor):
 def test_a_device_is_written_to_and_stays(tmp_path):
     null = node(tmp_path / "null", stat.S_IFCHR, 3)
     write_text(null, "x")
-    assert null.is_char_device() and [path.name for path in tmp_path.iterdir()] == ["null"]
+    assert null.is_char_device() and picked(tmp_path.iterdir(), "name") == ["null"]
 
 
 def test_a_full_device_is_no_answer_in_one_line(tmp_path):
@@ -152,9 +153,7 @@ def test_a_stopped_run_leaves_the_earlier_file_and_no_other(tmp_path):
         with pytest.raises(type(error)), replacing(path) as partial:
             partial.write_text("half")
             raise error
-    assert path.read_text() == "earlier" and [each.name for each in tmp_path.iterdir()] == [
-        "r.json"
-    ]
+    assert path.read_text() == "earlier" and picked(tmp_path.iterdir(), "name") == ["r.json"]
 
 
 FOLDERS = {
@@ -173,7 +172,7 @@ def test_what_cannot_be_written_is_one_line(tmp_path, monkeypatch, case):
     (tmp_path / "b.json").write_text("")
     with pytest.raises(BadInput, match="cannot be written"):
         write_text(Path(FOLDERS[case]), "x")
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["b.json", "sub"]
+    assert sorted(picked(tmp_path.iterdir(), "name")) == ["b.json", "sub"]
 
 
 def test_two_outputs_need_two_files_and_a_folder_no_file(tmp_path):

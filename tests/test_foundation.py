@@ -22,6 +22,7 @@ from drumlin.lining_wear.worn_in import worn_in_foundation
 from drumlin.models import MODELS, applicable
 from drumlin.response.merit import barecki_shoe_factor
 from drumlin_studies.barecki_iteration import iterate
+from picking import picked
 
 POST = read_brake(ROOT / "studies" / "post_brake" / "brake.toml")
 PAPER = {"tilt": False, "wedge": False, "plane_stress": False}
@@ -440,7 +441,7 @@ def test_a_curved_axis_bends_under_friction_farther_away():
 
 
 def test_the_model_is_one_of_the_models(brake):
-    assert "foundation" in [model.name for model in applicable(POST)]
+    assert "foundation" in picked(applicable(POST), "name")
     assert "straight beam" in MODELS["foundation"].why_not(brake)
     data = foundation.solve(POST, sections=20).as_dict()
     assert {"x", "w", "relative", "z"} == set(data["shoes"][0]["deformation"])

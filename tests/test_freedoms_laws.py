@@ -20,6 +20,7 @@ from drumlin.laws.shapes import equivalent_friction
 from drumlin.models import MODELS, applicable
 from drumlin.response.balance import contact_resultant, loaded
 from drumlin.response.response import Response, ShoeResponse
+from picking import having, picked
 
 many = settings(suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much])
 SIGNS = st.sampled_from([1, -1])
@@ -207,7 +208,7 @@ def test_a_cam_that_moves_both_tips_equally_has_the_closed_form(mu: float, spin:
         law(vary(brake, {"actuation": None, "shoe.actuation.force": F})).shoes[i].torque / (R * F)
         for i in (0, 1)
     ]
-    forces = [shoe.force for shoe in response.shoes]
+    forces = picked(response.shoes, "force")
     assert sum(forces) == approx(2000.0, rel=1e-12)
     assert forces[0] * B[0] == approx(forces[1] * B[1], rel=1e-9)
     assert response.torque / (R * 1000.0) == approx(4 * B[0] * B[1] / (B[0] + B[1]), rel=1e-9)
@@ -244,9 +245,7 @@ def test_a_cam_on_linings_of_unlike_stiffness_says_how_it_shares_its_force() -> 
 
 def test_a_cylinder_pushes_both_shoes_with_its_pressure() -> None:
     brake = cam_brake(0.3, 1, pressure=5e6, diameter=0.02, efficiency=0.96)
-    assert [shoe.actuation.force for shoe in brake.shoes] == approx(
-        [0.96 * 5e6 * pi * 0.02**2 / 4] * 2
-    )
+    assert picked(brake.shoes, "actuation.force") == approx([0.96 * 5e6 * pi * 0.02**2 / 4] * 2)
     doubled = vary(brake, {"actuation.pressure": 1e7})
     assert MODELS["sine"].solve(doubled).torque == approx(
         2 * MODELS["sine"].solve(brake).torque, rel=1e-12
@@ -393,9 +392,7 @@ def test_forces_moments_and_what_holds_the_shoe_balance(brake: Brake) -> None:
                 < 1e-7 * size * R
             )
     for link in under.links:
-        source, to = (
-            next(s for s in response.shoes if s.name == name) for name in (link.source, link.to)
-        )
+        source, to = (having(response.shoes, name=name)[0] for name in (link.source, link.to))
         assert np.linalg.norm(source.hinge_reaction) == approx(to.force, rel=1e-12)
 
 
@@ -472,7 +469,7 @@ def test_every_brake_has_the_rigid_law_under_exactly_one_name(root: Any) -> None
         brake_of(abutted(0.3, 1, 0.1)),
         read_any(root / "studies/laws/pad.toml"),
     ):
-        assert len(names & {model.name for model in applicable(brake)}) == 1
+        assert len(names & set(picked(applicable(brake), "name"))) == 1
     one = vary(cam_brake(0.3, 1), {"actuation": None, "shoe.actuation.force": F})
     assert law(one).model == "sine"
     assert law(one).torque == approx(float(MODELS["sine"].solve(one).torque), rel=1e-12)

@@ -21,6 +21,7 @@ from drumlin.fem.preparation.prepare import prepare
 from drumlin_studies.random_brake import random_brake
 from drumlin_studies.random_kinds import random_kind
 from drumlin_studies.standing_off import standing_off
+from picking import picked
 
 ELEMENTS = 16
 OTHER = {"clockwise": "counter-clockwise", "counter-clockwise": "clockwise"}
@@ -44,7 +45,7 @@ def any_brake(seed):
             brake, {"shoe[0].lining.misfit": {"radius": R * (1 + rng.uniform(-2e-3, 2e-3))}}
         )
     scene = prepare(brake, elements=ELEMENTS)
-    locks = min(limit.friction for limit in limits(scene, brake, 2.0).values())
+    locks = min(picked(limits(scene, brake, 2.0).values(), "friction"))
     return vary(brake, {"friction": rng.uniform(0.1, 0.95) * min(locks, 0.9)}), scene
 
 
@@ -59,9 +60,7 @@ def test_random_brakes_go_through_full_slip_and_back(count):
         states = hold(scene, brake, forth)
         assert states[-1].sticking == 0
         assert states[-1].torque == pytest.approx(respond(scene, brake).torque, rel=1e-6)
-        assert (
-            np.diff([state.dissipated for state in states]).min() >= -1e-9 * states[-1].dissipated
-        )
+        assert np.diff(picked(states, "dissipated")).min() >= -1e-9 * states[-1].dissipated
         assert states[-1].dissipated > 0
         ends["forth"] += 1
         back = vary(brake, {"rotation": OTHER[brake.rotation]})
@@ -176,7 +175,7 @@ def test_another_discretisation_and_another_method_give_the_same_history():
     scene = prepare(brake, elements=24)
     end = full_slip_rotation(scene, brake)
     rotations = end * np.array([0.0, 0.3, 0.7, 1.0, 0.5, 0.2, -0.5])
-    found = np.array([state.torque for state in hold(scene, brake, rotations)])
+    found = np.array(picked(hold(scene, brake, rotations), "torque"))
     expected = independent.hold(brake, 0, rotations, 28, 1e3)
     assert found == pytest.approx(expected, abs=3e-3 * found.max())
     # States 3 and 6 are at full slip, in one direction and in the other.

@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import replace
-from itertools import islice, pairwise
+from itertools import islice, pairwise, starmap
 
 import numpy as np
 import pytest
@@ -49,6 +49,7 @@ from drumlin.response.norms import pressure_distance
 from drumlin.response.resultants import InnerPart, largest, lobatto
 from drumlin.sweeps.cases import SweepCase, solved
 from drumlin_studies.random_brake import random_brake
+from picking import picked
 
 STEEL = Material(E=210e9, nu=0.3)
 POST = {
@@ -353,12 +354,11 @@ def test_levels_converge_fast_and_the_estimate_is_an_upper_value(flexible):
     """
     # The last level has fewer digits than the others.
     made = list(steps(flexible, respond))[:5]
-    responses, truth = [step.response for step in made], made[-1].response
+    responses, truth = picked(made, "response"), made[-1].response
     # Round-off of the finest level limits how well it can judge the others.
-    lost = ROUND_OFF * max(shoe.lost.pressure for shoe in truth.shoes)
+    lost = ROUND_OFF * max(picked(truth.shoes, "lost.pressure"))
     errors = [
-        max(pressure_distance(a, b) for a, b in zip(r.shoes, truth.shoes, strict=True))
-        for r in responses
+        max(starmap(pressure_distance, zip(r.shoes, truth.shoes, strict=True))) for r in responses
     ]
     for k in range(1, len(responses) - 1):
         stated = estimate(flexible, *responses[k - 1 : k + 1])
@@ -379,7 +379,7 @@ def test_every_solve_states_its_error_and_columns_end_where_the_contact_ends(bra
         == set(response.shoes[0].error)
         == {"pressure", "torque", "peak", "reaction"}
     )
-    fine = [step.response for step in steps(half, respond)][3]
+    fine = picked(steps(half, respond), "response")[3]
     for shoe, a, b in zip(half.shoes, response.shoes, fine.shoes, strict=True):
         assert pressure_distance(a, b) < response.error["pressure"]
         start, end = shoe.lining.start, shoe.lining.end
@@ -430,7 +430,7 @@ def test_a_short_contact_is_found_in_few_passes(monkeypatch):
         next(steps(random_brake(seed, "small contact"), respond))
         return len(made)
 
-    counts = np.array([[passes(seed, few) for few in (0, places.FEW)] for seed in range(6)])
+    counts = np.array([[passes(seed, 0), passes(seed, places.FEW)] for seed in range(6)])
     assert 1.15 * counts[:, 1].sum() < counts[:, 0].sum()
 
 
@@ -442,7 +442,7 @@ def test_columns_of_the_first_level_end_where_a_short_contact_ends(seed):
     line, shoe = found.scene.bodies[0].line, found.response.shoes[0]
     first, last = shoe.contact_arcs[0]
     ends = brake.shoes[0].frame.theta(line.phi[:: line.order])
-    assert max(np.abs(ends - x).min() for x in (first, last)) <= 0.02 * (last - first)
+    assert max(np.abs(ends - first).min(), np.abs(ends - last).min()) <= 0.02 * (last - first)
 
 
 @pytest.mark.parametrize(
@@ -480,7 +480,7 @@ def test_a_block_deeper_than_long_bears_down_to_its_foot(length, thickness, back
         "shoe": [block],
     }
     brake = brake_from(data)
-    found = [step.response for step in islice(steps(brake, respond), 5)]
+    found = picked(islice(steps(brake, respond), 5), "response")
     for k in (2, 3, 4):
         assert (
             abs(found[k - 1].torque / found[-1].torque - 1)
@@ -537,7 +537,7 @@ def test_a_short_contact_is_graded_faster():
     more.
     """
     brake = random_brake(2, "small contact")
-    true = [step.response for step in steps(brake, respond)][-1]
+    true = picked(steps(brake, respond), "response")[-1]
     places = places_of(brake, true)
 
     def solved(level):
@@ -576,7 +576,10 @@ def test_divisions_grow_from_their_ends_and_contain_what_they_must(brake):
     shoe = brake.shoes[0]
     (start, _), t = shoe.arc, shoe.lining.thickness / brake.drum.radius
     beside = divide(
-        shoe, brake.drum.radius, LEVELS[2], [(start + x, 1e-7, False) for x in (2e-10, 1e-7)]
+        shoe,
+        brake.drum.radius,
+        LEVELS[2],
+        [(start + 2e-10, 1e-7, False), (start + 1e-7, 1e-7, False)],
     )
     # The bound holds however near to its end a lining is open.
     assert np.diff(beside.angles).min() >= 0.99 * division.FINEST * t
@@ -735,7 +738,7 @@ def test_nodes_that_meet_through_a_ring_are_counted_together(brake, monkeypatch)
         "support": "fixed",
     }
     ringed = vary(brake, {"drum.ring": ring})
-    nodes = sum(len(body.line.nodes) for body in prepare(ringed, LEVELS[0]).bodies)
+    nodes = sum(map(len, picked(prepare(ringed, LEVELS[0]).bodies, "line.nodes")))
     monkeypatch.setattr("drumlin.fem.preparation.columns.MOST_CONTACT_NODES", nodes - 1)
     with pytest.raises(
         NoAnswer, match=f"its {nodes} contact nodes are more than the {nodes - 1} that"
@@ -828,8 +831,8 @@ def test_fields_of_columns_are_those_of_a_fine_mesh_of_quadratic_elements(brake,
 
 def test_holding_wear_and_slopes_start_from_the_division_that_solve_ends_on(brake):
     made, answer = scene_of(brake), solve(brake)
-    theta = [body.line.phi for body in made.bodies]
-    assert [len(line) for line in theta] == [len(shoe.theta) for shoe in answer.shoes]
+    theta = picked(made.bodies, "line.phi")
+    assert list(map(len, theta)) == list(map(len, picked(answer.shoes, "theta")))
     end = full_slip_rotation(made, brake)
     assert hold(made, brake, np.linspace(0.0, end, 9))[-1].torque == pytest.approx(
         answer.torque, rel=1e-5
@@ -842,12 +845,12 @@ def test_holding_wear_and_slopes_start_from_the_division_that_solve_ends_on(brak
 def test_cases_of_a_sweep_state_their_errors_and_share_divisions(brake):
     cases = [SweepCase(brake, {"friction": mu}) for mu in (0.3, 0.3001, 0.3002)]
     rows = [solved(case, cache) for cache in [Cache()] for case in cases]
-    assert all(
-        0 < row["error_pressure"] <= DEFAULT.pressure and row["error_torque"] <= DEFAULT.torque
-        for row in rows
-    )
+    for row in rows:
+        assert (
+            0 < row["error_pressure"] <= DEFAULT.pressure and row["error_torque"] <= DEFAULT.torque
+        )
     # A row of a sweep must depend on its case alone.
-    assert rows == [solved(case) for case in cases]
+    assert rows == list(map(solved, cases))
     meshed = solved(cases[0]._replace(options={"elements": 20}))
     assert "error_pressure" not in meshed
     assert meshed["torque"] == pytest.approx(rows[0]["torque"], rel=1e-4)

@@ -98,7 +98,7 @@ def test_patch_test_on_the_arc(sign):
             couple_ring(mine.line, other.line, 1.0, sign),
             strict=True,
         ):
-            a, b = ((M.T @ found.p).reshape(-1, 2) for M in (ours, theirs))
+            a, b = (ours.T @ found.p).reshape(-1, 2), (theirs.T @ found.p).reshape(-1, 2)
             scale = np.abs(a).sum()
             assert b.sum(axis=0) == pytest.approx(a.sum(axis=0), abs=1e-13 * scale)
             moments = [

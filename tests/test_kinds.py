@@ -31,8 +31,9 @@ from drumlin.verification import triangles
 from drumlin.verification.check import check, read_curves, within
 from drumlin.verification.reference import Refinement, reference, responses
 from drumlin.verification.reference_file import as_dict, read_reference, write_values
+from picking import keyed, picked
 
-FILES = {path.stem: path for path in sorted((ROOT / "studies" / "brakes").glob("*.toml"))}
+FILES = keyed(sorted((ROOT / "studies" / "brakes").glob("*.toml")), "stem")
 FILES["pad"] = ROOT / "studies" / "laws" / "pad.toml"
 ELEMENTS = 10
 
@@ -61,8 +62,8 @@ def solved(at: Posed) -> None:
     balanced(response)
     # Struts act within the brake: pins, feet, forces from outside and the drum remain.
     whole = loaded(at.brake, response)
-    inside = {link.to for link in at.brake.links}
-    feet = {link.source for link in at.brake.links}
+    inside = set(picked(at.brake.links, "to"))
+    feet = set(picked(at.brake.links, "source"))
     outer = [s.actuation.vector for s in whole.shoes if s.name not in inside]
     outer += [
         r.hinge_reaction
@@ -196,7 +197,7 @@ def swept(at: Posed) -> None:
         app(["sweep", str(sweep), "--output", str(table)])
     assert end.value.code == 0
     rows = list(csv.DictReader(table.read_text().splitlines()))
-    assert [row["friction"] for row in rows] == ["0.1", "0.2"]
+    assert picked(rows, "friction") == ["0.1", "0.2"]
     assert not any(row.get("error") or row.get("reason") for row in rows)
 
 

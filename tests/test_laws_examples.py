@@ -21,6 +21,7 @@ from drumlin.models import MODELS
 from drumlin.response.merit import double_delta, rated, sensitivity
 from drumlin.response.response import Response
 from drumlin_studies.textbook_brakes import TEXTBOOK_LINING, hinged, lever_block, pad
+from picking import picked
 
 C = 1e-6
 """Relative tolerance of values given with seven or more digits."""
@@ -244,7 +245,7 @@ def test_simscape_block_and_its_brake_file_are_one() -> None:
     for side in ("internal", "external"):
         for rotation in ("clockwise", "counter-clockwise"):
             torques = sorted(
-                s.torque for s in solve("sine", block.brake(2000.0, rotation, side)).shoes
+                picked(solve("sine", block.brake(2000.0, rotation, side)).shoes, "torque")
             )
             assert torques == [
                 approx(float(trailing), rel=1e-12),
@@ -364,7 +365,7 @@ def test_two_separately_actuated_short_shoes() -> None:
     # on the drum: 400 N from the right, 160 N from the left; friction -mu s N across each
     assert response.bearing_load == approx([-400 + 160, -0.25 * 400 + 0.25 * 160], rel=1e-9)
     S = [1 / (1 - 0.25), 1 / (1 + 0.25)]
-    assert [m.sensitivity_at_fixed_shape for m in response.merits] == approx(S, rel=1e-9)
+    assert picked(response.merits, "sensitivity_at_fixed_shape") == approx(S, rel=1e-9)
     pair = (20 * S[0] + 8 * S[1]) / 28
     assert sensitivity(brake, MODELS["short"].solve) == approx(pair, rel=1e-6)
 

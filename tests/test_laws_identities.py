@@ -294,7 +294,7 @@ def test_torque_grows_without_bound_towards_locking(arc: Layout, name: str) -> N
     law = LAWS[name]
     mu_lock = float(law.locking_friction(arc))
     assume(mu_lock < 1e3)
-    near = [mu_lock * (1 - gap) for gap in (1e-2, 1e-4, 1e-6)]
+    near = [mu_lock * (1 - 1e-2), mu_lock * (1 - 1e-4), mu_lock * (1 - 1e-6)]
     constant = [float(law.torque(1.0, mu, arc)) * (mu_lock - mu) / mu for mu in near]
     assert constant == approx([constant[0]] * 3, rel=1e-8)
     assert constant[0] > 0

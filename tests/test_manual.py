@@ -17,6 +17,7 @@ from drumlin.base.errors import NoAnswer
 from drumlin.brake.fields import Part
 from drumlin.models import MODELS
 from drumlin.studies import load
+from picking import picked
 
 manual = load("manual")[0]
 listing, keys = manual.listing, manual.listing.keys
@@ -50,7 +51,7 @@ def test_every_key_of_every_file_is_described():
         "Meshed",
         "Shoe",
     }
-    assert {kind.__name__ for kind in here - set(listed)} == in_no_file
+    assert set(picked(here - set(listed), "__name__")) == in_no_file
     assert len(listed) == len(set(listed))
     text = listing.brake_file() + listing.sweep_file()
     for kind in listed:
@@ -171,7 +172,7 @@ def test_a_notebook_is_stripped_and_uses_the_door_alone(path):
             tree = ast.parse(cell.source)
             for node in ast.walk(tree):
                 names = (
-                    [alias.name for alias in node.names]
+                    picked(node.names, "name")
                     if isinstance(node, ast.Import | ast.ImportFrom)
                     else []
                 )

@@ -1,7 +1,7 @@
 """Misfit: exact geometry, what it does to the contact, its symmetries, and how wear heals it."""
 
 import math
-from itertools import pairwise
+from itertools import pairwise, starmap
 
 import numpy as np
 import pytest
@@ -22,6 +22,7 @@ from drumlin.lining_wear import run_in
 from drumlin.lining_wear.linings import fem_setup
 from drumlin.lining_wear.worn_in import worn_in
 from drumlin.response.norms import pressure_distance
+from picking import picked
 
 R = 0.15
 TEXT = (STUDY / "brake.toml").read_text()
@@ -163,7 +164,7 @@ def test_an_offset_across_the_hinges_radius_is_a_turn_of_the_shoe():
 
 
 def same(a, b, rel=1e-9):
-    assert [s.torque for s in a.shoes] == pytest.approx([s.torque for s in b.shoes], rel=rel)
+    assert picked(a.shoes, "torque") == pytest.approx(picked(b.shoes, "torque"), rel=rel)
     for x, y in zip(a.shoes, b.shoes, strict=True):
         assert x.pressure == pytest.approx(y.pressure, rel=rel, abs=rel * y.pressure.max())
 
@@ -229,7 +230,7 @@ def test_the_torque_over_a_turn_has_the_period_of_the_lobes(order):
     brake = vary(BRAKE, {"drum.out_of_round": [{"order": order, "amplitude": 2e-5}]})
     angles = np.linspace(0, 2 * math.pi / order, 6, endpoint=False)
     once, again = (
-        [r.torque for r in clearance.one_turn(brake, lambda b: respond(SCENE, b), start + angles)]
+        picked(clearance.one_turn(brake, lambda b: respond(SCENE, b), start + angles), "torque")
         for start in (0.0, 2 * math.pi / order)
     )
     assert again == pytest.approx(once, rel=1e-9)
@@ -300,14 +301,12 @@ def test_mirror_image_and_units_change_nothing(dr, x, y, taper, depth, lobe, ang
         solve(mirrored(brake), elements=40),
         solve(scaled(brake, 2), elements=40),
     )
-    assert [s.torque for s in there.shoes] == pytest.approx(
-        [s.torque for s in here.shoes], rel=1e-7
-    )
+    assert picked(there.shoes, "torque") == pytest.approx(picked(here.shoes, "torque"), rel=1e-7)
     assert [s.torque / 8 for s in large.shoes] == pytest.approx(
-        [s.torque for s in here.shoes], rel=1e-7
+        picked(here.shoes, "torque"), rel=1e-7
     )
-    assert [s.peak_pressure for s in large.shoes] == pytest.approx(
-        [s.peak_pressure for s in here.shoes], rel=1e-7
+    assert picked(large.shoes, "peak_pressure") == pytest.approx(
+        picked(here.shoes, "peak_pressure"), rel=1e-7
     )
 
 
@@ -335,7 +334,7 @@ def test_worn_in_every_lining_bears_by_the_sine_law():
     off = vary(BRAKE, {f"{MISFIT}.radius": R - 1e-4, f"{MISFIT}.taper": 5e-5})
     worn = respond(SCENE, worn_in(SCENE, off))
     assert worn.torque == pytest.approx(law.torque, rel=1e-6)
-    assert max(pressure_distance(a, b) for a, b in zip(worn.shoes, law.shoes, strict=True)) < 1e-4
+    assert max(starmap(pressure_distance, zip(worn.shoes, law.shoes, strict=True))) < 1e-4
     assert (
         min(min(gap for _, gap in shoe.lining.clearance) for shoe in worn_in(SCENE, off).shoes) >= 0
     )

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from itertools import starmap
 
 import numpy as np
 import pytest
@@ -23,6 +24,7 @@ from drumlin_studies.omission_table import (
     worst_straight,
 )
 from drumlin_studies.reduced import HALF_PLANE_WAVE, ring_modes, sketcher
+from picking import having, picked, saying
 
 BRAKE = read_brake(STUDY / "brake.toml")
 POST = read_brake(STUDY.parent / "post_brake" / "brake.toml")
@@ -51,9 +53,7 @@ def alone(brake):
 
 def test_what_is_left_out_exactly_changes_nothing_but_round_off():
     for brake, count in ((BRAKE, 2), (vary(BRAKE, {"friction": 0.0}), 3)):
-        exact = [
-            row for row in omissions(brake, "b", elements=16, repeats=0) if row["exact"] == "yes"
-        ]
+        exact = having(omissions(brake, "b", elements=16, repeats=0), exact="yes")
         assert len(exact) == count
         for row in exact:
             assert max(row["torque"], row["pressure"], row["reaction"]) < 1e-9
@@ -106,9 +106,7 @@ def test_the_sketched_ring_is_the_thick_walled_ring_and_the_thin_one_of_theory(s
 def test_a_sketch_of_closed_forms_answers_as_the_finite_elements_of_its_mesh(brake):
     sketch, full = respond(sketcher(24)(brake), brake), solve(brake, elements=24)
     assert sketch.torque == pytest.approx(full.torque, rel=4e-3)
-    assert (
-        max(pressure_distance(a, b) for a, b in zip(sketch.shoes, full.shoes, strict=True)) < 0.05
-    )
+    assert max(starmap(pressure_distance, zip(sketch.shoes, full.shoes, strict=True))) < 0.05
 
 
 LADDER = {
@@ -186,10 +184,8 @@ def test_a_tolerance_leaves_neither_ring_nor_shoe_out_and_holds(case):
         assert max(true.pressure, true.torque) <= tolerance
         assert max(response.error["pressure"], response.error["torque"]) <= tolerance
         assert true.torque <= response.error["torque"] + 1e-6
-        assert any("no [drum.ring]" in line for line in response.left_out) == (brake.ring is None)
-        assert any("no [shoe.body]" in line for line in response.left_out) == (
-            brake.shoes[0].body is None
-        )
+        assert bool(saying(response.left_out, "no [drum.ring]")) == (brake.ring is None)
+        assert bool(saying(response.left_out, "no [shoe.body]")) == (brake.shoes[0].body is None)
 
 
 def test_a_change_is_that_of_the_shoe_that_changes_most():
@@ -213,7 +209,8 @@ def test_omissions_compose_and_their_words_are_checked():
     brake = vary(BRAKE, ringed("free") | backed(0.005, 1e10))
     bare = simplified(brake, ["ring", "shoe", "backing"])
     assert bare.ring is None
-    assert all(shoe.body is None and shoe.backing is None for shoe in bare.shoes)
+    for shoe in bare.shoes:
+        assert shoe.body is None and shoe.backing is None
     assert simplified(POST, ["shoe", "backing"]).shoes == POST.shoes
     with pytest.raises(BadInput, match="'rim': cannot be left out; allowed: ring, coupling"):
         simplified(brake, ["rim"])
@@ -242,7 +239,7 @@ def test_straight_edges_cost_what_the_waves_say_that_they_press_into_the_lining(
     """Under a load that keeps all of it in contact; half as much on twice as many elements."""
     brake = alone(vary(BRAKE, RIGID | {"shoe.actuation.force": 1e5}))
     rows = [omissions(brake, "b", elements=n, repeats=0)[1:] for n in (36, 72)]
-    coarse, fine = (next(row for row in found if row["part"] == "curvature") for found in rows)
+    coarse, fine = (having(found, part="curvature")[0] for found in rows)
     for row in (coarse, fine):
         assert row["pressure"] < 0.3
         assert 0.5 < row["predicted_pressure"] / row["pressure"] < 2
@@ -255,7 +252,7 @@ def test_rows_are_summed_up_and_a_case_without_answer_stays():
     failed = [
         row for row in locked if row["status"].startswith("failed: shoe 'left': self-locking")
     ]
-    assert {row["part"] for row in failed} >= {"shoe"}
+    assert set(picked(failed, "part")) >= {"shoe"}
     every = [*rows, *locked]
     ratios = {
         row["part"]: row["predicted_pressure"] / row["pressure"]

@@ -41,6 +41,7 @@ from drumlin_studies.consistency_slopes import (
 from drumlin_studies.random_brake import random_brake
 from drumlin_studies.random_kinds import placed, random_kind
 from drumlin_studies.stated_true import by_triangles
+from picking import having, picked
 
 MAIN = read_any(STUDY / "brake.toml")
 FLEXIBLE = read_any(STUDY / "flexible.toml")
@@ -228,7 +229,8 @@ SAME = {
 def test_an_isotropic_material_written_as_an_orthotropic_one_gives_the_same_answer(name, elements):
     brake = SAME[name]
     other = vary(brake, {key: alike(material) for key, material in parts_of(brake)})
-    assert all(isinstance(material, Orthotropic) for _, material in parts_of(other))
+    for _, material in parts_of(other):
+        assert isinstance(material, Orthotropic)
     one, same = solve(brake, elements=elements), solve(other, elements=elements)
     for a, b in zip(one.shoes, same.shoes, strict=True):
         assert b.torque == pytest.approx(a.torque, rel=1e-12)
@@ -420,7 +422,7 @@ def test_a_brake_that_is_turned_or_mirrored_has_the_same_torque(seed, turn, mirr
     one, other = (
         solve(b, elements=6) for b in (brake, placed(brake, turn=turn, mirrored=mirrored))
     )
-    forces = [sum(shoe.normal_force for shoe in found.shoes) for found in (one, other)]
+    forces = [sum(picked(found.shoes, "normal_force")) for found in (one, other)]
     assert forces[1] == pytest.approx(forces[0], rel=1e-7)
     assert other.torque == pytest.approx(one.torque, rel=1e-7)
 
@@ -489,7 +491,7 @@ def test_foundation_solid_and_width_refuse_directions_in_a_line():
         match=rf"--finite-width: .*lining\.material is orthotropic; the correction takes {only}",
     ):
         solve(with_lining(MAIN), finite_width=True)
-    assert [model.name for model in applicable(with_lining(MAIN))] == ["fem"]
+    assert picked(applicable(with_lining(MAIN)), "name") == ["fem"]
     assert "orthotropic" not in " ".join(refusals(MAIN).values())
 
 
@@ -552,9 +554,9 @@ def test_stresses_are_those_of_the_layers_directions():
 
 def test_the_explorers_sliders_take_all_moduli_in_proportion():
     brake = with_lining(MAIN)
-    slider = next(knob for knob in knobs_of(brake) if knob.name == "lining")
+    slider = having(knobs_of(brake), name="lining")[0]
     assert slider.start == pytest.approx(300.0)
-    (softer,) = {shoe.lining.material for shoe in vary(brake, slider.changes(150.0)).shoes}
+    (softer,) = set(picked(vary(brake, slider.changes(150.0)).shoes, "lining.material"))
     assert softer.moduli == pytest.approx(
         {key: E / 2 for key, E in Orthotropic(**LINING).moduli.items()}
     )
@@ -576,11 +578,11 @@ def test_a_deck_for_calculix_has_the_nine_constants_and_the_layers_directions(tm
         r"(.*)\n(.*)"
     )
     constants = re.search(lines, text)
-    values = [float(x) for x in f"{constants[1]}, {constants[2]}".split(",")]
+    values = list(map(float, f"{constants[1]}, {constants[2]}".split(",")))
     # Through, along, across: MPa.
     assert values == pytest.approx([300, 900, 900, 0.35 / 3, 0.1, 0.3, 210, 200, 300])
     assert constants[3] == "NAME=OBACKING, SYSTEM=RECTANGULAR"
-    a = np.array([float(x) for x in constants[4].split(",")]).reshape(2, 3)
+    a = np.array(list(map(float, constants[4].split(",")))).reshape(2, 3)
     shoe = post.shoes[0]
     axis = shoe.actuation.point.xy - shoe.pin.xy
     assert abs(a[1, :2] @ axis) == pytest.approx(np.hypot(*axis)) and a[0] @ a[1] == pytest.approx(

@@ -15,6 +15,7 @@ from drumlin.fem.mesh.file import read_mesh, read_shoe_mesh, write_mesh
 from drumlin.fem.mesh.from_file import turns_of
 from drumlin.fem.mesh.msh4 import read_msh4
 from drumlin.fem.solve import solve
+from picking import saying
 
 ELEMENTS = 12
 DEFINITIONS = re.compile(r"\*NODE\n.*?(?=\*ELSET)", re.DOTALL)
@@ -120,7 +121,7 @@ def test_a_deck_written_otherwise_is_the_same_mesh(tmp_path, brake, shoe, case):
         on = other.boundaries[name]
         ends = plain.p[:, plain.facets[:, facets]].mean(axis=(1, 2))
         assert other.p[:, other.facets[:, on]].mean(axis=(1, 2)) == pytest.approx(ends, abs=1e-12)
-    order = [np.lexsort(np.round(mesh.p, 9)) for mesh in (plain, other)]
+    order = [np.lexsort(np.round(plain.p, 9)), np.lexsort(np.round(other.p, 9))]
     assert other.p[:, order[1]] == pytest.approx(plain.p[:, order[0]], abs=1e-12)
 
 
@@ -170,8 +171,8 @@ def test_unknown_keywords_and_plane_strain_are_said(tmp_path, brake, shoe):
     text = deck_of(tmp_path, shoe, brake.drum.radius).replace("CPS4", "CPE4")
     (tmp_path / "other.inp").write_text(text + "*TIE, NAME=T\nA, B\n")
     found = read_shoe_mesh(tmp_path / "other.inp", shoe, brake.drum.radius)
-    assert any("passed over: *TIE" in note for note in found.notes)
-    assert any("CPE4 is plane strain" in note for note in found.notes)
+    assert saying(found.notes, "passed over: *TIE")
+    assert saying(found.notes, "CPE4 is plane strain")
 
 
 def rounded(text, decimals):
@@ -189,7 +190,7 @@ def test_rounded_coordinates_do_not_change_the_pressure(tmp_path, brake, shoe, d
     found = solve(vary(alone, {"shoe.mesh": str(path), "shoe.mesh_unit": "mm"}))
     assert found.torque == pytest.approx(right.torque, rel=1e-3)
     assert found.shoes[0].peak_pressure == pytest.approx(right.shoes[0].peak_pressure, rel=5e-3)
-    assert any("were put on the drum" in note for note in found.notes)
+    assert saying(found.notes, "were put on the drum")
 
 
 def straightened(text):
@@ -198,7 +199,7 @@ def straightened(text):
     nodes = re.findall(r"^(\d+), (\S+), (\S+), 0\.$", text, re.MULTILINE)
     xy = {int(label): np.array([float(x), float(y)]) for label, x, y in nodes}
     for line in elements.strip().split("\n"):
-        cell = [int(word) for word in line.split(",")][1:]
+        cell = list(map(int, line.split(",")))[1:]
         for side in range(4):
             xy[cell[4 + side]] = (xy[cell[side]] + xy[cell[(side + 1) % 4]]) / 2
     written = "".join(f"{label}, {x!r}, {y!r}, 0.\n" for label, (x, y) in
@@ -298,7 +299,7 @@ def test_mixed_cells_become_quadratic_triangles(tmp_path, brake, shoe):
     alone = vary(brake, {"shoe": [shoe.model_dump()]})
     text = deck_of(tmp_path, shoe, radius)
     head, rows, rest = re.split(r"(?<=CPS4\n)(.*?)(?=\*)", text, maxsplit=1, flags=re.DOTALL)
-    cells = [[int(word) for word in line.split(",")] for line in rows.strip().split("\n")]
+    cells = [list(map(int, line.split(","))) for line in rows.strip().split("\n")]
     cut = cells[::5]
     quads = "".join(", ".join(map(str, cell)) + "\n" for cell in cells if cell not in cut)
     halves = "".join(f"{e}, {a}, {b}, {c}\n{e + 5000}, {a}, {c}, {d}\n" for e, a, b, c, d in cut)
@@ -311,7 +312,7 @@ def test_mixed_cells_become_quadratic_triangles(tmp_path, brake, shoe):
     path.write_text(f"{head}{quads}*ELEMENT, TYPE=CPS3\n{halves}{rest}")
     found = solve(vary(alone, {"shoe.mesh": str(path)}))
     assert found.torque == pytest.approx(solve(alone).torque, rel=2e-3)
-    assert any("solved as" in note for note in found.notes)
+    assert saying(found.notes, "solved as")
 
 
 def test_corners_of_edges_name_quadratic_edges(tmp_path, brake, shoe):

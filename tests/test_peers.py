@@ -19,6 +19,7 @@ from drumlin.peers.peer import loaded_shoes
 from drumlin.response.norms import pressure_distance
 from drumlin_studies.brake_kinds import both_ways
 from drumlin_studies.random_kinds import HOLDING_KINDS, random_kind
+from picking import picked
 
 STUDIES = Path(__file__).parents[1] / "studies"
 MAIN = read_brake(STUDIES / "double_shoe" / "brake.toml")
@@ -58,10 +59,10 @@ class Parsed:
             else:
                 self.sections[-1][2].append(words)
         self.nodes = {
-            int(row[0]): np.array([float(x) for x in row[1:3]]) for row in self.rows("NODE")
+            int(row[0]): np.array(list(map(float, row[1:3]))) for row in self.rows("NODE")
         }
         self.elements = {
-            int(r[0]): [int(x) for x in r[1:]] for r in self.rows("ELEMENT") if len(r) > 2
+            int(r[0]): list(map(int, r[1:])) for r in self.rows("ELEMENT") if len(r) > 2
         }
 
     def rows(self, keyword, **options):
@@ -344,7 +345,7 @@ def test_export_command(tmp_path):
     ]
     result = CliRunner().invoke(app, [*call, "calculix"])
     assert result.exit_code == 0
-    names = sorted(path.name for path in (tmp_path / "out").iterdir())
+    names = sorted(picked((tmp_path / "out").iterdir(), "name"))
     assert names == ["my_brake_left.inp"]
     assert "run: ccx my_brake_left " in (tmp_path / "out" / names[0]).read_text()
     assert "'right': no deck" in result.output
@@ -415,8 +416,8 @@ def test_getfem_shares_a_cams_force_so_that_both_tips_go_alike():
     }
     for cam in (brake, vary(brake, wrong)):
         peer, own = agree(cam, 10)
-        forces = [shoe.force for shoe in peer.shoes]
-        assert forces == pytest.approx([shoe.force for shoe in own.shoes], rel=1e-4)
+        forces = picked(peer.shoes, "force")
+        assert forces == pytest.approx(picked(own.shoes, "force"), rel=1e-4)
         assert sum(forces) == pytest.approx(cam.actuation.total, rel=1e-12)
         assert abs(forces[0] / forces[1] - 1) > 0.1
 
@@ -429,7 +430,7 @@ def test_getfems_own_contact_has_the_same_misfit():
 
 @needs_getfem
 @pytest.mark.slow
-@pytest.mark.parametrize("file", sorted(path.stem for path in (STUDIES / "brakes").glob("*.toml")))
+@pytest.mark.parametrize("file", sorted(picked((STUDIES / "brakes").glob("*.toml"), "stem")))
 def test_getfem_takes_shoes_however_they_are_held(file):
     for brake in both_ways(read_any(STUDIES / "brakes" / f"{file}.toml")):
         agree(brake)
@@ -513,8 +514,8 @@ def test_calculix_has_drumlins_torque_where_nothing_strains_across():
 def test_calculix_comes_nearer_with_the_mesh(changes):
     """Of first order in the size of the elements, of higher order with nu = 0."""
     brake = vary(MAIN, changes)
-    coarse, fine = (np.abs(torques(brake, elements)) for elements in (10, 40))
+    coarse, fine = np.abs(torques(brake, 10)), np.abs(torques(brake, 40))
     assert (coarse > 2.5 * fine).all() and (fine < 4e-4).all()
     even = vary(brake, {"shoe.lining.material.nu": 0.0, "shoe.body.material.nu": 0.0})
-    coarse, fine = (np.abs(torques(even, elements)) for elements in (10, 40))
+    coarse, fine = np.abs(torques(even, 10)), np.abs(torques(even, 40))
     assert (coarse > 16 * fine).all() and (fine < 1e-5).all()

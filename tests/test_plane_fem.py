@@ -25,6 +25,7 @@ from drumlin.lining_wear.run_in import COEFFICIENT, run_in, unit_distance, worn
 from drumlin_studies.ladder_pads import guided
 from drumlin_studies.random_kinds import placed
 from flat_pads import BODY, KINDS, LINING, pad
+from picking import saying
 
 
 @pytest.mark.parametrize("sliding", ["+x", "-x"])
@@ -60,8 +61,8 @@ def test_friction_on_a_guide_along_the_normal_neither_helps_nor_opposes(
 def test_what_a_pads_penalty_changes_is_its_braking_force() -> None:
     """It has no torque."""
     notes = drumlin.solve(pad("guide"), penalty=1e3).notes
-    assert any("which changes its braking force by" in note for note in notes)
-    assert not any("torque" in note for note in notes)
+    assert saying(notes, "which changes its braking force by")
+    assert not saying(notes, "torque")
 
 
 def test_a_guide_along_the_plane_is_refused() -> None:
@@ -77,9 +78,10 @@ def test_a_guide_along_the_plane_is_refused() -> None:
 def test_a_pad_that_its_force_lifts_is_said_of_the_plane() -> None:
     brake = vary(pad("hinge"), {"shoe.actuation.force": -1.0})
     said = ["shoe 'pad': no contact, the force does not turn it towards the plane"]
-    assert [
-        [n for n in found.notes if "contact" in n] for found in (drumlin.solve(brake), law(brake))
-    ] == [said, said]
+    assert [saying(found.notes, "contact") for found in (drumlin.solve(brake), law(brake))] == [
+        said,
+        said,
+    ]
 
 
 def test_a_grip_longer_than_its_body_is_said_as_it_is_held() -> None:

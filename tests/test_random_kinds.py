@@ -24,6 +24,7 @@ from drumlin.response.balance import contact_resultant, loaded
 from drumlin.response.response import Response
 from drumlin.response.resultants import cross
 from drumlin_studies.random_kinds import HOLDING_KINDS, placed, random_kind, scaled
+from picking import picked
 
 ELEMENTS = 10
 SEEDS, NAMES = st.integers(0, 10**6), st.sampled_from(list(HOLDING_KINDS))
@@ -71,7 +72,7 @@ def whole_balance(brake: Brake, found: Response) -> None:
             float(cross(shoe.actuation.point.xy, shoe.actuation.vector)),
             float(cross(foot, own.hinge_reaction)) + own.reaction_moment,
         ]
-    size = max(np.linalg.norm(force) for force in forces)
+    size = max(map(np.linalg.norm, forces))
     # The balance is that of p(theta) on the round drum, which the elements' edges follow. `judge`
     # judges the balance at the nodes.
     assert np.linalg.norm(np.sum(forces, axis=0)) < 1e-9 * size
@@ -104,7 +105,7 @@ def fitting(brake: Brake) -> bool:
     """Whether all linings fit: then all grows with the forces."""
     return all(
         lining.clearance == 0 and lining.misfit == type(lining.misfit)()
-        for lining in (shoe.lining for shoe in brake.shoes)
+        for lining in picked(brake.shoes, "lining")
     )
 
 
@@ -228,7 +229,7 @@ def locked(seed: int, kind: str, most: float = 1.2) -> int:
             continue
         own = vary(brake, {"friction": 0.97 * end})
         found = limits(scene_of(own, elements=24), own, 2.0, 1e6)
-        assert min(limit.friction for limit in found.values()) == pytest.approx(end, rel=1e-2), (
+        assert min(picked(found.values(), "friction")) == pytest.approx(end, rel=1e-2), (
             brake,
             end,
         )

@@ -8,6 +8,7 @@ import pytest
 from conftest import ROOT
 from drumlin_studies.stated_true import JUDGED_QUANTITIES, ratio
 from kept_reports import rows
+from picking import having, picked
 
 README = re.sub(r"\s+", " ", (ROOT / "README.md").read_text())
 
@@ -16,7 +17,7 @@ def quoted(pattern):
     """The numbers in README that a pattern catches."""
     found = re.findall(pattern, README)
     assert len(found) == 1, pattern
-    return [float(number) for number in (found[0] if isinstance(found[0], tuple) else found)]
+    return list(map(float, found[0] if isinstance(found[0], tuple) else found))
 
 
 def digits(said, value):
@@ -27,7 +28,7 @@ def digits(said, value):
 
 def test_law_against_elements():
     made = rows("double_shoe/results.csv", rotation="counter-clockwise")
-    sine = [row for row in made if row["model"] == "sine"]
+    sine = having(made, model="sine")
     stiff = {row["shoe"]: row for row in sine if row["case"] == "stiff shoes"}
     low, high, low_too, peak, flexible, seconds = quoted(
         r"total torque is ([\d.]+) % low, its torque of the single shoes ([\d.]+) % high and "
@@ -37,9 +38,16 @@ def test_law_against_elements():
         r"solved in ([\d.]+) s"
     )
     digits(low, -100 * float(stiff["all"]["torque_error"]))
-    digits(high, 100 * max(float(stiff[shoe]["torque_error"]) for shoe in ("right", "left")))
-    digits(low_too, -100 * min(float(stiff[shoe]["torque_error"]) for shoe in ("right", "left")))
-    digits(peak, -100 * min(float(stiff[shoe]["peak_error"]) for shoe in ("right", "left")))
+    digits(
+        high, 100 * max(float(stiff["right"]["torque_error"]), float(stiff["left"]["torque_error"]))
+    )
+    digits(
+        low_too,
+        -100 * min(float(stiff["right"]["torque_error"]), float(stiff["left"]["torque_error"])),
+    )
+    digits(
+        peak, -100 * min(float(stiff["right"]["peak_error"]), float(stiff["left"]["peak_error"]))
+    )
     total = next(row for row in sine if (row["case"], row["shoe"]) == ("flexible shoes", "all"))
     digits(flexible, -100 * float(total["torque_error"]))
     spent = [
@@ -120,7 +128,7 @@ def test_stated_against_true_errors():
         r"([\d.]+) % if the uncertainty"
     )
     made = [{k: v for k, v in row.items() if v} for row in rows("verification/stated_true.csv")]
-    assert len({row["seed"] for row in made}) == brakes
+    assert len(set(picked(made, "seed"))) == brakes
     ratios = [ratio(row, name) for row in made for name in JUDGED_QUANTITIES]
     judged = [one for one in ratios if not math.isnan(one)]
     assert len(judged) > 4000

@@ -25,6 +25,7 @@ from drumlin.verification.reference import (
     responses,
 )
 from drumlin.verification.reference_file import as_dict, read_reference, stored, write_values
+from picking import having, keyed, picked
 
 QUICK = Refinement(2, (LEVELS[1], LEVELS[2]), triangles.TRIANGLE_LEVELS[:2])
 VALUES = ROOT / "reports" / "reference" / "values"
@@ -63,7 +64,7 @@ STORED = ("brakes", "double_shoe", "laws", "plane_stress", "post_brake")
 
 
 def test_every_stored_reference_is_of_its_brake_file_and_known_as_well_as_it_says():
-    files = {path.stem: path for path in VALUES.glob("*.json")}
+    files = keyed(VALUES.glob("*.json"), "stem")
     assert len(files) >= 10
     for stem, path in files.items():
         found = read_reference(path)
@@ -81,7 +82,7 @@ def test_every_stored_reference_is_of_its_brake_file_and_known_as_well_as_it_say
                 np.array(shoe.hinge_reaction.value),
                 abs=5e-3 * np.linalg.norm(shoe.hinge_reaction.value),
             )
-            own = next(s for s in brake.shoes if s.name == shoe.name)
+            own = having(brake.shoes, name=shoe.name)[0]
             if own.held_by != "hinge" or brake.links or brake.actuation is not None:
                 # A lever, a strut or a cam pushes this shoe too.
                 continue
@@ -95,7 +96,7 @@ def test_a_file_of_reference_values_returns_what_was_written(known, tmp_path):
     write_values(as_dict(known), path)
     assert as_dict(read_reference(path)) == as_dict(known)
     # Arrays stand on a line each.
-    assert max(len(line) for line in path.read_text().splitlines()) > 1000
+    assert max(map(len, path.read_text().splitlines())) > 1000
     for text in ("", "[]", '{"format": "other"}', path.read_text().replace('"edge"', '"edgy"')):
         path.write_text(text)
         with pytest.raises(BadInput, match=r"values\.json"):
@@ -136,7 +137,7 @@ def test_check_tells_good_curves_from_bad_ones(brake, known, tmp_path):
         turned.append(f"{name},{np.radians(float(angle)) - 2 * np.pi},{float(p) * 1e6}")
     path.write_text("\n".join(turned))
     again = check(brake, known, read_curves(path, brake))
-    assert [v.distance for v in again] == pytest.approx([v.distance for v in good], rel=1e-5)
+    assert picked(again, "distance") == pytest.approx(picked(good, "distance"), rel=1e-5)
 
 
 BAD = {

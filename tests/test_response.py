@@ -33,6 +33,7 @@ from drumlin.response.resultants import (
     shape,
     slopes,
 )
+from picking import picked
 
 
 def polynomial(order, knots):
@@ -140,7 +141,7 @@ def test_angles_are_counted_from_the_middle_and_cross_products_by_the_sine(middl
 )
 def test_arcs_reach_to_the_node_next_to_a_pressed_one(pressed, arcs):
     theta = np.arange(len(pressed)) * 0.5 + 1
-    p = np.array([float(digit) for digit in pressed])
+    p = np.array(list(map(float, pressed)))
     assert contact_arcs(theta, p, 1, located=False) == tuple(
         (1 + 0.5 * a, 1 + 0.5 * b) for a, b in arcs
     )
@@ -349,8 +350,8 @@ def test_a_shoe_apart_and_responses_as_plain_data(brake):
     data = response.as_dict()
     assert response.torque == data["torque"] == 1.0
     assert data["balance"] == {"force": 1e-9, "moment": 2e-9} and data["error"] == {"torque": 1e-3}
-    assert [s["name"] for s in data["shoes"]] == ["shoe", "right"] and "deformation" not in data[
-        "shoes"
-    ][1]
+    assert (
+        picked(data["shoes"], "name") == ["shoe", "right"] and "deformation" not in data["shoes"][1]
+    )
     assert data["bearing_load"] == [1, 2] and data["converged"] is True and data["iterations"] == 0
     assert "bearing_load" not in replace(response, bearing_load=None).as_dict()

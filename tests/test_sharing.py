@@ -17,6 +17,7 @@ from drumlin.laws import law
 from drumlin.response.balance import loaded
 from drumlin.response.merit import brake_factor
 from drumlin.verification import triangles
+from picking import picked
 from shared_forces import R, cam_brake, servo
 
 
@@ -39,7 +40,7 @@ def test_under_a_cam_the_tips_of_elastic_shoes_go_the_same_way() -> None:
     brake = cam_brake(body=0.012, thickness=0.006)
     scene = prepare(brake, elements=40)
     both = respond(scene, brake)
-    assert sum(shoe.force for shoe in both.shoes) == pytest.approx(2000.0, rel=1e-9)
+    assert sum(picked(both.shoes, "force")) == pytest.approx(2000.0, rel=1e-9)
     assert abs(both.shoes[0].force / both.shoes[1].force - 1) > 0.1
     alone = vary(loaded(brake, both), {"actuation": None})
     tips = []
@@ -112,16 +113,14 @@ def test_every_shoe_and_the_whole_brake_balance(make: Any) -> None:
     response = drumlin.solve(brake)
     assert max(response.balance.force, response.balance.moment) < 1e-9
     under = loaded(brake, response)
-    outside = [shoe.actuation.vector for shoe in under.shoes] + [
-        shoe.hinge_reaction for shoe in response.shoes
-    ]
+    outside = picked(under.shoes, "actuation.vector") + picked(response.shoes, "hinge_reaction")
     # The strut acts on both shoes alike.
     if brake.links:
         a, b = response.shoes
         assert a.hinge_reaction == pytest.approx(-under.shoes[1].actuation.vector, rel=1e-9)
         assert np.linalg.norm(a.hinge_reaction) == pytest.approx(b.force, rel=1e-9)
     total = np.sum(outside, axis=0) + -response.bearing_load
-    assert np.linalg.norm(total) < 1e-9 * max(np.linalg.norm(force) for force in outside)
+    assert np.linalg.norm(total) < 1e-9 * max(map(np.linalg.norm, outside))
 
 
 def test_what_a_strut_passes_on_is_no_actuation() -> None:

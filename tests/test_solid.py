@@ -28,6 +28,7 @@ from drumlin.response.norms import pressure_distance, relative
 from drumlin.sweeps.cases import run
 from drumlin.sweeps.file import sweep_from
 from drumlin_studies import solid_forms
+from picking import picked
 from sections import t_section
 
 pytestmark = pytest.mark.slow
@@ -157,10 +158,7 @@ def test_what_is_left_of_a_narrow_shoe_is_its_mesh(brake):
             )
         )
         return np.array(
-            [
-                relative(a.torque, b.torque)
-                for a, b in zip(*(each.shoes for each in both), strict=True)
-            ]
+            [relative(a.torque, b.torque) for a, b in zip(*picked(both, "shoes"), strict=True)]
         )
 
     coarse, fine, narrower = off(24, 10), off(48, 10), off(24, 20)
@@ -210,7 +208,7 @@ def test_a_narrow_web_presses_under_itself(flexible):
 def test_the_mirror_image_of_a_brake_is_solved_alike(flexible):
     brake = t_section(flexible)
     turned = vary(brake, {"rotation": "clockwise"})
-    a, b = (model.solve(each, elements=10) for each in (brake, turned))
+    a, b = model.solve(brake, elements=10), model.solve(turned, elements=10)
     np.testing.assert_allclose(
         a.shoes[0].surface.pressure, b.shoes[1].surface.pressure[::-1], rtol=1e-8
     )
@@ -329,7 +327,7 @@ def test_options_that_it_has_not(root, options, said):
 
 def test_the_command_writes_the_surface(root, tmp_path):
     file = root / "studies" / "double_shoe" / "flexible.toml"
-    made = [tmp_path / name for name in ("a.json", "a.vtu")]
+    made = [tmp_path / "a.json", tmp_path / "a.vtu"]
     options = ["--model", "solid", "--elements", "8", "--json", made[0], "--fields", made[1]]
     done = drumlin("solve", file, *options)
     assert done.returncode == 0 and "flexible shoes: solid" in done.stdout
@@ -401,10 +399,10 @@ def test_a_large_face_is_answered_on_every_other_node_and_settles_once_on_all(
     monkeypatch.setattr(self_locking, "HALVED_ABOVE", 60)
     sizes = settled_sizes(monkeypatch)
     found = respond(scene, brake)
-    nodes = [len(body.line.nodes) for body in scene.bodies]
-    assert [sizes.count(count) for count in sorted(set(nodes))] == [
-        len(nodes) / len(set(nodes))
-    ] * len(set(nodes))
+    nodes = list(map(len, picked(scene.bodies, "line.nodes")))
+    assert list(map(sizes.count, sorted(set(nodes)))) == [len(nodes) / len(set(nodes))] * len(
+        set(nodes)
+    )
     for mine, other in zip(found.shoes, wanted.shoes, strict=True):
         np.testing.assert_allclose(
             mine.surface.pressure, other.surface.pressure, atol=1e-8 * other.peak_pressure
@@ -442,9 +440,7 @@ def test_a_sweep_of_solid_shoes_makes_each_body_once(root, flexible, monkeypatch
     torques = [
         model.solve(vary(flexible, {"friction": mu}), **options).torque for mu in (0.2, 0.25, 0.3)
     ]
-    assert [row["torque"] for row in rows[::2]] == torques and all(
-        row["status"] == "solved" for row in rows
-    )
+    assert picked(rows[::2], "torque") == torques and all(row["status"] == "solved" for row in rows)
 
 
 @pytest.mark.parametrize(

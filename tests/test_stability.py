@@ -29,6 +29,7 @@ from drumlin_studies.random_brake import random_brake
 from drumlin_studies.random_kinds import HOLDING_KINDS, random_kind
 from drumlin_studies.stated_true import by_triangles, errors
 from drumlin_studies.trial import trial, worth
+from picking import having, picked, saying
 
 
 def solved(case):
@@ -64,7 +65,8 @@ def test_the_designed_set_turns_every_knob_to_its_end():
     assert len(every) >= 300
     assert len(set(every)) == len(every)
     # A journal keeps the cases as JSON.
-    assert all(json.loads(json.dumps(asdict(case))) == asdict(case) for case in every)
+    for case in every:
+        assert json.loads(json.dumps(asdict(case))) == asdict(case)
     for knob, low, high in (
         ("penalty", 1e-2, math.inf),
         ("friction", 0, 5),
@@ -78,9 +80,9 @@ def test_the_designed_set_turns_every_knob_to_its_end():
     for knob in ("shoe", "ring"):
         values = [getattr(case, knob) for case in every if getattr(case, knob) is not None]
         assert min(values) == 1e-8 and max(values) == 1e8
-    assert {1e4, 1e-4} <= {case.aspect for case in every}
-    assert max(case.nu for case in every) == 0.4999
-    assert {"toe", "heel", "split", "point"} <= {case.clearance for case in every}
+    assert {1e4, 1e-4} <= set(picked(every, "aspect"))
+    assert max(picked(every, "nu")) == 0.4999
+    assert {"toe", "heel", "split", "point"} <= set(picked(every, "clearance"))
 
 
 def test_long_double_stiffness_is_that_of_double_and_strains_nothing_in_rigid_motion():
@@ -156,7 +158,7 @@ def test_a_refined_reaction_is_that_of_the_strains_where_those_have_their_digits
     strained = solve(brake, elements=12)
     refined_anyway(monkeypatch)
     refined = solve(brake, elements=12)
-    assert any(REFINED in note for note in refined.notes)
+    assert saying(refined.notes, REFINED)
     for shoe, other in zip(refined.shoes, strained.shoes, strict=True):
         assert shoe.hinge_reaction == pytest.approx(
             other.hinge_reaction, abs=1e-10 * math.hypot(*other.hinge_reaction)
@@ -231,7 +233,7 @@ def test_what_a_refinement_cannot_settle_is_part_of_the_error(monkeypatch):
     )
     found = adapt(brake, Tolerance(1e-6, 1e-6), respond, must=False, along=along).response
     (shoe,) = found.shoes
-    assert any(REFINED in note for note in found.notes)
+    assert saying(found.notes, REFINED)
     assert max(shoe.lost.torque, shoe.lost.reaction) < 1e-4 * shoe.lost.pressure
     assert 1e-6 < ROUND_OFF * shoe.lost.pressure < found.error["pressure"]
     assert shoe.torque == pytest.approx(true[0].torque, rel=found.error["torque"])
@@ -326,7 +328,7 @@ def result(module):
 def test_every_case_is_right_or_refused_with_the_physical_reason(module, result):
     assert len(result.rows) >= 60
     assert module.faults(result.rows) == []
-    answers = [row for row in result.rows if row["outcome"] == "answer"]
+    answers = having(result.rows, outcome="answer")
     assert len(answers) >= 40
     for row in answers:
         assert max(row["balance"], row["complementarity"]) <= 1e-8, row["case"]
@@ -341,8 +343,9 @@ def test_every_case_is_right_or_refused_with_the_physical_reason(module, result)
 def test_random_brakes_are_answered_below_their_limit_alone(result):
     beyond = [row for row in result.locked.unique if row["answered"] is not None]
     assert beyond
-    assert sum(row["answered"] for row in beyond) == 0
-    assert all(row["same"] > row["starts"] / 2 for row in result.locked.unique)
+    assert sum(picked(beyond, "answered")) == 0
+    for row in result.locked.unique:
+        assert row["same"] > row["starts"] / 2
 
 
 @pytest.mark.slow

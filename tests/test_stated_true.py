@@ -34,6 +34,7 @@ from drumlin_studies.stated_true import (
     row,
     summary,
 )
+from picking import keyed, picked
 
 LEVELS = (TriangleLevel(3, 5, 1.4, 1.0), TriangleLevel(4, 7, 1.2, 1.0))
 
@@ -50,7 +51,8 @@ def test_a_brake_of_each_kind_is_drawn_again_by_its_seed(kind):
     assert brake == random_brake(5, kind)
     assert brake != random_brake(6, kind)
     assert (brake.ring is not None) == ("ring" in kind)
-    assert all(shoe.contact_arcs for shoe in solve(brake, elements=12).shoes)
+    for shoe in solve(brake, elements=12).shoes:
+        assert shoe.contact_arcs
 
 
 def test_the_kinds_follow_each_other_by_seed():
@@ -66,7 +68,7 @@ def test_what_a_response_states_is_held_against_the_truth(brake, truth):
     assert seen["outcome"] == "reached"
     off = errors(brake, coarse.shoes, truth.shoes)
     assert {name: seen[f"true_{name}"] for name in JUDGED_QUANTITIES} == off
-    torque = sum(shoe.torque for shoe in truth.shoes)
+    torque = sum(picked(truth.shoes, "torque"))
     assert off["torque"] == pytest.approx(abs(coarse.torque - torque) / torque)
     assert 1e-3 < off["pressure"] < 0.1
     liar = row(
@@ -76,7 +78,7 @@ def test_what_a_response_states_is_held_against_the_truth(brake, truth):
         truth,
     )
     assert ratio(liar, "pressure") < 1e-5
-    table = {one["quantity"]: one for one in summary([seen, liar])}
+    table = keyed(summary([seen, liar]), "quantity")
     assert table["pressure"]["above"] == pytest.approx(0.5 + 0.5 * (off["pressure"] > 1e-2))
     assert table["pressure"]["judged"] == 2 and table["pressure"]["smallest"] == ratio(
         liar, "pressure"
@@ -99,7 +101,7 @@ def test_what_fails_stays_in_the_table(brake, truth):
         raise ValueError("no")
 
     rows = [row(brake, 1e-2, refuse, truth), row(brake, 1e-2, stumble, truth)]
-    assert [one["outcome"] for one in rows] == ["not reached", "failed"]
+    assert picked(rows, "outcome") == ["not reached", "failed"]
     rows.append(
         row(brake, 1e-2, lambda brake, tolerance: solve(brake, elements=12), None, "singular")
     )
@@ -300,7 +302,7 @@ def test_what_a_soft_contact_changes_of_a_post_is_stated_too():
     """Of its pressure it changes a third more than to first order."""
     brake = random_brake(300_501, "post")
     level = prepare(brake, COLUMNS[1])
-    firm, soft = (respond(level, brake, penalty=each) for each in (math.inf, 10.0))
+    firm, soft = respond(level, brake, penalty=math.inf), respond(level, brake, penalty=10.0)
     true = pressure_distance(soft.shoes[0], firm.shoes[0])
     assert true > 1e-2
     assert beside(soft.shoes)[1] > true
@@ -406,7 +408,7 @@ def test_a_peak_under_a_tip_of_the_gap_is_unbounded_and_so_is_its_error(brake, t
     middle, ends = shoe.lining.middle, (shoe.lining.start, shoe.lining.end)
     rows = ((ends[0], gap), (middle, 0.0 if tip else gap), (ends[1], gap))
     kinked = vary(brake, {"shoe[0].lining.clearance": rows})
-    rough, fine = (solve(kinked, tolerance=tolerance).shoes[0] for tolerance in (1e-2, 1e-3))
+    rough, fine = solve(kinked, tolerance=1e-2).shoes[0], solve(kinked, tolerance=1e-3).shoes[0]
     if tip:
         assert fine.peak_pressure > 1.02 * rough.peak_pressure
         assert rough.error["peak"] == fine.error["peak"] == 1.0 and rough.error["pressure"] < 1e-2
@@ -466,7 +468,7 @@ def test_p_near_its_peak_beside_a_tip_of_the_gap_leaves_the_peak_unknown(brake):
     (start, end), g = (brake.shoes[0].lining.start, brake.shoes[0].lining.end), 2.7e-5
     table = [(start, g), (start + 0.3 * (end - start), 0.0), (end, 0.7 * g / 0.3)]
     tipped = vary(brake, {"shoe[0].lining.clearance": table})
-    rough, fine = (solve(tipped, tolerance=tolerance).shoes[0] for tolerance in (1e-2, 1e-3))
+    rough, fine = solve(tipped, tolerance=1e-2).shoes[0], solve(tipped, tolerance=1e-3).shoes[0]
     assert rough.error["peak"] == fine.error["peak"] == 1.0
     assert rough.pressure_at(np.array([table[1][0]])) < 0.99 * rough.peak_pressure
     assert fine.peak_pressure > 1.02 * rough.peak_pressure

@@ -9,6 +9,7 @@ from drumlin.base.journal import Journal
 from drumlin.brake.file import read_brake
 from drumlin.studies import load
 from drumlin_studies.misfit_rows import spread_rows
+from picking import keyed, picked
 
 pytestmark = pytest.mark.slow
 
@@ -42,7 +43,7 @@ def by_another_mesh(larger):
 
 
 def test_some_hundredths_of_a_millimetre_change_the_torque_by_tens_of_per_cent(result):
-    off = {row["misfit"]: row["from_fit"] for row in result.single}
+    off = keyed(result.single, "misfit", "from_fit")
     assert off["fits"] == 0
     for words, larger in (("larger", 5e-5), ("smaller", -5e-5)):
         assert off[f"linings 50 µm {words} in radius"] == pytest.approx(
@@ -59,9 +60,9 @@ def test_run_in_heals_every_misfit_but_not_the_drum(result, module):
     assert result.healed["torque"][:, -1] == pytest.approx(
         [row for row in law_torques(result, module)], rel=3e-3
     )
-    first, last = (np.ptp(result.healed["torque"][:, k]) for k in (0, -1))
+    first, last = np.ptp(result.healed["torque"][:, 0]), np.ptp(result.healed["torque"][:, -1])
     assert last < 0.6 * first
-    worn = {share.name: share.total.value for share in result.shares["worn in"]["torque"]}
+    worn = keyed(result.shares["worn in"]["torque"], "name", "total.value")
     for name, value in worn.items():
         assert value < 1e-6 or not any(word in name for word in ("radius", "centre", "taper")), name
     assert max(worn, key=worn.get).startswith("where the oval drum stands")
@@ -71,7 +72,7 @@ def test_run_in_heals_every_misfit_but_not_the_drum(result, module):
 
 def law_torques(result, module):
     """The sine law's torque of the brakes that were worn in."""
-    return [row["torque"] for row in result.rows["law"][: len(result.healed["torque"])]]
+    return picked(result.rows["law"][: len(result.healed["torque"])], "torque")
 
 
 def test_a_second_run_computes_no_case_again(result, module, journal, monkeypatch):

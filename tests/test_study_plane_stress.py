@@ -6,6 +6,7 @@ import pytest
 from drumlin.fem.preparation import finite_width
 from drumlin.studies import load
 from drumlin_studies import plane_stress
+from picking import having, picked
 
 pytestmark = pytest.mark.slow
 
@@ -40,7 +41,7 @@ def test_the_error_is_resolved_against_both_meshes(result):
 
 def test_without_lateral_contraction_only_the_table_is_left(result):
     by_nu = dict(result.curves["Poisson's ratio of the lining"])
-    assert min(by_nu) == 0 and max(row["torque"] for row in by_nu[0.0]) > 0.01
+    assert min(by_nu) == 0 and max(picked(by_nu[0.0], "torque")) > 0.01
 
 
 def test_one_width_is_within_one_per_cent_and_thin_tables_are_not(result):
@@ -59,7 +60,7 @@ def test_corrected_all_brakes_are_within_what_the_option_states(result):
         found[key] = [*np.concatenate(maps), *(row[key] for row in swept(result))]
     torques, pressures = found.values()
     for rungs in result.ladder.values():
-        ways = [rung for rung in rungs if rung.method == "plane stress, corrected"]
+        ways = having(rungs, method="plane stress, corrected")
         torques.append(ways[-1].torque)
         pressures.append(ways[-1].pressure)
     assert len(torques) > 20 and np.abs(torques).max() < finite_width.TORQUE_DEVIATION
@@ -68,14 +69,13 @@ def test_corrected_all_brakes_are_within_what_the_option_states(result):
 
 def test_the_ladder_prices_every_rung_against_both_truths(result):
     car, post = result.ladder.values()
-    assert {rung.method for rung in post} - {rung.method for rung in car} == {
+    assert set(picked(post, "method")) - set(picked(car, "method")) == {
         "foundation",
         "lifted",
     }
     for rungs in (car, post):
         plane, solid, law = (
-            [rung for rung in rungs if rung.method == way][-1]
-            for way in ("plane stress", "solid", "sine")
+            having(rungs, method=way)[-1] for way in ("plane stress", "solid", "sine")
         )
         assert solid.torque < plane.torque < law.torque and plane.plane_torque < 0.2 * plane.torque
         assert law.seconds < plane.seconds < solid.seconds
@@ -100,7 +100,7 @@ def test_worn_in_the_pressure_is_even_across_the_width_and_the_laws_along_the_ar
     for uneven, law in zip(result.worn.uneven, result.worn.from_law, strict=True):
         assert uneven[0] > 0.15 and uneven[-1] < 2e-3
         assert law[0] > 0.5 and law[-1] < 0.1
-        healed = [np.array(series) / series[0] for series in (uneven, law)]
+        healed = [np.array(uneven) / uneven[0], np.array(law) / law[0]]
         # The pressure becomes even across the width first.
         assert (healed[0][1:] < healed[1][1:]).all()
 
@@ -109,7 +109,7 @@ def test_the_report(module, result, tmp_path):
     page = module.report(result, tmp_path)
     text = page.read_text()
     assert "the worst shoe" in text and "E = S − D" in text
-    made = {path.name for path in tmp_path.iterdir()}
+    made = set(picked(tmp_path.iterdir(), "name"))
     assert {
         "map.png",
         "map.svg",

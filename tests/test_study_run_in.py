@@ -16,6 +16,7 @@ from drumlin.cli import main
 from drumlin.cli.commands import app
 from drumlin.studies import load
 from drumlin_studies.run_in_limits import run_row
+from picking import picked
 
 pytestmark = pytest.mark.slow
 
@@ -31,7 +32,7 @@ def result(module):
 
 
 def test_every_brake_comes_to_its_law_in_balance_and_without_a_checkerboard(result):
-    assert {row["law"] for row in result.brakes} == {"sin", "cos", "A cos + B sin"}
+    assert set(picked(result.brakes, "law")) == {"sin", "cos", "A cos + B sin"}
     rows = [*result.brakes, *result.ratios]
     assert len(rows) == 8
     for row in rows:
@@ -126,7 +127,7 @@ def test_the_command_runs_a_brake_in_and_writes_all_states(tmp_path):
     first, last = data["states"][0], data["states"][-1]
     assert abs(last["torque_from_law"]) < 1e-3 and last["pressure_from_law"] < 1e-3
     assert first["worn_volume"] == 0 < last["worn_volume"]
-    assert [len(p) for p in last["pressure"]] == [len(shoe["theta"]) for shoe in data["shoes"]]
+    assert list(map(len, last["pressure"])) == list(map(len, picked(data["shoes"], "theta")))
     out = wear(
         "--elements",
         "10",

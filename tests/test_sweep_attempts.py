@@ -18,6 +18,7 @@ from drumlin.sweeps import workers
 from drumlin.sweeps.cases import SweepCase, keys_of, run, solve_chunk, solved
 from drumlin.sweeps.file import read_sweep
 from drumlin.sweeps.table import table
+from picking import picked
 
 MESHED = """
 brake = "brake.toml"
@@ -109,9 +110,10 @@ def test_mesh_paths_count_from_the_sweep_file(meshed, monkeypatch, tmp_path):
     made = read_sweep(meshed.relative_to(tmp_path))
     monkeypatch.chdir("/")
     rows = run(made.cases)
-    assert all("no such file" not in row["status"] for row in rows)
+    for row in rows:
+        assert "no such file" not in row["status"]
     lines = table(made.cases, rows, meshed.parent)
-    assert [line["shoe[0].mesh"] for line in lines] == ["mesh.msh", "other/mesh.msh"]
+    assert picked(lines, "shoe[0].mesh") == ["mesh.msh", "other/mesh.msh"]
 
 
 def test_what_is_in_a_mesh_file_tells_cases_apart_not_its_name(meshed):

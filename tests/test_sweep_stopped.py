@@ -235,7 +235,8 @@ def test_a_lost_cluster_is_one_line_and_the_finished_cases_stay(
     assert (
         process.returncode == 3 and "finished cases are kept in" in last and cluster.address in last
     )
-    assert all("waiting for workers since" in line for line in waiting)
+    for line in waiting:
+        assert "waiting for workers since" in line
     keys = finished(output, sweep_file, "--jobs", 1)
     assert len(keys) == len(set(keys)) == 300
     assert output.read_bytes() == undisturbed

@@ -19,6 +19,7 @@ from drumlin.response.resultants import InnerPart, cross, edge_left_out, lobatto
 from drumlin_studies.fuzzing.endings import fault_of, in_process
 from drumlin_studies.fuzzing.inputs import BrokenInput, brake_text
 from drumlin_studies.textbook_brakes import hinged
+from picking import saying
 
 
 def _pressing(pressure):
@@ -56,7 +57,7 @@ def test_a_contact_within_the_lining_s_end_has_a_peak_pressure():
         vary(brake, {"shoe[0].lining.clearance": gap, "shoe.actuation.force": "50 N"}), elements=40
     )
     assert response.shoes[0].peak_pressure == response.shoes[0].pressure.max() > 1e7
-    assert any("the lining is strained" in note for note in response.notes)
+    assert saying(response.notes, "the lining is strained")
 
 
 def corner(gap, force):
@@ -87,7 +88,7 @@ def test_a_contact_within_some_hundredths_of_a_degree_of_the_end_is_known(gap, f
     ((start, end),) = np.degrees(response.shoes[0].contact_arcs)
     assert 0.5 * length < end - start < length
     assert response.shoes[0].torque == pytest.approx(torque, rel=math.radians(length))
-    assert not any("not reached" in note for note in response.notes)
+    assert not saying(response.notes, "not reached")
     assert response.shoes[0].error["pressure"] < 5e-3 and response.shoes[0].error["peak"] < 5e-3
 
 
@@ -110,9 +111,8 @@ def test_of_a_contact_too_short_to_be_seen_the_torque_is_known_and_the_pressure_
     error = response.shoes[0].error
     assert error["torque"] < 1e-3 and error["reaction"] < 1e-2
     assert min(error["pressure"], error["peak"]) >= 1
-    assert any(
-        "shoe 'right': its contact is 0.1 um long, too short to know its pressure" in n
-        for n in response.notes
+    assert saying(
+        response.notes, "shoe 'right': its contact is 0.1 um long, too short to know its pressure"
     )
     with pytest.raises(NoAnswer, match="too short to know its pressure"):
         drumlin.solve(brake, tolerance=1e-2)
@@ -123,7 +123,7 @@ def test_a_short_contact_in_the_middle_of_a_lining_is_not_said_to_be_at_its_end(
     response = drumlin.solve(
         vary(drumlin.read_brake("studies/brakes/block_on_lever.toml"), crowned)
     )
-    (warning,) = [note for note in response.notes if "warning" in note]
+    (warning,) = saying(response.notes, "warning")
     assert "too short to know its pressure" in warning and "unbounded" not in warning
 
 
@@ -140,7 +140,7 @@ def test_a_zone_at_the_ends_is_left_out_where_it_bears_less_than_half():
 def test_what_differs_within_a_zone_at_either_end_alone_is_no_distance(turned):
     # The two pressures differ in their first twentieth alone.
     a, b = [9.0] + [1.0] * 20, [1.0] * 21
-    one, other = (_pressing(p[::-1] if turned else p) for p in (a, b))
+    one, other = _pressing(a[::-1] if turned else a), _pressing(b[::-1] if turned else b)
     assert pressure_distance(one, other, 0.05) == pytest.approx(0.0, abs=1e-12)
     assert pressure_distance(one, other, 0.04) > 0.01
 
@@ -191,7 +191,8 @@ def test_a_shoe_is_not_taken_as_rigid_where_that_cannot_be_judged(tmp_path):
     file.write_text(THIN)
     response = drumlin.solve(drumlin.read_brake(file), tolerance=1e-2)
     assert response.shoes[0].normal_force == pytest.approx(38.6, abs=0.1)
-    assert all(math.isfinite(value) for value in response.error.values())
+    for value in response.error.values():
+        assert math.isfinite(value)
     json.dumps(response.as_dict(), allow_nan=False)
 
 
@@ -256,10 +257,8 @@ def test_shoes_that_lie_in_each_other_are_said():
     changes = {"shoe[1].lining.start": "40 deg", "shoe[1].lining.end": "165 deg"}
     changes |= {"shoe[1].body.start": "35 deg", "shoe[1].body.end": "170 deg", "friction": 0.1}
     for model in ("fem", "cosine"):
-        assert not any("lie in each other" in note for note in drumlin.solve(brake, model).notes)
-        found = [
-            n for n in drumlin.solve(vary(brake, changes), model).notes if "lie in each other" in n
-        ]
+        assert not saying(drumlin.solve(brake, model).notes, "lie in each other")
+        found = saying(drumlin.solve(vary(brake, changes), model).notes, "lie in each other")
         assert len(found) == 1
         assert "'right' and 'left'" in found[0]
         assert "from 40 deg to 55 deg" in found[0]
@@ -283,8 +282,8 @@ def test_pads_are_warned_of_as_shoes_on_a_drum_are():
     second = vary(clamp, other).model_dump(by_alias=True)["shoe"][0]
     two = validated(FlatBrake, data | {"shoe": [shoe, second]})
     for model in ("fem", "rigid"):
-        assert not any("warning" in note for note in drumlin.solve(clamp, model).notes)
-        found = [note for note in drumlin.solve(two, model).notes if "warning" in note]
+        assert not saying(drumlin.solve(clamp, model).notes, "warning")
+        found = saying(drumlin.solve(two, model).notes, "warning")
         # A shoe's own notes come first.
         assert [("'pad'" in note, "strained" in note) for note in found[:1]] == [(True, True)]
         assert "'pad' and 'other'" in found[-1] and "from 50 mm to 75 mm" in found[-1]
@@ -355,7 +354,7 @@ def test_a_lining_pressed_in_too_far_is_said_and_then_refused():
     # The mean counts, not the resultant: opposite sides do not relieve each other.
     strain = shoe.peak_pressure / E
     mean = np.trapezoid(shoe.pressure, shoe.theta) / (E * (end - start))
-    assert not any("strained" in note for note in small.notes)
+    assert not saying(small.notes, "strained")
 
     def said(factor):
         return drumlin.solve(
@@ -368,7 +367,7 @@ def test_a_lining_pressed_in_too_far_is_said_and_then_refused():
     )
     assert 9.5 * strain > 10.5 * mean
     most = f"the lining is strained by up to {100 * 9.5 * strain / mean:.2g} %"
-    assert any(most in note for note in said(9.5 / mean))
+    assert saying(said(9.5 / mean), most)
     with pytest.raises(NoAnswer, match="pressed in by 11 times its thickness"):
         said(11 / mean)
 
@@ -414,7 +413,7 @@ def test_a_mesh_that_lies_in_the_drum_is_said_and_then_refused(tmp_path, depth, 
             drumlin.solve(brake)
         brake = vary(brake, {"shoe[0].mesh_interference": True})
     notes = drumlin.solve(brake).notes
-    assert any("in the drum" in note for note in notes) == (outcome != "fine")
+    assert bool(saying(notes, "in the drum")) == (outcome != "fine")
 
 
 def test_the_sine_law_refuses_a_lining_that_reaches_past_its_hinge_on_one_side():
@@ -441,7 +440,7 @@ def test_the_balance_of_the_printed_pressure_is_said_where_it_is_the_worse(brake
     for options in ({}, {"elements": 12}):
         response = drumlin.solve(brake, **options)
         curve = worst([shoe_balance(brake, i, shoe) for i, shoe in enumerate(response.shoes)])
-        said = [note for note in response.notes if "p(theta) on the round drum balances" in note]
+        said = saying(response.notes, "p(theta) on the round drum balances")
         assert bool(said) == (curve.force > 1e-8) == bool(options)
         assert not said or f"{curve.force:.1e} (force) and {curve.moment:.1e} (moment)" in said[0]
     assert response.balance.force < 1e-12 < curve.force

@@ -27,6 +27,7 @@ from drumlin.lining_wear.run_in import (
 from drumlin.lining_wear.worn_in import worn_in
 from drumlin_studies import consistency_wear
 from drumlin_studies.random_kinds import random_kind
+from picking import picked, saying
 from winkler_lining import FORCE, LAW, MU, PIN, RADIUS, UNIT, WIDTH, winkler
 
 ARCHARD = WearLaw(COEFFICIENT)
@@ -159,9 +160,7 @@ def test_wear_without_a_distance_ends_where_its_mesh_ends_and_says_how_far_that_
     assert 1e-3 < distance(setup, states[-1], goal).pressure < 1e-2
     assert states[-1].torque == pytest.approx(law(brake).torque, rel=1e-3)
     assert goal.torque == pytest.approx(law(brake).torque, rel=1e-9)
-    (line,) = [
-        line for line in report_lines(setup, states, goal, ARCHARD) if "on this mesh" in line
-    ]
+    (line,) = saying(report_lines(setup, states, goal, ARCHARD), "on this mesh")
     assert "more elements come nearer" in line
 
 
@@ -199,8 +198,8 @@ def test_a_held_torque_finds_the_feet_too() -> None:
 @pytest.mark.parametrize("seed", partly([17, 28], [28]))
 def test_beginning_middle_and_end_agree_on_random_brakes(seed: int) -> None:
     rows = consistency_wear.checks(seed)
-    assert {row.outcome for row in rows} <= {"agrees", "refused"}
-    assert {row.check for row in rows} >= {
+    assert set(picked(rows, "outcome")) <= {"agrees", "refused"}
+    assert set(picked(rows, "check")) >= {
         "wear's start = solve",
         "wear's end = worn in",
         "worn in = law",
@@ -210,4 +209,4 @@ def test_beginning_middle_and_end_agree_on_random_brakes(seed: int) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(100, 100 + len(consistency_wear.WEAR_KINDS)))
 def test_beginning_middle_and_end_agree_on_brakes_of_every_kind(seed: int) -> None:
-    assert {row.outcome for row in consistency_wear.checks(seed)} <= {"agrees", "refused"}
+    assert set(picked(consistency_wear.checks(seed), "outcome")) <= {"agrees", "refused"}
