@@ -11,9 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from drumlin import Brake, vary
 from drumlin.brake import read_brake
-from drumlin.brake.brake import Brake
-from drumlin.brake.file import vary
 from drumlin.verification import triangles
 from drumlin_studies.stated_true import errors
 

@@ -18,6 +18,7 @@ from drumlin.brake.file import read_brake
 from drumlin.contact import self_locking
 from drumlin.contact.active_set import Contact
 from drumlin.contact.equations import Problem
+from drumlin.studies import load
 
 # A job in the background ignores these signals, and the processes that it starts would, too.
 for number in (signal.SIGINT, signal.SIGHUP):
@@ -56,6 +57,18 @@ def flexible() -> Brake:
 @pytest.fixture(scope="session")
 def root() -> Path:
     return ROOT
+
+
+@pytest.fixture(scope="module")
+def module(request: pytest.FixtureRequest) -> Any:
+    """The study's module, for test modules that name their study in STUDY_NAME."""
+    return load(request.module.STUDY_NAME)[0]
+
+
+@pytest.fixture(scope="module")
+def result(module: Any) -> Any:
+    """The study's result on its short setting."""
+    return module.study(short=True)
 
 
 def settled_sizes(monkeypatch: pytest.MonkeyPatch) -> list[int]:

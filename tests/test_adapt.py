@@ -7,8 +7,7 @@ from itertools import starmap
 import numpy as np
 import pytest
 
-from drumlin.base.errors import BadInput, NoAnswer
-from drumlin.brake.file import vary
+from drumlin import BadInput, NoAnswer, vary
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.mesh.arc import shoe_mesh
 from drumlin.fem.mesh.file import write_mesh
@@ -17,6 +16,7 @@ from drumlin.response.norms import pressure_distance
 from drumlin.verification.reference import responses
 from drumlin_studies.work_precision import refined_division
 from picking import saying
+from shared_parts import drum_ring
 
 NAMES = ("pressure", "torque", "peak", "reaction")
 # The contact is partial: open at the hinge, and in the middle of one lining.
@@ -89,13 +89,7 @@ def test_a_shoe_that_lifts_off_in_places_is_followed_to_its_contact_ends(brake):
 @pytest.mark.parametrize("support", ["fixed", "free"])
 @pytest.mark.slow
 def test_an_elastic_ring_is_refined_with_the_linings(brake, support):
-    ring = {
-        "thickness": 0.01,
-        "width": 0.04,
-        "material": {"E": 1.2e11, "nu": 0.25},
-        "support": support,
-    }
-    ringed = vary(brake, CLEARANCE | {"drum.ring": ring})
+    ringed = vary(brake, CLEARANCE | drum_ring(0.01, support))
     response, truth = solve(ringed, tolerance=3e-3), solve(ringed, tolerance=2e-4)
     assert distance(response, truth) < 3e-3
     assert response.torque == pytest.approx(truth.torque, rel=1e-4)

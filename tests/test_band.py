@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 import drumlin
-from drumlin.base.errors import BadInput
+from drumlin import BadInput, Brake
 from drumlin.brake import read_any, vary
-from drumlin.brake.brake import Brake
 from drumlin.brake.file import brake_from
 from drumlin.fem.analysis.holding import full_slip_rotation, hold
 from drumlin.fem.analysis.sensitivity import sensitivity

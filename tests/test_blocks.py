@@ -8,17 +8,13 @@ import numpy as np
 import pytest
 
 import blocks
-from drumlin import solve
-from drumlin.base.errors import NoAnswer
-from drumlin.brake.brake import Brake
-from drumlin.brake.file import vary
+from drumlin import Brake, NoAnswer, Response, solve, vary
 from drumlin.fem.error_control import levels
 from drumlin.fem.error_control.adapt import DEFAULT
 from drumlin.fem.error_control.levels import LEVELS, steps
 from drumlin.fem.error_control.places import places_of, strengths
 from drumlin.fem.hp.division import Singularity, divide
 from drumlin.fem.model import respond
-from drumlin.response import Response
 from drumlin_studies.consistency_blocks import (
     BLOCK_KINDS,
     FEWEST_BLOCK_STEPS,
@@ -188,14 +184,14 @@ def test_ends_of_the_contact_that_go_to_and_fro_are_left(
     assert len(passes) == 2
 
 
-def test_random_linings_of_blocks_are_those_of_their_seed() -> None:
-    for seed in (11, len(BLOCK_KINDS) + 1):
-        brake, other = random_blocks(seed), random_blocks(seed, 6)
-        assert brake == random_blocks(seed) and brake.title == other.title
-        for shoe in brake.shoes:
-            assert FEWEST_BLOCK_STEPS <= len(shoe.lining.misfit.blocks) <= MOST_BLOCK_STEPS
-        for shoe in other.shoes:
-            assert len(shoe.lining.misfit.blocks) == 6
+@pytest.mark.parametrize("seed", (11, len(BLOCK_KINDS) + 1))
+def test_random_linings_of_blocks_are_those_of_their_seed(seed) -> None:
+    brake, other = random_blocks(seed), random_blocks(seed, 6)
+    assert brake == random_blocks(seed) and brake.title == other.title
+    for shoe in brake.shoes:
+        assert FEWEST_BLOCK_STEPS <= len(shoe.lining.misfit.blocks) <= MOST_BLOCK_STEPS
+    for shoe in other.shoes:
+        assert len(shoe.lining.misfit.blocks) == 6
 
 
 def test_a_brake_without_a_truth_is_a_row_that_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:

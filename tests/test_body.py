@@ -9,10 +9,9 @@ import skfem
 from scipy.sparse.linalg import spsolve
 from skfem.models.elasticity import linear_elasticity, plane_stress
 
-from drumlin.base.errors import NoAnswer
+from drumlin import NoAnswer, vary
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.brake.fields import Material
-from drumlin.brake.file import vary
 from drumlin.fem.mesh.arc import shoe_mesh
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.substructure.body import FRAME, condense, constrain, scalar_basis, stiffness

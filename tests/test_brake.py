@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from conftest import STUDY
 from drumlin.base.errors import BadInput
+from drumlin.brake import units
 from drumlin.brake.brake import ShoeFrame
 from drumlin.brake.file import brake_from, read_brake, vary
 from drumlin.brake.units import to_si
@@ -267,8 +268,6 @@ def test_varying_inside_a_table_that_was_given_leaves_that_table_alone(brake):
 
 
 def test_common_units_are_those_of_pint():
-    from drumlin.brake import units
-
     for si, factors in units.COMMON.items():
         for unit, factor in factors.items():
             assert factor == pytest.approx(units._by_pint(unit, si), rel=1e-15)

@@ -2,6 +2,8 @@
 
 import json
 import math
+from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -115,8 +117,6 @@ def test_the_file_holds_the_factors_and_what_they_were_fitted_on(tmp_path):
 
 
 def test_the_file_that_the_code_reads_was_written_by_the_command():
-    from pathlib import Path
-
     path = Path(estimate.__file__).with_name("factors.json")
     data = json.loads(path.read_text(encoding="utf-8"))
     written = Provenance(**{key: data["provenance"][key] for key in Provenance._fields})
@@ -131,8 +131,6 @@ def seen():
 
 
 def test_what_is_observed_of_a_level_is_what_a_solve_states(seen):
-    from itertools import pairwise
-
     brake, levels = seen
     responses = picked(steps(brake, respond), "response")
     for (before, last), level in zip(pairwise(responses), levels, strict=True):

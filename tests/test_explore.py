@@ -1,5 +1,6 @@
 """The page to explore a brake: knobs, answers and pictures, then a browser that moves a slider."""
 
+import http.client
 import json
 import math
 import subprocess
@@ -373,8 +374,6 @@ const timer = setInterval(() => {
 
 @pytest.mark.slow
 def test_only_this_machine_is_answered_by_its_own_name(tmp_path):
-    import http.client
-
     with served() as address:
         port = int(address.strip("/").rsplit(":", 1)[1])
         for host, status in (

@@ -56,28 +56,26 @@ def test_the_saved_file_is_the_same_brake_whatever_the_file_was_called(explorer,
     assert read_any(path) == explorer.brake.model_copy(update={"friction": 0.4})
 
 
-def test_the_server_sends_it(explorer):
-    for name in NAMES:
-        server = _Server(explorer, name, 0)
-        thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.01})
-        thread.start()
-        try:
-            asked = HTTPConnection("127.0.0.1", server.server_port, timeout=20)
-            asked.request(
-                "GET",
-                "/brake.toml?friction=0.4",
-                headers={"Host": f"localhost:{server.server_port}"},
-            )
-            answer = asked.getresponse()
-            assert (
-                answer.status == 200 and "_explored.toml" in answer.headers["Content-Disposition"]
-            )
-            assert tomllib.loads(answer.read().decode())["friction"] == 0.4
-            asked.close()
-        finally:
-            server.shutdown()
-            thread.join()
-            server.server_close()
+@pytest.mark.parametrize("name", NAMES)
+def test_the_server_sends_it(name, explorer):
+    server = _Server(explorer, name, 0)
+    thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.01})
+    thread.start()
+    try:
+        asked = HTTPConnection("127.0.0.1", server.server_port, timeout=20)
+        asked.request(
+            "GET",
+            "/brake.toml?friction=0.4",
+            headers={"Host": f"localhost:{server.server_port}"},
+        )
+        answer = asked.getresponse()
+        assert answer.status == 200 and "_explored.toml" in answer.headers["Content-Disposition"]
+        assert tomllib.loads(answer.read().decode())["friction"] == 0.4
+        asked.close()
+    finally:
+        server.shutdown()
+        thread.join()
+        server.server_close()
 
 
 def copied(folder: Path) -> Path:

@@ -2,7 +2,9 @@
 
 import math
 import random
+import threading
 import time
+import warnings
 import zlib
 from types import SimpleNamespace
 
@@ -12,6 +14,7 @@ from conftest import ROOT
 from drumlin import solve
 from drumlin.base.errors import BadInput
 from drumlin.brake.plane_brake import read_any
+from drumlin.cli import process
 from drumlin.fem.mesh import vtu
 from drumlin.fem.mesh.inp import read_inp
 from drumlin_studies.fuzzing import endings, soundness, trials
@@ -69,20 +72,12 @@ def test_words_that_no_process_can_be_given_are_tried_in_this_one():
 
 
 def test_what_waits_without_end_is_found(monkeypatch):
-    import threading
-
-    from drumlin.cli import process
-
     monkeypatch.setattr(endings, "LONGEST_WAIT", 0.05)
     monkeypatch.setattr(process, "run", lambda words: threading.Event().wait(60))
     assert "Late" in fault_of(GIVEN, in_process(GIVEN))
 
 
 def test_a_warning_and_a_run_that_works_without_end_are_found(monkeypatch):
-    import warnings
-
-    from drumlin.cli import process
-
     monkeypatch.setattr(process, "run", lambda words: warnings.warn("x", stacklevel=1) or 0)
     assert "UserWarning" in fault_of(GIVEN, in_process(GIVEN))
 
@@ -95,17 +90,17 @@ def test_a_warning_and_a_run_that_works_without_end_are_found(monkeypatch):
     assert "took" in fault_of(GIVEN, in_process(GIVEN))
 
 
-def test_a_sound_mesh_is_answered_and_that_of_an_impossible_one_is_a_fault(monkeypatch):
+@pytest.mark.parametrize("suffix", MESH_SUFFIXES)
+def test_a_sound_mesh_is_answered_and_that_of_an_impossible_one_is_a_fault(suffix, monkeypatch):
     """A sound mesh is answered, and a generator that calls a sound mesh impossible is caught.
 
     Impossible meshes are made from meshes that drumlin takes: otherwise a refusal would prove
     nothing.
     """
-    for suffix in MESH_SUFFIXES:
-        sound = meshed("sound", mesh_files()[suffix], suffix, must_fail=False)
-        end = in_process(sound)
-        assert end.status == 0 and fault_of(sound, end) == ""
-        assert "has none" in fault_of(sound._replace(must_fail=True), end)
+    sound = meshed("sound", mesh_files()[suffix], suffix, must_fail=False)
+    end = in_process(sound)
+    assert end.status == 0 and fault_of(sound, end) == ""
+    assert "has none" in fault_of(sound._replace(must_fail=True), end)
 
 
 def test_an_answer_that_cannot_be_true_is_found(monkeypatch):

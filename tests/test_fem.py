@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from conftest import STUDY
 from drumlin.base.errors import BadInput, NoAnswer
-from drumlin.brake.file import read_brake, vary
+from drumlin.brake.file import brake_from, read_brake, vary
 from drumlin.comparison import converge
 from drumlin.contact import active_set
 from drumlin.fem.analysis.fields import fields, write_vtu
@@ -75,21 +75,21 @@ def test_the_deviation_from_the_law_falls_with_the_lining(brake):
     assert deviations[2] < 0.4 * deviations[0]
 
 
-def test_forces_and_moments_balance_and_contact_is_complementary(brake):
-    for penalty in (1e3, 1e6, math.inf):
-        response = respond(SCENE, BRAKE, penalty=penalty)
-        assert response.converged
-        assert max(response.balance.force, response.balance.moment) < 1e-9
-        for index, (body, shoe) in enumerate(zip(SCENE.bodies, BRAKE.shoes, strict=True)):
-            problem = ShoeGroup(SCENE, BRAKE, (index,), penalty).problem
-            found = active_set.solve(problem)
-            w = problem.q + problem.A @ found.p + problem.B @ found.y
-            area = body.coupling.area
-            compression = found.p.max() * shoe.lining.thickness / shoe.lining.material.E
-            assert found.p.min() >= 0
-            # No node may penetrate the drum by more than p/eps.
-            assert (w / area).min() > -1e-9 * compression
-            assert np.abs(found.p * w / area).max() < 1e-9 * found.p.max() * compression
+@pytest.mark.parametrize("penalty", (1e3, 1e6, math.inf))
+def test_forces_and_moments_balance_and_contact_is_complementary(penalty, brake):
+    response = respond(SCENE, BRAKE, penalty=penalty)
+    assert response.converged
+    assert max(response.balance.force, response.balance.moment) < 1e-9
+    for index, (body, shoe) in enumerate(zip(SCENE.bodies, BRAKE.shoes, strict=True)):
+        problem = ShoeGroup(SCENE, BRAKE, (index,), penalty).problem
+        found = active_set.solve(problem)
+        w = problem.q + problem.A @ found.p + problem.B @ found.y
+        area = body.coupling.area
+        compression = found.p.max() * shoe.lining.thickness / shoe.lining.material.E
+        assert found.p.min() >= 0
+        # No node may penetrate the drum by more than p/eps.
+        assert (w / area).min() > -1e-9 * compression
+        assert np.abs(found.p * w / area).max() < 1e-9 * found.p.max() * compression
 
 
 def test_a_clearance_opens_the_contact_and_stays_complementary():
@@ -279,8 +279,6 @@ def test_a_brake_in_mm_n_mpa_numbers_gives_the_same_numbers(brake):
         lengths = {"radius", "thickness", "width", "x", "y"} if value is not None else set()
         return value * 1e3 if key in lengths else value * 1e-6 if key == "E" else value
 
-    from drumlin.brake.file import brake_from
-
     a, b = solve(brake, elements=40), solve(brake_from(scaled(data)), elements=40)
     assert b.torque == pytest.approx(1e3 * a.torque, rel=1e-10)
     assert b.iterations == a.iterations
@@ -324,15 +322,15 @@ def test_the_softening_of_a_penalty_is_linear_in_it_and_as_stated():
         assert stated == pytest.approx(soft.torque / shoe.torque - 1, rel=0.06)
 
 
-def test_starts_agree():
-    for index in (0, 1):
-        problem = ShoeGroup(SCENE, vary(BRAKE, {"shoe.lining.clearance": 1e-4}), (index,)).problem
-        n = len(problem.q)
-        rng = np.random.default_rng(5)
-        starts = [None, np.zeros(n, bool), rng.random(n) < 0.5, rng.random(n) < 0.1]
-        answers = [active_set.solve(problem, start) for start in starts]
-        for found in answers[1:]:
-            assert found.p == pytest.approx(answers[0].p, rel=1e-9, abs=1e-9 * answers[0].p.max())
+@pytest.mark.parametrize("index", (0, 1))
+def test_starts_agree(index):
+    problem = ShoeGroup(SCENE, vary(BRAKE, {"shoe.lining.clearance": 1e-4}), (index,)).problem
+    n = len(problem.q)
+    rng = np.random.default_rng(5)
+    starts = [None, np.zeros(n, bool), rng.random(n) < 0.5, rng.random(n) < 0.1]
+    answers = [active_set.solve(problem, start) for start in starts]
+    for found in answers[1:]:
+        assert found.p == pytest.approx(answers[0].p, rel=1e-9, abs=1e-9 * answers[0].p.max())
 
 
 def test_equal_shoes_are_condensed_once_and_it_is_said(brake):

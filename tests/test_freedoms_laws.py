@@ -10,8 +10,7 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 from pytest import approx
 
-from drumlin.base.errors import BadInput, NoAnswer
-from drumlin.brake.brake import Brake
+from drumlin import BadInput, Brake, NoAnswer
 from drumlin.brake.file import brake_from, validated, vary
 from drumlin.brake.plane_brake import FlatBrake, read_any
 from drumlin.laws import LAWS, law, rigid
@@ -95,17 +94,17 @@ def test_abutted_shoes_of_all_kinds_are_the_closed_form(
     assert rigid.solve(brake, whole=True).torque / (R * F) == approx(factor, rel=1e-9)
 
 
-def test_friction_of_an_abutment_opposes_the_slide_that_it_finds() -> None:
+@pytest.mark.parametrize(("spin", "m"), ((-1, 0.2), (1, -0.2)))
+def test_friction_of_an_abutment_opposes_the_slide_that_it_finds(spin, m) -> None:
     """An abutment's friction opposes the slide of the foot that the law itself finds.
 
     A leading shoe slides with the drum, so that mu_s acts as the slope does; a trailing one slides
     the other way.
     """
-    for spin, m in ((-1, 0.2), (1, -0.2)):
-        rough, sloped = (
-            brake_of(abutted(0.35, spin, *s), mu=0.35, spin=spin) for s in ((0.0, 0.2), (m, 0.0))
-        )
-        assert rigid.solve(rough).torque == approx(rigid.solve(sloped).torque, rel=1e-12)
+    rough, sloped = (
+        brake_of(abutted(0.35, spin, *s), mu=0.35, spin=spin) for s in ((0.0, 0.2), (m, 0.0))
+    )
+    assert rigid.solve(rough).torque == approx(rigid.solve(sloped).torque, rel=1e-12)
 
 
 def test_a_foot_that_sticks_is_a_hinge() -> None:
@@ -136,7 +135,8 @@ def hinged_factor(mu: float, h: float, a: float, phi_1: float, phi_2: float) -> 
     return mu * Is * h / (a * Iss - mu * (R * Is - a * Isc))
 
 
-def test_duo_servo_is_the_closed_form() -> None:
+@pytest.mark.parametrize("m", (0.0, 0.2))
+def test_duo_servo_is_the_closed_form(m) -> None:
     """A duo-servo brake has the closed-form factor B = B1 + B2 (c + B1 r)/a of a level strut.
 
     With a slope m of the abutment the equilibria give (c + B1 r)/(a + m o).
@@ -144,18 +144,17 @@ def test_duo_servo_is_the_closed_form() -> None:
     The strut is a two-force member: its line meets the secondary at the arm 2 a + m o about a hinge
     at (0, a).
     """
-    for m in (0.0, 0.2):
-        brake = brake_of(
-            abutted(0.3, -1, m), secondary(0.0, A), link=[{"from": "first", "to": "second"}]
-        )
-        B1, B2 = limpert(0.3, 1, m), hinged_factor(0.3, 2 * A, A, radians(50), radians(160))
-        strut = (C + B1 * R) / (A + m * OFF)
-        expected = B1 + B2 * strut * (2 * A + m * OFF) / (2 * A)
-        response = rigid.solve(brake, whole=True)
-        assert response.torque / (R * F) == approx(expected, rel=1e-9)
-        assert response.shoes[1].force == approx(strut * F * math.hypot(1, m), rel=1e-9)
-        as_it_is = rigid.solve(brake)
-        assert max(as_it_is.balance.force, as_it_is.balance.moment) < 1e-9
+    brake = brake_of(
+        abutted(0.3, -1, m), secondary(0.0, A), link=[{"from": "first", "to": "second"}]
+    )
+    B1, B2 = limpert(0.3, 1, m), hinged_factor(0.3, 2 * A, A, radians(50), radians(160))
+    strut = (C + B1 * R) / (A + m * OFF)
+    expected = B1 + B2 * strut * (2 * A + m * OFF) / (2 * A)
+    response = rigid.solve(brake, whole=True)
+    assert response.torque / (R * F) == approx(expected, rel=1e-9)
+    assert response.shoes[1].force == approx(strut * F * math.hypot(1, m), rel=1e-9)
+    as_it_is = rigid.solve(brake)
+    assert max(as_it_is.balance.force, as_it_is.balance.moment) < 1e-9
 
 
 def test_duo_servo_by_the_short_formula() -> None:
@@ -255,23 +254,23 @@ def test_a_cylinder_pushes_both_shoes_with_its_pressure() -> None:
 # the special cases
 
 
-def test_the_law_of_a_hinge_is_the_sine_law_and_that_of_a_guide_the_cosine() -> None:
-    for spin in (1, -1):
-        brake = vary(cam_brake(0.3, spin), {"actuation": None, "shoe.actuation.force": F})
-        sine, own = MODELS["sine"].solve(brake), rigid.solve(brake)
-        for a, b in zip(own.shoes, sine.shoes, strict=True):
-            assert a.torque == approx(b.torque, rel=1e-12)
-            assert a.peak_pressure == approx(b.peak_pressure, rel=1e-12)
-            np.testing.assert_allclose(a.hinge_reaction, b.hinge_reaction, rtol=1e-10)
-        guided = vary(
-            brake,
-            {"shoe.hinge": None} | {f"shoe[{i}].guide": {"direction": i * pi} for i in (0, 1)},
-        )
-        shoe = law(guided).shoes[0]
-        # The friction acts across the guide and does not change the normal force.
-        N = F
-        assert shoe.torque == approx(0.3 * float(equivalent_friction(0.9)) * N * R, rel=1e-12)
-        assert shoe.pressure == approx(shoe.peak_pressure * np.cos(shoe.theta), rel=1e-12)
+@pytest.mark.parametrize("spin", (1, -1))
+def test_the_law_of_a_hinge_is_the_sine_law_and_that_of_a_guide_the_cosine(spin) -> None:
+    brake = vary(cam_brake(0.3, spin), {"actuation": None, "shoe.actuation.force": F})
+    sine, own = MODELS["sine"].solve(brake), rigid.solve(brake)
+    for a, b in zip(own.shoes, sine.shoes, strict=True):
+        assert a.torque == approx(b.torque, rel=1e-12)
+        assert a.peak_pressure == approx(b.peak_pressure, rel=1e-12)
+        np.testing.assert_allclose(a.hinge_reaction, b.hinge_reaction, rtol=1e-10)
+    guided = vary(
+        brake,
+        {"shoe.hinge": None} | {f"shoe[{i}].guide": {"direction": i * pi} for i in (0, 1)},
+    )
+    shoe = law(guided).shoes[0]
+    # The friction acts across the guide and does not change the normal force.
+    N = F
+    assert shoe.torque == approx(0.3 * float(equivalent_friction(0.9)) * N * R, rel=1e-12)
+    assert shoe.pressure == approx(shoe.peak_pressure * np.cos(shoe.theta), rel=1e-12)
 
 
 def test_a_lining_that_reaches_past_its_hinge_lifts_there() -> None:

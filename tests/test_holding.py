@@ -143,22 +143,22 @@ def test_every_increment_obeys_contact_and_friction():
     assert kinds == {0, 1, 2, 3}
 
 
+@pytest.mark.parametrize("seed", range(2))
 @pytest.mark.parametrize("left", [("_newton",), ("_newton", "_followed")])
-def test_both_paths_lead_to_the_answer_of_newtons_method(monkeypatch, left):
+def test_both_paths_lead_to_the_answer_of_newtons_method(seed, monkeypatch, left):
     """From the states at hand, and from wide gaps."""
-    for seed in range(2):
-        brake, scene = any_brake(seed)
-        rotations = full_slip_rotation(scene, brake) * np.array([0.0, 0.3, 0.6, 1.0, 0.5])
-        expected = hold(scene, brake, rotations)
-        with monkeypatch.context() as patch:
-            for way in left:
-                patch.setattr(stick_slip, way, _refuse)
-            found = hold(scene, brake, rotations)
-        for one, other in zip(found, expected, strict=True):
-            largest = other.pressure[0].max()
-            assert one.pressure[0] == pytest.approx(other.pressure[0], rel=1e-7, abs=1e-7 * largest)
-            assert one.traction[0] == pytest.approx(other.traction[0], rel=1e-7, abs=1e-7 * largest)
-            assert (one.state[0] == OPEN).sum() == (other.state[0] == OPEN).sum()
+    brake, scene = any_brake(seed)
+    rotations = full_slip_rotation(scene, brake) * np.array([0.0, 0.3, 0.6, 1.0, 0.5])
+    expected = hold(scene, brake, rotations)
+    with monkeypatch.context() as patch:
+        for way in left:
+            patch.setattr(stick_slip, way, _refuse)
+        found = hold(scene, brake, rotations)
+    for one, other in zip(found, expected, strict=True):
+        largest = other.pressure[0].max()
+        assert one.pressure[0] == pytest.approx(other.pressure[0], rel=1e-7, abs=1e-7 * largest)
+        assert one.traction[0] == pytest.approx(other.traction[0], rel=1e-7, abs=1e-7 * largest)
+        assert (one.state[0] == OPEN).sum() == (other.state[0] == OPEN).sum()
 
 
 def _refuse(system, start):

@@ -10,10 +10,11 @@ import skfem
 from scipy.spatial import cKDTree
 from skfem.models.elasticity import linear_elasticity, plane_stress
 
+from conftest import ROOT
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.elasticity import elasticity_matrix
 from drumlin.brake.fields import Material
-from drumlin.brake.file import brake_from, vary
+from drumlin.brake.file import brake_from, read_brake, vary
 from drumlin.fem.analysis.fields import fields, ring_fields
 from drumlin.fem.analysis.holding import full_slip_rotation, hold
 from drumlin.fem.analysis.sensitivity import sensitivity
@@ -38,6 +39,7 @@ from drumlin.fem.hp.division import Singularity, divide, graded
 from drumlin.fem.hp.element import condensed_elements, element, shape_functions, stiffness
 from drumlin.fem.hp.shoe import distinct, nodes_of, rigid
 from drumlin.fem.model import PENALTY, refined_group, respond
+from drumlin.fem.preparation.bodies import actuation
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import scene_of, solve
@@ -47,9 +49,10 @@ from drumlin.laws import sine
 from drumlin.lining_wear.worn_in import solve as solve_worn_in
 from drumlin.response.norms import pressure_distance
 from drumlin.response.resultants import InnerPart, largest, lobatto
-from drumlin.sweeps.cases import SweepCase, solved
+from drumlin.sweeps.cases import solved
 from drumlin_studies.random_brake import random_brake
 from picking import picked
+from shared_parts import drum_ring, friction_cases
 
 STEEL = Material(E=210e9, nu=0.3)
 POST = {
@@ -214,6 +217,18 @@ def body_and_parts(brake, index=0, level=LEVELS[1]):
     return brake.shoes[index], made.bodies[index]
 
 
+def factorised_at_once(shoe, body):
+    """The shoe condensed by one sparse factorisation; its contact stiffness must be the body's."""
+    _, ties, loads = body.condensed.inside()
+    other = condense(
+        body.basis.stiffness(layers_of(shoe)), ties, {"actuation": loads}, 2 * len(body.line.nodes)
+    )
+    expected = other.L_cc @ other.L_cc.T
+    found = body.condensed.L_cc @ body.condensed.L_cc.T
+    assert found == pytest.approx(expected, abs=1e-9 * np.abs(expected).max())
+    return other
+
+
 CASES = {
     "arc": {},
     "backing": {"shoe.backing": {"thickness": 0.004, "material": {"E": 1e10, "nu": 0.3}}},
@@ -230,12 +245,7 @@ def test_a_condensed_shoe_is_what_one_sparse_factorisation_leaves(brake, case):
     Contact stiffness, unit loads and their work are compared.
     """
     shoe, body = body_and_parts(vary(brake, CASES[case]))
-    _, ties, loads = body.condensed.inside()
-    other = condense(
-        body.basis.stiffness(layers_of(shoe)), ties, {"actuation": loads}, 2 * len(body.line.nodes)
-    )
-    S, T = (c.L_cc @ c.L_cc.T for c in (body.condensed, other))
-    assert pytest.approx(T, abs=1e-9 * np.abs(T).max()) == S
+    other = factorised_at_once(shoe, body)
     for name in ("load_on_contact", "load_on_frame", "load_work"):
         mine, theirs = getattr(body.condensed, name), getattr(other, name)
         assert mine == pytest.approx(theirs, abs=1e-8 * max(np.abs(theirs).max(), 1e-30))
@@ -243,18 +253,9 @@ def test_a_condensed_shoe_is_what_one_sparse_factorisation_leaves(brake, case):
 
 
 def test_a_post_is_what_one_sparse_factorisation_leaves():
-    from pathlib import Path
-
-    from drumlin.brake.file import read_brake
-
-    post = read_brake(Path(__file__).parents[1] / "studies" / "post_brake" / "brake.toml")
+    post = read_brake(ROOT / "studies" / "post_brake" / "brake.toml")
     shoe, body = body_and_parts(vary(post, {"drum.ring": None}))
-    _, ties, loads = body.condensed.inside()
-    other = condense(
-        body.basis.stiffness(layers_of(shoe)), ties, {"actuation": loads}, 2 * len(body.line.nodes)
-    )
-    S, T = (c.L_cc @ c.L_cc.T for c in (body.condensed, other))
-    assert pytest.approx(T, abs=1e-9 * np.abs(T).max()) == S
+    other = factorised_at_once(shoe, body)
     assert body.condensed.load_on_frame == pytest.approx(other.load_on_frame, abs=1e-8)
     ends = [body.basis.doflocs[:, body.basis.sets[name]] for name in ("hinge", "actuation")]
     # The beam's axis goes from the pin to the force.
@@ -333,13 +334,7 @@ def test_a_ring_under_even_pressure_grows_as_lame_says(brake, support):
 
 @pytest.mark.parametrize("support", ["fixed", pytest.param("free", marks=pytest.mark.slow)])
 def test_rings_of_columns_and_of_a_mesh_answer_alike(brake, support):
-    ring = {
-        "thickness": 0.012,
-        "width": 0.04,
-        "material": {"E": 1.2e11, "nu": 0.25},
-        "support": support,
-    }
-    ringed = vary(brake, {"drum.ring": ring})
+    ringed = vary(brake, drum_ring(0.012, support))
     theirs = respond(prepare(ringed, elements=120), ringed)
     mine = respond(prepare(ringed, LEVELS[2], places_of(ringed, theirs)), ringed)
     assert mine.torque == pytest.approx(theirs.torque, rel=2e-5)
@@ -731,13 +726,7 @@ def test_a_level_with_more_contact_nodes_than_memory_can_take_is_said_to_miss_th
 
 
 def test_nodes_that_meet_through_a_ring_are_counted_together(brake, monkeypatch):
-    ring = {
-        "thickness": 0.02,
-        "width": 0.04,
-        "material": {"E": 1.2e11, "nu": 0.25},
-        "support": "fixed",
-    }
-    ringed = vary(brake, {"drum.ring": ring})
+    ringed = vary(brake, drum_ring(0.02, "fixed"))
     nodes = sum(map(len, picked(prepare(ringed, LEVELS[0]).bodies, "line.nodes")))
     monkeypatch.setattr("drumlin.fem.preparation.columns.MOST_CONTACT_NODES", nodes - 1)
     with pytest.raises(
@@ -775,8 +764,6 @@ def test_fields_recovered_on_a_grid_are_in_balance(brake):
     p = found.shoes[0].pressure[:: shoe.frame.sense]
     drag = brake.friction * brake.spin * shoe.frame.sense
     nodal = drag * (body.coupling.T.T @ p) - body.coupling.N.T @ p
-    from drumlin.fem.preparation.bodies import actuation
-
     u = body.condensed.displacement(
         nodal, np.zeros(FRAME), shoe.actuation.force * actuation(body, shoe)[0]
     )
@@ -805,13 +792,7 @@ def test_gradients_at_the_nodes_of_a_grid_are_those_of_a_linear_field_and_its_ce
 
 @pytest.mark.parametrize("part", ["hinge", pytest.param("free ring", marks=pytest.mark.slow)])
 def test_fields_of_columns_are_those_of_a_fine_mesh_of_quadratic_elements(brake, part):
-    ring = {
-        "thickness": 0.02,
-        "width": 0.04,
-        "material": {"E": 1.2e11, "nu": 0.25},
-        "support": "free",
-    }
-    whole = vary(brake, {"drum.ring": ring}) if part == "free ring" else brake
+    whole = vary(brake, drum_ring(0.02, "free")) if part == "free ring" else brake
     found = []
     for made in (scene_of(whole), prepare(whole, elements=160)):
         response = respond(made, whole)
@@ -843,7 +824,7 @@ def test_holding_wear_and_slopes_start_from_the_division_that_solve_ends_on(brak
 
 
 def test_cases_of_a_sweep_state_their_errors_and_share_divisions(brake):
-    cases = [SweepCase(brake, {"friction": mu}) for mu in (0.3, 0.3001, 0.3002)]
+    cases = friction_cases(brake, (0.3, 0.3001, 0.3002), "fem")
     rows = [solved(case, cache) for cache in [Cache()] for case in cases]
     for row in rows:
         assert (
@@ -862,13 +843,7 @@ def test_what_is_kept_is_never_that_of_another_brake_or_division(brake):
     Bodies and rings from one cache equal new ones: with and without friction, for other sizes,
     other ends of the contact, and a guided shoe whose force acts elsewhere.
     """
-    ring = {
-        "thickness": 0.02,
-        "width": 0.04,
-        "material": {"E": 1.2e11, "nu": 0.25},
-        "support": "fixed",
-    }
-    ringed, cache = vary(brake, {"drum.ring": ring, "shoe.body": None}), Cache()
+    ringed, cache = vary(brake, drum_ring(0.02, "fixed") | {"shoe.body": None}), Cache()
     guide = {
         "shoe.hinge": None,
         "shoe[0].guide": {"direction": 0.0},
@@ -909,13 +884,7 @@ def test_a_brake_that_locks_is_divided_too(brake):
 
 @pytest.mark.parametrize("support", ["fixed", "free"])
 def test_columns_with_a_ring_are_refined_to_the_answer_of_their_condensed_bodies(brake, support):
-    ring = {
-        "thickness": 0.02,
-        "width": 0.04,
-        "material": {"E": 1.2e11, "nu": 0.25},
-        "support": support,
-    }
-    whole = vary(brake, {"drum.ring": ring})
+    whole = vary(brake, drum_ring(0.02, support))
     (group,) = groups_of(prepare(whole, LEVELS[0]), whole)
     found = group.answer()
     refined = refined_group(group, found.active)

@@ -78,11 +78,11 @@ def faults(schema, data):
     return picked(Draft202012Validator(schema).iter_errors(data), "message")
 
 
-def test_the_schemas_beside_the_examples_are_those_of_the_classes():
-    for kind, made in (("brake", brake_schema()), ("sweep", sweep_schema())):
-        Draft202012Validator.check_schema(made)
-        kept = json.loads((ROOT / "studies" / f"{kind}.schema.json").read_text())
-        assert kept == made, f"drumlin schema {kind} > studies/{kind}.schema.json"
+@pytest.mark.parametrize(("kind", "made"), (("brake", brake_schema()), ("sweep", sweep_schema())))
+def test_the_schemas_beside_the_examples_are_those_of_the_classes(kind, made):
+    Draft202012Validator.check_schema(made)
+    kept = json.loads((ROOT / "studies" / f"{kind}.schema.json").read_text())
+    assert kept == made, f"drumlin schema {kind} > studies/{kind}.schema.json"
 
 
 def test_every_example_keeps_to_its_schema_and_names_it():

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 import skfem
 
-from drumlin.brake.file import vary
+from conftest import STUDY
+from drumlin.brake.file import read_brake, vary
 from drumlin.brake.surface import DRUM
 from drumlin.contact import active_set
 from drumlin.fem.preparation.prepare import prepare
@@ -24,9 +25,6 @@ def body(request, brake):
 
 @pytest.fixture(scope="module")
 def brake():
-    from conftest import STUDY
-    from drumlin.brake.file import read_brake
-
     return read_brake(STUDY / "brake.toml")
 
 
@@ -212,8 +210,8 @@ def test_the_nodes_of_a_contact_line_follow_one_another_wherever_it_lies(kind, t
     assert line.pieces == pytest.approx(np.arange(order + 1)[:, None] + order * np.arange(5))
 
 
-def test_normals_point_from_the_lining_to_the_drum_and_tangents_along_growing_angles():
-    for sign in (1, -1):
-        n, e = radial(sign)(np.array([[3.0, 0.0], [4.0, -2.0]]))
-        assert n == pytest.approx(sign * np.array([[0.6, 0], [0.8, -1]]))
-        assert e == pytest.approx(np.array([[-0.8, 1], [0.6, 0]]))
+@pytest.mark.parametrize("sign", (1, -1))
+def test_normals_point_from_the_lining_to_the_drum_and_tangents_along_growing_angles(sign):
+    n, e = radial(sign)(np.array([[3.0, 0.0], [4.0, -2.0]]))
+    assert n == pytest.approx(sign * np.array([[0.6, 0], [0.8, -1]]))
+    assert e == pytest.approx(np.array([[-0.8, 1], [0.6, 0]]))

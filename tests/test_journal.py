@@ -94,15 +94,15 @@ def test_damage_costs_the_damaged_records_alone(tmp_path, seed):
         assert len(journal) == CASES
 
 
-def test_a_damaged_head_costs_nothing(tmp_path):
+@pytest.mark.parametrize("head", (b'{"stomp": "a"}', b'{"stamp": "b"}', b"\0\0\0", b"[[[["))
+def test_a_damaged_head_costs_nothing(head, tmp_path):
     """Nor does one that reads as another drumlin's."""
-    for head in (b'{"stomp": "a"}', b'{"stamp": "b"}', b"\0\0\0", b"[[[["):
-        path = tmp_path / "journal"
-        data = filled(path)
-        path.write_bytes(head + data[data.index(b"\n") :])
-        with Journal(path, "a") as journal:
-            assert len(journal) == CASES and "1 damaged lines" in journal.notes[0]
-        path.unlink()
+    path = tmp_path / "journal"
+    data = filled(path)
+    path.write_bytes(head + data[data.index(b"\n") :])
+    with Journal(path, "a") as journal:
+        assert len(journal) == CASES and "1 damaged lines" in journal.notes[0]
+    path.unlink()
 
 
 def test_the_journal_of_another_program_is_kept_aside(tmp_path):
@@ -168,12 +168,12 @@ def test_a_file_that_is_no_journal_is_left_alone(tmp_path, name):
     ]
 
 
-def test_an_empty_file_and_a_torn_first_line_are_new_journals(tmp_path):
-    for data in (b"", b'{"stamp": "a', b'{"stamp": "a"}'):
-        (tmp_path / "j").write_bytes(data)
-        with Journal(tmp_path / "j", "a") as journal:
-            assert not len(journal) and not journal.notes
-        assert json.loads((tmp_path / "j").read_text()) == {"stamp": "a"}
+@pytest.mark.parametrize("data", (b"", b'{"stamp": "a', b'{"stamp": "a"}'))
+def test_an_empty_file_and_a_torn_first_line_are_new_journals(data, tmp_path):
+    (tmp_path / "j").write_bytes(data)
+    with Journal(tmp_path / "j", "a") as journal:
+        assert not len(journal) and not journal.notes
+    assert json.loads((tmp_path / "j").read_text()) == {"stamp": "a"}
 
 
 def test_paths_that_cannot_be_files(tmp_path):

@@ -9,13 +9,12 @@ import meshio
 import numpy as np
 import pytest
 
+import command_line
 import drumlin
 from conftest import ROOT, partly
+from drumlin import Brake, vary
 from drumlin.base.errors import DrumlinError
-from drumlin.brake.brake import Brake
-from drumlin.brake.file import vary
 from drumlin.brake.plane_brake import FlatBrake, read_any
-from drumlin.cli.commands import app
 from drumlin.fem.analysis.holding import full_slip_rotation, hold
 from drumlin.fem.analysis.sensitivity import sensitivity
 from drumlin.fem.error_control.levels import LEVELS
@@ -46,9 +45,7 @@ class Posed(NamedTuple):
     folder: Path
 
     def command(self, *words: str) -> None:
-        with pytest.raises(SystemExit) as end:
-            app([words[0], str(self.file), *words[1:]])
-        assert end.value.code == 0
+        assert command_line.drumlin(words[0], self.file, *words[1:]).returncode == 0
 
 
 def balanced(response: Any) -> float:
@@ -193,9 +190,7 @@ def swept(at: Posed) -> None:
         f'title = "t"\nbrake = "{at.file}"\n[model.fem]\nelements = 10\n[vary]\nfriction = '
         f"[0.1, 0.2]\n"
     )
-    with pytest.raises(SystemExit) as end:
-        app(["sweep", str(sweep), "--output", str(table)])
-    assert end.value.code == 0
+    assert command_line.drumlin("sweep", sweep, "--output", table).returncode == 0
     rows = list(csv.DictReader(table.read_text().splitlines()))
     assert picked(rows, "friction") == ["0.1", "0.2"]
     assert not any(row.get("error") or row.get("reason") for row in rows)
@@ -226,9 +221,8 @@ def checked(at: Posed) -> None:
     referred(at)
     curves = at.folder / "p.csv"
     at.command("solve", "--pressure", str(curves))
-    with pytest.raises(SystemExit) as end:
-        app(["check", str(at.file), str(curves), "--reference", str(at.folder / "r.json")])
-    assert end.value.code == 0
+    done = command_line.drumlin("check", at.file, curves, "--reference", at.folder / "r.json")
+    assert done.returncode == 0
     known = read_reference(at.folder / "r.json")
     assert known.surface == at.brake.surface
     verdicts = check(at.brake, known, read_curves(curves, at.brake))

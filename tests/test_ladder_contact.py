@@ -4,11 +4,14 @@ import math
 
 import numpy as np
 import pytest
+from scipy.sparse.linalg import spsolve
 
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.brake.fields import Material
 from drumlin.contact import active_set, stick_slip
 from drumlin.fem.mesh.grading import graded
+from drumlin.fem.substructure.body import scalar_basis, stiffness
+from drumlin.fem.substructure.interface import contact_line, couple, radial
 from drumlin.response.resultants import integrate
 from drumlin_studies import closed_forms
 from drumlin_studies.two_bodies import (
@@ -241,11 +244,6 @@ def test_westergaard_partial_contact():
 
 def test_lame_ring_under_inner_pressure():
     """a = .1, b = .2 m, p = 60 MPa, E = 200 GPa, nu = .3: u(a) = 5.90e-5, u(b) = 4.00e-5 m."""
-    from scipy.sparse.linalg import spsolve
-
-    from drumlin.fem.substructure.body import scalar_basis, stiffness
-    from drumlin.fem.substructure.interface import contact_line, couple, radial
-
     mesh = closed(np.linspace(-math.pi, math.pi, 33)[:-1], np.linspace(0, 0.1, 7), 0.1, 1)
     basis = scalar_basis(mesh)
     K = stiffness(basis, {"body": ElasticLayer.of(Material(E=200e9, nu=0.3), 0.02)}).tolil()

@@ -11,15 +11,13 @@ import numpy as np
 import pytest
 from pytest import approx
 
-from drumlin.base.errors import NoAnswer
-from drumlin.brake.brake import Brake
+from drumlin import Brake, NoAnswer, Response
 from drumlin.brake.file import brake_from, vary
 from drumlin.laws import LAWS, Layout, locking_friction
 from drumlin.laws.shapes import equivalent_friction, m_and_n, pivot_radius
 from drumlin.laws.simscape import DoubleShoe
 from drumlin.models import MODELS
 from drumlin.response.merit import double_delta, rated, sensitivity
-from drumlin.response.response import Response
 from drumlin_studies.textbook_brakes import TEXTBOOK_LINING, hinged, lever_block, pad
 from picking import picked
 
@@ -206,19 +204,17 @@ def test_equivalent_friction(half: float, ratio: float) -> None:
     assert equivalent_friction(radians(half)) == approx(ratio, abs=5e-7)
 
 
-def test_gate_short_shoe() -> None:
+@pytest.mark.parametrize(("spin", "a"), ((1, 0.2), (-1, -0.2)))
+def test_gate_short_shoe(spin, a) -> None:
     """GATE problem [P]: normal force and torque of a short shoe on a lever.
 
     Drum 500 mm, lever 1000 mm, block at 500 mm, pin 200 mm off the line of friction.
     """
-    for spin, a in ((1, 0.2), (-1, -0.2)):
-        brake = lever_block(
-            R=0.25, arm=1.0, x=0.5, a=a, P=100.0, mu=0.35, half=radians(10), spin=spin
-        )
-        response = solve("short", brake)
-        assert response.shoes[0].normal_force == approx(232.558, abs=5e-4)
-        assert round(response.torque, 2) == 20.35
-        assert response.shoes[0].self_energising
+    brake = lever_block(R=0.25, arm=1.0, x=0.5, a=a, P=100.0, mu=0.35, half=radians(10), spin=spin)
+    response = solve("short", brake)
+    assert response.shoes[0].normal_force == approx(232.558, abs=5e-4)
+    assert round(response.torque, 2) == 20.35
+    assert response.shoes[0].self_energising
 
 
 def test_simscape_defaults_and_both_readings_of_theta_s() -> None:

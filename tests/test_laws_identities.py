@@ -10,9 +10,7 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 from pytest import approx
 
-from drumlin.base.errors import NoAnswer
-from drumlin.brake.brake import Brake
-from drumlin.brake.file import vary
+from drumlin import Brake, NoAnswer, vary
 from drumlin.laws import LAWS, Layout, pivoted
 from drumlin.laws.flat import FLAT_SHORT, LINEAR, FlatLayout
 from drumlin.laws.hinged import layout

@@ -8,8 +8,7 @@ from typing import Any
 
 import pytest
 
-from drumlin.base.errors import BadInput, NoAnswer
-from drumlin.brake.file import vary
+from drumlin import BadInput, NoAnswer, vary
 from drumlin.brake.plane_brake import FlatBrake, read_any
 from drumlin.cli import main
 from drumlin.laws.simscape import DoubleShoe
@@ -259,19 +258,22 @@ def test_command_line_answers_or_says_why_not_in_one_line(
         assert out == ""
 
 
-def test_figures_of_merit_reach_the_json() -> None:
-    for file, keys in (
+@pytest.mark.parametrize(
+    ("file", "keys"),
+    (
         (
             "laws/block.toml",
             {"resultant_angle", "friction_radius", "shoe_factor", "mechanical_advantage", "m", "n"},
         ),
         ("laws/pad.toml", {"braking_force", "sensitivity_at_fixed_shape"}),
         ("laws/pivoted_block.toml", {"pivot_reaction", "double_delta"}),
-    ):
-        brake = read_any(STUDIES / file)
-        name = next(
-            name for name, model in MODELS.items() if name != "fem" and model.why_not(brake) is None
-        )
-        data = json.loads(json.dumps(MODELS[name].solve(brake).as_dict(), allow_nan=False))
-        assert keys <= set(data["shoes"][0])
-        assert ("bearing_load" in data) == (not isinstance(brake, FlatBrake))
+    ),
+)
+def test_figures_of_merit_reach_the_json(file, keys) -> None:
+    brake = read_any(STUDIES / file)
+    name = next(
+        name for name, model in MODELS.items() if name != "fem" and model.why_not(brake) is None
+    )
+    data = json.loads(json.dumps(MODELS[name].solve(brake).as_dict(), allow_nan=False))
+    assert keys <= set(data["shoes"][0])
+    assert ("bearing_load" in data) == (not isinstance(brake, FlatBrake))

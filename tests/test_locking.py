@@ -8,8 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from conftest import partly, settled_sizes
-from drumlin.base.errors import NoAnswer
-from drumlin.brake.file import vary
+from drumlin import NoAnswer, vary
 from drumlin.contact import active_set, self_locking
 from drumlin.contact.equations import Problem
 from drumlin.contact.self_locking import Sliding, limit
@@ -22,15 +21,9 @@ from drumlin.fem.solve import solve
 from drumlin.laws import locking_friction, rigid
 from drumlin_studies.random_brake import random_brake
 from picking import picked
+from shared_parts import drum_ring
 
-RING = {
-    "drum.ring": {
-        "thickness": 0.015,
-        "width": 0.04,
-        "material": {"E": 120e9, "nu": 0.25},
-        "support": "free",
-    }
-}
+RING = drum_ring(0.015, "free")
 
 
 def one_node(a=1.0, lever=0.5):
@@ -74,25 +67,23 @@ def test_an_answer_that_turns_back_at_finite_pressure_ends_where_the_set_changes
         active_set.solve(problems.at(0.51))
 
 
-def test_the_eigenvalue_is_exact_where_halving_was_not(brake):
+@pytest.mark.parametrize("changes", ({}, {"rotation": "clockwise"}, RING))
+def test_the_eigenvalue_is_exact_where_halving_was_not(changes, brake):
     """Just below the limit the answer is of order 1/distance; just beyond is none: to 1e-9."""
-    for changes in ({}, {"rotation": "clockwise"}, RING):
-        changed = vary(brake, changes)
-        scene = prepare(changed, elements=20)
-        group, end = min(limits(scene, changed, 3.0).items(), key=lambda item: item[1].friction)
-        problems = ShoeGroup(scene, changed, group).sliding
-        near = [
-            active_set.solve(problems.at(end.friction * (1 - gap)), end.last.active).p.max() * gap
-            for gap in (1e-7, 1e-9)
-        ]
-        assert near[1] == pytest.approx(near[0], rel=1e-4)
-        for start in (None, end.last.active, ~end.last.active):
-            with pytest.raises(NoAnswer):
-                active_set.solve(problems.at(end.friction * (1 + 1e-9)), start)
-        with pytest.raises(
-            NoAnswer, match=rf"mu_lock = {end.friction:.4g} .rigid-shoe law: 0.8231"
-        ):
-            respond(scene, vary(changed, {"friction": end.friction * 1.01}))
+    changed = vary(brake, changes)
+    scene = prepare(changed, elements=20)
+    group, end = min(limits(scene, changed, 3.0).items(), key=lambda item: item[1].friction)
+    problems = ShoeGroup(scene, changed, group).sliding
+    near = [
+        active_set.solve(problems.at(end.friction * (1 - gap)), end.last.active).p.max() * gap
+        for gap in (1e-7, 1e-9)
+    ]
+    assert near[1] == pytest.approx(near[0], rel=1e-4)
+    for start in (None, end.last.active, ~end.last.active):
+        with pytest.raises(NoAnswer):
+            active_set.solve(problems.at(end.friction * (1 + 1e-9)), start)
+    with pytest.raises(NoAnswer, match=rf"mu_lock = {end.friction:.4g} .rigid-shoe law: 0.8231"):
+        respond(scene, vary(changed, {"friction": end.friction * 1.01}))
 
 
 def test_both_hands_lock_alike_and_the_other_shoe_never(brake):

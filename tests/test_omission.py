@@ -11,6 +11,7 @@ from conftest import STUDY, partly
 from drumlin.base.errors import BadInput
 from drumlin.brake.components import Ring
 from drumlin.brake.file import read_brake, vary
+from drumlin.fem.equilibrium.group import ShoeGroup
 from drumlin.fem.error_control.adapt import Tolerance, adapt
 from drumlin.fem.model import respond
 from drumlin.fem.preparation.prepare import prepare
@@ -217,8 +218,6 @@ def test_omissions_compose_and_their_words_are_checked():
 
 
 def test_without_drag_the_contact_is_symmetric_and_forces_still_balance():
-    from drumlin.fem.equilibrium.group import ShoeGroup
-
     brake = vary(BRAKE, ringed("free"))
     scene, simple = scene_without(brake, ["drag"], lambda spec: prepare(spec, elements=16))
     A = ShoeGroup(

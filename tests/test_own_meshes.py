@@ -6,8 +6,8 @@ import re
 import numpy as np
 import pytest
 
-from drumlin.base.errors import BadInput
-from drumlin.brake.file import vary
+from drumlin import BadInput, vary
+from drumlin.cli.answer import print_response
 from drumlin.fem.mesh.arc import shoe_mesh
 from drumlin.fem.mesh.content import content_digest
 from drumlin.fem.mesh.content_of_file import rounding_of
@@ -407,8 +407,6 @@ def test_a_group_that_is_no_name_and_no_number_is_refused_in_words(brake, given)
 
 def test_what_was_moved_is_said_with_the_answer(tmp_path, brake, shoe, capsys):
     """Not with --verbose alone: who reads the torque must see that nodes were moved."""
-    from drumlin.cli.answer import print_response
-
     path = tmp_path / "straight.inp"
     path.write_text(straightened(deck_of(tmp_path, shoe, brake.size, "quad2")))
     alone = vary(brake, {"shoe": [shoe.model_dump()]})

@@ -6,11 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 from drumlin import peers
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.file import read_brake, vary
 from drumlin.brake.plane_brake import read_any
+from drumlin.cli.commands import app
 from drumlin.comparison import edge_of
 from drumlin.fem.solve import solve
 from drumlin.peers import calculix, getfem
@@ -328,10 +330,6 @@ def test_absent_peers_say_how_to_install_them(monkeypatch):
 
 
 def test_export_command(tmp_path):
-    from typer.testing import CliRunner
-
-    from drumlin.cli.commands import app
-
     away = (STUDIES / "double_shoe" / "brake.toml").read_text().replace('"2 kN"', '"-2 kN"', 1)
     (tmp_path / "my brake.toml").write_text(away)
     call = [

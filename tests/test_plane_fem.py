@@ -2,17 +2,18 @@
 
 import math
 from math import pi
+from typing import Any
 
 import numpy as np
 import pytest
 
+import command_line
 import drumlin
 from conftest import ROOT, partly
 from drumlin.base.errors import BadInput
 from drumlin.brake.fields import Material
 from drumlin.brake.file import validated, vary
 from drumlin.brake.plane_brake import FlatBrake, read_any
-from drumlin.cli.commands import app
 from drumlin.fem.analysis.fields import fields
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import respond
@@ -44,18 +45,18 @@ def test_a_rigid_pad_with_a_thin_lining_answers_as_its_law(kind: str, sliding: s
     assert a.torque == 0.0
 
 
+@pytest.mark.parametrize("turned", (0.0, pi))
 @pytest.mark.parametrize(
     ("tilt", "sliding", "helps"), [(0.0, "+x", 0), (0.0, "-x", 0), (0.2, "-x", 0), (0.2, "+x", 1)]
 )
 def test_friction_on_a_guide_along_the_normal_neither_helps_nor_opposes(
-    tilt: float, sliding: str, helps: int
+    turned, tilt: float, sliding: str, helps: int
 ) -> None:
     """cos(90 deg) is 6e-17 and not 0: round-off is no self-energising."""
     # A guide turned by 180 deg is the same guide.
-    for turned in (0.0, pi):
-        brake = pad("guide", sliding, guide={"direction": tilt - pi / 2 + turned})
-        for found in (drumlin.solve(brake, elements=20), law(brake)):
-            assert found.shoes[0].self_energising == bool(helps)
+    brake = pad("guide", sliding, guide={"direction": tilt - pi / 2 + turned})
+    for found in (drumlin.solve(brake, elements=20), law(brake)):
+        assert found.shoes[0].self_energising == bool(helps)
 
 
 def test_what_a_pads_penalty_changes_is_its_braking_force() -> None:
@@ -84,11 +85,11 @@ def test_a_pad_that_its_force_lifts_is_said_of_the_plane() -> None:
     ]
 
 
-def test_a_grip_longer_than_its_body_is_said_as_it_is_held() -> None:
+@pytest.mark.parametrize(("grip", "held"), ((0.03, "30 mm"), (0.5, "72 mm")))
+def test_a_grip_longer_than_its_body_is_said_as_it_is_held(grip, held) -> None:
     """At most .6 of the lining's length is held: of 120 mm 72 mm."""
-    for grip, held in ((0.03, "30 mm"), (0.5, "72 mm")):
-        notes = drumlin.solve(pad("guide", body=BODY | {"grip": grip}), elements=10).notes
-        assert f"held: pad: its guide grips {held} of the back of its body" in notes
+    notes = drumlin.solve(pad("guide", body=BODY | {"grip": grip}), elements=10).notes
+    assert f"held: pad: its guide grips {held} of the back of its body" in notes
 
 
 def test_a_thin_lining_gives_way_as_a_bonded_layer() -> None:
@@ -132,6 +133,13 @@ def test_the_pressure_at_the_edge_has_the_exponent_of_a_quarter_plane(
     assert slope == pytest.approx(exponent - 1, abs=0.02)
 
 
+def points_of(shoe: dict[str, Any]) -> list[dict[str, float]]:
+    """The tables of the points that hold and push a shoe."""
+    abutment = shoe["abutment"] or {}
+    points = (shoe["hinge"], shoe["pivot"], abutment.get("point"), shoe["actuation"]["point"])
+    return list(filter(None, points))
+
+
 @pytest.mark.parametrize("kind", partly(KINDS, {"pivot", "abutment"}))
 def test_elastic_pads_balance_and_their_mirror_images_answer_alike(kind: str) -> None:
     """The abutted pad slides on a face that bears its friction."""
@@ -142,14 +150,8 @@ def test_elastic_pads_balance_and_their_mirror_images_answer_alike(kind: str) ->
     data = brake.model_dump(by_alias=True)
     data["plane"] = {"sliding": "+x" if one == "-x" else "-x"}
     (shoe,) = data["shoe"]
-    for point in (
-        shoe["hinge"],
-        shoe["pivot"],
-        (shoe["abutment"] or {}).get("point"),
-        shoe["actuation"]["point"],
-    ):
-        if point:
-            point["x"] = -point["x"]
+    for point in points_of(shoe):
+        point["x"] = -point["x"]
     for part in (shoe["abutment"], shoe["guide"], shoe["actuation"]):
         if part:
             part["direction"] = pi - part["direction"]
@@ -162,34 +164,28 @@ def test_elastic_pads_balance_and_their_mirror_images_answer_alike(kind: str) ->
     np.testing.assert_allclose(b.pressure_at(-a.theta), a.pressure, atol=1e-6 * a.peak_pressure)
 
 
-def test_a_pad_answers_alike_wherever_it_stands() -> None:
+@pytest.mark.parametrize("kind", ("pivot", "abutment"))
+def test_a_pad_answers_alike_wherever_it_stands(kind) -> None:
     """Moved along the plane by 1.3 m, pins, point of the force and all."""
-    for kind in ("pivot", "abutment"):
-        brake = pad(kind, "-x", body=BODY)
-        data = brake.model_dump(by_alias=True)
-        (shoe,) = data["shoe"]
-        for point in (
-            shoe["hinge"],
-            shoe["pivot"],
-            (shoe["abutment"] or {}).get("point"),
-            shoe["actuation"]["point"],
-        ):
-            if point:
-                point["x"] += 1.3
-        for part in (shoe["lining"], shoe["body"]):
-            part["start"], part["end"] = part["start"] + 1.3, part["end"] + 1.3
-        a, b = drumlin.solve(brake).shoes[0], drumlin.solve(validated(FlatBrake, data)).shoes[0]
-        assert b.normal_force == pytest.approx(a.normal_force, rel=1e-6)
-        np.testing.assert_allclose(
-            b.pressure_at(a.theta + 1.3), a.pressure, atol=1e-5 * a.peak_pressure
-        )
+    brake = pad(kind, "-x", body=BODY)
+    data = brake.model_dump(by_alias=True)
+    (shoe,) = data["shoe"]
+    for point in points_of(shoe):
+        point["x"] += 1.3
+    for part in (shoe["lining"], shoe["body"]):
+        part["start"], part["end"] = part["start"] + 1.3, part["end"] + 1.3
+    a, b = drumlin.solve(brake).shoes[0], drumlin.solve(validated(FlatBrake, data)).shoes[0]
+    assert b.normal_force == pytest.approx(a.normal_force, rel=1e-6)
+    np.testing.assert_allclose(
+        b.pressure_at(a.theta + 1.3), a.pressure, atol=1e-5 * a.peak_pressure
+    )
 
 
-def test_meshes_answer_as_columns_do() -> None:
-    for kind in ("hinge", "pivot"):
-        brake = pad(kind, body=BODY)
-        a, b = drumlin.solve(brake, elements=60), drumlin.solve(brake)
-        assert a.merits[0].braking_force == pytest.approx(b.merits[0].braking_force, rel=2e-3)
+@pytest.mark.parametrize("kind", ("hinge", "pivot"))
+def test_meshes_answer_as_columns_do(kind) -> None:
+    brake = pad(kind, body=BODY)
+    a, b = drumlin.solve(brake, elements=60), drumlin.solve(brake)
+    assert a.merits[0].braking_force == pytest.approx(b.merits[0].braking_force, rel=2e-3)
 
 
 def test_a_face_on_which_a_pad_would_only_slide_is_refused_in_one_line() -> None:
@@ -225,21 +221,18 @@ def test_the_end_face_by_which_a_hinge_holds_a_pad_lies_on_the_plane_as_it_is() 
     assert far == pytest.approx([0.19, 0.011 - 0.06], rel=1e-12)
 
 
-def test_pads_are_worn_on_guides_along_the_normal_of_the_plane(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_pads_are_worn_on_guides_along_the_normal_of_the_plane() -> None:
     """Pads on guides along the plane's normal wear in to even pressure.
 
     The braking force is mu times the part of the force along the normal.
     """
     file = ROOT / "studies" / "brakes" / "rail_clamp.toml"
     brake = read_any(file)
-    with pytest.raises(SystemExit) as end:
-        app(["wear", str(file), "--guided", "--elements", "20", "--distance", "0.1"])
-    assert end.value.code == 0
+    done = command_line.drumlin("wear", file, "--guided", "--elements", 20, "--distance", 0.1)
+    assert done.returncode == 0
     down = sum(-shoe.actuation.vector[1] for shoe in brake.shoes)
     assert f"worn in (law): braking force {brake.friction * down:.6g} N" in " ".join(
-        capsys.readouterr().out.split()
+        done.stdout.split()
     )
 
 

@@ -10,13 +10,13 @@ import meshio
 import numpy as np
 import pytest
 
+import command_line
 import drumlin
 from conftest import partly
 from drumlin.base.errors import BadInput, DrumlinError
 from drumlin.brake.file import vary
 from drumlin.brake.plane_brake import FlatBrake, read_any
 from drumlin.brake.writing import brake_text
-from drumlin.cli.commands import app
 from drumlin.comparison import compare
 from drumlin.fem.mesh.arc import shoe_mesh
 from drumlin.fem.mesh.file import read_mesh, write_mesh
@@ -110,20 +110,15 @@ def test_a_crowned_mesh_is_a_crowned_pad(tmp_path: Path) -> None:
     np.testing.assert_allclose(b.pressure, a.pressure, atol=2e-2 * a.peak_pressure)
 
 
-def test_a_brake_file_names_its_mesh_from_its_folder(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_brake_file_names_its_mesh_from_its_folder(tmp_path: Path) -> None:
     own = vary(filed(pad("hinge", body=BODY), tmp_path / "pad.msh"), {"shoe.mesh": "pad.msh"})
     path = tmp_path / "pad.toml"
     path.write_text(brake_text(own))
     assert read_any(path).shoes[0].mesh == tmp_path / "pad.msh"
-    for words in (["solve"], ["view", "--output", str(tmp_path / "view.svg")]):
-        with pytest.raises(SystemExit) as end:
-            app([words[0], str(path), *words[1:]])
-        assert end.value.code == 0
-    assert (
-        f"{drumlin.solve(read_any(path)).merits[0].braking_force:.6g} N" in capsys.readouterr().out
-    )
+    assert command_line.drumlin("view", path, "--output", tmp_path / "view.svg").returncode == 0
+    done = command_line.drumlin("solve", path)
+    assert done.returncode == 0
+    assert f"{drumlin.solve(read_any(path)).merits[0].braking_force:.6g} N" in done.stdout
     (tmp_path / "pad.msh").write_text("no mesh")
     with pytest.raises(BadInput, match=r"pad\.msh"):
         drumlin.solve(read_any(path))

@@ -12,16 +12,13 @@ from hypothesis import strategies as st
 
 import drumlin
 from conftest import partly
-from drumlin.base.errors import NoAnswer
-from drumlin.brake.brake import Brake
-from drumlin.brake.file import vary
+from drumlin import Brake, NoAnswer, Response, vary
 from drumlin.brake.plane_brake import FlatBrake, read_any
 from drumlin.brake.writing import brake_text
 from drumlin.fem.analysis.self_locking import limits
 from drumlin.fem.solve import scene_of
 from drumlin.laws import law
 from drumlin.response.balance import contact_resultant, loaded
-from drumlin.response.response import Response
 from drumlin.response.resultants import cross
 from drumlin_studies.random_kinds import HOLDING_KINDS, placed, random_kind, scaled
 from picking import picked

@@ -9,9 +9,7 @@ import numpy as np
 import pytest
 
 from command_line import drumlin
-from drumlin.base.errors import NoAnswer
-from drumlin.brake.brake import Brake
-from drumlin.brake.file import vary
+from drumlin import Brake, NoAnswer, vary
 from drumlin.brake.plane_brake import FlatBrake, read_any
 from drumlin.contact import stick_slip
 from drumlin.contact.stick_slip import BACKWARD, FORWARD, STICK, History

@@ -9,9 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import drumlin
-from drumlin.base.errors import BadInput
+from drumlin import BadInput, Brake
 from drumlin.brake import read_any, vary
-from drumlin.brake.brake import Brake
 from drumlin.brake.components import ASSUMED_STEEL, Section, bonded
 from drumlin.brake.fields import Material
 from drumlin.brake.file import brake_from, validated

@@ -8,24 +8,18 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
+from command_line import drumlin
 from conftest import STUDY
 from drumlin.base.errors import DrumlinError, NoAnswer
 from drumlin.brake.file import vary
-from drumlin.cli import commands as cli
 from drumlin.fem.analysis.sensitivity import against_differences, sensitivity
 from drumlin.fem.model import respond
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin_studies.random_brake import random_brake
+from shared_parts import drum_ring
 
-RING = {
-    "drum.ring": {
-        "thickness": 0.015,
-        "width": 0.04,
-        "material": {"E": 120e9, "nu": 0.25},
-        "support": "free",
-    }
-}
+RING = drum_ring(0.015, "free")
 
 
 @pytest.mark.parametrize(
@@ -101,21 +95,11 @@ def test_an_uneven_clearance_acts_through_its_density(brake, index):
     assert shoe.clearance == pytest.approx(np.trapezoid(shoe.density, theta) * R, rel=2e-2)
 
 
-def test_sensitivities_on_the_command_line(brake, tmp_path, capsys):
+def test_sensitivities_on_the_command_line(brake, tmp_path):
     file = tmp_path / "s.json"
-    with pytest.raises(SystemExit) as end:
-        cli.app(
-            [
-                "sensitivity",
-                str(STUDY / "brake.toml"),
-                "--elements",
-                "12",
-                "--json",
-                str(file),
-            ]
-        )
-    assert end.value.code == 0
-    data, said = json.loads(file.read_text()), " ".join(capsys.readouterr().out.split())
+    done = drumlin("sensitivity", STUDY / "brake.toml", "--elements", 12, "--json", file)
+    assert done.returncode == 0
+    data, said = json.loads(file.read_text()), " ".join(done.stdout.split())
     assert data["torque"] == pytest.approx(solve(brake, elements=12).torque, rel=1e-12)
     assert f"S = (mu/T) dT/dmu = {data['S']:.5g} (sine law: 1.3064)" in said
     with pytest.raises(NoAnswer, match="without friction there is no torque"):

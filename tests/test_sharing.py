@@ -7,12 +7,14 @@ import numpy as np
 import pytest
 
 import drumlin
-from drumlin.base.errors import NoAnswer
-from drumlin.brake.file import vary
+from drumlin import NoAnswer, vary
 from drumlin.fem.equilibrium.group import groups_of
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import respond
+from drumlin.fem.preparation.bodies import actuation
 from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.substructure.body import stiffness
+from drumlin.fem.substructure.elasticity import layers_of
 from drumlin.laws import law
 from drumlin.response.balance import loaded
 from drumlin.response.merit import brake_factor
@@ -92,9 +94,6 @@ def test_the_tip_moves_as_the_energy_says() -> None:
     body, part = group.bodies[0], group.node_ranges[0]
     nodal = -body.coupling.N.T @ found.p[part]
     u = body.condensed.displacement(nodal, np.array([0.0, 0.0, found.y[0]]), _load(group))
-    from drumlin.fem.substructure.body import stiffness
-    from drumlin.fem.substructure.elasticity import layers_of
-
     energy = 0.5 * float(
         u.T.ravel() @ (stiffness(body.basis, layers_of(group.shoes[0])) @ u.T.ravel())
     )
@@ -102,8 +101,6 @@ def test_the_tip_moves_as_the_energy_says() -> None:
 
 
 def _load(group: Any) -> Any:
-    from drumlin.fem.preparation.bodies import actuation
-
     return actuation(group.bodies[0], group.shoes[0])[0]
 
 
@@ -131,7 +128,7 @@ def test_what_a_strut_passes_on_is_no_actuation() -> None:
     assert brake_factor(brake, response) == pytest.approx(response.torque / (1000.0 * R), rel=1e-12)
 
 
-def test_a_locked_cam_or_strut_is_refused_with_its_limit() -> None:
-    for make in (cam_brake, servo):
-        with pytest.raises(NoAnswer, match=r"self-locking|would have to pull|no equilibrium"):
-            drumlin.solve(make(mu=3.0), elements=30)
+@pytest.mark.parametrize("make", (cam_brake, servo))
+def test_a_locked_cam_or_strut_is_refused_with_its_limit(make) -> None:
+    with pytest.raises(NoAnswer, match=r"self-locking|would have to pull|no equilibrium"):
+        drumlin.solve(make(mu=3.0), elements=30)

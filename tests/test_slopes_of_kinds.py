@@ -15,17 +15,11 @@ from drumlin.fem.preparation.prepare import prepare
 from flat_pads import pad
 from held_shoes import BODY, brake_of
 from shared_forces import cam_brake, servo
+from shared_parts import drum_ring
 
 ELEMENTS = 8
 THICK = {"shoe.lining.thickness": 0.005}
-RING = {
-    "drum.ring": {
-        "thickness": 0.01,
-        "width": 0.04,
-        "material": {"E": 1.2e11, "nu": 0.25},
-        "support": "free",
-    }
-}
+RING = drum_ring(0.01, "free")
 PADS = {"shoe.lining.thickness": 0.008}
 BODY_OF_PAD = {
     "thickness": 0.02,

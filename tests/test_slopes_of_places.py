@@ -12,12 +12,12 @@ import numpy as np
 import pytest
 from scipy.sparse.linalg import spsolve
 
+from command_line import drumlin
 from conftest import ROOT
 from drumlin.brake.brake import Brake
 from drumlin.brake.elasticity import ElasticLayer, elasticity_matrix
 from drumlin.brake.fields import Material
 from drumlin.brake.file import brake_from, read_brake, vary
-from drumlin.cli import commands as cli
 from drumlin.fem.analysis.mutual_work import change_by_nodes, work_by_part
 from drumlin.fem.analysis.sensitivity import as_text, sensitivity
 from drumlin.fem.error_control.levels import LEVELS
@@ -254,21 +254,12 @@ def test_a_bending_stiffness_has_a_slope_of_its_own_and_the_modulus_beside_it_no
     assert "E of the drum ring" not in text
 
 
-def test_the_command_writes_bending_stiffnesses_under_their_names(tmp_path, capsys):
+def test_the_command_writes_bending_stiffnesses_under_their_names(tmp_path):
     file = tmp_path / "s.json"
-    with pytest.raises(SystemExit) as end:
-        cli.app(
-            [
-                "sensitivity",
-                str(ROOT / "studies/post_brake/brake.toml"),
-                "--elements",
-                "8",
-                "--json",
-                str(file),
-            ]
-        )
-    assert end.value.code == 0
-    data, said = json.loads(file.read_text()), " ".join(capsys.readouterr().out.split())
+    post = ROOT / "studies/post_brake/brake.toml"
+    done = drumlin("sensitivity", post, "--elements", 8, "--json", file)
+    assert done.returncode == 0
+    data, said = json.loads(file.read_text()), " ".join(done.stdout.split())
     assert data["ring"] is None
     assert (
         f"bending_stiffness of the drum ring {data['ring_bending_stiffness'] / data['torque']:+.4g}"
@@ -408,10 +399,10 @@ def test_displacements_by_way_of_the_sides_of_elements_are_those_of_the_whole_sy
         assert np.abs(found - expected).max() < 1e-6 * np.abs(expected).max()
 
 
-def test_random_brakes_of_all_kinds_keep_their_slopes():
-    for seed in range(3, 2 * len(consistency_slopes.SLOPE_KINDS), 7):
-        rows = consistency_slopes.checks(seed, 1)
-        assert all(row.outcome == "agrees" for row in rows), rows
+@pytest.mark.parametrize("seed", range(3, 2 * len(consistency_slopes.SLOPE_KINDS), 7))
+def test_random_brakes_of_all_kinds_keep_their_slopes(seed):
+    rows = consistency_slopes.checks(seed, 1)
+    assert all(row.outcome == "agrees" for row in rows), rows
 
 
 @pytest.mark.slow

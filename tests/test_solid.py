@@ -16,17 +16,20 @@ from conftest import settled_sizes
 from drumlin.base.errors import BadInput
 from drumlin.brake.fields import Material
 from drumlin.brake.file import read_brake, vary
+from drumlin.contact import self_locking
 from drumlin.fem.model import respond
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solid import model
 from drumlin.fem.solid.body import face_of
 from drumlin.fem.solid.face import width_matrix
+from drumlin.fem.solid.fields import recover
 from drumlin.fem.solid.mesh import solid_mesh, width_levels
 from drumlin.fem.solve import solve
 from drumlin.response.balance import contact_resultant
 from drumlin.response.norms import pressure_distance, relative
 from drumlin.sweeps.cases import run
 from drumlin.sweeps.file import sweep_from
+from drumlin.verification.cost import solid_table
 from drumlin_studies import solid_forms
 from picking import picked
 from sections import t_section
@@ -40,12 +43,17 @@ def one_width(brake, width):
     return vary(brake, dict.fromkeys(ONE_WIDTH, width))
 
 
+def solid_and_plane(brake, elements):
+    """The answers of the solid shoe and of plane stress on as many elements."""
+    return [respond(make(brake, elements=elements), brake) for make in (model.prepare, prepare)]
+
+
 @pytest.mark.parametrize("width", [2e-3, 40e-3, 0.2])
 def test_without_lateral_contraction_it_is_plane_stress_at_any_width(flexible, width):
     brake = vary(
         one_width(flexible, width), {"shoe.lining.material.nu": 0.0, "shoe.body.material.nu": 0.0}
     )
-    solid, plane = (respond(make(brake, elements=8), brake) for make in (model.prepare, prepare))
+    solid, plane = solid_and_plane(brake, 8)
     for mine, other in zip(solid.shoes, plane.shoes, strict=True):
         assert relative(mine.torque, other.torque) == pytest.approx(0, abs=1e-9)
         np.testing.assert_allclose(mine.pressure, other.pressure, atol=1e-8 * other.peak_pressure)
@@ -63,15 +71,13 @@ def test_a_post_of_one_width_is_plane_stress_too(root):
     none = {f"shoe.{part}.material.nu": 0.0 for part in ("lining", "backing", "body")}
     width = post.shoes[0].lining.width
     brake = vary(rigid_drum, none | {"shoe.body.width": width, "shoe.body.bending_stiffness": None})
-    solid, plane = (respond(make(brake, elements=8), brake) for make in (model.prepare, prepare))
+    solid, plane = solid_and_plane(brake, 8)
     for mine, other in zip(solid.shoes, plane.shoes, strict=True):
         assert relative(mine.torque, other.torque) == pytest.approx(0, abs=1e-9)
 
 
 def test_with_lateral_contraction_it_is_not(flexible):
-    solid, plane = (
-        respond(make(flexible, elements=12), flexible) for make in (model.prepare, prepare)
-    )
+    solid, plane = solid_and_plane(flexible, 12)
     assert (
         1e-4
         < max(
@@ -98,7 +104,7 @@ def test_without_lateral_contraction_every_kind_of_shoe_is_plane_stress(root, na
     given = of_kind(root, name)
     changes = {f"shoe.{part}.material.nu": 0.0 for part in ("lining", "body")}
     brake = vary(given, changes | {"shoe.body.width": given.shoes[0].lining.width})
-    solid, plane = (respond(make(brake, elements=8), brake) for make in (model.prepare, prepare))
+    solid, plane = solid_and_plane(brake, 8)
     for mine, other in zip(solid.shoes, plane.shoes, strict=True):
         assert relative(mine.torque, other.torque) == pytest.approx(0, abs=1e-9)
         np.testing.assert_allclose(mine.pressure, other.pressure, atol=1e-8 * other.peak_pressure)
@@ -110,8 +116,6 @@ def test_without_lateral_contraction_every_kind_of_shoe_is_plane_stress(root, na
 
 @pytest.mark.parametrize("name", KINDS)
 def test_every_kind_of_solid_shoe_balances_and_meets_the_drum(root, name):
-    from drumlin.fem.solid.fields import recover
-
     brake = of_kind(root, name)
     scene = model.prepare(brake, elements=8)
     response = respond(scene, brake)
@@ -347,8 +351,6 @@ def test_the_command_writes_the_surface(root, tmp_path):
 
 def test_the_fields_are_those_of_the_contact(flexible):
     """Fields of a solid shoe: its pressed surface moves to the drum by the penalty's own amount."""
-    from drumlin.fem.solid.fields import recover
-
     brake = t_section(flexible)
     scene = model.prepare(brake, elements=8, across=2)
     response = respond(scene, brake)
@@ -391,8 +393,6 @@ def test_a_large_face_is_answered_on_every_other_node_and_settles_once_on_all(
     Where friction assists, the pressure is a spike at the lining's end: two meshes differ there
     node by node, but not in their work.
     """
-    from drumlin.contact import self_locking
-
     brake = t_section(flexible)
     scene = model.prepare(brake, elements=10, across=5)
     wanted = respond(scene, brake)
@@ -411,8 +411,6 @@ def test_a_large_face_is_answered_on_every_other_node_and_settles_once_on_all(
 
 @pytest.mark.slow
 def test_the_cost_table_has_a_row_a_size(flexible):
-    from drumlin.verification.cost import solid_table
-
     heading, *rows = solid_table(flexible, (6, 12))
     assert heading.split()[0] == "unknowns"
     unknowns, seconds = ([float(row.split()[k]) for row in rows] for k in (0, 2))
@@ -478,7 +476,7 @@ def test_a_guided_shoe_without_lateral_contraction_is_plane_stress(flexible, wid
     brake = guided(
         one_width(flexible, width), **{"shoe.lining.material.nu": 0.0, "shoe.body.material.nu": 0.0}
     )
-    solid, plane = (respond(make(brake, elements=8), brake) for make in (model.prepare, prepare))
+    solid, plane = solid_and_plane(brake, 8)
     for mine, other in zip(solid.shoes, plane.shoes, strict=True):
         assert relative(mine.torque, other.torque) == pytest.approx(0, abs=1e-9)
         np.testing.assert_allclose(mine.pressure, other.pressure, atol=1e-8 * other.peak_pressure)

@@ -22,7 +22,6 @@ from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin.fem.substructure.body import stiffness
 from drumlin.fem.substructure.elasticity import layers_of
-from drumlin.studies import load
 from drumlin.verification import triangles
 from drumlin_studies.extreme_cases import KnobCase, cases
 from drumlin_studies.random_brake import random_brake
@@ -30,6 +29,8 @@ from drumlin_studies.random_kinds import HOLDING_KINDS, random_kind
 from drumlin_studies.stated_true import by_triangles, errors
 from drumlin_studies.trial import trial, worth
 from picking import having, picked, saying
+
+STUDY_NAME = "stability"
 
 
 def solved(case):
@@ -85,20 +86,20 @@ def test_the_designed_set_turns_every_knob_to_its_end():
     assert {"toe", "heel", "split", "point"} <= set(picked(every, "clearance"))
 
 
-def test_long_double_stiffness_is_that_of_double_and_strains_nothing_in_rigid_motion():
-    for kind in ("quad2", "quad1", "tri2", "tri1"):
-        scene, brake, _ = solved(KnobCase(elements=8, kind=kind))
-        body, layers = scene.bodies[0], layers_of(brake.shoes[0])
-        K, L = (stiffness(body.basis, layers, precise=precise) for precise in (False, True))
-        assert L.dtype == np.longdouble
-        scale = abs(K).max()
-        assert abs((K - L).toarray()).max() < 1e-13 * scale
-        x, y = body.basis.doflocs.astype(np.longdouble)
-        turn = np.column_stack([-y, x]).ravel()
-        assert (
-            np.abs(L @ turn).max()
-            < 1e3 * np.finfo(np.longdouble).eps * float(scale) * np.abs(turn).max()
-        )
+@pytest.mark.parametrize("kind", ("quad2", "quad1", "tri2", "tri1"))
+def test_long_double_stiffness_is_that_of_double_and_strains_nothing_in_rigid_motion(kind):
+    scene, brake, _ = solved(KnobCase(elements=8, kind=kind))
+    body, layers = scene.bodies[0], layers_of(brake.shoes[0])
+    K, L = (stiffness(body.basis, layers, precise=precise) for precise in (False, True))
+    assert L.dtype == np.longdouble
+    scale = abs(K).max()
+    assert abs((K - L).toarray()).max() < 1e-13 * scale
+    x, y = body.basis.doflocs.astype(np.longdouble)
+    turn = np.column_stack([-y, x]).ravel()
+    assert (
+        np.abs(L @ turn).max()
+        < 1e3 * np.finfo(np.longdouble).eps * float(scale) * np.abs(turn).max()
+    )
 
 
 @pytest.mark.parametrize("ring", [None, (1e-8, "free"), (400.0, "fixed"), (400.0, "free")])
@@ -312,16 +313,6 @@ def test_a_trial_says_what_went_wrong():
 def test_an_empty_journal_is_one():
     """A study keeps its cases in the journal that it is given, from the first case on."""
     assert Journal() and len(Journal()) == 0
-
-
-@pytest.fixture(scope="module")
-def module():
-    return load("stability")[0]
-
-
-@pytest.fixture(scope="module")
-def result(module):
-    return module.study(short=True)
 
 
 @pytest.mark.slow

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from conftest import partly
-from drumlin.base.errors import NoAnswer
-from drumlin.brake.file import vary
+from drumlin import NoAnswer, vary
 from drumlin.fem.error_control.adapt import Tolerance, adapt, seen
 from drumlin.fem.error_control.estimate import FACTORS, ROUND_OFF, SOFTER, Errors, beside, estimate
 from drumlin.fem.error_control.levels import LEVELS as COLUMNS

@@ -4,21 +4,26 @@ import math
 
 import numpy as np
 import pytest
+import skfem
 from hypothesis import given
 from hypothesis import strategies as st
 
 from conftest import STUDY
 from drumlin.base.errors import BadInput, NoAnswer
+from drumlin.brake.elasticity import ElasticLayer
+from drumlin.brake.fields import Material
 from drumlin.brake.file import read_brake, vary
-from drumlin.contact import equations, stick_slip
+from drumlin.contact import active_set, equations, stick_slip
 from drumlin.contact.stick_slip import BACKWARD, FORWARD, OPEN, STICK, FrictionalProblem, History
 from drumlin.fem.analysis.at_rest import holding_problem
 from drumlin.fem.analysis.holding import as_dict, full_slip_rotation, hold, turned
 from drumlin.fem.equilibrium.group import ShoeGroup
 from drumlin.fem.model import respond
 from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.substructure.interface import ContactLine, couple
+from drumlin.fem.substructure.body import condense, constrain, scalar_basis, stiffness
+from drumlin.fem.substructure.interface import ContactLine, contact_line, couple
 from picking import picked
+from shared_parts import drum_ring
 
 BRAKE = read_brake(STUDY / "brake.toml")
 SCENE = prepare(BRAKE, elements=30)
@@ -198,14 +203,6 @@ def test_flat_patch_whole_and_inclined(turned):
 
     Both hold to round-off.
     """
-    import skfem
-
-    from drumlin.brake.elasticity import ElasticLayer
-    from drumlin.brake.fields import Material
-    from drumlin.contact import active_set
-    from drumlin.fem.substructure.body import condense, constrain, scalar_basis, stiffness
-    from drumlin.fem.substructure.interface import contact_line
-
     grid = skfem.MeshQuad.init_tensor(np.array([0, 0.3, 1.1, 2.0]), np.array([0, 0.4, 0.5, 1.0]))
     middle = grid.p[:, grid.facets].mean(axis=1)
     mesh = skfem.MeshQuad2.from_mesh(grid)
@@ -310,13 +307,7 @@ def test_refusals():
 
 
 def test_a_ring_takes_part_in_holding():
-    ring = {
-        "thickness": 0.015,
-        "width": 0.04,
-        "material": {"E": 1.2e11, "nu": 0.25},
-        "support": "fixed",
-    }
-    spec = vary(BRAKE, {"drum.ring": ring})
+    spec = vary(BRAKE, drum_ring(0.015, "fixed"))
     scene = prepare(spec, elements=20)
     states = hold(scene, spec, np.linspace(0, full_slip_rotation(scene, spec), 4))
     assert states[-1].torque == pytest.approx(respond(scene, spec).torque, rel=1e-9)

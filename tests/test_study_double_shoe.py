@@ -7,19 +7,9 @@ import pytest
 
 import independent
 from drumlin.report import render
-from drumlin.studies import load
 
 pytestmark = pytest.mark.slow
-
-
-@pytest.fixture(scope="module")
-def module():
-    return load("double_shoe")[0]
-
-
-@pytest.fixture(scope="module")
-def result(module):
-    return module.study(short=True)
+STUDY_NAME = "double_shoe"
 
 
 def test_headline_numbers(result):

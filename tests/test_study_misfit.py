@@ -7,16 +7,11 @@ import independent
 from conftest import STUDY
 from drumlin.base.journal import Journal
 from drumlin.brake.file import read_brake
-from drumlin.studies import load
 from drumlin_studies.misfit_rows import spread_rows
 from picking import keyed, picked
 
 pytestmark = pytest.mark.slow
-
-
-@pytest.fixture(scope="module")
-def module():
-    return load("misfit")[0]
+STUDY_NAME = "misfit"
 
 
 @pytest.fixture(scope="module")

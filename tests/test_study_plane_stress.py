@@ -4,21 +4,11 @@ import numpy as np
 import pytest
 
 from drumlin.fem.preparation import finite_width
-from drumlin.studies import load
 from drumlin_studies import plane_stress
 from picking import having, picked
 
 pytestmark = pytest.mark.slow
-
-
-@pytest.fixture(scope="module")
-def module():
-    return load("plane_stress")[0]
-
-
-@pytest.fixture(scope="module")
-def result(module):
-    return module.study(short=True)
+STUDY_NAME = "plane_stress"
 
 
 def test_plane_stress_has_the_torque_of_a_t_section_within_two_per_cent_and_no_width(

@@ -7,20 +7,10 @@ import numpy as np
 import pytest
 
 from drumlin import foundation
-from drumlin.studies import load
 from picking import keyed
 
 pytestmark = pytest.mark.slow
-
-
-@pytest.fixture(scope="module")
-def module():
-    return load("post_brake")[0]
-
-
-@pytest.fixture(scope="module")
-def result(module):
-    return module.study(short=True)
+STUDY_NAME = "post_brake"
 
 
 def test_lifting_brings_the_foundation_model_to_the_finite_elements(result):

@@ -10,25 +10,15 @@ from PIL import Image
 from typer.testing import CliRunner
 
 import independent
+from command_line import drumlin
 from conftest import ROOT, STUDY
 from drumlin.brake.file import read_brake
-from drumlin.cli import main
 from drumlin.cli.commands import app
-from drumlin.studies import load
 from drumlin_studies.run_in_limits import run_row
 from picking import picked
 
 pytestmark = pytest.mark.slow
-
-
-@pytest.fixture(scope="module")
-def module():
-    return load("run_in")[0]
-
-
-@pytest.fixture(scope="module")
-def result(module):
-    return module.study(short=True)
+STUDY_NAME = "run_in"
 
 
 def test_every_brake_comes_to_its_law_in_balance_and_without_a_checkerboard(result):
@@ -158,10 +148,7 @@ def test_the_command_runs_a_brake_in_and_writes_all_states(tmp_path):
         (["--torque", "5"], "--torque = '5': must be a torque: a number and its unit"),
     ],
 )
-def test_bad_options_are_one_line_and_exit_2(arguments, line, monkeypatch, capsys):
-    path = str(ROOT / "studies" / "double_shoe" / "brake.toml")
-    monkeypatch.setattr("sys.argv", ["drumlin", "wear", path, *arguments])
-    with pytest.raises(SystemExit) as stop:
-        main()
-    assert stop.value.code == 2
-    assert re.search(line, capsys.readouterr().err)
+def test_bad_options_are_one_line_and_exit_2(arguments, line):
+    done = drumlin("wear", STUDY / "brake.toml", *arguments)
+    assert done.returncode == 2
+    assert re.search(line, done.stderr)

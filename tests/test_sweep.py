@@ -20,6 +20,7 @@ from drumlin.sweeps.cases import SweepCase, run, solved
 from drumlin.sweeps.file import read_sweep, sweep_from
 from drumlin.sweeps.table import table, write_table
 from picking import picked
+from shared_parts import friction_cases
 
 BRAKE = str(STUDY / "brake.toml")
 LAW = {"brake": BRAKE, "model": {"sine": {}}}
@@ -234,7 +235,7 @@ def test_units_of_keys(brake):
 
 
 def test_a_failed_case_is_a_row_with_its_reason(brake, monkeypatch):
-    cases = [SweepCase(brake, {"friction": mu}, "sine") for mu in (0.3, 0.9, -1.0)]
+    cases = friction_cases(brake, (0.3, 0.9, -1.0))
     good, locked, bad = run(cases)
     assert good["status"] == "solved" and good["torque"] > 0
     assert (
@@ -297,7 +298,7 @@ def test_room_for_bodies_is_kept_to():
 
 @pytest.mark.parametrize("count", [1, 7])
 def test_any_executor_gives_the_same_rows(brake, count, tmp_path):
-    cases = [SweepCase(brake, {"friction": mu}, "sine") for mu in np.linspace(0.1, 0.9, 41)]
+    cases = friction_cases(brake, np.linspace(0.1, 0.9, 41))
     told = []
     with ThreadPoolExecutor(count) as executor, Journal(tmp_path / "journal") as journal:
         rows = run(
@@ -310,9 +311,7 @@ def test_any_executor_gives_the_same_rows(brake, count, tmp_path):
     assert rows == run(cases) and told == [(n, 41) for n in range(42)]
     # All cases are in the journal; four more are asked for.
     with Journal(tmp_path / "journal") as journal:
-        more = cases + [
-            SweepCase(brake, {"friction": mu}, "sine") for mu in (0.11, 0.12, 0.13, 0.11)
-        ]
+        more = cases + friction_cases(brake, (0.11, 0.12, 0.13, 0.11))
         run(more, journal=journal, done=lambda *at: told.append(at))
         # The doubled case is not solved twice.
         assert told[42] == (42, 45)

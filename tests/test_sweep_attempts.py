@@ -19,6 +19,7 @@ from drumlin.sweeps.cases import SweepCase, keys_of, run, solve_chunk, solved
 from drumlin.sweeps.file import read_sweep
 from drumlin.sweeps.table import table
 from picking import picked
+from shared_parts import friction_cases
 
 MESHED = """
 brake = "brake.toml"
@@ -65,7 +66,7 @@ def caused(kind, cause):
 def test_only_answers_and_refusals_of_the_case_itself_are_kept(
     brake, tmp_path, monkeypatch, error, tries, kept
 ):
-    cases = [SweepCase(brake, {"friction": mu}, "sine") for mu in (0.2, 0.3, 0.4)]
+    cases = friction_cases(brake, (0.2, 0.3, 0.4))
     with monkeypatch.context() as patched, Journal(tmp_path / "j", "a") as journal:
         tried = failing(patched, error, 9)
         told = []
@@ -86,7 +87,7 @@ def test_only_answers_and_refusals_of_the_case_itself_are_kept(
 
 
 def test_a_passing_failure_is_tried_again(brake, monkeypatch):
-    cases = [SweepCase(brake, {"friction": mu}, "sine") for mu in (0.2, 0.3, 0.4)]
+    cases = friction_cases(brake, (0.2, 0.3, 0.4))
     expected = run(cases)
     failing(monkeypatch, MemoryError(), 2)
     assert run(cases) == expected
@@ -177,7 +178,7 @@ class Deadly(Executor):
 
 
 def test_a_case_that_kills_its_workers_is_a_failed_row_and_the_rest_goes_on(brake, tmp_path):
-    cases = [SweepCase(brake, {"friction": mu}, "sine") for mu in (0.1, 0.2, 0.3, 0.4, 0.5)]
+    cases = friction_cases(brake, (0.1, 0.2, 0.3, 0.4, 0.5))
     expected = run(cases)
     deadly = Deadly()
     with Journal(tmp_path / "j", "a") as journal:

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 import drumlin
-from drumlin.base.errors import BadInput, NoAnswer
-from drumlin.brake import vary
+from drumlin import BadInput, NoAnswer, vary
 from drumlin.brake.file import validated
 from drumlin.brake.plane_brake import FlatBrake, read_any
+from drumlin.fem.mesh.file import write_mesh
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.response.balance import shoe_balance, worst
 from drumlin.response.norms import pressure_distance
 from drumlin.response.response import Balance, Response, ShoeResponse
@@ -374,9 +375,6 @@ def test_a_lining_pressed_in_too_far_is_said_and_then_refused():
 
 def _meshed(tmp_path, change):
     """The main brake's right shoe with a mesh of its own, whose groups or nodes are changed."""
-    from drumlin.fem.mesh.file import write_mesh
-    from drumlin.fem.preparation.prepare import prepare
-
     brake = drumlin.read_brake("studies/double_shoe/brake.toml")
     brake = brake.model_copy(update={"shoes": brake.shoes[:1]})
     mesh = change(prepare(brake, elements=20).bodies[0].mesh)

@@ -1,0 +1,23 @@
+"""Parts and cases that tests of many modules give their brakes."""
+
+from collections.abc import Iterable
+from typing import Any
+
+from drumlin.brake.brake import Brake
+from drumlin.sweeps.cases import SweepCase
+
+
+def drum_ring(thickness: float, support: str) -> dict[str, Any]:
+    """The change that gives a brake an elastic cast-iron ring 40 mm wide for its drum.
+
+    `thickness` is in metres; `support` is "fixed" or "free".
+    """
+    iron = {"E": 1.2e11, "nu": 0.25}
+    return {
+        "drum.ring": {"thickness": thickness, "width": 0.04, "material": iron, "support": support}
+    }
+
+
+def friction_cases(brake: Brake, frictions: Iterable[float], model: str = "sine") -> list[Any]:
+    """The cases of a sweep over coefficients of friction."""
+    return [SweepCase(brake, {"friction": mu}, model) for mu in frictions]
