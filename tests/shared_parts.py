@@ -21,3 +21,8 @@ def drum_ring(thickness: float, support: str) -> dict[str, Any]:
 def friction_cases(brake: Brake, frictions: Iterable[float], model: str = "sine") -> list[Any]:
     """The cases of a sweep over coefficients of friction."""
     return [SweepCase(brake, {"friction": mu}, model) for mu in frictions]
+
+
+def modulus_slopes(found: Any) -> list[float]:
+    """The slopes of the torque over all moduli of all shoes, as `sensitivity` finds them."""
+    return [slope for shoe in found.shoes for slope in shoe.moduli.values()]

@@ -15,7 +15,7 @@ from drumlin.fem.solve import solve
 from drumlin.response.norms import pressure_distance
 from drumlin.verification.reference import responses
 from drumlin_studies.work_precision import refined_division
-from picking import saying
+from picking import picked, saying
 from shared_parts import drum_ring
 
 NAMES = ("pressure", "torque", "peak", "reaction")
@@ -52,6 +52,7 @@ def test_two_references_agree_and_levels_meet_their_tolerance(name, request):
     brake = vary(request.getfixturevalue(name), CLEARANCE)
     first = solve(brake, tolerance=1e-3)
     ends = contact_ends(brake, first)
+    # One end at the hinge and two in the middle of a lining make the case hard.
     assert len(ends) == 3
     truth, before, other = responses(brake)
     for each in (before, other):
@@ -78,8 +79,7 @@ def test_a_shoe_that_lifts_off_in_places_is_followed_to_its_contact_ends(brake):
     """
     thin = vary(brake, {"shoe.body.thickness": 5e-3, "shoe.lining.material.E": 1e9})
     coarse, truth = solve(thin, tolerance=5e-3), solve(thin, tolerance=3e-4)
-    for shoe in truth.shoes:
-        assert shoe.contact_arcs
+    assert all(picked(truth.shoes, "contact_arcs"))
     assert distance(coarse, truth) < 5e-3
     assert max(coarse.iterations, truth.iterations) <= 15
     for a, b in zip(coarse.shoes, truth.shoes, strict=True):

@@ -40,6 +40,16 @@ WHITE = np.array([0.95047, 1.0, 1.08883])
 APART = 25.0
 
 
+def texts_of(artists):
+    """The words of Matplotlib's texts."""
+    return [artist.get_text() for artist in artists]
+
+
+def labelled(panels):
+    """Whether each panel has a label below its axis."""
+    return [bool(panel.get_xlabel()) for panel in panels]
+
+
 def lab(colour, sight):
     """CIE L*a*b* of a colour #rrggbb as it is seen."""
     c = np.array([int(colour[i : i + 2], 16) for i in (1, 3, 5)]) / 255
@@ -85,7 +95,7 @@ def test_a_pressure_that_is_cut_off_is_marked_and_two_curves_have_their_names_be
     fem, sine = solve(brake, elements=30), solve(brake, "sine")
     few = figures.pressures([("right", {"fem": fem.shoes[0], "sine": sine.shoes[0]})])
     axes = few.axes[0]
-    assert {text.get_text() for text in axes.texts} == {"finite elements", "sine law"}
+    assert set(texts_of(axes.texts)) == {"finite elements", "sine law"}
     theta, p = figures.smooth(fem.shoes[0])
     top = axes.get_ylim()[1]
     cut = [line for line in axes.lines if line.get_marker() == "^"]
@@ -101,7 +111,7 @@ def test_a_pressure_that_is_cut_off_is_marked_and_two_curves_have_their_names_be
     many = figures.pressures(
         [("right", {name: solve(brake, name).shoes[0] for name in ("sine", "cosine", "uniform")})]
     )
-    assert {text.get_text() for text in many.legends[0].get_texts()} >= {
+    assert set(texts_of(many.legends[0].get_texts())) >= {
         "sine law",
         "cosine law",
         "uniform pressure",
@@ -116,7 +126,7 @@ def drawn(path):
     axes = figure.subplots()
     draw_brake(axes, read_any(path))
     dashed = [np.array(line.get_xydata()) for line in axes.lines if line.get_linestyle() == "--"]
-    return axes, [text.get_text() for text in axes.texts], dashed
+    return axes, texts_of(axes.texts), dashed
 
 
 @pytest.mark.parametrize(
@@ -174,9 +184,9 @@ def test_panels_of_other_angles_say_their_own(root, brake):
     band = read_any(root / "studies/brakes/band.toml")
     blocks = [(shoe.name, {"rigid": shoe}) for shoe in solve(band, "rigid").shoes]
     shown = [axes for axes in figures.pressures(blocks).axes if axes.get_visible()]
-    assert [bool(axes.get_xlabel()) for axes in shown] == [True] * 5
+    assert labelled(shown) == [True] * 5
     both = [(shoe.name, {"sine": shoe}) for _ in range(2) for shoe in solve(brake, "sine").shoes]
-    assert [bool(axes.get_xlabel()) for axes in figures.pressures(both).axes] == [
+    assert labelled(figures.pressures(both).axes) == [
         False,
         False,
         True,

@@ -55,6 +55,7 @@ def test_random_brakes_go_through_full_slip_and_back(count):
     ends = Counter()
     for seed in range(count):
         brake, scene = any_brake(seed)
+        # The drum turns forth until all nodes slip.
         end = full_slip_rotation(scene, brake, increments=6)
         forth = np.linspace(0, end, 6)
         states = hold(scene, brake, forth)
@@ -69,11 +70,13 @@ def test_random_brakes_go_through_full_slip_and_back(count):
         except NoAnswer:
             ends["back it locks"] += 1
             continue
+        # The way back first releases the brake, then leads to full slip in the other sense.
         far = end + 3 * max(end, full_slip_rotation(scene, back))
         state = hold(scene, brake, np.concatenate([forth, end - np.linspace(0, far, 10)[1:]]))[-1]
         assert state.sticking == 0
         assert state.torque == pytest.approx(-torque, rel=1e-6)
         ends["back"] += 1
+    # Some brakes lock the other way; most must not, or the way back would go untested.
     assert ends["forth"] == count
     assert ends["back"] >= 2 * count / 3 - 1, ends
 
@@ -127,6 +130,7 @@ def test_every_increment_obeys_contact_and_friction():
                 stick_slip.solve(problem._replace(q_s=q_s), mu, at.history, at.state),
             )
             kinds |= set(at.state.tolist())
+            # Gaps w and slides s follow from the equations of the shoe.
             w = problem.q_w + problem.A_wp @ at.p + problem.A_wt @ at.t + problem.B_w @ at.y
             s = q_s + problem.A_sp @ at.p + problem.A_st @ at.t + problem.B_s @ at.y
             slip = s - before.s - problem.Q @ (at.t - before.t)
@@ -134,12 +138,15 @@ def test_every_increment_obeys_contact_and_friction():
             of_s = np.abs(slip).max() + np.abs(q_s).max()
             assert at.p.min() >= -1e-9 * of_p
             assert w.min() >= -1e-9 * of_w
+            # A node that presses has no gap.
             assert (at.p * np.abs(w)).max() <= 1e-9 * of_p * of_w
+            # Friction stays within its bound.
             assert (np.abs(at.t) - mu * at.p).max() <= 1e-9 * of_p
             # The distance to the bound of friction is taken in the direction of the slip.
             short = mu * at.p - np.sign(slip) * at.t
             assert (short * np.abs(slip)).max() <= 1e-8 * of_p * of_s
             assert problem.C_p @ at.p + problem.C_t @ at.t == pytest.approx(problem.h, rel=1e-8)
+    # Open, sticking and both senses of slip must all have been met.
     assert kinds == {0, 1, 2, 3}
 
 
@@ -198,6 +205,7 @@ def test_the_history_converges_with_the_increment():
 
     fine = after(161)
     errors = np.abs([after(n) / fine - 1 for n in (6, 11, 21, 41)])
+    # The slope of the errors over the number of increments is the order of convergence.
     order = -np.polyfit(np.log([5, 10, 20, 40]), np.log(np.maximum(errors, 1e-9)), 1)[0]
     assert errors[-1].max() < 0.01
     assert order[1] > 0.8

@@ -31,6 +31,7 @@ from drumlin.verification.check import check, read_curves, within
 from drumlin.verification.reference import Refinement, reference, responses
 from drumlin.verification.reference_file import as_dict, read_reference, write_values
 from picking import keyed, picked
+from shared_parts import modulus_slopes
 
 FILES = keyed(sorted((ROOT / "studies" / "brakes").glob("*.toml")), "stem")
 FILES["pad"] = ROOT / "studies" / "laws" / "pad.toml"
@@ -156,7 +157,7 @@ def slopes(at: Posed) -> None:
     ]
     drive = sum(forces) if found.drive is None else found.drive
     assert drive == pytest.approx(found.torque, rel=1e-9)
-    moduli = [value for shoe in found.shoes for value in shoe.moduli.values()]
+    moduli = modulus_slopes(found)
     assert sum(moduli) == pytest.approx(0.0, abs=1e-9 * abs(found.torque))
 
 

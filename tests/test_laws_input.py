@@ -14,6 +14,7 @@ from drumlin.cli import main
 from drumlin.laws.simscape import DoubleShoe
 from drumlin.models import MODELS, pick
 from drumlin_studies.textbook_brakes import hinged
+from picking import picked
 
 STUDIES = Path(__file__).parent.parent / "studies"
 ON_DRUM = {"sine", "cosine", "block", "uniform", "short"}
@@ -45,8 +46,7 @@ def test_every_brake_file_is_answered_by_the_laws_that_apply_and_the_others_say_
         if name in expected:
             response = model.solve(brake)
             assert response.model == name
-            for shoe in response.shoes:
-                assert shoe.normal_force > 0
+            assert min(picked(response.shoes, "normal_force")) > 0
             assert max(response.balance.force, response.balance.moment) < 1e-9
         else:
             with pytest.raises(BadInput) as refusal:

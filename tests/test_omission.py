@@ -265,7 +265,5 @@ def test_rows_are_summed_up_and_a_case_without_answer_stays():
         row["pressure"] for row in rows if row["part"] == "curvature"
     )
     shares = time_saved(every, -1e9)
-    assert shares["drag"] == tuple(
-        next(row["seconds"] for row in rows if row["part"] == "drag") for _ in range(2)
-    )
+    assert shares["drag"] == tuple(having(rows, part="drag")[0]["seconds"] for _ in range(2))
     assert not {"all", "interior fields"} & set(shares)

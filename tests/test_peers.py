@@ -111,6 +111,7 @@ def test_deck_states_the_brake(brake, kind, index):
     assert text == deck(brake, loaded, setting)
     parsed, R = Parsed(text), brake.drum.radius * 1e3
 
+    # Corners of all elements go counter-clockwise.
     for element in parsed.elements.values():
         x, y = np.array([parsed.nodes[n] for n in element[: len(element) // 2]]).T
         assert (x * np.roll(y, -1) - y * np.roll(x, -1)).sum() > 0
@@ -118,6 +119,7 @@ def test_deck_states_the_brake(brake, kind, index):
     assert len(contact) == 12
     ((_, drum_face),) = parsed.rows("SURFACE", NAME="SDRUM")
     drum = [int(row[0]) for row in parsed.rows("ELEMENT", ELSET="DRUM")]
+    # Faces lie on the friction surface and look out of their bodies.
     for faces, sign in ((contact, shoe.sign), ([(e, int(drum_face[1])) for e in drum], -shoe.sign)):
         for number, face in faces:
             ends = parsed.edge(number, face)
@@ -128,6 +130,7 @@ def test_deck_states_the_brake(brake, kind, index):
 
     force, moment, pin = np.zeros(2), 0.0, shoe.hinge.xy * 1e3
     (turn_node,) = [int(row[0]) for row in parsed.rows("NODE", NSET="TURN")]
+    # Loads on the turning node are moments; the others add up to the actuation.
     for node, component, value in parsed.rows("CLOAD"):
         if int(node) == turn_node:
             moment += float(value)
@@ -142,6 +145,7 @@ def test_deck_states_the_brake(brake, kind, index):
     )
     assert moment == pytest.approx(size * 1e3 * shoe.actuation.moment_about(shoe.hinge), rel=1e-9)
 
+    # Each constraint ties a node of the hinge to the rigid motion about the pin.
     for terms in [row for row in parsed.rows("EQUATION") if len(row) > 1]:
         node, component, own = int(terms[0]), int(terms[1]), float(terms[2])
         arm = parsed.nodes[node] - pin
@@ -152,6 +156,7 @@ def test_deck_states_the_brake(brake, kind, index):
         assert own + float(terms[5]) == 0
 
     moved = {}
+    # Rows with a value prescribe the drum's displacement.
     for row in parsed.rows("BOUNDARY"):
         if len(row) > 3:
             moved.setdefault(int(row[0]), np.zeros(2))[int(row[1]) - 1] = float(row[3])
@@ -307,6 +312,7 @@ def test_the_drum_is_turned_further_until_the_lining_slips(monkeypatch):
     limit = 3e-3
     state, rotation = calculix.slipping(MAIN, loaded, DeckSetting(rotation=1e-3))
     assert (state.sticking, rotation, turned) == (0.0, 4e-3, [1e-3, 2e-3, 4e-3])
+    # No rotation is far enough now.
     limit = 1.0
     with pytest.raises(NoAnswer, match="do not slip"):
         calculix.slipping(MAIN, loaded, DeckSetting(rotation=1e-3))

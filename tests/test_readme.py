@@ -38,16 +38,11 @@ def test_law_against_elements():
         r"solved in ([\d.]+) s"
     )
     digits(low, -100 * float(stiff["all"]["torque_error"]))
-    digits(
-        high, 100 * max(float(stiff["right"]["torque_error"]), float(stiff["left"]["torque_error"]))
-    )
-    digits(
-        low_too,
-        -100 * min(float(stiff["right"]["torque_error"]), float(stiff["left"]["torque_error"])),
-    )
-    digits(
-        peak, -100 * min(float(stiff["right"]["peak_error"]), float(stiff["left"]["peak_error"]))
-    )
+    shoes = [stiff["right"], stiff["left"]]
+    torque_errors = list(map(float, picked(shoes, "torque_error")))
+    digits(high, 100 * max(torque_errors))
+    digits(low_too, -100 * min(torque_errors))
+    digits(peak, -100 * min(map(float, picked(shoes, "peak_error"))))
     total = next(row for row in sine if (row["case"], row["shoe"]) == ("flexible shoes", "all"))
     digits(flexible, -100 * float(total["torque_error"]))
     spent = [

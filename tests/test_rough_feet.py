@@ -111,6 +111,7 @@ def moved(brake: FlatBrake, before: Layer, share: float, slid: float) -> Layer:
     motion = before.motion
     for _ in range(200):
         p = k_n * np.maximum(-(normals @ motion), 0.0)
+        # The traction is tried as if all springs stuck, then cut to the bound of friction.
         tried = old + k_t * (dragged - tangents @ (motion - before.motion))
         t = np.clip(tried, -mu * p, mu * p)
         left = normals.T @ p + tangents.T @ t + load
@@ -135,6 +136,7 @@ def test_both_ways_are_those_of_springs_with_friction(tmp_path: Path) -> None:
     scene = prepare(brake, elements=40)
     end = full_slip_rotation(scene, brake)
     states = hold(scene, brake, np.linspace(0.0, end, 21))
+    # The pad begins just in contact, without friction.
     free = Layer(np.array([0.0, -1e-9, 0.0]), np.zeros(SPRINGS), 0.0, 0.0)
     at = free
     for share in np.linspace(0, 1, 21)[1:]:
@@ -282,4 +284,5 @@ def test_the_limit_of_thin_linings_is_that_of_the_law() -> None:
             else:
                 with pytest.raises(NoAnswer):
                     rigid.press(there, there.shoes[0])
+    # Enough of the eight must have a limit at all.
     assert seen >= 4

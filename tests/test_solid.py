@@ -438,7 +438,7 @@ def test_a_sweep_of_solid_shoes_makes_each_body_once(root, flexible, monkeypatch
     torques = [
         model.solve(vary(flexible, {"friction": mu}), **options).torque for mu in (0.2, 0.25, 0.3)
     ]
-    assert picked(rows[::2], "torque") == torques and all(row["status"] == "solved" for row in rows)
+    assert picked(rows[::2], "torque") == torques and set(picked(rows, "status")) == {"solved"}
 
 
 @pytest.mark.parametrize(

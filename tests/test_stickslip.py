@@ -309,6 +309,7 @@ def test_refusals():
 def test_a_ring_takes_part_in_holding():
     spec = vary(BRAKE, drum_ring(0.015, "fixed"))
     scene = prepare(spec, elements=20)
+    # At full slip holding and sliding brakes have the same torque.
     states = hold(scene, spec, np.linspace(0, full_slip_rotation(scene, spec), 4))
     assert states[-1].torque == pytest.approx(respond(scene, spec).torque, rel=1e-9)
 

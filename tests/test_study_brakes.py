@@ -33,8 +33,7 @@ def test_every_file_has_its_law_both_ways(path: Path) -> None:
     for brake in both_ways(read_any(path)):
         response = law(brake)
         assert max(response.balance.force, response.balance.moment) < 1e-9
-        for shoe in response.shoes:
-            assert shoe.contact_arcs
+        assert all(picked(response.shoes, "contact_arcs"))
 
 
 def test_the_elastic_cam_brake_wears_in_to_equal_torques() -> None:

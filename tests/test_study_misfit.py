@@ -52,9 +52,7 @@ def test_some_hundredths_of_a_millimetre_change_the_torque_by_tens_of_per_cent(r
 
 
 def test_run_in_heals_every_misfit_but_not_the_drum(result, module):
-    assert result.healed["torque"][:, -1] == pytest.approx(
-        [row for row in law_torques(result, module)], rel=3e-3
-    )
+    assert result.healed["torque"][:, -1] == pytest.approx(law_torques(result, module), rel=3e-3)
     first, last = np.ptp(result.healed["torque"][:, 0]), np.ptp(result.healed["torque"][:, -1])
     assert last < 0.6 * first
     worn = keyed(result.shares["worn in"]["torque"], "name", "total.value")

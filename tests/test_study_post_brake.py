@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from drumlin import foundation
-from picking import keyed
+from picking import keyed, picked
 
 pytestmark = pytest.mark.slow
 STUDY_NAME = "post_brake"
@@ -71,8 +71,7 @@ def test_grids_are_of_second_order(result):
         assert [row["torque_ratio"], row["N_ratio"], row["psi_ratio"]] == pytest.approx(
             [4, 4, 4], abs=0.5
         )
-    for row in result.grids:
-        assert row["steps"] <= 12
+    assert max(picked(result.grids, "steps")) <= 12
     assert keyed(result.grids, "n", "seconds")[360] < 0.1
 
 

@@ -20,7 +20,7 @@ from drumlin.response.resultants import InnerPart, cross, edge_left_out, lobatto
 from drumlin_studies.fuzzing.endings import fault_of, in_process
 from drumlin_studies.fuzzing.inputs import BrokenInput, brake_text
 from drumlin_studies.textbook_brakes import hinged
-from picking import saying
+from picking import picked, saying
 
 
 def _pressing(pressure):
@@ -50,10 +50,9 @@ def test_an_answer_that_is_not_finite_is_none():
         Response("fem", (_pressing([1, math.nan, 1]),), Balance(0.0, 0.0))
 
 
-def test_a_contact_within_the_lining_s_end_has_a_peak_pressure():
+def test_a_contact_within_the_lining_s_end_has_a_peak_pressure(brake):
     """Of 50 N on a lining whose clearance leaves only its last 0.02 deg."""
     gap = [["-70 deg", "1 mm"], ["54.98 deg", "1 mm"], ["55 deg", "0 mm"]]
-    brake = drumlin.read_brake("studies/double_shoe/brake.toml")
     response = drumlin.solve(
         vary(brake, {"shoe[0].lining.clearance": gap, "shoe.actuation.force": "50 N"}), elements=40
     )
@@ -253,8 +252,7 @@ def test_eta_is_its_own_formula_wherever_the_lining_lies(start, end, rotation, d
         )
 
 
-def test_shoes_that_lie_in_each_other_are_said():
-    brake = drumlin.read_brake("studies/double_shoe/brake.toml")
+def test_shoes_that_lie_in_each_other_are_said(brake):
     changes = {"shoe[1].lining.start": "40 deg", "shoe[1].lining.end": "165 deg"}
     changes |= {"shoe[1].body.start": "35 deg", "shoe[1].body.end": "170 deg", "friction": 0.1}
     for model in ("fem", "cosine"):
@@ -327,7 +325,7 @@ def test_a_pad_on_a_pivot_that_must_tilt_too_far_is_refused(slope, refused):
     together; small displacements hold up to 0.2 rad.
     """
     clamp = read_any("studies/brakes/rail_clamp.toml")
-    assert isinstance(clamp, FlatBrake) and all(shoe.held_by == "pivot" for shoe in clamp.shoes)
+    assert isinstance(clamp, FlatBrake) and set(picked(clamp.shoes, "held_by")) == {"pivot"}
     wedge = {}
     for i, shoe in enumerate(clamp.shoes):
         start, end = shoe.lining.start, shoe.lining.end
@@ -342,13 +340,12 @@ def test_a_pad_on_a_pivot_that_must_tilt_too_far_is_refused(slope, refused):
         drumlin.solve(vary(clamp, wedge))
 
 
-def test_a_lining_pressed_in_too_far_is_said_and_then_refused():
+def test_a_lining_pressed_in_too_far_is_said_and_then_refused(brake):
     """A lining pressed in too far is reported, and further in is refused.
 
     p/E of 5 % at the peak is beyond small strains. Ten times the lining's thickness in the mean is
     no answer; a higher peak may only be a corner's.
     """
-    brake = drumlin.read_brake("studies/double_shoe/brake.toml")
     small, E = drumlin.solve(brake, elements=20), 300e6
     shoe = small.shoes[1]
     ((start, end),) = shoe.contact_arcs
@@ -414,9 +411,8 @@ def test_a_mesh_that_lies_in_the_drum_is_said_and_then_refused(tmp_path, depth, 
     assert bool(saying(notes, "in the drum")) == (outcome != "fine")
 
 
-def test_the_sine_law_refuses_a_lining_that_reaches_past_its_hinge_on_one_side():
+def test_the_sine_law_refuses_a_lining_that_reaches_past_its_hinge_on_one_side(brake):
     # The right hinge of this brake lies at -75 deg.
-    brake = drumlin.read_brake("studies/double_shoe/brake.toml")
     changes = {"shoe[0].lining.start": "-80 deg", "shoe[0].body.start": "-85 deg"}
     with pytest.raises(BadInput, match="within 0 to 180 deg of the hinge"):
         drumlin.solve(vary(brake, changes), "sine")
