@@ -26,3 +26,8 @@ def friction_cases(brake: Brake, frictions: Iterable[float], model: str = "sine"
 def modulus_slopes(found: Any) -> list[float]:
     """The slopes of the torque over all moduli of all shoes, as `sensitivity` finds them."""
     return [slope for shoe in found.shoes for slope in shoe.moduli.values()]
+
+
+def of_shoes(key: str, values: Iterable[Any]) -> dict[str, Any]:
+    """The changes that give one value of a key, such as "actuation.force", to each shoe."""
+    return {f"shoe[{i}].{key}": value for i, value in enumerate(values)}

@@ -58,7 +58,7 @@ def test_columns_at_steps_shrink_with_the_levels_where_the_lining_presses_and_no
     middle = 0.5 * (start + end)
     counts = {}
     for kind in (Singularity.STEP, Singularity.OPEN_STEP):
-        places = [(middle + side * step / 2, step, kind) for side in (-1, 1)]
+        places = [(middle - step / 2, step, kind), (middle + step / 2, step, kind)]
         angles = [divide(shoe, R, level, places).angles for level in LEVELS[:4]]
         for own in angles:
             for x, *_ in places:

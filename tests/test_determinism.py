@@ -10,6 +10,7 @@ import os
 import subprocess
 import sys
 import time
+from itertools import chain
 
 import numpy as np
 import pytest
@@ -80,7 +81,7 @@ def numbers(data):
             for x in numbers(value)
         ]
     if isinstance(data, list):
-        return [x for value in data for x in numbers(value)]
+        return list(chain.from_iterable(map(numbers, data)))
     return [float(data)] if isinstance(data, int | float) else []
 
 

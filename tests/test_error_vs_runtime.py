@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from itertools import chain
 
 import pytest
 
@@ -165,7 +166,7 @@ def test_report(outcome, tmp_path):
     ):
         assert said in text
     for matrix in matrices(best_rows(result.rows, result.floors)):
-        cells = [cell for line in matrix.lines.values() for cell in line]
+        cells = list(chain.from_iterable(matrix.lines.values()))
         assert {cell.row["target"] for cell in cells} == set(matrix.targets)
         for cell in cells:
             assert f'<td class="text {cell.sort}">{cell.what}<' in text

@@ -6,6 +6,7 @@ import math
 import subprocess
 import time
 import tomllib
+from itertools import starmap
 from statistics import median
 from urllib.parse import parse_qsl
 
@@ -341,11 +342,11 @@ def test_a_browser_moves_a_slider_and_reads_the_torque_of_solve(tmp_path, explor
         scale = json.loads(reply(explorer, "/picture?" + link.split("?")[1], "b").text)["scale"]
         drawn = page.execute_script(DRAWN)
         assert max(p for _, p in drawn["fem"]) * 1e-4 * scale > 0.5
-        radii = [math.hypot(*xy) for xy in drawn["drum-area"]]
+        radii = list(starmap(math.hypot, drawn["drum-area"]))
         assert min(radii) == pytest.approx(150, abs=0.05)
         highest = max(p for at, p in drawn["fem"]) * 1e-4
         assert max(radii) == pytest.approx(150 * (1 + 0.45 * min(highest, 1.1)), rel=1e-3)
-        contact = [math.hypot(*xy) for xy in drawn["drum-contact"]]
+        contact = list(starmap(math.hypot, drawn["drum-contact"]))
         assert contact == pytest.approx([150] * len(contact), abs=0.02)
         rate = page.execute_async_script(DRAG)
         # The aim is 30 on a machine of its own; other processes share this one.

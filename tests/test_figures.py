@@ -52,7 +52,7 @@ def labelled(panels):
 
 def lab(colour, sight):
     """CIE L*a*b* of a colour #rrggbb as it is seen."""
-    c = np.array([int(colour[i : i + 2], 16) for i in (1, 3, 5)]) / 255
+    c = np.array(list(bytes.fromhex(colour[1:]))) / 255
     linear = np.where(c <= 0.04045, c / 12.92, ((c + 0.055) / 1.055) ** 2.4)
     x = TO_XYZ @ np.clip(np.array(SIGHT[sight]) @ linear, 0, 1) / WHITE
     f = np.where(x > 216 / 24389, np.cbrt(x), (24389 / 27 * x + 16) / 116)

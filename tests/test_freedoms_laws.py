@@ -20,6 +20,7 @@ from drumlin.models import MODELS, applicable
 from drumlin.response.balance import contact_resultant, loaded
 from drumlin.response.response import Response, ShoeResponse
 from picking import having, picked
+from shared_parts import of_shoes
 
 many = settings(suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much])
 SIGNS = st.sampled_from([1, -1])
@@ -264,7 +265,7 @@ def test_the_law_of_a_hinge_is_the_sine_law_and_that_of_a_guide_the_cosine(spin)
         np.testing.assert_allclose(a.hinge_reaction, b.hinge_reaction, rtol=1e-10)
     guided = vary(
         brake,
-        {"shoe.hinge": None} | {f"shoe[{i}].guide": {"direction": i * pi} for i in (0, 1)},
+        {"shoe.hinge": None} | of_shoes("guide", [{"direction": 0.0}, {"direction": pi}]),
     )
     shoe = law(guided).shoes[0]
     # The friction acts across the guide and does not change the normal force.
@@ -439,7 +440,7 @@ def test_mirror_images_and_scaled_forces_answer_alike(brake: Brake, size: float)
         )
     drive = brake.actuation is not None
     forces = [shoe.actuation.force * size for shoe in brake.shoes]
-    changes = {f"shoe[{i}].actuation.force": force for i, force in enumerate(forces)}
+    changes = of_shoes("actuation.force", forces)
     more = vary(brake, {"actuation.force": 2000.0 * size} if drive else changes)
     for a, b in zip(response.shoes, law(more).shoes, strict=True):
         same(a, b, size)

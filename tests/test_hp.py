@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import replace
-from itertools import islice, starmap
+from itertools import chain, islice, starmap
 
 import numpy as np
 import pytest
@@ -688,9 +688,7 @@ def test_an_open_node_between_two_that_press_is_a_place(brake):
         brake, replace(response, shoes=(replace(shoe, pressure=opened), *response.shoes[1:]))
     )
     before = places_of(brake, response)
-    (found,) = {place for own in places.values() for place in own} - {
-        place for own in before.values() for place in own
-    }
+    (found,) = set(chain.from_iterable(places.values())) - set(chain.from_iterable(before.values()))
     assert found[:2] == pytest.approx(
         (brake.shoes[0].frame.phi(shoe.theta[i]), shoe.theta[i + 1] - shoe.theta[i - 1]), rel=1e-5
     )

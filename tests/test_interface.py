@@ -100,7 +100,8 @@ def test_patch_test_on_the_arc(sign):
             scale = np.abs(a).sum()
             assert b.sum(axis=0) == pytest.approx(a.sum(axis=0), abs=1e-13 * scale)
             moments = [
-                float(cross(line.xy.T, f).sum()) for line, f in ((mine.line, a), (other.line, b))
+                float(cross(mine.line.xy.T, a).sum()),
+                float(cross(other.line.xy.T, b).sum()),
             ]
             assert moments[1] == pytest.approx(moments[0], abs=1e-13 * scale)
     assert spreads[0] > 4 * spreads[1] > 16 * spreads[2]

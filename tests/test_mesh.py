@@ -16,6 +16,7 @@ from drumlin.fem.model import respond
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin_studies.stated_true import errors
+from shared_parts import of_shoes
 
 
 @given(st.integers(1, 300), st.floats(1e-3, 2), st.floats(1e-3, 1))
@@ -58,12 +59,11 @@ def test_a_mesh_is_as_exact_as_is_said(name):
 @pytest.fixture
 def written(tmp_path, brake):
     """The parametric meshes of both shoes as files, and a brake that uses them."""
+    paths = []
     for shoe in brake.shoes:
-        write_mesh(tmp_path / f"{shoe.name}.msh", shoe_mesh(shoe, brake.drum.radius, 30), shoe)
-    changes = {
-        f"shoe[{i}].mesh": str(tmp_path / f"{shoe.name}.msh") for i, shoe in enumerate(brake.shoes)
-    }
-    return vary(brake, changes)
+        paths.append(str(tmp_path / f"{shoe.name}.msh"))
+        write_mesh(paths[-1], shoe_mesh(shoe, brake.drum.radius, 30), shoe)
+    return vary(brake, of_shoes("mesh", paths))
 
 
 def test_a_mesh_file_gives_the_answer_of_the_parametric_mesh_it_came_from(brake, written):

@@ -42,6 +42,7 @@ from drumlin_studies.random_brake import random_brake
 from drumlin_studies.random_kinds import placed, random_kind
 from drumlin_studies.stated_true import by_triangles
 from picking import having, picked
+from shared_parts import of_shoes
 
 MAIN = read_any(STUDY / "brake.toml")
 FLEXIBLE = read_any(STUDY / "flexible.toml")
@@ -422,7 +423,7 @@ def test_a_brake_that_is_turned_or_mirrored_has_the_same_torque(seed, turn, mirr
     one, other = (
         solve(b, elements=6) for b in (brake, placed(brake, turn=turn, mirrored=mirrored))
     )
-    forces = [sum(picked(found.shoes, "normal_force")) for found in (one, other)]
+    forces = [sum(picked(one.shoes, "normal_force")), sum(picked(other.shoes, "normal_force"))]
     assert forces[1] == pytest.approx(forces[0], rel=1e-7)
     assert other.torque == pytest.approx(one.torque, rel=1e-7)
 
@@ -436,9 +437,9 @@ def test_all_moduli_and_forces_by_one_factor_leave_the_shape_of_the_pressure(see
         for key, material in parts_of(brake)
         for name, E in material.moduli.items()
     }
-    changes |= {
-        f"shoe[{i}].actuation.force": factor * s.actuation.force for i, s in enumerate(brake.shoes)
-    }
+    changes |= of_shoes(
+        "actuation.force", factor * np.array(picked(brake.shoes, "actuation.force"))
+    )
     one, other = solve(brake, elements=6), solve(vary(brake, changes), elements=6)
     for a, b in zip(one.shoes, other.shoes, strict=True):
         assert b.pressure == pytest.approx(factor * a.pressure, abs=1e-8 * factor * a.peak_pressure)

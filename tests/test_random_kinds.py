@@ -167,7 +167,7 @@ def test_places_sizes_and_units_change_nothing_many_times(
 
 def both_ways(brake: Brake) -> list[Brake]:
     if isinstance(brake, FlatBrake):
-        return [vary(brake, {"plane.sliding": sliding}) for sliding in ("+x", "-x")]
+        return [vary(brake, {"plane.sliding": "+x"}), vary(brake, {"plane.sliding": "-x"})]
     return [vary(brake, {"rotation": rotation}) for rotation in ("clockwise", "counter-clockwise")]
 
 

@@ -36,6 +36,7 @@ from sections import t_section
 
 pytestmark = pytest.mark.slow
 
+NO_CONTRACTION = {"shoe.lining.material.nu": 0.0, "shoe.body.material.nu": 0.0}
 ONE_WIDTH = ("shoe.lining.width", "shoe.body.width")
 
 
@@ -50,9 +51,7 @@ def solid_and_plane(brake, elements):
 
 @pytest.mark.parametrize("width", [2e-3, 40e-3, 0.2])
 def test_without_lateral_contraction_it_is_plane_stress_at_any_width(flexible, width):
-    brake = vary(
-        one_width(flexible, width), {"shoe.lining.material.nu": 0.0, "shoe.body.material.nu": 0.0}
-    )
+    brake = vary(one_width(flexible, width), NO_CONTRACTION)
     solid, plane = solid_and_plane(brake, 8)
     for mine, other in zip(solid.shoes, plane.shoes, strict=True):
         assert relative(mine.torque, other.torque) == pytest.approx(0, abs=1e-9)
@@ -68,7 +67,7 @@ def test_a_post_of_one_width_is_plane_stress_too(root):
     rigid_drum = vary(post, {"drum.ring": None})
     with pytest.raises(BadInput, match="its bending_stiffness is not that of a section"):
         model.prepare(rigid_drum)
-    none = {f"shoe.{part}.material.nu": 0.0 for part in ("lining", "backing", "body")}
+    none = NO_CONTRACTION | {"shoe.backing.material.nu": 0.0}
     width = post.shoes[0].lining.width
     brake = vary(rigid_drum, none | {"shoe.body.width": width, "shoe.body.bending_stiffness": None})
     solid, plane = solid_and_plane(brake, 8)
@@ -102,8 +101,7 @@ def test_without_lateral_contraction_every_kind_of_shoe_is_plane_stress(root, na
     plane.
     """
     given = of_kind(root, name)
-    changes = {f"shoe.{part}.material.nu": 0.0 for part in ("lining", "body")}
-    brake = vary(given, changes | {"shoe.body.width": given.shoes[0].lining.width})
+    brake = vary(given, NO_CONTRACTION | {"shoe.body.width": given.shoes[0].lining.width})
     solid, plane = solid_and_plane(brake, 8)
     for mine, other in zip(solid.shoes, plane.shoes, strict=True):
         assert relative(mine.torque, other.torque) == pytest.approx(0, abs=1e-9)
@@ -473,9 +471,7 @@ def guided(brake, **more):
 
 @pytest.mark.parametrize("width", [2e-3, 40e-3])
 def test_a_guided_shoe_without_lateral_contraction_is_plane_stress(flexible, width):
-    brake = guided(
-        one_width(flexible, width), **{"shoe.lining.material.nu": 0.0, "shoe.body.material.nu": 0.0}
-    )
+    brake = guided(one_width(flexible, width), **NO_CONTRACTION)
     solid, plane = solid_and_plane(brake, 8)
     for mine, other in zip(solid.shoes, plane.shoes, strict=True):
         assert relative(mine.torque, other.torque) == pytest.approx(0, abs=1e-9)

@@ -288,9 +288,7 @@ def test_the_work_of_the_drum_and_of_the_force_is_dissipated_or_stored():
         SCENE, BRAKE, np.concatenate([there, back, np.linspace(-2 * end, 2 * end, 97)[1:]])
     )
     loop = states[24:]
-    rotation, torque = (
-        np.array([getattr(state, name) for state in loop]) for name in ("rotation", "torque")
-    )
+    rotation, torque = np.array(picked(loop, "rotation")), np.array(picked(loop, "torque"))
     work = float(np.trapezoid(torque, rotation))
     dissipated = loop[-1].dissipated - loop[0].dissipated
     assert torque.min() < 0 < torque.max()

@@ -31,6 +31,11 @@ model = { fem = { elements = 20 } }
 """
 
 
+def workers_of(pool, count):
+    """The process numbers of the workers that answer `count` calls one after the other."""
+    return {pool.submit(os.getpid).result(60) for _ in range(count)}
+
+
 def failing(monkeypatch, error, times):
     """Let the case with friction 0.3 fail so many times; returns the list of attempts."""
     respond, tried = sweeps.respond, []
@@ -197,10 +202,10 @@ def environment(name):
 def test_a_process_that_dies_takes_its_own_work_alone_and_threads_are_one(monkeypatch):
     monkeypatch.delenv("OPENBLAS_NUM_THREADS", raising=False)
     with workers.executor(2) as (pool, _):
-        ids = {pool.submit(os.getpid).result(60) for _ in range(2)}
+        ids = workers_of(pool, 2)
         with pytest.raises(BrokenExecutor):
             pool.submit(os._exit, 3).result(60)
-        ids |= {pool.submit(os.getpid).result(60) for _ in range(4)}
+        ids |= workers_of(pool, 4)
         assert len(ids) >= 2 and os.getpid() not in ids
         assert {pool.submit(environment, "OPENBLAS_NUM_THREADS").result(60) for _ in range(3)} == {
             "1"
@@ -230,7 +235,7 @@ def test_a_process_that_dies_while_it_sends_its_answer_costs_that_answer_alone()
     with workers.executor(2) as (pool, _):
         with pytest.raises(BrokenExecutor):
             pool.submit(die_while_answering).result(60)
-        assert {pool.submit(os.getpid).result(60) for _ in range(4)}
+        assert workers_of(pool, 4)
 
 
 @pytest.mark.parametrize("jobs", [0, -1, 10**20, 1001])

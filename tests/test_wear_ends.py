@@ -131,7 +131,7 @@ def test_wear_begins_where_only_a_soft_lining_shows_the_contact() -> None:
     """`solve` begins each level with the contact of the one before; here there is none before."""
     brake = drawn("cam", 30564)
     (first,) = run_on(fem_setup(scene_of(brake), brake).interfaces, ARCHARD, [])
-    by_meshes = [drumlin.solve(brake, elements=elements).torque for elements in (40, 80)]
+    by_meshes = [drumlin.solve(brake, elements=40).torque, drumlin.solve(brake, elements=80).torque]
     assert first.torque == pytest.approx(by_meshes[1], rel=2e-5)
     assert by_meshes[0] == pytest.approx(by_meshes[1], rel=2e-5)
 
