@@ -174,8 +174,7 @@ def test_units_do_not_matter(tmp_path, brake):
         .replace('"8 mm"', '"0.8 cm"')
         .replace('"0 deg"', '"0 rad"')
     )
-    other = read(tmp_path, text)
-    for a, b in zip(other.shoes, brake.shoes, strict=True):
+    for a, b in zip(read(tmp_path, text).shoes, brake.shoes, strict=True):
         assert a.lining.thickness == pytest.approx(b.lining.thickness, rel=1e-14)
         assert pytest.approx(b.lining.material.E, rel=1e-14) == a.lining.material.E
         assert a.actuation.vector == pytest.approx(b.actuation.vector, rel=1e-14)

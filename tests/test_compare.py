@@ -49,8 +49,7 @@ def test_a_failed_model_stays_in_the_table(brake):
     assert picked(failed, "model") == ["sine"]
     assert "self-locking" in failed[0]["status"]
     assert "fem" in comparison.responses
-    text = as_csv(comparison.rows)
-    assert text.count("\n") == len(comparison.rows) + 1
+    assert as_csv(comparison.rows).count("\n") == len(comparison.rows) + 1
 
 
 def test_cells_for_people():

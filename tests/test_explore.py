@@ -270,8 +270,7 @@ def test_what_a_link_cannot_mean_is_said(explorer, query, said):
     assert page.text.count("<script>") == 1
     line = next(text for text in page.text.splitlines() if 'id="head"' in text)
     assert said in line.replace("&#39;", "'")
-    data = json.loads(reply(explorer, f"/picture?{query}", "b").text)
-    assert data["torque"] >= 0
+    assert json.loads(reply(explorer, f"/picture?{query}", "b").text)["torque"] >= 0
 
 
 @given(

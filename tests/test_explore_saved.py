@@ -105,8 +105,7 @@ def test_mesh_files_are_found_from_any_folder(tmp_path, monkeypatch, name):
 
 
 def test_a_mesh_that_no_brake_file_can_name_is_refused_in_a_line(tmp_path):
-    path = copied(tmp_path / os.fsdecode(b"fol\xffder"))
-    brake = read_any(path)
+    brake = read_any(copied(tmp_path / os.fsdecode(b"fol\xffder")))
     with pytest.raises(BadInput, match="has bytes that are no UTF-8"):
         brake_text(brake)
     saved = reply(Explorer(brake), "/brake.toml", "b")

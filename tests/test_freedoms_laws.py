@@ -78,8 +78,7 @@ def test_an_abutted_shoe_is_the_closed_form(spin: int, factor: float) -> None:
     """All of the lining bearing, tension at its end included, as the closed form has it."""
     brake = brake_of(abutted(0.35, spin, 0.2), mu=0.35, spin=spin)
     assert limpert(0.35, -spin, 0.2) == approx(factor, rel=1e-12)
-    response = rigid.solve(brake, whole=True)
-    assert response.torque / (R * F) == approx(factor, rel=1e-12)
+    assert rigid.solve(brake, whole=True).torque / (R * F) == approx(factor, rel=1e-12)
 
 
 @many

@@ -211,8 +211,7 @@ def wavy(mean_share, m=40):
     amplitude = 1e-6
     p_star = math.pi * (LADDER_STEEL.E / 2) * amplitude * m / (2 * math.pi * R) * 1.0
     gap = amplitude * (1 - np.cos(m * pair.angle)) - mean_share * p_star * soft - amplitude
-    found = active_set.solve(pair.normal(gap))
-    return pair, found, p_star
+    return pair, active_set.solve(pair.normal(gap)), p_star
 
 
 def test_westergaard_full_contact():

@@ -136,8 +136,7 @@ def test_bhandari_12_7_pivoted_block() -> None:
         width=0.1,
         pivot=(h, radians(80)),
     )
-    response = solve("pivoted", rated(lever, MODELS["pivoted"].solve, 0.5e6))
-    (shoe,) = response.shoes
+    (shoe,) = solve("pivoted", rated(lever, MODELS["pivoted"].solve, 0.5e6)).shoes
     assert shoe.torque * 1e3 == approx(957555.554, abs=5e-4)
     assert shoe.pivot_reaction is not None
     along = np.array([cos(radians(80)), sin(radians(80))])
@@ -443,8 +442,7 @@ def test_pivot_off_the_middle_leaves_no_moment_about_it() -> None:
         side="external",
         pivot=(0.29, radians(84)),
     )
-    response = solve("pivoted", brake)
-    (shoe,) = response.shoes
+    (shoe,) = solve("pivoted", brake).shoes
     theta = np.linspace(shoe.theta[0], shoe.theta[-1], 20001)
     p = shoe.pressure_at(theta)
     assert p.min() > 0

@@ -247,8 +247,7 @@ class Links(HTMLParser):
 def test_the_manual_is_built_whole_and_stands_alone(tmp_path, monkeypatch):
     # The command line sets this backend, too.
     monkeypatch.setenv("MPLBACKEND", "agg")
-    page = manual.report(manual.study(), tmp_path / "manual")
-    site = page.parent
+    site = manual.report(manual.study(), tmp_path / "manual").parent
     pages = {path: Links(path.read_text(encoding="utf-8")) for path in site.rglob("*.html")}
     assert len(pages) > 20
     for path, found in pages.items():

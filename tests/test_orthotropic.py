@@ -497,8 +497,7 @@ def test_foundation_solid_and_width_refuse_directions_in_a_line():
 
 
 def test_comparing_says_which_models_do_not_apply_and_answers_by_the_elements():
-    found = compare(with_lining(MAIN), elements=20)
-    assert list(found.responses) == ["fem"]
+    assert list(compare(with_lining(MAIN), elements=20).responses) == ["fem"]
 
 
 @pytest.mark.parametrize("elements", [None, 16])
@@ -539,8 +538,7 @@ def test_stresses_are_those_of_the_layers_directions():
         vary(MAIN, {"shoe.body": None, "friction": 0.0, "shoe.lining.thickness": 0.004})
     )
     for scene in (prepare(brake, LEVELS[2]), scene_of(brake, elements=60)):
-        response = respond(scene, brake)
-        found = fields(scene, brake, response, index=1)
+        found = fields(scene, brake, respond(scene, brake), index=1)
         angle = np.degrees(np.arctan2(found.points[:, 1], found.points[:, 0])) % 360
         at = np.flatnonzero((found.pressure > 0) & (angle > 150) & (angle < 220))
         n = found.points[at] / np.hypot(*found.points[at].T)[:, None]

@@ -157,8 +157,7 @@ def test_elastic_pads_balance_and_their_mirror_images_answer_alike(kind: str) ->
             part["direction"] = pi - part["direction"]
     for part in (shoe["lining"], shoe["body"]):
         part["start"], part["end"] = -part["end"], -part["start"]
-    other = drumlin.solve(validated(FlatBrake, data))
-    a, b = response.shoes[0], other.shoes[0]
+    a, b = response.shoes[0], drumlin.solve(validated(FlatBrake, data)).shoes[0]
     assert b.normal_force == pytest.approx(a.normal_force, rel=1e-8)
     assert b.hinge_reaction == pytest.approx(a.hinge_reaction * [-1, 1], rel=1e-6, abs=1e-6)
     np.testing.assert_allclose(b.pressure_at(-a.theta), a.pressure, atol=1e-6 * a.peak_pressure)
@@ -260,8 +259,7 @@ def test_the_fields_of_a_pad_stand_where_it_does_and_bear_its_pressure(sliding: 
     """
     brake = placed(pad("pivot", sliding, body=BODY), mirrored=sliding == "-x", shift=0.4)
     made = scene_of(brake)
-    response = respond(made, brake, penalty=math.inf)
-    found = fields(made, brake, response, 0)
+    found = fields(made, brake, respond(made, brake, penalty=math.inf), 0)
     shoe = brake.shoes[0]
     assert shoe.body is not None
     (left, low), (right, high) = found.points.min(axis=0), found.points.max(axis=0)

@@ -32,8 +32,7 @@ def test_the_short_fault_study_finds_no_fault_and_shows_one(tmp_path):
 
 def test_a_wrong_table_is_a_fault(monkeypatch):
     """Of a damaged journal: the judge knows the right table."""
-    given = trials.made("journals", 0)
-    wrong = given._replace(right={"t.csv": b"case,\n"})
+    wrong = trials.made("journals", 0)._replace(right={"t.csv": b"case,\n"})
     monkeypatch.setitem(trials.GENERATORS, "journals", (lambda _: wrong, ""))
     assert "not the right t.csv" in trials.tried("journals", 0).fault
 

@@ -51,8 +51,7 @@ def states(setup):
 
 def holds(setup, states, law_torque):
     """What must hold after run-in, in one place."""
-    end = distance(setup, states[-1], target(setup))
-    assert end.pressure <= 0.01
+    assert distance(setup, states[-1], target(setup)).pressure <= 0.01
     assert states[-1].torque == pytest.approx(law_torque, rel=1e-3)
     found = checks(setup, states, LAW)
     assert found.volume < 1e-8
@@ -129,8 +128,7 @@ def test_a_guided_shoe_comes_to_the_cosine_law():
 def test_a_post_comes_to_the_sine_law_on_the_foundation_once_it_may_tilt():
     brake = of("post_brake/brake")
     setup = foundation_setup(brake, sections=180, lift=("tilt",))
-    states = run_in(setup)
-    holds(setup, states, hinged.sine(brake).torque)
+    holds(setup, run_in(setup), hinged.sine(brake).torque)
     published = target(foundation_setup(brake, sections=180)).torque
     # The shoes turn without tilt, which gives x cos(theta), not sin(phi).
     assert published > 1.04 * hinged.sine(brake).torque

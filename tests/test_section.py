@@ -226,8 +226,7 @@ def test_files_of_both_read_as_they_were_written(tmp_path: Any) -> None:
         layered("pivot", old=False),
         vary(arc(**WEB), {"shoe.body.bending_stiffness": 3e3}),
     ):
-        text = brake_text(brake)
-        assert read_any(tmp_path / "b.toml", text) == brake
+        assert read_any(tmp_path / "b.toml", brake_text(brake)) == brake
     only = arc(thickness=0.03, bending_stiffness=3e3)
     assert 'bending_stiffness = "3000.0 N m^2"' in brake_text(only)
     assert only.shoes[0].body.plates["shoe"].material == ASSUMED_STEEL  # type: ignore[union-attr]

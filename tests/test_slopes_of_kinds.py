@@ -154,8 +154,7 @@ def test_the_slope_over_friction_is_that_of_differences(name: str) -> None:
     size = drumlin.solve(brake, elements=ELEMENTS).effect
     assert found.torque == pytest.approx(size, rel=1e-9)
     check(brake, rows(brake, found)[0], size)
-    lines = as_text(found, brake)
-    for line in lines:
+    for line in as_text(found, brake):
         assert "\n" not in line and "law: none" not in line and " -0 " not in line
 
 

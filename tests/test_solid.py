@@ -51,8 +51,7 @@ def solid_and_plane(brake, elements):
 
 @pytest.mark.parametrize("width", [2e-3, 40e-3, 0.2])
 def test_without_lateral_contraction_it_is_plane_stress_at_any_width(flexible, width):
-    brake = vary(one_width(flexible, width), NO_CONTRACTION)
-    solid, plane = solid_and_plane(brake, 8)
+    solid, plane = solid_and_plane(vary(one_width(flexible, width), NO_CONTRACTION), 8)
     for mine, other in zip(solid.shoes, plane.shoes, strict=True):
         assert relative(mine.torque, other.torque) == pytest.approx(0, abs=1e-9)
         np.testing.assert_allclose(mine.pressure, other.pressure, atol=1e-8 * other.peak_pressure)

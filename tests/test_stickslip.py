@@ -244,13 +244,11 @@ def test_flat_patch_whole_and_inclined(turned):
     problem = equations.Problem(
         Y.T @ Y, coupling.M @ np.full(n, -depth), np.zeros((n, 0)), np.zeros((0, n)), np.zeros(0)
     )
-    found = active_set.solve(problem)
-    assert found.p == pytest.approx(np.full(n, 1e5), rel=1e-10)
+    assert active_set.solve(problem).p == pytest.approx(np.full(n, 1e5), rel=1e-10)
 
 
 def test_a_holding_brake_saturates_at_its_full_slip_torque():
-    end = full_slip_rotation(SCENE, BRAKE)
-    states = hold(SCENE, BRAKE, np.linspace(0, end, 13))
+    states = hold(SCENE, BRAKE, np.linspace(0, full_slip_rotation(SCENE, BRAKE), 13))
     torques = np.array(picked(states, "torque"))
     # At rest both shoes balance each other by symmetry.
     assert abs(torques[0]) < 1e-9 * torques[-1]
@@ -267,8 +265,7 @@ def test_a_holding_brake_saturates_at_its_full_slip_torque():
     middle = states[6]
     assert any(middle.stick) and all(middle.slip)
     assert np.diff(picked(states, "dissipated")).min() > 0
-    data = as_dict(states)
-    assert {"stick", "slip"} <= set(data[6]["shoes"][1]["state"])
+    assert {"stick", "slip"} <= set(as_dict(states)[6]["shoes"][1]["state"])
 
 
 def test_more_increments_change_little_and_turning_on_changes_nothing_more():

@@ -44,8 +44,7 @@ def test_most_of_the_lining_is_in_contact_in_the_main_variant(result):
 
 
 def test_the_report_holds_every_number_and_the_files(module, result, tmp_path):
-    page = module.report(result, tmp_path)
-    text = page.read_text()
+    text = module.report(result, tmp_path).read_text()
     for word in (
         "Rigid limit",
         "Convergence",

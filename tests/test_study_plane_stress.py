@@ -96,8 +96,7 @@ def test_worn_in_the_pressure_is_even_across_the_width_and_the_laws_along_the_ar
 
 
 def test_the_report(module, result, tmp_path):
-    page = module.report(result, tmp_path)
-    text = page.read_text()
+    text = module.report(result, tmp_path).read_text()
     assert "the worst shoe" in text and "E = S − D" in text
     made = set(picked(tmp_path.iterdir(), "name"))
     assert {

@@ -76,8 +76,7 @@ def test_grids_are_of_second_order(result):
 
 
 def test_the_report_holds_its_figures_and_its_numbers(module, result, tmp_path):
-    page = module.report(result, tmp_path)
-    text = page.read_text()
+    text = module.report(result, tmp_path).read_text()
     assert text.count("data:image/svg+xml") == 8
     for word in ("worn in", "own-pressure", "k R⁴/EI", "second order"):
         assert word in text

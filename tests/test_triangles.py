@@ -203,8 +203,7 @@ def test_a_small_contact_is_hertzs():
 
     a^2 = 4 P'/(pi E (1/r - 1/R)) in plane stress against a rigid drum; a/t = 0.03.
     """
-    brake = pressed_circle(math.radians(0.5))
-    *_, (found,) = sequence(brake, SMALL)
+    *_, (found,) = sequence(pressed_circle(math.radians(0.5)), SMALL)
     R, r, E = 0.15, 0.1455, 3e8
     load = found.normal_force / 0.04
     a = math.sqrt(4 * load / (math.pi * E * (1 / r - 1 / R)))

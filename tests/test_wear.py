@@ -109,8 +109,7 @@ def test_a_held_torque_is_held_and_the_force_follows_from_moments():
 
 
 def test_the_ripple_sees_an_alternation_and_nothing_smooth():
-    x = np.linspace(0, 1, 101)
-    smooth = 1 + np.sin(3 * x)
+    smooth = 1 + np.sin(3 * np.linspace(0, 1, 101))
     assert ripple(smooth) < 1e-6
     alternating = smooth + 0.01 * (-1.0) ** np.arange(101)
     assert ripple(alternating) == pytest.approx(
