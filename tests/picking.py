@@ -4,13 +4,20 @@ from collections.abc import Iterable, Mapping
 from operator import attrgetter
 from typing import Any
 
+Names = str | tuple[str, ...]
 
-def field(thing: Any, name: str) -> Any:
-    """One key of a row or one attribute of an object, such as "torque" or "lining.thickness"."""
+
+def field(thing: Any, name: Names) -> Any:
+    """One key of a row or one attribute of an object, such as "torque" or "lining.thickness".
+
+    Several names give a tuple of their fields.
+    """
+    if isinstance(name, tuple):
+        return tuple(field(thing, one) for one in name)
     return thing[name] if isinstance(thing, Mapping) else attrgetter(name)(thing)
 
 
-def picked(things: Iterable[Any], name: str) -> list[Any]:
+def picked(things: Iterable[Any], name: Names) -> list[Any]:
     """The named field of each row or object, in their order."""
     return [field(thing, name) for thing in things]
 
@@ -24,7 +31,7 @@ def having(things: Iterable[Any], **values: Any) -> list[Any]:
     ]
 
 
-def keyed(things: Iterable[Any], key: str, value: str | None = None) -> dict[Any, Any]:
+def keyed(things: Iterable[Any], key: Names, value: Names | None = None) -> dict[Any, Any]:
     """Rows or objects by one of their fields, or one of their fields by another."""
     return {field(one, key): one if value is None else field(one, value) for one in things}
 

@@ -15,7 +15,7 @@ from drumlin.verification.reference import Trio, responses
 from drumlin_studies import work_precision
 from drumlin_studies.recommendation import TARGET_NAMES, best_rows, matrices
 from drumlin_studies.work_precision import ERROR_KEYS, Method, floor, measure, timing
-from picking import having, saying
+from picking import having, picked, saying
 
 pytestmark = pytest.mark.slow
 
@@ -83,7 +83,7 @@ def pick(rows, family, **options):
 def test_a_stopped_run_goes_on_and_keeps_every_row(outcome):
     _, result, (first, second), whole = outcome
     assert second.startswith(first) and whole.startswith(second)
-    keys = [(row["brake"], row["family"], row["method"]) for row in result.rows]
+    keys = picked(result.rows, ("brake", "family", "method"))
     assert len(set(keys)) == len(keys) == len(saying(whole.splitlines(), '\\"family\\"'))
     assert set(result.floors) == {MAIN, "laws/shigley_16_2"}
 

@@ -10,6 +10,7 @@ from drumlin.contact.stick_slip import BACKWARD, FORWARD, OPEN, STICK
 from drumlin_studies import closed_forms
 from drumlin_studies.ladder import LADDER_CASES, families, within
 from drumlin_studies.ladder_friction import pressed_plate
+from picking import picked
 
 pytestmark = pytest.mark.slow
 
@@ -29,7 +30,7 @@ def test_every_case_is_within_its_tolerance(case):
 
 def test_the_ladder_has_forty_families_each_with_its_source():
     assert len(families()) >= 40
-    assert len({(case.family, case.quantity) for case in LADDER_CASES}) == len(LADDER_CASES)
+    assert len(set(picked(LADDER_CASES, ("family", "quantity")))) == len(LADDER_CASES)
     for case in LADDER_CASES:
         assert case.source and case.shows
         assert 0 < case.tolerance <= 0.03

@@ -118,7 +118,7 @@ def test_peers_are_held_against_the_fastest_way_to_each_error():
         made("CalculiX", 3e-3, 900.0, elements=56),
     ]
     ((brake, times, alike, even),) = against_peers(rows, {"one": {"pressure_error": 1e-6}})
-    assert brake == "one" and [(one.peer, one.target) for one in times] == [
+    assert brake == "one" and picked(times, ("peer", "target")) == [
         (p, x) for p in AIMS for x in AIMS[p]
     ]
     ratios = {

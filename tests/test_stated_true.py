@@ -105,9 +105,7 @@ def test_what_fails_stays_in_the_table(brake, truth):
         row(brake, 1e-2, lambda brake, tolerance: solve(brake, elements=12), None, "singular")
     )
     assert rows[-1]["outcome"] == "no truth" and rows[-1]["reason"] == "singular"
-    assert {(one["brakes"], one["reached"], one["judged"]) for one in summary(rows)} == {
-        (2, 0.0, 0)
-    }
+    assert set(picked(summary(rows), ("brakes", "reached", "judged"))) == {(2, 0.0, 0)}
 
 
 def test_uncertainty_of_a_sequence():

@@ -89,7 +89,7 @@ def test_the_report_says_it_in_numbers(result, module, tmp_path):
     )
     assert page.count("data:image/svg+xml") == 6
     assert (tmp_path / "cases_new.csv").read_text().count("\n") == 1 + len(result.rows["new"])
-    quantities = {(row["quantity"], row["state"]): row for row in spread_rows(result.drawn)}
+    quantities = keyed(spread_rows(result.drawn), ("quantity", "state"))
     new, worn, law = (
         quantities["torque [N m]", state]["relative"] for state in ("new", "worn in", "sine law")
     )

@@ -44,9 +44,7 @@ def test_where_the_assumptions_hold_the_models_agree_and_the_error_grows_as_they
 
 
 def test_a_worn_in_lining_brings_the_torque_back_to_nominal(result):
-    off = {
-        (row["case"], row["model"], row["shoe"]): row["from_nominal"] for row in result.clearances
-    }
+    off = keyed(result.clearances, ("case", "model", "shoe"), "from_nominal")
     assert len(off) == len(result.clearances) == 6 * 2 * 2
     for shoe in ("right", "left"):
         assert abs(off["worn in", "foundation, all lifted", shoe]) < 1e-4

@@ -15,7 +15,7 @@ from conftest import ROOT, STUDY
 from drumlin.brake.file import read_brake
 from drumlin.cli.commands import app
 from drumlin_studies.run_in_limits import run_row
-from picking import picked
+from picking import keyed, picked
 
 pytestmark = pytest.mark.slow
 STUDY_NAME = "run_in"
@@ -38,7 +38,7 @@ def test_steps_do_not_matter_but_their_kind_does(result):
     for row in result.halves:
         assert max(row["pressure"], row["torque"], row["depth"]) < row["asked"]
         assert abs(row["long_pressure"]) < 1e-5
-    ripples = {(row["way"], row["step"]): row for row in result.steps}
+    ripples = keyed(result.steps, ("way", "step"))
     for step in (0.05, 0.5):
         assert ripples["implicit", step]["ripple"] < 2e-3
         assert ripples["implicit", step]["touching"] > 0.98
