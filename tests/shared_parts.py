@@ -1,6 +1,7 @@
 """Parts and cases that tests of many modules give their brakes."""
 
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import Any
 
 from drumlin.brake.brake import Brake
@@ -31,3 +32,8 @@ def modulus_slopes(found: Any) -> list[float]:
 def of_shoes(key: str, values: Iterable[Any]) -> dict[str, Any]:
     """The changes that give one value of a key, such as "actuation.force", to each shoe."""
     return {f"shoe[{i}].{key}": value for i, value in enumerate(values)}
+
+
+def scaled_pressures(shoes: Iterable[Any], factor: float) -> tuple[Any, ...]:
+    """Answers of shoes whose pressures are multiplied by a factor, all else as it was."""
+    return tuple(replace(shoe, pressure=factor * shoe.pressure) for shoe in shoes)

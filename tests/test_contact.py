@@ -256,7 +256,7 @@ def test_a_path_that_turns_back_is_followed_to_the_only_answer(A, q, p):
     Gaps grow again on the way, in the last case twice; all eight contact sets were tried.
     """
     active, steps = active_set.narrowed(free(A, q))
-    assert active.tolist() == [value > 0 for value in p]
+    assert active.tolist() == (np.array(p) > 0).tolist()
     assert steps <= 5
     assert active_set.settle(free(A, q), active).p == pytest.approx(p, rel=1e-9)
 

@@ -38,28 +38,32 @@ def test_every_public_name_is_there():
         drumlin.nonsense  # noqa: B018
 
 
+def printed_by(program):
+    """What a program prints as JSON, run by an interpreter of its own."""
+    command = [sys.executable, "-c", program]
+    return json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
+
+
+def packages(modules):
+    """The packages to which modules belong."""
+    return {name.split(".")[0] for name in modules}
+
+
 def test_importing_it_loads_nothing_and_changes_nothing():
-    program = (
+    same, loaded = printed_by(
         "import json, os, sys; before, loaded = dict(os.environ), set(sys.modules); import drumlin;"
         "print(json.dumps([dict(os.environ) == before, sorted(set(sys.modules) - loaded)]))"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, check=True
-    )
-    same, loaded = json.loads(done.stdout)
     assert same
-    assert not {name.split(".")[0] for name in loaded} & HEAVY
+    assert not packages(loaded) & HEAVY
 
 
 def test_naming_a_function_loads_nothing_heavy():
-    program = (
+    loaded = printed_by(
         "import json, sys, drumlin; drumlin.solve, drumlin.wear, drumlin.reference;"
         "print(json.dumps(sorted(sys.modules)))"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, check=True
-    )
-    assert not {name.split(".")[0] for name in json.loads(done.stdout)} & HEAVY
+    assert not packages(loaded) & HEAVY
 
 
 def test_importing_it_takes_hardly_longer_than_starting_python():

@@ -16,6 +16,7 @@ from drumlin_studies import work_precision
 from drumlin_studies.recommendation import TARGET_NAMES, best_rows, matrices
 from drumlin_studies.work_precision import ERROR_KEYS, Method, floor, measure, timing
 from picking import having, picked, saying
+from shared_parts import scaled_pressures
 
 pytestmark = pytest.mark.slow
 
@@ -210,7 +211,7 @@ def test_the_floor_is_the_distance_of_both_references_whose_shoes_do_not_cancel(
     assert floor(brake, Trio(one, one, other))["torque_error"] == pytest.approx(
         2 / one.torque, rel=1e-12
     )
-    peaks = replace(one, shoes=tuple(replace(s, pressure=1.01 * s.pressure) for s in one.shoes))
+    peaks = replace(one, shoes=scaled_pressures(one.shoes, 1.01))
     found = floor(brake, Trio(one, peaks, None))
     assert [found["pressure_error"], found["peak_error"]] == pytest.approx([0.01, 0.01], rel=1e-9)
     assert set(floor(brake, Trio(one, one, one)).values()) == {0.0}

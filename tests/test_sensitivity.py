@@ -85,7 +85,7 @@ def test_an_uneven_clearance_acts_through_its_density(brake, index):
     theta = shoe.theta
     # The bump lies nearer to one end than to the other.
     bump = height * np.exp(-(((theta - theta.mean() - 0.3) / 0.2) ** 2))
-    table = [[float(a), float(g)] for a, g in zip(theta, bump, strict=True)]
+    table = np.column_stack([theta, bump]).tolist()
     change = (
         respond(scene, vary(brake, {f"shoe[{index}].lining.clearance": table})).torque
         - found.torque

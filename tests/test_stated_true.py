@@ -34,6 +34,7 @@ from drumlin_studies.stated_true import (
     summary,
 )
 from picking import keyed, picked
+from shared_parts import scaled_pressures
 
 LEVELS = (TriangleLevel(3, 5, 1.4, 1.0), TriangleLevel(4, 7, 1.2, 1.0))
 
@@ -85,7 +86,7 @@ def test_what_a_response_states_is_held_against_the_truth(brake, truth):
 
 
 def test_a_known_shift_of_the_pressure_is_the_error(brake, truth):
-    shifted = [replace(shoe, pressure=1.01 * shoe.pressure) for shoe in truth.shoes]
+    shifted = scaled_pressures(truth.shoes, 1.01)
     off = errors(brake, shifted, truth.shoes)
     assert off["pressure"] == pytest.approx(0.01, rel=1e-9)
     assert off["peak"] == pytest.approx(0.01, rel=1e-9)
@@ -369,9 +370,7 @@ def test_a_level_that_moves_away_again_is_no_truth(brake, monkeypatch):
     def straying(last):
         def some(brake, respond):
             for k, (made, found) in enumerate(steps(brake, respond)):
-                shoes = tuple(
-                    replace(shoe, pressure=1.1 ** (k - 2) * shoe.pressure) for shoe in found.shoes
-                )
+                shoes = scaled_pressures(found.shoes, 1.1 ** (k - 2))
                 yield Step(made, replace(found, shoes=shoes) if 3 <= k <= last else found)
 
         return some
