@@ -61,7 +61,7 @@ def written(tmp_path, brake):
     """The parametric meshes of both shoes as files, and a brake that uses them."""
     paths = []
     for shoe in brake.shoes:
-        paths.append(str(tmp_path / f"{shoe.name}.msh"))
+        paths.append(tmp_path / f"{shoe.name}.msh")
         write_mesh(paths[-1], shoe_mesh(shoe, brake.drum.radius, 30), shoe)
     return vary(brake, of_shoes("mesh", paths))
 
