@@ -69,8 +69,6 @@ STATED = "tests/test_stated_true.py"
 TUNED: dict[str, dict[str, Guard]] = {
     "fem/error_control/levels.py": {
         "RULE": Guard("both", (TRUTHS,)),
-        "SETTLED": Guard("up", (TRUTHS,)),
-        "EVEN": Guard(NOT_SHOWN, ("tests/test_adapt.py", TRUTHS)),
     },
     "fem/error_control/adapt.py": {
         "NEAR": Guard(
@@ -94,29 +92,15 @@ TUNED: dict[str, dict[str, Guard]] = {
         ("pressure", "force", "cancelled", "peak"), Guard("down", (TRUTHS,))
     ),
     "fem/hp/division.py": {
-        "FINEST": Guard(NOT_SHOWN, (CORNER, ON_COLUMNS, TRUTHS)),
-        "SAME": Guard(NOT_SHOWN, (ON_COLUMNS, TRUTHS)),
-        "SHARPEST": Guard(NOT_SHOWN, (CORNER, TRUTHS)),
+        "SETTLED": Guard("up", (TRUTHS,)),
         "CORNER_SIZE": Guard("both", (POWER_OF_CORNER,)),
-        "CORNER_COUNTS": Guard(NOT_SHOWN, (CORNER, ON_COLUMNS, TRUTHS)),
     },
     "fem/hp/corner.py": {
-        "SMOOTH": Guard(NOT_SHOWN, (CORNER, TRUTHS)),
         "NEAR_CORNER": Guard("down", (POWER_OF_CORNER,)),
         "PIECE_RATIO": Guard(NOT_SHOWN, (CORNER, TRUTHS)),
     },
     "fem/error_control/places.py": {
         "UNFELT": Guard("down", (f"{ON_COLUMNS}::test_a_table_of_many_clearances_is_a_curve",)),
-        "SEEN": Guard(
-            NOT_SHOWN,
-            (
-                f"{ON_COLUMNS}::test_an_opening_that_is_nothing_beside_its_contact_is_no_place",
-                TRUTHS,
-            ),
-        ),
-        "FEW": Guard(NOT_SHOWN, (ON_COLUMNS, TRUTHS)),
-        "SHORTER": Guard(NOT_SHOWN, (ON_COLUMNS, TRUTHS)),
-        "DIGITS": Guard(NOT_SHOWN, (ON_COLUMNS, TRUTHS)),
     },
     "fem/hp/shoe.py": {
         "LEFT": Guard(

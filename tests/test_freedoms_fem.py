@@ -71,7 +71,7 @@ def test_a_stiff_body_is_a_rigid_shoe(kind: str) -> None:
     assert drumlin.solve(stiff).torque == pytest.approx(drumlin.solve(rigid).torque, rel=3e-4)
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", ["abutment", "rough abutment", "guide"])
 def test_what_holds_an_elastic_shoe_bears_what_it_can(kind) -> None:
     x, y = drumlin.solve(brake_of(kind, -1, body=BODY)).shoes[0].hinge_reaction
     if kind == "abutment":

@@ -19,7 +19,6 @@ from drumlin.fem.analysis.fields import fields, ring_fields
 from drumlin.fem.analysis.holding import full_slip_rotation, hold
 from drumlin.fem.analysis.sensitivity import sensitivity
 from drumlin.fem.equilibrium.group import groups_of
-from drumlin.fem.error_control import levels, places
 from drumlin.fem.error_control.adapt import DEFAULT, adapt
 from drumlin.fem.error_control.estimate import FACTORS, ROUND_OFF, estimate
 from drumlin.fem.error_control.levels import LEVELS, steps
@@ -414,25 +413,6 @@ def test_a_small_smooth_contact_is_that_of_hertz(brake):
     assert response.error["pressure"] <= 1e-3
 
 
-def test_a_short_contact_is_found_in_few_passes(monkeypatch):
-    """A third more are needed where its ends are taken beside the few nodes that press."""
-    made = []
-    monkeypatch.setattr(
-        levels, "prepare", lambda *args, **more: made.append(prepare(*args, **more)) or made[-1]
-    )
-
-    def passes(seed, few):
-        monkeypatch.setattr(places, "FEW", few)
-        made.clear()
-        next(steps(random_brake(seed, "small contact"), respond))
-        return len(made)
-
-    # The number must be read before `passes` replaces it.
-    usual = places.FEW
-    counts = np.array([[passes(seed, 0), passes(seed, usual)] for seed in range(6)])
-    assert 1.15 * counts[:, 1].sum() < counts[:, 0].sum()
-
-
 @pytest.mark.parametrize("seed", [1, 19])
 def test_columns_of_the_first_level_end_where_a_short_contact_ends(seed):
     """To 2 % of its length, within which the pressure rises from nothing to much of its peak."""
@@ -580,8 +560,8 @@ def test_divisions_grow_from_their_ends_and_contain_what_they_must(brake):
         LEVELS[2],
         [(start + 2e-10, 1e-7, False), (start + 1e-7, 1e-7, False)],
     )
-    # The bound holds however near to its end a lining is open.
-    assert np.diff(beside.angles).min() >= 0.99 * division.FINEST * t
+    # The bound holds however near to its end a lining is open; sizes are powers of two.
+    assert np.diff(beside.angles).min() >= 0.5 * division.FINEST * t
     div = divide(shoe, brake.drum.radius, LEVELS[2], [(1.0, 0.5, False)])
     assert 1.0 in div.angles
     at = int(np.flatnonzero(div.angles == 1.0)[0])
@@ -636,15 +616,18 @@ def test_the_column_at_an_end_of_the_lining_is_as_narrow_as_the_contact_that_rea
 
 @pytest.mark.parametrize("at_start", [True, False])
 def test_what_is_open_beside_an_end_of_the_lining_is_columns_of_its_own(brake, at_start):
-    """A strip open beside an end of the lining has columns of its own on every level.
+    """A strip open beside an end of the lining has columns of its own on the finer levels.
 
-    The contact ends at 0.4 % of its length from the lining's end.
+    The contact ends at 0.4 % of its length from the lining's end. On levels whose columns at the
+    ends of a contact are longer than this gap the contact counts as reaching the lining's end.
     """
     shoe, R = brake.shoes[0], brake.drum.radius
     start, end = shoe.arc
     length, gap = 2e-3, 8e-6
     contact = (start + gap, start + gap + length) if at_start else (end - gap - length, end - gap)
-    for level in LEVELS:
+    fine = [level for level in LEVELS if level.end * length < gap]
+    assert 2 < len(fine) < len(LEVELS)
+    for level in fine:
         angles = divide(shoe, R, level, [(x, length, False) for x in contact]).angles
         off = np.abs(angles - contact[0 if at_start else -1])
         assert off.min() < 0.15 * gap and np.count_nonzero(off < 1.5 * gap) >= 3

@@ -20,10 +20,10 @@ from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.response.response import NEAR_PEAK, Response, ShoeResponse, edge_zone
 from drumlin.response.resultants import edge_left_out, largest
 
-SHORTEST = 10 * FINEST
+SHORTEST = 1000 * FINEST
 """Length of a contact, relative to the lining's thickness, below which the response says that its
-pressure is not known. No hp element is smaller than FINEST, so that a contact of this length has
-ten of them.
+pressure is not known. No hp element is smaller than FINEST, and the elements at the ends of a contact
+are a thousandth of it on a level that states an error of 1e-4.
 """
 UNDER_TIP = math.log(1 / FINEST) / (2 * math.pi)
 """Growth of p, relative to E s, under a tip of the gap whose slope changes by s: from the distance
