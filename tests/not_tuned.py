@@ -62,7 +62,6 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "OTHER_FRICTION": SAID,
     },
     "fem/error_control/adapt.py": {
-        "UNDER_TIP": DEFINITION,
         "DEFAULT": "what a solve aims at, as README says",
         "SHORTEST": SAID,
     },

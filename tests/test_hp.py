@@ -20,7 +20,7 @@ from drumlin.fem.analysis.holding import full_slip_rotation, hold
 from drumlin.fem.analysis.sensitivity import sensitivity
 from drumlin.fem.equilibrium.group import groups_of
 from drumlin.fem.error_control.adapt import DEFAULT, adapt
-from drumlin.fem.error_control.estimate import FACTORS, ROUND_OFF, estimate
+from drumlin.fem.error_control.estimate import FACTORS, estimate
 from drumlin.fem.error_control.levels import LEVELS, steps
 from drumlin.fem.error_control.places import places_of
 from drumlin.fem.hp import division
@@ -286,9 +286,9 @@ def test_what_round_off_took_from_the_answer_is_little_and_seen(flexible, which,
     p, error = found.p[group.node_ranges[0]], refined.p[0] - found.p[group.node_ranges[0]]
     lost, lever = response.shoes[0].lost, group.bodies[0].coupling.lever
     assert np.linalg.norm(error) < 1e-6 * np.linalg.norm(p)
-    assert np.linalg.norm(error) < max(ROUND_OFF * lost.pressure, 1e-8) * np.linalg.norm(p)
-    assert abs(lever @ error) < max(ROUND_OFF * lost.torque, 1e-8) * (lever @ p)
-    assert lost.pressure < 1e-9 if (which, softer) == ("flexible", 1.0) else lost.pressure > 1e-8
+    assert np.linalg.norm(error) < max(lost.pressure, 1e-7) * np.linalg.norm(p)
+    assert abs(lever @ error) < max(lost.torque, 1e-7) * (lever @ p)
+    assert lost.pressure < 1e-9 if (which, softer) == ("flexible", 1.0) else lost.pressure > 5e-9
 
 
 def test_the_turn_of_the_frame_moves_the_contact_as_a_rigid_body(brake):
@@ -352,7 +352,7 @@ def test_levels_converge_fast_and_the_estimate_is_an_upper_value(flexible):
     made = list(steps(flexible, respond))[:5]
     responses, truth = picked(made, "response"), made[-1].response
     # Round-off of the finest level limits how well it can judge the others.
-    lost = ROUND_OFF * max(picked(truth.shoes, "lost.pressure"))
+    lost = max(picked(truth.shoes, "lost.pressure"))
     errors = [
         max(starmap(pressure_distance, zip(r.shoes, truth.shoes, strict=True))) for r in responses
     ]
