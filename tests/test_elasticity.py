@@ -1,6 +1,4 @@
-"""Elasticity matrices in the kernels: against scikit-fem's own forms, rotated by hand, and on every
-kind of element.
-"""
+"""Elasticity matrices against skfem's own forms, rotated by hand, on every kind of element."""
 
 import math
 
@@ -26,10 +24,13 @@ from drumlin.fem.substructure.elasticity import split_elasticity, stress, throug
 from drumlin.response.resultants import lobatto
 from drumlin.verification.triangles import lagrange
 from drumlin.verification.triangles.triangulation import TriangleLayer, start
+from picking import picked
 
 DIRECTED = np.array([[9.0, 0.8, 0.0], [0.8, 3.0, 0.0], [0.0, 0.0, 2.5]]) * 1e8
-"""Of a layer three times as stiff along as through, and not with the shear stiffness of an
-isotropic one."""
+"""A layer three times as stiff along as through, with a shear stiffness of its own.
+
+No isotropic material has this shear stiffness.
+"""
 LAYERS = {
     "around": ElasticLayer(DIRECTED, 0.03),
     "straight": ElasticLayer(DIRECTED, 0.03, np.array([0.6, -0.8])),
@@ -136,7 +137,8 @@ def test_on_meshes_the_stiffness_is_that_of_scikit_fems_own_assembly(kind, name)
     make, raised = KINDS[kind]
     grid = make.init_tensor(np.linspace(0.1, 0.14, 4), np.linspace(0.05, 0.12, 5))
     mesh = raised(grid) if raised else grid
-    if kind == "quad2":  # curved
+    # The edges of quad2 elements are curved.
+    if kind == "quad2":
         mesh = skfem.MeshQuad2(mesh.doflocs + 0.01 * np.sin(40 * mesh.doflocs[::-1]), mesh.t)
     mesh = mesh.with_subdomains({"body": np.arange(mesh.nelements)})
     basis = scalar_basis(mesh)
@@ -148,8 +150,9 @@ def test_on_meshes_the_stiffness_is_that_of_scikit_fems_own_assembly(kind, name)
 
 
 def bent_elements(p):
-    """Nodes (e, 2, a) of three elements between no circles, in the order of an element of degree
-    p.
+    """Nodes (e, 2, a) of three distorted elements of degree p, in the order of an element.
+
+    No edge of the elements is an arc of a circle.
     """
     x = 0.5 * (lobatto(p) + 1)
     s, d = np.repeat(x, p + 1), np.tile(x, p + 1)
@@ -205,8 +208,10 @@ def test_isotropic_elements_beside_directed_ones_stay_what_they_are_alone():
     ("p", "contact", "held"), [(3, True, False), (4, True, True), (5, False, False)]
 )
 def test_columns_in_product_form_are_those_of_their_elements(p, contact, held, flat):
-    """One layer isotropic, one a third as stiff through as along, one with the shear of no
-    isotropic material.
+    """Columns in product form are those of their elements, for isotropic and directed layers.
+
+    One layer is isotropic, one is a third as stiff through as along, one has the shear stiffness of
+    no isotropic material.
     """
     half, depths = np.array([0.003, 0.05, 0.21]), np.array([0.0, 0.0002, 0.004, 0.011])
     steel = elasticity_matrix(Material(E=2e11, nu=0.28))
@@ -214,12 +219,13 @@ def test_columns_in_product_form_are_those_of_their_elements(p, contact, held, f
         ElasticLayer(D, 0.04, np.array([0.0, 1.0]) if flat else None)
         for D in (DIRECTED, 0.1 * DIRECTED, steel)
     ]
-    matrices = np.array([layer.stiffness for layer in layers])
+    matrices = np.array(picked(layers, "stiffness"))
     angles, radius = half[:, None] * lobatto(p), 0.14
 
     def place(depth, phi):
-        """Of a pad the angles are lengths over the radius, and x is the normal, as in an arc's
-        middle.
+        """Coordinates (x, y) of a depth and an angle, on an arc or on a flat pad.
+
+        A pad's angles are lengths over the radius, and x is the normal as in an arc's middle.
         """
         if flat:
             return np.array(np.broadcast_arrays(-depth, radius * phi))
@@ -252,9 +258,7 @@ def test_split_and_put_together_a_matrix_is_the_same():
 
 
 def test_triangles_of_the_second_solver_carry_an_even_strain():
-    """Under u = H x the nodal forces of a straight layer are those of its even stress on the
-    rim.
-    """
+    """A straight layer of triangles under u = H x has the nodal forces of its even stress."""
     layer = LAYERS["straight"]
     mesh = start(np.linspace(0, 0.2, 4), [np.linspace(0, 1, 3)], [TriangleLayer(-1, 1, layer)])
 

@@ -102,7 +102,7 @@ def recover(scene: PreparedModel, brake: Brake, response: Response, index: int) 
     p = np.zeros(len(body.line.nodes))
     if answer.surface is not None:
         m = len(answer.surface.z) // 2
-        p = np.ascontiguousarray(answer.surface.pressure[:: frame.sense, m:]).ravel()
+        p = np.ascontiguousarray(answer.surface.pressure[:: shoe.frame.sense, m:]).ravel()
     u = shoe_displacements(body, brake, shoe, answer, p).reshape(-1, 3).T
     pressure = np.zeros(body.basis.N)
     pressure[body.line.nodes] = p
