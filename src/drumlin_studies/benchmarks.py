@@ -54,7 +54,7 @@ SYSTEMS = 80
 """Number of dense systems in the workload, which takes some 5 ms in all."""
 
 ADDITIONS = 100_000
-"""Additions by the interpreter in the workload: a solve spends a good part of its time in Python."""
+"""Additions by the interpreter in the workload, because a solve spends much time in Python."""
 
 IMPORTS = "import numpy, scipy.linalg, pydantic"
 """Program with the imports that every command needs. Start-up is measured relative to its time."""

@@ -193,7 +193,10 @@ class Flexible(NamedTuple):
         return np.column_stack([2 * self.line.nodes, 2 * self.line.nodes + 1]).ravel()
 
     def spread(self, matrix: Floats) -> Floats:
-        """Nodal forces (2 nodes, n) of unit pressures or tractions, by a coupling matrix (n, 2 n)."""
+        """Nodal forces (2 nodes, n) of unit pressures or tractions.
+
+        matrix : coupling matrix (n, 2 n), as N or T of `Coupling`.
+        """
         f = np.zeros((self.basis.N, 2, len(matrix)))
         f[self.line.nodes] = matrix.T.reshape(-1, 2, len(matrix))
         return f.reshape(2 * self.basis.N, -1)

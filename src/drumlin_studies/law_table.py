@@ -1,4 +1,4 @@
-"""Tables of brakes by every rigid-shoe law: results, reasons why laws do not apply, shoe factors."""
+"""Tables of brakes by every rigid-shoe law: results, reasons against laws, shoe factors."""
 
 from collections.abc import Sequence
 from typing import Any

@@ -205,9 +205,9 @@ def convergence_rows(convergence: Convergence) -> list[Row]:
         rows.append(row)
     for i, shoe in enumerate(convergence.responses[0].shoes):
         # The finest mesh has no next finer one.
-        steps = [*convergence.pressure_steps(i), None]
-        for row, step in zip(rows, steps, strict=True):
-            row[shoe.name] = step
+        steps: list[float | None] = [*convergence.pressure_steps(i), None]
+        for row, change in zip(rows, steps, strict=True):
+            row[shoe.name] = change
     for row, response in zip(rows, convergence.responses, strict=True):
         row["steps"] = response.iterations
     return rows

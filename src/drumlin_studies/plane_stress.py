@@ -14,7 +14,7 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.base.texts import formatted
-from drumlin.brake.brake import Brake, Shoe
+from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.fem.model import respond
 from drumlin.fem.preparation.finite_width import finite_width

@@ -1,4 +1,4 @@
-"""What does each rigid-shoe law assume, what does it give, and where does it fail?
+"""Assumptions, results and failures of each rigid-shoe law.
 
 The laws are applied to worked examples and to every kind of brake.
 """
