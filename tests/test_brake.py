@@ -267,5 +267,5 @@ def test_common_units_are_those_of_pint():
 
     for si, factors in units.COMMON.items():
         for unit, factor in factors.items():
-            assert factor == pytest.approx(units._by_pint(unit, si), rel=1e-15)
+            assert factor == pytest.approx(units._factor_by_pint(unit, si), rel=1e-15)
             assert units.to_si(f"2 {unit}", si, unit_required=True) == 2 * factor

@@ -116,6 +116,24 @@ def test_what_gives_way_to_a_power_keeps_force_and_moment_and_finds_the_power_ag
     assert (np.diff(new) > 0).all() and new[0] == theta[0] and new[-1] == theta[-1]
 
 
+def test_p_between_the_nodes_near_a_corner_is_its_power_to_a_ten_thousandth():
+    """The pieces of degree 5 that stand for x^-0.3 near a corner follow it between their nodes."""
+    power, order = -0.3, 5
+    ends = np.concatenate([[0.0], 1e-4 * 2.4 ** np.arange(11)])
+    inner = np.diff(ends)[:, None] * 0.5 * (1 + lobatto(order)[:-1])
+    x = np.append((ends[:-1, None] + inner).ravel(), ends[-1])
+    p = np.append(x[1] ** power, x[1:] ** power)
+    new, value = power_at_corner(x, p, order, power, reach=NEAR_CORNER, at_start=True)
+    at, q, weight = (part.ravel() for part in gauss_points(new, value, order))
+    # Gauss points within the pieces that were made, but for the last one at the corner.
+    near = (at > 1e-10) & (at < 0.5 * NEAR_CORNER)
+    terms = np.stack([at[near] ** power, np.ones(near.sum()), at[near]], axis=1)
+    own = np.sqrt(weight[near])
+    parts = np.linalg.lstsq(own[:, None] * terms, own * q[near], rcond=None)[0]
+    off = own * (terms @ parts - q[near])
+    assert np.linalg.norm(off) < 1e-4 * np.linalg.norm(own * q[near])
+
+
 @pytest.mark.parametrize(
     ("name", "level", "most", "gain"),
     [

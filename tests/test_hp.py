@@ -20,9 +20,8 @@ from drumlin.fem.analysis.fields import fields, ring_fields
 from drumlin.fem.analysis.holding import full_slip_rotation, hold
 from drumlin.fem.analysis.sensitivity import sensitivity
 from drumlin.fem.equilibrium.group import groups_of
-from drumlin.fem.error_control import levels, places
 from drumlin.fem.error_control.adapt import DEFAULT, adapt
-from drumlin.fem.error_control.estimate import FACTORS, ROUND_OFF, estimate
+from drumlin.fem.error_control.estimate import FACTORS, estimate
 from drumlin.fem.error_control.levels import LEVELS, steps
 from drumlin.fem.error_control.places import places_of
 from drumlin.fem.hp import division
@@ -281,9 +280,9 @@ def test_what_round_off_took_from_the_answer_is_little_and_seen(flexible, which,
     p, error = found.p[group.node_ranges[0]], refined.p[0] - found.p[group.node_ranges[0]]
     lost, lever = response.shoes[0].lost, group.bodies[0].coupling.lever
     assert np.linalg.norm(error) < 1e-6 * np.linalg.norm(p)
-    assert np.linalg.norm(error) < max(ROUND_OFF * lost.pressure, 1e-8) * np.linalg.norm(p)
-    assert abs(lever @ error) < max(ROUND_OFF * lost.torque, 1e-8) * (lever @ p)
-    assert lost.pressure < 1e-9 if (which, softer) == ("flexible", 1.0) else lost.pressure > 1e-8
+    assert np.linalg.norm(error) < max(lost.pressure, 1e-7) * np.linalg.norm(p)
+    assert abs(lever @ error) < max(lost.torque, 1e-7) * (lever @ p)
+    assert lost.pressure < 1e-9 if (which, softer) == ("flexible", 1.0) else lost.pressure > 5e-9
 
 
 def test_the_turn_of_the_frame_moves_the_contact_as_a_rigid_body(brake):
@@ -348,7 +347,7 @@ def test_levels_converge_fast_and_the_estimate_is_an_upper_value(flexible):
     # The last level has fewer digits than the others.
     made = list(steps(flexible, respond))[:5]
     responses, truth = [step.response for step in made], made[-1].response
-    lost = ROUND_OFF * max(shoe.lost.pressure for shoe in truth.shoes)  # of the truth itself
+    lost = max(shoe.lost.pressure for shoe in truth.shoes)  # of the truth itself
     errors = [
         max(pressure_distance(a, b) for a, b in zip(r.shoes, truth.shoes, strict=True))
         for r in responses
@@ -407,23 +406,6 @@ def test_a_small_smooth_contact_is_that_of_hertz(brake):
     assert a == pytest.approx(math.sqrt(4 * N / (math.pi * E * relative)), rel=0.02)
     assert shoe.peak_pressure == pytest.approx(2 * N / (math.pi * a), rel=5e-3)
     assert response.error["pressure"] <= 1e-3
-
-
-def test_a_short_contact_is_found_in_few_passes(monkeypatch):
-    """A third more are needed where its ends are taken beside the few nodes that press."""
-    made = []
-    monkeypatch.setattr(
-        levels, "prepare", lambda *args, **more: made.append(prepare(*args, **more)) or made[-1]
-    )
-
-    def passes(seed, few):
-        monkeypatch.setattr(places, "FEW", few)
-        made.clear()
-        next(steps(random_brake(seed, "small contact"), respond))
-        return len(made)
-
-    counts = np.array([[passes(seed, few) for few in (0, places.FEW)] for seed in range(6)])
-    assert 1.15 * counts[:, 1].sum() < counts[:, 0].sum()
 
 
 @pytest.mark.parametrize("seed", [1, 19])
@@ -563,9 +545,8 @@ def test_divisions_grow_from_their_ends_and_contain_what_they_must(brake):
     beside = divide(
         shoe, brake.drum.radius, LEVELS[2], [(start + x, 1e-7, False) for x in (2e-10, 1e-7)]
     )
-    assert (
-        np.diff(beside.angles).min() >= 0.99 * division.FINEST * t
-    )  # however near to its end a lining is open
+    # However near to its end a lining is open; sizes are rounded down to a power of two.
+    assert np.diff(beside.angles).min() >= 0.5 * division.FINEST * t
     div = divide(shoe, brake.drum.radius, LEVELS[2], [(1.0, 0.5, False)])
     assert 1.0 in div.angles
     at = int(np.flatnonzero(div.angles == 1.0)[0])
@@ -621,14 +602,17 @@ def test_the_column_at_an_end_of_the_lining_is_as_narrow_as_the_contact_that_rea
 
 @pytest.mark.parametrize("at_start", [True, False])
 def test_what_is_open_beside_an_end_of_the_lining_is_columns_of_its_own(brake, at_start):
-    """A contact that ends at 0.4 % of its length from there ends between two columns, on every
-    level.
+    """A contact that ends at 0.4 % of its length from there ends between two columns, on the levels
+    whose columns at the ends of a contact are shorter than the gap. On coarser levels it counts as
+    reaching the lining's end.
     """
     shoe, R = brake.shoes[0], brake.drum.radius
     start, end = shoe.arc
     length, gap = 2e-3, 8e-6
     contact = (start + gap, start + gap + length) if at_start else (end - gap - length, end - gap)
-    for level in LEVELS:
+    fine = [level for level in LEVELS if level.end * length < gap]
+    assert 2 < len(fine) < len(LEVELS)
+    for level in fine:
         angles = divide(shoe, R, level, [(x, length, False) for x in contact]).angles
         off = np.abs(angles - contact[0 if at_start else -1])
         assert off.min() < 0.15 * gap and np.count_nonzero(off < 1.5 * gap) >= 3

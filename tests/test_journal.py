@@ -7,11 +7,14 @@ import json
 import math
 import os
 import random
+import shutil
+from pathlib import Path
 
 import pytest
 
+from drumlin.base import journal as journals
 from drumlin.base.errors import BadInput
-from drumlin.base.journal import Journal
+from drumlin.base.journal import Journal, source_stamp
 
 CASES = 40
 
@@ -193,3 +196,14 @@ def test_a_full_disk_is_said_in_one_line(tmp_path, monkeypatch):
         monkeypatch.setattr("os.write", full)
         with pytest.raises(BadInput, match="cannot be written"):
             journal.add({"n": 1}, {})
+
+
+def test_a_change_of_any_source_file_of_drumlin_is_another_stamp(tmp_path, monkeypatch):
+    """A copy of the package has the stamp of the package until one of its files is changed."""
+    package = tmp_path / "drumlin"
+    shutil.copytree(Path(journals.__file__).parents[1], package)
+    whole = source_stamp()
+    monkeypatch.setattr(journals, "__file__", str(package / "base" / "journal.py"))
+    assert source_stamp() == whole
+    (package / "laws" / "rigid.py").write_text("")
+    assert source_stamp() != whole

@@ -32,7 +32,7 @@ CASES: dict[str, dict[str, Any]] = {
     "partial contact": {"shoe.lining.clearance": 1e-4},
 }
 """Changes of the double-shoe brake for each case, by name."""
-JUDGED, BRAKES, FEW = 600_000, 500, 3
+JUDGED, BRAKES, FEW = 700_000, 500, 3
 """First seed of the random brakes, their number, and their number in the short setting.
 
 No factor, level or rule of the error estimate was found on these brakes.
@@ -114,7 +114,7 @@ def study(
     for found in kept(cases, _judged, journal, say, processes):
         judged += found["rows"]
     count = 1 if short else CORNERS
-    cases = [{"corner": corner_rows.FIRST_CORNER + k} for k in range(count)]
+    cases = [{"corner": corner_rows.FIRST_JUDGED + k} for k in range(count)]
     say("random corners and tips")
     corners: list[dict[str, Any]] = []
     for found in kept(cases, _cornered, journal, say, processes):

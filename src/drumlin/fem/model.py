@@ -63,13 +63,13 @@ above it is refused.
 LARGEST_LOSS = 1e-5
 """Round-off error of the pressure, relative, up to which an answer needs no refinement. On a mesh,
 which states no error, a refined answer above it is refused. The discretisation error of a mesh is
-some hundred times larger, and hp elements state ten times the loss. The value is a judgement, and
-the refusal prints the loss.
+some hundred times larger, and hp elements state the loss with their error. The value is a judgement,
+and the refusal prints the loss.
 """
 MOST_LOSS = 1e-3
 """Round-off error of the pressure, relative, up to which an answer on hp elements stands that cannot
-be refined, or has been. Its stated error contains ten times the loss, 1 %. An answer that has lost
-more is refused. The value is a judgement, and the refusal prints the loss.
+be refined, or has been. Its stated error contains the loss. An answer that has lost more is
+refused. The value is a judgement, and the refusal prints the loss.
 """
 MAX_REFINED = 240_000
 """Unknowns of a group times their degree squared up to which answers on hp elements are refined.

@@ -49,12 +49,6 @@ NEITHER = 1e-9
 Below it friction neither helps nor opposes the actuation.
 """
 
-NEAR_PEAK = 0.8
-"""Pressure relative to the peak above which it lies near the peak.
-
-Only changes of the pressure near the peak change the peak.
-"""
-
 NO_FORCE = 1e-6
 """Reaction relative to the contact's force below which the reaction counts as zero."""
 

@@ -28,11 +28,6 @@ from drumlin.fem.substructure.elasticity import stacked
 from drumlin.fem.substructure.loads import ACTUATION, LoadColumns
 from drumlin.response.resultants import GAUSS, WEIGHTS, at_gauss, lobatto
 
-LEFT = 0.02
-"""Fraction of the uncorrected rigid-body residual S R + F that the round-off estimate still assumes
-after the correction has taken the residual off. 0 would call corrected answers exact; 1 would refuse
-right answers. The stored truths judge the value.
-"""
 Map = Callable[[Floats, Floats], Floats]
 """From depths and positions along the lining to points (2, ...) in the shoe's frame [m]."""
 
@@ -509,8 +504,8 @@ def _still(S: Floats, R: Floats, held: Floats) -> tuple[Floats, Floats]:
     -held. The forces `held` (2n, 3) on the contact by motions of the frame are small beside the
     stiffness of thin columns, and have more digits. The first correction changes each node's own
     part, where most digits were lost. The second is the least symmetric change that leaves no
-    residual. The estimate (2n, 3) of the forces that remain is the residual half way, and LEFT of
-    the residual before.
+    residual. The corrected stiffness is wrong elsewhere by as much as rigid-body modes showed: the
+    estimate (2n, 3) of the forces that round-off adds is the residual before any correction.
     """
     S, own = S.copy(), np.arange(len(S)).reshape(-1, 2)
     before = S @ R + held
@@ -521,7 +516,7 @@ def _still(S: Floats, R: Floats, held: Floats) -> tuple[Floats, Floats]:
     change, moment = back @ after.T, R.T @ after
     symmetric_moment = 0.5 * (moment + moment.T)
     corrected = S - change - change.T + back @ symmetric_moment @ back.T
-    return corrected, after + LEFT * before
+    return corrected, before
 
 
 def _balanced(S: Floats, R: Floats) -> Floats:
