@@ -122,9 +122,10 @@ class _ProcessPool(Executor):
     answer. Another process replaces it.
 
     Three pools of others were tried (pebble 5.2.3, loky 3.7.0, concurrent.futures of Python 3.11).
-    The processes of each pool share a pipe: in all three a process that died while it sent its
-    answer was never noticed, and in pebble and concurrent.futures all later work waited for ever.
-    In loky and concurrent.futures a process that died at its work took the work of all others.
+    The processes of each pool share a pipe. In all three a process that died while it sent its
+    answer was not noticed within 40 s, and in pebble and concurrent.futures work that was given
+    afterwards had no answer within 20 s. In loky a process that died at its work took the work of
+    its neighbour with it, and the pool; the pool of concurrent.futures was unusable after a death.
     """
 
     def __init__(self, number: int) -> None:
