@@ -197,7 +197,7 @@ def convergence_rows(convergence: Convergence) -> list[Row]:
     limit = convergence.torque.value
     rows: list[Row] = []
     for n, response in zip(convergence.elements, convergence.responses, strict=True):
-        row = {
+        row: Row = {
             "elements": n,
             "unknowns_torque": response.torque,
             "torque_error": relative(response.torque, limit),
