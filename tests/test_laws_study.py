@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from drumlin.brake.plane_brake import read_any
 from drumlin.report.drawing import draw_brake
 from drumlin.studies import load
-from drumlin_studies.law_table import word_rows
+from drumlin_studies.law_table import shoe_factor_rows
 from drumlin_studies.worked_examples import compared
 from picking import having, picked
 
@@ -45,7 +45,7 @@ def test_a_wrong_number_would_be_seen() -> None:
 
 
 def test_barecki_leading_post_has_the_smaller_shoe_factor_where_n_is_negative() -> None:
-    rows = word_rows(read_any(STUDIES / "post_brake/brake.toml"))
+    rows = shoe_factor_rows(read_any(STUDIES / "post_brake/brake.toml"))
     assert len(rows) == 8
     for leading, trailing in zip(rows[::2], rows[1::2], strict=True):
         assert (leading["word"], trailing["word"]) == ("leading", "trailing")

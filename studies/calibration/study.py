@@ -1,4 +1,4 @@
-"""With which safety factors are stated errors at least as large as true errors?
+"""Safety factors with which stated errors are at least as large as true errors.
 
 The factors are fitted on random brakes, into a file that the program reads.
 """

@@ -1,4 +1,4 @@
-"""How fast do finite elements converge, are stated errors true, and which answers are known?"""
+"""How fast finite elements converge, whether stated errors are true, and known answers."""
 
 import math
 import time
@@ -40,7 +40,7 @@ No factor, level or rule of the error estimate was found on these brakes.
 CORNERS = 40
 """Number of brakes that press with a corner or under a tip, four of each kind."""
 TENTH, THIRD = 10, 3
-"""One brake in TENTH has triangles as truth. One in THIRD is solved to the last tolerance as well."""
+"""Every TENTH brake has triangles as truth. Every THIRD is solved to the last tolerance as well."""
 
 
 class Result(NamedTuple):
@@ -142,7 +142,7 @@ def _cornered(case: Case) -> dict[str, Any]:
 
 
 def _drawn(seed: int) -> Brake:
-    """The brake of a seed: of any shape for an even seed, of any support on a drum for an odd one."""
+    """The brake of a seed: even seeds draw any shape, odd seeds any support of a drum brake."""
     ways = [way for way in KINDS_OF_HOLDING if not way.startswith("pad")]
     brake = random_kind(seed, ways[seed // 2 % len(ways)]) if seed % 2 else random_brake(seed)
     return brake
