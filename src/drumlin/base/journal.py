@@ -88,6 +88,10 @@ class Journal(AbstractContextManager["Journal"]):
     def __len__(self) -> int:
         return len(self._rows)
 
+    def __bool__(self) -> bool:
+        """Always true: a journal without cases is not the same as no journal."""
+        return True
+
     def __contains__(self, case: Mapping[str, Any]) -> bool:
         return key_of(case) in self._rows
 
