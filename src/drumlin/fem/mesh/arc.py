@@ -25,7 +25,7 @@ from drumlin.fem.mesh.grading import (
 
 
 class MeshKind(NamedTuple):
-    """A kind of mesh: the names of skfem's classes, and meshio's of cells and of their edges."""
+    """A kind of mesh: names of its classes in skfem, and of its cells and edges in meshio."""
 
     mesh_name: str
     element_name: str
@@ -34,17 +34,18 @@ class MeshKind(NamedTuple):
 
     @property
     def mesh(self) -> Any:
-        """skfem's class of meshes."""
+        """The class of skfem for meshes of this kind."""
         return _skfem(self.mesh_name)
 
     @property
     def element(self) -> Any:
-        """skfem's class of elements."""
+        """The class of skfem for the elements of this kind."""
         return _skfem(self.element_name)
 
 
 def _skfem(name: str) -> Any:
-    """A class of scikit-fem, which only meshes load."""
+    """The class of scikit-fem with this name."""
+    # scikit-fem takes long to load, and only meshes use scikit-fem.
     import skfem  # noqa: PLC0415
 
     return getattr(skfem, name)
@@ -62,15 +63,15 @@ DEFAULT_KIND = "quad2"
 
 
 def kind_of(mesh: Any) -> MeshKind:
-    """The kind of a mesh."""
+    """The kind of skfem's `mesh`: quadrilaterals or triangles, of degree 1 or 2."""
     return next(kind for kind in MESH_KINDS.values() if kind.mesh is type(mesh))
 
 
 def _moved_to(angles: Floats, places: tuple[float, ...]) -> Floats:
-    """The angles (n,) with the nearest inner ones moved to the `places`.
+    """Angles (n,) [rad] of which the inner ones nearest to the `places` are moved there.
 
-    Where the nearest angle has moved to another place already, or no inner angle exists, the place
-    is added.
+    A place is added as a new angle where its nearest angle has moved to another place already, or
+    where no inner angle exists.
     """
     inner = angles[1:-1]
     moved: list[int] = []
@@ -81,7 +82,10 @@ def _moved_to(angles: Floats, places: tuple[float, ...]) -> Floats:
 
 
 FACE_SLACK = 1e-9
-"""Distance, in radii or radians, below which a facet counts as lying on a face: round-off alone."""
+"""Distance of a facet's middle from a face below which the facet counts as lying on the face.
+
+The distance is in drum radii for depths and in radians for angles, and covers round-off alone.
+"""
 
 
 class _ArcLayout(NamedTuple):
@@ -146,11 +150,12 @@ def shoe_mesh(
 
 
 def _layout(shoe: Shoe, radius: float, division: LiningDivision, kind: str) -> _ArcLayout:
-    """The rectangle of depths and angles of a shoe."""
+    """The rectangle of depths and angles that the mesh of a shoe on an arc is cut from."""
     phi_1, phi_2 = shoe.arc
     layers = [("lining", shoe.lining.thickness)]
     if shoe.backing is not None:
         layers.append(("backing", shoe.backing.thickness))
+    # The body may end before or beyond the lining, and a grip is marked by two of the angles.
     angles = division.angles
     body = (phi_1, phi_2)
     if isinstance(shoe.body, Bar):
@@ -187,6 +192,7 @@ def _boundaries(shoe: Shoe, radius: float, layout: _ArcLayout, grid: Any) -> dic
     """The facets of each named boundary of a grid of depths and angles."""
     depth, phi = grid.p[:, grid.facets].mean(axis=1)
     outer = np.isin(np.arange(grid.nfacets), grid.boundary_facets())
+    # The hinge of a gripped body is the part of its back in the grip; other bodies have end faces.
     on = {"contact": outer & (depth < FACE_SLACK * radius)}
     grip = shoe.grip(radius) if shoe.body is not None else None
     if shoe.body is None:

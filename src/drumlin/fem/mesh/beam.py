@@ -19,8 +19,11 @@ from drumlin.fem.mesh.grading import MOST_LAYERS, MOST_THIN, LiningDivision, lay
 PARTS = ("lining", "backing", "shoe")
 """The subdomains of the mesh from the contact inwards; the backing is the block."""
 BEAM_SLACK = 1e-9
-"""Distance, in layers or along the beam over the lining's back radius, below which a facet counts as
-lying on a face: round-off alone."""
+"""Distance of a facet's middle from a face below which the facet counts as lying on the face.
+
+Depths count in layers, and distances along the beam in radii of the lining's back. The distance
+covers round-off alone.
+"""
 
 
 def why_not(shoe: Shoe, radius: float) -> str | None:
@@ -29,7 +32,10 @@ def why_not(shoe: Shoe, radius: float) -> str | None:
         return None
     section = shoe.body.section
     if section is None:
-        return "its beam has no constant section to mesh: thickness, and width and material or one bending_stiffness"
+        return (
+            "its beam has no constant section to mesh: thickness, "
+            "and width and material or one bending_stiffness"
+        )
     if shoe.backing is None:
         return "nothing fills the space between its straight beam and the lining: no [shoe.backing]"
     if isinstance(shoe.body.offset, tuple) and any(offset for _, offset in shoe.body.offset):
@@ -40,6 +46,7 @@ def why_not(shoe: Shoe, radius: float) -> str | None:
 def _no_room(shoe: Shoe, axis: Axis, section: Section, radius: float) -> str | None:
     """Why no block fits between lining and beam; None where one fits."""
     back = radius + shoe.lining.thickness
+    # The back of the lining comes nearest to the beam at the foot of the axis, or else at one end.
     ends = axis.angle(np.array([shoe.lining.start, shoe.lining.end]))
     x = axis.foot + back * np.sin(ends)
     nearest = back * (1.0 if ends.min() < 0 < ends.max() else float(np.cos(ends).max()))
@@ -81,9 +88,11 @@ class _BeamShape(NamedTuple):
         along the beam over `back`.
         """
         r = self.radius + self.thickness * np.minimum(depth, 1)
+        # In the axes of the beam, x runs along the beam and y towards the drum's centre.
         in_lining = self.axis.foot + r * np.sin(s)
         x = np.where(depth < 1, in_lining, self._along(s))
         y = self.axis.distance - r * np.cos(s)
+        # The block leads from the lining's back straight to the beam's face.
         beam_face = self.axis.distance - self.face
         in_block = y + np.minimum(depth - 1, 1) * (beam_face - y)
         y = np.where(depth > 1, in_block, y)
@@ -123,6 +132,7 @@ def beam_mesh(shoe: Shoe, radius: float, division: LiningDivision, shape: Any) -
     if shape in {skfem.MeshTri1, skfem.MeshTri2}:
         grid = grid.to_meshtri()
 
+    # The depth counts layers, so that its whole part is the number of the subdomain.
     layer = np.floor(grid.p[0, grid.t].mean(axis=0)).astype(int)
     depth, s = grid.p[:, grid.facets].mean(axis=1)
     outer = np.isin(np.arange(grid.nfacets), grid.boundary_facets())
@@ -148,6 +158,7 @@ def _shape_of(
     start, end = float(angles[0]), float(angles[-1])
     thickness = shoe.lining.thickness
     back = radius + thickness
+    # The block reaches the beam's face where the ends of the lining's back lie along the beam.
     foot = axis.foot + back * np.sin(np.array([start, end]))
     low = start - foot[0] / back
     high = end + (axis.length - foot[1]) / back

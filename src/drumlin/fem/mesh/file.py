@@ -1,9 +1,9 @@
 """A shoe's mesh in a file: Gmsh, Abaqus/CalculiX or VTU, with named groups.
 
-A group is a set of cells or edges with that name (Gmsh's physical names, ELSET, SURFACE), a set of
-nodes (NSET), or cell or point data of that name that is 1 on its members and 0 elsewhere (VTU). A set
-of nodes names the outer edges whose nodes all belong to it. Capital letters do not matter. The key
-`groups` of a shoe names groups that the file calls otherwise, by name or by number.
+A named group is a set of cells or edges (Gmsh's physical names, ELSET, SURFACE), a set of nodes
+(NSET), or an array of cells or points that is 1 on the members and 0 elsewhere (VTU). A set of
+nodes names the outer edges whose nodes all belong to the set. Capital letters do not matter. The
+key `groups` of a shoe names groups that the file calls otherwise, by name or by number.
 """
 
 import contextlib
@@ -39,19 +39,20 @@ from drumlin.fem.mesh.plane_cells import BESIDE, PlaneCells, plane_cells
 from drumlin.fem.mesh.vtu import check_unpacked
 
 FORMATS = (".msh", ".inp", ".vtu")
-"""The suffixes of files that are read and written."""
+"""The suffixes of mesh files that drumlin reads and writes."""
 GROUP_NAMES = ("lining", "backing", "table", "shoe", "contact", "hinge", "actuation")
 """The names of groups that a shoe may need; groups with other names are passed over."""
 MOST_FILE_NODES = 1_000_000
 """Largest number of nodes of a mesh in a file; a file with more is refused to save memory."""
 LARGEST_NUMBER = 10_000_000
-"""Largest number of a node in an .msh file. Its reader makes an array of that length, so that larger
-numbers are refused to save memory.
+"""Largest number of a node in an .msh file; a file with a larger number is refused.
+
+meshio's reader makes an array as long as the largest number, which could fill the memory.
 """
 METRES_PER_UNIT = {"m": 1.0, "mm": 1e-3, "in": 0.0254}
 """Metres per unit of length of a mesh file."""
 LONGEST_REASON = 160
-"""Characters of a reader's own words that a refusal repeats."""
+"""Largest number of characters that a refusal repeats of the error of meshio's reader."""
 
 
 def write_mesh(path: Path, mesh: Any, shoe: Shoe) -> None:
@@ -86,6 +87,8 @@ def _write_msh(
     subdomains: Mapping[str, Ints],
     edges: Mapping[str, Ints],
 ) -> None:
+    """Write a mesh with its groups as a Gmsh file of format 2.2."""
+    # Gmsh wants the ends of an edge first and its middle node last.
     blocks = [(kind.cell, cells[elements]) for elements in subdomains.values()]
     blocks += [(kind.edge, along[[0, -1, *range(1, len(along) - 1)]].T) for along in edges.values()]
     numbers = range(1, len(blocks) + 1)
@@ -110,6 +113,7 @@ def _write_vtu(
     subdomains: Mapping[str, Ints],
     edges: Mapping[str, Ints],
 ) -> None:
+    """Write a mesh as a .vtu file, whose groups are arrays that are 1 on the members."""
     members = {
         name: np.isin(np.arange(len(cells)), elements) for name, elements in subdomains.items()
     }
@@ -124,6 +128,7 @@ def _write_vtu(
 
 
 def _spatial(xy: Floats) -> Floats:
+    """Points (n, 3) in space for points (n, 2) in the plane: z is zero."""
     return np.column_stack([xy, np.zeros(len(xy))])
 
 
@@ -168,7 +173,7 @@ def read_shoe_mesh(path: Path, shoe: Shoe, radius: float, key: str = "mesh") -> 
 
 
 def _content(path: Path, shoe: Shoe, fault: str) -> FileContent:
-    """What a mesh file holds. Raises BadInput, led by `fault`, for one that cannot be read."""
+    """The content of a mesh file. Raises BadInput, led by `fault`, for an unreadable file."""
     try:
         regular = stat.S_ISREG(path.stat().st_mode)
     except (OSError, ValueError) as error:
@@ -188,7 +193,7 @@ def _content(path: Path, shoe: Shoe, fault: str) -> FileContent:
             contextlib.redirect_stderr(printed),
             warnings.catch_warnings(),
         ):
-            # Faults of the mesh are found by our own checks.
+            # Warnings are silenced, since the checks of drumlin find the faults of a mesh.
             warnings.simplefilter("ignore")
             # numpy before 2.3 warns, and newer ones raise, where a file has fewer numbers than its
             # counts promise.
@@ -211,7 +216,10 @@ def _content(path: Path, shoe: Shoe, fault: str) -> FileContent:
 
 
 def _read(path: Path, suffix: str, data: bytes, shoe: Shoe) -> FileContent:
-    """What a file holds; `data` is its content. The content tells the format, not the name alone."""
+    """The nodes, cells and groups of a mesh file with the bytes `data`.
+
+    Suffix and first bytes together tell the format.
+    """
     start = data.lstrip()[:1]
     # The mesher of CalculiX writes Abaqus text into files named .msh.
     if suffix == ".inp" or (suffix == ".msh" and start == b"*"):
@@ -230,8 +238,9 @@ def _element_groups(shoe: Shoe) -> list[str]:
 
 
 def _check_numbers(path: Path, fault: str) -> None:
-    """Refuse node numbers in a text .msh (2.2, 4.1) that would take all memory; what else is wrong
-    is found later.
+    """Refuse node numbers in a text .msh file (2.2, 4.1) that would take all memory.
+
+    Other faults of the file are found later, by its reader.
     """
     numbers = np.zeros(0)
     with (
@@ -259,12 +268,16 @@ def _check_numbers(path: Path, fault: str) -> None:
 
 
 def _numbers(file: Any, count: int) -> Floats:
-    """The next `count` numbers of a file, or what there is of them."""
+    """The next `count` numbers of an open text file, or fewer where the file has fewer."""
     return np.fromfile(file, count=max(count, 0), sep=" ")
 
 
 def _plane_points(content: FileContent, fault: str) -> Floats:
-    """x, y of all nodes (n, 2), in the file's unit. Nodes that no plane cell has may lie anywhere."""
+    """Coordinates x, y (n, 2) of all nodes, in the file's unit.
+
+    Raises BadInput, led by `fault`, for a mesh that is not plane. Nodes that belong to no plane
+    cell may lie anywhere.
+    """
     points = content.points
     used = [cells.ravel() for name, cells in content.cells.items() if name not in BESIDE]
     nodes = np.unique(np.concatenate(used)) if used else np.zeros(0, dtype=np.int64)
@@ -282,8 +295,9 @@ def _plane_points(content: FileContent, fault: str) -> Floats:
 
 
 def _mesh(cell: str, cells: Ints, points: Floats, fault: str) -> tuple[Any, Ints]:
-    """skfem's mesh, and the number there of each node of the file that is a corner of a cell (-1:
-    of none).
+    """skfem's mesh of the cells, and the number (n,) of each of the file's nodes as its vertex.
+
+    The number is -1 for a node that is no corner of a cell.
     """
     kind = next(kind for kind in MESH_KINDS.values() if kind.cell == cell)
     used, numbered = np.unique(cells, return_inverse=True)
@@ -300,10 +314,10 @@ def _mesh(cell: str, cells: Ints, points: Floats, fault: str) -> tuple[Any, Ints
 def _with_groups(
     content: FileContent, shoe: Shoe, plane: PlaneCells, mesh: Any, vertex: Ints, fault: str
 ) -> Any:
-    """The mesh with the groups of the file: subdomains from its cells, boundaries from edges or
-    nodes.
+    """The mesh with the groups of the file as its subdomains and boundaries.
 
-    `vertex` (n,): the number in the mesh of each point that is a corner.
+    Subdomains come from cells, boundaries from edges or from nodes. `vertex` (n,) is the number in
+    the mesh of each point that is a corner.
     """
     subdomains, boundaries = {}, {}
     for name in GROUP_NAMES:
@@ -362,6 +376,7 @@ def _edges_of(
                 ends.append(content.cells[cell][rows, :2])
         ends += [content.edge_groups[name]] if name in content.edge_groups else []
         outer_ends += [content.outer_groups[name]] if name in content.outer_groups else []
+    # A set of nodes counts only where the file has no edges of the same name.
     found = _facets(mesh, vertex[np.concatenate(ends)], fault)
     outlined = _facets(mesh, vertex[np.concatenate(outer_ends)], fault)
     outer = mesh.boundary_facets()
@@ -391,6 +406,7 @@ def _between(plane: PlaneCells, mesh: Any, vertex: Ints, inside: Bools, fault: s
 
 def _facets(mesh: Any, ends: Ints, fault: str) -> Ints:
     """Numbers of the facets between the vertices `ends` (n, 2), each once."""
+    # A facet is found by one number that both its vertices make.
     key = mesh.facets[0].astype(np.int64) * mesh.nvertices + mesh.facets[1]
     order = np.argsort(key)
     low, high = np.sort(ends, axis=1).T

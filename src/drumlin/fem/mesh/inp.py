@@ -21,16 +21,18 @@ LOOSE = (
     *("SPRING", "DASHPOT", "MASS", "ROTARYI", "CONN", "GAP", "JOINT", "ITS", "DCOUP", "HEATCAP"),
     *("R2D", "R3D", "RAX", "RB2D", "RB3D", "DIST", "FRAME", "PIPE", "TUBE", "SLIDE"),
 )
-"""Beginnings of the types of elements that are no part of a shoe's mesh: springs, masses, connectors,
-gaps and rigid bodies. They are passed over."""
+"""Beginnings of the types of elements that are passed over, as no part of a shoe's mesh.
+
+They are springs, masses, connectors, gaps and rigid bodies.
+"""
 
 Parsed = TypeVar("Parsed")
 Key = tuple[str, int]
-"""Instance and label of a node or an element."""
+"""Name of the instance, and label, of a node or an element in an Abaqus deck."""
 
 
 class ElementPlace(NamedTuple):
-    """Where an element stands: type of its cell, and row among the cells of that type."""
+    """The place of an element: type of its cell, and its row among the cells of that type."""
 
     cell: str
     row: int
@@ -114,10 +116,12 @@ class _Assembled:
                 continue
             if len(nodes) != NODES_PER_CELL[cell]:
                 raise ValueError(
-                    f"*ELEMENT, TYPE={kind} needs a label and {NODES_PER_CELL[cell]} nodes on each line"
+                    f"*ELEMENT, TYPE={kind} needs a label "
+                    f"and {NODES_PER_CELL[cell]} nodes on each line"
                 )
             self.place[body.name, label] = ElementPlace(cell, len(rows))
             found = [self._node(body.name, node, f"element {label}") for node in nodes]
+            # Abaqus writes the middle node of an edge second, meshio last.
             if cell == "line3":
                 first, middle, last = found
                 found = [first, last, middle]
@@ -131,7 +135,7 @@ class _Assembled:
         return found
 
     def content(self) -> FileContent:
-        """What the deck holds."""
+        """The content of the deck: points, cells, groups, rounding and notes."""
         nodes, cells = self._groups("node_sets"), self._groups("element_sets")
         surfaces = self._surfaces()
         return FileContent(
@@ -167,7 +171,10 @@ class _Assembled:
         return tuple(notes)
 
     def _groups(self, which: str) -> dict[str, list[Key]]:
-        """The members of each set; sets of the assembly go before those of parts."""
+        """The members of each node set or element set (`which`), by the set's name.
+
+        A set of the assembly goes before sets of that name in parts.
+        """
         known = self.number if which == "node_sets" else self.place
         what = "node" if which == "node_sets" else "element"
 
@@ -192,9 +199,10 @@ class _Assembled:
         named: Callable[[DeckInstance], Collection[str]],
         found: Callable[[DeckInstance, str], list[Parsed]],
     ) -> dict[str, list[Parsed]]:
-        """What is found under each name: in the assembly, or else in all bodies together.
+        """The members of each named group: of the assembly, or else of all bodies together.
 
-        What cannot be read goes to `broken`.
+        `named` returns the names of a body's groups, and `found` the members of one of them. The
+        reason why a group cannot be read goes to `broken`.
         """
         groups: dict[str, list[Parsed]] = {}
         assembly = self.deck.bodies[-1]
@@ -242,7 +250,7 @@ class _Assembled:
         return found
 
     def _in(self, body: DeckInstance, which: str, word: str) -> list[Key]:
-        """The members that a word on a line of *SURFACE means: of a set, or one label."""
+        """The nodes or elements that a word on a line of *SURFACE names: a set's, or one label."""
         name = word.lower()
         holder = body
         if "." in name and name not in getattr(body.part, which):
@@ -257,8 +265,12 @@ class _Assembled:
         return [(holder.name, int(name))]
 
     def _edges(self, body: DeckInstance, word: str, face: str, name: str) -> list[list[int]]:
-        """Corner points of the edges that a line of a surface names; without a face of all edges."""
+        """Corner points of the edges that a line of a *SURFACE names.
+
+        A line without a `face` (S1 to S4) names all edges of its elements.
+        """
         edges = []
+        # Elements without a cell are springs and masses, which have no edges.
         for key in self._in(body, "element_sets", word):
             place = self.place[key]
             if place is None:
@@ -298,11 +310,12 @@ def cell_of(kind: str) -> str | None:
         raise ValueError(
             f"*ELEMENT, TYPE={kind} is axisymmetric, a ring about the axis; a shoe is plane (CPS)"
         )
-    # Reduced, hybrid and other formulations have one shape.
+    # Letters at the end (R: reduced, H: hybrid) change the formulation and not the shape.
     plain = kind[:-2] if kind.endswith("R5") else kind.rstrip("HIRMSTW")
     if plain not in CELL_OF_TYPE:
         raise ValueError(
-            f"*ELEMENT, TYPE={kind} is not an element of a plane mesh; allowed: {', '.join(CELL_OF_TYPE)}"
+            f"*ELEMENT, TYPE={kind} is not an element of a plane mesh; "
+            f"allowed: {', '.join(CELL_OF_TYPE)}"
         )
     return CELL_OF_TYPE[plain]
 

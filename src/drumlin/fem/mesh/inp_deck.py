@@ -20,8 +20,10 @@ from drumlin.fem.mesh.inp_parts import (
 from drumlin.fem.mesh.inp_text import InputSection, sections
 
 MOST_MEMBERS = 2_000_000
-"""Number of members that all sets of a deck may have together. A set may name other sets and ranges,
-so that it can be far larger than its text."""
+"""Largest number of members of all sets of a deck together; a deck with more is refused.
+
+A set may name other sets and ranges of labels, so that it can be far larger than its text.
+"""
 OTHER_FILE = "reads its data lines from another file; use *INCLUDE, or put them into the deck"
 UNREAD_OPTIONS = {
     "NODE": {"INPUT": OTHER_FILE},
@@ -57,14 +59,14 @@ class Deck:
 
     @property
     def bodies(self) -> list[DeckInstance]:
-        """All that holds nodes: the instances, or the parts of a deck that places none."""
+        """The bodies with nodes: the instances, or the parts of a deck without instances."""
         placed = list(self.instances.values()) or [
             DeckInstance(name, part) for name, part in self.parts.items()
         ]
         return [DeckInstance("", self.root), *placed, DeckInstance("", self.assembly)]
 
     def _take(self, section: InputSection) -> None:
-        """Take up one section."""
+        """Add the nodes, elements, sets or surfaces of one section to its part."""
         keyword, scope = section.keyword, self._scope
         for option, reason in UNREAD_OPTIONS.get(keyword, {}).items():
             if option in section.options:
@@ -88,7 +90,7 @@ class Deck:
             passed_over(section, self.unknown)
 
     def _nodes(self, section: InputSection) -> None:
-        """Nodes, in the coordinates of the *SYSTEM before them."""
+        """Add the nodes of a *NODE section, placed by the *SYSTEM before the section."""
         kind, scope = section.option("SYSTEM") or "R", self._scope
         if kind not in ("R", "C"):
             raise ValueError(f"*NODE, SYSTEM={kind} is not read; write rectangular coordinates")
@@ -108,7 +110,10 @@ class Deck:
         self._add_to(scope.node_sets, labels, section.options.get("NSET"))
 
     def _elements(self, section: InputSection) -> None:
-        """Elements with the labels of their nodes; how many nodes there must be is checked later."""
+        """Add the elements of an *ELEMENT section with the labels of their nodes.
+
+        The reader of the mesh checks the number of nodes later.
+        """
         kind, found = section.option("TYPE"), dict[int, list[int]]()
         for row in section.rows:
             label, *nodes = (_own_label(word) for word in row)
@@ -139,7 +144,7 @@ class Deck:
                 found += [Member(owner, word.lower()) for word in row]
 
     def _surface(self, section: InputSection) -> None:
-        """A surface; its name is that of its edges or nodes."""
+        """Add a *SURFACE section: its type and data lines under its name."""
         name = section.options.get("NAME", "").lower()
         for option, reason in UNREAD_SET_OPTIONS.items():
             if option in section.options:
@@ -147,16 +152,18 @@ class Deck:
         self._scope.surfaces[name] = (section.option("TYPE") or "ELEMENT", section.rows)
 
     def _begin_part(self, section: InputSection) -> None:
+        """Begin a part, which the sections up to *END PART belong to."""
         name = section.options.get("NAME", "").lower()
         if name in self.parts:
             raise ValueError(f"*PART, NAME={name}: there are two parts of this name")
         self._scope = self.parts[name] = DeckPart(name)
 
     def _begin_assembly(self, section: InputSection) -> None:
+        """Begin the assembly, which the sections outside of its instances belong to."""
         self._scope = self._outer = self.assembly
 
     def _begin_instance(self, section: InputSection) -> None:
-        """An instance of a part, or one with nodes of its own."""
+        """Begin an instance: of a part, or with nodes and elements of its own."""
         name, of = (section.options.get(key, "") for key in ("NAME", "PART"))
         part = self.parts.get(of.lower())
         if of and part is None:
@@ -169,10 +176,10 @@ class Deck:
         self.instances[placed.name] = placed
 
     def _end(self, section: InputSection) -> None:
-        """The end of a part, an instance or the assembly."""
+        """End a part, an instance or the assembly; later sections belong to what is around it."""
         own = self._scope
         named = self.instances.get(own.name)
-        # What stands between *INSTANCE and its end belongs to the instance alone.
+        # Nodes between *INSTANCE and *END INSTANCE would belong to this instance of the part alone.
         placed = section.keyword == "END INSTANCE" and named is not None and named.part is not own
         if placed and (own.nodes or own.labels):
             raise ValueError(f"*INSTANCE, NAME={own.name} adds nodes or elements to its part")
@@ -187,9 +194,19 @@ class Deck:
         name: str,
         above: tuple[tuple[str, str], ...] = (),
     ) -> Iterator[tuple[DeckInstance, int]]:
-        """Instance and label of each member of a set of a body; sets in it are opened.
+        """Instance and label of each member of a set of a body; sets in the set are opened.
 
-        which: "node_sets" or "element_sets". Raises ValueError for a member that cannot be.
+        Parameters
+        ----------
+        body : the instance, or the part, that the set stands in
+        which : "node_sets" or "element_sets"
+        name : of the set
+        above : body and name of the sets that this set is a member of
+
+        Raises
+        ------
+        ValueError
+            for a member that is neither a label nor a set, and for a set in itself
         """
         if (body.name, name) in above:
             raise ValueError(f"the set {name.upper()} is a member of itself")
@@ -229,16 +246,16 @@ SCOPES = {
     "END ASSEMBLY": Deck._end,
     "END INSTANCE": Deck._end,
 }
-"""Keywords that begin or end a part, the assembly or an instance."""
+"""The method of a deck for each keyword that begins or ends a part, the assembly or an instance."""
 
 
 def _own_label(word: str) -> int:
-    """A label on a line of *ELEMENT."""
+    """The label in a word of an *ELEMENT line. Raises ValueError for a word without a label."""
     return whole(word, "*ELEMENT")
 
 
 def _label(word: str, name: str) -> int:
-    """The label in a word of a set. Raises ValueError for a word that is none."""
+    """The label in a word of the set `name`. Raises ValueError for a word that is no label."""
     if not word.isdigit():
         raise ValueError(f"the set {name.upper()} names {word!r}, which is no label and no set")
     return int(word)

@@ -7,8 +7,10 @@ from typing import NamedTuple
 from drumlin.fem.mesh.content import MOST_NESTED, mesh_bytes
 
 DATA_STARTS = frozenset("*+-.0123456789")
-"""First characters of a line that is no more options of a keyword line before it: a keyword or a
-number."""
+"""First characters of a line that does not continue the options of the keyword line before it.
+
+The line begins with a keyword or a number.
+"""
 
 
 class InputSection(NamedTuple):

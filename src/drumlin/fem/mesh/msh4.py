@@ -24,10 +24,10 @@ CELL_OF_GMSH = {
     26: ("line4", 4),
     36: ("quad16", 16),
 }
-"""Number of nodes and meshio's name of Gmsh's element types. Others make no shoe."""
+"""meshio's name and number of nodes for each of Gmsh's element types; other types are refused."""
 
 Entity = tuple[int, int]
-"""Dimension and tag of a point, a curve, a surface or a volume."""
+"""Dimension and tag of a point, curve, surface or volume of Gmsh's geometry."""
 
 
 def is_msh4(data: bytes) -> bool:
@@ -98,7 +98,10 @@ def _names(lines: list[str]) -> dict[Entity, str]:
 
 
 def _entities(lines: list[str], old: bool) -> dict[Entity, list[int]]:
-    """Physical groups of each entity."""
+    """Tags of the physical groups of each entity, from the lines of $Entities.
+
+    `old` says whether the file has format 4.0.
+    """
     found: dict[Entity, list[int]] = {}
     if not lines:
         return found
@@ -115,12 +118,13 @@ def _entities(lines: list[str], old: bool) -> dict[Entity, list[int]]:
 
 
 def _nodes(lines: list[str], old: bool) -> tuple[dict[int, int], list[list[float]]]:
-    """Number of each node by its tag, and the points."""
+    """Number of each node by its tag, and the points [x, y, z], from the lines of $Nodes."""
     number: dict[int, int] = {}
     points: list[list[float]] = []
     rest = iter(lines[1:])
     for _ in range(int(lines[0].split()[0])):
         count = int(_next(rest, "$Nodes").split()[3])
+        # Format 4.1 lists the tags of a block first, 4.0 has the tag on the line of each point.
         tags = [] if old else [_next(rest, "$Nodes") for _ in range(count)]
         for i in range(count):
             words = _next(rest, "$Nodes").split()
@@ -133,7 +137,7 @@ def _nodes(lines: list[str], old: bool) -> tuple[dict[int, int], list[list[float
 
 
 def _elements(lines: list[str], old: bool) -> Iterator[tuple[Entity, int, list[list[int]]]]:
-    """Entity, Gmsh's type, and tag and nodes of the elements of each block."""
+    """Entity, Gmsh's element type, and rows of tag and nodes, for each block of $Elements."""
     rest = iter(lines[1:])
     for _ in range(int(lines[0].split()[0])):
         first, second, kind, count = map(int, _next(rest, "$Elements").split())

@@ -1,4 +1,4 @@
-"""The check of how much a .vtu file holds when it is unpacked, before anything of it is kept.
+"""The check of a .vtu file's size when it is unpacked, before any of its content is kept.
 
 A compressed array has a header of integers (number of blocks, size of a block, size of the last
 block, packed size of each block) and the blocks. The check does not trust the sizes in the header:
@@ -14,12 +14,15 @@ from typing import Any
 from xml.etree import ElementTree
 
 MOST_UNPACKED = 400_000_000
-"""Largest size [bytes] of all arrays of a file when unpacked: some 2 million nodes with their cells
-and groups. A file that holds more is refused.
+"""Largest size [bytes] of all unpacked arrays of a .vtu file; a larger file is refused.
+
+Some 2 million nodes with their cells and groups have this size.
 """
 MOST_ARRAYS = 200
-"""Largest number of arrays in a file; a file with more is refused, so that the check takes no longer
-than reading."""
+"""Largest number of arrays in a .vtu file; a file with more arrays is refused.
+
+The check of the file's size then takes no longer than reading the file.
+"""
 _HEADER_WIDTHS = {"UInt32": 4, "UInt64": 8}
 """Size [bytes] of an integer in the header of an array, by the header's type."""
 _RAW_APPENDED = re.compile(rb"<AppendedData[^>]*>")
@@ -55,7 +58,7 @@ def check_unpacked(data: bytes) -> None:
 
 
 def _parts(data: bytes) -> tuple[bytes, bytes | None]:
-    """The XML of a file, and the raw bytes that may stand in its middle (None: it has none)."""
+    """The XML of a .vtu file, and the raw bytes in its middle or None without raw bytes."""
     found = _RAW_APPENDED.search(data)
     if found is None or b'encoding="raw"' not in found.group():
         return data, None
@@ -65,6 +68,7 @@ def _parts(data: bytes) -> tuple[bytes, bytes | None]:
 
 def _arrays(root: Any, raw: bytes | None, width: int, order: Any) -> Iterator[bytes]:
     """The packed blocks of all arrays, one after the other."""
+    # Raw arrays follow each other without a gap; arrays in base64 stand in elements of the XML.
     if raw is not None:
         at = 0
         while at + width <= len(raw):
@@ -114,7 +118,8 @@ def _letters(count: int) -> int:
 
 
 def _unpacked(packed: bytes, unpacker: Callable[[], Any], room: int) -> int:
-    """The number of bytes that a block unpacks to; ValueError beyond `room`."""
+    """The size [bytes] of a block when unpacked. Raises ValueError beyond `room` bytes."""
+    # Pieces of a megabyte keep the memory small, however much the block unpacks to.
     machine, size = unpacker(), 0
     while True:
         piece = machine.decompress(packed, 1 << 20)

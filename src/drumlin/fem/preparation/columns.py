@@ -29,6 +29,7 @@ from drumlin.fem.substructure.elasticity import layers_of
 
 MOST_CONTACT_NODES = 3000
 """Largest number of contact nodes that are coupled: those of one shoe, or of all shoes on a ring.
+
 The dense matrices of the contact have twice as many rows and take gigabytes beyond the limit, so
 that larger brakes are refused.
 """
@@ -37,10 +38,10 @@ PointsByShape = Mapping[int, Sequence[SingularPoint]]
 
 
 class _DivisionRule(NamedTuple):
-    """How the shoes of one shape are divided.
+    """The rule by which the shoes of one shape are divided into columns of hp elements.
 
-    `shoe` is the first of them. `tip` says whether its loaded end is graded. `powers` are the
-    powers of the pressure at both ends of the lining. `division` follows from all others.
+    `shoe` is the first shoe of the shape. `tip` says whether its loaded end is graded. `powers` are
+    the powers of the pressure at both ends of the lining. `division` follows from all others.
     """
 
     shoe: Shoe
@@ -110,7 +111,7 @@ def _check_size(brake: Brake, rules: Mapping[int, _DivisionRule], alike: Sequenc
 def _rule(
     brake: Brake, level: Level, places: PointsByShape, alike: Sequence[int], i: int
 ) -> _DivisionRule:
-    """How the shoes of the shape whose first shoe is `i` are divided."""
+    """The rule that divides the shoes of one shape, whose first shoe has the index `i`."""
     shoe = brake.shoes[i]
     points = places.get(i, ())
     # A cam holds the loaded end where it touches the end, so that the end's position matters.

@@ -71,7 +71,7 @@ def prepare(
 
 
 def _left_out(brake: Brake, shapes: int) -> list[str]:
-    """Lines that say what is not computed; `shapes` is the number of different shapes of shoes."""
+    """Lines that name quantities that are not computed; `shapes` is the number of shoes' shapes."""
     count = len(brake.shoes)
     lines = ["interior fields: recovered only for a picture"]
     if shapes < count:
