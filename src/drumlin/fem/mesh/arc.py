@@ -35,15 +35,15 @@ class MeshKind(NamedTuple):
     @property
     def mesh(self) -> Any:
         """The class of skfem for meshes of this kind."""
-        return _skfem(self.mesh_name)
+        return _skfem_class(self.mesh_name)
 
     @property
     def element(self) -> Any:
         """The class of skfem for the elements of this kind."""
-        return _skfem(self.element_name)
+        return _skfem_class(self.element_name)
 
 
-def _skfem(name: str) -> Any:
+def _skfem_class(name: str) -> Any:
     """The class of scikit-fem with this name."""
     # scikit-fem takes long to load, and only meshes use scikit-fem.
     import skfem  # noqa: PLC0415
@@ -67,7 +67,7 @@ def kind_of(mesh: Any) -> MeshKind:
     return next(kind for kind in MESH_KINDS.values() if kind.mesh is type(mesh))
 
 
-def _moved_to(angles: Floats, places: tuple[float, ...]) -> Floats:
+def _move_angles_to(angles: Floats, places: tuple[float, ...]) -> Floats:
     """Angles (n,) [rad] of which the inner ones nearest to the `places` are moved there.
 
     A place is added as a new angle where its nearest angle has moved to another place already, or
@@ -133,23 +133,23 @@ def shoe_mesh(
     division = elements if isinstance(elements, LiningDivision) else divide(shoe, radius, elements)
     if isinstance(shoe.body, Beam):
         return beam_mesh(shoe, radius, division, MESH_KINDS[kind].mesh)
-    layout = _layout(shoe, radius, division, kind)
-    grid = _cut_grid(shoe, layout, kind)
+    layout = _layout_of(shoe, radius, division, kind)
+    grid = _cut_arc_grid(shoe, layout, kind)
     depth, _ = grid.p[:, grid.t].mean(axis=1)
     layer = np.searchsorted(layout.bounds, depth)
     subdomains = {name: np.flatnonzero(layer == i) for i, (name, _) in enumerate(layout.layers)}
-    boundaries = _boundaries(shoe, radius, layout, grid)
+    boundaries = _find_boundaries(shoe, radius, layout, grid)
 
     # The grid of depths and angles is mapped to the arcs.
     shape = MESH_KINDS[kind].mesh
     mesh = shape.from_mesh(grid)
     depth, phi = mesh.doflocs
     return shape(
-        shoe.at(depth, phi, radius), mesh.t, _subdomains=subdomains, _boundaries=boundaries
+        shoe.at(depth, phi, radius), mesh.t, _subdomains=subdomains, _find_boundaries=boundaries
     )
 
 
-def _layout(shoe: Shoe, radius: float, division: LiningDivision, kind: str) -> _ArcLayout:
+def _layout_of(shoe: Shoe, radius: float, division: LiningDivision, kind: str) -> _ArcLayout:
     """The rectangle of depths and angles that the mesh of a shoe on an arc is cut from."""
     phi_1, phi_2 = shoe.arc
     layers = [("lining", shoe.lining.thickness)]
@@ -162,7 +162,7 @@ def _layout(shoe: Shoe, radius: float, division: LiningDivision, kind: str) -> _
         layers += [(name, plate.thickness) for name, plate in shoe.body.plates.items()]
         ends = shoe.frame.phi(np.array([shoe.body.start, shoe.body.end]))
         body = (float(ends.min()), float(ends.max()))
-        angles = _moved_to(angles, shoe.grip(radius) or ())
+        angles = _move_angles_to(angles, shoe.grip(radius) or ())
         before = overhang(phi_1, body[0], division)[:0:-1]
         after = overhang(phi_2, body[1], division)[1:]
         angles = np.concatenate([before, angles, after])
@@ -177,10 +177,10 @@ def _layout(shoe: Shoe, radius: float, division: LiningDivision, kind: str) -> _
     return _ArcLayout(layers, bounds, np.concatenate(depths), angles, body)
 
 
-def _cut_grid(shoe: Shoe, layout: _ArcLayout, kind: str) -> Any:
+def _cut_arc_grid(shoe: Shoe, layout: _ArcLayout, kind: str) -> Any:
     """The grid of depths and angles, without the parts of the lining's layers beyond the lining."""
     phi_1, phi_2 = shoe.arc
-    grid = _skfem("MeshQuad").init_tensor(layout.depths, layout.angles)
+    grid = _skfem_class("MeshQuad").init_tensor(layout.depths, layout.angles)
     depth, phi = grid.p[:, grid.t].mean(axis=1)
     of_body = depth > layout.lining_depth
     under_lining = (phi > phi_1) & (phi < phi_2)
@@ -188,7 +188,7 @@ def _cut_grid(shoe: Shoe, layout: _ArcLayout, kind: str) -> Any:
     return grid.to_meshtri() if kind.startswith("tri") else grid
 
 
-def _boundaries(shoe: Shoe, radius: float, layout: _ArcLayout, grid: Any) -> dict[str, Ints]:
+def _find_boundaries(shoe: Shoe, radius: float, layout: _ArcLayout, grid: Any) -> dict[str, Ints]:
     """The facets of each named boundary of a grid of depths and angles."""
     depth, phi = grid.p[:, grid.facets].mean(axis=1)
     outer = np.isin(np.arange(grid.nfacets), grid.boundary_facets())

@@ -40,10 +40,10 @@ def why_not(shoe: Shoe, radius: float) -> str | None:
         return "nothing fills the space between its straight beam and the lining: no [shoe.backing]"
     if isinstance(shoe.body.offset, tuple) and any(offset for _, offset in shoe.body.offset):
         return "a beam with a curved axis is not meshed"
-    return _no_room(shoe, axis_of(shoe.pin.xy, shoe.actuation.point.xy), section, radius)
+    return _why_no_block_fits(shoe, axis_of(shoe.pin.xy, shoe.actuation.point.xy), section, radius)
 
 
-def _no_room(shoe: Shoe, axis: Axis, section: Section, radius: float) -> str | None:
+def _why_no_block_fits(shoe: Shoe, axis: Axis, section: Section, radius: float) -> str | None:
     """Why no block fits between lining and beam; None where one fits."""
     back = radius + shoe.lining.thickness
     # The back of the lining comes nearest to the beam at the foot of the axis, or else at one end.
@@ -90,7 +90,7 @@ class _BeamShape(NamedTuple):
         r = self.radius + self.thickness * np.minimum(depth, 1)
         # In the axes of the beam, x runs along the beam and y towards the drum's centre.
         in_lining = self.axis.foot + r * np.sin(s)
-        x = np.where(depth < 1, in_lining, self._along(s))
+        x = np.where(depth < 1, in_lining, self._distance_along_beam(s))
         y = self.axis.distance - r * np.cos(s)
         # The block leads from the lining's back straight to the beam's face.
         beam_face = self.axis.distance - self.face
@@ -100,7 +100,7 @@ class _BeamShape(NamedTuple):
         y = np.where(depth > 2, in_beam, y)
         return self.axis.to_brake(x, y)
 
-    def _along(self, s: Floats) -> Floats:
+    def _distance_along_beam(self, s: Floats) -> Floats:
         """Distances along the beam behind the positions s [m]."""
         start, end = self.start, self.end
         inside = self.axis.foot + self.back * np.sin(np.clip(s, start, end))
@@ -126,9 +126,9 @@ def beam_mesh(shoe: Shoe, radius: float, division: LiningDivision, shape: Any) -
     assert isinstance(shoe.body, Beam) and shoe.body.section is not None  # why_not
     axis = axis_of(shoe.pin.xy, shoe.actuation.point.xy)
     angles = np.sort(axis.angle(shoe.frame.theta(division.angles)))
-    form = _shape_of(shoe, shoe.body.section, axis, radius, angles)
+    form = _beam_shape_of(shoe, shoe.body.section, axis, radius, angles)
     linear = shape in {skfem.MeshQuad1, skfem.MeshTri1}
-    grid = _cut_grid(form, division, angles, linear=linear)
+    grid = _cut_beam_grid(form, division, angles, linear=linear)
     if shape in {skfem.MeshTri1, skfem.MeshTri2}:
         grid = grid.to_meshtri()
 
@@ -151,7 +151,7 @@ def beam_mesh(shoe: Shoe, radius: float, division: LiningDivision, shape: Any) -
     )
 
 
-def _shape_of(
+def _beam_shape_of(
     shoe: Shoe, section: Section, axis: Axis, radius: float, angles: Floats
 ) -> _BeamShape:
     """The geometry of a shoe whose lining has elements at these `angles` from the axis's foot."""
@@ -165,7 +165,9 @@ def _shape_of(
     return _BeamShape(axis, radius, thickness, section.thickness, back, start, end, low, high)
 
 
-def _cut_grid(form: _BeamShape, division: LiningDivision, angles: Floats, *, linear: bool) -> Any:
+def _cut_beam_grid(
+    form: _BeamShape, division: LiningDivision, angles: Floats, *, linear: bool
+) -> Any:
     """The grid of depths in layers and positions s, without lining and block beyond the lining."""
     import skfem  # noqa: PLC0415
 

@@ -192,7 +192,7 @@ def _check_elements(mesh: Any, shoe: Shoe, fault: str) -> None:
             *(last - first)
         )
         if bent.any():
-            where = _some(mesh, mesh.f2t[0, np.flatnonzero(bent)], shoe)
+            where = _count_and_place(mesh, mesh.f2t[0, np.flatnonzero(bent)], shoe)
             raise BadInput(f"{fault}: {where} with the middle node of an edge far off that edge")
     # The Jacobian determinant of an element may have either sign, but only one of them.
     determinant = mesh.mapping().detDF(kind_of(mesh).element().doflocs.T)
@@ -202,17 +202,19 @@ def _check_elements(mesh: Any, shoe: Shoe, fault: str) -> None:
     inverted = flat | (np.ptp(np.sign(determinant), axis=1) > 0)
     if inverted.any():
         raise BadInput(
-            f"{fault}: {_some(mesh, np.flatnonzero(inverted), shoe)} "
+            f"{fault}: {_count_and_place(mesh, np.flatnonzero(inverted), shoe)} "
             "inverted or without area in a corner"
         )
     if np.bincount(mesh.t2f.ravel()).max() > 2:
         raise BadInput(f"{fault}: more than two elements meet in an edge")
     # Neighbours lie on opposite sides of their common edge, or else one is folded over the other.
     inner = np.flatnonzero(mesh.f2t[1] >= 0)
-    sides = np.array([_side(mesh, inner, mesh.f2t[i, inner]) for i in (0, 1)])
+    sides = np.array([_side_of_facet(mesh, inner, mesh.f2t[i, inner]) for i in (0, 1)])
     folded = inner[sides[0] * sides[1] > 0]
     if len(folded):
-        raise BadInput(f"{fault}: {_some(mesh, mesh.f2t[1, folded], shoe)} folded over a neighbour")
+        raise BadInput(
+            f"{fault}: {_count_and_place(mesh, mesh.f2t[1, folded], shoe)} folded over a neighbour"
+        )
     # Elements that share an edge are bonded; a shoe is one bonded part.
     links = sp.coo_array(
         (np.ones(len(inner)), mesh.f2t[:, inner]), shape=(mesh.nelements, mesh.nelements)
@@ -222,7 +224,7 @@ def _check_elements(mesh: Any, shoe: Shoe, fault: str) -> None:
         raise BadInput(f"{fault}: consists of {parts} parts that share no edge; must be one")
 
 
-def _some(mesh: Any, elements: Ints, shoe: Shoe) -> str:
+def _count_and_place(mesh: Any, elements: Ints, shoe: Shoe) -> str:
     """The subject of a sentence about some elements: their number, and where the first lies."""
     ((x,), (y,)) = shoe.points(mesh.p[:, mesh.t[:, elements[0]]].mean(axis=1, keepdims=True)) * 1e3
     count = len(np.unique(elements))
@@ -232,7 +234,7 @@ def _some(mesh: Any, elements: Ints, shoe: Shoe) -> str:
     )
 
 
-def _side(mesh: Any, facets: Ints, elements: Ints) -> Floats:
+def _side_of_facet(mesh: Any, facets: Ints, elements: Ints) -> Floats:
     """The sign (n,) of the side of each facet on which the centre of its element lies."""
     a, b = mesh.p[:, mesh.facets[:, facets]].transpose(1, 0, 2)
     to = mesh.p[:, mesh.t[:, elements]].mean(axis=1) - a
@@ -285,7 +287,7 @@ def _check_contact(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
         axis=0
     )
     if steep.any():
-        where = _some(mesh, mesh.f2t[0, facets[steep]], shoe)
+        where = _count_and_place(mesh, mesh.f2t[0, facets[steep]], shoe)
         raise BadInput(
             f"{fault}: {where} with an edge of the contact that is steeper than "
             f"{CONTACT_SLOPE:g} against the {word}"

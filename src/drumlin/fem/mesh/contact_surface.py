@@ -81,11 +81,11 @@ def put_on_surface(mesh: Any, rounding: Floats, shoe: Shoe, radius: float) -> Co
     rounding : (2, nodes), how far x and y of each node may have been rounded [m]
     shoe, radius : whose mesh it is, and the drum's radius [m] or the pad's length
     """
-    line = _line_of(mesh, rounding, shoe, radius)
-    straight = _straight(mesh, line, shoe, radius)
+    line = _contact_nodes_of(mesh, rounding, shoe, radius)
+    straight = _find_straight_middles(mesh, line, shoe, radius)
     target = line.off.copy()
     free = ~(straight & line.middle)
-    target[free] = _without_rounding(line, free, shoe, radius)
+    target[free] = _offsets_without_rounding(line, free, shoe, radius)
     # The middle of a straight side stands on the smooth line through the corners.
     if straight.any():
         corners = ~line.middle
@@ -98,7 +98,7 @@ def put_on_surface(mesh: Any, rounding: Floats, shoe: Shoe, radius: float) -> Co
         return ContactOnSurface(mesh)
     by_rounding = free & (moves != 0)
     return ContactOnSurface(
-        _moved(mesh, line, moves, shoe),
+        _move_contact_nodes(mesh, line, moves, shoe),
         rounded=int(np.count_nonzero(by_rounding)),
         rounded_by=float(np.abs(moves[by_rounding]).max(initial=0.0)),
         straight=int(np.count_nonzero(straight & (moves != 0))),
@@ -106,7 +106,7 @@ def put_on_surface(mesh: Any, rounding: Floats, shoe: Shoe, radius: float) -> Co
     )
 
 
-def _line_of(mesh: Any, rounding: Floats, shoe: Shoe, radius: float) -> _ContactNodes:
+def _contact_nodes_of(mesh: Any, rounding: Floats, shoe: Shoe, radius: float) -> _ContactNodes:
     """The nodes of a mesh's contact line, sorted by their angle phi, with offsets and roundings."""
     facets = mesh.boundaries["contact"]
     corners = np.unique(mesh.facets[:, facets])
@@ -117,7 +117,7 @@ def _line_of(mesh: Any, rounding: Floats, shoe: Shoe, radius: float) -> _Contact
     phi = shoe.phi_of(xy, radius)
     order = np.argsort(phi)
     nodes, xy = nodes[order], xy[:, order]
-    normal = np.abs(_normals(xy, shoe))
+    normal = np.abs(_outward_normals(xy, shoe))
     # Coordinates that were turned mix the roundings of x and y, and so does the shoe's own frame.
     slack = np.hypot(*rounding[:, nodes]) if not shoe.flat else (normal * rounding[:, nodes]).sum(0)
     return _ContactNodes(
@@ -129,14 +129,14 @@ def _line_of(mesh: Any, rounding: Floats, shoe: Shoe, radius: float) -> _Contact
     )
 
 
-def _normals(xy: Floats, shoe: Shoe) -> Floats:
+def _outward_normals(xy: Floats, shoe: Shoe) -> Floats:
     """Unit vectors (2, n) at points (2, n) that point away from the drum or the plane."""
     if shoe.flat:
         return np.array([np.zeros(xy.shape[1]), np.ones(xy.shape[1])])
     return -shoe.sign * xy / np.hypot(*xy)
 
 
-def _straight(mesh: Any, line: _ContactNodes, shoe: Shoe, radius: float) -> Bools:
+def _find_straight_middles(mesh: Any, line: _ContactNodes, shoe: Shoe, radius: float) -> Bools:
     """Which nodes (n,) are middle nodes that straight sides keep off the drum."""
     found = np.zeros(len(line.nodes), dtype=bool)
     at = np.flatnonzero(line.middle)
@@ -156,14 +156,16 @@ def _straight(mesh: Any, line: _ContactNodes, shoe: Shoe, radius: float) -> Bool
     return found
 
 
-def _without_rounding(line: _ContactNodes, free: Bools, shoe: Shoe, radius: float) -> Floats:
+def _offsets_without_rounding(
+    line: _ContactNodes, free: Bools, shoe: Shoe, radius: float
+) -> Floats:
     """Offsets (k,) of the free nodes without the rounding of their coordinates.
 
     They are 0 where the offset is no more than the roundings explain; elsewhere they follow the
     smooth line through the nodes, or stay.
     """
     off, slack, place = line.off[free], line.slack[free], line.phi[free] * radius
-    shape = _shape_of(off, slack, place, radius)
+    shape = _lining_shape_of(off, slack, place, radius)
     found = off.copy()
     on = np.abs(off) <= slack * (1 + 1e-6) + COORDINATE_ROUND_OFF * radius
     found[on & np.isnan(shape)] = 0.0
@@ -174,7 +176,7 @@ def _without_rounding(line: _ContactNodes, free: Bools, shoe: Shoe, radius: floa
     return found
 
 
-def _shape_of(off: Floats, slack: Floats, place: Floats, radius: float) -> Floats:
+def _lining_shape_of(off: Floats, slack: Floats, place: Floats, radius: float) -> Floats:
     """The shape (k,) [m] of the lining at each node; nan where rounding explains the offset.
 
     The shape is a parabola through the offsets `off` (k,) [m] of the nodes around a node. Where a
@@ -205,13 +207,13 @@ def _shape_of(off: Floats, slack: Floats, place: Floats, radius: float) -> Float
     return shape
 
 
-def _moved(mesh: Any, line: _ContactNodes, moves: Floats, shoe: Shoe) -> Any:
+def _move_contact_nodes(mesh: Any, line: _ContactNodes, moves: Floats, shoe: Shoe) -> Any:
     """The mesh with the nodes of the contact line moved off the surface by `moves` (n,) [m].
 
     The centre of a quadrilateral follows its sides, so that the element keeps its shape.
     """
     doflocs = mesh.doflocs.copy()
-    doflocs[:, line.nodes] += moves * _normals(doflocs[:, line.nodes], shoe)
+    doflocs[:, line.nodes] += moves * _outward_normals(doflocs[:, line.nodes], shoe)
     inner = mesh.dofs.interior_dofs
     if doflocs.shape[1] > mesh.nvertices and len(inner):
         change = doflocs - mesh.doflocs

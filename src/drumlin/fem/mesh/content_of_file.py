@@ -70,13 +70,13 @@ def rounding_of(points: Floats) -> Floats:
     size = np.abs(points)
     exponents = np.floor(np.log10(np.where(size > 0, size, 1.0))) + 1
     found = np.zeros(points.shape)
-    for steps in (_decimal_steps(points), _digit_steps(points, exponents)):
+    for steps in (_find_decimal_steps(points), _find_digit_steps(points, exponents)):
         if steps is not None:
             found = np.maximum(found, 0.5 * steps)
     return found
 
 
-def _decimal_steps(points: Floats) -> Floats | None:
+def _find_decimal_steps(points: Floats) -> Floats | None:
     """The step of the coarsest grid of decimals that all coordinates lie on; None without a grid.
 
     The step is repeated for each coordinate (n, k).
@@ -84,24 +84,24 @@ def _decimal_steps(points: Floats) -> Floats | None:
     largest = int(np.floor(np.log10(max(float(np.abs(points).max(initial=0.0)), 1e-300))))
     for decimals in range(-largest, MOST_DECIMALS - largest):
         step = 10.0**-decimals
-        if _on_grid(points, step):
+        if _lie_on_grid(points, step):
             return np.full(points.shape, step)
     return None
 
 
-def _digit_steps(points: Floats, exponents: Floats) -> Floats | None:
+def _find_digit_steps(points: Floats, exponents: Floats) -> Floats | None:
     """The steps (n, k) of the coarsest grid of significant digits that all coordinates lie on.
 
     None without a grid.
     """
     for digits in range(1, MOST_DECIMALS):
         steps = 10.0 ** (exponents - digits)
-        if _on_grid(points, steps):
+        if _lie_on_grid(points, steps):
             return np.where(points == 0, 0.0, steps)
     return None
 
 
-def _on_grid(points: Floats, step: Floats | float) -> bool:
+def _lie_on_grid(points: Floats, step: Floats | float) -> bool:
     """Whether all coordinates are whole multiples of the step, but for round-off."""
     multiples = points / step
     return bool(np.all(np.abs(multiples - np.round(multiples)) <= DIGIT_SLACK))

@@ -102,14 +102,14 @@ def mesh_notes(
         if by > SAID_MOVE * compression:
             yield (
                 f"{lead}: {count} {nodes} of the contact line were put on the {surface}, "
-                f"by up to {_size(by, compression)}: {cause}"
+                f"by up to {_distance_in_words(by, compression)}: {cause}"
             )
     off = shoe.off(xy, radius)
     _check_smooth(off, compression, lead, surface)
     most = float(np.abs(off).max())
     if most > SAID_MOVE * compression:
         yield (
-            f"{lead}: the contact line lies up to {_size(most, compression)} off the {surface}; "
+            f"{lead}: the contact line lies up to {_distance_in_words(most, compression)} off the {surface}; "
             "this counts as the lining's shape, a gap"
         )
 
@@ -122,7 +122,7 @@ def mean_compression(shoe: Shoe, response: ShoeResponse) -> float:
     return mean * shoe.lining.thickness / shoe.lining.material.E_through
 
 
-def _size(distance: float, compression: float) -> str:
+def _distance_in_words(distance: float, compression: float) -> str:
     """A distance [m] in words, beside the lining's mean compression [m]."""
     ratio = f"{distance / compression:.2g}"
     return f"{distance * 1e6:.3g} um ({ratio} of the lining's mean compression p t/E)"
@@ -135,7 +135,7 @@ def _check_smooth(off: Floats, compression: float, lead: str, surface: str) -> N
     if unresolved or high > MOST_TURNS:
         raise BadInput(
             f"{lead}: the contact line goes off the {surface} and back {turns} times on "
-            f"{len(off)} nodes, by up to {_size(float(np.abs(off).max()), compression)}: "
+            f"{len(off)} nodes, by up to {_distance_in_words(float(np.abs(off).max()), compression)}: "
             f"a zigzag or a polygon is no lining; put its nodes on the {surface}, "
             "write more digits, or curve its sides"
         )

@@ -89,7 +89,7 @@ def overhang(near: float, far: float, division: LiningDivision) -> Floats:
     count = max(1, round(length / step))
     parts = np.linspace(0, 1, min(count, MOST_BEYOND) + 1)
     if count > MOST_BEYOND:
-        growth = _growth(length / step)
+        growth = _find_growth(length / step)
         parts = np.expm1(growth * np.arange(MOST_BEYOND + 1)) / np.expm1(growth * MOST_BEYOND)
     places = near + (far - near) * parts
     places[-1] = far
@@ -119,7 +119,7 @@ def half_geometric(length: float, smallest: float, ratio: float, largest: float)
     return np.array(points) * length / points[-1]
 
 
-def _growth(total: float) -> float:
+def _find_growth(total: float) -> float:
     """The g of MOST_BEYOND steps 1, e^g, e^2g, ... whose sum is `total`, by halving an interval."""
     low, high = 0.0, 1.0
     while high - low > 1e-12:

@@ -55,7 +55,7 @@ class Deck:
         self._system = IN_PLACE
         self._room = MOST_MEMBERS
         for section in sections(text, folder):
-            self._take(section)
+            self._add_section(section)
 
     @property
     def bodies(self) -> list[DeckInstance]:
@@ -65,22 +65,22 @@ class Deck:
         ]
         return [DeckInstance("", self.root), *placed, DeckInstance("", self.assembly)]
 
-    def _take(self, section: InputSection) -> None:
+    def _add_section(self, section: InputSection) -> None:
         """Add the nodes, elements, sets or surfaces of one section to its part."""
         keyword, scope = section.keyword, self._scope
         for option, reason in UNREAD_OPTIONS.get(keyword, {}).items():
             if option in section.options:
                 raise ValueError(f"*{keyword}, {option}= {reason}")
         if keyword == "NODE":
-            self._nodes(section)
+            self._add_nodes(section)
         elif keyword == "ELEMENT":
-            self._elements(section)
+            self._add_elements(section)
         elif keyword == "NSET":
-            self._add_to(scope.node_sets, section, section.options.get("NSET"))
+            self._add_to_set(scope.node_sets, section, section.options.get("NSET"))
         elif keyword == "ELSET":
-            self._add_to(scope.element_sets, section, section.options.get("ELSET"))
+            self._add_to_set(scope.element_sets, section, section.options.get("ELSET"))
         elif keyword == "SURFACE":
-            self._surface(section)
+            self._add_surface(section)
         elif keyword == "SYSTEM":
             self._system = system_of(section.rows)
         elif keyword in SCOPES:
@@ -89,7 +89,7 @@ class Deck:
         elif keyword:
             passed_over(section, self.unknown)
 
-    def _nodes(self, section: InputSection) -> None:
+    def _add_nodes(self, section: InputSection) -> None:
         """Add the nodes of a *NODE section, placed by the *SYSTEM before the section."""
         kind, scope = section.option("SYSTEM") or "R", self._scope
         if kind not in ("R", "C"):
@@ -107,24 +107,24 @@ class Deck:
                 xyz = self._system(np.array(xyz)).tolist()
             scope.add_node(label, xyz, [*written, 0.0, 0.0][:2])
         labels = InputSection("NSET", {}, [[row[0]] for row in section.rows])
-        self._add_to(scope.node_sets, labels, section.options.get("NSET"))
+        self._add_to_set(scope.node_sets, labels, section.options.get("NSET"))
 
-    def _elements(self, section: InputSection) -> None:
+    def _add_elements(self, section: InputSection) -> None:
         """Add the elements of an *ELEMENT section with the labels of their nodes.
 
         The reader of the mesh checks the number of nodes later.
         """
         kind, found = section.option("TYPE"), dict[int, list[int]]()
         for row in section.rows:
-            label, *nodes = (_own_label(word) for word in row)
+            label, *nodes = (_element_label(word) for word in row)
             if label in found:
                 raise ValueError(f"element {label} is defined twice")
             found[label] = nodes
         self._scope.add_elements(kind, found)
         labels = InputSection("ELSET", {}, [[str(label)] for label in found])
-        self._add_to(self._scope.element_sets, labels, section.options.get("ELSET"))
+        self._add_to_set(self._scope.element_sets, labels, section.options.get("ELSET"))
 
-    def _add_to(
+    def _add_to_set(
         self, sets: dict[str, list[Member]], section: InputSection, name: str | None
     ) -> None:
         """Add the data lines of a section to a set: labels, names of sets, or first, last, step."""
@@ -143,7 +143,7 @@ class Deck:
             else:
                 found += [Member(owner, word.lower()) for word in row]
 
-    def _surface(self, section: InputSection) -> None:
+    def _add_surface(self, section: InputSection) -> None:
         """Add a *SURFACE section: its type and data lines under its name."""
         name = section.options.get("NAME", "").lower()
         for option, reason in UNREAD_SET_OPTIONS.items():
@@ -175,7 +175,7 @@ class Deck:
         placed = DeckInstance(name.lower(), part or self._scope, placement)
         self.instances[placed.name] = placed
 
-    def _end(self, section: InputSection) -> None:
+    def _end_scope(self, section: InputSection) -> None:
         """End a part, an instance or the assembly; later sections belong to what is around it."""
         own = self._scope
         named = self.instances.get(own.name)
@@ -222,7 +222,7 @@ class Deck:
             if isinstance(word, str) and word in getattr(holder.part, which):
                 yield from self.members(holder, which, word, above)
                 continue
-            labels = word if isinstance(word, range) else (_label(word, name),)
+            labels = word if isinstance(word, range) else (_member_label(word, name),)
             # The length of a range may be beyond what len can say.
             if labels[self._room :]:
                 raise ValueError(f"the sets have more than {MOST_MEMBERS} members together")
@@ -242,19 +242,19 @@ SCOPES = {
     "PART": Deck._begin_part,
     "ASSEMBLY": Deck._begin_assembly,
     "INSTANCE": Deck._begin_instance,
-    "END PART": Deck._end,
-    "END ASSEMBLY": Deck._end,
-    "END INSTANCE": Deck._end,
+    "END PART": Deck._end_scope,
+    "END ASSEMBLY": Deck._end_scope,
+    "END INSTANCE": Deck._end_scope,
 }
 """The method of a deck for each keyword that begins or ends a part, the assembly or an instance."""
 
 
-def _own_label(word: str) -> int:
+def _element_label(word: str) -> int:
     """The label in a word of an *ELEMENT line. Raises ValueError for a word without a label."""
     return whole(word, "*ELEMENT")
 
 
-def _label(word: str, name: str) -> int:
+def _member_label(word: str, name: str) -> int:
     """The label in a word of the set `name`. Raises ValueError for a word that is no label."""
     if not word.isdigit():
         raise ValueError(f"the set {name.upper()} names {word!r}, which is no label and no set")

@@ -125,11 +125,13 @@ def placement_of(rows: list[list[str]], name: str) -> Placement:
         raise ValueError(
             f"*INSTANCE, NAME={name}: its second data line must be two points and an angle"
         )
-    turn = _rotation((second - first) / np.linalg.norm(second - first), math.radians(given[6]))
+    turn = _rotation_matrix(
+        (second - first) / np.linalg.norm(second - first), math.radians(given[6])
+    )
     return Placement(turn, turn @ (shift - first) + first)
 
 
-def _rotation(axis: Floats, angle: float) -> Floats:
+def _rotation_matrix(axis: Floats, angle: float) -> Floats:
     """The matrix (3, 3) that turns by an angle [rad] about a unit vector (3,) (Rodrigues)."""
     x, y, z = axis
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])

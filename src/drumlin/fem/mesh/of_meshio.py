@@ -43,12 +43,12 @@ def _cell_groups(raw: Any) -> dict[str, dict[str, Ints]]:
             for cell, values in by_cell.items():
                 if _is_membership(values):
                     groups.setdefault(name.lower(), {})[cell] = np.flatnonzero(values)
-    for name, numbered in _numbered(raw).items():
+    for name, numbered in _numbered_groups(raw).items():
         groups.setdefault(name, numbered)
     return groups
 
 
-def _numbered(raw: Any) -> dict[str, dict[str, Ints]]:
+def _numbered_groups(raw: Any) -> dict[str, dict[str, Ints]]:
     """Groups by number: Gmsh's physical groups, and the values of an integer array of cells.
 
     The value 3 of an array "material" makes a group "material=3", and a group "3" where it is the

@@ -86,11 +86,11 @@ def plane_cells(content: FileContent, points: Floats, fault: str) -> PlaneCells:
     own = len(points)
     notes: list[str] = []
     if set(kinds) & set(LOWER):
-        kinds, points = _second_order(kinds, points)
+        kinds, points = _lower_to_second_order(kinds, points)
         notes.append("its elements of third order are solved as elements of second order")
     if len(kinds) > 1:
         counts = ", ".join(f"{len(cells)} {name}" for name, cells in kinds.items())
-        found = _triangles(kinds, points, own)
+        found = _make_triangles(kinds, points, own)
         notes.append(
             f"its mixed cells ({counts}) are solved as {len(found.cells)} quadratic triangles"
         )
@@ -98,20 +98,22 @@ def plane_cells(content: FileContent, points: Floats, fault: str) -> PlaneCells:
     ((source, cells),) = kinds.items()
     cell = LOWER.get(source, source)
     if cell == "quad8":
-        cell, cells, points = _with_centres(cells, points)
+        cell, cells, points = _add_centres(cells, points)
     whole = np.arange(len(cells)), np.ones(len(cells), dtype=np.int64)
     added = np.arange(len(points)) >= own
     return PlaneCells(cell, cells, points, {source: whole}, added, tuple(notes))
 
 
-def _with_centres(cells: Ints, points: Floats) -> tuple[str, Ints, Floats]:
+def _add_centres(cells: Ints, points: Floats) -> tuple[str, Ints, Floats]:
     """Kind, cells and points of nine-node quadrilaterals that replace eight-node ones."""
     centres = points[cells[:, 4:8]].sum(axis=1) / 2 - points[cells[:, :4]].sum(axis=1) / 4
     numbers = len(points) + np.arange(len(cells))
     return "quad9", np.column_stack([cells, numbers]), np.vstack([points, centres])
 
 
-def _second_order(kinds: dict[str, Ints], points: Floats) -> tuple[dict[str, Ints], Floats]:
+def _lower_to_second_order(
+    kinds: dict[str, Ints], points: Floats
+) -> tuple[dict[str, Ints], Floats]:
     """Cells in which second order replaces third order, by the file's names; and all points."""
     middles: dict[tuple[int, int], int] = {}
     new: list[Floats] = []
@@ -140,7 +142,7 @@ def _second_order(kinds: dict[str, Ints], points: Floats) -> tuple[dict[str, Int
     return found, np.vstack([points, *new])
 
 
-def _triangles(kinds: dict[str, Ints], points: Floats, own: int) -> PlaneCells:
+def _make_triangles(kinds: dict[str, Ints], points: Floats, own: int) -> PlaneCells:
     """All cells as quadratic triangles; `own`: number of points that the file has."""
     middles: dict[tuple[int, int], int] = {}
     # The middle nodes that the file has serve the linear cells beside them too.
@@ -177,8 +179,8 @@ def _triangles(kinds: dict[str, Ints], points: Floats, own: int) -> PlaneCells:
             if corners == 3:
                 made.append([*cell[:3], *sides])
             else:
-                centre = cell[8] if len(cell) > 8 else added(_centre(points, cell, sides, new))
-                made += _halves(points, cell[:4], sides, centre)
+                centre = cell[8] if len(cell) > 8 else added(_find_centre(points, cell, sides, new))
+                made += _halve_quadrilateral(points, cell[:4], sides, centre)
         parent[source] = (first, np.full(len(cells), 1 if corners == 3 else 2, dtype=np.int64))
     every = np.vstack([points, *new]) if new else points
     return PlaneCells(
@@ -190,13 +192,15 @@ def _triangles(kinds: dict[str, Ints], points: Floats, own: int) -> PlaneCells:
     )
 
 
-def _centre(points: Floats, cell: list[int], sides: list[int], new: list[Floats]) -> Floats:
+def _find_centre(points: Floats, cell: list[int], sides: list[int], new: list[Floats]) -> Floats:
     """The centre (2,) of a quadrilateral whose sides may be curved, from corners and middles."""
     middles = [points[i] if i < len(points) else new[i - len(points)] for i in sides]
     return np.sum(middles, axis=0) / 2 - points[cell[:4]].sum(axis=0) / 4
 
 
-def _halves(points: Floats, corners: list[int], sides: list[int], centre: int) -> list[list[int]]:
+def _halve_quadrilateral(
+    points: Floats, corners: list[int], sides: list[int], centre: int
+) -> list[list[int]]:
     """Two triangles that a quadrilateral is cut into along its shorter diagonal."""
     a, b, c, d = corners
     ab, bc, cd, da = sides

@@ -43,7 +43,7 @@ def check_unpacked(data: bytes) -> None:
         raise ValueError("defines entities of its own")
     if data.count(b"<DataArray") > MOST_ARRAYS:
         raise ValueError(f"has more than {MOST_ARRAYS} arrays")
-    head, raw = _parts(data)
+    head, raw = _split_raw_data(data)
     root = ElementTree.fromstring(head)
     if root.get("compressor") is None:
         return
@@ -53,11 +53,11 @@ def check_unpacked(data: bytes) -> None:
         lzma.LZMADecompressor if "LZMA" in str(root.get("compressor")) else zlib.decompressobj
     )
     room = MOST_UNPACKED
-    for packed in _arrays(root, raw, width, order):
+    for packed in _packed_blocks(root, raw, width, order):
         room -= _unpacked(packed, unpacker, room)
 
 
-def _parts(data: bytes) -> tuple[bytes, bytes | None]:
+def _split_raw_data(data: bytes) -> tuple[bytes, bytes | None]:
     """The XML of a .vtu file, and the raw bytes in its middle or None without raw bytes."""
     found = _RAW_APPENDED.search(data)
     if found is None or b'encoding="raw"' not in found.group():
@@ -66,13 +66,13 @@ def _parts(data: bytes) -> tuple[bytes, bytes | None]:
     return data[: found.end()] + data[end:], data[found.end() : end].split(b"_", 1)[1]
 
 
-def _arrays(root: Any, raw: bytes | None, width: int, order: Any) -> Iterator[bytes]:
+def _packed_blocks(root: Any, raw: bytes | None, width: int, order: Any) -> Iterator[bytes]:
     """The packed blocks of all arrays, one after the other."""
     # Raw arrays follow each other without a gap; arrays in base64 stand in elements of the XML.
     if raw is not None:
         at = 0
         while at + width <= len(raw):
-            sizes = _sizes(raw[at:], width, order)
+            sizes = _packed_sizes(raw[at:], width, order)
             at += width * (3 + len(sizes))
             for size in sizes:
                 yield raw[at : at + size]
@@ -87,15 +87,17 @@ def _arrays(root: Any, raw: bytes | None, width: int, order: Any) -> Iterator[by
         text = (array.text or "").strip()
         if kind == "appended":
             text = rest[int(array.get("offset", "0")) :]
-        sizes = _sizes(base64.b64decode(text[: _letters(width)])[:width], width, order, text)
-        at = _letters(width * (3 + len(sizes)))
-        content = base64.b64decode(text[at : at + _letters(sum(sizes))])
+        sizes = _packed_sizes(
+            base64.b64decode(text[: _letters_of_base64(width)])[:width], width, order, text
+        )
+        at = _letters_of_base64(width * (3 + len(sizes)))
+        content = base64.b64decode(text[at : at + _letters_of_base64(sum(sizes))])
         for size in sizes:
             yield content[:size]
             content = content[size:]
 
 
-def _sizes(data: bytes, width: int, order: Any, text: str | None = None) -> list[int]:
+def _packed_sizes(data: bytes, width: int, order: Any, text: str | None = None) -> list[int]:
     """The packed sizes of the blocks of an array, from its header.
 
     `data` begins the array. Where the array is in base64, `text` is all of it, of which data is the
@@ -104,15 +106,15 @@ def _sizes(data: bytes, width: int, order: Any, text: str | None = None) -> list
     count = int.from_bytes(data[:width], order)
     length = width * (3 + count)
     if text is not None:
-        if _letters(length) > len(text):
+        if _letters_of_base64(length) > len(text):
             raise ValueError("has an array that is shorter than its head says")
-        data = base64.b64decode(text[: _letters(length)])
+        data = base64.b64decode(text[: _letters_of_base64(length)])
     if length > len(data):
         raise ValueError("has an array that is shorter than its head says")
     return [int.from_bytes(data[i : i + width], order) for i in range(3 * width, length, width)]
 
 
-def _letters(count: int) -> int:
+def _letters_of_base64(count: int) -> int:
     """The number of letters of base64 that `count` bytes take."""
     return -(-count // 3) * 4
 

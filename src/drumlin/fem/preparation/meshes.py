@@ -83,7 +83,7 @@ def on_meshes(
         shape = shape_of(brake, shoe)
         if shape not in made:
             key = (bare_shoe(shoe), brake.size, brake.friction > 0, setting, content(shoe))
-            make = partial(_body, brake, shoe, mesher, seconds)
+            make = partial(_condense_meshed_shoe, brake, shoe, mesher, seconds)
             made[shape] = cache.get(key, make, size_of)
     bodies = tuple(made[shape_of(brake, shoe)] for shoe in brake.shoes)
     ring = None
@@ -93,11 +93,11 @@ def on_meshes(
             lines = tuple(body.line for body in bodies)
             ring_key = (bare(brake), setting, *map(content, brake.shoes))
             ring = cache.get(ring_key, partial(ring_under, lines), size_of)
-    nodes_of = partial(_nodes_of, mesher, brake.size, bodies)
+    nodes_of = partial(_nodes_of_other_shoe, mesher, brake.size, bodies)
     return DividedBodies(bodies, ring, nodes_of, ring_under)
 
 
-def _nodes_of(
+def _nodes_of_other_shoe(
     mesher: Mesher, radius: float, bodies: tuple[ShoeSubstructure, ...], i: int, shoe: Shoe
 ) -> BodyNodes:
     """The nodes of the body that shoe `i` would have as another `shoe`; see `PreparedModel`.
@@ -160,7 +160,7 @@ def assemble(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Asse
         for a mesh file that cannot serve
     """
     with clock(seconds, "mesh"):
-        of_file = _mesh_of_file(brake, shoe)
+        of_file = _read_mesh_of_file(brake, shoe)
         mesh = mesher(shoe, brake.size) if of_file is None else of_file.mesh
         basis = scalar_basis(mesh)
     with clock(seconds, "assembly"):
@@ -182,7 +182,7 @@ def assemble(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Asse
     return Assembled(mesh, basis, line, K, constraints, loads, load_centre, of_file)
 
 
-def _mesh_of_file(brake: Brake, shoe: Shoe) -> ShoeMesh | None:
+def _read_mesh_of_file(brake: Brake, shoe: Shoe) -> ShoeMesh | None:
     """The mesh of a shoe from its file, in the shoe's own frame; None for a shoe without a file."""
     if shoe.mesh is None:
         return None
@@ -192,7 +192,9 @@ def _mesh_of_file(brake: Brake, shoe: Shoe) -> ShoeMesh | None:
     return read_shoe_mesh(shoe.mesh, shoe, brake.size, f"shoe {shoe.name!r}: mesh")
 
 
-def _body(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> ShoeSubstructure:
+def _condense_meshed_shoe(
+    brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds
+) -> ShoeSubstructure:
     """The condensed body of a meshed shoe, coupled with its counterface."""
     parts = assemble(brake, shoe, mesher, seconds)
     with clock(seconds, "condensation"):
