@@ -1,5 +1,6 @@
-"""Writes what drumlin answers to many commands, and compares two such files: a change of the code
-that should leave all answers as they are is held to it.
+"""Write what drumlin answers to many commands, or compare two such files.
+
+A change of the code that should leave all answers as they are is held to the comparison.
 
     python tests/answers.py write FILE.json [BRAKES]
     python tests/answers.py compare BEFORE.json AFTER.json
@@ -44,9 +45,10 @@ COMMANDS: dict[str, list[str]] = {
 """The commands by name; a brake file follows, and {json} stands for the file of the answer."""
 
 CLOSE = 1e-10
-"""Largest difference of two numbers that counts as none, relative to the largest number of their
-array. Another order of the same operations stays below it; another number of levels or another mesh
-does not.
+"""Largest difference of equal numbers, relative to the largest number of their array.
+
+Another order of the same operations stays below it; another number of levels or another mesh does
+not.
 """
 
 SEED = 90_000

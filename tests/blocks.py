@@ -1,5 +1,4 @@
-"""A shoe of the double-shoe brake with a lining of many blocks, and its pressure by curved
-triangles.
+"""A double-shoe brake whose lining has many blocks, and its pressure by curved triangles.
 
 `python tests/blocks.py` writes the pressures and torques that the tests compare with into
 blocks_truth.json, by `drumlin.verification.triangles`, which shares nothing with the finite
@@ -12,9 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from drumlin import Brake, vary
 from drumlin.brake import read_brake
-from drumlin.brake.brake import Brake
-from drumlin.brake.file import vary
 from drumlin.verification import triangles
 from drumlin_studies.stated_true import errors
 
@@ -36,16 +34,16 @@ def brake_of(steps: int) -> Brake:
 
 
 def angles_of(brake: Brake) -> np.ndarray:
-    """Even angles [rad] at which the pressure is stored, farther than 0.2 deg from the lining's
-    ends.
-    """
+    """Even angles [rad] at which the pressure is stored, over 0.2 deg from the lining's ends."""
     lining = brake.shoes[0].lining
     return np.linspace(lining.start + 0.005, lining.end - 0.005, ANGLES)
 
 
 def stored(steps: int) -> dict[str, Any]:
-    """The truth of `brake_of(steps)`: `torque` [N m], `pressure` (ANGLES,) [Pa], and how far the
-    last refinement of the triangles moved p in L2, `moved`.
+    """The stored solution by triangles of `brake_of(steps)`.
+
+    `torque` [N m], `pressure` (ANGLES,) [Pa], and `moved`: how far the last refinement of the
+    triangles moved p in L2.
     """
     found: dict[str, Any] = json.loads(STORED.read_text())[str(steps)]
     return found

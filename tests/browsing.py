@@ -29,7 +29,8 @@ def served(program=PROGRAM, brake_file=STUDY / "brake.toml", **process):
             try:
                 assert server.wait(10) == 0
             finally:
-                server.kill()  # Popen would wait for it without end
+                # Popen would wait for the killed server without end.
+                server.kill()
 
 
 @contextmanager
@@ -60,8 +61,9 @@ def browser(folder):
 
 
 def play(page, address):
-    """Open the page of the study's brake, move sliders, hold each torque against that of solve;
-    returns the link.
+    """Move the sliders of the study brake's page and compare each torque with that of solve.
+
+    Returns the link to the state that the page shows at the end.
     """
     from selenium.webdriver.common.by import By
     from selenium.webdriver.common.keys import Keys
@@ -77,17 +79,20 @@ def play(page, address):
     assert torque() == pytest.approx(drumlin.solve(brake).torque, rel=1e-4)
     page.find_element(By.ID, "friction").send_keys(Keys.ARROW_RIGHT * 8)
     assert page.find_element(By.ID, "friction-value").text == "0.34"
-    wait.until(lambda page: "friction=0.34" in page.current_url)  # settled
+    # The address in the page's link tells when the answer has settled.
+    wait.until(lambda page: "friction=0.34" in page.current_url)
     expected = drumlin.solve(vary(brake, {"friction": 0.34}))
     assert torque() == pytest.approx(expected.torque, rel=1e-4)
-    page.find_element(By.ID, "shoe").send_keys(Keys.PAGE_DOWN * 5)  # bodies anew
+    # Another thickness of the shoe's body needs bodies that are not in the cache.
+    page.find_element(By.ID, "shoe").send_keys(Keys.PAGE_DOWN * 5)
     wait.until(lambda page: "shoe=" in page.current_url)
     E = float(dict(parse_qsl(page.current_url.split("?")[1]))["shoe"]) * 1e9
     expected = drumlin.solve(vary(brake, {"friction": 0.34, "shoe.body.material.E": E}))
     assert torque() == pytest.approx(expected.torque, rel=1e-4)
     link = page.find_element(By.ID, "link").get_attribute("href")
     before = torque()
-    page.get(link)  # the same state in a page of its own
+    # A page of its own must show the same state by the link alone.
+    page.get(link)
     wait.until(lambda page: "torque" in page.find_element(By.ID, "head").text)
     assert torque() == before
     return link

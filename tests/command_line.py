@@ -21,8 +21,9 @@ def process(*words, code=None, **options):
 
 
 def drumlin(*words):
-    """The command in this process: what a shell sees of it, without the second that an interpreter
-    takes to start.
+    """The drumlin command run in this process: output and exit status as a shell sees them.
+
+    This saves the second that an interpreter takes to start.
     """
     out, err = io.StringIO(), io.StringIO()
     with pytest.MonkeyPatch.context() as patch, redirect_stdout(out), redirect_stderr(err):
@@ -30,5 +31,6 @@ def drumlin(*words):
         with pytest.raises(SystemExit) as end:
             main()
     status = end.value.code or 0
-    assert isinstance(status, int)  # a text would be printed and be status 1
+    # An exit with a text instead of a number would print the text and have the status 1.
+    assert isinstance(status, int)
     return subprocess.CompletedProcess(words, status, out.getvalue(), err.getvalue())

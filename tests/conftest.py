@@ -18,6 +18,7 @@ from drumlin.brake.file import read_brake
 from drumlin.contact import self_locking
 from drumlin.contact.active_set import Contact
 from drumlin.contact.equations import Problem
+from drumlin.studies import load
 
 # A job in the background ignores these signals, and the processes that it starts would, too.
 for number in (signal.SIGINT, signal.SIGHUP):
@@ -58,6 +59,18 @@ def root() -> Path:
     return ROOT
 
 
+@pytest.fixture(scope="module")
+def module(request: pytest.FixtureRequest) -> Any:
+    """The study's module, for test modules that name their study in STUDY_NAME."""
+    return load(request.module.STUDY_NAME)[0]
+
+
+@pytest.fixture(scope="module")
+def result(module: Any) -> Any:
+    """The study's result on its short setting."""
+    return module.study(short=True)
+
+
 def settled_sizes(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     """The nodes of each contact problem that self_locking settles from now on, as it goes."""
     sizes: list[int] = []
@@ -87,7 +100,8 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def pytest_configure(config: pytest.Config) -> None:
     skips = Skips(config)
     config.pluginmanager.register(skips)
-    settings.load_profile("all" if skips.failed else "quick")  # before a test module is read
+    # The profile must be loaded before pytest reads a test module.
+    settings.load_profile("all" if skips.failed else "quick")
 
 
 class Skips:
@@ -96,7 +110,8 @@ class Skips:
     KEY = "drumlin/skipped"
 
     def __init__(self, config: pytest.Config) -> None:
-        self.cache: Any = getattr(config, "cache", None)  # there is none with -p no:cacheprovider
+        # With -p no:cacheprovider pytest has no cache.
+        self.cache: Any = getattr(config, "cache", None)
         self.again, self.found = config.getoption("--skipped"), list[str]()
         self.failed = self.again or config.getoption("--no-skips")
         self.notes = (
@@ -141,6 +156,7 @@ class Skips:
 
     def pytest_sessionfinish(self, session: pytest.Session) -> None:
         if self.again and session.exitstatus == pytest.ExitCode.NO_TESTS_COLLECTED:
-            session.exitstatus = pytest.ExitCode.OK  # nothing was skipped
+            # Nothing was skipped in the last run, so that no test is left to run.
+            session.exitstatus = pytest.ExitCode.OK
         if self.notes and not self.failed:
             self.cache.set(self.KEY, sorted(set(self.found)))

@@ -1,5 +1,6 @@
-"""A second way to the same answer: triangles, skfem's own forms, pointwise contact, one sparse
-system.
+"""A second solver for the same brake, which shares no code with drumlin's finite elements.
+
+Triangles, skfem's own forms, pointwise contact, one sparse system.
 
 Shares no code with drumlin's finite elements beyond skfem: cubic-free P2 triangles with curved
 edges, the hinge by rows of the unknown turn, contact as a stiff layer at the quadrature points of
@@ -29,8 +30,9 @@ SINE_LAW = 435.2162
 
 
 class Shoe(NamedTuple):
-    """One shoe without contact: what `pressed` needs. At the quadrature points: `theta`, `radius`,
-    `weight` (m, q).
+    """One shoe without contact, as `pressed` needs it.
+
+    At the quadrature points (m, q): angle `theta`, `radius` and integration `weight`.
     """
 
     K: Any
@@ -136,9 +138,7 @@ def shoe(brake: Brake, index: int, elements: int) -> Shoe:
 
 
 def contact_forms(one: Shoe, stiffness: float, on: np.ndarray, gap: np.ndarray) -> tuple[Any, Any]:
-    """Matrix and load of the traction stiffness (closing - gap) at the quadrature points that are
-    `on`.
-    """
+    """Matrix and load of the traction stiffness (closing - gap) at the quadrature points `on`."""
 
     def work(v: Any, q: Any) -> Any:
         return q["on"] * stiffness * (dot(v, q["n"]) - one.drag * dot(v, q["e"]))
@@ -180,9 +180,7 @@ def solve(
     penalty: float,
     clearance: Callable[[np.ndarray], np.ndarray] | None = None,
 ) -> tuple[float, np.ndarray, np.ndarray]:
-    """Torque [N m], and angles [rad] with pressures [Pa] at the quadrature points, of one shoe with
-    an arc body.
-    """
+    """Torque [N m], and angles [rad] with pressures [Pa] at quadrature points, of one arc shoe."""
     one = shoe(brake, index, elements)
     gap = np.zeros_like(one.theta) if clearance is None else clearance(one.theta)
     force = pressed(one, penalty * one.spring, gap)
@@ -196,8 +194,9 @@ def solve(
 
 @cache
 def torque(name: str) -> float:
-    """Torque [N m] of a brake file of the studies; 45 and 90 elements differ by 2e-5 (stiff shoes)
-    and 7e-5 (flexible).
+    """Torque [N m] of a brake file of the studies by 90 elements per shoe.
+
+    45 and 90 elements differ by 2e-5 for stiff shoes and by 7e-5 for flexible ones.
 
     A penalty of 1e3 instead of 1e4 changes it by 4e-5.
     """
@@ -208,8 +207,9 @@ def torque(name: str) -> float:
 def worn(
     brake: Brake, index: int, elements: int, coefficient: float, distance: float, steps: int
 ) -> tuple[Any, ...]:
-    """Archard's wear of a lining that bears all over: angles, and pressures and depths (steps + 1,
-    ...) at them.
+    """Archard's wear of a lining that bears all over: angles, and pressures and depths there.
+
+    Pressures and depths have the shape (steps + 1, angles).
 
     A step ds makes the layer softer, p = e (closing - gap - k ds p): one factorisation serves every
     step.
@@ -236,8 +236,7 @@ def worn(
 def hold(
     brake: Brake, index: int, rotations: np.ndarray, elements: int, penalty: float
 ) -> np.ndarray:
-    """Torque [N m] of one shoe as the drum is turned through `rotations` [rad] from rest, the force
-    on before.
+    """Torque [N m] of one loaded shoe as the drum turns through `rotations` [rad] from rest.
 
     Layers normal and tangential at the quadrature points, the tractions bounded by mu times the
     pressure of the iteration before, until it no longer changes: each time the displacements of the
@@ -248,9 +247,8 @@ def hold(
     K, f = (one.ties.T @ one.K @ one.ties).tocsc(), one.ties.T @ one.load
     lining = np.zeros(len(one.load))
     lining[one.surface.get_dofs(facets=one.surface.find).flatten()] = 1.0
-    kept = np.union1d(
-        np.flatnonzero(one.ties.T @ lining != 0), [len(f) - 1]
-    )  # and the turn about the pin
+    # The last column is the rigid turn about the pin.
+    kept = np.union1d(np.flatnonzero(one.ties.T @ lining != 0), [len(f) - 1])
     inner = np.setdiff1d(np.arange(len(f)), kept)
     into = np.column_stack([K[np.ix_(inner, kept)].toarray(), f[inner]])
     through = splu(K[np.ix_(inner, inner)].tocsc()).solve(into)
@@ -265,14 +263,16 @@ def hold(
     )
     weight, radius = one.weight.ravel() * penalty * one.spring, one.radius.ravel()
 
-    x = np.linalg.solve(K_c + (N.T * weight) @ N, f_c)  # a first guess: pressed without friction
+    # The first guess is the pressed lining without friction.
+    x = np.linalg.solve(K_c + (N.T * weight) @ N, f_c)
     elastic, at, p, torques = np.zeros(len(radius)), 0.0, np.zeros(len(radius)), []
     for rotation in rotations:
         turned = elastic + radius * brake.spin * (rotation - at) + (T @ x if torques else 0.0)
 
         def energy(x, bound, turned=turned):
-            """Energy, its slope, its second slope, and p and t per eps; convex, for the bound (q,)
-            of t is given.
+            """Energy, its slope and second slope, and p and t per eps, for a bound (q,) of t.
+
+            With the bound given the energy is convex.
             """
             p, trial = np.maximum(N @ x, 0.0), turned - T @ x
             t = np.clip(trial, -bound, bound)

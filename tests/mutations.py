@@ -53,12 +53,8 @@ class Guard(NamedTuple):
 
     def unsafe_at(self, side: str) -> bool:
         """Whether a change to this side asks to be noticed, by itself or in place of the other."""
-        return self.unsafe in {side, "both", "either", NOT_SHOWN}
+        return self.unsafe in {side, "both", "either"}
 
-
-NOT_SHOWN = "not shown"
-"""The unsafe side of a number that the named tests do not notice on either side. `make noticed` tries
-both sides; no test asks for them."""
 
 TRUTHS = "tests/test_stored_truths.py"
 CORNER = "tests/test_corner.py"
@@ -69,8 +65,6 @@ STATED = "tests/test_stated_true.py"
 TUNED: dict[str, dict[str, Guard]] = {
     "fem/error_control/levels.py": {
         "RULE": Guard("both", (TRUTHS,)),
-        "SETTLED": Guard("up", (TRUTHS,)),
-        "EVEN": Guard(NOT_SHOWN, ("tests/test_adapt.py", TRUTHS)),
     },
     "fem/error_control/adapt.py": {
         "NEAR": Guard(
@@ -82,50 +76,23 @@ TUNED: dict[str, dict[str, Guard]] = {
         "SOFTER": Guard(
             "down", (f"{STATED}::test_what_a_soft_contact_changes_of_a_post_is_stated_too",)
         ),
-        "ROUND_OFF": Guard(
-            NOT_SHOWN,
-            (
-                "tests/test_stability.py",
-                f"{ON_COLUMNS}::test_what_round_off_took_from_the_answer_is_little_and_seen",
-            ),
-        ),
     },
     "fem/error_control/factors.json": dict.fromkeys(
         ("pressure", "force", "cancelled", "peak"), Guard("down", (TRUTHS,))
     ),
     "fem/hp/division.py": {
-        "FINEST": Guard(NOT_SHOWN, (CORNER, ON_COLUMNS, TRUTHS)),
-        "SAME": Guard(NOT_SHOWN, (ON_COLUMNS, TRUTHS)),
-        "SHARPEST": Guard(NOT_SHOWN, (CORNER, TRUTHS)),
+        "SETTLED": Guard("up", (TRUTHS,)),
         "CORNER_SIZE": Guard("both", (POWER_OF_CORNER,)),
-        "CORNER_COUNTS": Guard(NOT_SHOWN, (CORNER, ON_COLUMNS, TRUTHS)),
     },
     "fem/hp/corner.py": {
-        "SMOOTH": Guard(NOT_SHOWN, (CORNER, TRUTHS)),
         "NEAR_CORNER": Guard("down", (POWER_OF_CORNER,)),
-        "PIECE_RATIO": Guard(NOT_SHOWN, (CORNER, TRUTHS)),
+        "PIECE_RATIO": Guard(
+            "down",
+            (f"{CORNER}::test_p_between_the_nodes_near_a_corner_is_its_power_to_a_ten_thousandth",),
+        ),
     },
     "fem/error_control/places.py": {
         "UNFELT": Guard("down", (f"{ON_COLUMNS}::test_a_table_of_many_clearances_is_a_curve",)),
-        "SEEN": Guard(
-            NOT_SHOWN,
-            (
-                f"{ON_COLUMNS}::test_an_opening_that_is_nothing_beside_its_contact_is_no_place",
-                TRUTHS,
-            ),
-        ),
-        "FEW": Guard(NOT_SHOWN, (ON_COLUMNS, TRUTHS)),
-        "SHORTER": Guard(NOT_SHOWN, (ON_COLUMNS, TRUTHS)),
-        "DIGITS": Guard(NOT_SHOWN, (ON_COLUMNS, TRUTHS)),
-    },
-    "fem/hp/shoe.py": {
-        "LEFT": Guard(
-            NOT_SHOWN,
-            (
-                f"{ON_COLUMNS}::test_what_round_off_took_from_the_answer_is_little_and_seen",
-                "tests/test_stability.py",
-            ),
-        ),
     },
     "fem/preparation/meshes.py": {
         "ELEMENTS": Guard("down", ("tests/test_mesh.py::test_a_mesh_is_as_exact_as_is_said",)),
@@ -140,12 +107,6 @@ TUNED: dict[str, dict[str, Guard]] = {
     },
     "fem/mesh/grading.py": {
         "EDGE_SIZE": Guard("up", ("tests/test_mesh.py::test_a_mesh_is_as_exact_as_is_said",)),
-    },
-    "response/response.py": {
-        "NEAR_PEAK": Guard(
-            NOT_SHOWN,
-            (f"{STATED}::test_p_near_its_peak_beside_a_tip_of_the_gap_leaves_the_peak_unknown",),
-        ),
     },
 }
 """Constants that were found by trying, by their module in src/drumlin. The objects of a .json file,
@@ -320,7 +281,7 @@ def unguarded(guard: Guard, noticed: dict[tuple[str, str], str]) -> list[str]:
     found = []
     for name in dict.fromkeys(name for name, _ in noticed):
         green = [side for side in ("up", "down") if not noticed.get((name, side), "not tried")]
-        if guard.unsafe in {"either", NOT_SHOWN}:
+        if guard.unsafe == "either":
             found += [f"{name}: neither side is noticed"] if len(green) == 2 else []
         else:
             found += [

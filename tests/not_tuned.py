@@ -62,7 +62,6 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "OTHER_FRICTION": SAID,
     },
     "fem/error_control/adapt.py": {
-        "UNDER_TIP": DEFINITION,
         "DEFAULT": "what a solve aims at, as README says",
         "SHORTEST": SAID,
     },
@@ -70,8 +69,15 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "LEAST_ROOT": "limit of a search",
         "ROOTS_TRIED": "steps of a search",
         "SMALLEST_PIECE": ROUND_OFF,
+        "SMOOTH": ROUND_OFF,
         "AT_TIP": ROUND_OFF,
     },
+    "fem/hp/division.py": {
+        "FINEST": ROUND_OFF,
+        "HALF_THE_FORCE": DEFINITION,
+        "CORNER_COUNTS": DEFINITION,
+    },
+    "fem/error_control/places.py": {"KEPT_BITS": ROUND_OFF},
     "fem/hp/element.py": {"SLOPES_AT_ONCE": SPEED},
     "fem/error_control/levels.py": {"DEG": DEFINITION, "LEVELS": DEFINITION, "MOST_PASSES": PASSES},
     "fem/hp/ring.py": {"FULL_TURN": DEFINITION, "SAME_ANGLE": ROUND_OFF},

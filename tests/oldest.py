@@ -1,5 +1,6 @@
-"""Print the lower bounds of pyproject.toml as exact versions, for pip: what drumlin and its tests
-need at least.
+"""Print the lower bounds of pyproject.toml as exact versions for pip.
+
+These are the oldest libraries with which drumlin and its tests must work.
 """
 
 import sys

@@ -28,8 +28,10 @@ def cam_brake(
     web: float = 0.04,
     **table: Any,
 ) -> Brake:
-    """Two hinged shoes, mirror images, under an S-cam; with a body [m] elastic, of a `web` [m] on a
-    table.
+    """Two hinged shoes, mirror images of each other, under an S-cam.
+
+    With a `body` thickness [m] the shoes are elastic; with a `web` thickness [m] their table stands
+    on a web.
     """
     shoes = []
     for name, hand, middle in (("right", 1, 0.0), ("left", -1, pi)):

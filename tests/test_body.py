@@ -1,6 +1,4 @@
-"""Stiffness, dissection and condensation against closed forms and against solving everything at
-once.
-"""
+"""Stiffness, dissection and condensation against closed forms and one dense solve."""
 
 import math
 
@@ -11,16 +9,16 @@ import skfem
 from scipy.sparse.linalg import spsolve
 from skfem.models.elasticity import linear_elasticity, plane_stress
 
-from drumlin.base.errors import NoAnswer
+from drumlin import NoAnswer, vary
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.brake.fields import Material
-from drumlin.brake.file import vary
 from drumlin.fem.mesh.arc import shoe_mesh
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.substructure.body import FRAME, condense, constrain, scalar_basis, stiffness
 from drumlin.fem.substructure.elasticity import layers_of
 from drumlin.fem.substructure.elimination import dissection, eliminate
 from drumlin.fem.substructure.interface import contact_line, end_loads
+from picking import saying
 
 STEEL = Material(E=210e9, nu=0.3)
 KINDS = {
@@ -46,7 +44,8 @@ def test_stiffness_equals_skfems_own_form(kind):
     K = stiffness(basis, {"shoe": ElasticLayer.of(STEEL, 0.04)})
     vector = basis.with_element(skfem.ElementVector(basis.elem))
     theirs = 0.04 * linear_elasticity(*plane_stress(STEEL.E, STEEL.nu)).assemble(vector)
-    place = np.empty(2 * basis.N, dtype=int)  # ours: 2 node + component
+    # Node numbers of drumlin are 2 node + component.
+    place = np.empty(2 * basis.N, dtype=int)
     place[2 * basis.element_dofs.ravel()] = vector.element_dofs[0::2].ravel()
     place[2 * basis.element_dofs.ravel() + 1] = vector.element_dofs[1::2].ravel()
     difference = abs(K - theirs[place][:, place]).max()
@@ -71,8 +70,10 @@ def test_uniaxial_plane_stress(kind):
 
 
 def test_curved_cantilever_under_end_shear():
-    """Quarter ring, a = 1, b = 2, E = 1e4, fixed at one end, moved by u0 = 0.01 at the other: P u0
-    = (ln 2 - 0.6)/pi.
+    """A curved cantilever under end shear has the closed-form force at its moved end.
+
+    Quarter ring, a = 1, b = 2, E = 1e4, fixed at one end, moved by u0 = 0.01 at the other: P u0 =
+    (ln 2 - 0.6)/pi.
 
     Timoshenko & Goodier's curved bar under end shear; the strain energy, plane stress, nu = 1/4,
     unit width. The shear traction's distribution is that of the closed form, so the end
@@ -112,8 +113,9 @@ def test_dissection_is_an_order_of_all_nodes_in_which_regions_follow_one_another
 
 
 def test_elimination_equals_the_dense_schur_complement():
-    """Any symmetric positive definite sparse matrix and any split into regions, empty ones
-    included.
+    """Elimination equals the dense Schur complement for any positive definite sparse matrix.
+
+    The matrix is split into any regions, empty ones included.
     """
     rng = np.random.default_rng(4)
     for inner, kept in ((30, 7), (60, 3), (5, 12)):
@@ -183,7 +185,7 @@ def test_condensed_displacements_equal_those_of_the_whole_system(brake):
     u[free] = spsolve(K[free][:, free].tocsc(), forces[free])
     scale = np.abs(u).max()
 
-    Y = condensed.half(np.column_stack([nodal + condensed.load_on_contact @ factors]))
+    Y = condensed.half_flexibility(np.column_stack([nodal + condensed.load_on_contact @ factors]))
     work = float((Y[:, 0] ** 2).sum())
     c = np.column_stack([u[2 * line.nodes], u[2 * line.nodes + 1]]).ravel()
     assert work == pytest.approx(c @ (nodal + condensed.load_on_contact @ factors), rel=1e-9)
@@ -209,4 +211,4 @@ def test_a_rigid_shoe_has_only_its_lining_meshed(brake):
     bare = vary(brake, {"shoe.body": None})
     scene = prepare(bare, elements=20)
     assert list(scene.bodies[0].mesh.subdomains) == ["lining"]
-    assert any("rigid, no [shoe.body]" in line for line in scene.left_out)
+    assert saying(scene.left_out, "rigid, no [shoe.body]")

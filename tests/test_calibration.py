@@ -1,9 +1,9 @@
-"""The factors of the error estimate are the smallest that cover what they must, and can be found
-again.
-"""
+"""The factors of the error estimate are the smallest sufficient ones, and can be fitted anew."""
 
 import json
 import math
+from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -25,13 +25,15 @@ from drumlin_studies.calibration import (
     samples,
 )
 from drumlin_studies.stored_truth import by_finer
+from picking import picked
 
 PROVENANCE = Provenance("1 to 3", 3, 9, "abc", "2000-01-01")
 
 
 def made_up(count, part, beside=1e-9, seed=0):
-    """Levels whose true errors are a part of their steps, up to `part`, and of what chance would
-    change.
+    """Made-up levels whose true errors are a share of their steps, at most `part`.
+
+    Each level also has the change that columns of random signs would cause.
     """
     rng = np.random.default_rng(seed)
     levels = []
@@ -62,8 +64,9 @@ def test_the_fit_finds_the_factors_that_cover_all_but_the_share_that_may_be_miss
 
 
 def test_errors_that_steps_miss_by_accident_are_covered_by_what_does_not_cancel():
-    """One step in ten is a thousandth of what it was before the cancellation; chance tells the
-    size.
+    """An error far above its accidentally small step is covered by the cancellation floor.
+
+    One step in ten is a thousandth of its size before the cancellation.
     """
     rng = np.random.default_rng(1)
     levels = []
@@ -109,12 +112,11 @@ def test_the_file_holds_the_factors_and_what_they_were_fitted_on(tmp_path):
     assert read_factors(path) == factors
     data = json.loads(path.read_text(encoding="utf-8"))
     assert data["provenance"] == {**PROVENANCE._asdict(), "quantile": QUANTILE}
-    assert all(len(data[name]["meaning"].split()) > 10 for name in Factors._fields)
+    for name in Factors._fields:
+        assert len(data[name]["meaning"].split()) > 10
 
 
 def test_the_file_that_the_code_reads_was_written_by_the_command():
-    from pathlib import Path
-
     path = Path(estimate.__file__).with_name("factors.json")
     data = json.loads(path.read_text(encoding="utf-8"))
     written = Provenance(**{key: data["provenance"][key] for key in Provenance._fields})
@@ -129,10 +131,8 @@ def seen():
 
 
 def test_what_is_observed_of_a_level_is_what_a_solve_states(seen):
-    from itertools import pairwise
-
     brake, levels = seen
-    responses = [step.response for step in steps(brake, respond)]
+    responses = picked(steps(brake, respond), "response")
     for (before, last), level in zip(pairwise(responses), levels, strict=True):
         stated = estimate.estimate(brake, before, last)
         assert stated.brake["pressure"] == pytest.approx(

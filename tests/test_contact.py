@@ -12,9 +12,9 @@ from drumlin.contact.equations import (
     Changed,
     Equations,
     Problem,
+    bordering_pays,
     condition,
     equilibrated,
-    few_changed,
 )
 
 
@@ -63,8 +63,9 @@ def test_random_p_matrices_are_solved_from_any_start_with_one_answer(n, seed, sk
 
 
 def test_murtys_cycle_is_resolved():
-    """The classic 3 x 3 P-matrix on which the plain active-set iteration goes round for ever (Murty
-    1974).
+    """The active set settles on Murty's P-matrix, where a plain iteration cycles (Murty 1974).
+
+    This is the classic 3 x 3 example.
     """
     A = np.array([[1.0, 2.0, 0.0], [0.0, 1.0, 2.0], [2.0, 0.0, 1.0]])
     found = active_set.solve(free(A, -np.ones(3)))
@@ -78,8 +79,9 @@ def test_murtys_cycle_is_resolved():
 
 
 def test_a_free_motion_is_found_with_its_equilibrium():
-    """Two springs under a rigid beam of length 2 hinged at its end, load 3 at its tip: known lever
-    statics.
+    """A rigid beam on two springs turns about its hinge by the known statics of a lever.
+
+    The beam has the length 2 and a load of 3 at its tip.
     """
     k, x = 10.0, np.array([1.0, 2.0])
     problem = Problem(np.eye(2) / k, np.zeros(2), -x[:, None], -x[None], np.array([-6.0]))
@@ -91,9 +93,7 @@ def test_a_free_motion_is_found_with_its_equilibrium():
 
 
 def test_a_gap_closes_before_pressure_rises():
-    """The same beam with the inner spring standing back too far to touch: the outer one carries
-    all.
-    """
+    """A spring that stands back too far carries no load; the other spring carries all of it."""
     x = np.array([1.0, 2.0])
     problem = Problem(np.eye(2) / 10, np.array([5.0, 0.1]), -x[:, None], -x[None], np.array([-6.0]))
     found = active_set.solve(problem)
@@ -108,8 +108,9 @@ def test_a_load_that_no_pressure_balances_is_refused():
 
 
 def test_beyond_locking_the_determinant_has_changed_its_sign():
-    """One spring whose pressure turns the lever by x - mu a: regular below mu = x/a, singular at
-    it, not beyond.
+    """The determinant of the contact system changes its sign where a brake locks.
+
+    One spring's pressure turns the lever by x - mu a: regular below mu = x/a, singular there.
     """
 
     def problem(mu):
@@ -134,7 +135,8 @@ def test_the_tangent_agrees_with_differences(n, seed):
     found = active_set.solve(free(A, q))
     step = 1e-7
     moved = active_set.solve(free(A, q + step * dq))
-    if np.array_equal(found.active, moved.active):  # else the set changed within the step
+    # Otherwise the contact set has changed within the step, and no slope exists.
+    if np.array_equal(found.active, moved.active):
         change = (moved.p - found.p) / step
         assert found.tangent(dq) == pytest.approx(change, abs=1e-4 * max(1.0, np.abs(change).max()))
 
@@ -152,7 +154,7 @@ def test_changing_a_few_nodes_of_a_factorised_set_equals_factorising_the_other_s
     active = rng.random(n) < 0.8
     system, other = equilibrated(problem), active.copy()
     other[rng.choice(n, n // 10, replace=False)] ^= True
-    base, direct = (Equations(system.K, system.on(of)) for of in (active, other))
+    base, direct = Equations(system.K, system.on(active)), Equations(system.K, system.on(other))
     changed = Changed(base, system.K, system.on(other))
     for r in (system.r, rng.normal(size=(n + 1, 3))):
         a, b = direct.solve(r), changed.solve(r)
@@ -184,8 +186,9 @@ def test_scaling_of_pressures_and_gaps_does_not_change_the_answer():
 
 @pytest.mark.parametrize("n", [48, 49, 200, 201])
 def test_the_guess_from_coarser_problems_is_the_contact_set_within_a_node(n):
-    """A smooth obstacle on springs: p = max(-q, 0); the guess may take in one node more at either
-    end.
+    """The contact set guessed from coarser problems is right to one node at either end.
+
+    A smooth obstacle on springs has p = max(-q, 0).
     """
     q = np.cos(np.linspace(0, 7, n))
     guess, true = active_set.coarse_start(free(np.eye(n), q)), q < 0
@@ -198,8 +201,9 @@ def test_the_guess_from_coarser_problems_is_the_contact_set_within_a_node(n):
 
 
 def test_a_small_contact_far_away_is_found_in_few_steps():
-    """A hinged lever of springs whose far end alone touches, with its gap growing all the way to
-    the pin.
+    """A contact at the far end alone of a hinged lever of springs is found in few steps.
+
+    The gap grows all the way to the pin.
     """
     x = np.linspace(1, 2, 161)
     problem = Problem(np.eye(161) * 1e-4, (2 - x) * 10, -x[:, None], -x[None], np.array([-0.5]))
@@ -209,14 +213,15 @@ def test_a_small_contact_far_away_is_found_in_few_steps():
 
 @given(st.integers(2, 25), st.integers(0, 10_000), st.floats(0, 0.5), st.booleans())
 def test_followed_from_wider_gaps_the_contact_is_that_of_the_answer(n, seed, skew, hinged):
-    """Free or on a hinge, with friction (skew) or without: the set that is found from all nodes, in
-    a few n steps.
+    """A contact followed from wider gaps is the one found from all nodes, in a few n steps.
+
+    Shoes are free or on a hinge, with friction (a skew matrix) or without.
     """
     rng = np.random.default_rng(seed)
     A, x = p_matrix(rng, n, skew), rng.uniform(0.2, 1.0, n)
     motion = (-x[:, None], -x[None], np.array([-1.0])) if hinged else free(A, x)[2:]
     problem = Problem(A, rng.normal(size=n), *motion)
-    active, steps = active_set.narrowed(problem)
+    active, steps = active_set.follow_from_wider_gaps(problem)
     found = active_set.settle(problem, active)
     assert found.steps == 1
     assert steps <= 10 * n
@@ -230,7 +235,7 @@ def test_followed_from_wider_gaps_the_contact_is_that_of_the_answer(n, seed, ske
 def test_followed_from_wider_gaps_a_contact_without_answer_never_arrives():
     """A spring that softens as it is pressed, w = -1 - p: no pressure closes it."""
     with pytest.raises(NoAnswer, match="never reaches"):
-        active_set.narrowed(free([[-1.0]], [-1.0]))
+        active_set.follow_from_wider_gaps(free([[-1.0]], [-1.0]))
 
 
 @pytest.mark.parametrize(
@@ -246,17 +251,20 @@ def test_followed_from_wider_gaps_a_contact_without_answer_never_arrives():
     ],
 )
 def test_a_path_that_turns_back_is_followed_to_the_only_answer(A, q, p):
-    """Gaps grow again on the way, in the last case twice; the answers are the only ones of all
-    eight contact sets.
+    """A path of contact sets that turns back leads to the only answer.
+
+    Gaps grow again on the way, in the last case twice; all eight contact sets were tried.
     """
-    active, steps = active_set.narrowed(free(A, q))
-    assert active.tolist() == [value > 0 for value in p]
+    active, steps = active_set.follow_from_wider_gaps(free(A, q))
+    assert active.tolist() == (np.array(p) > 0).tolist()
     assert steps <= 5
     assert active_set.settle(free(A, q), active).p == pytest.approx(p, rel=1e-9)
 
 
 def test_wrong_nodes_that_do_not_become_fewer_are_given_up_after_five_steps_more():
-    """Murty's cycle: one wrong node in each step; then the answer is followed, and all steps are
+    """An iteration whose wrong nodes do not become fewer is given up after five more steps.
+
+    On Murty's cycle each step has one wrong node; then the answer is followed, and all steps are
     counted.
     """
     cycle, start = (
@@ -268,15 +276,17 @@ def test_wrong_nodes_that_do_not_become_fewer_are_given_up_after_five_steps_more
     assert end.value.steps == 7
     with pytest.raises(active_set.NotSettled, match="after 2 steps"):
         active_set.settle(cycle, start, most=2)
-    _, followed = active_set.narrowed(cycle)
+    _, followed = active_set.follow_from_wider_gaps(cycle)
     assert active_set.solve(cycle, start).steps == 7 + followed + 1
 
 
 def test_round_off_does_not_change_the_contact_set_and_more_does():
     on, off = np.array([True, True]), np.array([False, True])
     for size, steps in ((1e-14, 1), (1e-9, 2)):
-        assert active_set.settle(free(np.eye(2), [size, -1]), on).steps == steps  # a pull
-        assert active_set.settle(free(np.eye(2), [-size, -1]), off).steps == steps  # a penetration
+        # A node that is pulled open must leave the contact.
+        assert active_set.settle(free(np.eye(2), [size, -1]), on).steps == steps
+        # A node that penetrates the drum must join the contact.
+        assert active_set.settle(free(np.eye(2), [-size, -1]), off).steps == steps
         scaled = Problem(
             np.eye(2),
             np.array([-size, 1.0]),
@@ -307,16 +317,18 @@ def test_nodes_that_the_actuation_closes_first():
     A, q, B, C, h = hinged_twice()
 
     def first(*changed, **more):
-        return active_set._first_touch(Problem(A, *changed), **more)
+        return active_set._first_touching_set(Problem(A, *changed), **more)
 
     assert first(q, B, C, h).tolist() == [True, True, False]
-    assert first(np.array([0.5, 0.2, 0.5]), B, C, h).tolist() == [True, True, True]  # at once
+    # The third node closes at once with the others.
+    assert first(np.array([0.5, 0.2, 0.5]), B, C, h).tolist() == [True, True, True]
     assert first(np.array([0.5, 0.2, 0.5]), B, C, h, alone=True).tolist() == [True, True, False]
+    # The third node closes more slowly than the others.
     assert first(np.array([0.5, 0.2, 0.4]), B * [[1], [1], [0.5]], C, h).tolist() == [
         True,
         True,
         False,
-    ]  # slower
+    ]
     # The pressure of the third would help the actuation.
     resisting = C * [[1, 1, -1]]
     assert first(np.array([0.5, 0.2, 0.1]), B, resisting, h).tolist() == [True, True, False]
@@ -325,8 +337,10 @@ def test_nodes_that_the_actuation_closes_first():
 
 
 def test_with_two_motions_the_answer_is_regular_where_neither_has_lost_its_resistance():
-    """C A^-1 B of other signs: two negative ones leave the determinant's as it was; a whirl is no
-    loss.
+    """With two rigid-body modes an answer is regular while neither mode has lost its resistance.
+
+    Two negative eigenvalues of C A^-1 B leave the determinant's sign as it was; a whirl is no loss
+    of resistance.
     """
 
     def regular(resistance):
@@ -388,13 +402,12 @@ def test_coarse_problems_are_those_on_every_other_node():
         P[-1] = P[-1] if n % 2 else [0, 0, 0.5]
         assert active_set.halved_sums(rows) == pytest.approx(P.T @ rows)
         assert active_set.halved_sums(rows.T, 1) == pytest.approx((P.T @ rows).T)
-        assert active_set.between(rows[: (n + 1) // 2, 0], n) == pytest.approx(
+        assert active_set.interpolated(rows[: (n + 1) // 2, 0], n) == pytest.approx(
             P @ rows[: (n + 1) // 2, 0]
         )
     assert active_set.coarse_start(free(np.eye(47), np.ones(47))).all()
-    assert active_set.coarse_start(
-        free(-np.eye(48), -np.ones(48))
-    ).all()  # without an answer: all nodes, too
+    # Where no start is found all nodes are returned.
+    assert active_set.coarse_start(free(-np.eye(48), -np.ones(48))).all()
 
 
 def test_a_few_changed_nodes_use_the_factors_that_there_are():
@@ -404,7 +417,7 @@ def test_a_few_changed_nodes_use_the_factors_that_there_are():
     def changed(base, count):
         return base.on ^ (np.arange(len(base.on)) < count)
 
-    base, few = start(BORDERED_ABOVE + 8), few_changed
+    base, few = start(BORDERED_ABOVE + 8), bordering_pays
     assert few(base, changed(base, BORDERED_ABOVE // 8))
     # More than an eighth of the nodes that are on.
     assert not few(base, changed(base, BORDERED_ABOVE // 8 + 1))
@@ -418,14 +431,17 @@ def test_a_few_changed_nodes_use_the_factors_that_there_are():
 
 
 def test_pairs_of_nodes_that_carry_no_two_motions_are_passed_over_in_silence():
-    """Where two nodes press along the same lines no pressures balance both motions: no warning,
-    another pair.
+    """A pair of nodes that cannot balance both rigid-body modes is skipped without a warning.
+
+    Two nodes that press along the same line are such a pair.
     """
     B = np.array([[1.0, 0.0], [1.0, 0.5], [2.0, 0.0], [1.0, 1.0]])
     for h in ([1.0, 0.3], [1.0, -0.1]):
         with pytest.raises(NoAnswer, match="cannot balance"):
-            active_set._first_nodes(np.full(4, 0.1), B, -B.T, np.array(h), np.ones(4, dtype=bool))
-    first = active_set._first_nodes(
+            active_set._first_touching_nodes(
+                np.full(4, 0.1), B, -B.T, np.array(h), np.ones(4, dtype=bool)
+            )
+    first = active_set._first_touching_nodes(
         np.full(4, 0.1), B, -B.T, np.array([-1.0, -0.3]), np.ones(4, dtype=bool)
     )
     assert len(set(first)) == 2

@@ -1,6 +1,4 @@
-"""What the pressure does at a pressed corner and under a tip, by closed forms and by a solved
-contact.
-"""
+"""The pressure at a pressed corner and under a tip, by closed forms and a solved contact."""
 
 import math
 from itertools import islice, pairwise
@@ -47,7 +45,8 @@ def test_a_square_block_on_a_half_plane_of_its_own_material_has_the_power_of_dun
 def test_friction_towards_the_corner_bounds_the_pressure_and_away_from_it_makes_it_steeper():
     assert corner_power(-0.3, 0.2) == 0.0
     powers = [corner_power(f, 0.2) for f in (0.0, 0.1, 0.2, 0.4, 0.6)]
-    assert all(a > b > -1 for a, b in pairwise(powers))
+    for a, b in pairwise(powers):
+        assert a > b > -1
 
 
 @pytest.mark.parametrize(("power", "degree"), [(-0.2, 0), (-0.2, 5), (-0.35, 7), (0.5, 4)])
@@ -76,8 +75,9 @@ def test_columns_at_a_tip_leave_the_error_that_they_are_made_for():
 
 
 def test_a_solved_contact_has_the_power_of_its_corner_over_decades():
-    """The slopes of log p by a solve whose columns there are polynomials, without any power of its
-    own: between
+    """A solved contact has the closed-form power of its corner over two decades.
+
+    Columns are polynomials there, without a power of their own. Slopes of log p are taken between
     0.0003 and 0.01 of the contact, where neither the elements at the corner nor the rest of the
     lining matter.
     """
@@ -87,7 +87,7 @@ def test_a_solved_contact_has_the_power_of_its_corner_over_decades():
     ((at_start, power),) = steep_corners(stored.brake, 0, found)
     assert power == pytest.approx(min(powers_of(stored.brake, 0))) and power < -0.2
     x = found.theta - found.theta[0] if at_start else found.theta[-1] - found.theta
-    length = sum(b - a for a, b in found.contact_arcs)
+    length = np.diff(found.contact_arcs).sum()
     near = (x > 3e-4 * length) & (x < 1e-2 * length)
     slope = np.polyfit(np.log(x[near]), np.log(found.pressure[near]), 1)[0]
     assert slope == pytest.approx(power, abs=3e-3)
@@ -95,8 +95,10 @@ def test_a_solved_contact_has_the_power_of_its_corner_over_decades():
 
 @pytest.mark.parametrize("at_start", [True, False])
 def test_what_gives_way_to_a_power_keeps_force_and_moment_and_finds_the_power_again(at_start):
-    """Of p = x^-0.3 + 2 - x, interpolated on columns that grow from a corner, its value there made
-    up.
+    """Replacing p at a corner by a power keeps force and moment and finds the power again.
+
+    The pressure is p = x^-0.3 + 2 - x on columns that grow from a corner, with a made-up value
+    there.
     """
     power, order = -0.3, 6
     ends = np.concatenate([[0.0], 1e-4 * 2.4 ** np.arange(11)])
@@ -114,6 +116,24 @@ def test_what_gives_way_to_a_power_keeps_force_and_moment_and_finds_the_power_ag
     assert (weight * q).sum() == pytest.approx((own * r).sum(), rel=1e-12)
     assert (weight * q * at).sum() == pytest.approx((own * r * before).sum(), rel=1e-12)
     assert (np.diff(new) > 0).all() and new[0] == theta[0] and new[-1] == theta[-1]
+
+
+def test_p_between_the_nodes_near_a_corner_is_its_power_to_a_ten_thousandth():
+    """The pieces of degree 5 that stand for x^-0.3 near a corner follow it between their nodes."""
+    power, order = -0.3, 5
+    ends = np.concatenate([[0.0], 1e-4 * 2.4 ** np.arange(11)])
+    inner = np.diff(ends)[:, None] * 0.5 * (1 + lobatto(order)[:-1])
+    x = np.append((ends[:-1, None] + inner).ravel(), ends[-1])
+    p = np.append(x[1] ** power, x[1:] ** power)
+    new, value = power_at_corner(x, p, order, power, reach=NEAR_CORNER, at_start=True)
+    at, q, weight = (part.ravel() for part in gauss_points(new, value, order))
+    # Gauss points within the pieces that were made, but for the last one at the corner.
+    near = (at > 1e-10) & (at < 0.5 * NEAR_CORNER)
+    terms = np.stack([at[near] ** power, np.ones(near.sum()), at[near]], axis=1)
+    own = np.sqrt(weight[near])
+    parts = np.linalg.lstsq(own[:, None] * terms, own * q[near], rcond=None)[0]
+    off = own * (terms @ parts - q[near])
+    assert np.linalg.norm(off) < 1e-4 * np.linalg.norm(own * q[near])
 
 
 @pytest.mark.parametrize(
@@ -134,8 +154,9 @@ def test_the_power_of_a_corner_makes_p_many_times_more_exact(name, level, most, 
 
 
 def test_what_is_left_of_p_is_known_where_it_has_no_bound():
-    """Under a tip the columns leave what the true error is; far smaller pieces leave little at a
-    corner.
+    """The error of p beside a singular point is known: under a tip it is the true one.
+
+    At a corner far smaller columns leave little error.
     """
     stored = read(TRUTHS / "tip_short.json")
     *_, last = islice(steps(stored.brake, respond), 4)

@@ -1,5 +1,4 @@
-"""Equal runs write equal bytes but for times; the number of threads moves no number by more than
-1e-9.
+"""Equal runs write equal bytes but for times; threads move no number by more than 1e-9.
 
 That one and two processes, and a sweep that was stopped, give the same bytes stands in
 test_sweep_stopped.
@@ -11,6 +10,7 @@ import os
 import subprocess
 import sys
 import time
+from itertools import chain
 
 import numpy as np
 import pytest
@@ -30,8 +30,9 @@ print(json.dumps([drumlin.solve(brake, tolerance=1e-3).as_dict() for brake in br
 
 
 def test_equal_runs_write_equal_files_but_for_times(tmp_path, monkeypatch, capsys):
-    """With clocks that stand still, everything: pages, figures, field pictures, tables, JSON,
-    meshes.
+    """Equal runs write equal pages, figures, field pictures, tables, JSON and meshes.
+
+    Clocks stand still in these runs.
     """
     brake = str(ROOT / "studies" / BRAKES[0]) + ".toml"
     monkeypatch.setattr(time, "perf_counter", lambda: 0.0)
@@ -80,13 +81,14 @@ def numbers(data):
             for x in numbers(value)
         ]
     if isinstance(data, list):
-        return [x for value in data for x in numbers(value)]
+        return list(chain.from_iterable(map(numbers, data)))
     return [float(data)] if isinstance(data, int | float) else []
 
 
 def test_the_number_of_threads_moves_no_number():
-    """Torques and forces by more than 1e-9 of them, pressures, which feel round-off in thin
-    columns, by 3e-7.
+    """The number of threads moves torques and forces by at most 1e-9 of their size.
+
+    Pressures feel round-off in thin columns and move by up to 3e-7.
     """
     paths = [str(ROOT / "studies" / brake) + ".toml" for brake in BRAKES]
     answers = []
@@ -110,8 +112,7 @@ def test_the_number_of_threads_moves_no_number():
         for a, b in zip(one["shoes"], two["shoes"], strict=True):
             for key, value in a.items():
                 x, y = np.array(numbers(value)), np.array(numbers(b[key]))
-                size = (
-                    1.0 if key == "error" else np.abs(x).max(initial=1e-300)
-                )  # errors are relative already
+                # Stated errors are relative already.
+                size = 1.0 if key == "error" else np.abs(x).max(initial=1e-300)
                 within = 1e-9 if key in {"torque", "normal_force", "hinge_reaction"} else 3e-7
                 np.testing.assert_allclose(x, y, rtol=0, atol=within * size, err_msg=key)

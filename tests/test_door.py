@@ -17,6 +17,7 @@ import drumlin
 from drumlin.laws import sine
 from drumlin.response.balance import contact_resultant
 from drumlin.response.merit import merit
+from picking import picked
 
 BRAKE = "studies/double_shoe/brake.toml"
 HEAVY = {"numpy", "scipy", "pydantic", "skfem", "matplotlib"}
@@ -37,28 +38,32 @@ def test_every_public_name_is_there():
         drumlin.nonsense  # noqa: B018
 
 
+def printed_by(program):
+    """What a program prints as JSON, run by an interpreter of its own."""
+    command = [sys.executable, "-c", program]
+    return json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
+
+
+def packages(modules):
+    """The packages to which modules belong."""
+    return {name.split(".")[0] for name in modules}
+
+
 def test_importing_it_loads_nothing_and_changes_nothing():
-    program = (
+    same, loaded = printed_by(
         "import json, os, sys; before, loaded = dict(os.environ), set(sys.modules); import drumlin;"
         "print(json.dumps([dict(os.environ) == before, sorted(set(sys.modules) - loaded)]))"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, check=True
-    )
-    same, loaded = json.loads(done.stdout)
     assert same
-    assert not {name.split(".")[0] for name in loaded} & HEAVY
+    assert not packages(loaded) & HEAVY
 
 
 def test_naming_a_function_loads_nothing_heavy():
-    program = (
+    loaded = printed_by(
         "import json, sys, drumlin; drumlin.solve, drumlin.wear, drumlin.reference;"
         "print(json.dumps(sorted(sys.modules)))"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, check=True
-    )
-    assert not {name.split(".")[0] for name in json.loads(done.stdout)} & HEAVY
+    assert not packages(loaded) & HEAVY
 
 
 def test_importing_it_takes_hardly_longer_than_starting_python():
@@ -164,7 +169,8 @@ def test_the_locking_limit_is_a_pole_of_the_torque(root):
         ).torque
         for part in (2e-3, 1e-3)
     )
-    assert nearer / near == pytest.approx(2, rel=0.05)  # it grows as 1/(mu_lock - mu)
+    # The torque grows as 1/(mu_lock - mu), so that half the distance doubles it.
+    assert nearer / near == pytest.approx(2, rel=0.05)
     with pytest.raises(drumlin.NoAnswer, match="self-locking"):
         drumlin.solve(drumlin.vary(brake, {"friction": limit.friction * 1.01}), elements=12)
 
@@ -176,7 +182,7 @@ def test_fields_are_written_for_every_shoe_and_ring(root, tmp_path):
     found = drumlin.fields(brake, tmp_path / "fields.vtu", elements=8)
     assert len(found) == len(brake.shoes)
     points = meshio.read(tmp_path / "fields.vtu").points
-    assert len(points) == sum(len(part.points) for part in found)
+    assert len(points) == sum(map(len, picked(found, "points")))
     with pytest.raises(drumlin.BadInput, match=r"must end in \.vtu"):
         drumlin.fields(brake, tmp_path / "fields.png")
 
@@ -262,8 +268,9 @@ def test_a_module_that_has_moved_answers_by_its_old_name_with_a_warning(old, new
 def test_a_path_may_be_a_text_and_a_response_carries_its_figures_of_merit(root):
     brake = drumlin.read_brake(str(root / BRAKE))
     response = drumlin.solve(brake, elements=10)
-    assert response.torque == pytest.approx(sum(shoe.torque for shoe in response.shoes))
-    for i, shoe in enumerate(response.shoes):  # T/(F R) by hand, F = 2 kN, R = 150 mm
+    assert response.torque == pytest.approx(sum(picked(response.shoes, "torque")))
+    # The brake factor is T/(F R) by hand with F = 2 kN and R = 150 mm.
+    for i, shoe in enumerate(response.shoes):
         assert response.merits[i].shoe_factor == pytest.approx(
             shoe.torque / (2000 * 0.150), rel=1e-12
         )
@@ -284,7 +291,7 @@ def test_a_response_shows_itself(root):
     for line, shoe in zip(axes.lines, response.shoes, strict=True):
         assert line.get_ydata().max() == pytest.approx(shoe.peak_pressure * 1e-6, rel=1e-3)
         assert line.get_xdata()[[0, -1]] == pytest.approx(
-            [57.29577951308232 * shoe.theta[k] for k in (0, -1)]
+            [57.29577951308232 * shoe.theta[0], 57.29577951308232 * shoe.theta[-1]]
         )
 
 

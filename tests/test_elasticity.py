@@ -1,6 +1,4 @@
-"""Elasticity matrices in the kernels: against scikit-fem's own forms, rotated by hand, and on every
-kind of element.
-"""
+"""Elasticity matrices against skfem's own forms, rotated by hand, on every kind of element."""
 
 import math
 
@@ -18,18 +16,21 @@ from drumlin.brake.elasticity import (
 )
 from drumlin.brake.fields import Material
 from drumlin.fem.hp import element as hp
-from drumlin.fem.hp.arc import angular, arc_columns, elements
-from drumlin.fem.hp.columns import columns, stack, turned
-from drumlin.fem.hp.shoe import nodes_of
+from drumlin.fem.hp.arc import angular_integrals, arc_column_stiffness, condensed_arc_elements
+from drumlin.fem.hp.columns import column_stiffness, column_unknowns, rotate_components
+from drumlin.fem.hp.shoe import element_nodes
 from drumlin.fem.substructure.body import scalar_basis, stiffness
-from drumlin.fem.substructure.elasticity import across, split, stress
+from drumlin.fem.substructure.elasticity import split_elasticity, stress, through_layers
 from drumlin.response.resultants import lobatto
 from drumlin.verification.triangles import lagrange
 from drumlin.verification.triangles.triangulation import TriangleLayer, start
+from picking import picked
 
 DIRECTED = np.array([[9.0, 0.8, 0.0], [0.8, 3.0, 0.0], [0.0, 0.0, 2.5]]) * 1e8
-"""Of a layer three times as stiff along as through, and not with the shear stiffness of an
-isotropic one."""
+"""A layer three times as stiff along as through, with a shear stiffness of its own.
+
+No isotropic material has this shear stiffness.
+"""
 LAYERS = {
     "around": ElasticLayer(DIRECTED, 0.03),
     "straight": ElasticLayer(DIRECTED, 0.03, np.array([0.6, -0.8])),
@@ -118,7 +119,7 @@ def test_stresses_are_those_of_the_matrix_in_the_layers_directions(name):
     points, H = random.uniform(0.1, 0.2, (2, 5)), random.standard_normal((2, 2, 5))
     t, n = directions(layer, points)
     assert layer.directions(points) == pytest.approx(t, abs=1e-14)
-    assert across(t) == pytest.approx(n, abs=1e-14)
+    assert through_layers(t) == pytest.approx(n, abs=1e-14)
     eps = 0.5 * (H + H.swapaxes(0, 1))
 
     def parts(tensor):
@@ -136,7 +137,8 @@ def test_on_meshes_the_stiffness_is_that_of_scikit_fems_own_assembly(kind, name)
     make, raised = KINDS[kind]
     grid = make.init_tensor(np.linspace(0.1, 0.14, 4), np.linspace(0.05, 0.12, 5))
     mesh = raised(grid) if raised else grid
-    if kind == "quad2":  # curved
+    # The edges of quad2 elements are curved.
+    if kind == "quad2":
         mesh = skfem.MeshQuad2(mesh.doflocs + 0.01 * np.sin(40 * mesh.doflocs[::-1]), mesh.t)
     mesh = mesh.with_subdomains({"body": np.arange(mesh.nelements)})
     basis = scalar_basis(mesh)
@@ -148,8 +150,9 @@ def test_on_meshes_the_stiffness_is_that_of_scikit_fems_own_assembly(kind, name)
 
 
 def bent_elements(p):
-    """Nodes (e, 2, a) of three elements between no circles, in the order of an element of degree
-    p.
+    """Nodes (e, 2, a) of three distorted elements of degree p, in the order of an element.
+
+    No edge of the elements is an arc of a circle.
     """
     x = 0.5 * (lobatto(p) + 1)
     s, d = np.repeat(x, p + 1), np.tile(x, p + 1)
@@ -157,7 +160,7 @@ def bent_elements(p):
     for k in range(3):
         phi, r = 0.3 + 0.2 * (k + d) + 0.03 * s * d, 0.14 - 0.02 * s + 0.004 * np.sin(3 * d)
         found.append(np.stack([r * np.cos(phi), r * np.sin(phi)]))
-    return np.ascontiguousarray(np.array(found)[..., hp.element(p).order])
+    return np.ascontiguousarray(np.array(found)[..., hp.reference_element(p).order])
 
 
 def along_at(layer, xy, p):
@@ -169,14 +172,16 @@ def along_at(layer, xy, p):
 def test_elements_of_high_degree_have_the_rotated_stiffness_of_every_point(p, name):
     layer, xy = LAYERS[name], bent_elements(p)
     matrices = np.tile(layer.stiffness, (len(xy), 1, 1))
-    K = hp.stiffness(xy, matrices, p, along_at(layer, xy, p))
+    K = hp.element_stiffness(xy, matrices, p, along_at(layer, xy, p))
     gradients, area = hp.gradients(xy, p)
     points = np.moveaxis(hp.gauss_points(xy, p), 1, 0)
     theirs = lagrange._directed_stiffness(gradients.transpose(0, 2, 1, 3), area, layer, points)
     size = np.abs(K).max()
     assert np.abs(K.reshape(theirs.shape) - theirs).max() < 1e-13 * size
     long = xy.astype(np.longdouble)
-    precise = hp.stiffness(long, matrices.astype(np.longdouble), p, along_at(layer, long, p))
+    precise = hp.element_stiffness(
+        long, matrices.astype(np.longdouble), p, along_at(layer, long, p)
+    )
     assert np.abs(K - precise).max() < 1e-13 * size
     turn = np.stack([-long[:, 1], long[:, 0]], axis=2)
     assert (
@@ -191,9 +196,9 @@ def test_isotropic_elements_beside_directed_ones_stay_what_they_are_alone():
     p, xy, steel = 4, bent_elements(4), 0.02 * elasticity_matrix(Material(E=2e11, nu=0.3))
     layer = LAYERS["around"]
     along = along_at(layer, xy, p)
-    mixed = hp.stiffness(xy, np.array([steel, layer.stiffness, steel]), p, along)
-    alone = hp.stiffness(xy, np.tile(steel, (3, 1, 1)), p)
-    directed = hp.stiffness(xy, np.tile(layer.stiffness, (3, 1, 1)), p, along)
+    mixed = hp.element_stiffness(xy, np.array([steel, layer.stiffness, steel]), p, along)
+    alone = hp.element_stiffness(xy, np.tile(steel, (3, 1, 1)), p)
+    directed = hp.element_stiffness(xy, np.tile(layer.stiffness, (3, 1, 1)), p, along)
     for k, expected in enumerate((alone, directed, alone)):
         assert np.array_equal(mixed[k], expected[k])
 
@@ -203,8 +208,10 @@ def test_isotropic_elements_beside_directed_ones_stay_what_they_are_alone():
     ("p", "contact", "held"), [(3, True, False), (4, True, True), (5, False, False)]
 )
 def test_columns_in_product_form_are_those_of_their_elements(p, contact, held, flat):
-    """One layer isotropic, one a third as stiff through as along, one with the shear of no
-    isotropic material.
+    """Columns in product form are those of their elements, for isotropic and directed layers.
+
+    One layer is isotropic, one is a third as stiff through as along, one has the shear stiffness of
+    no isotropic material.
     """
     half, depths = np.array([0.003, 0.05, 0.21]), np.array([0.0, 0.0002, 0.004, 0.011])
     steel = elasticity_matrix(Material(E=2e11, nu=0.28))
@@ -212,24 +219,25 @@ def test_columns_in_product_form_are_those_of_their_elements(p, contact, held, f
         ElasticLayer(D, 0.04, np.array([0.0, 1.0]) if flat else None)
         for D in (DIRECTED, 0.1 * DIRECTED, steel)
     ]
-    matrices = np.array([layer.stiffness for layer in layers])
+    matrices = np.array(picked(layers, "stiffness"))
     angles, radius = half[:, None] * lobatto(p), 0.14
 
     def place(depth, phi):
-        """Of a pad the angles are lengths over the radius, and x is the normal, as in an arc's
-        middle.
+        """Coordinates (x, y) of a depth and an angle, on an arc or on a flat pad.
+
+        A pad's angles are lengths over the radius, and x is the normal as in an arc's middle.
         """
         if flat:
             return np.array(np.broadcast_arrays(-depth, radius * phi))
         return np.array([(radius - depth) * np.cos(phi), (radius - depth) * np.sin(phi)])
 
-    xy = nodes_of(place, depths, angles, p)
+    xy = element_nodes(place, depths, angles, p)
     along = np.array([along_at(layer, own, p) for layer, own in zip(layers, xy, strict=True)])
-    of = stack(p, 3, contact=contact, held=held)
-    theirs = columns(hp.condensed_elements(xy, matrices, p, along), of)
-    A = angular(angles, p, flat=flat, directed=True)
-    ours = arc_columns(
-        elements(radius - depths, A, matrices, p, radius if flat else None),
+    of = column_unknowns(p, 3, contact=contact, held=held)
+    theirs = column_stiffness(hp.condensed_elements(xy, matrices, p, along), of)
+    A = angular_integrals(angles, p, flat=flat, directed=True)
+    ours = arc_column_stiffness(
+        condensed_arc_elements(radius - depths, A, matrices, p, radius if flat else None),
         p,
         contact=contact,
         held=held,
@@ -238,21 +246,19 @@ def test_columns_in_product_form_are_those_of_their_elements(p, contact, held, f
     for K, own, side in zip(theirs, ours, 0.0 * half if flat else half, strict=True):
         lines = np.full(of.line // 2, side)
         ends = np.concatenate([[-side], np.zeros(nodes - 2), [side]]) if contact else []
-        expected = turned(K, np.concatenate([lines * -1, ends, lines]))
+        expected = rotate_components(K, np.concatenate([lines * -1, ends, lines]))
         np.testing.assert_allclose(own, expected, rtol=0, atol=1e-11 * np.abs(expected).max())
 
 
 def test_split_and_put_together_a_matrix_is_the_same():
-    lam, mu, a, b = split(DIRECTED)
+    lam, mu, a, b = split_elasticity(DIRECTED)
     assert np.array(
         [[lam + 2 * mu + a, lam, 0], [lam, lam + 2 * mu + b, 0], [0, 0, mu]]
     ) == pytest.approx(DIRECTED)
 
 
 def test_triangles_of_the_second_solver_carry_an_even_strain():
-    """Under u = H x the nodal forces of a straight layer are those of its even stress on the
-    rim.
-    """
+    """A straight layer of triangles under u = H x has the nodal forces of its even stress."""
     layer = LAYERS["straight"]
     mesh = start(np.linspace(0, 0.2, 4), [np.linspace(0, 1, 3)], [TriangleLayer(-1, 1, layer)])
 

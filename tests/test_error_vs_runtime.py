@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from itertools import chain
 
 import pytest
 
@@ -14,6 +15,8 @@ from drumlin.verification.reference import Trio, responses
 from drumlin_studies import work_precision
 from drumlin_studies.recommendation import TARGET_NAMES, best_rows, matrices
 from drumlin_studies.work_precision import ERROR_KEYS, Method, floor, measure, timing
+from picking import having, picked, saying
+from shared_parts import scaled_pressures
 
 pytestmark = pytest.mark.slow
 
@@ -40,9 +43,7 @@ class Stopping(Journal):
 
 @pytest.fixture(scope="module")
 def outcome(tmp_path_factory):
-    """The module, the result of a run that was stopped twice, and what was in its journal at each
-    stop.
-    """
+    """The study's module, its result after two interruptions, and its journal at each of them."""
     path = tmp_path_factory.mktemp("study") / "journal.jsonl"
     module, _ = load("error_vs_runtime")
     kept, references = [], {}
@@ -71,7 +72,7 @@ def outcome(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def rows(outcome):
-    return [row for row in outcome[1].rows if row["brake"] == MAIN]
+    return having(outcome[1].rows, brake=MAIN)
 
 
 def pick(rows, family, **options):
@@ -83,12 +84,8 @@ def pick(rows, family, **options):
 def test_a_stopped_run_goes_on_and_keeps_every_row(outcome):
     _, result, (first, second), whole = outcome
     assert second.startswith(first) and whole.startswith(second)
-    keys = [(row["brake"], row["family"], row["method"]) for row in result.rows]
-    assert (
-        len(set(keys))
-        == len(keys)
-        == len([line for line in whole.splitlines() if '\\"family\\"' in line])
-    )
+    keys = picked(result.rows, ("brake", "family", "method"))
+    assert len(set(keys)) == len(keys) == len(saying(whole.splitlines(), '\\"family\\"'))
     assert set(result.floors) == {MAIN, "laws/shigley_16_2"}
 
 
@@ -100,7 +97,8 @@ def test_finite_elements_know_more_than_laws_and_laws_are_faster(rows):
         assert fem[key] < 0.1 * law[key]
     assert law["seconds"] < fem["seconds"] / 3
     assert fem["further"] < fem["seconds"] / 3
-    assert law["further"] > law["seconds"] / 3  # nothing to reuse
+    # The law has nothing to reuse, so that a further answer takes as long as the first.
+    assert law["further"] > law["seconds"] / 3
 
 
 def test_grading_and_order_pay(rows):
@@ -152,7 +150,8 @@ def test_every_converged_row_is_whole(outcome):
         if row["status"] == "converged":
             assert row["lower"] <= row["seconds"] <= row["upper"] and row["repeats"] >= 3
             assert 1e5 < row["memory"] < 1e9
-            assert all(math.isfinite(row[key]) for key in ERROR_KEYS)
+            for key in ERROR_KEYS:
+                assert math.isfinite(row[key])
 
 
 def test_report(outcome, tmp_path):
@@ -168,9 +167,10 @@ def test_report(outcome, tmp_path):
     ):
         assert said in text
     for matrix in matrices(best_rows(result.rows, result.floors)):
-        cells = [cell for line in matrix.lines.values() for cell in line]
+        cells = list(chain.from_iterable(matrix.lines.values()))
         assert {cell.row["target"] for cell in cells} == set(matrix.targets)
-        assert all(f'<td class="text {cell.sort}">{cell.what}<' in text for cell in cells)
+        for cell in cells:
+            assert f'<td class="text {cell.sort}">{cell.what}<' in text
     assert (tmp_path / "work_precision_double_shoe_brake.png").stat().st_size > 20_000
     assert (tmp_path / "values" / "double_shoe_brake.json").exists()
     assert len((tmp_path / "results.csv").read_text().splitlines()) == len(result.rows) + 1
@@ -183,7 +183,8 @@ def test_methods_that_do_not_apply_are_rows(brake):
             brake, Method("weak penalty", "w", {"elements": 4, "penalty": -1.0}), None, lambda: None
         ),
     ]
-    assert all(row["status"].startswith("refused: --") for row in rows)
+    for row in rows:
+        assert row["status"].startswith("refused: --")
     with pytest.raises(BadInput):
         load("no_such_study")
 
@@ -210,9 +211,7 @@ def test_the_floor_is_the_distance_of_both_references_whose_shoes_do_not_cancel(
     assert floor(brake, Trio(one, one, other))["torque_error"] == pytest.approx(
         2 / one.torque, rel=1e-12
     )
-    peaks = replace(one, shoes=tuple(replace(s, pressure=1.01 * s.pressure) for s in one.shoes))
+    peaks = replace(one, shoes=scaled_pressures(one.shoes, 1.01))
     found = floor(brake, Trio(one, peaks, None))
-    assert [found[key] for key in ("pressure_error", "peak_error")] == pytest.approx(
-        [0.01, 0.01], rel=1e-9
-    )
+    assert [found["pressure_error"], found["peak_error"]] == pytest.approx([0.01, 0.01], rel=1e-9)
     assert set(floor(brake, Trio(one, one, one)).values()) == {0.0}

@@ -1,12 +1,12 @@
-"""The page to play with: knobs, answers and pictures without a browser; then one browser that moves
-a slider.
-"""
+"""The page to explore a brake: knobs, answers and pictures, then a browser that moves a slider."""
 
+import http.client
 import json
 import math
 import subprocess
 import time
 import tomllib
+from itertools import starmap
 from statistics import median
 from urllib.parse import parse_qsl
 
@@ -27,6 +27,7 @@ from drumlin.fem.model import respond
 from drumlin.laws import sine
 from drumlin.lining_wear.worn_in import worn_in
 from drumlin.response.resultants import integrate
+from picking import having, picked
 from shared_forces import cam_brake, servo
 
 pytestmark = pytest.mark.slow
@@ -38,7 +39,7 @@ def explorer():
 
 
 def knob(explorer, name):
-    return next(knob for knob in explorer.knobs if knob.name == name)
+    return having(explorer.knobs, name=name)[0]
 
 
 def turned(explorer, **values):
@@ -59,7 +60,8 @@ def test_untouched_knobs_leave_the_brake_as_it_is(explorer):
 CHANGES = {
     "friction": (0.41, {"friction": 0.41}),
     "force": (3.0, {"shoe.actuation.force": "3 kN"}),
-    "shift": (5.0, {"shoe.actuation.point.y": "105 mm"}),  # both lines are level, above the hinges
+    # Both lines of force are level, above the hinges.
+    "shift": (5.0, {"shoe.actuation.point.y": "105 mm"}),
     "turn": (
         10.0,
         {"shoe[0].actuation.direction": "10 deg", "shoe[1].actuation.direction": "170 deg"},
@@ -83,9 +85,9 @@ def test_a_knob_does_what_a_changed_file_does(explorer, name):
 
 
 def test_every_quantity_has_a_test():
-    assert set(CHANGES) | {"wear"} == {
-        knob.name for knob in knobs_of(read_brake(STUDY / "brake.toml"))
-    }
+    assert set(CHANGES) | {"wear"} == set(
+        picked(knobs_of(read_brake(STUDY / "brake.toml")), "name")
+    )
 
 
 def test_worn_long_enough_the_brake_is_the_laws(explorer):
@@ -96,7 +98,8 @@ def test_worn_long_enough_the_brake_is_the_laws(explorer):
     assert worn.found.torque == pytest.approx(worn.law.torque, rel=2e-3)
     new = explorer.answer(turned(explorer))
     assert abs(new.found.torque / new.law.torque - 1) > 0.02
-    assert worn.distance == pytest.approx(50 * 8e-3 / (1e-14 * 300e6))  # of t/(k E)
+    # The lining of t = 8 mm wears at the rate k E.
+    assert worn.distance == pytest.approx(50 * 8e-3 / (1e-14 * 300e6))
 
 
 def test_a_lining_is_not_worn_beyond_its_thickness():
@@ -144,7 +147,8 @@ def test_a_setting_that_keeps_the_bodies_costs_a_fraction_of_a_solve(explorer):
 def test_self_locking_is_said_and_its_distance(explorer):
     answer = explorer.answer(start_of(explorer.brake))
     limit = min(explorer.locking(answer.brake).values())
-    assert limit == pytest.approx(1.1812, rel=1e-3)  # by the condensed matrices on 80 elements
+    # The limit comes from the condensed matrices on 80 elements.
+    assert limit == pytest.approx(1.1812, rel=1e-3)
     assert answer.law_locking == pytest.approx(0.8231, rel=1e-3)
     locked = Explorer(vary(explorer.brake, {"friction": 0.9}))
     beyond = locked.answer(turned(locked, friction=1.3))
@@ -172,7 +176,7 @@ def test_a_picture_shows_the_pressure_it_is_of(explorer):
         )
     torques = [row[2] for row in picture.rows if row[1] == "finite elements"]
     assert sum(map(float, torques)) == pytest.approx(answer.found.torque, rel=1e-5)
-    assert [np.radians(arc) for arc in picture.arcs] == [
+    assert list(map(np.radians, picture.arcs)) == [
         pytest.approx(arc) for shoe in answer.found.shoes for arc in shoe.contact_arcs
     ]
 
@@ -181,7 +185,7 @@ def test_a_brake_on_a_plane_is_explored_too():
     path = ROOT / "studies/brakes/rail_clamp.toml"
     brake = read_any(path)
     explorer = Explorer(brake)
-    names = {each.name for each in explorer.knobs}
+    names = set(picked(explorer.knobs, "name"))
     assert {"friction", "force", "shift", "turn", "clearance", "lining"} <= names and not {
         "wear",
         "misfit",
@@ -262,11 +266,11 @@ def test_a_link_leads_back_to_its_setting(explorer):
 def test_what_a_link_cannot_mean_is_said(explorer, query, said):
     page = reply(explorer, f"/?{query}", "b")
     assert page.status == 200
-    assert page.text.count("<script>") == 1  # its own
+    # The page has no script but its own.
+    assert page.text.count("<script>") == 1
     line = next(text for text in page.text.splitlines() if 'id="head"' in text)
     assert said in line.replace("&#39;", "'")
-    data = json.loads(reply(explorer, f"/picture?{query}", "b").text)
-    assert data["torque"] >= 0
+    assert json.loads(reply(explorer, f"/picture?{query}", "b").text)["torque"] >= 0
 
 
 @given(
@@ -325,9 +329,8 @@ def test_shoes_that_share_a_force_are_explored_by_it(brake):
     assert answer.found.torque == pytest.approx(drumlin.solve(brake).torque, rel=1e-3)
     force = knob(explorer, "force")
     twice = explorer.answer(turned(explorer, force=2 * force.start))
-    assert twice.found.torque == pytest.approx(
-        2 * answer.found.torque, rel=1e-6
-    )  # no clearance: proportional
+    # Without a clearance pressures are proportional to the force.
+    assert twice.found.torque == pytest.approx(2 * answer.found.torque, rel=1e-6)
     assert reply(explorer, "/", "b").status == reply(explorer, "/picture", "b").status == 200
 
 
@@ -338,17 +341,16 @@ def test_a_browser_moves_a_slider_and_reads_the_torque_of_solve(tmp_path, explor
         scale = json.loads(reply(explorer, "/picture?" + link.split("?")[1], "b").text)["scale"]
         drawn = page.execute_script(DRAWN)
         assert max(p for _, p in drawn["fem"]) * 1e-4 * scale > 0.5
-        radii = [math.hypot(*xy) for xy in drawn["drum-area"]]
+        radii = list(starmap(math.hypot, drawn["drum-area"]))
         assert min(radii) == pytest.approx(150, abs=0.05)
         highest = max(p for at, p in drawn["fem"]) * 1e-4
         assert max(radii) == pytest.approx(150 * (1 + 0.45 * min(highest, 1.1)), rel=1e-3)
-        contact = [math.hypot(*xy) for xy in drawn["drum-contact"]]
+        contact = list(starmap(math.hypot, drawn["drum-contact"]))
         assert contact == pytest.approx([150] * len(contact), abs=0.02)
         rate = page.execute_async_script(DRAG)
-        assert rate > 3, (
-            f"{rate:.1f} pictures a second while a slider is dragged"
-        )  # wanted: 30, on a machine of its own
-        assert not [line for line in page.get_log("browser") if line["level"] == "SEVERE"]
+        # The aim is 30 on a machine of its own; other processes share this one.
+        assert rate > 3, f"{rate:.1f} pictures a second while a slider is dragged"
+        assert not having(page.get_log("browser"), level="SEVERE")
 
 
 DRAWN = """
@@ -372,8 +374,6 @@ const timer = setInterval(() => {
 
 @pytest.mark.slow
 def test_only_this_machine_is_answered_by_its_own_name(tmp_path):
-    import http.client
-
     with served() as address:
         port = int(address.strip("/").rsplit(":", 1)[1])
         for host, status in (

@@ -1,6 +1,4 @@
-"""Stiffnesses, sizes and arcs far apart, solved by columns: within what is stated of a graded mesh,
-or refused.
-"""
+"""Extreme stiffnesses, sizes and arcs: the stated error covers a graded mesh's, or a refusal."""
 
 import pytest
 
@@ -27,14 +25,15 @@ SLOW = [
 
 
 def check(case):
-    """The errors of a brake are within what is stated, as far as a mesh can tell: its corners
-    converge slowly, and the last step may be as large as half of what is left.
+    """Check that a brake's errors are within the stated ones, as far as a graded mesh can tell.
+
+    Corners converge slowly on a mesh: its last step may be half of the error that is left.
     """
     brake = case.brake()
     found = solve(brake)
-    coarse, fine = (solve(brake, elements=elements) for elements in (60, 120))
+    coarse, fine = solve(brake, elements=60), solve(brake, elements=120)
     assert found.torque > 0
-    off, step = (abs(one.torque / fine.torque - 1) for one in (found, coarse))
+    off, step = abs(found.torque / fine.torque - 1), abs(coarse.torque / fine.torque - 1)
     assert off <= found.error["torque"] + 2 * step
     for a, b, c in zip(found.shoes, fine.shoes, coarse.shoes, strict=True):
         assert pressure_distance(a, b) <= found.error["pressure"] + 2 * pressure_distance(c, b)

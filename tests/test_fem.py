@@ -1,7 +1,7 @@
 """The finite-element model: limits, laws of physics as properties, convergence, refusals."""
 
 import math
-from itertools import pairwise
+from itertools import pairwise, starmap
 
 import meshio
 import numpy as np
@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from conftest import STUDY
 from drumlin.base.errors import BadInput, NoAnswer
-from drumlin.brake.file import read_brake, vary
+from drumlin.brake.file import brake_from, read_brake, vary
 from drumlin.comparison import converge
 from drumlin.contact import active_set
 from drumlin.fem.analysis.fields import fields, write_vtu
@@ -22,6 +22,7 @@ from drumlin.fem.solve import solve
 from drumlin.laws import locking_friction, sine
 from drumlin.response.norms import pressure_distance
 from drumlin.verification.cost import cost, table
+from picking import picked, saying
 
 ROTATIONS = ("counter-clockwise", "clockwise")
 BRAKE = read_brake(STUDY / "brake.toml")
@@ -61,8 +62,9 @@ def test_a_stiff_shoe_with_a_thin_lining_returns_to_the_sine_law(rotation):
 
 
 def test_the_deviation_from_the_law_falls_with_the_lining(brake):
-    """Rigid shoe (no body): only the lining's own shear and bulging are left, and they vanish with
-    t/R.
+    """The torque of a rigid shoe tends to the sine law as its lining becomes thin.
+
+    The lining's own shear and bulging alone are left, and they vanish with t/R.
     """
     deviations = []
     for thickness in (0.008, 0.004, 0.002):
@@ -73,20 +75,21 @@ def test_the_deviation_from_the_law_falls_with_the_lining(brake):
     assert deviations[2] < 0.4 * deviations[0]
 
 
-def test_forces_and_moments_balance_and_contact_is_complementary(brake):
-    for penalty in (1e3, 1e6, math.inf):
-        response = respond(SCENE, BRAKE, penalty=penalty)
-        assert response.converged
-        assert max(response.balance.force, response.balance.moment) < 1e-9
-        for index, (body, shoe) in enumerate(zip(SCENE.bodies, BRAKE.shoes, strict=True)):
-            problem = ShoeGroup(SCENE, BRAKE, (index,), penalty).problem
-            found = active_set.solve(problem)
-            w = problem.q + problem.A @ found.p + problem.B @ found.y
-            area = body.coupling.area
-            compression = found.p.max() * shoe.lining.thickness / shoe.lining.material.E
-            assert found.p.min() >= 0
-            assert (w / area).min() > -1e-9 * compression  # no penetration beyond p/eps
-            assert np.abs(found.p * w / area).max() < 1e-9 * found.p.max() * compression
+@pytest.mark.parametrize("penalty", (1e3, 1e6, math.inf))
+def test_forces_and_moments_balance_and_contact_is_complementary(penalty, brake):
+    response = respond(SCENE, BRAKE, penalty=penalty)
+    assert response.converged
+    assert max(response.balance.force, response.balance.moment) < 1e-9
+    for index, (body, shoe) in enumerate(zip(SCENE.bodies, BRAKE.shoes, strict=True)):
+        problem = ShoeGroup(SCENE, BRAKE, (index,), penalty).problem
+        found = active_set.solve(problem)
+        w = problem.q + problem.A @ found.p + problem.B @ found.y
+        area = body.coupling.area
+        compression = found.p.max() * shoe.lining.thickness / shoe.lining.material.E
+        assert found.p.min() >= 0
+        # No node may penetrate the drum by more than p/eps.
+        assert (w / area).min() > -1e-9 * compression
+        assert np.abs(found.p * w / area).max() < 1e-9 * found.p.max() * compression
 
 
 def test_a_clearance_opens_the_contact_and_stays_complementary():
@@ -94,7 +97,8 @@ def test_a_clearance_opens_the_contact_and_stays_complementary():
     response = respond(SCENE, open_)
     assert max(response.balance.force, response.balance.moment) < 1e-9
     right = response.shoes[0]
-    assert right.contact_arcs[0][0] > math.radians(-40)  # the heel stays off
+    # The heel must stay off the drum, or the test would say nothing of an open end.
+    assert right.contact_arcs[0][0] > math.radians(-40)
     assert right.pressure[0] == 0
     assert response.torque < respond(SCENE, BRAKE).torque
 
@@ -106,7 +110,8 @@ def test_torque_and_pressure_converge(brake):
     assert abs(result.responses[-1].torque / limit.value - 1) < 2e-6
     for shoe in (0, 1):
         steps = result.pressure_steps(shoe)
-        assert all(b < a / 1.9 for a, b in pairwise(steps))
+        for a, b in pairwise(steps):
+            assert b < a / 1.9
         order, error = result.pressure(shoe)
         assert order > 1.9
         assert error < 1e-3
@@ -129,9 +134,7 @@ def test_every_kind_of_mesh_converges_to_one_answer(kind, brake, fine):
     for count in elements:
         response = solve(brake, elements=count, kind=kind, penalty=math.inf)
         assert max(response.balance.force, response.balance.moment) < 1e-9
-        distances = [
-            pressure_distance(a, b) for a, b in zip(response.shoes, fine.shoes, strict=True)
-        ]
+        distances = list(starmap(pressure_distance, zip(response.shoes, fine.shoes, strict=True)))
         errors.append([abs(response.torque / fine.torque - 1), max(distances)])
     # The order is of each number: lists compare by their first number alone.
     assert (np.array(errors[1]) < most).all()
@@ -159,7 +162,7 @@ def test_the_fields_of_every_kind_agree(kind, brake, tmp_path):
     assert np.linalg.norm(moved[1] - moved[0]) < 0.05 * np.linalg.norm(moved[0])
     write_vtu(tmp_path / "f.vtu", [found])
     mesh = meshio.read(tmp_path / "f.vtu")
-    assert [block.type for block in mesh.cells] == [found.cell_type]
+    assert picked(mesh.cells, "type") == [found.cell_type]
     assert mesh.point_data["von Mises [Pa]"] == pytest.approx(found.von_mises)
 
 
@@ -167,15 +170,14 @@ def test_the_fields_of_every_kind_agree(kind, brake, tmp_path):
 def open_heels(brake, flexible):
     """Brakes whose heels a clearance holds off, and their contact arcs on a fine mesh."""
     specs = [vary(spec, {"shoe.lining.clearance": 1e-4}) for spec in (brake, flexible)]
-    return [
-        (spec, [shoe.contact_arcs for shoe in solve(spec, elements=200).shoes]) for spec in specs
-    ]
+    return [(spec, picked(solve(spec, elements=200).shoes, "contact_arcs")) for spec in specs]
 
 
 @pytest.mark.parametrize("kind", ["quad2", "tri2"])
 def test_contact_ends_are_located_inside_an_element(kind, open_heels):
-    """Within a fifth of an inner element of the ends on a fine mesh, and nearer than the node next
-    to the pressed.
+    """Contact ends are located within a fifth of an inner element of those of a fine mesh.
+
+    They are nearer to the true end than the last pressed node's neighbour.
     """
     errors, nodes = [], []
     for spec, true in open_heels:
@@ -184,13 +186,15 @@ def test_contact_ends_are_located_inside_an_element(kind, open_heels):
                 solve(spec, elements=count, kind=kind).shoes, true, spec.shoes, strict=True
             ):
                 near, far = shoe.contact_arcs[0], exact[0]
-                k = 0 if part.frame.sense > 0 else -1  # the heel is next to the hinge
+                # The heel is the end of the lining next to the hinge.
+                k = 0 if part.frame.sense > 0 else -1
                 theta, p = shoe.theta, shoe.pressure
                 first = np.flatnonzero(p > 0)[k]
                 step = np.diff(theta[:: shoe.order]).max()
                 errors.append((near[k] - far[k]) / step)
                 nodes.append((theta[first + (-1 if k == 0 else 1)] - far[k]) / step)
-                assert 0 < first < len(theta) - 1  # an end inside the lining
+                # This contact ends inside the lining.
+                assert 0 < first < len(theta) - 1
     assert len(errors) == 16
     assert np.abs(errors).max() < 0.2
     assert np.linalg.norm(errors) < 0.5 * np.linalg.norm(nodes)
@@ -261,8 +265,9 @@ def test_the_mirror_image_gives_the_mirrored_answer(friction, tilt, height, rota
 
 
 def test_a_brake_in_mm_n_mpa_numbers_gives_the_same_numbers(brake):
-    """All lengths as numbers of mm, moduli of MPa: torque in N mm, pressure in MPa, the same to
-    round-off.
+    """A brake in numbers of mm, N and MPa has the same torque and pressures to round-off.
+
+    The torque then is in N mm, the pressure in MPa.
     """
     data = brake.model_dump(by_alias=True)
 
@@ -273,8 +278,6 @@ def test_a_brake_in_mm_n_mpa_numbers_gives_the_same_numbers(brake):
             return [scaled(v, key) for v in value]
         lengths = {"radius", "thickness", "width", "x", "y"} if value is not None else set()
         return value * 1e3 if key in lengths else value * 1e-6 if key == "E" else value
-
-    from drumlin.brake.file import brake_from
 
     a, b = solve(brake, elements=40), solve(brake_from(scaled(data)), elements=40)
     assert b.torque == pytest.approx(1e3 * a.torque, rel=1e-10)
@@ -319,20 +322,20 @@ def test_the_softening_of_a_penalty_is_linear_in_it_and_as_stated():
         assert stated == pytest.approx(soft.torque / shoe.torque - 1, rel=0.06)
 
 
-def test_starts_agree():
-    for index in (0, 1):
-        problem = ShoeGroup(SCENE, vary(BRAKE, {"shoe.lining.clearance": 1e-4}), (index,)).problem
-        n = len(problem.q)
-        rng = np.random.default_rng(5)
-        starts = [None, np.zeros(n, bool), rng.random(n) < 0.5, rng.random(n) < 0.1]
-        answers = [active_set.solve(problem, start) for start in starts]
-        for found in answers[1:]:
-            assert found.p == pytest.approx(answers[0].p, rel=1e-9, abs=1e-9 * answers[0].p.max())
+@pytest.mark.parametrize("index", (0, 1))
+def test_starts_agree(index):
+    problem = ShoeGroup(SCENE, vary(BRAKE, {"shoe.lining.clearance": 1e-4}), (index,)).problem
+    n = len(problem.q)
+    rng = np.random.default_rng(5)
+    starts = [None, np.zeros(n, bool), rng.random(n) < 0.5, rng.random(n) < 0.1]
+    answers = [active_set.solve(problem, start) for start in starts]
+    for found in answers[1:]:
+        assert found.p == pytest.approx(answers[0].p, rel=1e-9, abs=1e-9 * answers[0].p.max())
 
 
 def test_equal_shoes_are_condensed_once_and_it_is_said(brake):
     assert SCENE.bodies[0] is SCENE.bodies[1]
-    assert any("condensed once" in line for line in SCENE.left_out)
+    assert saying(SCENE.left_out, "condensed once")
     other = prepare(vary(brake, {"shoe[1].lining.thickness": 0.007}), elements=10)
     assert other.bodies[0] is not other.bodies[1]
 
@@ -353,7 +356,8 @@ def test_a_force_that_is_zero_or_pulls_the_shoe_off_is_an_answer(brake, force):
     for response in (respond(SCENE, free), sine(free)):
         assert response.torque == 0
         assert response.converged
-        assert all(not shoe.contact_arcs and not shoe.pressure.any() for shoe in response.shoes)
+        for shoe in response.shoes:
+            assert not shoe.contact_arcs and not shoe.pressure.any()
         assert "no contact" in response.notes[0]
         assert response.shoes[0].hinge_reaction == pytest.approx(-free.shoes[0].actuation.vector)
 
@@ -380,8 +384,9 @@ def test_a_rigid_shoe_locks_where_the_sine_law_does():
 
 
 def test_torque_grows_without_bound_towards_the_elastic_limit_of_self_locking():
-    """Follow the left shoe: its torque rises with mu, faster and faster, until there is no
-    equilibrium.
+    """The left shoe's torque grows with friction without bound towards the elastic limit.
+
+    Beyond the limit there is no equilibrium.
     """
     torques = []
     for friction in np.arange(0.05, 3.0, 0.05):
@@ -410,8 +415,9 @@ def test_a_shoe_that_turns_without_ever_touching_is_refused(brake):
 
 
 def test_cost_is_counted_from_the_same_run(brake):
-    """Ratios are for the command `drumlin cost` to state; here: they are finite, ordered and not
-    absurd.
+    """Cost counts one run: ratios are finite, ordered and not absurd.
+
+    Exact ratios are for the command `drumlin cost` to state.
     """
     c = cost(brake, elements=60, repeats=3)
     assert 1 < c.solve_ratio < 10
@@ -422,12 +428,11 @@ def test_cost_is_counted_from_the_same_run(brake):
 def test_the_cost_table_has_a_row_a_size_and_the_exponent(brake):
     head, *rows, last = table(brake, sizes=(2_000, 4_000))
     assert "memory [GiB]" in head
-    assert [float(row.split()[0]) for row in rows] == pytest.approx(
-        [2_000, 4_000], rel=0.4
-    )  # whole layers
-    assert all(
-        0.05 < float(row.split()[-1]) < 2 for row in rows
-    )  # GiB: Python and its libraries take 0.08
+    # Meshes consist of whole layers of elements and meet a size only roughly.
+    assert [float(row.split()[0]) for row in rows] == pytest.approx([2_000, 4_000], rel=0.4)
+    # The memory is in GiB; Python and its libraries alone take 0.08.
+    for row in rows:
+        assert 0.05 < float(row.split()[-1]) < 2
     assert "solve ~ N^" in last
 
 

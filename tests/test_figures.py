@@ -1,6 +1,4 @@
-"""Figures that everybody can read: colours apart under colour blindness, curves named and cut ones
-marked.
-"""
+"""Figures that everybody can read: colours for the colour-blind, named and cut curves."""
 
 from itertools import combinations
 
@@ -14,6 +12,7 @@ from drumlin.report import figures
 from drumlin.report.drawing import draw_brake
 from drumlin.report.palette import CATEGORIES, GRADES, LOOKS
 from drumlin.report.render import _round_up
+from picking import saying
 
 # Dichromats by Machado, Oliveira & Fernandes (2009), severity 1, on linear RGB
 SIGHT = {
@@ -41,9 +40,19 @@ WHITE = np.array([0.95047, 1.0, 1.08883])
 APART = 25.0
 
 
+def texts_of(artists):
+    """The words of Matplotlib's texts."""
+    return [artist.get_text() for artist in artists]
+
+
+def labelled(panels):
+    """Whether each panel has a label below its axis."""
+    return [bool(panel.get_xlabel()) for panel in panels]
+
+
 def lab(colour, sight):
     """CIE L*a*b* of a colour #rrggbb as it is seen."""
-    c = np.array([int(colour[i : i + 2], 16) for i in (1, 3, 5)]) / 255
+    c = np.array(list(bytes.fromhex(colour[1:]))) / 255
     linear = np.where(c <= 0.04045, c / 12.92, ((c + 0.055) / 1.055) ** 2.4)
     x = TO_XYZ @ np.clip(np.array(SIGHT[sight]) @ linear, 0, 1) / WHITE
     f = np.where(x > 216 / 24389, np.cbrt(x), (24389 / 27 * x + 16) / 116)
@@ -57,11 +66,13 @@ def distance(a, b, sight):
 def test_the_simulation_knows_what_dichromats_confuse():
     assert distance("#ff0000", "#00a000", "normal") > 100
     assert lab("#ffffff", "normal") == pytest.approx([100, 0, 0], abs=0.01)
-    olive, brick = "#8a7a00", "#b06a00"  # a confusion of deuteranopes
+    # People with deuteranopia confuse these two colours.
+    olive, brick = "#8a7a00", "#b06a00"
     assert distance(olive, brick, "deuteranopia") < 0.5 * distance(olive, brick, "normal")
     for grey in ("#000000", "#777777", "#ffffff"):
         for sight in SIGHT:
-            assert lab(grey, sight)[1:] == pytest.approx([0, 0], abs=0.6)  # greys stay grey
+            # Grey must stay grey in the eyes of everybody.
+            assert lab(grey, sight)[1:] == pytest.approx([0, 0], abs=0.6)
 
 
 @pytest.mark.parametrize("sight", SIGHT)
@@ -84,7 +95,7 @@ def test_a_pressure_that_is_cut_off_is_marked_and_two_curves_have_their_names_be
     fem, sine = solve(brake, elements=30), solve(brake, "sine")
     few = figures.pressures([("right", {"fem": fem.shoes[0], "sine": sine.shoes[0]})])
     axes = few.axes[0]
-    assert {text.get_text() for text in axes.texts} == {"finite elements", "sine law"}
+    assert set(texts_of(axes.texts)) == {"finite elements", "sine law"}
     theta, p = figures.smooth(fem.shoes[0])
     top = axes.get_ylim()[1]
     cut = [line for line in axes.lines if line.get_marker() == "^"]
@@ -95,11 +106,12 @@ def test_a_pressure_that_is_cut_off_is_marked_and_two_curves_have_their_names_be
     assert [line.get_ydata()[0] for line in lower.lines] == [0.5 * p.max()] * len(
         lower.lines
     ) and lower.lines
-    assert not any(axes.get_legend() for axes in few.axes)  # nothing over the data
+    # A legend must not lie over the data.
+    assert not any(axes.get_legend() for axes in few.axes)
     many = figures.pressures(
         [("right", {name: solve(brake, name).shoes[0] for name in ("sine", "cosine", "uniform")})]
     )
-    assert {text.get_text() for text in many.legends[0].get_texts()} >= {
+    assert set(texts_of(many.legends[0].get_texts())) >= {
         "sine law",
         "cosine law",
         "uniform pressure",
@@ -114,7 +126,7 @@ def drawn(path):
     axes = figure.subplots()
     draw_brake(axes, read_any(path))
     dashed = [np.array(line.get_xydata()) for line in axes.lines if line.get_linestyle() == "--"]
-    return axes, [text.get_text() for text in axes.texts], dashed
+    return axes, texts_of(axes.texts), dashed
 
 
 @pytest.mark.parametrize(
@@ -132,7 +144,7 @@ def drawn(path):
 def test_forces_are_written_once_a_place(root, name, words):
     """Of a cam their sum: 900 N m over 12.7 mm, .75 of it."""
     _, texts, _ = drawn(root / f"studies/brakes/{name}.toml")
-    assert [text for text in texts if "kN" in text] == words
+    assert saying(texts, "kN") == words
 
 
 def test_a_rigid_arm_is_drawn_from_what_holds_and_pushes_a_block_to_its_grip(root):
@@ -140,9 +152,8 @@ def test_a_rigid_arm_is_drawn_from_what_holds_and_pushes_a_block_to_its_grip(roo
     axes, _, dashed = drawn(root / "studies/brakes/block_on_lever.toml")
     ends = [line[-1].tolist() for line in dashed]
     assert ends == [[-250, 200], [450, 200]]
-    np.testing.assert_allclose(
-        [line[0] for line in dashed], [[0, 200]] * 2, atol=1e-9
-    )  # the middle of its back
+    # Both lines begin in the middle of the block's back.
+    np.testing.assert_allclose([line[0] for line in dashed], [[0, 200]] * 2, atol=1e-9)
     back = [
         line.get_xydata() for line in axes.lines if np.allclose(np.hypot(*line.get_xydata().T), 200)
     ]
@@ -169,15 +180,13 @@ def test_the_top_of_a_colour_bar_is_round_in_its_quarters_and_near():
 
 
 def test_panels_of_other_angles_say_their_own(root, brake):
-    """Blocks one after the other around a drum have their axes each; shoes in both rotations share
-    them.
-    """
+    """Panels of blocks at other angles have an axis each; both rotations of a shoe share one."""
     band = read_any(root / "studies/brakes/band.toml")
     blocks = [(shoe.name, {"rigid": shoe}) for shoe in solve(band, "rigid").shoes]
     shown = [axes for axes in figures.pressures(blocks).axes if axes.get_visible()]
-    assert [bool(axes.get_xlabel()) for axes in shown] == [True] * 5
+    assert labelled(shown) == [True] * 5
     both = [(shoe.name, {"sine": shoe}) for _ in range(2) for shoe in solve(brake, "sine").shoes]
-    assert [bool(axes.get_xlabel()) for axes in figures.pressures(both).axes] == [
+    assert labelled(figures.pressures(both).axes) == [
         False,
         False,
         True,

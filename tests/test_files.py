@@ -1,6 +1,4 @@
-"""Where files are read and written: what is replaced, what never is, what a pipe gets, what has a
-limit.
-"""
+"""Reading and writing files: replaced files, protected ones, pipes and limits of size."""
 
 import os
 import signal
@@ -28,6 +26,7 @@ from drumlin.base.files import (
 )
 from drumlin.base.texts import MOST_DIGITS, check_digits, check_toml, one_line, typed
 from drumlin.cli.process import run
+from picking import picked
 
 
 def node(path, kind, minor):
@@ -46,7 +45,7 @@ def node(path, kind, minor):
 def test_a_device_is_written_to_and_stays(tmp_path):
     null = node(tmp_path / "null", stat.S_IFCHR, 3)
     write_text(null, "x")
-    assert null.is_char_device() and [path.name for path in tmp_path.iterdir()] == ["null"]
+    assert null.is_char_device() and picked(tmp_path.iterdir(), "name") == ["null"]
 
 
 def test_a_full_device_is_no_answer_in_one_line(tmp_path):
@@ -90,7 +89,8 @@ def test_a_link_stays_and_its_target_is_replaced(tmp_path):
     try:
         write_text(tmp_path / "to pipe", "sent")
     except BadInput:
-        (tmp_path / "pipe").write_text("")  # or else the reader waits for ever
+        # Without this write the reader would wait for ever.
+        (tmp_path / "pipe").write_text("")
         raise
     finally:
         reader.join()
@@ -122,7 +122,8 @@ def test_a_new_file_has_the_mode_that_the_umask_leaves(tmp_path, mask):
 def test_a_pipe_is_written_to_and_read(tmp_path):
     pipe = tmp_path / "p"
     os.mkfifo(pipe)
-    got, text = [], "x" * 300_000  # more than a pipe holds
+    # A pipe holds less than this text.
+    got, text = [], "x" * 300_000
     reader = threading.Thread(target=lambda: got.append(pipe.read_text()))
     reader.start()
     write_text(pipe, text)
@@ -152,9 +153,7 @@ def test_a_stopped_run_leaves_the_earlier_file_and_no_other(tmp_path):
         with pytest.raises(type(error)), replacing(path) as partial:
             partial.write_text("half")
             raise error
-    assert path.read_text() == "earlier" and [each.name for each in tmp_path.iterdir()] == [
-        "r.json"
-    ]
+    assert path.read_text() == "earlier" and picked(tmp_path.iterdir(), "name") == ["r.json"]
 
 
 FOLDERS = {
@@ -173,7 +172,7 @@ def test_what_cannot_be_written_is_one_line(tmp_path, monkeypatch, case):
     (tmp_path / "b.json").write_text("")
     with pytest.raises(BadInput, match="cannot be written"):
         write_text(Path(FOLDERS[case]), "x")
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["b.json", "sub"]
+    assert sorted(picked(tmp_path.iterdir(), "name")) == ["b.json", "sub"]
 
 
 def test_two_outputs_need_two_files_and_a_folder_no_file(tmp_path):
@@ -316,7 +315,8 @@ def test_what_is_no_mesh_is_refused_at_once(tmp_path, monkeypatch, kind):
         with pytest.raises(BadInput, match=rf"m\.msh.*({said})"), within(10):
             start = time.process_time()
             run(words)
-        assert time.process_time() - start < 1.5  # the libraries are loaded as well
+        # The libraries are loaded within this time as well.
+        assert time.process_time() - start < 1.5
 
 
 # texts

@@ -1,6 +1,4 @@
-"""The correction for the width: a flange on a foundation, a lining between plane stress and plane
-strain.
-"""
+"""The correction for finite width: a flange on a foundation, a lining's plane strain."""
 
 import json
 
@@ -25,8 +23,10 @@ pytestmark = pytest.mark.slow
 
 
 def by_differences(beta, reach, count=2000):
-    """Mean of y with y'''' + 4 beta^4 y = 0, y(0) = 1, y'(0) = 0, free at the reach: by energy,
-    cubic elements.
+    """Mean deflection of a flange on an elastic foundation, by cubic beam elements.
+
+    y'''' + 4 beta^4 y = 0 with y(0) = 1, y'(0) = 0, free at the reach; the mean follows from the
+    energy.
     """
     h = reach / count
     bend = (

@@ -1,6 +1,4 @@
-"""The foundation model: its grid and ring from below, closed forms of beams, limits, contact,
-refusals.
-"""
+"""The foundation model: grid, ring, closed forms of beams, limits, contact and refusals."""
 
 import math
 import time
@@ -12,9 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from conftest import ROOT
-from drumlin import foundation
-from drumlin.base.errors import BadInput, NoAnswer
-from drumlin.brake.brake import Brake
+from drumlin import BadInput, Brake, NoAnswer, foundation
 from drumlin.brake.file import brake_from, read_brake, vary
 from drumlin.foundation import ring
 from drumlin.foundation.model import system
@@ -24,6 +20,7 @@ from drumlin.lining_wear.worn_in import worn_in_foundation
 from drumlin.models import MODELS, applicable
 from drumlin.response.merit import barecki_shoe_factor
 from drumlin_studies.barecki_iteration import iterate
+from picking import picked
 
 POST = read_brake(ROOT / "studies" / "post_brake" / "brake.toml")
 PAPER = {"tilt": False, "wedge": False, "plane_stress": False}
@@ -81,7 +78,8 @@ def test_ring_coefficients_are_their_fourier_series(d):
     )
     assert ring.one_force(d) == pytest.approx(float(terms @ np.cos(n * d)), abs=1e-10)
     assert ring.drag_of_one_force(d) == pytest.approx(float((terms / n) @ np.sin(n * d)), abs=1e-10)
-    if abs(math.sin(d)) > 0.1:  # converges as 1/n^2 there
+    # Away from sin(d) = 0 the series of the shear converges as 1/n^2.
+    if abs(math.sin(d)) > 0.1:
         assert ring.shear_of_one_force(d) == pytest.approx(
             float((terms * n**2) @ np.cos(n * d)), abs=1e-7
         )
@@ -101,8 +99,9 @@ def test_two_opposite_forces_are_twice_one_and_the_known_ring():
 
 
 def test_a_cantilever_and_a_beam_of_two_stiffnesses():
-    """The lever matrices alone: closing^T (dx/EI) M of a beam clamped at its hinge is P L^3/(3 EI)
-    at its end.
+    """The foundation model's lever matrices bend a clamped beam by P L^3/(3 EI) at its end.
+
+    closing^T (dx/EI) M of the beam alone, clamped at its hinge.
     """
     errors = []
     for sections in (40, 80):
@@ -124,8 +123,9 @@ def test_a_cantilever_and_a_beam_of_two_stiffnesses():
 
 
 def test_a_beam_on_an_elastic_foundation_is_hetenyis():
-    """A nearly flat lining (R = 20 km) under all of a beam, hinged at one end, loaded at the other,
-    no lift-off.
+    """A beam on an elastic foundation, hinged at one end and loaded at the other, is Hetenyi's.
+
+    The lining is nearly flat (R = 20 km), lies under all of the beam and nowhere lifts off.
 
     EI w'''' = -k w with w = 0, w'' = 0 at the hinge and w'' = 0, EI w''' = -P at the end:
     w is the sum of exp(+-bx +- i bx) that meets the four conditions, b^4 = k/(4 EI).
@@ -157,7 +157,8 @@ def test_a_beam_on_an_elastic_foundation_is_hetenyis():
         return (np.exp(np.multiply.outer(x, roots)) @ c).real
 
     x = np.linspace(0.01, L, 200)
-    assert exact(x).min() > 0  # no lift-off, else the case is another
+    # The beam must not lift off, or Hetenyi's solution would be another.
+    assert exact(x).min() > 0
     errors = []
     for sections in (60, 120, 240):
         answer = foundation.solve(flat, sections=sections).shoes[0].deformation
@@ -370,7 +371,8 @@ def test_three_hundred_and_sixty_sections_take_some_twenty_milliseconds():
         start = time.process_time()
         foundation.solve(brake, sections=360)
         seconds.append(time.process_time() - start)
-    assert min(seconds) < 0.1  # a slow machine takes longer
+    # On a busy machine the shortest of several times counts.
+    assert min(seconds) < 0.1
 
 
 # lifting one simplification at a time
@@ -437,7 +439,7 @@ def test_a_curved_axis_bends_under_friction_farther_away():
 
 
 def test_the_model_is_one_of_the_models(brake):
-    assert "foundation" in [model.name for model in applicable(POST)]
+    assert "foundation" in picked(applicable(POST), "name")
     assert "straight beam" in MODELS["foundation"].why_not(brake)
     data = foundation.solve(POST, sections=20).as_dict()
     assert {"x", "w", "relative", "z"} == set(data["shoes"][0]["deformation"])
@@ -483,9 +485,8 @@ def test_refusals_of_the_model():
 
 def test_self_locking_is_said_with_the_friction_it_begins_at():
     def stiff(mu):
-        return vary(
-            soft(D=2.05, EI=5e12, mu=mu), {"shoe.actuation.force": 1.0}
-        )  # the torque grows beyond bounds
+        # The torque grows beyond all bounds.
+        return vary(soft(D=2.05, EI=5e12, mu=mu), {"shoe.actuation.force": 1.0})
 
     with pytest.raises(
         NoAnswer, match=r"self-locking.*mu_lock = [0-9.]+ \(rigid-shoe law"
@@ -497,31 +498,33 @@ def test_self_locking_is_said_with_the_friction_it_begins_at():
         foundation.solve(stiff(lock * (1 - gap)), lift=["tilt"]).torque * gap
         for gap in (1e-2, 2e-3)
     ]
-    assert torques[1] == pytest.approx(torques[0], rel=0.05)  # grows as 1/(mu_lock - mu)
+    # The torque grows as 1/(mu_lock - mu), so that torque times distance stays.
+    assert torques[1] == pytest.approx(torques[0], rel=0.05)
 
 
 @pytest.mark.parametrize("spin", [1, -1])
 def test_a_flexible_post_does_not_lock_and_is_followed_to_any_friction(spin):
-    """At mu = 5 and 6 there is a second, unstable contact set, which a guess may lead to; torque
-    has no jump.
+    """A flexible post brake does not lock and is followed to any friction without a jump of torque.
+
+    At mu = 5 and 6 there is a second, unstable contact set, to which a guess may lead.
     """
     torques = [foundation.solve(upright(D=2.05, mu=mu, spin=spin)).torque for mu in (4.0, 5.0, 6.0)]
     assert torques[2] - torques[1] == pytest.approx(torques[1] - torques[0], rel=0.6)
 
 
-def test_a_worn_in_lining_bears_by_the_sine_law_however_elastic_the_brake_is():
-    for lift in ((), ("all",)):
-        worn = worn_in_foundation(POST, lift=lift)
-        before, after, law = (
-            foundation.solve(POST, lift=lift),
-            foundation.solve(worn, lift=lift),
-            sine(POST),
+@pytest.mark.parametrize("lift", ((), ("all",)))
+def test_a_worn_in_lining_bears_by_the_sine_law_however_elastic_the_brake_is(lift):
+    worn = worn_in_foundation(POST, lift=lift)
+    before, after, law = (
+        foundation.solve(POST, lift=lift),
+        foundation.solve(worn, lift=lift),
+        sine(POST),
+    )
+    for a, b, c, shoe in zip(before.shoes, after.shoes, law.shoes, worn.shoes, strict=True):
+        assert b.pressure == pytest.approx(
+            c.pressure_at(b.theta), rel=2e-3, abs=1e-5 * c.peak_pressure
         )
-        for a, b, c, shoe in zip(before.shoes, after.shoes, law.shoes, worn.shoes, strict=True):
-            assert b.pressure == pytest.approx(
-                c.pressure_at(b.theta), rel=2e-3, abs=1e-5 * c.peak_pressure
-            )
-            assert np.abs(a.pressure - c.pressure_at(a.theta)).max() > 0.1 * c.peak_pressure
-            gap = shoe.lining.clearance_at(b.theta)
-            assert gap.min() == pytest.approx(0, abs=1e-9)
-            assert gap.max() > 1e-4
+        assert np.abs(a.pressure - c.pressure_at(a.theta)).max() > 0.1 * c.peak_pressure
+        gap = shoe.lining.clearance_at(b.theta)
+        assert gap.min() == pytest.approx(0, abs=1e-9)
+        assert gap.max() > 1e-4

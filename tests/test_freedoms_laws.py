@@ -1,6 +1,4 @@
-"""The rigid-shoe law, however a shoe is held and pushed: closed forms, its special cases, balances,
-symmetries.
-"""
+"""The rigid-shoe law for every support and load: closed forms, special cases, symmetries."""
 
 import math
 from math import atan, cos, pi, radians, sin
@@ -12,8 +10,7 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 from pytest import approx
 
-from drumlin.base.errors import BadInput, NoAnswer
-from drumlin.brake.brake import Brake
+from drumlin import BadInput, Brake, NoAnswer
 from drumlin.brake.file import brake_from, validated, vary
 from drumlin.brake.plane_brake import FlatBrake, read_any
 from drumlin.laws import LAWS, law, rigid
@@ -22,11 +19,14 @@ from drumlin.laws.shapes import equivalent_friction
 from drumlin.models import MODELS, applicable
 from drumlin.response.balance import contact_resultant, loaded
 from drumlin.response.response import Response, ShoeResponse
+from picking import having, picked
+from shared_parts import of_shoes
 
 many = settings(suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much])
 SIGNS = st.sampled_from([1, -1])
 LINING = {"thickness": 0.005, "width": 0.04, "material": {"E": 3e8, "nu": 0.25}}
-R, F, C, A, OFF = 0.11, 1000.0, 0.08, 0.08, 0.025  # of the closed form's example
+# The dimensions are those of the closed form's example.
+R, F, C, A, OFF = 0.11, 1000.0, 0.08, 0.08, 0.025
 
 
 def abutted(
@@ -62,8 +62,9 @@ def brake_of(*shoes: dict[str, Any], mu: float = 0.3, spin: int = -1, **more: An
 def limpert(
     mu: float, lead: int, m: float, arc: float = radians(110), be: float = 0.05, off: float = OFF
 ) -> float:
-    """Brake factor T/(r F) of a shoe on an abutment (Limpert, Brake Design and Safety), upper signs
-    leading.
+    """Brake factor T/(r F) of a shoe on an abutment (Limpert, Brake Design and Safety).
+
+    The upper signs are those of the leading shoe.
     """
     D = (C + A + m * off) / R * cos(be) + m * C / R * sin(be)
     E = m * C / R * cos(be) - (C + A + m * off) / R * sin(be)
@@ -77,8 +78,7 @@ def test_an_abutted_shoe_is_the_closed_form(spin: int, factor: float) -> None:
     """All of the lining bearing, tension at its end included, as the closed form has it."""
     brake = brake_of(abutted(0.35, spin, 0.2), mu=0.35, spin=spin)
     assert limpert(0.35, -spin, 0.2) == approx(factor, rel=1e-12)
-    response = rigid.solve(brake, whole=True)
-    assert response.torque / (R * F) == approx(factor, rel=1e-12)
+    assert rigid.solve(brake, whole=True).torque / (R * F) == approx(factor, rel=1e-12)
 
 
 @many
@@ -94,20 +94,23 @@ def test_abutted_shoes_of_all_kinds_are_the_closed_form(
     assert rigid.solve(brake, whole=True).torque / (R * F) == approx(factor, rel=1e-9)
 
 
-def test_friction_of_an_abutment_opposes_the_slide_that_it_finds() -> None:
-    """A leading shoe slides with the drum, so that mu_s acts as the slope does; a trailing one the
-    other way.
+@pytest.mark.parametrize(("spin", "m"), ((-1, 0.2), (1, -0.2)))
+def test_friction_of_an_abutment_opposes_the_slide_that_it_finds(spin, m) -> None:
+    """An abutment's friction opposes the slide of the foot that the law itself finds.
+
+    A leading shoe slides with the drum, so that mu_s acts as the slope does; a trailing one slides
+    the other way.
     """
-    for spin, m in ((-1, 0.2), (1, -0.2)):
-        rough, sloped = (
-            brake_of(abutted(0.35, spin, *s), mu=0.35, spin=spin) for s in ((0.0, 0.2), (m, 0.0))
-        )
-        assert rigid.solve(rough).torque == approx(rigid.solve(sloped).torque, rel=1e-12)
+    rough, sloped = (
+        brake_of(abutted(0.35, spin, *s), mu=0.35, spin=spin) for s in ((0.0, 0.2), (m, 0.0))
+    )
+    assert rigid.solve(rough).torque == approx(rigid.solve(sloped).torque, rel=1e-12)
 
 
 def test_a_foot_that_sticks_is_a_hinge() -> None:
-    """So rough an abutment holds the foot: the sine law about it, with a reaction inside the cone
-    of friction.
+    """A foot that sticks to a rough abutment acts as a hinge.
+
+    The sine law about the foot holds, with a reaction inside the cone of friction.
     """
     brake = brake_of(abutted(0.3, -1, 0.0, friction=2.0), mu=0.3)
     hinge = vary(brake, {"shoe.abutment": None, "shoe.hinge": {"x": OFF, "y": -A}})
@@ -117,8 +120,9 @@ def test_a_foot_that_sticks_is_a_hinge() -> None:
 
 
 def secondary(hx: float, hy: float) -> dict[str, Any]:
-    """The other shoe of a duo-servo brake, hinged at the top, its lining 20 to 130 deg from the
-    strut's end.
+    """The secondary shoe of a duo-servo brake, hinged at the top.
+
+    Its lining covers 20 to 130 deg from the strut's end.
     """
     lining = LINING | {"start": radians(-90 - 130), "end": radians(-90 - 20)}
     return {"name": "second", "side": "internal", "hinge": {"x": hx, "y": hy}, "lining": lining}
@@ -131,30 +135,32 @@ def hinged_factor(mu: float, h: float, a: float, phi_1: float, phi_2: float) -> 
     return mu * Is * h / (a * Iss - mu * (R * Is - a * Isc))
 
 
-def test_duo_servo_is_the_closed_form() -> None:
-    """B = B1 + B2 (c + B1 r)/a of a strut that pushes along x; with a slope m the equilibria give
-    (c + B1 r)/(a + m o).
+@pytest.mark.parametrize("m", (0.0, 0.2))
+def test_duo_servo_is_the_closed_form(m) -> None:
+    """A duo-servo brake has the closed-form factor B = B1 + B2 (c + B1 r)/a of a level strut.
+
+    With a slope m of the abutment the equilibria give (c + B1 r)/(a + m o).
 
     The strut is a two-force member: its line meets the secondary at the arm 2 a + m o about a hinge
     at (0, a).
     """
-    for m in (0.0, 0.2):
-        brake = brake_of(
-            abutted(0.3, -1, m), secondary(0.0, A), link=[{"from": "first", "to": "second"}]
-        )
-        B1, B2 = limpert(0.3, 1, m), hinged_factor(0.3, 2 * A, A, radians(50), radians(160))
-        strut = (C + B1 * R) / (A + m * OFF)
-        expected = B1 + B2 * strut * (2 * A + m * OFF) / (2 * A)
-        response = rigid.solve(brake, whole=True)
-        assert response.torque / (R * F) == approx(expected, rel=1e-9)
-        assert response.shoes[1].force == approx(strut * F * math.hypot(1, m), rel=1e-9)
-        as_it_is = rigid.solve(brake)
-        assert max(as_it_is.balance.force, as_it_is.balance.moment) < 1e-9
+    brake = brake_of(
+        abutted(0.3, -1, m), secondary(0.0, A), link=[{"from": "first", "to": "second"}]
+    )
+    B1, B2 = limpert(0.3, 1, m), hinged_factor(0.3, 2 * A, A, radians(50), radians(160))
+    strut = (C + B1 * R) / (A + m * OFF)
+    expected = B1 + B2 * strut * (2 * A + m * OFF) / (2 * A)
+    response = rigid.solve(brake, whole=True)
+    assert response.torque / (R * F) == approx(expected, rel=1e-9)
+    assert response.shoes[1].force == approx(strut * F * math.hypot(1, m), rel=1e-9)
+    as_it_is = rigid.solve(brake)
+    assert max(as_it_is.balance.force, as_it_is.balance.moment) < 1e-9
 
 
 def test_duo_servo_by_the_short_formula() -> None:
-    """B = B1 + B2 (c + B1 r)/a leaves out that a slope m lifts the foot at o: exact without slope,
-    and with o = 0.
+    """The short formula of a duo-servo brake is exact without a slope or with an offset of zero.
+
+    B = B1 + B2 (c + B1 r)/a neglects that a slope m lifts the foot at o.
     """
     B2 = hinged_factor(0.3, 2 * A, A, radians(50), radians(160))
 
@@ -201,7 +207,7 @@ def test_a_cam_that_moves_both_tips_equally_has_the_closed_form(mu: float, spin:
         law(vary(brake, {"actuation": None, "shoe.actuation.force": F})).shoes[i].torque / (R * F)
         for i in (0, 1)
     ]
-    forces = [shoe.force for shoe in response.shoes]
+    forces = picked(response.shoes, "force")
     assert sum(forces) == approx(2000.0, rel=1e-12)
     assert forces[0] * B[0] == approx(forces[1] * B[1], rel=1e-9)
     assert response.torque / (R * 1000.0) == approx(4 * B[0] * B[1] / (B[0] + B[1]), rel=1e-9)
@@ -210,8 +216,10 @@ def test_a_cam_that_moves_both_tips_equally_has_the_closed_form(mu: float, spin:
 
 
 def test_a_cam_on_linings_of_unlike_stiffness_says_how_it_shares_its_force() -> None:
-    """New, F1 B1 t1/E1 = F2 B2 t2/E2; worn in, F1 B1 = F2 B2: what a rigid shoe's tip goes by is p
-    t/E, then wear.
+    """A cam on linings of unlike stiffness says how it shares its force between the shoes.
+
+    New linings share by F1 B1 t1/E1 = F2 B2 t2/E2, worn-in ones by F1 B1 = F2 B2: the tip of a
+    rigid shoe moves by p t/E when new and by the wear later.
     """
     brake = vary(cam_brake(0.3, -1), {"shoe.lining.thickness": 3e-4})
     unlike = vary(brake, {"shoe[1].lining.material.E": 1e8})
@@ -236,9 +244,7 @@ def test_a_cam_on_linings_of_unlike_stiffness_says_how_it_shares_its_force() -> 
 
 def test_a_cylinder_pushes_both_shoes_with_its_pressure() -> None:
     brake = cam_brake(0.3, 1, pressure=5e6, diameter=0.02, efficiency=0.96)
-    assert [shoe.actuation.force for shoe in brake.shoes] == approx(
-        [0.96 * 5e6 * pi * 0.02**2 / 4] * 2
-    )
+    assert picked(brake.shoes, "actuation.force") == approx([0.96 * 5e6 * pi * 0.02**2 / 4] * 2)
     doubled = vary(brake, {"actuation.pressure": 1e7})
     assert MODELS["sine"].solve(doubled).torque == approx(
         2 * MODELS["sine"].solve(brake).torque, rel=1e-12
@@ -248,22 +254,23 @@ def test_a_cylinder_pushes_both_shoes_with_its_pressure() -> None:
 # the special cases
 
 
-def test_the_law_of_a_hinge_is_the_sine_law_and_that_of_a_guide_the_cosine() -> None:
-    for spin in (1, -1):
-        brake = vary(cam_brake(0.3, spin), {"actuation": None, "shoe.actuation.force": F})
-        sine, own = MODELS["sine"].solve(brake), rigid.solve(brake)
-        for a, b in zip(own.shoes, sine.shoes, strict=True):
-            assert a.torque == approx(b.torque, rel=1e-12)
-            assert a.peak_pressure == approx(b.peak_pressure, rel=1e-12)
-            np.testing.assert_allclose(a.hinge_reaction, b.hinge_reaction, rtol=1e-10)
-        guided = vary(
-            brake,
-            {"shoe.hinge": None} | {f"shoe[{i}].guide": {"direction": i * pi} for i in (0, 1)},
-        )
-        shoe = law(guided).shoes[0]
-        N = F  # the friction is across the guide
-        assert shoe.torque == approx(0.3 * float(equivalent_friction(0.9)) * N * R, rel=1e-12)
-        assert shoe.pressure == approx(shoe.peak_pressure * np.cos(shoe.theta), rel=1e-12)
+@pytest.mark.parametrize("spin", (1, -1))
+def test_the_law_of_a_hinge_is_the_sine_law_and_that_of_a_guide_the_cosine(spin) -> None:
+    brake = vary(cam_brake(0.3, spin), {"actuation": None, "shoe.actuation.force": F})
+    sine, own = MODELS["sine"].solve(brake), rigid.solve(brake)
+    for a, b in zip(own.shoes, sine.shoes, strict=True):
+        assert a.torque == approx(b.torque, rel=1e-12)
+        assert a.peak_pressure == approx(b.peak_pressure, rel=1e-12)
+        np.testing.assert_allclose(a.hinge_reaction, b.hinge_reaction, rtol=1e-10)
+    guided = vary(
+        brake,
+        {"shoe.hinge": None} | of_shoes("guide", [{"direction": 0.0}, {"direction": pi}]),
+    )
+    shoe = law(guided).shoes[0]
+    # The friction acts across the guide and does not change the normal force.
+    N = F
+    assert shoe.torque == approx(0.3 * float(equivalent_friction(0.9)) * N * R, rel=1e-12)
+    assert shoe.pressure == approx(shoe.peak_pressure * np.cos(shoe.theta), rel=1e-12)
 
 
 def test_a_lining_that_reaches_past_its_hinge_lifts_there() -> None:
@@ -371,7 +378,8 @@ def test_forces_moments_and_what_holds_the_shoe_balance(brake: Brake) -> None:
         assert shoe.pressure.min() >= 0
         size = np.linalg.norm(shoe.hinge_reaction) + abs(data.actuation.force)
         x, y = shoe.hinge_reaction
-        if data.guide is not None:  # bears nothing along itself
+        # A guide bears no force along itself.
+        if data.guide is not None:
             assert abs(x * cos(data.guide.direction) + y * sin(data.guide.direction)) < 1e-9 * size
         if data.abutment is not None:
             c, s = cos(data.abutment.direction), sin(data.abutment.direction)
@@ -383,9 +391,7 @@ def test_forces_moments_and_what_holds_the_shoe_balance(brake: Brake) -> None:
                 < 1e-7 * size * R
             )
     for link in under.links:
-        source, to = (
-            next(s for s in response.shoes if s.name == name) for name in (link.source, link.to)
-        )
+        source, to = (having(response.shoes, name=name)[0] for name in (link.source, link.to))
         assert np.linalg.norm(source.hinge_reaction) == approx(to.force, rel=1e-12)
 
 
@@ -433,7 +439,7 @@ def test_mirror_images_and_scaled_forces_answer_alike(brake: Brake, size: float)
         )
     drive = brake.actuation is not None
     forces = [shoe.actuation.force * size for shoe in brake.shoes]
-    changes = {f"shoe[{i}].actuation.force": force for i, force in enumerate(forces)}
+    changes = of_shoes("actuation.force", forces)
     more = vary(brake, {"actuation.force": 2000.0 * size} if drive else changes)
     for a, b in zip(response.shoes, law(more).shoes, strict=True):
         same(a, b, size)
@@ -462,7 +468,7 @@ def test_every_brake_has_the_rigid_law_under_exactly_one_name(root: Any) -> None
         brake_of(abutted(0.3, 1, 0.1)),
         read_any(root / "studies/laws/pad.toml"),
     ):
-        assert len(names & {model.name for model in applicable(brake)}) == 1
+        assert len(names & set(picked(applicable(brake), "name"))) == 1
     one = vary(cam_brake(0.3, 1), {"actuation": None, "shoe.actuation.force": F})
     assert law(one).model == "sine"
     assert law(one).torque == approx(float(MODELS["sine"].solve(one).torque), rel=1e-12)

@@ -1,6 +1,4 @@
-"""What tests share stands in modules of its own, so that one test module can change without
-another.
-"""
+"""Helpers of tests stand in modules of their own, so that test modules stay independent."""
 
 import ast
 from pathlib import Path

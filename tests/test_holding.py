@@ -1,6 +1,4 @@
-"""The holding brake on brakes of all kinds: to full slip and back, against another discretisation,
-true refusals.
-"""
+"""The holding brake on brakes of all kinds: full slip and back, another solver, refusals."""
 
 import math
 from collections import Counter
@@ -23,14 +21,16 @@ from drumlin.fem.preparation.prepare import prepare
 from drumlin_studies.random_brake import random_brake
 from drumlin_studies.random_kinds import random_kind
 from drumlin_studies.standing_off import standing_off
+from picking import picked
 
 ELEMENTS = 16
 OTHER = {"clockwise": "counter-clockwise", "counter-clockwise": "clockwise"}
 
 
 def any_brake(seed):
-    """A random brake, every third with a ring, every third with a lining of another radius, below
-    self-locking.
+    """A random brake below self-locking, for the tests of `hold`.
+
+    Every third has a ring, every third a lining of another radius.
 
     Also its scene.
     """
@@ -45,7 +45,7 @@ def any_brake(seed):
             brake, {"shoe[0].lining.misfit": {"radius": R * (1 + rng.uniform(-2e-3, 2e-3))}}
         )
     scene = prepare(brake, elements=ELEMENTS)
-    locks = min(limit.friction for limit in limits(scene, brake, 2.0).values())
+    locks = min(picked(limits(scene, brake, 2.0).values(), "friction"))
     return vary(brake, {"friction": rng.uniform(0.1, 0.95) * min(locks, 0.9)}), scene
 
 
@@ -55,14 +55,13 @@ def test_random_brakes_go_through_full_slip_and_back(count):
     ends = Counter()
     for seed in range(count):
         brake, scene = any_brake(seed)
+        # The drum turns forth until all nodes slip.
         end = full_slip_rotation(scene, brake, increments=6)
         forth = np.linspace(0, end, 6)
         states = hold(scene, brake, forth)
         assert states[-1].sticking == 0
         assert states[-1].torque == pytest.approx(respond(scene, brake).torque, rel=1e-6)
-        assert (
-            np.diff([state.dissipated for state in states]).min() >= -1e-9 * states[-1].dissipated
-        )
+        assert np.diff(picked(states, "dissipated")).min() >= -1e-9 * states[-1].dissipated
         assert states[-1].dissipated > 0
         ends["forth"] += 1
         back = vary(brake, {"rotation": OTHER[brake.rotation]})
@@ -71,11 +70,13 @@ def test_random_brakes_go_through_full_slip_and_back(count):
         except NoAnswer:
             ends["back it locks"] += 1
             continue
+        # The way back first releases the brake, then leads to full slip in the other sense.
         far = end + 3 * max(end, full_slip_rotation(scene, back))
         state = hold(scene, brake, np.concatenate([forth, end - np.linspace(0, far, 10)[1:]]))[-1]
         assert state.sticking == 0
         assert state.torque == pytest.approx(-torque, rel=1e-6)
         ends["back"] += 1
+    # Some brakes lock the other way; most must not, or the way back would go untested.
     assert ends["forth"] == count
     assert ends["back"] >= 2 * count / 3 - 1, ends
 
@@ -92,8 +93,10 @@ def test_at_the_rotation_of_full_slip_no_path_sticks():
 
 
 def test_an_increment_that_does_not_settle_is_halved():
-    """A shoe that stands off its drum goes at once through forty times the rotation to full slip,
-    to and fro.
+    """An increment of `hold` that does not settle is halved.
+
+    A shoe that stands off its drum goes at once through forty times the rotation to full slip,
+    forth and back.
     """
     brake = standing_off(420078)
     scene = prepare(brake, elements=12)
@@ -105,8 +108,9 @@ def test_an_increment_that_does_not_settle_is_halved():
 
 
 def test_every_increment_obeys_contact_and_friction():
-    """Gaps, pressures, tractions and slips of each node, elementwise, from the equations and not
-    from its state.
+    """Every increment of `hold` obeys contact and Coulomb's law at each node.
+
+    Gaps, pressures, tractions and slips are taken from the equations and not from the node's state.
     """
     kinds = set()
     for seed in range(6):
@@ -126,6 +130,7 @@ def test_every_increment_obeys_contact_and_friction():
                 stick_slip.solve(problem._replace(q_s=q_s), mu, at.history, at.state),
             )
             kinds |= set(at.state.tolist())
+            # Gaps w and slides s follow from the equations of the shoe.
             w = problem.q_w + problem.A_wp @ at.p + problem.A_wt @ at.t + problem.B_w @ at.y
             s = q_s + problem.A_sp @ at.p + problem.A_st @ at.t + problem.B_s @ at.y
             slip = s - before.s - problem.Q @ (at.t - before.t)
@@ -133,30 +138,36 @@ def test_every_increment_obeys_contact_and_friction():
             of_s = np.abs(slip).max() + np.abs(q_s).max()
             assert at.p.min() >= -1e-9 * of_p
             assert w.min() >= -1e-9 * of_w
+            # A node that presses has no gap.
             assert (at.p * np.abs(w)).max() <= 1e-9 * of_p * of_w
+            # Friction stays within its bound.
             assert (np.abs(at.t) - mu * at.p).max() <= 1e-9 * of_p
-            short = mu * at.p - np.sign(slip) * at.t  # of the bound, the way it slips
+            # The distance to the bound of friction is taken in the direction of the slip.
+            short = mu * at.p - np.sign(slip) * at.t
             assert (short * np.abs(slip)).max() <= 1e-8 * of_p * of_s
             assert problem.C_p @ at.p + problem.C_t @ at.t == pytest.approx(problem.h, rel=1e-8)
+    # Open, sticking and both senses of slip must all have been met.
     assert kinds == {0, 1, 2, 3}
 
 
-@pytest.mark.parametrize("left", [("_newton",), ("_newton", "_followed")])
-def test_both_paths_lead_to_the_answer_of_newtons_method(monkeypatch, left):
+@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize(
+    "left", [("_solve_by_newton",), ("_solve_by_newton", "_follow_from_states")]
+)
+def test_both_paths_lead_to_the_answer_of_newtons_method(seed, monkeypatch, left):
     """From the states at hand, and from wide gaps."""
-    for seed in range(2):
-        brake, scene = any_brake(seed)
-        rotations = full_slip_rotation(scene, brake) * np.array([0.0, 0.3, 0.6, 1.0, 0.5])
-        expected = hold(scene, brake, rotations)
-        with monkeypatch.context() as patch:
-            for way in left:
-                patch.setattr(stick_slip, way, _refuse)
-            found = hold(scene, brake, rotations)
-        for one, other in zip(found, expected, strict=True):
-            largest = other.pressure[0].max()
-            assert one.pressure[0] == pytest.approx(other.pressure[0], rel=1e-7, abs=1e-7 * largest)
-            assert one.traction[0] == pytest.approx(other.traction[0], rel=1e-7, abs=1e-7 * largest)
-            assert (one.state[0] == OPEN).sum() == (other.state[0] == OPEN).sum()
+    brake, scene = any_brake(seed)
+    rotations = full_slip_rotation(scene, brake) * np.array([0.0, 0.3, 0.6, 1.0, 0.5])
+    expected = hold(scene, brake, rotations)
+    with monkeypatch.context() as patch:
+        for way in left:
+            patch.setattr(stick_slip, way, _refuse)
+        found = hold(scene, brake, rotations)
+    for one, other in zip(found, expected, strict=True):
+        largest = other.pressure[0].max()
+        assert one.pressure[0] == pytest.approx(other.pressure[0], rel=1e-7, abs=1e-7 * largest)
+        assert one.traction[0] == pytest.approx(other.traction[0], rel=1e-7, abs=1e-7 * largest)
+        assert (one.state[0] == OPEN).sum() == (other.state[0] == OPEN).sum()
 
 
 def _refuse(system, start):
@@ -164,18 +175,20 @@ def _refuse(system, start):
 
 
 def test_another_discretisation_and_another_method_give_the_same_history():
-    """Triangles with a layer at quadrature points, friction as bounded minimisation: forth and
-    back, to .3 %.
+    """Triangles with friction by bounded minimisation give the same history as `hold`, to 0.3 %.
+
+    The drum turns forth and back; a layer at quadrature points transmits the contact.
     """
     both = read_brake(STUDY / "flexible.toml")
     brake = both.model_copy(update={"shoes": both.shoes[1:]})
     scene = prepare(brake, elements=24)
     end = full_slip_rotation(scene, brake)
     rotations = end * np.array([0.0, 0.3, 0.7, 1.0, 0.5, 0.2, -0.5])
-    found = np.array([state.torque for state in hold(scene, brake, rotations)])
+    found = np.array(picked(hold(scene, brake, rotations), "torque"))
     expected = independent.hold(brake, 0, rotations, 28, 1e3)
     assert found == pytest.approx(expected, abs=3e-3 * found.max())
-    assert found[[3, 6]] == pytest.approx(expected[[3, 6]], rel=2e-4)  # full slip, either way
+    # States 3 and 6 are at full slip, in one direction and in the other.
+    assert found[[3, 6]] == pytest.approx(expected[[3, 6]], rel=2e-4)
 
 
 def test_the_history_converges_with_the_increment():
@@ -194,6 +207,7 @@ def test_the_history_converges_with_the_increment():
 
     fine = after(161)
     errors = np.abs([after(n) / fine - 1 for n in (6, 11, 21, 41)])
+    # The slope of the errors over the number of increments is the order of convergence.
     order = -np.polyfit(np.log([5, 10, 20, 40]), np.log(np.maximum(errors, 1e-9)), 1)[0]
     assert errors[-1].max() < 0.01
     assert order[1] > 0.8

@@ -1,10 +1,8 @@
-"""Elements of high degree: stiffness, columns, rings and contact against skfem's own, closed forms
-and each other.
-"""
+"""Elements of high degree against skfem's own assembly, closed forms and each other."""
 
 import math
 from dataclasses import replace
-from itertools import islice, pairwise
+from itertools import chain, islice, starmap
 
 import numpy as np
 import pytest
@@ -12,45 +10,53 @@ import skfem
 from scipy.spatial import cKDTree
 from skfem.models.elasticity import linear_elasticity, plane_stress
 
+from conftest import ROOT
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.elasticity import elasticity_matrix
 from drumlin.brake.fields import Material
-from drumlin.brake.file import brake_from, vary
+from drumlin.brake.file import brake_from, read_brake, vary
 from drumlin.fem.analysis.fields import fields, ring_fields
 from drumlin.fem.analysis.holding import full_slip_rotation, hold
 from drumlin.fem.analysis.sensitivity import sensitivity
 from drumlin.fem.equilibrium.group import groups_of
-from drumlin.fem.error_control import levels, places
 from drumlin.fem.error_control.adapt import DEFAULT, adapt
-from drumlin.fem.error_control.estimate import FACTORS, ROUND_OFF, estimate
+from drumlin.fem.error_control.estimate import FACTORS, estimate
 from drumlin.fem.error_control.levels import LEVELS, steps
 from drumlin.fem.error_control.places import places_of
 from drumlin.fem.hp import division
-from drumlin.fem.hp.arc import angular, arc_columns, elements
+from drumlin.fem.hp.arc import angular_integrals, arc_column_stiffness, condensed_arc_elements
 from drumlin.fem.hp.columns import (
     ColumnSubstructure,
-    assembled,
-    assembled_pair,
-    columns,
-    stack,
-    turned,
-    without_line,
+    assemble_pair,
+    assemble_row,
+    column_stiffness,
+    column_unknowns,
+    eliminate_line,
+    rotate_components,
 )
 from drumlin.fem.hp.division import Singularity, divide, graded
-from drumlin.fem.hp.element import condensed_elements, element, shape_functions, stiffness
-from drumlin.fem.hp.shoe import distinct, nodes_of, rigid
+from drumlin.fem.hp.element import (
+    condensed_elements,
+    element_stiffness,
+    reference_element,
+    shape_functions,
+)
+from drumlin.fem.hp.shoe import distinct_sizes, element_nodes
 from drumlin.fem.model import PENALTY, refined_group, respond
+from drumlin.fem.preparation.bodies import actuation
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import scene_of, solve
-from drumlin.fem.substructure.body import FRAME, condense
+from drumlin.fem.substructure.body import FRAME, condense, rigid_body_modes
 from drumlin.fem.substructure.elasticity import layers_of
 from drumlin.laws import sine
 from drumlin.lining_wear.worn_in import solve as solve_worn_in
 from drumlin.response.norms import pressure_distance
 from drumlin.response.resultants import InnerPart, largest, lobatto
-from drumlin.sweeps.cases import SweepCase, solved
+from drumlin.sweeps.cases import solved
 from drumlin_studies.random_brake import random_brake
+from picking import picked
+from shared_parts import drum_ring, friction_cases
 
 STEEL = Material(E=210e9, nu=0.3)
 POST = {
@@ -74,7 +80,11 @@ def curved(p):
     at = np.array([np.repeat(x, p + 1), np.tile(x, p + 1)])
     phi = np.array([quadratic.elem.lbasis(at, i)[0] for i in range(9)])
     xy = np.einsum("cae,an->ecn", mesh.doflocs[:, quadratic.element_dofs], phi)
-    return mesh, np.ascontiguousarray(xy[:, :, element(p).order]), at[:, element(p).order]
+    return (
+        mesh,
+        np.ascontiguousarray(xy[:, :, reference_element(p).order]),
+        at[:, reference_element(p).order],
+    )
 
 
 @pytest.mark.parametrize(
@@ -84,12 +94,14 @@ def test_the_stiffness_is_that_of_skfems_own_assembly_of_the_same_mesh(p):
     mesh, xy, at = curved(p)
     hierarchical = skfem.ElementQuadP(p)
     basis = skfem.Basis(mesh, skfem.ElementVector(hierarchical), intorder=2 * p + 1)
+    # Both sides integrate exactly, so that they may differ by round-off alone.
     theirs = linear_elasticity(*plane_stress(STEEL.E, STEEL.nu)).assemble(basis)
-    ours = stiffness(xy, np.tile(elasticity_matrix(STEEL), (len(xy), 1, 1)), p)
+    ours = element_stiffness(xy, np.tile(elasticity_matrix(STEEL), (len(xy), 1, 1)), p)
     at_nodes = np.array(
         [hierarchical.lbasis(at, i)[0] for i in range((p + 1) ** 2)]
     )  # (functions, nodes)
-    local = np.einsum("ia,eacbd,jb->eicjd", at_nodes, ours, at_nodes)  # on skfem's own functions
+    # The stiffness is transformed to skfem's own functions.
+    local = np.einsum("ia,eacbd,jb->eicjd", at_nodes, ours, at_nodes)
     mapped = np.zeros(theirs.shape)
     dofs = basis.element_dofs.T
     for K, own in zip(local.reshape(len(xy), dofs.shape[1], -1), dofs, strict=True):
@@ -115,10 +127,11 @@ def test_in_long_double_the_stiffness_is_the_same_and_rigid_motions_strain_nothi
     p = 5
     _, xy, _ = curved(p)
     matrices = np.tile(elasticity_matrix(STEEL), (len(xy), 1, 1))
-    K = stiffness(xy, matrices, p)
-    precise = stiffness(xy.astype(np.longdouble), matrices.astype(np.longdouble), p)
+    K = element_stiffness(xy, matrices, p)
+    precise = element_stiffness(xy.astype(np.longdouble), matrices.astype(np.longdouble), p)
     size = np.abs(K).max()
     assert np.abs(K - precise).max() < 1e-13 * size
+    # A rigid turn about the origin must not strain the elements.
     turn = np.stack([-xy[:, 1], xy[:, 0]], axis=2).astype(np.longdouble)
     assert np.abs(np.einsum("eaibj,ebj->eai", precise, turn)).max() < 1e-17 * size * (p + 1) ** 2
     assert np.abs(K.sum(axis=3)).max() < 1e-14 * size
@@ -137,24 +150,27 @@ def test_columns_merged_in_any_order_are_the_whole_eliminated_at_once():
             ]
             for d in depth
         ]
-    )[..., element(p).order]
+    )[..., reference_element(p).order]
     K = condensed_elements(
         xy, np.tile(elasticity_matrix(Material(E=1.0, nu=0.3)), (layers, 1, 1)), p
     )
-    of = stack(p, layers, contact=True, held=False)
-    parts = [ColumnSubstructure(part, of.line, of.line) for part in columns(K, of)]
-    whole = assembled(parts, 2)
+    of = column_unknowns(p, layers, contact=True, held=False)
+    parts = [ColumnSubstructure(part, of.line, of.line) for part in column_stiffness(K, of)]
+    whole = assemble_row(parts, 2)
+    # Columns are joined from left to right, in place of pairs of pairs.
     one_by_one = parts[0]
     for part in parts[1:]:
-        one_by_one = assembled_pair(one_by_one, part, 2)
+        one_by_one = assemble_pair(one_by_one, part, 2)
     size = np.abs(whole.K).max()
     np.testing.assert_allclose(whole.K, one_by_one.K, atol=1e-11 * size)
     assert len(whole.K) == 2 * of.line + 2 * (m * p + 1)
     assert np.abs(whole.K.reshape(len(whole.K), -1, 2).sum(axis=1)).max() < 1e-12 * size
-    ends = assembled([without_line(parts[0]), *parts[1:-1], without_line(parts[-1], right=True)], 2)
+    ends = assemble_row(
+        [eliminate_line(parts[0]), *parts[1:-1], eliminate_line(parts[-1], right=True)], 2
+    )
     assert ends.left == ends.right == 0
     np.testing.assert_allclose(
-        ends.K, without_line(without_line(whole), right=True).K, atol=1e-11 * size
+        ends.K, eliminate_line(eliminate_line(whole), right=True).K, atol=1e-11 * size
     )
     np.testing.assert_allclose(ends.K, every_unknown_at_once(K, p), atol=1e-11 * size)
 
@@ -173,22 +189,28 @@ def test_columns_of_an_arc_by_symmetric_and_antisymmetric_motions_are_those_of_t
     def place(depth, phi):
         return np.array([(0.14 - depth) * np.cos(phi), (0.14 - depth) * np.sin(phi)])
 
-    of = stack(p, 3, contact=contact, held=held)
-    theirs = columns(condensed_elements(nodes_of(place, depths, angles, p), matrices, p), of)
+    of = column_unknowns(p, 3, contact=contact, held=held)
+    theirs = column_stiffness(
+        condensed_elements(element_nodes(place, depths, angles, p), matrices, p), of
+    )
     nodes = p + 1 if contact else 0
-    ours = arc_columns(
-        elements(radii, angular(angles, p), matrices, p), p, contact=contact, held=held
+    ours = arc_column_stiffness(
+        condensed_arc_elements(radii, angular_integrals(angles, p), matrices, p),
+        p,
+        contact=contact,
+        held=held,
     )
     for K, own, side in zip(theirs, ours, half, strict=True):
         lines = np.full(of.line // 2, side)
         ends = np.concatenate([[-side], np.zeros(nodes - 2), [side]]) if contact else []
-        expected = turned(K, np.concatenate([lines * -1, ends, lines]))
+        expected = rotate_components(K, np.concatenate([lines * -1, ends, lines]))
         np.testing.assert_allclose(own, expected, rtol=0, atol=1e-11 * np.abs(expected).max())
 
 
 def every_unknown_at_once(K, p):
-    """Condensed elements (layers, columns, n, n) side by side on the nodes of their outermost
-    edges, by one solve.
+    """The outermost edges' stiffness of condensed elements side by side, by one dense solve.
+
+    The elements have the shape (layers, columns, n, n).
     """
     layers, m = K.shape[:2]
     number = np.arange((layers * p + 1) * (m * p + 1)).reshape(layers * p + 1, -1)
@@ -196,7 +218,7 @@ def every_unknown_at_once(K, p):
     for k in range(layers):
         for j in range(m):
             own = number[k * p : (k + 1) * p + 1, j * p : (j + 1) * p + 1].ravel()[
-                element(p).order[: 4 * p]
+                reference_element(p).order[: 4 * p]
             ]
             at = (2 * own[:, None] + [0, 1]).ravel()
             A[at[:, None], at] += K[k, j]
@@ -209,8 +231,19 @@ def every_unknown_at_once(K, p):
 
 
 def body_and_parts(brake, index=0, level=LEVELS[1]):
-    made = prepare(brake, level)
-    return brake.shoes[index], made.bodies[index]
+    return brake.shoes[index], prepare(brake, level).bodies[index]
+
+
+def factorised_at_once(shoe, body):
+    """The shoe condensed by one sparse factorisation; its contact stiffness must be the body's."""
+    _, ties, loads = body.condensed.inside()
+    other = condense(
+        body.basis.stiffness(layers_of(shoe)), ties, {"actuation": loads}, 2 * len(body.line.nodes)
+    )
+    expected = other.L_cc @ other.L_cc.T
+    found = body.condensed.L_cc @ body.condensed.L_cc.T
+    assert found == pytest.approx(expected, abs=1e-9 * np.abs(expected).max())
+    return other
 
 
 CASES = {
@@ -224,16 +257,12 @@ CASES = {
 
 @pytest.mark.parametrize("case", CASES)
 def test_a_condensed_shoe_is_what_one_sparse_factorisation_leaves(brake, case):
-    """Contact stiffness, unit loads, their work: against the assembled grid, nodes eliminated in
-    another order.
+    """A condensed shoe equals the assembled grid whose nodes are eliminated in another order.
+
+    Contact stiffness, unit loads and their work are compared.
     """
     shoe, body = body_and_parts(vary(brake, CASES[case]))
-    _, ties, loads = body.condensed.inside()
-    other = condense(
-        body.basis.stiffness(layers_of(shoe)), ties, {"actuation": loads}, 2 * len(body.line.nodes)
-    )
-    S, T = (c.L_cc @ c.L_cc.T for c in (body.condensed, other))
-    assert pytest.approx(T, abs=1e-9 * np.abs(T).max()) == S
+    other = factorised_at_once(shoe, body)
     for name in ("load_on_contact", "load_on_frame", "load_work"):
         mine, theirs = getattr(body.condensed, name), getattr(other, name)
         assert mine == pytest.approx(theirs, abs=1e-8 * max(np.abs(theirs).max(), 1e-30))
@@ -241,23 +270,13 @@ def test_a_condensed_shoe_is_what_one_sparse_factorisation_leaves(brake, case):
 
 
 def test_a_post_is_what_one_sparse_factorisation_leaves():
-    from pathlib import Path
-
-    from drumlin.brake.file import read_brake
-
-    post = read_brake(Path(__file__).parents[1] / "studies" / "post_brake" / "brake.toml")
+    post = read_brake(ROOT / "studies" / "post_brake" / "brake.toml")
     shoe, body = body_and_parts(vary(post, {"drum.ring": None}))
-    _, ties, loads = body.condensed.inside()
-    other = condense(
-        body.basis.stiffness(layers_of(shoe)), ties, {"actuation": loads}, 2 * len(body.line.nodes)
-    )
-    S, T = (c.L_cc @ c.L_cc.T for c in (body.condensed, other))
-    assert pytest.approx(T, abs=1e-9 * np.abs(T).max()) == S
+    other = factorised_at_once(shoe, body)
     assert body.condensed.load_on_frame == pytest.approx(other.load_on_frame, abs=1e-8)
     ends = [body.basis.doflocs[:, body.basis.sets[name]] for name in ("hinge", "actuation")]
-    middles = [
-        0.5 * (nodes[:, 0] + nodes[:, -1]) for nodes in ends
-    ]  # its axis goes from the pin to the force
+    # The beam's axis goes from the pin to the force.
+    middles = [0.5 * (nodes[:, 0] + nodes[:, -1]) for nodes in ends]
     assert middles[0] == pytest.approx(shoe.own_pin, abs=1e-12)
     assert middles[1] == pytest.approx(shoe.own_points(shoe.actuation.point.xy), abs=1e-12)
     assert body.load_centre == pytest.approx(middles[1])
@@ -268,9 +287,11 @@ def test_a_post_is_what_one_sparse_factorisation_leaves():
     [("flexible", 1.0, 0), ("flexible", 1e-6, 0), (6676, 1.0, 0), (7578, 1.0, 1)],
 )
 def test_what_round_off_took_from_the_answer_is_little_and_seen(flexible, which, softer, level):
-    """Against the whole system refined in long double. Much was lost of a shoe far softer than its
-    lining, of a slender one that lies on a thin lining at one place, 6676, and of one under a small
-    contact, 7578, before rigid motions and unit loads told what: 1e-5 and 1e-4 of p.
+    """The round-off estimate covers the lost digits of p, and refinement leaves little to lose.
+
+    The whole system, refined in long double, is the reference. Before rigid-body modes and unit
+    loads corrected it, p lost 1e-5 to 1e-4 on a shoe far softer than its lining, on a slender one
+    on a thin lining (6676) and under a small contact (7578).
     """
     brake = flexible if which == "flexible" else random_brake(which)
     brake = vary(brake, {"shoe.body.material.E": softer * brake.shoes[0].body.material.E})
@@ -281,14 +302,14 @@ def test_what_round_off_took_from_the_answer_is_little_and_seen(flexible, which,
     p, error = found.p[group.node_ranges[0]], refined.p[0] - found.p[group.node_ranges[0]]
     lost, lever = response.shoes[0].lost, group.bodies[0].coupling.lever
     assert np.linalg.norm(error) < 1e-6 * np.linalg.norm(p)
-    assert np.linalg.norm(error) < max(ROUND_OFF * lost.pressure, 1e-8) * np.linalg.norm(p)
-    assert abs(lever @ error) < max(ROUND_OFF * lost.torque, 1e-8) * (lever @ p)
-    assert lost.pressure < 1e-9 if (which, softer) == ("flexible", 1.0) else lost.pressure > 1e-8
+    assert np.linalg.norm(error) < max(lost.pressure, 1e-7) * np.linalg.norm(p)
+    assert abs(lever @ error) < max(lost.torque, 1e-7) * (lever @ p)
+    assert lost.pressure < 1e-9 if (which, softer) == ("flexible", 1.0) else lost.pressure > 5e-9
 
 
 def test_the_turn_of_the_frame_moves_the_contact_as_a_rigid_body(brake):
     shoe, body = body_and_parts(brake)
-    motion = rigid(body.line.xy, np.array([shoe.hinge.radius, 0.0]))
+    motion = rigid_body_modes(body.line.xy, np.array([shoe.hinge.radius, 0.0]))
     assert body.condensed.L_cc @ body.condensed.L_fc.T == pytest.approx(
         -(body.condensed.L_cc @ body.condensed.L_cc.T) @ motion, rel=1e-6, abs=1e-6 * 3e8
     )
@@ -298,8 +319,10 @@ def test_the_turn_of_the_frame_moves_the_contact_as_a_rigid_body(brake):
 
 @pytest.mark.parametrize("support", ["fixed", "free"])
 def test_a_ring_under_even_pressure_grows_as_lame_says(brake, support):
-    """Two half linings without friction, even p: u = p R/E ((1 - nu) R^2 + (1 + nu) b^2)/(b^2 -
-    R^2) of a free ring.
+    """A free ring under even pressure grows by Lame's solution.
+
+    u = p R/E ((1 - nu) R^2 + (1 + nu) b^2)/(b^2 - R^2). Two half linings press evenly without
+    friction.
     """
     R, b, E, nu = 0.15, 0.165, 1.2e11, 0.25
     ring = {"thickness": b - R, "width": 0.04, "material": {"E": E, "nu": nu}, "support": support}
@@ -319,7 +342,8 @@ def test_a_ring_under_even_pressure_grows_as_lame_says(brake, support):
     gap = np.linalg.solve(made.bodies[0].coupling.M, made.ring.pressed[0].T @ opened)
     if support == "free":
         u = 1e6 * R / E * ((1 - nu) * R**2 + (1 + nu) * b**2) / (b**2 - R**2)
-    else:  # u = A r + B/r, held at b
+    else:
+        # A ring held at b moves by u = A r + B/r.
         A = 1e6 / (-E / (1 - nu) - E / (1 + nu) * b**2 / R**2)
         u = A * R - A * b**2 / R
     assert gap == pytest.approx(u, rel=1e-6)
@@ -327,13 +351,7 @@ def test_a_ring_under_even_pressure_grows_as_lame_says(brake, support):
 
 @pytest.mark.parametrize("support", ["fixed", pytest.param("free", marks=pytest.mark.slow)])
 def test_rings_of_columns_and_of_a_mesh_answer_alike(brake, support):
-    ring = {
-        "thickness": 0.012,
-        "width": 0.04,
-        "material": {"E": 1.2e11, "nu": 0.25},
-        "support": support,
-    }
-    ringed = vary(brake, {"drum.ring": ring})
+    ringed = vary(brake, drum_ring(0.012, support))
     theirs = respond(prepare(ringed, elements=120), ringed)
     mine = respond(prepare(ringed, LEVELS[2], places_of(ringed, theirs)), ringed)
     assert mine.torque == pytest.approx(theirs.torque, rel=2e-5)
@@ -342,16 +360,17 @@ def test_rings_of_columns_and_of_a_mesh_answer_alike(brake, support):
 
 @pytest.mark.slow
 def test_levels_converge_fast_and_the_estimate_is_an_upper_value(flexible):
-    """Errors against the finest level: p falls at least threefold a level; what is stated is more,
-    and not ten times.
+    """The error of p falls at least threefold a level, and the stated error covers it tightly.
+
+    The finest level is the reference. The stated error is at most ten times the true one.
     """
     # The last level has fewer digits than the others.
     made = list(steps(flexible, respond))[:5]
-    responses, truth = [step.response for step in made], made[-1].response
-    lost = ROUND_OFF * max(shoe.lost.pressure for shoe in truth.shoes)  # of the truth itself
+    responses, truth = picked(made, "response"), made[-1].response
+    # Round-off of the finest level limits how well it can judge the others.
+    lost = max(picked(truth.shoes, "lost.pressure"))
     errors = [
-        max(pressure_distance(a, b) for a, b in zip(r.shoes, truth.shoes, strict=True))
-        for r in responses
+        max(starmap(pressure_distance, zip(r.shoes, truth.shoes, strict=True))) for r in responses
     ]
     for k in range(1, len(responses) - 1):
         stated = estimate(flexible, *responses[k - 1 : k + 1])
@@ -372,7 +391,7 @@ def test_every_solve_states_its_error_and_columns_end_where_the_contact_ends(bra
         == set(response.shoes[0].error)
         == {"pressure", "torque", "peak", "reaction"}
     )
-    fine = [step.response for step in steps(half, respond)][3]
+    fine = picked(steps(half, respond), "response")[3]
     for shoe, a, b in zip(half.shoes, response.shoes, fine.shoes, strict=True):
         assert pressure_distance(a, b) < response.error["pressure"]
         start, end = shoe.lining.start, shoe.lining.end
@@ -382,8 +401,9 @@ def test_every_solve_states_its_error_and_columns_end_where_the_contact_ends(bra
 
 
 def test_a_small_smooth_contact_is_that_of_hertz(brake):
-    """A lining of a smaller radius touches over a few millimetres: p and its width by Hertz, far
-    from all edges.
+    """A small smooth contact has the pressure and the width of Hertz.
+
+    A lining of a smaller radius touches over a few millimetres, far from all edges.
     """
     rigid_shoe = vary(
         brake,
@@ -409,23 +429,6 @@ def test_a_small_smooth_contact_is_that_of_hertz(brake):
     assert response.error["pressure"] <= 1e-3
 
 
-def test_a_short_contact_is_found_in_few_passes(monkeypatch):
-    """A third more are needed where its ends are taken beside the few nodes that press."""
-    made = []
-    monkeypatch.setattr(
-        levels, "prepare", lambda *args, **more: made.append(prepare(*args, **more)) or made[-1]
-    )
-
-    def passes(seed, few):
-        monkeypatch.setattr(places, "FEW", few)
-        made.clear()
-        next(steps(random_brake(seed, "small contact"), respond))
-        return len(made)
-
-    counts = np.array([[passes(seed, few) for few in (0, places.FEW)] for seed in range(6)])
-    assert 1.15 * counts[:, 1].sum() < counts[:, 0].sum()
-
-
 @pytest.mark.parametrize("seed", [1, 19])
 def test_columns_of_the_first_level_end_where_a_short_contact_ends(seed):
     """To 2 % of its length, within which the pressure rises from nothing to much of its peak."""
@@ -434,7 +437,7 @@ def test_columns_of_the_first_level_end_where_a_short_contact_ends(seed):
     line, shoe = found.scene.bodies[0].line, found.response.shoes[0]
     first, last = shoe.contact_arcs[0]
     ends = brake.shoes[0].frame.theta(line.phi[:: line.order])
-    assert max(np.abs(ends - x).min() for x in (first, last)) <= 0.02 * (last - first)
+    assert max(np.abs(ends - first).min(), np.abs(ends - last).min()) <= 0.02 * (last - first)
 
 
 @pytest.mark.parametrize(
@@ -442,8 +445,9 @@ def test_columns_of_the_first_level_end_where_a_short_contact_ends(seed):
     [(0.1901, 0.2205, 0.2733, 1.95e9, 0.011), (0.0628, 0.1235, 0.1191, 1.6e9, 0.246)],
 )
 def test_a_block_deeper_than_long_bears_down_to_its_foot(length, thickness, backing, E, mu):
-    """Its corners at the back feel the force however far they are: the torque's error stays below
-    the stated one.
+    """The torque's stated error covers a block that is deeper than long.
+
+    Corners at the block's back feel the force however far they are.
     """
     block = {
         "name": "block",
@@ -471,7 +475,7 @@ def test_a_block_deeper_than_long_bears_down_to_its_foot(length, thickness, back
         "shoe": [block],
     }
     brake = brake_from(data)
-    found = [step.response for step in islice(steps(brake, respond), 5)]
+    found = picked(islice(steps(brake, respond), 5), "response")
     for k in (2, 3, 4):
         assert (
             abs(found[k - 1].torque / found[-1].torque - 1)
@@ -481,8 +485,10 @@ def test_a_block_deeper_than_long_bears_down_to_its_foot(length, thickness, back
 
 @pytest.mark.parametrize("seed", [5, 23])
 def test_corners_beyond_a_short_contact_cost_little_and_change_nothing(monkeypatch, seed):
-    """Divided as finely as those near it they are a quarter of the unknowns in a layer on a rigid
-    shoe (5) and on an elastic one (23), and move p by less than its level's error.
+    """Corners beyond a short contact need few unknowns and do not change p.
+
+    Divided as finely as near corners they were a quarter of the unknowns in a layer on a rigid shoe
+    (5) and on an elastic one (23), and moved p by less than the level's error.
     """
     brake, found = random_brake(seed, "small contact"), []
     (_, before), (_, true) = islice(steps(brake, respond), 1, 3)
@@ -500,7 +506,9 @@ def test_corners_beyond_a_short_contact_cost_little_and_change_nothing(monkeypat
 
 
 def test_most_short_contacts_are_known_by_default_on_the_third_level():
-    """Its estimate is a part of the step from the second level, which must know p well enough: with
+    """Most short contacts meet the default tolerance on the third level.
+
+    The estimate there is a share of the step from the second level, which must know p well: with
     wider columns at the ends the fourth level, three times as dear, would be needed more often.
     """
 
@@ -518,11 +526,13 @@ def test_most_short_contacts_are_known_by_default_on_the_third_level():
 
 
 def test_a_short_contact_is_graded_faster():
-    """Its pressure rises from its ends as a root: columns that grow as those under a long contact
-    are more by a fifth and change p by less than its level's error.
+    """A short contact is graded faster, which costs less and changes p by less than its error.
+
+    Its pressure rises from its ends as a root: columns graded as for a long contact are a fifth
+    more.
     """
     brake = random_brake(2, "small contact")
-    true = [step.response for step in steps(brake, respond)][-1]
+    true = picked(steps(brake, respond), "response")[-1]
     places = places_of(brake, true)
 
     def solved(level):
@@ -553,19 +563,21 @@ def test_what_a_level_cannot_reach_is_said(brake):
 def test_divisions_grow_from_their_ends_and_contain_what_they_must(brake):
     sizes = graded(1.0, 1e-4, 1e-3, 0.4, 0.2)
     assert math.fsum(sizes) == pytest.approx(1.0)
-    assert max(b / a for a, b in pairwise(sizes)) < 2.6
-    assert min(b / a for a, b in pairwise(sizes)) > 1 / 2.6
+    # Neighbours differ in size by at most a factor of 2.6.
+    assert np.abs(np.diff(np.log(sizes))).max() < np.log(2.6)
     assert sizes[0] == 1e-4 and sizes[-1] == pytest.approx(1e-3)
     apart = graded(1.0, 1e-4, 1e-3, 0.4, 0.2, 0.25)
     assert apart[1] / apart[0] == pytest.approx(2.5) and apart[-2] / apart[-1] == pytest.approx(4.0)
     shoe = brake.shoes[0]
     (start, _), t = shoe.arc, shoe.lining.thickness / brake.drum.radius
     beside = divide(
-        shoe, brake.drum.radius, LEVELS[2], [(start + x, 1e-7, False) for x in (2e-10, 1e-7)]
+        shoe,
+        brake.drum.radius,
+        LEVELS[2],
+        [(start + 2e-10, 1e-7, False), (start + 1e-7, 1e-7, False)],
     )
-    assert (
-        np.diff(beside.angles).min() >= 0.99 * division.FINEST * t
-    )  # however near to its end a lining is open
+    # The bound holds however near to its end a lining is open; sizes are powers of two.
+    assert np.diff(beside.angles).min() >= 0.5 * division.FINEST * t
     div = divide(shoe, brake.drum.radius, LEVELS[2], [(1.0, 0.5, False)])
     assert 1.0 in div.angles
     at = int(np.flatnonzero(div.angles == 1.0)[0])
@@ -580,13 +592,14 @@ def test_divisions_grow_from_their_ends_and_contain_what_they_must(brake):
     everywhere = np.diff(divide(shoe, brake.drum.radius, LEVELS[2]).angles)
     assert borne[-1] == pytest.approx(everywhere[-1])
     assert borne[0] > 3 * everywhere[0], "no pressure there: not graded to its spike"
-    values, which = distinct(np.array([0.1, 0.2, 0.1 * (1 + 1e-15)]))
+    values, which = distinct_sizes(np.array([0.1, 0.2, 0.1 * (1 + 1e-15)]))
     assert which.tolist() == [0, 1, 0] and values == pytest.approx([0.1, 0.2])
 
 
 def test_a_table_of_many_clearances_is_a_curve(brake):
-    """Its rows are not graded to: it costs what a smooth gap costs, and meshes of another kind
-    answer alike.
+    """A table of many clearances is a smooth curve whose rows end no columns.
+
+    The table costs as much as a smooth gap, and another kind of mesh gives the same torque.
     """
     theta = np.linspace(-70, 55, 1001)
     table = np.column_stack([np.radians(theta), 1e-4 * np.cos(np.radians(theta)) ** 2]).tolist()
@@ -611,32 +624,35 @@ def test_the_column_at_an_end_of_the_lining_is_as_narrow_as_the_contact_that_rea
     assert first() == pytest.approx(unknown, rel=1e-9)
     assert first(start, start + 1.0) == pytest.approx(unknown, rel=1e-9)
     assert first(start, start + 1e-3) == pytest.approx(level.edge * 5e-4, rel=1e-9)
-    assert first(start + 1e-7, start + 1e-7 + 1e-3) == pytest.approx(
-        level.edge * 5e-4, rel=1e-9
-    )  # all but reaches it
-    assert first(start + 0.1, end) == pytest.approx(
-        level.back * t, rel=1e-9
-    )  # nothing presses there
+    # A contact that all but reaches the end counts as one that reaches it.
+    assert first(start + 1e-7, start + 1e-7 + 1e-3) == pytest.approx(level.edge * 5e-4, rel=1e-9)
+    # Nothing presses at this end, so that the columns there may be wide.
+    assert first(start + 0.1, end) == pytest.approx(level.back * t, rel=1e-9)
 
 
 @pytest.mark.parametrize("at_start", [True, False])
 def test_what_is_open_beside_an_end_of_the_lining_is_columns_of_its_own(brake, at_start):
-    """A contact that ends at 0.4 % of its length from there ends between two columns, on every
-    level.
+    """A strip open beside an end of the lining has columns of its own on the finer levels.
+
+    The contact ends at 0.4 % of its length from the lining's end. On levels whose columns at the
+    ends of a contact are longer than this gap the contact counts as reaching the lining's end.
     """
     shoe, R = brake.shoes[0], brake.drum.radius
     start, end = shoe.arc
     length, gap = 2e-3, 8e-6
     contact = (start + gap, start + gap + length) if at_start else (end - gap - length, end - gap)
-    for level in LEVELS:
+    fine = [level for level in LEVELS if level.end * length < gap]
+    assert 2 < len(fine) < len(LEVELS)
+    for level in fine:
         angles = divide(shoe, R, level, [(x, length, False) for x in contact]).angles
         off = np.abs(angles - contact[0 if at_start else -1])
         assert off.min() < 0.15 * gap and np.count_nonzero(off < 1.5 * gap) >= 3
 
 
 def test_a_contact_that_ends_all_but_at_an_end_of_the_lining_converges():
-    """0.4 % of its length from there: where no column ends with it, p is 0.3 % off on the fourth
-    level.
+    """A contact that ends 0.4 % of its length from the lining's end converges.
+
+    Without a column that ends with the contact p is 0.3 % off on the fourth level.
     """
     *_, one, other = (
         step.response.shoes[0] for step in steps(random_brake(7986), respond, levels=LEVELS[:5])
@@ -646,8 +662,7 @@ def test_a_contact_that_ends_all_but_at_an_end_of_the_lining_converges():
 
 def test_places_are_the_ends_of_the_contact_and_kinks(brake):
     kinked = vary(brake, {"shoe[0].lining.clearance": [(-0.5, 5e-5), (0.1, 0.0), (0.6, 5e-5)]})
-    response = solve(kinked, elements=40)
-    places = places_of(kinked, response)
+    places = places_of(kinked, solve(kinked, elements=40))
     kinks = sorted(
         x for found in places.values() for x, _, kind in found if kind == Singularity.KINK
     )
@@ -665,23 +680,23 @@ def test_an_open_node_between_two_that_press_is_a_place(brake):
     response = solve(brake, elements=40)
     shoe = response.shoes[0]
     i = len(shoe.theta) // 2
+    # One node in the middle is opened by hand.
     opened = shoe.pressure.copy()
     opened[i] = 0.0
     places = places_of(
         brake, replace(response, shoes=(replace(shoe, pressure=opened), *response.shoes[1:]))
     )
     before = places_of(brake, response)
-    (found,) = {place for own in places.values() for place in own} - {
-        place for own in before.values() for place in own
-    }
+    (found,) = set(chain.from_iterable(places.values())) - set(chain.from_iterable(before.values()))
     assert found[:2] == pytest.approx(
         (brake.shoes[0].frame.phi(shoe.theta[i]), shoe.theta[i + 1] - shoe.theta[i - 1]), rel=1e-5
     )
 
 
 def test_an_opening_that_is_nothing_beside_its_contact_is_no_place(brake):
-    """Between columns of 1e-6 rad, as at an end of the contact, p may waver: nodes there open and
-    close.
+    """An opening far shorter than its contact ends no columns.
+
+    Between columns of 1e-6 rad, as at an end of the contact, nodes may open and close in turn.
     """
     response = solve(brake, elements=40)
     shoe = response.shoes[0]
@@ -712,14 +727,8 @@ def test_a_level_with_more_contact_nodes_than_memory_can_take_is_said_to_miss_th
 
 
 def test_nodes_that_meet_through_a_ring_are_counted_together(brake, monkeypatch):
-    ring = {
-        "thickness": 0.02,
-        "width": 0.04,
-        "material": {"E": 1.2e11, "nu": 0.25},
-        "support": "fixed",
-    }
-    ringed = vary(brake, {"drum.ring": ring})
-    nodes = sum(len(body.line.nodes) for body in prepare(ringed, LEVELS[0]).bodies)
+    ringed = vary(brake, drum_ring(0.02, "fixed"))
+    nodes = sum(map(len, picked(prepare(ringed, LEVELS[0]).bodies, "line.nodes")))
     monkeypatch.setattr("drumlin.fem.preparation.columns.MOST_CONTACT_NODES", nodes - 1)
     with pytest.raises(
         NoAnswer, match=f"its {nodes} contact nodes are more than the {nodes - 1} that"
@@ -745,18 +754,16 @@ def test_the_largest_value_of_a_polynomial_is_found_between_its_nodes():
 
 
 def test_fields_recovered_on_a_grid_are_in_balance(brake):
-    """The displacements of all nodes under the contact's forces: the assembled stiffness gives
-    these forces back.
+    """Displacements recovered on a grid balance the contact's forces.
+
+    The assembled stiffness times the displacements of all nodes gives these forces back.
     """
-    response = solve(brake)
-    made = prepare(brake, LEVELS[1], places_of(brake, response))
+    made = prepare(brake, LEVELS[1], places_of(brake, solve(brake)))
     found = respond(made, brake)
     shoe, body = brake.shoes[0], made.bodies[0]
     p = found.shoes[0].pressure[:: shoe.frame.sense]
     drag = brake.friction * brake.spin * shoe.frame.sense
     nodal = drag * (body.coupling.T.T @ p) - body.coupling.N.T @ p
-    from drumlin.fem.preparation.bodies import actuation
-
     u = body.condensed.displacement(
         nodal, np.zeros(FRAME), shoe.actuation.force * actuation(body, shoe)[0]
     )
@@ -777,20 +784,15 @@ def test_gradients_at_the_nodes_of_a_grid_are_those_of_a_linear_field_and_its_ce
         x, y = grid.doflocs[:, corners]
         return 0.5 * (x * np.roll(y, -1, axis=0) - y * np.roll(x, -1, axis=0)).sum(axis=0)
 
-    cells = grid.element_dofs[grid.quarters]  # (4, cells of an element, elements)
+    # The shape is (4, cells of an element, elements).
+    cells = grid.element_dofs[grid.subcells]
     each = areas(cells.reshape(4, -1)).reshape(cells.shape[1:]).sum(axis=0)
     np.testing.assert_allclose(each, areas(grid.outline), rtol=1e-12)
 
 
 @pytest.mark.parametrize("part", ["hinge", pytest.param("free ring", marks=pytest.mark.slow)])
 def test_fields_of_columns_are_those_of_a_fine_mesh_of_quadratic_elements(brake, part):
-    ring = {
-        "thickness": 0.02,
-        "width": 0.04,
-        "material": {"E": 1.2e11, "nu": 0.25},
-        "support": "free",
-    }
-    whole = vary(brake, {"drum.ring": ring}) if part == "free ring" else brake
+    whole = vary(brake, drum_ring(0.02, "free")) if part == "free ring" else brake
     found = []
     for made in (scene_of(whole), prepare(whole, elements=160)):
         response = respond(made, whole)
@@ -800,6 +802,7 @@ def test_fields_of_columns_are_those_of_a_fine_mesh_of_quadratic_elements(brake,
             else fields(made, whole, response, 0)
         )
     ours, theirs = found
+    # Values are compared at points of both meshes that all but coincide.
     near = cKDTree(theirs.points).query(ours.points)
     close = near[0] < 2e-4
     assert close.sum() > 40
@@ -810,8 +813,8 @@ def test_fields_of_columns_are_those_of_a_fine_mesh_of_quadratic_elements(brake,
 
 def test_holding_wear_and_slopes_start_from_the_division_that_solve_ends_on(brake):
     made, answer = scene_of(brake), solve(brake)
-    theta = [body.line.phi for body in made.bodies]
-    assert [len(line) for line in theta] == [len(shoe.theta) for shoe in answer.shoes]
+    theta = picked(made.bodies, "line.phi")
+    assert list(map(len, theta)) == list(map(len, picked(answer.shoes, "theta")))
     end = full_slip_rotation(made, brake)
     assert hold(made, brake, np.linspace(0.0, end, 9))[-1].torque == pytest.approx(
         answer.torque, rel=1e-5
@@ -822,29 +825,26 @@ def test_holding_wear_and_slopes_start_from_the_division_that_solve_ends_on(brak
 
 
 def test_cases_of_a_sweep_state_their_errors_and_share_divisions(brake):
-    cases = [SweepCase(brake, {"friction": mu}) for mu in (0.3, 0.3001, 0.3002)]
+    cases = friction_cases(brake, (0.3, 0.3001, 0.3002), "fem")
     rows = [solved(case, cache) for cache in [Cache()] for case in cases]
-    assert all(
-        0 < row["error_pressure"] <= DEFAULT.pressure and row["error_torque"] <= DEFAULT.torque
-        for row in rows
-    )
-    assert rows == [solved(case) for case in cases]  # a row depends on its case alone
+    for row in rows:
+        assert (
+            0 < row["error_pressure"] <= DEFAULT.pressure and row["error_torque"] <= DEFAULT.torque
+        )
+    # A row of a sweep must depend on its case alone.
+    assert rows == list(map(solved, cases))
     meshed = solved(cases[0]._replace(options={"elements": 20}))
     assert "error_pressure" not in meshed
     assert meshed["torque"] == pytest.approx(rows[0]["torque"], rel=1e-4)
 
 
 def test_what_is_kept_is_never_that_of_another_brake_or_division(brake):
-    """Bodies and ring from one cache are those that are made anew: with and without friction, other
-    sizes, other ends of the contact, a guided shoe whose force acts elsewhere.
+    """A cache never returns the body or ring of another brake or division.
+
+    Bodies and rings from one cache equal new ones: with and without friction, for other sizes,
+    other ends of the contact, and a guided shoe whose force acts elsewhere.
     """
-    ring = {
-        "thickness": 0.02,
-        "width": 0.04,
-        "material": {"E": 1.2e11, "nu": 0.25},
-        "support": "fixed",
-    }
-    ringed, cache = vary(brake, {"drum.ring": ring, "shoe.body": None}), Cache()
+    ringed, cache = vary(brake, drum_ring(0.02, "fixed") | {"shoe.body": None}), Cache()
     guide = {
         "shoe.hinge": None,
         "shoe[0].guide": {"direction": 0.0},
@@ -877,6 +877,7 @@ def test_what_is_kept_is_never_that_of_another_brake_or_division(brake):
 
 
 def test_a_brake_that_locks_is_divided_too(brake):
+    # At this friction the brake locks, and no solve tells where its contact ends.
     locked = vary(brake, {"friction": 2.0})
     with pytest.raises(NoAnswer):
         solve(locked)
@@ -885,13 +886,7 @@ def test_a_brake_that_locks_is_divided_too(brake):
 
 @pytest.mark.parametrize("support", ["fixed", "free"])
 def test_columns_with_a_ring_are_refined_to_the_answer_of_their_condensed_bodies(brake, support):
-    ring = {
-        "thickness": 0.02,
-        "width": 0.04,
-        "material": {"E": 1.2e11, "nu": 0.25},
-        "support": support,
-    }
-    whole = vary(brake, {"drum.ring": ring})
+    whole = vary(brake, drum_ring(0.02, support))
     (group,) = groups_of(prepare(whole, LEVELS[0]), whole)
     found = group.answer()
     refined = refined_group(group, found.active)

@@ -1,6 +1,4 @@
-"""drumlin away from its checkout: examples, schemas, what a wheel and an sdist carry, and a wheel
-that is used.
-"""
+"""drumlin away from its checkout: examples, schemas, contents of wheel and sdist, a used wheel."""
 
 import json
 import os
@@ -24,6 +22,7 @@ from drumlin.brake.plane_brake import read_any
 from drumlin.brake.schema import brake_schema
 from drumlin.studies import examples
 from drumlin.sweeps.schema import sweep_schema
+from picking import picked
 
 SWEEPS = sorted((ROOT / "studies" / "sweeps").glob("*.toml"))
 
@@ -38,9 +37,8 @@ def test_every_example_is_listed_printed_and_is_a_brake(tmp_path):
     } <= set(listed)
     for name, path in examples().items():
         (tmp_path / "my.toml").write_text(drumlin("init", name).stdout)
-        assert read_any(tmp_path / "my.toml") == read_any(path), (
-            name
-        )  # mesh files are found from anywhere
+        # Mesh files must be found from any current folder.
+        assert read_any(tmp_path / "my.toml") == read_any(path), name
     done = drumlin("init", "duble_shoe")
     assert done.returncode == 2 and "did you mean 'double_shoe'?" in done.stderr
 
@@ -77,14 +75,14 @@ def test_version_and_completion(monkeypatch):
 
 
 def faults(schema, data):
-    return [error.message for error in Draft202012Validator(schema).iter_errors(data)]
+    return picked(Draft202012Validator(schema).iter_errors(data), "message")
 
 
-def test_the_schemas_beside_the_examples_are_those_of_the_classes():
-    for kind, made in (("brake", brake_schema()), ("sweep", sweep_schema())):
-        Draft202012Validator.check_schema(made)
-        kept = json.loads((ROOT / "studies" / f"{kind}.schema.json").read_text())
-        assert kept == made, f"drumlin schema {kind} > studies/{kind}.schema.json"
+@pytest.mark.parametrize(("kind", "made"), (("brake", brake_schema()), ("sweep", sweep_schema())))
+def test_the_schemas_beside_the_examples_are_those_of_the_classes(kind, made):
+    Draft202012Validator.check_schema(made)
+    kept = json.loads((ROOT / "studies" / f"{kind}.schema.json").read_text())
+    assert kept == made, f"drumlin schema {kind} > studies/{kind}.schema.json"
 
 
 def test_every_example_keeps_to_its_schema_and_names_it():
@@ -100,7 +98,8 @@ def test_every_example_keeps_to_its_schema_and_names_it():
 @pytest.mark.parametrize(
     ("old", "new"),
     [
-        ('radius = "150 mm"', "radius = 150"),  # a quantity without its unit
+        # A quantity without its unit is an error of the schema.
+        ('radius = "150 mm"', "radius = 150"),
         ('radius = "150 mm"', 'radius = "big"'),
         ('radius = "150 mm"', 'radiuss = "150 mm"'),
         ('rotation = "counter-clockwise"', 'rotation = "left"'),
@@ -127,9 +126,8 @@ def test_tables_and_sweeps_are_in_the_schemas():
     assert faults(brake_schema(), data) == []
     sweep = tomllib.loads(SWEEPS[0].read_text())
     assert faults(sweep_schema(), sweep | {"pressure": "psi"})
-    assert faults(
-        sweep_schema(), sweep | {"vary": {"friction": {"distribution": "normal"}}}
-    )  # no deviation
+    # A single value has no deviation.
+    assert faults(sweep_schema(), sweep | {"vary": {"friction": {"distribution": "normal"}}})
 
 
 # a wheel
@@ -184,8 +182,9 @@ def test_the_sdist_is_complete_and_the_wheel_carries_what_commands_need(built):
 
 @pytest.mark.slow
 def test_the_wheel_serves_in_an_empty_folder(built, tmp_path):
-    """In an environment of its own, which borrows the libraries of this one, not its drumlin; even
-    the page.
+    """The built wheel serves in an empty folder, the page included.
+
+    Its environment borrows all libraries of this one but drumlin.
     """
     place, here = tmp_path / "environment", tmp_path / "empty"
     here.mkdir()
@@ -236,7 +235,8 @@ def test_the_wheel_serves_in_an_empty_folder(built, tmp_path):
     kept = run("solve", "my.toml", "--elements", 80, "--pressure", "p.csv") and run(
         "check", "my.toml", "p.csv"
     )
-    assert "carried" in kept.splitlines()[0]  # the reference values come with it
+    # The wheel carries the reference values.
+    assert "carried" in kept.splitlines()[0]
     program = [place / "bin" / "drumlin"]
     with served(program, "my.toml", cwd=here, env=free) as address, browser(tmp_path) as page:
         link = play(page, address)

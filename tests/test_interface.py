@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 import skfem
 
-from drumlin.brake.file import vary
+from conftest import STUDY
+from drumlin.brake.file import read_brake, vary
 from drumlin.brake.surface import DRUM
 from drumlin.contact import active_set
 from drumlin.fem.preparation.prepare import prepare
@@ -24,9 +25,6 @@ def body(request, brake):
 
 @pytest.fixture(scope="module")
 def brake():
-    from conftest import STUDY
-    from drumlin.brake.file import read_brake
-
     return read_brake(STUDY / "brake.toml")
 
 
@@ -58,8 +56,9 @@ def test_normal_pressure_has_no_moment_about_the_centre_and_drag_has_the_torque(
 
 
 def test_nodal_forces_have_the_resultant_of_the_traction(brake):
-    """Against an integration over the exact arc that knows nothing of the mesh: they differ by its
-    chord error.
+    """Nodal forces have the resultant of the traction integrated over the exact arc.
+
+    Both differ by the chord error of the mesh, of which the integration knows nothing.
     """
     shoe = brake.shoes[0]
     body = prepare(brake, elements=80).bodies[0]
@@ -75,8 +74,7 @@ def test_nodal_forces_have_the_resultant_of_the_traction(brake):
 
 @pytest.mark.parametrize("sign", [1, -1])
 def test_patch_test_on_the_arc(sign):
-    """Ring pressed into ring by an interference, on meshes that do not match: the even pressure of
-    Lame.
+    """A ring pressed into a ring by interference has Lame's even pressure on unmatched meshes.
 
     Even to the error of the arcs, which falls with more than the second power of the element;
     forces and moment on both rings balance to round-off. The pressure is carried by the inner ring
@@ -98,11 +96,12 @@ def test_patch_test_on_the_arc(sign):
             couple_ring(mine.line, other.line, 1.0, sign),
             strict=True,
         ):
-            a, b = ((M.T @ found.p).reshape(-1, 2) for M in (ours, theirs))
+            a, b = (ours.T @ found.p).reshape(-1, 2), (theirs.T @ found.p).reshape(-1, 2)
             scale = np.abs(a).sum()
             assert b.sum(axis=0) == pytest.approx(a.sum(axis=0), abs=1e-13 * scale)
             moments = [
-                float(cross(line.xy.T, f).sum()) for line, f in ((mine.line, a), (other.line, b))
+                float(cross(mine.line.xy.T, a).sum()),
+                float(cross(other.line.xy.T, b).sum()),
             ]
             assert moments[1] == pytest.approx(moments[0], abs=1e-13 * scale)
     assert spreads[0] > 4 * spreads[1] > 16 * spreads[2]
@@ -115,8 +114,9 @@ def circle(count):
 
 
 def lame_interference(interference):
-    """Pressure between rings of R = 1 held at r = 0.6 and r = 1.4, plane stress: u = A r + B/r, u =
-    0 where held.
+    """Pressure between two rings of R = 1, held at r = 0.6 and r = 1.4, in plane stress.
+
+    u = A r + B/r, and u = 0 where the rings are held.
     """
     E, nu = pair.LADDER_STEEL.E, pair.LADDER_STEEL.nu
     # Both bodies have a radial displacement per pressure.
@@ -160,8 +160,9 @@ STRAIGHT = {
 
 @pytest.mark.parametrize("order", [1, 2])
 def test_the_matrices_of_straight_edges_are_those_of_the_book(order):
-    """Two edges, of lengths 2 and 1, on the line x = 3 from y = -1 to 2; directions are given, not
-    radial.
+    """The coupling matrices of two straight edges are those of the textbook.
+
+    The edges, of lengths 2 and 1, lie on x = 3 from y = -1 to 2; directions are given, not radial.
     """
     y = np.array([-1.0, 0, 1, 1.5, 2])[:: 3 - order]
     line = ContactLine(
@@ -188,7 +189,8 @@ def test_the_matrices_of_straight_edges_are_those_of_the_book(order):
     lever = 0.5 * sum(
         end / 2 * math.hypot(3, end) + 9 / 2 * math.asinh(end / 3) for end in (1.0, 2.0)
     )
-    assert found.lever.sum() == pytest.approx(lever, rel=1e-7)  # 0.5 Int sqrt(9 + y^2) dy
+    # The lever is 0.5 Int sqrt(9 + y^2) dy.
+    assert found.lever.sum() == pytest.approx(lever, rel=1e-7)
 
 
 @pytest.mark.parametrize("kind", ["quad2", "quad1"])
@@ -209,8 +211,8 @@ def test_the_nodes_of_a_contact_line_follow_one_another_wherever_it_lies(kind, t
     assert line.pieces == pytest.approx(np.arange(order + 1)[:, None] + order * np.arange(5))
 
 
-def test_normals_point_from_the_lining_to_the_drum_and_tangents_along_growing_angles():
-    for sign in (1, -1):
-        n, e = radial(sign)(np.array([[3.0, 0.0], [4.0, -2.0]]))
-        assert n == pytest.approx(sign * np.array([[0.6, 0], [0.8, -1]]))
-        assert e == pytest.approx(np.array([[-0.8, 1], [0.6, 0]]))
+@pytest.mark.parametrize("sign", (1, -1))
+def test_normals_point_from_the_lining_to_the_drum_and_tangents_along_growing_angles(sign):
+    n, e = radial(sign)(np.array([[3.0, 0.0], [4.0, -2.0]]))
+    assert n == pytest.approx(sign * np.array([[0.6, 0], [0.8, -1]]))
+    assert e == pytest.approx(np.array([[-0.8, 1], [0.6, 0]]))

@@ -1,17 +1,18 @@
-"""A journal keeps finished cases, loses none but damaged ones, and belongs to one state of the
-program and one run.
-"""
+"""A journal keeps finished cases, drops damaged ones alone, and serves one program and run."""
 
 import errno
 import json
 import math
 import os
 import random
+import shutil
+from pathlib import Path
 
 import pytest
 
+from drumlin.base import journal as journals
 from drumlin.base.errors import BadInput
-from drumlin.base.journal import Journal
+from drumlin.base.journal import Journal, source_stamp
 
 CASES = 40
 
@@ -96,15 +97,15 @@ def test_damage_costs_the_damaged_records_alone(tmp_path, seed):
         assert len(journal) == CASES
 
 
-def test_a_damaged_head_costs_nothing(tmp_path):
+@pytest.mark.parametrize("head", (b'{"stomp": "a"}', b'{"stamp": "b"}', b"\0\0\0", b"[[[["))
+def test_a_damaged_head_costs_nothing(head, tmp_path):
     """Nor does one that reads as another drumlin's."""
-    for head in (b'{"stomp": "a"}', b'{"stamp": "b"}', b"\0\0\0", b"[[[["):
-        path = tmp_path / "journal"
-        data = filled(path)
-        path.write_bytes(head + data[data.index(b"\n") :])
-        with Journal(path, "a") as journal:
-            assert len(journal) == CASES and "1 damaged lines" in journal.notes[0]
-        path.unlink()
+    path = tmp_path / "journal"
+    data = filled(path)
+    path.write_bytes(head + data[data.index(b"\n") :])
+    with Journal(path, "a") as journal:
+        assert len(journal) == CASES and "1 damaged lines" in journal.notes[0]
+    path.unlink()
 
 
 def test_the_journal_of_another_program_is_kept_aside(tmp_path):
@@ -128,10 +129,11 @@ def test_the_journal_of_another_program_is_kept_aside(tmp_path):
 def test_two_runs_at_a_time_are_refused(tmp_path):
     with Journal(tmp_path / "j.jsonl"), pytest.raises(BadInput, match="another run"):
         Journal(tmp_path / "j.jsonl")
+    # Both journals are moved aside and begun anew.
     with (
         Journal(tmp_path / "j.jsonl", "a"),
         pytest.raises(BadInput, match="another run"),
-    ):  # moved aside and anew
+    ):
         Journal(tmp_path / "j.jsonl", "a")
 
 
@@ -169,12 +171,12 @@ def test_a_file_that_is_no_journal_is_left_alone(tmp_path, name):
     ]
 
 
-def test_an_empty_file_and_a_torn_first_line_are_new_journals(tmp_path):
-    for data in (b"", b'{"stamp": "a', b'{"stamp": "a"}'):
-        (tmp_path / "j").write_bytes(data)
-        with Journal(tmp_path / "j", "a") as journal:
-            assert not len(journal) and not journal.notes
-        assert json.loads((tmp_path / "j").read_text()) == {"stamp": "a"}
+@pytest.mark.parametrize("data", (b"", b'{"stamp": "a', b'{"stamp": "a"}'))
+def test_an_empty_file_and_a_torn_first_line_are_new_journals(data, tmp_path):
+    (tmp_path / "j").write_bytes(data)
+    with Journal(tmp_path / "j", "a") as journal:
+        assert not len(journal) and not journal.notes
+    assert json.loads((tmp_path / "j").read_text()) == {"stamp": "a"}
 
 
 def test_paths_that_cannot_be_files(tmp_path):
@@ -193,3 +195,14 @@ def test_a_full_disk_is_said_in_one_line(tmp_path, monkeypatch):
         monkeypatch.setattr("os.write", full)
         with pytest.raises(BadInput, match="cannot be written"):
             journal.add({"n": 1}, {})
+
+
+def test_a_change_of_any_source_file_of_drumlin_is_another_stamp(tmp_path, monkeypatch):
+    """A copy of the package has the stamp of the package until one of its files is changed."""
+    package = tmp_path / "drumlin"
+    shutil.copytree(Path(journals.__file__).parents[1], package)
+    whole = source_stamp()
+    monkeypatch.setattr(journals, "__file__", str(package / "base" / "journal.py"))
+    assert source_stamp() == whole
+    (package / "laws" / "rigid.py").write_text("")
+    assert source_stamp() != whole

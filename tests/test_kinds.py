@@ -9,11 +9,11 @@ import meshio
 import numpy as np
 import pytest
 
+import command_line
 import drumlin
 from conftest import ROOT, partly
+from drumlin import Brake, vary
 from drumlin.base.errors import DrumlinError
-from drumlin.brake.brake import Brake
-from drumlin.brake.file import vary
 from drumlin.brake.plane_brake import FlatBrake, read_any
 from drumlin.cli.commands import app
 from drumlin.fem.analysis.holding import full_slip_rotation, hold
@@ -31,8 +31,10 @@ from drumlin.verification import triangles
 from drumlin.verification.check import check, read_curves, within
 from drumlin.verification.reference import Refinement, reference, responses
 from drumlin.verification.reference_file import as_dict, read_reference, write_values
+from picking import keyed, picked
+from shared_parts import modulus_slopes
 
-FILES = {path.stem: path for path in sorted((ROOT / "studies" / "brakes").glob("*.toml"))}
+FILES = keyed(sorted((ROOT / "studies" / "brakes").glob("*.toml")), "stem")
 FILES["pad"] = ROOT / "studies" / "laws" / "pad.toml"
 ELEMENTS = 10
 
@@ -45,6 +47,7 @@ class Posed(NamedTuple):
     folder: Path
 
     def command(self, *words: str) -> None:
+        # A refusal passes through the command as an exception, which the matrix of uses expects.
         with pytest.raises(SystemExit) as end:
             app([words[0], str(self.file), *words[1:]])
         assert end.value.code == 0
@@ -61,8 +64,8 @@ def solved(at: Posed) -> None:
     balanced(response)
     # Struts act within the brake: pins, feet, forces from outside and the drum remain.
     whole = loaded(at.brake, response)
-    inside = {link.to for link in at.brake.links}
-    feet = {link.source for link in at.brake.links}
+    inside = set(picked(at.brake.links, "to"))
+    feet = set(picked(at.brake.links, "source"))
     outer = [s.actuation.vector for s in whole.shoes if s.name not in inside]
     outer += [
         r.hinge_reaction
@@ -90,7 +93,8 @@ def radius(brake: Brake) -> float:
 
 
 def with_misfit(at: Posed) -> None:
-    if flat(at.brake):  # whose guides take up every moment
+    # The guides of a pad take up every moment.
+    if flat(at.brake):
         crowned = drumlin.solve(
             vary(at.brake, {"shoe.lining.misfit": {"radius": 100.0, "taper": 1e-5}})
         )
@@ -146,8 +150,9 @@ def wears(at: Posed) -> None:
 
 
 def slopes(at: Posed) -> None:
-    """All forces grown alike, those of a cylinder or a cam too, make the torque grow so where
-    linings fit.
+    """Slopes under all forces grown alike, which scale the torque where linings fit.
+
+    The forces of wheel cylinders and cams count too.
     """
     found = sensitivity(prepare(at.brake, elements=ELEMENTS), at.brake)
     forces = [
@@ -156,14 +161,12 @@ def slopes(at: Posed) -> None:
     ]
     drive = sum(forces) if found.drive is None else found.drive
     assert drive == pytest.approx(found.torque, rel=1e-9)
-    moduli = [value for shoe in found.shoes for value in shoe.moduli.values()]
+    moduli = modulus_slopes(found)
     assert sum(moduli) == pytest.approx(0.0, abs=1e-9 * abs(found.torque))
 
 
 def held(at: Posed) -> None:
-    """Turned far enough the drum is held by what it slides at, or a line says that a foot stands
-    elsewhere.
-    """
+    """`hold` ends at full slip: friction holds the drum, or a line names a foot held elsewhere."""
     scene = prepare(at.brake, elements=ELEMENTS)
     states = hold(scene, at.brake, np.linspace(0, full_slip_rotation(scene, at.brake), 4))
     torque = drumlin.solve(at.brake, elements=ELEMENTS).effect
@@ -192,11 +195,9 @@ def swept(at: Posed) -> None:
         f'title = "t"\nbrake = "{at.file}"\n[model.fem]\nelements = 10\n[vary]\nfriction = '
         f"[0.1, 0.2]\n"
     )
-    with pytest.raises(SystemExit) as end:
-        app(["sweep", str(sweep), "--output", str(table)])
-    assert end.value.code == 0
+    assert command_line.drumlin("sweep", sweep, "--output", table).returncode == 0
     rows = list(csv.DictReader(table.read_text().splitlines()))
-    assert [row["friction"] for row in rows] == ["0.1", "0.2"]
+    assert picked(rows, "friction") == ["0.1", "0.2"]
     assert not any(row.get("error") or row.get("reason") for row in rows)
 
 
@@ -209,8 +210,9 @@ ROUGHLY = Refinement(2, LEVELS[1:3], triangles.TRIANGLE_LEVELS[:1])
 
 
 def referred(at: Posed) -> None:
-    """Reference values, of rougher meshes than those that are cited; on a drum their other solver
-    covers the brake.
+    """Reference values on coarser meshes than the cited ones.
+
+    On a drum their second solver covers the brake.
     """
     trio = responses(at.brake, ROUGHLY)
     assert (trio.other is None) == flat(at.brake)
@@ -224,9 +226,8 @@ def checked(at: Posed) -> None:
     referred(at)
     curves = at.folder / "p.csv"
     at.command("solve", "--pressure", str(curves))
-    with pytest.raises(SystemExit) as end:
-        app(["check", str(at.file), str(curves), "--reference", str(at.folder / "r.json")])
-    assert end.value.code == 0
+    done = command_line.drumlin("check", at.file, curves, "--reference", at.folder / "r.json")
+    assert done.returncode == 0
     known = read_reference(at.folder / "r.json")
     assert known.surface == at.brake.surface
     verdicts = check(at.brake, known, read_curves(curves, at.brake))

@@ -1,16 +1,17 @@
-"""Contact of elastic bodies against closed forms: Hertz, Cattaneo-Mindlin, Persson, Westergaard,
-Lame, patches.
-"""
+"""Elastic contact against closed forms: Hertz, Cattaneo-Mindlin, Persson, Westergaard, Lame."""
 
 import math
 
 import numpy as np
 import pytest
+from scipy.sparse.linalg import spsolve
 
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.brake.fields import Material
 from drumlin.contact import active_set, stick_slip
 from drumlin.fem.mesh.grading import graded
+from drumlin.fem.substructure.body import scalar_basis, stiffness
+from drumlin.fem.substructure.interface import contact_line, couple, radial
 from drumlin.response.resultants import integrate
 from drumlin_studies import closed_forms
 from drumlin_studies.two_bodies import (
@@ -55,8 +56,9 @@ def hertz_load(rho, E):
 
 
 def test_hertz(hertz):
-    """Parabolic gap: a = sqrt(4 P rho/(pi E*)), p_0 = sqrt(P E*/(pi rho)), 1/E* = 2/E in plane
-    stress.
+    """Hertz: a = sqrt(4 P rho/(pi E*)), p_0 = sqrt(P E*/(pi rho)), 1/E* = 2/E in plane stress.
+
+    The gap is a parabola.
     """
     rho, E = 2.0, LADDER_STEEL.E / 2
     P = hertz_load(rho, E)
@@ -77,8 +79,9 @@ def test_hertz(hertz):
 
 @pytest.mark.parametrize("share", [0.2, 0.5, 0.8])
 def test_cattaneo_mindlin(hertz, half_planes, share):
-    """Tangential load Q < mu P after P: stick within c = a sqrt(1 - Q/(mu P)), slip outside, t by
-    superposition.
+    """Cattaneo-Mindlin: a tangential load Q < mu P sticks within c = a sqrt(1 - Q/(mu P)).
+
+    Outside the contact slips; t follows by superposition.
     """
     rho, mu, E = 2.0, 0.3, LADDER_STEEL.E / 2
     P = hertz_load(rho, E)
@@ -121,8 +124,9 @@ def test_cattaneo_mindlin(hertz, half_planes, share):
 
 
 def disc_in_hole(eps, count=50):
-    """A disc, loaded at its centre through a small core, in the hole of a large plate; meshes do
-    not match.
+    """A disc, loaded at its centre through a small core, in the hole of a large plate.
+
+    The meshes of disc and plate do not match.
 
     The elements shrink towards the ends +-eps [rad] of the contact, where p ~ sqrt(distance).
     """
@@ -182,15 +186,15 @@ def test_swapping_sides_changes_nothing_beyond_discretisation():
     a = active_set.solve(one.normal(gap(one.angle)))
     b = active_set.solve(two.normal(gap(two.angle)))
     assert 0.2 < (a.p > 0).mean() < 0.8
-    theta = np.linspace(2.2, 4.0, 50) - math.pi  # around the touching side, cos = -1 at pi
+    # The touching side of the disc is where the cosine is -1, at pi.
+    theta = np.linspace(2.2, 4.0, 50) - math.pi
     theta = np.where(theta > 0, theta - math.pi, theta + math.pi)
     pa, pb = (np.interp(theta, x.angle, f.p, period=2 * math.pi) for x, f in ((one, a), (two, b)))
     assert pa == pytest.approx(pb, abs=3e-3 * a.p.max())
 
 
 def wavy(mean_share, m=40):
-    """Ring in ring with a wavy gap: mean pressure and waviness against Westergaard's periodic
-    contact.
+    """Two rings with a wavy gap: mean pressure and waviness by Westergaard's periodic contact.
 
     The rings are thick against the wave 2 pi/m, so that each wave sees half-planes; the mean
     pressure comes from an interference.
@@ -207,8 +211,7 @@ def wavy(mean_share, m=40):
     amplitude = 1e-6
     p_star = math.pi * (LADDER_STEEL.E / 2) * amplitude * m / (2 * math.pi * R) * 1.0
     gap = amplitude * (1 - np.cos(m * pair.angle)) - mean_share * p_star * soft - amplitude
-    found = active_set.solve(pair.normal(gap))
-    return pair, found, p_star
+    return pair, active_set.solve(pair.normal(gap)), p_star
 
 
 def test_westergaard_full_contact():
@@ -221,8 +224,10 @@ def test_westergaard_full_contact():
 
 
 def test_westergaard_partial_contact():
-    """p = 2 p_mean cos(psi)/sin^2(psi_a) sqrt(sin^2 psi_a - sin^2 psi), psi = pi x/lambda, sin^2
-    psi_a = p_mean/p*.
+    """Partial contact of a wavy gap has Westergaard's pressure.
+
+    p = 2 p_mean cos(psi)/sin^2(psi_a) sqrt(sin^2 psi_a - sin^2 psi), psi = pi x/lambda, sin^2 psi_a
+    = p_mean/p*.
     """
     pair, found, p_star = wavy(0.2)
     m = 40
@@ -238,11 +243,6 @@ def test_westergaard_partial_contact():
 
 def test_lame_ring_under_inner_pressure():
     """a = .1, b = .2 m, p = 60 MPa, E = 200 GPa, nu = .3: u(a) = 5.90e-5, u(b) = 4.00e-5 m."""
-    from scipy.sparse.linalg import spsolve
-
-    from drumlin.fem.substructure.body import scalar_basis, stiffness
-    from drumlin.fem.substructure.interface import contact_line, couple, radial
-
     mesh = closed(np.linspace(-math.pi, math.pi, 33)[:-1], np.linspace(0, 0.1, 7), 0.1, 1)
     basis = scalar_basis(mesh)
     K = stiffness(basis, {"body": ElasticLayer.of(Material(E=200e9, nu=0.3), 0.02)}).tolil()

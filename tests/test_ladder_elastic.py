@@ -1,6 +1,4 @@
-"""Elasticity alone: a manufactured solution with its rates, and the singularity of a sharp sliding
-edge.
-"""
+"""Elasticity alone: a manufactured solution with its rates, and a sharp sliding edge."""
 
 import math
 
@@ -28,8 +26,9 @@ KINDS = {
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_manufactured_solution_converges_at_the_rate_of_the_element(kind):
-    """u = (sin(pi x) sin(pi y), x y) with its body force: L2 error of order 3 (quadratic) or 2
-    (linear).
+    """A manufactured solution converges in L2 with order 3 (quadratic) or 2 (linear elements).
+
+    u = (sin(pi x) sin(pi y), x y) with its body force.
     """
     make, raise_, order = KINDS[kind]
     E, nu = 1000.0, 0.3
@@ -66,7 +65,9 @@ def test_a_manufactured_solution_converges_at_the_rate_of_the_element(kind):
         free = np.setdiff1d(np.arange(2 * basis.N), np.concatenate([2 * edge, 2 * edge + 1]))
         held = np.setdiff1d(np.arange(2 * basis.N), free)
         u[free] = spsolve(K[free][:, free].tocsc(), f.ravel()[free] - K[free][:, held] @ u[held])
-        found = np.array([np.asarray(basis.interpolate(u[c::2])) for c in (0, 1)])
+        found = np.array(
+            [np.asarray(basis.interpolate(u[0::2])), np.asarray(basis.interpolate(u[1::2]))]
+        )
         errors.append(
             math.sqrt(float((((found - exact(*points)) ** 2).sum(axis=0) * basis.dx).sum()))
         )
@@ -77,8 +78,9 @@ def test_a_manufactured_solution_converges_at_the_rate_of_the_element(kind):
 
 @pytest.fixture(scope="module")
 def strip():
-    """A strip, rigid at its back, sharp edges: elements shrink to 1e-7 of its thickness at its ends
-    and face.
+    """A strip with sharp edges, rigid at its back.
+
+    Elements shrink to 1e-7 of its thickness towards its ends and its face.
     """
     thickness, half = 0.05, 0.1
     fine = towards(1e-8, 1.35, half)
@@ -100,12 +102,14 @@ def test_the_pressure_at_a_sharp_edge_that_the_drum_runs_onto_goes_as_r_to_lambd
     n = len(pair.angle)
     q = pair.coupling.M @ np.full(n, -1e-4 * thickness)
     found = active_set.solve(Problem(A, q, np.zeros((n, 0)), np.zeros((0, n)), np.zeros(0)))
-    r = pair.angle - pair.angle[0]  # the drum moves along +phi, onto this end
+    # The drum moves along +phi, onto this end.
+    r = pair.angle - pair.angle[0]
     near = (r > 1e-5 * thickness) & (r < 3e-3 * thickness)
     assert near.sum() > 10
     slope = np.polyfit(np.log(r[near]), np.log(found.p[near]), 1)[0]
     assert slope == pytest.approx(exponent - 1, abs=0.01)
     away = pair.angle[-1] - pair.angle
-    if mu:  # no singularity where the drum leaves
+    # Where the drum leaves the lining the stress has no singularity.
+    if mu:
         last = (away > 1e-5 * thickness) & (away < 3e-3 * thickness)
         assert found.p[last].max() < 1.2 * np.median(found.p)

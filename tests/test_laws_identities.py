@@ -10,9 +10,7 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 from pytest import approx
 
-from drumlin.base.errors import NoAnswer
-from drumlin.brake.brake import Brake
-from drumlin.brake.file import vary
+from drumlin import Brake, NoAnswer, vary
 from drumlin.laws import LAWS, Layout, pivoted
 from drumlin.laws.flat import FLAT_SHORT, LINEAR, FlatLayout
 from drumlin.laws.hinged import layout
@@ -76,9 +74,7 @@ def unlocked(name: str, brake: Brake) -> ShoeResponse:
 
 
 def forces(brake: Brake, shoe: ShoeResponse) -> tuple[np.ndarray, float]:
-    """Force (2,) and moment about O of p(theta) on the shoe, by trapezoids with the tractions
-    written out.
-    """
+    """Force (2,) and moment about O of p(theta) on the shoe, by trapezoids of its tractions."""
     theta = np.linspace(shoe.theta[0], shoe.theta[-1], 40001)
     p = shoe.pressure_at(theta) * brake.shoes[0].lining.width * brake.size
     outward = 1 if brake.shoes[0].side == "internal" else -1
@@ -108,14 +104,16 @@ def test_response_balances_by_integrating_its_own_pressure(brake: Brake, name: s
     )
     assert shoe.torque == approx(abs(moment), rel=1e-7)
     assert shoe.pressure.min() >= 0
-    assert shoe.peak_pressure == approx(shoe.pressure.max(), rel=1e-4)  # nodes straddle the peak
+    # Nodes straddle the peak and miss a little of it.
+    assert shoe.peak_pressure == approx(shoe.pressure.max(), rel=1e-4)
 
 
 @many
 @given(brakes(), st.sampled_from(["short", "block"]))
 def test_lumped_response_balances_at_the_middle(brake: Brake, name: str) -> None:
-    """The lumped laws' own free body: N and F = T/R at the middle, sized by integrals of their own
-    p.
+    """A lumped law balances the shoe with N and F = T/R at the middle of the lining.
+
+    Integrals of the law's own p give the sizes of N and F.
     """
     shoe = unlocked(name, brake)
     data = brake.shoes[0]
@@ -178,9 +176,7 @@ def test_merits_of_a_response_are_those_of_the_formula(brake: Brake, name: str) 
 @many
 @given(brakes(), st.sampled_from([*SPREAD, "short"]))
 def test_shoe_factor_by_barecki_from_the_position_of_the_resultant(brake: Brake, name: str) -> None:
-    """Barecki & Scieszka, eq. 26, is the moment balance in other words: S = T/(P R) for any
-    pressure.
-    """
+    """Barecki & Scieszka, eq. 26, restates the moment balance: S = T/(P R) for any pressure."""
     assume(brake.friction > 1e-3)
     unlocked(name, brake)
     (merit,) = MODELS[name].solve(brake).merits
@@ -289,13 +285,14 @@ def test_without_friction_no_torque_and_its_slope_at_zero_is_that_of_the_frictio
 @many
 @given(layouts(), LAW_NAMES)
 def test_torque_grows_without_bound_towards_locking(arc: Layout, name: str) -> None:
-    """T (mu_lock - mu)/mu stays what it is: T ~ 1/(mu_lock - mu); at mu_lock and beyond there is no
-    number.
+    """The torque grows as 1/(mu_lock - mu) towards locking; at mu_lock and beyond there is none.
+
+    T (mu_lock - mu)/mu stays constant.
     """
     law = LAWS[name]
     mu_lock = float(law.locking_friction(arc))
     assume(mu_lock < 1e3)
-    near = [mu_lock * (1 - gap) for gap in (1e-2, 1e-4, 1e-6)]
+    near = [mu_lock * (1 - 1e-2), mu_lock * (1 - 1e-4), mu_lock * (1 - 1e-6)]
     constant = [float(law.torque(1.0, mu, arc)) * (mu_lock - mu) / mu for mu in near]
     assert constant == approx([constant[0]] * 3, rel=1e-8)
     assert constant[0] > 0
@@ -336,8 +333,9 @@ def test_a_force_that_does_not_press_is_an_answer(brake: Brake, name: str, force
 
 @st.composite
 def levers(draw: st.DrawFn) -> Brake:
-    """A shoe on a pivot near where the pressure is p_0 cos, so that all of it presses at moderate
-    friction.
+    """Levers of a shoe on a pivot where the pressure is almost p_0 cos.
+
+    All of the lining presses at moderate friction.
     """
     middle, half, R = draw(st.floats(0.8, 2.2)), draw(st.floats(0.3, 0.75)), 0.25
     pivot = (
@@ -422,9 +420,7 @@ def test_pivot_at_its_place_makes_the_pressure_a_cosine_at_any_friction(
 
 
 def test_pivoted_lever_locks_and_tips() -> None:
-    """Beyond mu_lock, and with the pivot too far off the lining, there is no answer, and the line
-    says which.
-    """
+    """A pivoted lever beyond mu_lock, or with its pivot off the lining, is refused by its cause."""
     half, middle = 0.6, 1.2
     place = (float(pivot_radius(0.25, half)), middle)
     arc = (middle - half, middle + half)
@@ -534,6 +530,7 @@ def test_a_hundred_thousand_torques_of_every_law_in_a_tenth_of_a_second_each() -
     for name, call in calls.items():
         start = time.process_time()
         torque = call()
-        assert time.process_time() - start < 0.6, name  # a slow machine takes longer
+        # The bound leaves room for a slow machine.
+        assert time.process_time() - start < 0.6, name
         assert torque.shape == (10**5,)
         assert np.nanmax(torque) > 0

@@ -8,13 +8,13 @@ from typing import Any
 
 import pytest
 
-from drumlin.base.errors import BadInput, NoAnswer
-from drumlin.brake.file import vary
+from drumlin import BadInput, NoAnswer, vary
 from drumlin.brake.plane_brake import FlatBrake, read_any
 from drumlin.cli import main
 from drumlin.laws.simscape import DoubleShoe
 from drumlin.models import MODELS, pick
 from drumlin_studies.textbook_brakes import hinged
+from picking import picked
 
 STUDIES = Path(__file__).parent.parent / "studies"
 ON_DRUM = {"sine", "cosine", "block", "uniform", "short"}
@@ -30,7 +30,8 @@ FILES = {
     "laws/bhandari_12_8.toml": ON_DRUM,
     "post_brake/brake.toml": ON_DRUM | {"foundation"},
 }
-NOT_BRAKES = {"examples.toml"}  # the study's own data
+# The file of examples holds data of the study, not a brake.
+NOT_BRAKES = {"examples.toml"}
 
 
 @pytest.mark.parametrize(("file", "expected"), FILES.items())
@@ -45,7 +46,7 @@ def test_every_brake_file_is_answered_by_the_laws_that_apply_and_the_others_say_
         if name in expected:
             response = model.solve(brake)
             assert response.model == name
-            assert all(shoe.normal_force > 0 for shoe in response.shoes)
+            assert min(picked(response.shoes, "normal_force")) > 0
             assert max(response.balance.force, response.balance.moment) < 1e-9
         else:
             with pytest.raises(BadInput) as refusal:
@@ -257,19 +258,22 @@ def test_command_line_answers_or_says_why_not_in_one_line(
         assert out == ""
 
 
-def test_figures_of_merit_reach_the_json() -> None:
-    for file, keys in (
+@pytest.mark.parametrize(
+    ("file", "keys"),
+    (
         (
             "laws/block.toml",
             {"resultant_angle", "friction_radius", "shoe_factor", "mechanical_advantage", "m", "n"},
         ),
         ("laws/pad.toml", {"braking_force", "sensitivity_at_fixed_shape"}),
         ("laws/pivoted_block.toml", {"pivot_reaction", "double_delta"}),
-    ):
-        brake = read_any(STUDIES / file)
-        name = next(
-            name for name, model in MODELS.items() if name != "fem" and model.why_not(brake) is None
-        )
-        data = json.loads(json.dumps(MODELS[name].solve(brake).as_dict(), allow_nan=False))
-        assert keys <= set(data["shoes"][0])
-        assert ("bearing_load" in data) == (not isinstance(brake, FlatBrake))
+    ),
+)
+def test_figures_of_merit_reach_the_json(file, keys) -> None:
+    brake = read_any(STUDIES / file)
+    name = next(
+        name for name, model in MODELS.items() if name != "fem" and model.why_not(brake) is None
+    )
+    data = json.loads(json.dumps(MODELS[name].solve(brake).as_dict(), allow_nan=False))
+    assert keys <= set(data["shoes"][0])
+    assert ("bearing_load" in data) == (not isinstance(brake, FlatBrake))

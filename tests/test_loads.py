@@ -39,7 +39,7 @@ def with_further_force(xy, depths, p):
 @pytest.fixture
 def further(monkeypatch):
     """Every body in hp elements has the further column."""
-    for name in ("condense", "condensed"):
+    for name in ("condense_shoe", "condensed_body"):
         made = partial(getattr(hp_path, name), end_loads=with_further_force)
         monkeypatch.setattr(hp_path, name, made)
 

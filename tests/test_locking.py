@@ -8,8 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from conftest import partly, settled_sizes
-from drumlin.base.errors import NoAnswer
-from drumlin.brake.file import vary
+from drumlin import NoAnswer, vary
 from drumlin.contact import active_set, self_locking
 from drumlin.contact.equations import Problem
 from drumlin.contact.self_locking import Sliding, limit
@@ -21,15 +20,10 @@ from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin.laws import locking_friction, rigid
 from drumlin_studies.random_brake import random_brake
+from picking import picked
+from shared_parts import drum_ring
 
-RING = {
-    "drum.ring": {
-        "thickness": 0.015,
-        "width": 0.04,
-        "material": {"E": 120e9, "nu": 0.25},
-        "support": "free",
-    }
-}
+RING = drum_ring(0.015, "free")
 
 
 def one_node(a=1.0, lever=0.5):
@@ -48,8 +42,10 @@ def test_the_limit_of_one_node_on_a_hinge_is_that_of_its_lever(lever):
 
 
 def test_an_answer_that_turns_back_at_finite_pressure_ends_where_the_set_changes():
-    """w_2 = 0.5 - mu p_1 closes at mu = 0.5, where p_1 = 1 is far from any pole; on both nodes det
-    = 1 - 8 mu^2 < 0.
+    """An answer that turns back at finite pressure ends where its contact set changes.
+
+    w_2 = 0.5 - mu p_1 closes at mu = 0.5, where p_1 = 1 is far from any pole; on both nodes det = 1
+    - 8 mu^2 < 0.
     """
     still = Problem(
         np.eye(2), np.array([-1.0, 0.5]), np.zeros((2, 0)), np.zeros((0, 2)), np.zeros(0)
@@ -71,34 +67,30 @@ def test_an_answer_that_turns_back_at_finite_pressure_ends_where_the_set_changes
         active_set.solve(problems.at(0.51))
 
 
-def test_the_eigenvalue_is_exact_where_halving_was_not(brake):
+@pytest.mark.parametrize("changes", ({}, {"rotation": "clockwise"}, RING))
+def test_the_eigenvalue_is_exact_where_halving_was_not(changes, brake):
     """Just below the limit the answer is of order 1/distance; just beyond is none: to 1e-9."""
-    for changes in ({}, {"rotation": "clockwise"}, RING):
-        changed = vary(brake, changes)
-        scene = prepare(changed, elements=20)
-        group, end = min(limits(scene, changed, 3.0).items(), key=lambda item: item[1].friction)
-        problems = ShoeGroup(scene, changed, group).sliding
-        near = [
-            active_set.solve(problems.at(end.friction * (1 - gap)), end.last.active).p.max() * gap
-            for gap in (1e-7, 1e-9)
-        ]
-        assert near[1] == pytest.approx(near[0], rel=1e-4)
-        for start in (None, end.last.active, ~end.last.active):
-            with pytest.raises(NoAnswer):
-                active_set.solve(problems.at(end.friction * (1 + 1e-9)), start)
-        with pytest.raises(
-            NoAnswer, match=rf"mu_lock = {end.friction:.4g} .rigid-shoe law: 0.8231"
-        ):
-            respond(scene, vary(changed, {"friction": end.friction * 1.01}))
+    changed = vary(brake, changes)
+    scene = prepare(changed, elements=20)
+    group, end = min(limits(scene, changed, 3.0).items(), key=lambda item: item[1].friction)
+    problems = ShoeGroup(scene, changed, group).sliding
+    near = [
+        active_set.solve(problems.at(end.friction * (1 - gap)), end.last.active).p.max() * gap
+        for gap in (1e-7, 1e-9)
+    ]
+    assert near[1] == pytest.approx(near[0], rel=1e-4)
+    for start in (None, end.last.active, ~end.last.active):
+        with pytest.raises(NoAnswer):
+            active_set.solve(problems.at(end.friction * (1 + 1e-9)), start)
+    with pytest.raises(NoAnswer, match=rf"mu_lock = {end.friction:.4g} .rigid-shoe law: 0.8231"):
+        respond(scene, vary(changed, {"friction": end.friction * 1.01}))
 
 
 def test_both_hands_lock_alike_and_the_other_shoe_never(brake):
     found = []
     for rotation in ("counter-clockwise", "clockwise"):
         turning = vary(brake, {"rotation": rotation})
-        found.append(
-            [end.friction for end in limits(prepare(turning, elements=20), turning).values()]
-        )
+        found.append(picked(limits(prepare(turning, elements=20), turning).values(), "friction"))
     assert found[0][0] == found[1][1] == math.inf
     assert found[0][1] == pytest.approx(found[1][0], rel=1e-12)
 
@@ -121,7 +113,8 @@ def test_rigid_shoes_tend_to_the_law_as_their_linings_become_thin(brake):
         rigid = vary(brake, {"shoe.body": None, "shoe.lining.thickness": t})
         off.append(limits(prepare(rigid, elements=60), rigid, 3.0)[(1,)].friction / law - 1)
     assert abs(off[2]) < 5e-3
-    assert off[0] / off[1] == pytest.approx(2, rel=0.05)  # linear in t/R: the lining's shear
+    # The difference is linear in t/R by the lining's own shear.
+    assert off[0] / off[1] == pytest.approx(2, rel=0.05)
     assert off[1] / off[2] == pytest.approx(2, rel=0.05)
 
 
@@ -154,9 +147,10 @@ def test_below_half_the_limit_all_starts_agree_and_beyond_it_none_is_answered(se
 
 
 def test_where_the_answer_turns_back_those_beyond_stand_apart_and_are_refused():
-    """A dent in this lining lets the contact leap: other answers are in equilibrium beyond, up to
-    mu = 1.269 and again on the lining's end alone. Nothing leads to them, however long the steps of
-    friction that would leap too.
+    """Answers beyond the turning point of friction stand apart and are refused.
+
+    A dent in this lining lets the contact leap: other answers are in equilibrium up to mu = 1.269
+    and again on the lining's end alone. No path of friction leads to them, however long its steps.
     """
     brake = random_brake(37, "locking")
     scenes = prepare(brake, elements=16), prepare(brake, LEVELS[2]), prepare(brake, elements=64)
@@ -174,8 +168,9 @@ def test_where_the_answer_turns_back_those_beyond_stand_apart_and_are_refused():
 
 
 def test_beyond_the_limit_of_the_rigid_shoe_a_quiet_answer_is_not_taken_unfollowed():
-    """At twice that limit one stands apart that is stable and hardly grows with friction; no
-    friction leads there.
+    """A stable answer beyond the rigid shoe's limit is refused unless friction leads to it.
+
+    At twice that limit one stands apart that hardly grows with friction.
     """
     brake = random_brake(100, "locking")
     (group,) = groups_of(prepare(brake, elements=14), brake, 1e6)
@@ -191,8 +186,10 @@ def test_beyond_the_limit_of_the_rigid_shoe_a_quiet_answer_is_not_taken_unfollow
 
 
 def test_a_large_problem_is_answered_as_if_it_were_followed_on_all_nodes(flexible, monkeypatch):
-    """Assisted and opposed, up to the limit and beyond it, followed on every other, fourth and
-    eighth node.
+    """A large problem is answered as if it were followed on all nodes.
+
+    It is followed on every other, fourth and eighth node, assisted and opposed, up to the limit and
+    beyond.
     """
     scene = prepare(flexible, elements=24)
     for group in groups_of(scene, flexible, 1e4):
@@ -227,7 +224,8 @@ def test_the_law_that_is_kept_with_a_scene_is_that_of_the_brake_at_hand(
     brake, changes, monkeypatch
 ):
     scene, other = prepare(brake, elements=8), vary(brake, changes)
-    turned = other.model_copy(update={"shoes": other.shoes[::-1]})  # a mirror image in each place
+    # Each shoe becomes a mirror image in the other one's place.
+    turned = other.model_copy(update={"shoes": other.shoes[::-1]})
     for at_hand in (other, turned):
         expected = [rigid.locking_friction(at_hand, shoe) for shoe in at_hand.shoes]
         assert math.inf in expected and min(expected) < 10
@@ -255,7 +253,9 @@ def test_below_the_first_singular_set_every_load_has_one_answer(brake):
 
 @pytest.mark.parametrize(("elements", "large"), [(16, 600), (48, 600), (64, 600), (64, 30)])
 def test_of_two_stable_answers_the_one_that_friction_leads_to(elements, large, monkeypatch):
-    """At mu = 0.822, a hundredth below where its contact jumps, this shoe has another one of four
+    """Of two stable answers solve returns the one that growing friction leads to.
+
+    At mu = 0.822, a hundredth below the jump of its contact, this shoe has another answer of four
     times the torque.
     """
     monkeypatch.setattr(self_locking, "HALVED_ABOVE", large)
@@ -299,8 +299,9 @@ def test_from_a_quiet_answer_at_half_of_the_friction_the_others_are_followed(
 
 
 def test_a_refusal_is_not_its_own_cause(brake):
-    """A sweep asks a refusal for what caused it, and so on: of a chain that leads back to itself
-    for ever.
+    """A refusal is not its own cause: a chain of causes that leads back to itself ends.
+
+    A sweep asks a refusal for its cause, and the cause for its own.
     """
     locked = vary(brake, {"friction": 1.3})
     with pytest.raises(NoAnswer, match="self-locking") as refused:

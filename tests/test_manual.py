@@ -1,6 +1,4 @@
-"""The manual: what is read off the program is complete, every public name is described, examples
-and links hold.
-"""
+"""The manual is complete, describes every public name, and its examples and links hold."""
 
 import ast
 import importlib
@@ -19,6 +17,7 @@ from drumlin.base.errors import NoAnswer
 from drumlin.brake.fields import Part
 from drumlin.models import MODELS
 from drumlin.studies import load
+from picking import picked
 
 manual = load("manual")[0]
 listing, keys = manual.listing, manual.listing.keys
@@ -52,7 +51,7 @@ def test_every_key_of_every_file_is_described():
         "Meshed",
         "Shoe",
     }
-    assert {kind.__name__ for kind in here - set(listed)} == in_no_file
+    assert set(picked(here - set(listed), "__name__")) == in_no_file
     assert len(listed) == len(set(listed))
     text = listing.brake_file() + listing.sweep_file()
     for kind in listed:
@@ -74,7 +73,8 @@ def test_a_value_says_its_kind_unit_and_limits():
     text = listing.brake_file()
     assert '| `radius` | a length such as `"8 mm"`, > 0; required |' in text
     assert "| `friction` | a number, ≥ 0, ≤ 1e+06; required |" in text
-    assert '| `blocks` | rows like `["55 deg", "8 mm"]`; may be left out |' in text  # no number
+    # The default of `blocks` is given in words, not as a number.
+    assert '| `blocks` | rows like `["55 deg", "8 mm"]`; may be left out |' in text
     assert '| `blocks` | rows like `["8 mm", "8 mm"]`; may be left out |' in text
     assert (
         '| `clearance` | a length such as `"8 mm"`, or rows like `["55 deg", "8 mm"]`; default'
@@ -129,9 +129,7 @@ def test_every_public_name_has_a_docstring():
 
 
 def public(tree, owner=""):
-    """Public functions, classes and their methods; a method that overrides another's is described
-    there.
-    """
+    """Public functions, classes and methods; an overriding method counts with the first one."""
     for node in tree.body:
         if isinstance(node, ast.FunctionDef | ast.ClassDef) and not node.name.startswith("_"):
             yield node, owner
@@ -174,7 +172,7 @@ def test_a_notebook_is_stripped_and_uses_the_door_alone(path):
             tree = ast.parse(cell.source)
             for node in ast.walk(tree):
                 names = (
-                    [alias.name for alias in node.names]
+                    picked(node.names, "name")
                     if isinstance(node, ast.Import | ast.ImportFrom)
                     else []
                 )
@@ -247,9 +245,9 @@ class Links(HTMLParser):
 
 @pytest.mark.slow
 def test_the_manual_is_built_whole_and_stands_alone(tmp_path, monkeypatch):
-    monkeypatch.setenv("MPLBACKEND", "agg")  # as the command line does
-    page = manual.report(manual.study(), tmp_path / "manual")
-    site = page.parent
+    # The command line sets this backend, too.
+    monkeypatch.setenv("MPLBACKEND", "agg")
+    site = manual.report(manual.study(), tmp_path / "manual").parent
     pages = {path: Links(path.read_text(encoding="utf-8")) for path in site.rglob("*.html")}
     assert len(pages) > 20
     for path, found in pages.items():
@@ -275,11 +273,11 @@ def test_the_manual_is_built_whole_and_stands_alone(tmp_path, monkeypatch):
     # The number on the page was computed when the page was built.
     assert f"{torque:.6g}" in text
     for name in ("engineer/table", "engineer/which_law", "researcher/python", "notebooks/engineer"):
-        assert "_images/" in (site / f"{name}.html").read_text(
-            encoding="utf-8"
-        )  # the figures of its examples
+        # These are the figures of the manual's examples.
+        assert "_images/" in (site / f"{name}.html").read_text(encoding="utf-8")
     assert "<math" in (site / "researcher" / "contact.html").read_text(encoding="utf-8")
-    for path in pages:  # no command of TeX is left in a formula
+    # No command of TeX may be left in a formula.
+    for path in pages:
         assert not re.search(r"<m[ion][^>]*>\\", path.read_text(encoding="utf-8")), path.name
     index = (site / "searchindex.js").read_text(encoding="utf-8")
     assert '"lock' in index or "lock:" in index

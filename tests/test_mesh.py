@@ -16,6 +16,7 @@ from drumlin.fem.model import respond
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin_studies.stated_true import errors
+from shared_parts import of_shoes
 
 
 @given(st.integers(1, 300), st.floats(1e-3, 2), st.floats(1e-3, 1))
@@ -41,7 +42,8 @@ def test_groups_cover_the_mesh_and_its_ends(brake):
         radius = np.hypot(*mesh.p[:, np.unique(mesh.facets[:, mesh.boundaries["contact"]])])
         assert radius == pytest.approx(spec.drum.radius, rel=1e-13)
         hinge = mesh.p[:, np.unique(mesh.facets[:, mesh.boundaries["hinge"]])]
-        assert np.arctan2(hinge[1], hinge[0]) == pytest.approx(0, abs=1e-12)  # the pin's ray
+        # The axis of the mesh is the pin's ray.
+        assert np.arctan2(hinge[1], hinge[0]) == pytest.approx(0, abs=1e-12)
         assert len(mesh.boundaries["actuation"]) > 0
 
 
@@ -57,12 +59,11 @@ def test_a_mesh_is_as_exact_as_is_said(name):
 @pytest.fixture
 def written(tmp_path, brake):
     """The parametric meshes of both shoes as files, and a brake that uses them."""
+    paths = []
     for shoe in brake.shoes:
-        write_mesh(tmp_path / f"{shoe.name}.msh", shoe_mesh(shoe, brake.drum.radius, 30), shoe)
-    changes = {
-        f"shoe[{i}].mesh": str(tmp_path / f"{shoe.name}.msh") for i, shoe in enumerate(brake.shoes)
-    }
-    return vary(brake, changes)
+        paths.append(tmp_path / f"{shoe.name}.msh")
+        write_mesh(paths[-1], shoe_mesh(shoe, brake.drum.radius, 30), shoe)
+    return vary(brake, of_shoes("mesh", paths))
 
 
 def test_a_mesh_file_gives_the_answer_of_the_parametric_mesh_it_came_from(brake, written):
@@ -140,7 +141,8 @@ def test_a_mesh_that_does_not_fit_is_refused_in_one_line(written, brake, case):
     assert "\n" not in str(refusal.value)
 
 
-@pytest.mark.parametrize("name", ["double_shoe_left.msh", "web_shoe.msh"])  # formats 2.2 and 4.1
+# The two files have the formats 2.2 and 4.1.
+@pytest.mark.parametrize("name", ["double_shoe_left.msh", "web_shoe.msh"])
 def test_a_node_number_that_would_fill_the_memory_is_refused(tmp_path, brake, name):
     text = (ROOT / "meshes" / name).read_text()
     start = text.index("\n", text.index("$Nodes\n") + 7) + 1
@@ -169,8 +171,9 @@ def test_files_that_are_no_mesh_are_refused(tmp_path, brake):
 
 
 def test_the_committed_meshes_solve_as_the_brake_they_were_made_from(brake):
-    """meshes/double_shoe.toml: the parametric shoes of the study at 24 elements, through their
-    files.
+    """The committed meshes solve as the parametric brake they were made from.
+
+    meshes/double_shoe.toml: the study's shoes at 24 elements, through their files.
     """
     filed = read_brake(ROOT / "meshes" / "double_shoe.toml")
     assert solve(filed).torque == pytest.approx(solve(brake, elements=24).torque, rel=1e-9)

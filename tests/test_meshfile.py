@@ -1,6 +1,4 @@
-"""Mesh files: every format and kind gives the answer of the mesh that was written, and every fault
-is one line.
-"""
+"""Mesh files: every format and kind gives the written mesh's answer, every fault one line."""
 
 import math
 import random
@@ -118,8 +116,10 @@ def test_an_input_file_that_gmsh_writes_has_edges_as_elements(tmp_path):
 
 
 def test_an_input_file_as_people_write_it(tmp_path, brake):
-    """Two element sections with their sets, sets of sets, ranges, long lines, small letters,
-    foreign keywords.
+    """An input file as people write it is read.
+
+    Two element sections with their sets, sets of sets, ranges, long lines, small letters, foreign
+    keywords.
     """
     (tmp_path / "m.inp").write_text(
         """*Heading
@@ -441,7 +441,8 @@ def test_nodes_of_no_element_either_orientation_and_other_groups_do_not_matter(t
 
     def change(mesh):
         cells = cells_of(mesh).copy()
-        cells[::3] = cells[::3][:, [1, 0, 3, 2, 4, 7, 6, 5, 8]]  # clockwise
+        # These cells are given clockwise.
+        cells[::3] = cells[::3][:, [1, 0, 3, 2, 4, 7, 6, 5, 8]]
         order = np.random.default_rng(0).permutation(len(mesh.points))
         back = np.argsort(order)
         return meshio.Mesh(
@@ -492,7 +493,8 @@ def test_the_web_shoe_solves_balances_and_keeps_near_the_sine_law():
     mesh = scene.bodies[0].mesh
     assert set(mesh.subdomains) == {"lining", "backing", "shoe"}
     euler = mesh.nvertices - mesh.nfacets + mesh.nelements
-    assert 1 - euler == 5  # holes: pin, three to save weight, spring
+    # The web has five holes: one for the pin, three to save weight, one for a spring.
+    assert 1 - euler == 5
     assert WEB.with_suffix(".msh").stat().st_size < 300_000
 
 

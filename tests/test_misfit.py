@@ -1,7 +1,7 @@
 """Misfit: exact geometry, what it does to the contact, its symmetries, and how wear heals it."""
 
 import math
-from itertools import pairwise
+from itertools import pairwise, starmap
 
 import numpy as np
 import pytest
@@ -22,6 +22,7 @@ from drumlin.lining_wear import run_in
 from drumlin.lining_wear.linings import fem_setup
 from drumlin.lining_wear.worn_in import worn_in
 from drumlin.response.norms import pressure_distance
+from picking import picked
 
 R = 0.15
 TEXT = (STUDY / "brake.toml").read_text()
@@ -46,7 +47,8 @@ def test_the_gap_ends_on_the_linings_own_circle(dr, x, y, middle, sign):
     centre = (R - r) * np.exp(1j * middle) + R * (x + 1j * y)
     assert np.abs(rho * np.exp(1j * theta) - centre) == pytest.approx(np.full(41, r), rel=1e-13)
     if x == y == 0:
-        assert abs(gap[20]) <= 1e-15 * R  # the circles meet in the lining's middle
+        # Both circles meet in the lining's middle.
+        assert abs(gap[20]) <= 1e-15 * R
 
 
 @pytest.mark.parametrize(("dr", "offset"), [(-1e-4, 0.0), (1e-4, 0.0), (0.0, 1e-4), (-1e-4, 1e-4)])
@@ -66,8 +68,10 @@ def test_to_first_order_the_gap_is_that_of_small_mismatches(dr, offset):
     ("side", "dr"), [("internal", -1), ("internal", 1), ("external", -1), ("external", 1)]
 )
 def test_where_a_lining_of_another_radius_touches(side, dr):
-    """Internal: a smaller one in its middle, a larger one at its ends; external the other way
-    round.
+    """A lining of another radius touches where geometry says.
+
+    On an internal shoe a smaller one bears in its middle, a larger one at its ends; on an external
+    shoe the other way round.
     """
     sign = 1 if side == "internal" else -1
     brake = vary(rigid(side), {f"{MISFIT}.radius": R + dr * 5e-4})
@@ -140,10 +144,12 @@ def test_gross_mismatch_on_a_thick_lining_is_hertz():
 
 
 def test_an_offset_across_the_hinges_radius_is_a_turn_of_the_shoe():
-    """It changes the gap by sin(phi), which the shoe's turn takes back; along the radius it does
-    not.
+    """An offset across the hinge's radius changes the gap by sin(phi), as a turn of the shoe does.
+
+    The shoe turns back by it; an offset along the radius stays.
     """
     base, hinge = respond(SCENE, BRAKE), BRAKE.shoes[0].hinge
+    # A move across the hinge's radius is nearly a turn about the hinge.
     across = np.array([-hinge.y, hinge.x]) / hinge.radius
     along = hinge.xy / hinge.radius
     changes = []
@@ -159,7 +165,7 @@ def test_an_offset_across_the_hinges_radius_is_a_turn_of_the_shoe():
 
 
 def same(a, b, rel=1e-9):
-    assert [s.torque for s in a.shoes] == pytest.approx([s.torque for s in b.shoes], rel=rel)
+    assert picked(a.shoes, "torque") == pytest.approx(picked(b.shoes, "torque"), rel=rel)
     for x, y in zip(a.shoes, b.shoes, strict=True):
         assert x.pressure == pytest.approx(y.pressure, rel=rel, abs=rel * y.pressure.max())
 
@@ -167,9 +173,11 @@ def same(a, b, rel=1e-9):
 def test_taper_blocks_and_growth_are_the_clearances_that_they_say():
     lining = BRAKE.shoes[0].lining
     taper = vary(BRAKE, {"shoe[0].lining.misfit.taper": 4e-5})
-    table = [[lining.start, -2e-5], [lining.end, 2e-5]]  # the right shoe's hinge is at the start
+    # The right shoe's hinge is at the start of its lining.
+    table = [[lining.start, -2e-5], [lining.end, 2e-5]]
     same(respond(SCENE, taper), respond(SCENE, vary(BRAKE, {"shoe[0].lining.clearance": table})))
-    other = vary(BRAKE, {"shoe[1].lining.misfit.taper": 4e-5})  # the left one's is at the end
+    # The left shoe's hinge is at the end of its lining.
+    other = vary(BRAKE, {"shoe[1].lining.misfit.taper": 4e-5})
     at = BRAKE.shoes[1].lining
     table = [[at.start, 2e-5], [at.end, -2e-5]]
     same(respond(SCENE, other), respond(SCENE, vary(BRAKE, {"shoe[1].lining.clearance": table})))
@@ -180,6 +188,7 @@ def test_taper_blocks_and_growth_are_the_clearances_that_they_say():
     assert clearance.block_gap(blocks, theta) == pytest.approx(
         [0, 0, 1e-5, 2e-5, 2e-5, 5e-6, -1e-5, -1e-5], abs=1e-15
     )
+    # A drum that grows evenly has a lobe of order 0.
     growth = clearance.thermal_growth(R, 1.2e-5, 100.0)
     assert growth == pytest.approx(1.8e-4)
     hot = vary(BRAKE, {"drum.out_of_round": [{"order": 0, "amplitude": growth}]})
@@ -222,8 +231,9 @@ def test_a_step_between_blocks_converges_with_the_mesh():
 def test_the_torque_over_a_turn_has_the_period_of_the_lobes(order):
     brake = vary(BRAKE, {"drum.out_of_round": [{"order": order, "amplitude": 2e-5}]})
     angles = np.linspace(0, 2 * math.pi / order, 6, endpoint=False)
+    # One turn of the lobes' period later the drum presents the same shape.
     once, again = (
-        [r.torque for r in clearance.one_turn(brake, lambda b: respond(SCENE, b), start + angles)]
+        picked(clearance.one_turn(brake, lambda b: respond(SCENE, b), start + angles), "torque")
         for start in (0.0, 2 * math.pi / order)
     )
     assert again == pytest.approx(once, rel=1e-9)
@@ -246,6 +256,7 @@ def mirrored(brake):
         shoe["actuation"]["direction"] = math.pi - shoe["actuation"]["direction"]
         if m["blocks"]:
             ((at, depth),) = m["blocks"]
+            # A step that rises one way falls the other way from a level that is deeper by it.
             m["blocks"], lining["clearance"] = [[math.pi - at, -depth]], lining["clearance"] + depth
     return brake_from(data)
 
@@ -294,14 +305,13 @@ def test_mirror_image_and_units_change_nothing(dr, x, y, taper, depth, lobe, ang
         solve(mirrored(brake), elements=40),
         solve(scaled(brake, 2), elements=40),
     )
-    assert [s.torque for s in there.shoes] == pytest.approx(
-        [s.torque for s in here.shoes], rel=1e-7
+    assert picked(there.shoes, "torque") == pytest.approx(picked(here.shoes, "torque"), rel=1e-7)
+    # A moment is a force times a length: twice the size has eight times the moment.
+    assert np.array(picked(large.shoes, "torque")) / 8 == pytest.approx(
+        picked(here.shoes, "torque"), rel=1e-7
     )
-    assert [s.torque / 8 for s in large.shoes] == pytest.approx(
-        [s.torque for s in here.shoes], rel=1e-7
-    )
-    assert [s.peak_pressure for s in large.shoes] == pytest.approx(
-        [s.peak_pressure for s in here.shoes], rel=1e-7
+    assert picked(large.shoes, "peak_pressure") == pytest.approx(
+        picked(here.shoes, "peak_pressure"), rel=1e-7
     )
 
 
@@ -313,6 +323,7 @@ def test_the_foundation_has_the_same_misfit():
     for i, shoe in enumerate(changed.shoes):
         theta = np.linspace(shoe.lining.start, shoe.lining.end, 4001)
         gap = clearance.gap(changed, shoe, theta)
+        # The same gap is given as a table of many rows.
         tables[f"shoe[{i}].lining.clearance"] = np.column_stack([theta, gap]).tolist()
     same(foundation.solve(changed), foundation.solve(vary(brake, tables)), rel=1e-5)
     assert foundation.solve(changed).torque != pytest.approx(
@@ -321,19 +332,21 @@ def test_the_foundation_has_the_same_misfit():
 
 
 def test_worn_in_every_lining_bears_by_the_sine_law():
-    """Whatever misfit it had, internal shoes as external ones; on a drum that is not round it does
-    not stay so.
+    """Worn in, a lining of any misfit bears by the sine law, inside or outside the drum.
+
+    On a drum that is not round it does not stay so.
     """
     law = sine(BRAKE)
     off = vary(BRAKE, {f"{MISFIT}.radius": R - 1e-4, f"{MISFIT}.taper": 5e-5})
     worn = respond(SCENE, worn_in(SCENE, off))
     assert worn.torque == pytest.approx(law.torque, rel=1e-6)
-    assert max(pressure_distance(a, b) for a, b in zip(worn.shoes, law.shoes, strict=True)) < 1e-4
+    assert max(starmap(pressure_distance, zip(worn.shoes, law.shoes, strict=True))) < 1e-4
     assert (
-        min(min(gap for _, gap in shoe.lining.clearance) for shoe in worn_in(SCENE, off).shoes) >= 0
+        min(np.array(shoe.lining.clearance)[:, 1].min() for shoe in worn_in(SCENE, off).shoes) >= 0
     )
     block = rigid("external", half=40, force=500.0)
-    assert solve(block, elements=20).torque == 0  # no friction
+    # Without friction the block does not brake.
+    assert solve(block, elements=20).torque == 0
     block = vary(block, {"friction": 0.3})
     scene = prepare(block, elements=20)
     assert respond(scene, worn_in(scene, block)).torque == pytest.approx(
@@ -344,8 +357,9 @@ def test_worn_in_every_lining_bears_by_the_sine_law():
 
 
 def test_the_worn_in_shape_is_the_one_that_wear_ends_with():
-    """Archard's wear, step by step: its worn shape is `worn_in`'s but for what the shoe's turn
-    makes up, sin(phi).
+    """`worn_in` returns the shape that Archard's wear ends with.
+
+    Both differ by a turn of the shoe alone, sin(phi).
     """
     off = vary(BRAKE, {f"{MISFIT}.radius": R + 5e-5, f"{MISFIT}.taper": -3e-5})
     setup = fem_setup(SCENE, off)
@@ -356,7 +370,9 @@ def test_the_worn_in_shape_is_the_one_that_wear_ends_with():
         theta, gap = np.array(at_once.lining.clearance).T
         difference = clearance.gap(ended, by_wear, theta) - gap
         turn = np.sin(by_wear.frame.phi(theta))
+        # The part of the difference that a turn of the shoe makes is taken off.
         left = difference - turn * (turn @ difference) / (turn @ turn)
+        # At the lining's ends the pressure has a spike that wears for ever.
         inside = slice(2, -2)
         assert np.abs(left[inside]).max() < 0.02 * np.ptp(gap)
 

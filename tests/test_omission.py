@@ -1,9 +1,8 @@
-"""What is left out of a brake: exact where it is said to be, predicted where not; for a tolerance,
-nothing is.
-"""
+"""Neglected parts of a brake: exact where claimed, predicted otherwise, none for a tolerance."""
 
 import math
 from dataclasses import replace
+from itertools import starmap
 
 import numpy as np
 import pytest
@@ -12,6 +11,7 @@ from conftest import STUDY, partly
 from drumlin.base.errors import BadInput
 from drumlin.brake.components import Ring
 from drumlin.brake.file import read_brake, vary
+from drumlin.fem.equilibrium.group import ShoeGroup
 from drumlin.fem.error_control.adapt import Tolerance, adapt
 from drumlin.fem.model import respond
 from drumlin.fem.preparation.prepare import prepare
@@ -25,6 +25,7 @@ from drumlin_studies.omission_table import (
     worst_straight,
 )
 from drumlin_studies.reduced import HALF_PLANE_WAVE, ring_modes, sketcher
+from picking import having, picked, saying
 
 BRAKE = read_brake(STUDY / "brake.toml")
 POST = read_brake(STUDY.parent / "post_brake" / "brake.toml")
@@ -53,9 +54,7 @@ def alone(brake):
 
 def test_what_is_left_out_exactly_changes_nothing_but_round_off():
     for brake, count in ((BRAKE, 2), (vary(BRAKE, {"friction": 0.0}), 3)):
-        exact = [
-            row for row in omissions(brake, "b", elements=16, repeats=0) if row["exact"] == "yes"
-        ]
+        exact = having(omissions(brake, "b", elements=16, repeats=0), exact="yes")
         assert len(exact) == count
         for row in exact:
             assert max(row["torque"], row["pressure"], row["reaction"]) < 1e-9
@@ -67,8 +66,10 @@ def test_what_is_left_out_exactly_changes_nothing_but_round_off():
 
 @pytest.mark.parametrize("support", ["fixed", "free"])
 def test_the_sketched_ring_is_the_thick_walled_ring_and_the_thin_one_of_theory(support):
-    """Mode 0 against Lame, high modes against the half-plane, of a thin free ring modes 2 to 5
-    against bending.
+    """The surrogate ring yields as a thick-walled ring and, when thin, as bending theory says.
+
+    Mode 0 against Lame, high modes against the half-plane, modes 2 to 5 of a thin free ring against
+    bending.
     """
     R, t, E, nu = 0.15, 0.02, 1.2e11, 0.25
     ring = Ring(thickness=t, width=0.04, material=IRON, support=support)
@@ -79,7 +80,8 @@ def test_the_sketched_ring_is_the_thick_walled_ring_and_the_thin_one_of_theory(s
     outer = [b, 1 / b] if support == "fixed" else stress(b)
     A, B = np.linalg.solve(np.array([stress(R), outer]), [-1.0, 0.0])
     assert radial[0] == pytest.approx(A * R + B / R, rel=1e-6)
-    below = int(HALF_PLANE_WAVE * R / t)  # the last wave that is not that of a half-plane
+    # Higher waves are those of a half-plane.
+    below = int(HALF_PLANE_WAVE * R / t)
     assert radial[below] == pytest.approx(2 * R / (E * below), rel=5e-3)
     assert shear[below] == pytest.approx((1 - nu) * R / (E * below), rel=2e-2)
     assert radial[250] == pytest.approx(2 * R / (E * 250), rel=1e-12)
@@ -105,9 +107,7 @@ def test_the_sketched_ring_is_the_thick_walled_ring_and_the_thin_one_of_theory(s
 def test_a_sketch_of_closed_forms_answers_as_the_finite_elements_of_its_mesh(brake):
     sketch, full = respond(sketcher(24)(brake), brake), solve(brake, elements=24)
     assert sketch.torque == pytest.approx(full.torque, rel=4e-3)
-    assert (
-        max(pressure_distance(a, b) for a, b in zip(sketch.shoes, full.shoes, strict=True)) < 0.05
-    )
+    assert max(starmap(pressure_distance, zip(sketch.shoes, full.shoes, strict=True))) < 0.05
 
 
 LADDER = {
@@ -185,10 +185,8 @@ def test_a_tolerance_leaves_neither_ring_nor_shoe_out_and_holds(case):
         assert max(true.pressure, true.torque) <= tolerance
         assert max(response.error["pressure"], response.error["torque"]) <= tolerance
         assert true.torque <= response.error["torque"] + 1e-6
-        assert any("no [drum.ring]" in line for line in response.left_out) == (brake.ring is None)
-        assert any("no [shoe.body]" in line for line in response.left_out) == (
-            brake.shoes[0].body is None
-        )
+        assert bool(saying(response.left_out, "no [drum.ring]")) == (brake.ring is None)
+        assert bool(saying(response.left_out, "no [shoe.body]")) == (brake.shoes[0].body is None)
 
 
 def test_a_change_is_that_of_the_shoe_that_changes_most():
@@ -212,15 +210,14 @@ def test_omissions_compose_and_their_words_are_checked():
     brake = vary(BRAKE, ringed("free") | backed(0.005, 1e10))
     bare = simplified(brake, ["ring", "shoe", "backing"])
     assert bare.ring is None
-    assert all(shoe.body is None and shoe.backing is None for shoe in bare.shoes)
+    for shoe in bare.shoes:
+        assert shoe.body is None and shoe.backing is None
     assert simplified(POST, ["shoe", "backing"]).shoes == POST.shoes
     with pytest.raises(BadInput, match="'rim': cannot be left out; allowed: ring, coupling"):
         simplified(brake, ["rim"])
 
 
 def test_without_drag_the_contact_is_symmetric_and_forces_still_balance():
-    from drumlin.fem.equilibrium.group import ShoeGroup
-
     brake = vary(BRAKE, ringed("free"))
     scene, simple = scene_without(brake, ["drag"], lambda spec: prepare(spec, elements=16))
     A = ShoeGroup(
@@ -241,7 +238,7 @@ def test_straight_edges_cost_what_the_waves_say_that_they_press_into_the_lining(
     """Under a load that keeps all of it in contact; half as much on twice as many elements."""
     brake = alone(vary(BRAKE, RIGID | {"shoe.actuation.force": 1e5}))
     rows = [omissions(brake, "b", elements=n, repeats=0)[1:] for n in (36, 72)]
-    coarse, fine = (next(row for row in found if row["part"] == "curvature") for found in rows)
+    coarse, fine = (having(found, part="curvature")[0] for found in rows)
     for row in (coarse, fine):
         assert row["pressure"] < 0.3
         assert 0.5 < row["predicted_pressure"] / row["pressure"] < 2
@@ -254,7 +251,7 @@ def test_rows_are_summed_up_and_a_case_without_answer_stays():
     failed = [
         row for row in locked if row["status"].startswith("failed: shoe 'left': self-locking")
     ]
-    assert {row["part"] for row in failed} >= {"shoe"}
+    assert set(picked(failed, "part")) >= {"shoe"}
     every = [*rows, *locked]
     ratios = {
         row["part"]: row["predicted_pressure"] / row["pressure"]
@@ -268,7 +265,5 @@ def test_rows_are_summed_up_and_a_case_without_answer_stays():
         row["pressure"] for row in rows if row["part"] == "curvature"
     )
     shares = time_saved(every, -1e9)
-    assert shares["drag"] == tuple(
-        next(row["seconds"] for row in rows if row["part"] == "drag") for _ in range(2)
-    )
+    assert shares["drag"] == tuple(having(rows, part="drag")[0]["seconds"] for _ in range(2))
     assert not {"all", "interior fields"} & set(shares)

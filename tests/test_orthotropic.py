@@ -1,6 +1,4 @@
-"""Orthotropic materials: keys and refusals, closed forms, other solvers, and what physics asks of
-every brake.
-"""
+"""Orthotropic materials: keys and refusals, closed forms, other solvers, and physics."""
 
 import math
 import re
@@ -43,6 +41,8 @@ from drumlin_studies.consistency_slopes import (
 from drumlin_studies.random_brake import random_brake
 from drumlin_studies.random_kinds import placed, random_kind
 from drumlin_studies.stated_true import by_triangles
+from picking import having, picked
+from shared_parts import of_shoes
 
 MAIN = read_any(STUDY / "brake.toml")
 FLEXIBLE = read_any(STUDY / "flexible.toml")
@@ -230,7 +230,8 @@ SAME = {
 def test_an_isotropic_material_written_as_an_orthotropic_one_gives_the_same_answer(name, elements):
     brake = SAME[name]
     other = vary(brake, {key: alike(material) for key, material in parts_of(brake)})
-    assert all(isinstance(material, Orthotropic) for _, material in parts_of(other))
+    for _, material in parts_of(other):
+        assert isinstance(material, Orthotropic)
     one, same = solve(brake, elements=elements), solve(other, elements=elements)
     for a, b in zip(one.shoes, same.shoes, strict=True):
         assert b.torque == pytest.approx(a.torque, rel=1e-12)
@@ -240,8 +241,9 @@ def test_an_isotropic_material_written_as_an_orthotropic_one_gives_the_same_answ
 
 @pytest.mark.parametrize("elements", [None, 12])
 def test_a_nearly_isotropic_material_gives_nearly_the_same_answer(elements):
-    """The kernels integrate what it is stiffer along and through; the answer hangs on it without a
-    jump.
+    """A nearly isotropic material gives nearly the isotropic answer, without a jump.
+
+    The kernels integrate the part that is stiffer along and through.
     """
     near = {
         key: {**alike(material), "G_along_through": 1.0 * material.G_along_through * (1 + 1e-7)}
@@ -254,9 +256,7 @@ def test_a_nearly_isotropic_material_gives_nearly_the_same_answer(elements):
 
 
 def pad(thickness, material):
-    """A pad on a guide that is square to the plane, rigid behind its lining, 500 N on 120 mm x 40
-    mm.
-    """
+    """A pad on a guide square to the plane, rigid behind its lining: 500 N on 120 mm x 40 mm."""
     lining = {
         "start": 0.0,
         "end": 0.12,
@@ -276,8 +276,9 @@ def pad(thickness, material):
 
 
 def test_a_thin_bonded_lining_gives_way_by_its_uniaxial_strain():
-    """p t/D_22, D_22 = E_t/(1 - nu^2 E_t/E_a): held along by its back. What its ends miss halves
-    with t.
+    """A thin bonded lining gives way by p t/D_22 with D_22 = E_t/(1 - nu^2 E_t/E_a).
+
+    Its back holds it along. The error at its ends halves with t.
     """
     off = []
     for t in (1e-3, 5e-4):
@@ -292,8 +293,9 @@ def test_a_thin_bonded_lining_gives_way_by_its_uniaxial_strain():
     [(4.0, "MeshQuad2", 2e-5), (0.25, "MeshQuad2", 2e-5), (3.0, "MeshTri2", 2e-4)],
 )
 def test_a_ring_under_inner_pressure_opens_as_lekhnitskii_has_it(stiffer, kind, close):
-    """u = A r^k + B r^-k, k = sqrt(E_around/E_radial), sigma_r = -p inside and 0 outside
-    (Anisotropic Plates, s. 24).
+    """A ring under inner pressure opens as Lekhnitskii says (Anisotropic Plates, s. 24).
+
+    u = A r^k + B r^-k, k = sqrt(E_around/E_radial), sigma_r = -p inside and 0 outside.
 
     The directions turn with the arc: a quarter ring on two planes of symmetry.
     """
@@ -337,8 +339,9 @@ def test_a_ring_under_inner_pressure_opens_as_lekhnitskii_has_it(stiffer, kind, 
 
 
 def test_the_half_plane_modulus_is_that_of_its_waves():
-    """Displacements exp(i x - s y) of a half-plane y > 0 under a wave of pressure without shear,
-    from equilibrium.
+    """The half-plane modulus follows from waves exp(i x - s y) of the half-plane y > 0.
+
+    A wave of pressure without shear loads the surface; s follows from equilibrium.
     """
     material = Orthotropic(**LINING)
     D = elasticity_matrix(material)
@@ -420,7 +423,7 @@ def test_a_brake_that_is_turned_or_mirrored_has_the_same_torque(seed, turn, mirr
     one, other = (
         solve(b, elements=6) for b in (brake, placed(brake, turn=turn, mirrored=mirrored))
     )
-    forces = [sum(shoe.normal_force for shoe in found.shoes) for found in (one, other)]
+    forces = [sum(picked(one.shoes, "normal_force")), sum(picked(other.shoes, "normal_force"))]
     assert forces[1] == pytest.approx(forces[0], rel=1e-7)
     assert other.torque == pytest.approx(one.torque, rel=1e-7)
 
@@ -434,9 +437,9 @@ def test_all_moduli_and_forces_by_one_factor_leave_the_shape_of_the_pressure(see
         for key, material in parts_of(brake)
         for name, E in material.moduli.items()
     }
-    changes |= {
-        f"shoe[{i}].actuation.force": factor * s.actuation.force for i, s in enumerate(brake.shoes)
-    }
+    changes |= of_shoes(
+        "actuation.force", factor * np.array(picked(brake.shoes, "actuation.force"))
+    )
     one, other = solve(brake, elements=6), solve(vary(brake, changes), elements=6)
     for a, b in zip(one.shoes, other.shoes, strict=True):
         assert b.pressure == pytest.approx(factor * a.pressure, abs=1e-8 * factor * a.peak_pressure)
@@ -489,20 +492,20 @@ def test_foundation_solid_and_width_refuse_directions_in_a_line():
         match=rf"--finite-width: .*lining\.material is orthotropic; the correction takes {only}",
     ):
         solve(with_lining(MAIN), finite_width=True)
-    assert [model.name for model in applicable(with_lining(MAIN))] == ["fem"]
+    assert picked(applicable(with_lining(MAIN)), "name") == ["fem"]
     assert "orthotropic" not in " ".join(refusals(MAIN).values())
 
 
 def test_comparing_says_which_models_do_not_apply_and_answers_by_the_elements():
-    found = compare(with_lining(MAIN), elements=20)
-    assert list(found.responses) == ["fem"]
+    assert list(compare(with_lining(MAIN), elements=20).responses) == ["fem"]
 
 
 @pytest.mark.parametrize("elements", [None, 16])
 @pytest.mark.parametrize("name", ["arcs", pytest.param("posts", marks=pytest.mark.slow)])
 def test_slopes_are_those_of_differences(name, elements):
-    """By one factor on all moduli of a part, and by the points that a straight beam's directions
-    turn with.
+    """Slopes by moduli and points of orthotropic parts are those of differences.
+
+    One factor scales all moduli of a part; a straight beam's directions turn with its points.
     """
     brake = orthotropic(FLEXIBLE if name == "arcs" else vary(POST, {"drum.ring": None}), 3)
     divided = Divided(elements, Cache())
@@ -525,16 +528,17 @@ def test_slopes_by_moduli_are_said_to_be_by_one_factor_on_all():
 
 
 def test_stresses_are_those_of_the_layers_directions():
-    """At the surface of a lining on a rigid shoe the radial stress is -p, on columns as on a mesh.
-    Held along by the shoe the lining has the strain e through it and, since its surface moves
-    inwards by t e, e t/R around.
+    """Stresses of an orthotropic layer are those of its directions.
+
+    At the surface of a lining on a rigid shoe the radial stress is -p, on columns as on a mesh. The
+    shoe holds the lining along; through it the strain is e, and around it e t/R, as the surface
+    moves inwards by t e.
     """
     brake = with_lining(
         vary(MAIN, {"shoe.body": None, "friction": 0.0, "shoe.lining.thickness": 0.004})
     )
     for scene in (prepare(brake, LEVELS[2]), scene_of(brake, elements=60)):
-        response = respond(scene, brake)
-        found = fields(scene, brake, response, index=1)
+        found = fields(scene, brake, respond(scene, brake), index=1)
         angle = np.degrees(np.arctan2(found.points[:, 1], found.points[:, 0])) % 360
         at = np.flatnonzero((found.pressure > 0) & (angle > 150) & (angle < 220))
         n = found.points[at] / np.hypot(*found.points[at].T)[:, None]
@@ -549,9 +553,9 @@ def test_stresses_are_those_of_the_layers_directions():
 
 def test_the_explorers_sliders_take_all_moduli_in_proportion():
     brake = with_lining(MAIN)
-    slider = next(knob for knob in knobs_of(brake) if knob.name == "lining")
+    slider = having(knobs_of(brake), name="lining")[0]
     assert slider.start == pytest.approx(300.0)
-    (softer,) = {shoe.lining.material for shoe in vary(brake, slider.changes(150.0)).shoes}
+    (softer,) = set(picked(vary(brake, slider.changes(150.0)).shoes, "lining.material"))
     assert softer.moduli == pytest.approx(
         {key: E / 2 for key, E in Orthotropic(**LINING).moduli.items()}
     )
@@ -573,11 +577,11 @@ def test_a_deck_for_calculix_has_the_nine_constants_and_the_layers_directions(tm
         r"(.*)\n(.*)"
     )
     constants = re.search(lines, text)
-    values = [float(x) for x in f"{constants[1]}, {constants[2]}".split(",")]
+    values = list(map(float, f"{constants[1]}, {constants[2]}".split(",")))
     # Through, along, across: MPa.
     assert values == pytest.approx([300, 900, 900, 0.35 / 3, 0.1, 0.3, 210, 200, 300])
     assert constants[3] == "NAME=OBACKING, SYSTEM=RECTANGULAR"
-    a = np.array([float(x) for x in constants[4].split(",")]).reshape(2, 3)
+    a = np.array(list(map(float, constants[4].split(",")))).reshape(2, 3)
     shoe = post.shoes[0]
     axis = shoe.actuation.point.xy - shoe.pin.xy
     assert abs(a[1, :2] @ axis) == pytest.approx(np.hypot(*axis)) and a[0] @ a[1] == pytest.approx(
@@ -642,8 +646,10 @@ def test_the_power_of_p_at_a_corner_tends_to_that_of_isotropic_materials(inward,
 
 @pytest.mark.parametrize("stiffer", [1.0, pytest.param(3.0, marks=pytest.mark.slow)])
 def test_a_pressed_corner_has_the_power_of_p_of_its_material(stiffer):
-    """Nodes near the edge of a pad on a guide that friction drags into the pad, on columns that are
-    graded to it.
+    """The pressure at a pressed corner has the power of its orthotropic material.
+
+    Nodes lie near the edge of a pad on a guide that friction drags into the pad, on columns graded
+    to this edge.
     """
     changes = {"shoe.lining.material.E_along": 3e8 * stiffer, "friction": 0.3}
     brake = vary(pad(0.02, LINING), changes)

@@ -6,8 +6,8 @@ import re
 import numpy as np
 import pytest
 
-from drumlin.base.errors import BadInput
-from drumlin.brake.file import vary
+from drumlin import BadInput, vary
+from drumlin.cli.answer import print_response
 from drumlin.fem.mesh.arc import shoe_mesh
 from drumlin.fem.mesh.content import content_digest
 from drumlin.fem.mesh.content_of_file import rounding_of
@@ -15,8 +15,16 @@ from drumlin.fem.mesh.file import read_mesh, read_shoe_mesh, write_mesh
 from drumlin.fem.mesh.from_file import turns_of
 from drumlin.fem.mesh.msh4 import read_msh4
 from drumlin.fem.solve import solve
+from picking import saying
 
 ELEMENTS = 12
+
+
+def edge_counts(mesh):
+    """How many edges each named boundary of a mesh has."""
+    return {name: len(edges) for name, edges in mesh.boundaries.items()}
+
+
 DEFINITIONS = re.compile(r"\*NODE\n.*?(?=\*ELSET)", re.DOTALL)
 
 
@@ -34,6 +42,7 @@ def deck_of(folder, shoe, radius, kind="quad1"):
 
 def moved_nodes(text, move):
     """The deck with every node's x, y changed by `move`, written with all digits."""
+    # The nodes stand between *NODE and the first *ELEMENT.
     head, nodes, rest = re.split(r"(?<=\*NODE\n)(.*?)(?=\*ELEMENT)", text, flags=re.DOTALL)
     lines = []
     for line in nodes.strip().split("\n"):
@@ -57,6 +66,7 @@ def in_part(text, placed):
 
 def turned(text):
     """A part drawn a quarter turn further and moved; its instance turns it back."""
+    # The second line of an instance is an axis through two points and an angle [deg].
     drawn = moved_nodes(text, lambda x, y: (-y - 0.1, x))
     return in_part(drawn, "0.1, 0., 0.\n0., 0., 0., 0., 0., 1., -90.\n")
 
@@ -74,6 +84,7 @@ def with_drum(text):
 def sets_of_the_assembly(text):
     """Sets in the assembly, some with labels as Shoe-1.12, the contact as a surface of nodes."""
     mesh = DEFINITIONS.match(text).group()
+    # The name CONTACT is free for the surface that stands for the set.
     sets = text[len(mesh) :].replace("NSET=CONTACT", "NSET=Line")
     sets = re.sub(r"(\*(?:EL|N)SET, .*)", r"\1, instance=Shoe-1", sets)
     sets = re.sub(
@@ -113,14 +124,13 @@ def test_a_deck_written_otherwise_is_the_same_mesh(tmp_path, brake, shoe, case):
     (tmp_path / "other.inp").write_text(SAME[case](text))
     other = read_mesh(tmp_path / "other.inp", shoe, radius)
     assert other.t.shape == plain.t.shape
-    assert {name: len(facets) for name, facets in other.boundaries.items()} == {
-        name: len(facets) for name, facets in plain.boundaries.items()
-    }
+    assert edge_counts(other) == edge_counts(plain)
     for name, facets in plain.boundaries.items():
         on = other.boundaries[name]
         ends = plain.p[:, plain.facets[:, facets]].mean(axis=(1, 2))
         assert other.p[:, other.facets[:, on]].mean(axis=(1, 2)) == pytest.approx(ends, abs=1e-12)
-    order = [np.lexsort(np.round(mesh.p, 9)) for mesh in (plain, other)]
+    # Decks may number their nodes in another order, so that points are compared sorted.
+    order = [np.lexsort(np.round(plain.p, 9)), np.lexsort(np.round(other.p, 9))]
     assert other.p[:, order[1]] == pytest.approx(plain.p[:, order[0]], abs=1e-12)
 
 
@@ -161,6 +171,7 @@ def test_included_files_are_read_and_belong_to_the_content(tmp_path, brake, shoe
     plain = read_mesh(tmp_path / "plain.inp", shoe, brake.drum.radius)
     other = read_mesh(tmp_path / "other.inp", shoe, brake.drum.radius)
     assert np.array_equal(other.p, plain.p)
+    # A change of the included file alone must change the digest, by which sweeps know a mesh.
     before = content_digest(tmp_path / "other.inp")
     (tmp_path / "nodes.txt").write_text(mesh + "** changed\n")
     assert content_digest(tmp_path / "other.inp") != before
@@ -170,8 +181,8 @@ def test_unknown_keywords_and_plane_strain_are_said(tmp_path, brake, shoe):
     text = deck_of(tmp_path, shoe, brake.drum.radius).replace("CPS4", "CPE4")
     (tmp_path / "other.inp").write_text(text + "*TIE, NAME=T\nA, B\n")
     found = read_shoe_mesh(tmp_path / "other.inp", shoe, brake.drum.radius)
-    assert any("passed over: *TIE" in note for note in found.notes)
-    assert any("CPE4 is plane strain" in note for note in found.notes)
+    assert saying(found.notes, "passed over: *TIE")
+    assert saying(found.notes, "CPE4 is plane strain")
 
 
 def rounded(text, decimals):
@@ -189,7 +200,7 @@ def test_rounded_coordinates_do_not_change_the_pressure(tmp_path, brake, shoe, d
     found = solve(vary(alone, {"shoe.mesh": str(path), "shoe.mesh_unit": "mm"}))
     assert found.torque == pytest.approx(right.torque, rel=1e-3)
     assert found.shoes[0].peak_pressure == pytest.approx(right.shoes[0].peak_pressure, rel=5e-3)
-    assert any("were put on the drum" in note for note in found.notes)
+    assert saying(found.notes, "were put on the drum")
 
 
 def straightened(text):
@@ -198,8 +209,9 @@ def straightened(text):
     nodes = re.findall(r"^(\d+), (\S+), (\S+), 0\.$", text, re.MULTILINE)
     xy = {int(label): np.array([float(x), float(y)]) for label, x, y in nodes}
     for line in elements.strip().split("\n"):
-        cell = [int(word) for word in line.split(",")][1:]
+        cell = list(map(int, line.split(",")))[1:]
         for side in range(4):
+            # Node 4 + side of an 8-node element lies on the side that begins at corner `side`.
             xy[cell[4 + side]] = (xy[cell[side]] + xy[cell[(side + 1) % 4]]) / 2
     written = "".join(f"{label}, {x!r}, {y!r}, 0.\n" for label, (x, y) in
                       ((k, v.tolist()) for k, v in xy.items()))  # fmt: skip
@@ -224,6 +236,7 @@ def test_a_flat_in_rounded_coordinates_stays(tmp_path, brake, shoe, depth):
     def worn(x, y):
         r, angle = np.hypot(x, y), np.arctan2(y, x)
         middle = shoe.frame.theta(np.array([sum(shoe.arc) / 2]))[0]
+        # The difference of the angles is taken within half a turn.
         inside = abs(np.angle(np.exp(1j * (angle - middle)))) < 0.4 and r > radius * (1 - 1e-6)
         scale = 1e3 * (1 - inside * depth / r)
         return round(scale * x, 3), round(scale * y, 3)
@@ -245,6 +258,7 @@ def test_a_zigzag_is_no_lining(tmp_path, brake, shoe):
 
     def shaken(x, y):
         on = np.hypot(x, y) > radius * (1 - 1e-6)
+        # Every other node of the contact line lies 3 um too deep.
         scale = 1 - on * (next(count) % 2) * 2e-5
         return scale * x, scale * y
 
@@ -275,12 +289,14 @@ def test_groups_by_number_text_4_1_and_unnamed_entities(tmp_path, brake, shoe, k
         numbers = {
             gmsh.model.getPhysicalName(dim, tag): tag for dim, tag in gmsh.model.getPhysicalGroups()
         }
+        # Without its names the file has groups by number alone.
         for name in numbers:
             gmsh.model.removePhysicalName(name)
         gmsh.option.setNumber("Mesh.MshFileVersion", 4.1)
         gmsh.write(str(tmp_path / "numbers.msh"))
     finally:
         gmsh.finalize()
+    # The refusal proposes the table of groups that the brake file needs.
     with pytest.raises(BadInput, match=r"found: .*groups = \{ "):
         read_mesh(tmp_path / "numbers.msh", shoe, radius)
     numbered = vary(
@@ -288,9 +304,7 @@ def test_groups_by_number_text_4_1_and_unnamed_entities(tmp_path, brake, shoe, k
     )
     other = read_mesh(tmp_path / "numbers.msh", numbered.shoes[0], radius)
     assert other.nelements == plain.nelements
-    assert {name: len(on) for name, on in other.boundaries.items()} == {
-        name: len(on) for name, on in plain.boundaries.items()
-    }
+    assert edge_counts(other) == edge_counts(plain)
 
 
 def test_mixed_cells_become_quadratic_triangles(tmp_path, brake, shoe):
@@ -298,7 +312,8 @@ def test_mixed_cells_become_quadratic_triangles(tmp_path, brake, shoe):
     alone = vary(brake, {"shoe": [shoe.model_dump()]})
     text = deck_of(tmp_path, shoe, radius)
     head, rows, rest = re.split(r"(?<=CPS4\n)(.*?)(?=\*)", text, maxsplit=1, flags=re.DOTALL)
-    cells = [[int(word) for word in line.split(",")] for line in rows.strip().split("\n")]
+    cells = [list(map(int, line.split(","))) for line in rows.strip().split("\n")]
+    # Every fifth quadrilateral is cut into two triangles, the second with a new label.
     cut = cells[::5]
     quads = "".join(", ".join(map(str, cell)) + "\n" for cell in cells if cell not in cut)
     halves = "".join(f"{e}, {a}, {b}, {c}\n{e + 5000}, {a}, {c}, {d}\n" for e, a, b, c, d in cut)
@@ -311,12 +326,13 @@ def test_mixed_cells_become_quadratic_triangles(tmp_path, brake, shoe):
     path.write_text(f"{head}{quads}*ELEMENT, TYPE=CPS3\n{halves}{rest}")
     found = solve(vary(alone, {"shoe.mesh": str(path)}))
     assert found.torque == pytest.approx(solve(alone).torque, rel=2e-3)
-    assert any("solved as" in note for note in found.notes)
+    assert saying(found.notes, "solved as")
 
 
 def test_corners_of_edges_name_quadratic_edges(tmp_path, brake, shoe):
     text = deck_of(tmp_path, shoe, brake.drum.radius, "quad2")
     elements = re.search(r"\*ELEMENT.*?\n(.*?)(?=\*)", text, re.DOTALL)[1]
+    # Sets that name corners alone leave out the middle nodes of the edges.
     corners = {w.strip() for line in elements.strip().split("\n") for w in line.split(",")[1:5]}
     head, sets = text[: text.index("*NSET")], text[text.index("*NSET") :]
     kept = "\n".join(
@@ -381,6 +397,7 @@ def test_damaged_decks_with_parts_are_read_or_refused_in_one_line(tmp_path, brak
         at = rng.randrange(len(lines))
         row = lines[at].split(",")
         row[rng.randrange(len(row))] = rng.choice(words)
+        # A line is lost, gets a wrong word, or stands twice.
         lines[at : at + 1] = rng.choice([[], [",".join(row)], [lines[at]] * 2])
         path.write_text("\n".join(lines))
         try:
@@ -388,6 +405,7 @@ def test_damaged_decks_with_parts_are_read_or_refused_in_one_line(tmp_path, brak
         except BadInput as refusal:
             refused += 1
             assert "\n" not in str(refusal)
+    # Enough of the damage must matter, or the test would show nothing.
     assert refused > 10
 
 
@@ -406,8 +424,6 @@ def test_a_group_that_is_no_name_and_no_number_is_refused_in_words(brake, given)
 
 def test_what_was_moved_is_said_with_the_answer(tmp_path, brake, shoe, capsys):
     """Not with --verbose alone: who reads the torque must see that nodes were moved."""
-    from drumlin.cli.answer import print_response
-
     path = tmp_path / "straight.inp"
     path.write_text(straightened(deck_of(tmp_path, shoe, brake.size, "quad2")))
     alone = vary(brake, {"shoe": [shoe.model_dump()]})

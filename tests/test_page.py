@@ -2,6 +2,7 @@
 
 import base64
 import re
+from itertools import starmap
 
 import jinja2
 import pytest
@@ -79,7 +80,7 @@ def test_a_large_number_has_no_exponent_and_keeps_its_digits():
         (2e9, ".3g"),
         (3e-7, ".2g"),
     )
-    assert [formatted(*one) for one in given] == [
+    assert list(starmap(formatted, given)) == [
         "238920",
         "85245",
         "2320",

@@ -1,6 +1,4 @@
-"""CalculiX and GetFEM: the decks, what is read back and refused, the answers where the peers are
-installed.
-"""
+"""CalculiX and GetFEM: decks, reading back, refusals, and answers where they are installed."""
 
 import shutil
 from contextlib import suppress
@@ -8,11 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 from drumlin import peers
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.file import read_brake, vary
 from drumlin.brake.plane_brake import read_any
+from drumlin.cli.commands import app
 from drumlin.comparison import edge_of
 from drumlin.fem.solve import solve
 from drumlin.peers import calculix, getfem
@@ -21,6 +21,7 @@ from drumlin.peers.peer import loaded_shoes
 from drumlin.response.norms import pressure_distance
 from drumlin_studies.brake_kinds import both_ways
 from drumlin_studies.random_kinds import HOLDING_KINDS, random_kind
+from picking import picked
 
 STUDIES = Path(__file__).parents[1] / "studies"
 MAIN = read_brake(STUDIES / "double_shoe" / "brake.toml")
@@ -49,7 +50,8 @@ class Parsed:
     def __init__(self, text):
         self.sections = []
         for line in text.splitlines():
-            assert len(line) <= 132  # CalculiX reads no more
+            # CalculiX reads no more of a line.
+            assert len(line) <= 132
             if line.startswith("**"):
                 continue
             words = [word.strip() for word in line.split(",")]
@@ -59,10 +61,10 @@ class Parsed:
             else:
                 self.sections[-1][2].append(words)
         self.nodes = {
-            int(row[0]): np.array([float(x) for x in row[1:3]]) for row in self.rows("NODE")
+            int(row[0]): np.array(list(map(float, row[1:3]))) for row in self.rows("NODE")
         }
         self.elements = {
-            int(r[0]): [int(x) for x in r[1:]] for r in self.rows("ELEMENT") if len(r) > 2
+            int(r[0]): list(map(int, r[1:])) for r in self.rows("ELEMENT") if len(r) > 2
         }
 
     def rows(self, keyword, **options):
@@ -99,8 +101,9 @@ def outward(ends):
 )
 @pytest.mark.parametrize("index", [0, 1])
 def test_deck_states_the_brake(brake, kind, index):
-    """Load, faces towards each other on the friction surface, hinge and rotation, all in mm, N,
-    MPa.
+    """A CalculiX deck states the brake in mm, N and MPa: load, faces, hinge and rotation.
+
+    Faces look towards each other on the friction surface.
     """
     setting = DeckSetting(rotation=2e-3, thickness=0.02)
     loaded = loaded_shoes(brake, 12, kind)[index]
@@ -108,6 +111,7 @@ def test_deck_states_the_brake(brake, kind, index):
     assert text == deck(brake, loaded, setting)
     parsed, R = Parsed(text), brake.drum.radius * 1e3
 
+    # Corners of all elements go counter-clockwise.
     for element in parsed.elements.values():
         x, y = np.array([parsed.nodes[n] for n in element[: len(element) // 2]]).T
         assert (x * np.roll(y, -1) - y * np.roll(x, -1)).sum() > 0
@@ -115,6 +119,7 @@ def test_deck_states_the_brake(brake, kind, index):
     assert len(contact) == 12
     ((_, drum_face),) = parsed.rows("SURFACE", NAME="SDRUM")
     drum = [int(row[0]) for row in parsed.rows("ELEMENT", ELSET="DRUM")]
+    # Faces lie on the friction surface and look out of their bodies.
     for faces, sign in ((contact, shoe.sign), ([(e, int(drum_face[1])) for e in drum], -shoe.sign)):
         for number, face in faces:
             ends = parsed.edge(number, face)
@@ -125,6 +130,7 @@ def test_deck_states_the_brake(brake, kind, index):
 
     force, moment, pin = np.zeros(2), 0.0, shoe.hinge.xy * 1e3
     (turn_node,) = [int(row[0]) for row in parsed.rows("NODE", NSET="TURN")]
+    # Loads on the turning node are moments; the others add up to the actuation.
     for node, component, value in parsed.rows("CLOAD"):
         if int(node) == turn_node:
             moment += float(value)
@@ -139,21 +145,26 @@ def test_deck_states_the_brake(brake, kind, index):
     )
     assert moment == pytest.approx(size * 1e3 * shoe.actuation.moment_about(shoe.hinge), rel=1e-9)
 
+    # Each constraint ties a node of the hinge to the rigid motion about the pin.
     for terms in [row for row in parsed.rows("EQUATION") if len(row) > 1]:
         node, component, own = int(terms[0]), int(terms[1]), float(terms[2])
         arm = parsed.nodes[node] - pin
         turned = np.array([-arm[1], arm[0]])[component - 1]
-        assert own * turned + float(terms[8]) == pytest.approx(0, abs=1e-9 * R)  # turn 1
-        assert own + float(terms[5]) == 0  # shift 1
+        # A turn of 1 about the pin satisfies the constraint.
+        assert own * turned + float(terms[8]) == pytest.approx(0, abs=1e-9 * R)
+        # A shift of 1 satisfies the constraint.
+        assert own + float(terms[5]) == 0
 
     moved = {}
+    # Rows with a value prescribe the drum's displacement.
     for row in parsed.rows("BOUNDARY"):
         if len(row) > 3:
             moved.setdefault(int(row[0]), np.zeros(2))[int(row[1]) - 1] = float(row[3])
     assert set(moved) == {n for e in drum for n in parsed.elements[e]}
     for node, u in moved.items():
         x = parsed.nodes[node]
-        assert x @ u == pytest.approx(0, abs=1e-11 * (x @ x))  # along its tangent
+        # The drum moves along its tangent.
+        assert x @ u == pytest.approx(0, abs=1e-11 * (x @ x))
         assert (x[0] * u[1] - x[1] * u[0]) / (x @ x) == pytest.approx(brake.spin * 2e-3, rel=1e-12)
 
     (modulus, nu) = map(float, parsed.rows("ELASTIC")[0])
@@ -161,7 +172,8 @@ def test_deck_states_the_brake(brake, kind, index):
     names = [given["NAME"] for key, given, _ in parsed.sections if key == "MATERIAL"]
     (thickness,) = {float(row[0]) for row in parsed.rows("SOLID SECTION")}
     assert thickness == pytest.approx(0.02 * shoe.lining.width * 1e3)
-    if brake is BACKED:  # wider than the lining: stiffer instead
+    # A body wider than the lining is written as a stiffer one.
+    if brake is BACKED:
         assert float(parsed.rows("ELASTIC")[names.index("SHOE")][0]) == pytest.approx(
             2.1e5 * 50 / 40
         )
@@ -182,8 +194,9 @@ def test_decks_that_calculix_does_not_get():
 
 
 def written(brake, loaded, setting, **changes) -> tuple[str, str, str, float]:
-    """CalculiX's results for a uniform pressure that holds the shoe in balance, and that pressure
-    [Pa].
+    """CalculiX's result files for a uniform pressure that balances the shoe, and the pressure.
+
+    The pressure is in Pa.
     """
     shoe, R = loaded.shoe, brake.drum.radius
     theta = drum_angles(loaded)
@@ -299,6 +312,7 @@ def test_the_drum_is_turned_further_until_the_lining_slips(monkeypatch):
     limit = 3e-3
     state, rotation = calculix.slipping(MAIN, loaded, DeckSetting(rotation=1e-3))
     assert (state.sticking, rotation, turned) == (0.0, 4e-3, [1e-3, 2e-3, 4e-3])
+    # No rotation is far enough now.
     limit = 1.0
     with pytest.raises(NoAnswer, match="do not slip"):
         calculix.slipping(MAIN, loaded, DeckSetting(rotation=1e-3))
@@ -322,10 +336,6 @@ def test_absent_peers_say_how_to_install_them(monkeypatch):
 
 
 def test_export_command(tmp_path):
-    from typer.testing import CliRunner
-
-    from drumlin.cli.commands import app
-
     away = (STUDIES / "double_shoe" / "brake.toml").read_text().replace('"2 kN"', '"-2 kN"', 1)
     (tmp_path / "my brake.toml").write_text(away)
     call = [
@@ -339,7 +349,7 @@ def test_export_command(tmp_path):
     ]
     result = CliRunner().invoke(app, [*call, "calculix"])
     assert result.exit_code == 0
-    names = sorted(path.name for path in (tmp_path / "out").iterdir())
+    names = sorted(picked((tmp_path / "out").iterdir(), "name"))
     assert names == ["my_brake_left.inp"]
     assert "run: ccx my_brake_left " in (tmp_path / "out" / names[0]).read_text()
     assert "'right': no deck" in result.output
@@ -350,8 +360,9 @@ def test_export_command(tmp_path):
 @needs_getfem
 @pytest.mark.parametrize(("formulation", "close"), [("full slip", 2e-6), ("coulomb", 4e-5)])
 def test_getfem_agrees(formulation, close):
-    """The same condition on the same mesh; GetFEM decides contact in the weak sense, drumlin node
-    by node.
+    """GetFEM agrees with drumlin on the same mesh and contact condition.
+
+    GetFEM decides contact in the weak sense, drumlin node by node.
     """
     peer, own = (
         peers.solve("getfem", MAIN, elements=40, formulation=formulation),
@@ -386,8 +397,9 @@ def agree(brake, elements=16, close=2e-4, balanced=1e-9, **options):
 
 @needs_getfem
 def test_getfem_takes_a_pivot_and_a_rough_abutment():
-    """The edge that is held moves by the free motions; what it is tested on leans with an
-    abutment's friction.
+    """GetFEM takes a pivot and a rough abutment.
+
+    The held edge moves by the rigid-body modes; the test modes lean with an abutment's friction.
     """
     agree(vary(read_any(STUDIES / "brakes" / "crane.toml"), {"shoe.body": None}), 10)
     agree(vary(read_any(STUDIES / "brakes" / "simplex_abutted.toml"), {"shoe.body": None}), 10)
@@ -395,8 +407,10 @@ def test_getfem_takes_a_pivot_and_a_rough_abutment():
 
 @needs_getfem
 def test_getfem_shares_a_cams_force_so_that_both_tips_go_alike():
-    """Where linings fit they go in proportion to the forces, which settle at once; else they are
-    sought.
+    """GetFEM shares a cam's force so that both tips move alike.
+
+    Where linings fit, tips move in proportion to the forces, which settle at once; otherwise the
+    share is sought.
     """
     brake = read_any(STUDIES / "brakes" / "s_cam.toml")
     wrong = {
@@ -406,8 +420,8 @@ def test_getfem_shares_a_cams_force_so_that_both_tips_go_alike():
     }
     for cam in (brake, vary(brake, wrong)):
         peer, own = agree(cam, 10)
-        forces = [shoe.force for shoe in peer.shoes]
-        assert forces == pytest.approx([shoe.force for shoe in own.shoes], rel=1e-4)
+        forces = picked(peer.shoes, "force")
+        assert forces == pytest.approx(picked(own.shoes, "force"), rel=1e-4)
         assert sum(forces) == pytest.approx(cam.actuation.total, rel=1e-12)
         assert abs(forces[0] / forces[1] - 1) > 0.1
 
@@ -420,7 +434,7 @@ def test_getfems_own_contact_has_the_same_misfit():
 
 @needs_getfem
 @pytest.mark.slow
-@pytest.mark.parametrize("file", sorted(path.stem for path in (STUDIES / "brakes").glob("*.toml")))
+@pytest.mark.parametrize("file", sorted(picked((STUDIES / "brakes").glob("*.toml"), "stem")))
 def test_getfem_takes_shoes_however_they_are_held(file):
     for brake in both_ways(read_any(STUDIES / "brakes" / f"{file}.toml")):
         agree(brake)
@@ -430,8 +444,10 @@ def test_getfem_takes_shoes_however_they_are_held(file):
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", HOLDING_KINDS)
 def test_getfem_on_random_brakes_of_every_kind(kind):
-    """On a mesh that is fine enough for the ends of their contacts: on 16 elements the two place
-    them apart. GetFEM's steps go round in circles on some meshes; then on another.
+    """GetFEM agrees on random brakes of every kind.
+
+    The mesh is fine enough for the ends of the contacts: on 16 elements both programs place them
+    apart. Where GetFEM's steps go round in circles, another mesh is taken.
     """
     for seed in range(2):
         for elements in (48, 40, 56, 64, 72):
@@ -457,8 +473,10 @@ def test_getfem_on_other_brakes():
 @needs_calculix
 @pytest.mark.slow
 def test_calculix_agrees():
-    """p within 2 % in L2, one lining thickness away from the ends; the torque of elements that bear
-    no load across their thickness on another mesh.
+    """CalculiX's pressure is within 2 % of drumlin's in L2, away from the ends.
+
+    One lining thickness is left out there. The torque is compared on another mesh, whose elements
+    bear no load across their thickness.
     """
     peer, own = peers.solve("calculix", MAIN, elements=20), solve(MAIN, elements=80)
     assert peer.response.torque == pytest.approx(own.torque, rel=5e-4)
@@ -470,9 +488,7 @@ def test_calculix_agrees():
 
 
 def torques(brake, elements, setting=None):
-    """Relative distance of each shoe's torque by CalculiX from drumlin's on the same mesh, with the
-    same penalty.
-    """
+    """Relative distance of each shoe's torque by CalculiX from drumlin's, same mesh and penalty."""
     own = solve(brake, elements=elements, kind="quad2", penalty=(setting or DeckSetting()).penalty)
     other = peers.solve("calculix", brake, elements=elements, setting=setting).response
     return np.array([a.torque / b.torque - 1 for a, b in zip(other.shoes, own.shoes, strict=True)])
@@ -502,8 +518,8 @@ def test_calculix_has_drumlins_torque_where_nothing_strains_across():
 def test_calculix_comes_nearer_with_the_mesh(changes):
     """Of first order in the size of the elements, of higher order with nu = 0."""
     brake = vary(MAIN, changes)
-    coarse, fine = (np.abs(torques(brake, elements)) for elements in (10, 40))
+    coarse, fine = np.abs(torques(brake, 10)), np.abs(torques(brake, 40))
     assert (coarse > 2.5 * fine).all() and (fine < 4e-4).all()
     even = vary(brake, {"shoe.lining.material.nu": 0.0, "shoe.body.material.nu": 0.0})
-    coarse, fine = (np.abs(torques(even, elements)) for elements in (10, 40))
+    coarse, fine = np.abs(torques(even, 10)), np.abs(torques(even, 40))
     assert (coarse > 16 * fine).all() and (fine < 1e-5).all()

@@ -2,17 +2,18 @@
 
 import math
 from math import pi
+from typing import Any
 
 import numpy as np
 import pytest
 
+import command_line
 import drumlin
 from conftest import ROOT, partly
 from drumlin.base.errors import BadInput
 from drumlin.brake.fields import Material
 from drumlin.brake.file import validated, vary
 from drumlin.brake.plane_brake import FlatBrake, read_any
-from drumlin.cli.commands import app
 from drumlin.fem.analysis.fields import fields
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import respond
@@ -25,6 +26,7 @@ from drumlin.lining_wear.run_in import COEFFICIENT, run_in, unit_distance, worn
 from drumlin_studies.ladder_pads import guided
 from drumlin_studies.random_kinds import placed
 from flat_pads import BODY, KINDS, LINING, pad
+from picking import saying
 
 
 @pytest.mark.parametrize("sliding", ["+x", "-x"])
@@ -43,24 +45,25 @@ def test_a_rigid_pad_with_a_thin_lining_answers_as_its_law(kind: str, sliding: s
     assert a.torque == 0.0
 
 
+@pytest.mark.parametrize("turned", (0.0, pi))
 @pytest.mark.parametrize(
     ("tilt", "sliding", "helps"), [(0.0, "+x", 0), (0.0, "-x", 0), (0.2, "-x", 0), (0.2, "+x", 1)]
 )
 def test_friction_on_a_guide_along_the_normal_neither_helps_nor_opposes(
-    tilt: float, sliding: str, helps: int
+    turned, tilt: float, sliding: str, helps: int
 ) -> None:
     """cos(90 deg) is 6e-17 and not 0: round-off is no self-energising."""
-    for turned in (0.0, pi):  # the same guide
-        brake = pad("guide", sliding, guide={"direction": tilt - pi / 2 + turned})
-        for found in (drumlin.solve(brake, elements=20), law(brake)):
-            assert found.shoes[0].self_energising == bool(helps)
+    # A guide turned by 180 deg is the same guide.
+    brake = pad("guide", sliding, guide={"direction": tilt - pi / 2 + turned})
+    for found in (drumlin.solve(brake, elements=20), law(brake)):
+        assert found.shoes[0].self_energising == bool(helps)
 
 
 def test_what_a_pads_penalty_changes_is_its_braking_force() -> None:
     """It has no torque."""
     notes = drumlin.solve(pad("guide"), penalty=1e3).notes
-    assert any("which changes its braking force by" in note for note in notes)
-    assert not any("torque" in note for note in notes)
+    assert saying(notes, "which changes its braking force by")
+    assert not saying(notes, "torque")
 
 
 def test_a_guide_along_the_plane_is_refused() -> None:
@@ -76,21 +79,23 @@ def test_a_guide_along_the_plane_is_refused() -> None:
 def test_a_pad_that_its_force_lifts_is_said_of_the_plane() -> None:
     brake = vary(pad("hinge"), {"shoe.actuation.force": -1.0})
     said = ["shoe 'pad': no contact, the force does not turn it towards the plane"]
-    assert [
-        [n for n in found.notes if "contact" in n] for found in (drumlin.solve(brake), law(brake))
-    ] == [said, said]
+    assert [saying(drumlin.solve(brake).notes, "contact"), saying(law(brake).notes, "contact")] == [
+        said,
+        said,
+    ]
 
 
-def test_a_grip_longer_than_its_body_is_said_as_it_is_held() -> None:
+@pytest.mark.parametrize(("grip", "held"), ((0.03, "30 mm"), (0.5, "72 mm")))
+def test_a_grip_longer_than_its_body_is_said_as_it_is_held(grip, held) -> None:
     """At most .6 of the lining's length is held: of 120 mm 72 mm."""
-    for grip, held in ((0.03, "30 mm"), (0.5, "72 mm")):
-        notes = drumlin.solve(pad("guide", body=BODY | {"grip": grip}), elements=10).notes
-        assert f"held: pad: its guide grips {held} of the back of its body" in notes
+    notes = drumlin.solve(pad("guide", body=BODY | {"grip": grip}), elements=10).notes
+    assert f"held: pad: its guide grips {held} of the back of its body" in notes
 
 
 def test_a_thin_lining_gives_way_as_a_bonded_layer() -> None:
-    """Under an even pressure a bonded layer in plane stress is squeezed by p t (1 - nu^2)/E, but
-    for its free ends.
+    """A thin lining under even pressure is squeezed by p t (1 - nu^2)/E, but for its free ends.
+
+    This is a bonded layer in plane stress.
 
     Those add a width of the order of the thickness, so that halving it halves what is missing.
     """
@@ -111,8 +116,9 @@ def test_a_thin_lining_gives_way_as_a_bonded_layer() -> None:
 def test_the_pressure_at_the_edge_has_the_exponent_of_a_quarter_plane(
     mu: float, exponent: float
 ) -> None:
-    """p ~ r^(lambda - 1) where the plane runs onto a square edge of nu 0.3 (plane stress, sliding
-    on a rigid plane).
+    """The pressure at a pad's leading edge has a quarter plane's power, p ~ r^(lambda - 1).
+
+    The plane runs onto a square edge of nu = 0.3 in plane stress, sliding on a rigid plane.
 
     lambda solves the transcendental equation of a wedge of 90 deg, free on one side and sliding on
     the other.
@@ -127,6 +133,13 @@ def test_the_pressure_at_the_edge_has_the_exponent_of_a_quarter_plane(
     assert slope == pytest.approx(exponent - 1, abs=0.02)
 
 
+def points_of(shoe: dict[str, Any]) -> list[dict[str, float]]:
+    """The tables of the points that hold and push a shoe."""
+    abutment = shoe["abutment"] or {}
+    points = (shoe["hinge"], shoe["pivot"], abutment.get("point"), shoe["actuation"]["point"])
+    return list(filter(None, points))
+
+
 @pytest.mark.parametrize("kind", partly(KINDS, {"pivot", "abutment"}))
 def test_elastic_pads_balance_and_their_mirror_images_answer_alike(kind: str) -> None:
     """The abutted pad slides on a face that bears its friction."""
@@ -137,54 +150,41 @@ def test_elastic_pads_balance_and_their_mirror_images_answer_alike(kind: str) ->
     data = brake.model_dump(by_alias=True)
     data["plane"] = {"sliding": "+x" if one == "-x" else "-x"}
     (shoe,) = data["shoe"]
-    for point in (
-        shoe["hinge"],
-        shoe["pivot"],
-        (shoe["abutment"] or {}).get("point"),
-        shoe["actuation"]["point"],
-    ):
-        if point:
-            point["x"] = -point["x"]
+    for point in points_of(shoe):
+        point["x"] = -point["x"]
     for part in (shoe["abutment"], shoe["guide"], shoe["actuation"]):
         if part:
             part["direction"] = pi - part["direction"]
     for part in (shoe["lining"], shoe["body"]):
         part["start"], part["end"] = -part["end"], -part["start"]
-    other = drumlin.solve(validated(FlatBrake, data))
-    a, b = response.shoes[0], other.shoes[0]
+    a, b = response.shoes[0], drumlin.solve(validated(FlatBrake, data)).shoes[0]
     assert b.normal_force == pytest.approx(a.normal_force, rel=1e-8)
     assert b.hinge_reaction == pytest.approx(a.hinge_reaction * [-1, 1], rel=1e-6, abs=1e-6)
     np.testing.assert_allclose(b.pressure_at(-a.theta), a.pressure, atol=1e-6 * a.peak_pressure)
 
 
-def test_a_pad_answers_alike_wherever_it_stands() -> None:
+@pytest.mark.parametrize("kind", ("pivot", "abutment"))
+def test_a_pad_answers_alike_wherever_it_stands(kind) -> None:
     """Moved along the plane by 1.3 m, pins, point of the force and all."""
-    for kind in ("pivot", "abutment"):
-        brake = pad(kind, "-x", body=BODY)
-        data = brake.model_dump(by_alias=True)
-        (shoe,) = data["shoe"]
-        for point in (
-            shoe["hinge"],
-            shoe["pivot"],
-            (shoe["abutment"] or {}).get("point"),
-            shoe["actuation"]["point"],
-        ):
-            if point:
-                point["x"] += 1.3
-        for part in (shoe["lining"], shoe["body"]):
-            part["start"], part["end"] = part["start"] + 1.3, part["end"] + 1.3
-        a, b = drumlin.solve(brake).shoes[0], drumlin.solve(validated(FlatBrake, data)).shoes[0]
-        assert b.normal_force == pytest.approx(a.normal_force, rel=1e-6)
-        np.testing.assert_allclose(
-            b.pressure_at(a.theta + 1.3), a.pressure, atol=1e-5 * a.peak_pressure
-        )
+    brake = pad(kind, "-x", body=BODY)
+    data = brake.model_dump(by_alias=True)
+    (shoe,) = data["shoe"]
+    for point in points_of(shoe):
+        point["x"] += 1.3
+    for part in (shoe["lining"], shoe["body"]):
+        part["start"], part["end"] = part["start"] + 1.3, part["end"] + 1.3
+    a, b = drumlin.solve(brake).shoes[0], drumlin.solve(validated(FlatBrake, data)).shoes[0]
+    assert b.normal_force == pytest.approx(a.normal_force, rel=1e-6)
+    np.testing.assert_allclose(
+        b.pressure_at(a.theta + 1.3), a.pressure, atol=1e-5 * a.peak_pressure
+    )
 
 
-def test_meshes_answer_as_columns_do() -> None:
-    for kind in ("hinge", "pivot"):
-        brake = pad(kind, body=BODY)
-        a, b = drumlin.solve(brake, elements=60), drumlin.solve(brake)
-        assert a.merits[0].braking_force == pytest.approx(b.merits[0].braking_force, rel=2e-3)
+@pytest.mark.parametrize("kind", ("hinge", "pivot"))
+def test_meshes_answer_as_columns_do(kind) -> None:
+    brake = pad(kind, body=BODY)
+    a, b = drumlin.solve(brake, elements=60), drumlin.solve(brake)
+    assert a.merits[0].braking_force == pytest.approx(b.merits[0].braking_force, rel=2e-3)
 
 
 def test_a_face_on_which_a_pad_would_only_slide_is_refused_in_one_line() -> None:
@@ -215,26 +215,23 @@ def test_the_end_face_by_which_a_hinge_holds_a_pad_lies_on_the_plane_as_it_is() 
     near, far = (
         shoe.end_face(brake.size, loaded=loaded) - shoe.own_pin for loaded in (False, True)
     )
-    assert near == pytest.approx(
-        [0.05, 0.011 - 0.06], rel=1e-12
-    )  # half of the body behind the lining
+    # Half of the body lies behind the lining.
+    assert near == pytest.approx([0.05, 0.011 - 0.06], rel=1e-12)
     assert far == pytest.approx([0.19, 0.011 - 0.06], rel=1e-12)
 
 
-def test_pads_are_worn_on_guides_along_the_normal_of_the_plane(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    """Worn in they bear evenly: the braking force is mu times that of the force's part along the
-    normal.
+def test_pads_are_worn_on_guides_along_the_normal_of_the_plane() -> None:
+    """Pads on guides along the plane's normal wear in to even pressure.
+
+    The braking force is mu times the part of the force along the normal.
     """
     file = ROOT / "studies" / "brakes" / "rail_clamp.toml"
     brake = read_any(file)
-    with pytest.raises(SystemExit) as end:
-        app(["wear", str(file), "--guided", "--elements", "20", "--distance", "0.1"])
-    assert end.value.code == 0
+    done = command_line.drumlin("wear", file, "--guided", "--elements", 20, "--distance", 0.1)
+    assert done.returncode == 0
     down = sum(-shoe.actuation.vector[1] for shoe in brake.shoes)
     assert f"worn in (law): braking force {brake.friction * down:.6g} N" in " ".join(
-        capsys.readouterr().out.split()
+        done.stdout.split()
     )
 
 
@@ -255,19 +252,21 @@ def test_a_worn_pad_is_solved_again_as_it_was_worn() -> None:
 
 @pytest.mark.parametrize("sliding", ["+x", "-x"])
 def test_the_fields_of_a_pad_stand_where_it_does_and_bear_its_pressure(sliding: str) -> None:
-    """Pressed nodes stay on the plane, under the stress that p and friction make there; the plane
-    pushes up.
+    """The fields of a pad lie where the pad does and carry its pressure.
+
+    Pressed nodes stay on the plane, under the stress of p and friction there; the plane pushes
+    upwards.
     """
     brake = placed(pad("pivot", sliding, body=BODY), mirrored=sliding == "-x", shift=0.4)
     made = scene_of(brake)
-    response = respond(made, brake, penalty=math.inf)
-    found = fields(made, brake, response, 0)
+    found = fields(made, brake, respond(made, brake, penalty=math.inf), 0)
     shoe = brake.shoes[0]
     assert shoe.body is not None
     (left, low), (right, high) = found.points.min(axis=0), found.points.max(axis=0)
     assert (left, right) == pytest.approx((shoe.body.start, shoe.body.end), abs=1e-12)
     assert (low, high) == pytest.approx((0.0, 0.021), abs=1e-12)
-    away = np.abs(found.points[:, 0] - shoe.lining.start - 0.06) < 0.05  # from the lining's ends
+    # The points lie away from the lining's ends.
+    away = np.abs(found.points[:, 0] - shoe.lining.start - 0.06) < 0.05
     on = (found.pressure > 0.1 * found.pressure.max()) & away
     p = found.pressure[on]
     assert np.abs(found.displacement[on, 1]).max() < 1e-3 * np.abs(found.displacement).max()

@@ -1,6 +1,4 @@
-"""Pads that do not fit the plane: clearance and misfit against closed forms, their symmetries and
-refusals.
-"""
+"""Pads that do not fit the plane: closed forms, symmetries and refusals."""
 
 import math
 from typing import Any
@@ -62,8 +60,10 @@ def pressed(brake: FlatBrake) -> ShoeResponse:
 def test_the_gap_ends_on_the_faces_own_circle(
     radius: float, crowned: bool, x: float, y: float
 ) -> None:
-    """Every point of the face is the radius away from the circle's centre, above a crowned face,
-    below a hollow one.
+    """The gap of a crowned or hollow face ends on the face's circle.
+
+    Each point of the face is one radius away from the centre, which lies above a crowned and below
+    a hollow face.
     """
     r, along = radius if crowned else -radius, np.linspace(-0.06, 0.06, 41)
     gap = off_circle.crown_gap(r, Point(x=x, y=y), along)
@@ -74,8 +74,9 @@ def test_the_gap_ends_on_the_faces_own_circle(
 
 
 def test_a_crowned_pad_with_a_thin_lining_is_pressed_by_a_parabola() -> None:
-    """Springs side by side: p = (E/t)(c^2 - x^2)/(2 r), P = (2/3)(E/t) b c^3/r, but for what is off
-    over about t.
+    """A crowned pad with a thin lining has a parabola of pressure, p = (E/t)(c^2 - x^2)/(2 r).
+
+    Springs side by side: P = (2/3)(E/t) b c^3/r, but for an error over about t at the ends.
     """
     t, r, force = 5e-4, 50.0, 4000.0
     shoe = pressed(centred(t, force, misfit={"radius": r}))
@@ -101,19 +102,20 @@ def test_a_crowned_pad_with_a_thick_lining_is_hertz() -> None:
     np.testing.assert_allclose(shoe.pressure_at(x), p, rtol=3e-3)
 
 
+@pytest.mark.parametrize(("force", "arcs"), ((20.0, 2), (2e4, 1)))
 @pytest.mark.parametrize("sliding", ["+x", "-x"])
-def test_a_hollow_pad_rests_on_its_ends_and_closes_under_its_force(sliding: str) -> None:
-    for force, arcs in ((20.0, 2), (2e4, 1)):
-        shoe = pressed(
-            vary(centred(1e-3, force, misfit={"radius": -50.0}), {"plane.sliding": sliding})
-        )
-        assert len(shoe.contact_arcs) == arcs
-        assert (shoe.contact_arcs[0][0], shoe.contact_arcs[-1][1]) == (-LENGTH / 2, LENGTH / 2)
+def test_a_hollow_pad_rests_on_its_ends_and_closes_under_its_force(
+    force, arcs, sliding: str
+) -> None:
+    shoe = pressed(vary(centred(1e-3, force, misfit={"radius": -50.0}), {"plane.sliding": sliding}))
+    assert len(shoe.contact_arcs) == arcs
+    assert (shoe.contact_arcs[0][0], shoe.contact_arcs[-1][1]) == (-LENGTH / 2, LENGTH / 2)
 
 
 def test_a_tilted_rigid_pad_is_pressed_linearly() -> None:
-    """Springs side by side: p = P/(b L) - (E/t) taper x/L; the taper counts from the pin, the
-    force's point here.
+    """A tilted rigid pad has a linear pressure, p = P/(b L) - (E/t) taper x/L.
+
+    Springs side by side; the taper counts from the pin, which is the force's point here.
     """
     t, taper, force = 5e-4, 1e-6, 4800.0
     for sense in (1, -1):
@@ -160,7 +162,8 @@ def test_a_pad_in_blocks_bears_by_those_that_do_not_stand_back() -> None:
     assert (first[0], second[1]) == (-LENGTH / 2, LENGTH / 2)
     assert -0.02 - step < first[1] < -0.02
     assert 0.02 < second[0] < 0.02 + step
-    brake = pad("hinge", body=BODY)  # under which only the far end bears
+    # Under this body the far end of the lining alone bears.
+    brake = pad("hinge", body=BODY)
     stepped = vary(brake, {MISFIT: {"blocks": [[0.1, 1e-3], [0.14, 0.0]]}})
     (places,) = places_of(stepped, respond(prepare(brake, LEVELS[1]), brake)).values()
     assert sum(kind in {Singularity.STEP, Singularity.OPEN_STEP} for *_, kind in places) == 4

@@ -1,6 +1,4 @@
-"""Solid pads on a plane: plane stress where they must agree, balances, mirror images, fields where
-they stand.
-"""
+"""Solid pads on a plane: plane stress where they must agree, balances, mirror images, fields."""
 
 from pathlib import Path
 from typing import Any
@@ -32,8 +30,9 @@ def test_without_lateral_contraction_it_is_plane_stress(kind: str) -> None:
 
 
 def test_a_narrow_pad_is_plane_stress_and_a_wide_one_is_not() -> None:
-    """At a tenth of the lining's thickness; what is left is the mesh's, half of it on one of twice
-    the elements.
+    """A pad of a tenth of its lining's thickness in width is plane stress, a wide one is not.
+
+    The rest is the mesh's error, half as large on twice the elements.
     """
     p, force = [], []
     for width, more in ((0.04, {}), (2e-4, {"across": 1})):

@@ -1,6 +1,4 @@
-"""The command line as a process: signals, streams, locales, foreign code in the current folder,
-missing packages.
-"""
+"""The command line as a process: signals, streams, locales, foreign code, missing packages."""
 
 import os
 import resource
@@ -12,6 +10,7 @@ import time
 import pytest
 
 from conftest import STUDY
+from picking import picked
 
 pytestmark = pytest.mark.slow
 
@@ -51,7 +50,8 @@ def test_a_signal_leaves_no_temporary_file_and_no_child(tmp_path, number):
         stdout=subprocess.DEVNULL,
     )
     end = time.monotonic() + 60
-    while not (tmp_path / "report" / "fields.vtu").exists():  # then the child that draws is at work
+    # Once this file is there the child that draws is at work.
+    while not (tmp_path / "report" / "fields.vtu").exists():
         assert process.poll() is None and time.monotonic() < end
         time.sleep(0.005)
     time.sleep(0.3)
@@ -255,7 +255,7 @@ def test_a_foreign_study_is_run_by_its_path_only(tmp_path):
     for path in ("studies/mine", "./studies/mine/study.py", "studies/laws"):
         done = drumlin("study", path, cwd=tmp_path)
         assert done.returncode == 0 and "reports/" in done.stdout, done.stderr
-    assert {path.name for path in tmp_path.glob("RAN *")} == {"RAN mine", "RAN laws"}
+    assert set(picked(tmp_path.glob("RAN *"), "name")) == {"RAN mine", "RAN laws"}
     one_line(drumlin("study", "studies/none", cwd=tmp_path), 2)
 
 

@@ -26,9 +26,7 @@ ROTATIONS = ("counter-clockwise", "clockwise")
 
 @st.composite
 def shoes(draw, R):
-    """A shoe for a drum of radius R as a brake file has it: lining rigid, backed or on an elastic
-    arc.
-    """
+    """Tables of a random shoe for a drum of radius R: lining rigid, backed or on an elastic arc."""
 
     def between(low, high):
         return draw(st.floats(low, high))
@@ -143,8 +141,7 @@ def test_random_brakes_end_converged_or_refused_with_a_reason(count):
     assert sum(ends.values()) >= count
     assert ends["1 arcs"] >= count / 5
     if count == 100:
-        assert ends["2 arcs"] + ends["3 arcs"] >= 1 and ends["NoAnswer"] >= 1, (
-            ends
-        )  # both are among the hundred
+        # Both kinds of refusal occur among the hundred brakes.
+        assert ends["2 arcs"] + ends["3 arcs"] >= 1 and ends["NoAnswer"] >= 1, ends
     # A few brakes need tens of steps, one node after the other.
     assert 1 <= np.median(steps) <= 6

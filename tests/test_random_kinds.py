@@ -1,6 +1,4 @@
-"""Random brakes of every way to hold and push shoes: what physics demands of laws and finite
-elements alike.
-"""
+"""Random brakes of every support and load: what physics demands of laws and finite elements."""
 
 import math
 import tempfile
@@ -14,18 +12,16 @@ from hypothesis import strategies as st
 
 import drumlin
 from conftest import partly
-from drumlin.base.errors import NoAnswer
-from drumlin.brake.brake import Brake
-from drumlin.brake.file import vary
+from drumlin import Brake, NoAnswer, Response, vary
 from drumlin.brake.plane_brake import FlatBrake, read_any
 from drumlin.brake.writing import brake_text
 from drumlin.fem.analysis.self_locking import limits
 from drumlin.fem.solve import scene_of
 from drumlin.laws import law
 from drumlin.response.balance import contact_resultant, loaded
-from drumlin.response.response import Response
 from drumlin.response.resultants import cross
 from drumlin_studies.random_kinds import HOLDING_KINDS, placed, random_kind, scaled
+from picking import picked
 
 ELEMENTS = 10
 SEEDS, NAMES = st.integers(0, 10**6), st.sampled_from(list(HOLDING_KINDS))
@@ -73,7 +69,7 @@ def whole_balance(brake: Brake, found: Response) -> None:
             float(cross(shoe.actuation.point.xy, shoe.actuation.vector)),
             float(cross(foot, own.hinge_reaction)) + own.reaction_moment,
         ]
-    size = max(np.linalg.norm(force) for force in forces)
+    size = max(map(np.linalg.norm, forces))
     # The balance is that of p(theta) on the round drum, which the elements' edges follow. `judge`
     # judges the balance at the nodes.
     assert np.linalg.norm(np.sum(forces, axis=0)) < 1e-9 * size
@@ -106,14 +102,12 @@ def fitting(brake: Brake) -> bool:
     """Whether all linings fit: then all grows with the forces."""
     return all(
         lining.clearance == 0 and lining.misfit == type(lining.misfit)()
-        for lining in (shoe.lining for shoe in brake.shoes)
+        for lining in picked(brake.shoes, "lining")
     )
 
 
 def moved(seed: int, kind: str, turn: float, length: float, modulus: float) -> None:
-    """Turned, mirrored, shifted; larger and stiffer; under twice the forces; as a file with its
-    units.
-    """
+    """The brake turned, mirrored, shifted, scaled, stiffened, under twice the forces, as a file."""
     brake = random_kind(seed, kind)
     flat = isinstance(brake, FlatBrake)
     for solve in MODELS:
@@ -173,14 +167,12 @@ def test_places_sizes_and_units_change_nothing_many_times(
 
 def both_ways(brake: Brake) -> list[Brake]:
     if isinstance(brake, FlatBrake):
-        return [vary(brake, {"plane.sliding": sliding}) for sliding in ("+x", "-x")]
+        return [vary(brake, {"plane.sliding": "+x"}), vary(brake, {"plane.sliding": "-x"})]
     return [vary(brake, {"rotation": rotation}) for rotation in ("clockwise", "counter-clockwise")]
 
 
 def rigid_limit(seed: int, kind: str) -> int:
-    """How many of both senses have an answer; without one by the law there is none by finite
-    elements.
-    """
+    """How many of both rotations have an answer; finite elements have none where the law none."""
     answers = 0
     for brake in both_ways(random_kind(seed, kind, rigid=True)):
         try:
@@ -234,7 +226,7 @@ def locked(seed: int, kind: str, most: float = 1.2) -> int:
             continue
         own = vary(brake, {"friction": 0.97 * end})
         found = limits(scene_of(own, elements=24), own, 2.0, 1e6)
-        assert min(limit.friction for limit in found.values()) == pytest.approx(end, rel=1e-2), (
+        assert min(picked(found.values(), "friction")) == pytest.approx(end, rel=1e-2), (
             brake,
             end,
         )
@@ -255,7 +247,8 @@ def test_a_hinged_shoe_ends_where_the_law_does() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", LINKED)
 def test_finite_elements_end_where_the_law_does(kind: str) -> None:
-    """At self-locking, where a shoe tips, its foot leaves the abutment, or a cam would have to
-    pull.
+    """Finite elements refuse where the rigid law does.
+
+    At self-locking, where a shoe tips, its foot leaves the abutment, or a cam would have to pull.
     """
     assert sum(locked(seed, kind) for seed in range(12)) >= 6

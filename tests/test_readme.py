@@ -1,13 +1,15 @@
 """The numbers that README quotes are those of the reports that are kept."""
 
-import math
 import re
+from itertools import product, starmap
 
+import numpy as np
 import pytest
 
 from conftest import ROOT
 from drumlin_studies.stated_true import JUDGED_QUANTITIES, ratio
 from kept_reports import rows
+from picking import having, picked
 
 README = re.sub(r"\s+", " ", (ROOT / "README.md").read_text())
 
@@ -16,7 +18,7 @@ def quoted(pattern):
     """The numbers in README that a pattern catches."""
     found = re.findall(pattern, README)
     assert len(found) == 1, pattern
-    return [float(number) for number in (found[0] if isinstance(found[0], tuple) else found)]
+    return list(map(float, found[0] if isinstance(found[0], tuple) else found))
 
 
 def digits(said, value):
@@ -27,7 +29,7 @@ def digits(said, value):
 
 def test_law_against_elements():
     made = rows("double_shoe/results.csv", rotation="counter-clockwise")
-    sine = [row for row in made if row["model"] == "sine"]
+    sine = having(made, model="sine")
     stiff = {row["shoe"]: row for row in sine if row["case"] == "stiff shoes"}
     low, high, low_too, peak, flexible, seconds = quoted(
         r"total torque is ([\d.]+) % low, its torque of the single shoes ([\d.]+) % high and "
@@ -37,9 +39,11 @@ def test_law_against_elements():
         r"solved in ([\d.]+) s"
     )
     digits(low, -100 * float(stiff["all"]["torque_error"]))
-    digits(high, 100 * max(float(stiff[shoe]["torque_error"]) for shoe in ("right", "left")))
-    digits(low_too, -100 * min(float(stiff[shoe]["torque_error"]) for shoe in ("right", "left")))
-    digits(peak, -100 * min(float(stiff[shoe]["peak_error"]) for shoe in ("right", "left")))
+    shoes = [stiff["right"], stiff["left"]]
+    torque_errors = list(map(float, picked(shoes, "torque_error")))
+    digits(high, 100 * max(torque_errors))
+    digits(low_too, -100 * min(torque_errors))
+    digits(peak, -100 * min(map(float, picked(shoes, "peak_error"))))
     total = next(row for row in sine if (row["case"], row["shoe"]) == ("flexible shoes", "all"))
     digits(flexible, -100 * float(total["torque_error"]))
     spent = [
@@ -108,7 +112,8 @@ def test_run_in():
     digits(distance, float(made["pressure_distance"]))
     assert float(made["pressure_life"]) == pytest.approx(1 / 8, rel=0.05)
     flexible = rows("run_in/brakes.csv", brake="double_shoe/flexible", model="fem")[0]
-    assert float(flexible["pressure_life"]) > 1  # "takes longer than the lining lasts"
+    # README says that this "takes longer than the lining lasts".
+    assert float(flexible["pressure_life"]) > 1
 
 
 def test_stated_against_true_errors():
@@ -119,16 +124,15 @@ def test_stated_against_true_errors():
         r"([\d.]+) % if the uncertainty"
     )
     made = [{k: v for k, v in row.items() if v} for row in rows("verification/stated_true.csv")]
-    assert len({row["seed"] for row in made}) == brakes
-    ratios = [ratio(row, name) for row in made for name in JUDGED_QUANTITIES]
-    judged = [one for one in ratios if not math.isnan(one)]
+    assert len(set(picked(made, "seed"))) == brakes
+    pairs = list(product(made, JUDGED_QUANTITIES))
+    ratios = np.array(list(starmap(ratio, pairs)))
+    # A true error that is unknown has no ratio.
+    known = ~np.isnan(ratios)
+    judged = ratios[known]
     assert len(judged) > 4000
-    digits(above, 100 * sum(one < 1 for one in judged) / len(judged))
-    digits(most, 1 / min(judged))
-    whole_errors = [
-        ratio(row | {f"unsure_{name}": 0.0}, name)
-        for row in made
-        for name in JUDGED_QUANTITIES
-        if not math.isnan(ratio(row, name))
-    ]
-    digits(whole, 100 * sum(one < 1 for one in whole_errors) / len(judged))
+    digits(above, 100 * np.count_nonzero(judged < 1) / len(judged))
+    digits(most, 1 / judged.min())
+    sure = [(row | {f"unsure_{name}": 0.0}, name) for row, name in pairs]
+    whole_errors = np.array(list(starmap(ratio, sure)))[known]
+    digits(whole, 100 * np.count_nonzero(whole_errors < 1) / len(judged))

@@ -2,6 +2,7 @@
 
 from drumlin_studies.recommendation import AIMS, TARGETS, against_peers, best_rows, matrices
 from drumlin_studies.work_precision import enough, series
+from picking import picked
 
 
 def row_of(elements, error, seconds, family="graded mesh"):
@@ -31,14 +32,16 @@ def test_luck_is_no_recommendation_and_ties_go_to_the_more_exact():
     floors = {"torque_error": 1e-6}
     fit = enough(lucky + other + failed, "torque_error", 5e-3, floors)
     # The mesh of 20 elements was lucky; of two equally fast rows the more exact one is first.
-    assert [row["seconds"] for row in fit] == [4.5, 4.0]
+    assert picked(fit, "seconds") == [4.5, 4.0]
     assert enough(lucky, "torque_error", 1e-7, floors) == []
     assert len(series(lucky + other)) == 2
 
 
 def test_what_to_use_is_a_matrix_of_brakes_and_targets():
-    """Three brakes: a law that is right, one that finite elements alone know, one whose reference
-    knows too little.
+    """The recommendation is a matrix of brakes and target errors.
+
+    Three brakes: a law that is right, one for finite elements alone, one whose reference knows too
+    little.
     """
     law = {
         "family": "law",
@@ -73,9 +76,9 @@ def test_what_to_use_is_a_matrix_of_brakes_and_targets():
         TARGETS["pressure_error"]
     )
     assert list(torque.lines) == ["right", "wrong", "vague"]
-    assert [cell.sort for cell in torque.lines["right"]] == ["law"] * 3 + ["elastic"] * 2
-    assert [cell.sort for cell in torque.lines["wrong"]] == ["elastic"] * 5
-    assert [cell.sort for cell in torque.lines["vague"]] == ["elastic"] * 4 + ["none"]
+    assert picked(torque.lines["right"], "sort") == ["law"] * 3 + ["elastic"] * 2
+    assert picked(torque.lines["wrong"], "sort") == ["elastic"] * 5
+    assert picked(torque.lines["vague"], "sort") == ["elastic"] * 4 + ["none"]
     assert "below what the reference knows" in torque.lines["vague"][-1].what
     assert pressure.lines["wrong"][-1].what == "none of those tried"
     assert torque.lines["right"][0].what == "sine law"
@@ -84,8 +87,10 @@ def test_what_to_use_is_a_matrix_of_brakes_and_targets():
 
 
 def test_peers_are_held_against_the_fastest_way_to_each_error():
-    """Ratios of the quickest rows on both sides; a row that is not quick, or on an even mesh, does
-    not count.
+    """Peers are compared with drumlin's fastest way to each error.
+
+    Ratios are of the quickest rows on both sides; a slow row, or one on an even mesh, does not
+    count.
     """
 
     def made(family, error, ratio, **more):
@@ -113,7 +118,7 @@ def test_peers_are_held_against_the_fastest_way_to_each_error():
         made("CalculiX", 3e-3, 900.0, elements=56),
     ]
     ((brake, times, alike, even),) = against_peers(rows, {"one": {"pressure_error": 1e-6}})
-    assert brake == "one" and [(one.peer, one.target) for one in times] == [
+    assert brake == "one" and picked(times, ("peer", "target")) == [
         (p, x) for p in AIMS for x in AIMS[p]
     ]
     ratios = {

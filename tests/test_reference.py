@@ -1,6 +1,4 @@
-"""Reference values against what is known otherwise, their file, and the check of somebody's
-p(theta).
-"""
+"""Reference values against independent ones, their file, and the check of a table p(theta)."""
 
 import json
 import re
@@ -27,6 +25,7 @@ from drumlin.verification.reference import (
     responses,
 )
 from drumlin.verification.reference_file import as_dict, read_reference, stored, write_values
+from picking import having, keyed, picked
 
 QUICK = Refinement(2, (LEVELS[1], LEVELS[2]), triangles.TRIANGLE_LEVELS[:2])
 VALUES = ROOT / "reports" / "reference" / "values"
@@ -45,8 +44,9 @@ def quick(brake):
 
 @pytest.mark.slow
 def test_a_reference_agrees_with_a_coarser_one_and_with_another_discretisation(known, quick):
-    """The independent one has an error of some 1e-5 itself: from 45 to 90 elements it changes by
-    2e-5.
+    """A reference agrees with a coarser one and with an independent discretisation.
+
+    The independent one has an error of some 1e-5: from 45 to 90 elements it changes by 2e-5.
     """
     assert known.torque.value == pytest.approx(independent.torque("double_shoe/brake"), rel=2e-5)
     assert known.torque.relative < 1e-6
@@ -59,11 +59,12 @@ def test_a_reference_agrees_with_a_coarser_one_and_with_another_discretisation(k
         assert coarse.pressure_uncertainty < 5e-3
 
 
-STORED = ("brakes", "double_shoe", "laws", "plane_stress", "post_brake")  # folders of studies/
+# These are folders of studies/.
+STORED = ("brakes", "double_shoe", "laws", "plane_stress", "post_brake")
 
 
 def test_every_stored_reference_is_of_its_brake_file_and_known_as_well_as_it_says():
-    files = {path.stem: path for path in VALUES.glob("*.json")}
+    files = keyed(VALUES.glob("*.json"), "stem")
     assert len(files) >= 10
     for stem, path in files.items():
         found = read_reference(path)
@@ -81,9 +82,10 @@ def test_every_stored_reference_is_of_its_brake_file_and_known_as_well_as_it_say
                 np.array(shoe.hinge_reaction.value),
                 abs=5e-3 * np.linalg.norm(shoe.hinge_reaction.value),
             )
-            own = next(s for s in brake.shoes if s.name == shoe.name)
+            own = having(brake.shoes, name=shoe.name)[0]
             if own.held_by != "hinge" or brake.links or brake.actuation is not None:
-                continue  # a lever, a strut or a cam pushes too
+                # A lever, a strut or a cam pushes this shoe too.
+                continue
             drum, pin = np.array(shoe.contact_force.value), np.array(shoe.hinge_reaction.value)
             force = own.actuation.vector
             assert np.linalg.norm(drum + pin + force) < 1e-6 * np.linalg.norm(force)
@@ -93,7 +95,8 @@ def test_a_file_of_reference_values_returns_what_was_written(known, tmp_path):
     path = tmp_path / "values.json"
     write_values(as_dict(known), path)
     assert as_dict(read_reference(path)) == as_dict(known)
-    assert max(len(line) for line in path.read_text().splitlines()) > 1000  # arrays on a line each
+    # Arrays stand on a line each.
+    assert max(map(len, path.read_text().splitlines())) > 1000
     for text in ("", "[]", '{"format": "other"}', path.read_text().replace('"edge"', '"edgy"')):
         path.write_text(text)
         with pytest.raises(BadInput, match=r"values\.json"):
@@ -134,7 +137,7 @@ def test_check_tells_good_curves_from_bad_ones(brake, known, tmp_path):
         turned.append(f"{name},{np.radians(float(angle)) - 2 * np.pi},{float(p) * 1e6}")
     path.write_text("\n".join(turned))
     again = check(brake, known, read_curves(path, brake))
-    assert [v.distance for v in again] == pytest.approx([v.distance for v in good], rel=1e-5)
+    assert picked(again, "distance") == pytest.approx(picked(good, "distance"), rel=1e-5)
 
 
 BAD = {
@@ -179,7 +182,8 @@ def test_curves_that_stop_short_and_references_of_other_brakes_are_refused(brake
         "shoe[0].lining.clearance": 1e-6,
         "drum.radius": 0.2,
     }
-    for key, value in others.items():  # their shoes bear the same names
+    # The shoes of other brakes bear the same names.
+    for key, value in others.items():
         with pytest.raises(BadInput, match=re.escape(f"of another brake: {key} is not the same")):
             check(vary(brake, {key: value}), known, read_curves(path, brake))
     titled = vary(
@@ -218,9 +222,8 @@ def test_commands(tmp_path):
         app, ["reference", str(brake_file), "--output", str(tmp_path / "r.json")]
     )
     assert made.exit_code == 0 and "uncertainty" in made.output
-    kept = read_reference(
-        VALUES / "laws_short_block.json"
-    ).torque  # what is stored is what the command gives
+    # The stored value must be the one that the command gives.
+    kept = read_reference(VALUES / "laws_short_block.json").torque
     assert read_reference(tmp_path / "r.json").torque.value == pytest.approx(
         kept.value, abs=2 * kept.uncertainty
     )

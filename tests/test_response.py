@@ -1,6 +1,4 @@
-"""Resultants of a pressure, where it ends, and what a response says of it: against closed forms,
-without any model.
-"""
+"""Resultants and ends of a pressure, and texts of a response, against closed forms."""
 
 import math
 from dataclasses import replace
@@ -35,6 +33,7 @@ from drumlin.response.resultants import (
     shape,
     slopes,
 )
+from picking import picked
 
 
 def polynomial(order, knots):
@@ -68,7 +67,8 @@ def test_polynomials_are_integrated_and_evaluated_exactly(order):
         shoe = shoe_of(theta, theta**degree, order)
         assert shoe.pressure_at(at) == pytest.approx(at**degree, rel=1e-13)
         assert shoe.pressure_at(np.array([0.2 - 1e-9, 1.9 + 1e-9])).tolist() == [0, 0]
-    kinked = np.abs(theta - 0.6)  # each piece has its own polynomial
+    # Each piece of p has a polynomial of its own.
+    kinked = np.abs(theta - 0.6)
     assert integrate(theta, kinked, order) == pytest.approx((0.4**2 + 1.3**2) / 2, rel=1e-14)
     assert shoe_of(theta, kinked, order).pressure_at(np.array([0.59, 0.61])) == pytest.approx(
         [0.01, 0.01]
@@ -92,8 +92,9 @@ def shoe_of(theta, pressure, order=2, **more):
 @pytest.mark.parametrize("sign", [1, -1])
 @pytest.mark.parametrize("drag", [0.3, -0.4])
 def test_an_even_pressure_on_an_arc(sign, drag):
-    """p R b over a < theta < b: -sign p R b (sin b - sin a, cos a - cos b) and drag times that
-    turned by 90 deg.
+    """An even pressure on an arc a < theta < b has the closed-form resultant.
+
+    -sign p R b (sin b - sin a, cos a - cos b), and drag times this vector turned by 90 deg.
     """
     theta, p, R, width = polynomial(2, KNOTS), 3e5, 0.2, 0.05
     found = resultant(
@@ -140,7 +141,7 @@ def test_angles_are_counted_from_the_middle_and_cross_products_by_the_sine(middl
 )
 def test_arcs_reach_to_the_node_next_to_a_pressed_one(pressed, arcs):
     theta = np.arange(len(pressed)) * 0.5 + 1
-    p = np.array([float(digit) for digit in pressed])
+    p = np.array(list(map(float, pressed)))
     assert contact_arcs(theta, p, 1, located=False) == tuple(
         (1 + 0.5 * a, 1 + 0.5 * b) for a, b in arcs
     )
@@ -159,11 +160,14 @@ def test_arcs_reach_to_the_node_next_to_a_pressed_one(pressed, arcs):
     ],
 )
 def test_the_end_of_a_contact_is_where_the_integral_of_its_square_root_begins(order, end, found):
-    """Nodal values whose integrals to 0.5 and to 1 are (theta - end)^1.5; an end beyond its step is
-    taken to it.
+    """The end of a contact is where the integral of the pressure's square root begins.
+
+    Nodal values have the integrals (theta - end)^1.5 up to 0.5 and to 1; an end beyond its step is
+    taken to the step.
     """
     theta = np.linspace(0, 5, 10 * order + 1)
-    F, G = 0.5**-1 * (0.5 - end) ** 1.5, 0.5**-1 * (1 - end) ** 1.5  # over the step
+    # Both are integrals over the step.
+    F, G = 0.5**-1 * (0.5 - end) ** 1.5, 0.5**-1 * (1 - end) ** 1.5
     if order == 1:
         p = [0, 2 * F, 2 * (G - F) - 2 * F]
     # The node in the middle is not pressed, either.
@@ -179,7 +183,8 @@ def test_the_end_of_a_contact_is_where_the_integral_of_its_square_root_begins(or
     )
     two = slice(None, 2 * order + 1)
     assert contact_arcs(theta[two], pressure[two], order)[0][0] == pytest.approx(found, abs=1e-12)
-    one = slice(None, order + 1)  # too short to tell
+    # One element is too short to tell where the contact ends.
+    one = slice(None, order + 1)
     assert (
         contact_arcs(theta[one], pressure[one], order)[0][0]
         == theta[np.flatnonzero(pressure > 0)[0] - 1]
@@ -228,11 +233,12 @@ def test_an_elastic_lining_by_growing_angles(brake):
         4.0,
         False,
     )
+    # The zones of 8 mm / (2 150 mm) at the ends are left out.
     assert (found.peak_pressure, found.order, found.turn) == (
         7.0,
         2,
         0.5,
-    )  # without 8 mm / (2 150 mm) at the ends
+    )
     assert found.contact_arcs == ((0.0, 1.0),) and found.lumped is not None
     other = pressed_shoe(
         shoe,
@@ -260,7 +266,8 @@ def test_an_elastic_lining_by_growing_angles(brake):
     )
     assert over_width.surface.pressure.mean(axis=1) == pytest.approx(over_width.pressure)
     assert other.theta == pytest.approx(theta[::-1]) and other.pressure == pytest.approx(p)
-    assert other.turn is None and 0 < other.contact_arcs[0][0] < 0.125  # p = 0 at the first node
+    # At the first node p = 0, so that the contact begins behind it.
+    assert other.turn is None and 0 < other.contact_arcs[0][0] < 0.125
 
 
 def test_forces_and_moments_are_balanced_relative_to_the_largest(brake):
@@ -343,8 +350,8 @@ def test_a_shoe_apart_and_responses_as_plain_data(brake):
     data = response.as_dict()
     assert response.torque == data["torque"] == 1.0
     assert data["balance"] == {"force": 1e-9, "moment": 2e-9} and data["error"] == {"torque": 1e-3}
-    assert [s["name"] for s in data["shoes"]] == ["shoe", "right"] and "deformation" not in data[
-        "shoes"
-    ][1]
+    assert (
+        picked(data["shoes"], "name") == ["shoe", "right"] and "deformation" not in data["shoes"][1]
+    )
     assert data["bearing_load"] == [1, 2] and data["converged"] is True and data["iterations"] == 0
     assert "bearing_load" not in replace(response, bearing_load=None).as_dict()

@@ -13,6 +13,7 @@ from drumlin.fem.model import respond
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin.fem.substructure.ring import ring_mesh
+from picking import picked, saying
 
 BRAKE = read_brake(STUDY / "brake.toml")
 
@@ -67,8 +68,9 @@ def test_shoes_meet_through_a_free_ring_and_not_through_a_rigid_drum():
 
 
 def test_a_thin_free_ring_bends_as_theory_says():
-    """Diametral pair of forces on a thin ring: shortening F R^3/(EI) (pi/4 - 2/pi) = .148778 and
-    .136620 widening.
+    """A thin free ring under two opposite forces shortens by .148778 and widens by .136620.
+
+    Both in F R^3/(EI); the first is pi/4 - 2/pi.
 
     The pair is spread over short arcs of the friction surface; the linear response comes from the
     ring body alone.
@@ -115,8 +117,9 @@ def test_a_thin_free_ring_bends_as_theory_says():
         )
         scene = prepare(spec, elements=4)
         ring, bodies = scene.ring, scene.bodies
-        areas = [body.coupling.area for body in bodies]
-        p = [np.full(len(a), 1.0 / a.sum()) for a in areas]  # one newton on each side
+        areas = picked(bodies, "coupling.area")
+        # Even pressures of one newton act on each side.
+        p = [np.full(len(a), 1.0 / a.sum()) for a in areas]
         opening = [
             float(p[i] @ ring.pressed[i].T @ sum(ring.pressed[j] @ p[j] for j in (0, 1)))
             for i in (0, 1)
@@ -130,8 +133,8 @@ def test_a_thin_free_ring_bends_as_theory_says():
 
 
 def test_it_is_said_that_no_ring_was_left_out():
-    assert any("no [drum.ring]" in line for line in solve(BRAKE, elements=10).left_out)
-    assert not any("no [drum.ring]" in line for line in solve(ringed(), elements=10).left_out)
+    assert saying(solve(BRAKE, elements=10).left_out, "no [drum.ring]")
+    assert not saying(solve(ringed(), elements=10).left_out, "no [drum.ring]")
 
 
 def test_shoes_on_both_sides_of_one_ring_are_refused():
@@ -148,8 +151,9 @@ def test_a_scene_with_another_ring_is_refused():
 
 @pytest.mark.parametrize("support", ["fixed", "free"])
 def test_the_fields_of_ring_and_lining_meet_on_the_friction_surface(support):
-    """Recovered inside both bodies on their own meshes, the normal displacements agree where there
-    is contact.
+    """Normal displacements of ring and lining agree on the friction surface where they touch.
+
+    Both are recovered inside their own meshes.
     """
     spec = ringed(support=support)
     scene = prepare(spec, elements=60)
@@ -168,7 +172,8 @@ def test_the_fields_of_ring_and_lining_meet_on_the_friction_surface(support):
     )
     compression = response.shoes[1].peak_pressure * 0.008 / 3e8
     assert np.abs(mine - theirs).max() < 2e-3 * compression
-    if support == "free":  # the rim's mean motion is zero
+    # The mean motion of a free rim is zero.
+    if support == "free":
         far = np.hypot(*ring.points.T) > 0.165 - 1e-9
         assert (
             np.abs(ring.displacement[far].mean(axis=0)).max()

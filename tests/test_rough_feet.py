@@ -1,9 +1,8 @@
-"""Feet on rough abutments: what `solve` means, where `hold` ends elsewhere and says so, and where
-they lock.
-"""
+"""Feet on rough abutments: `solve`, the different end of `hold` and its note, and locking."""
 
 import json
 import math
+from itertools import chain
 from pathlib import Path
 from typing import NamedTuple
 
@@ -11,9 +10,7 @@ import numpy as np
 import pytest
 
 from command_line import drumlin
-from drumlin.base.errors import NoAnswer
-from drumlin.brake.brake import Brake
-from drumlin.brake.file import vary
+from drumlin import Brake, NoAnswer, vary
 from drumlin.brake.plane_brake import FlatBrake, read_any
 from drumlin.contact import stick_slip
 from drumlin.contact.stick_slip import BACKWARD, FORWARD, STICK, History
@@ -26,6 +23,7 @@ from drumlin.fem.preparation.prepare import prepare
 from drumlin.laws import rigid
 from drumlin_studies.consistency_hold import checks
 from drumlin_studies.random_kinds import random_kind
+from picking import picked
 
 ELEMENTS = 12
 
@@ -58,8 +56,10 @@ def pad(folder: Path) -> FlatBrake:
 
 
 class Layer(NamedTuple):
-    """A rigid pad on springs, its rigid motion about the origin; a foot on springs, stiff beside
-    those of the lining.
+    """A rigid pad on springs with its foot on springs, far stiffer than those of the lining.
+
+    `motion` (3,): dx, dy [m], turn [rad] about the origin; `t` (n,), `foot`: friction forces [N];
+    `slid` [m]: displacement of the plane.
 
     `motion` (3,): dx, dy [m], turn [rad]; `t` (n,), `foot`: forces of friction [N]; `slid` [m]: of
     the plane.
@@ -77,8 +77,9 @@ STIFF = 1e3
 
 
 def moved(brake: FlatBrake, before: Layer, share: float, slid: float) -> Layer:
-    """The state under a share of the force, the plane slid by so much: Coulomb's law for each
-    spring, by increments.
+    """The pad's state under a share of its force and a displacement `slid` [m] of the plane.
+
+    Coulomb's law for each spring, by increments.
 
     Each spring is a normal and a shear spring in series with friction (return mapping). Three
     equilibria, by Newton's method.
@@ -111,6 +112,7 @@ def moved(brake: FlatBrake, before: Layer, share: float, slid: float) -> Layer:
     motion = before.motion
     for _ in range(200):
         p = k_n * np.maximum(-(normals @ motion), 0.0)
+        # The traction is tried as if all springs stuck, then cut to the bound of friction.
         tried = old + k_t * (dragged - tangents @ (motion - before.motion))
         t = np.clip(tried, -mu * p, mu * p)
         left = normals.T @ p + tangents.T @ t + load
@@ -126,13 +128,16 @@ def moved(brake: FlatBrake, before: Layer, share: float, slid: float) -> Layer:
 
 
 def test_both_ways_are_those_of_springs_with_friction(tmp_path: Path) -> None:
-    """`hold`: the force at rest, then the plane slides. `solve`: the plane slides already as the
+    """`hold` and `solve` differ on a rough foot as two load paths of springs with friction do.
+
+    `hold`: the force acts at rest, then the plane slides. `solve`: the plane slides already as the
     force comes on.
     """
     brake = pad(tmp_path)
     scene = prepare(brake, elements=40)
     end = full_slip_rotation(scene, brake)
     states = hold(scene, brake, np.linspace(0.0, end, 21))
+    # The pad begins just in contact, without friction.
     free = Layer(np.array([0.0, -1e-9, 0.0]), np.zeros(SPRINGS), 0.0, 0.0)
     at = free
     for share in np.linspace(0, 1, 21)[1:]:
@@ -144,11 +149,11 @@ def test_both_ways_are_those_of_springs_with_friction(tmp_path: Path) -> None:
     assert states[-1].torque == pytest.approx(held, rel=1e-6)
     at = free
     for share in np.linspace(0, 1, 21)[1:]:
-        at = moved(brake, at, share, brake.spin * share)  # a metre: all springs slip
+        # A displacement of a metre lets all springs slip.
+        at = moved(brake, at, share, brake.spin * share)
     slid = brake.spin * at.t.sum()
-    assert respond(scene, brake).torque == pytest.approx(
-        slid, rel=0.01
-    )  # the springs leave out the lining's ends
+    # The springs leave out the effect of the lining's ends.
+    assert respond(scene, brake).torque == pytest.approx(slid, rel=0.01)
     assert held > 1.1 * slid
 
 
@@ -185,8 +190,10 @@ def rough_brakes(count: int) -> list[Brake]:
 
 @pytest.mark.parametrize("count", [6, pytest.param(60, marks=pytest.mark.slow)])
 def test_solve_is_the_drum_that_slides_already_as_the_force_comes_on(count: int) -> None:
-    """By the stick-slip equations, in which a foot is a node that opens, sticks and slips as those
-    of linings do.
+    """`solve` answers for a drum that slides already as the force comes on.
+
+    The stick-slip equations are the reference: the foot is a node that opens, sticks and slips as
+    those of linings do.
     """
     for brake in rough_brakes(count):
         scene = prepare(brake, elements=ELEMENTS)
@@ -197,7 +204,7 @@ def test_solve_is_the_drum_that_slides_already_as_the_force_comes_on(count: int)
             nothing, n = np.zeros(len(lever)), group.node_ranges[-1].stop
             slips = np.full(n, FORWARD if brake.spin > 0 else BACKWARD)
             start = np.append(slips, np.full(len(feet.on), STICK))
-            at = stick_slip.solve(slid, feet.friction(), History(nothing, nothing), start)
+            at = stick_slip.solve(slid, feet.node_friction(), History(nothing, nothing), start)
             assert STICK not in at.state[:n]
             _, found = group.settled()
             assert group.levers.T @ at.p[:n] == pytest.approx(group.levers.T @ found.p, rel=1e-6)
@@ -205,8 +212,9 @@ def test_solve_is_the_drum_that_slides_already_as_the_force_comes_on(count: int)
 
 @pytest.mark.parametrize("seed", [115, 219, pytest.param(61, marks=pytest.mark.slow)])
 def test_a_little_force_on_a_crowned_pad_is_no_refusal(seed: int) -> None:
-    """Under a ten-thousandth of the force it bears on a node or two. Seeds 61 and 219 were refused
-    at rest.
+    """A ten-thousandth of the force on a crowned pad, borne by a node or two, is no refusal.
+
+    Seeds 61 and 219 were refused at rest.
     """
     (row,) = checks(seed)
     assert row.outcome in {"agrees", "said"}, row
@@ -214,9 +222,9 @@ def test_a_little_force_on_a_crowned_pad_is_no_refusal(seed: int) -> None:
 
 @pytest.mark.slow
 def test_of_random_brakes_of_all_kinds_none_ends_elsewhere_without_a_line() -> None:
-    rows = [row for seed in range(1000, 1104) for row in checks(seed)]
+    rows = list(chain.from_iterable(map(checks, range(1000, 1104))))
     assert len(rows) > 90
-    assert {row.outcome for row in rows} <= {"agrees", "said"}
+    assert set(picked(rows, "outcome")) <= {"agrees", "said"}
     assert all("abutment" in row.said for row in rows if row.outcome == "said")
 
 
@@ -231,12 +239,14 @@ def test_the_problem_of_a_rough_foot_is_not_there_before_its_friction_is_known()
 
 @pytest.mark.parametrize("count", [2, pytest.param(30, marks=pytest.mark.slow)])
 def test_the_limit_of_rough_feet_is_where_solves_at_growing_friction_end(count: int) -> None:
-    """With the foot's friction as the rigid shoe's 47 of 133 were wrong, by up to eight times, and
-    so was the line.
+    """The limit of friction with rough feet is where solves at growing friction end.
+
+    With the foot's friction taken from the rigid shoe 47 of 133 limits were wrong, by up to eight
+    times.
     """
     for brake in rough_brakes(count):
         scene = prepare(brake, elements=ELEMENTS)
-        lock = min(end.friction for end in limits(scene, brake, 2.5, PENALTY).values())
+        lock = min(picked(limits(scene, brake, 2.5, PENALTY).values(), "friction"))
         last = 0.97 * min(lock, 2.5)
         for mu in np.linspace(brake.friction, last, 8):
             assert respond(scene, vary_friction(brake, mu)).torque > 0
@@ -256,8 +266,10 @@ def vary_friction(brake: Brake, friction: float) -> Brake:
 
 @pytest.mark.slow
 def test_the_limit_of_thin_linings_is_that_of_the_law() -> None:
-    """The law has an answer up to there and none beyond, a foot that slides the other way on the
-    way there or not.
+    """The limit of friction with a thin lining is that of the rigid law.
+
+    The law has an answer up to there and none beyond, also where the foot changes its direction of
+    sliding on the way.
     """
     seen = 0
     for seed in range(8):
@@ -273,4 +285,5 @@ def test_the_limit_of_thin_linings_is_that_of_the_law() -> None:
             else:
                 with pytest.raises(NoAnswer):
                     rigid.press(there, there.shoes[0])
+    # Enough of the eight must have a limit at all.
     assert seen >= 4

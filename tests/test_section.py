@@ -1,6 +1,4 @@
-"""Bodies with a T-section, and bodies known by their bending stiffness: data, closed forms, every
-model alike.
-"""
+"""T-sections and bodies known by bending stiffness: data, closed forms, all models alike."""
 
 import math
 from typing import Any
@@ -11,9 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import drumlin
-from drumlin.base.errors import BadInput
+from drumlin import BadInput, Brake
 from drumlin.brake import read_any, vary
-from drumlin.brake.brake import Brake
 from drumlin.brake.components import ASSUMED_STEEL, Section, bonded
 from drumlin.brake.fields import Material
 from drumlin.brake.file import brake_from, validated
@@ -37,8 +34,9 @@ SIZES = st.floats(1e-3, 0.1)
 def test_area_neutral_axis_and_second_moment_of_a_t_section(
     t: float, b: float, h: float, w: float
 ) -> None:
-    """Of a table t x b on a web h x w, counted from the web's outer face; by the sums of the
-    rectangles' own.
+    """A T-section's area, neutral axis and second moment are the sums over its two rectangles.
+
+    A table t x b stands on a web h x w, counted from the web's outer face.
     """
     material = Material(E=2e11, nu=0.25)
     found = bonded([Section(h, w, material), Section(t, b, material)])
@@ -129,8 +127,9 @@ def arc(**body: Any) -> Brake:
     "body", [{"thickness": 0.03, "bending_stiffness": 3e3}, WEB | {"table": TABLE}]
 )
 def test_a_curved_body_bends_as_an_arc(body: dict[str, Any]) -> None:
-    """A couple turns the end of a half circle by pi A_m/(E A (r A_m - A)), A_m = Int dA/r
-    (Winkler's curved beam).
+    """A couple turns the end of a half circle by pi A_m/(E A (r A_m - A)), A_m = Int dA/r.
+
+    This is Winkler's curved beam.
     """
     brake = arc(**body)
     plates = list(brake.shoes[0].body.plates.values())[::-1]  # type: ignore[union-attr]
@@ -147,9 +146,7 @@ def test_a_curved_body_bends_as_an_arc(body: dict[str, Any]) -> None:
 
 
 def layered(kind: str, *, old: bool) -> Brake:
-    """A T-section over the lining's arc: as one, or as a backing of the table's size before a
-    narrow body.
-    """
+    """A T-section over the lining's arc, or the same as a backing on a narrow body if `old`."""
     over = {"start": -0.95, "end": 0.95}
     web = BODY | over | {"width": 0.005}
     table = {"thickness": 0.003}
@@ -229,8 +226,7 @@ def test_files_of_both_read_as_they_were_written(tmp_path: Any) -> None:
         layered("pivot", old=False),
         vary(arc(**WEB), {"shoe.body.bending_stiffness": 3e3}),
     ):
-        text = brake_text(brake)
-        assert read_any(tmp_path / "b.toml", text) == brake
+        assert read_any(tmp_path / "b.toml", brake_text(brake)) == brake
     only = arc(thickness=0.03, bending_stiffness=3e3)
     assert 'bending_stiffness = "3000.0 N m^2"' in brake_text(only)
     assert only.shoes[0].body.plates["shoe"].material == ASSUMED_STEEL  # type: ignore[union-attr]

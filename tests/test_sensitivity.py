@@ -1,6 +1,4 @@
-"""Sensitivities from the tangent: against differences of whole solves, and what scaling demands of
-them.
-"""
+"""Slopes from the tangent against differences of whole solves and against scaling."""
 
 import json
 import math
@@ -10,24 +8,18 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
+from command_line import drumlin
 from conftest import STUDY
 from drumlin.base.errors import DrumlinError, NoAnswer
 from drumlin.brake.file import vary
-from drumlin.cli import commands as cli
 from drumlin.fem.analysis.sensitivity import against_differences, sensitivity
 from drumlin.fem.model import respond
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin_studies.random_brake import random_brake
+from shared_parts import drum_ring, modulus_slopes
 
-RING = {
-    "drum.ring": {
-        "thickness": 0.015,
-        "width": 0.04,
-        "material": {"E": 120e9, "nu": 0.25},
-        "support": "free",
-    }
-}
+RING = drum_ring(0.015, "free")
 
 
 @pytest.mark.parametrize(
@@ -61,7 +53,7 @@ def test_the_slope_over_friction_is_that_of_differences_where_no_set_changes(see
 def test_moduli_scaled_alike_change_nothing_and_forces_are_proportional(brake):
     ringed = vary(brake, RING)
     found = sensitivity(prepare(ringed, elements=12), ringed)
-    moduli = [value for shoe in found.shoes for value in shoe.moduli.values()]
+    moduli = modulus_slopes(found)
     assert found.ring is not None
     assert math.fsum([*moduli, found.ring]) == pytest.approx(0.0, abs=1e-10 * max(map(abs, moduli)))
     forces = math.fsum(
@@ -85,18 +77,15 @@ def test_a_pull_is_a_push_the_other_way(brake):
 
 @pytest.mark.parametrize("index", range(2))
 def test_an_uneven_clearance_acts_through_its_density(brake, index):
-    """A small bump in the clearance: its change of torque is the integral of the density times the
-    bump.
-    """
+    """An uneven clearance acts through its density: a bump changes the torque by its integral."""
     scene = prepare(brake, elements=20)
     found = sensitivity(scene, brake)
     shoe, R = found.shoes[index], brake.drum.radius
     height = 1e-9
     theta = shoe.theta
-    bump = height * np.exp(
-        -(((theta - theta.mean() - 0.3) / 0.2) ** 2)
-    )  # nearer to one end than to the other
-    table = [[float(a), float(g)] for a, g in zip(theta, bump, strict=True)]
+    # The bump lies nearer to one end than to the other.
+    bump = height * np.exp(-(((theta - theta.mean() - 0.3) / 0.2) ** 2))
+    table = np.column_stack([theta, bump]).tolist()
     change = (
         respond(scene, vary(brake, {f"shoe[{index}].lining.clearance": table})).torque
         - found.torque
@@ -106,21 +95,11 @@ def test_an_uneven_clearance_acts_through_its_density(brake, index):
     assert shoe.clearance == pytest.approx(np.trapezoid(shoe.density, theta) * R, rel=2e-2)
 
 
-def test_sensitivities_on_the_command_line(brake, tmp_path, capsys):
+def test_sensitivities_on_the_command_line(brake, tmp_path):
     file = tmp_path / "s.json"
-    with pytest.raises(SystemExit) as end:
-        cli.app(
-            [
-                "sensitivity",
-                str(STUDY / "brake.toml"),
-                "--elements",
-                "12",
-                "--json",
-                str(file),
-            ]
-        )
-    assert end.value.code == 0
-    data, said = json.loads(file.read_text()), " ".join(capsys.readouterr().out.split())
+    done = drumlin("sensitivity", STUDY / "brake.toml", "--elements", 12, "--json", file)
+    assert done.returncode == 0
+    data, said = json.loads(file.read_text()), " ".join(done.stdout.split())
     assert data["torque"] == pytest.approx(solve(brake, elements=12).torque, rel=1e-12)
     assert f"S = (mu/T) dT/dmu = {data['S']:.5g} (sine law: 1.3064)" in said
     with pytest.raises(NoAnswer, match="without friction there is no torque"):

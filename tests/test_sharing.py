@@ -7,16 +7,19 @@ import numpy as np
 import pytest
 
 import drumlin
-from drumlin.base.errors import NoAnswer
-from drumlin.brake.file import vary
+from drumlin import NoAnswer, vary
 from drumlin.fem.equilibrium.group import groups_of
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import respond
+from drumlin.fem.preparation.bodies import actuation
 from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.substructure.body import stiffness
+from drumlin.fem.substructure.elasticity import layers_of
 from drumlin.laws import law
 from drumlin.response.balance import loaded
 from drumlin.response.merit import brake_factor
 from drumlin.verification import triangles
+from picking import picked
 from shared_forces import R, cam_brake, servo
 
 
@@ -32,13 +35,14 @@ def test_rigid_shoes_with_thin_linings_share_as_by_the_law(make: Any, spin: int)
 
 
 def test_under_a_cam_the_tips_of_elastic_shoes_go_the_same_way() -> None:
-    """Judged by each shoe alone under its share: another problem, whose tip is found by the work of
-    a small change.
+    """Under a cam the tips of elastic shoes move by equal amounts.
+
+    Each shoe alone under its share is the reference; the work of a small change gives its tip.
     """
     brake = cam_brake(body=0.012, thickness=0.006)
     scene = prepare(brake, elements=40)
     both = respond(scene, brake)
-    assert sum(shoe.force for shoe in both.shoes) == pytest.approx(2000.0, rel=1e-9)
+    assert sum(picked(both.shoes, "force")) == pytest.approx(2000.0, rel=1e-9)
     assert abs(both.shoes[0].force / both.shoes[1].force - 1) > 0.1
     alone = vary(loaded(brake, both), {"actuation": None})
     tips = []
@@ -56,8 +60,10 @@ def test_under_a_cam_the_tips_of_elastic_shoes_go_the_same_way() -> None:
 
 
 def test_a_cam_feels_the_corners_of_the_loaded_ends() -> None:
-    """Where the table of a T-section ends under the load the stress is singular. Against triangles,
-    to 3e-6.
+    """A cam feels the singular corners of the loaded ends of its shoes.
+
+    Where the table of a T-section ends under the load the stress is singular. Triangles agree to
+    3e-6.
     """
     brake = cam_brake(
         body=0.02, thickness=0.012, web=0.002, table={"thickness": 0.004, "width": 0.04}
@@ -71,8 +77,9 @@ def test_a_cam_feels_the_corners_of_the_loaded_ends() -> None:
 
 
 def test_the_tip_moves_as_the_energy_says() -> None:
-    """Without friction the work of the force is the elastic energy: tip = dW/dF, by central
-    differences of W = F tip/2.
+    """The tip of a frictionless shoe moves by tip = dW/dF, with W = F tip/2.
+
+    The force's work is the elastic energy; dW/dF is a central difference.
 
     The brake is linear where the contact does not change with the force, as without gaps.
     """
@@ -87,9 +94,6 @@ def test_the_tip_moves_as_the_energy_says() -> None:
     body, part = group.bodies[0], group.node_ranges[0]
     nodal = -body.coupling.N.T @ found.p[part]
     u = body.condensed.displacement(nodal, np.array([0.0, 0.0, found.y[0]]), _load(group))
-    from drumlin.fem.substructure.body import stiffness
-    from drumlin.fem.substructure.elasticity import layers_of
-
     energy = 0.5 * float(
         u.T.ravel() @ (stiffness(body.basis, layers_of(group.shoes[0])) @ u.T.ravel())
     )
@@ -97,8 +101,6 @@ def test_the_tip_moves_as_the_energy_says() -> None:
 
 
 def _load(group: Any) -> Any:
-    from drumlin.fem.preparation.bodies import actuation
-
     return actuation(group.bodies[0], group.shoes[0])[0]
 
 
@@ -108,16 +110,14 @@ def test_every_shoe_and_the_whole_brake_balance(make: Any) -> None:
     response = drumlin.solve(brake)
     assert max(response.balance.force, response.balance.moment) < 1e-9
     under = loaded(brake, response)
-    outside = [shoe.actuation.vector for shoe in under.shoes] + [
-        shoe.hinge_reaction for shoe in response.shoes
-    ]
+    outside = picked(under.shoes, "actuation.vector") + picked(response.shoes, "hinge_reaction")
     # The strut acts on both shoes alike.
     if brake.links:
         a, b = response.shoes
         assert a.hinge_reaction == pytest.approx(-under.shoes[1].actuation.vector, rel=1e-9)
         assert np.linalg.norm(a.hinge_reaction) == pytest.approx(b.force, rel=1e-9)
     total = np.sum(outside, axis=0) + -response.bearing_load
-    assert np.linalg.norm(total) < 1e-9 * max(np.linalg.norm(force) for force in outside)
+    assert np.linalg.norm(total) < 1e-9 * max(map(np.linalg.norm, outside))
 
 
 def test_what_a_strut_passes_on_is_no_actuation() -> None:
@@ -128,7 +128,7 @@ def test_what_a_strut_passes_on_is_no_actuation() -> None:
     assert brake_factor(brake, response) == pytest.approx(response.torque / (1000.0 * R), rel=1e-12)
 
 
-def test_a_locked_cam_or_strut_is_refused_with_its_limit() -> None:
-    for make in (cam_brake, servo):
-        with pytest.raises(NoAnswer, match=r"self-locking|would have to pull|no equilibrium"):
-            drumlin.solve(make(mu=3.0), elements=30)
+@pytest.mark.parametrize("make", (cam_brake, servo))
+def test_a_locked_cam_or_strut_is_refused_with_its_limit(make) -> None:
+    with pytest.raises(NoAnswer, match=r"self-locking|would have to pull|no equilibrium"):
+        drumlin.solve(make(mu=3.0), elements=30)

@@ -15,17 +15,11 @@ from drumlin.fem.preparation.prepare import prepare
 from flat_pads import pad
 from held_shoes import BODY, brake_of
 from shared_forces import cam_brake, servo
+from shared_parts import drum_ring
 
 ELEMENTS = 8
 THICK = {"shoe.lining.thickness": 0.005}
-RING = {
-    "drum.ring": {
-        "thickness": 0.01,
-        "width": 0.04,
-        "material": {"E": 1.2e11, "nu": 0.25},
-        "support": "free",
-    }
-}
+RING = drum_ring(0.01, "free")
 PADS = {"shoe.lining.thickness": 0.008}
 BODY_OF_PAD = {
     "thickness": 0.02,
@@ -79,8 +73,9 @@ def turned(brake: Brake, i: int, key: str) -> Callable[[float], dict[str, Any]]:
 
 
 class Row(NamedTuple):
-    """A slope, exactly, and how the brake is changed for its difference: by steps of this size,
-    over a unit.
+    """An exact slope, and the change of the brake whose solves give its difference.
+
+    `changes` takes a step; `step` is its size, and `unit` divides the difference.
     """
 
     what: str
@@ -159,10 +154,8 @@ def test_the_slope_over_friction_is_that_of_differences(name: str) -> None:
     size = drumlin.solve(brake, elements=ELEMENTS).effect
     assert found.torque == pytest.approx(size, rel=1e-9)
     check(brake, rows(brake, found)[0], size)
-    lines = as_text(found, brake)
-    assert all(
-        "\n" not in line and "law: none" not in line and " -0 " not in line for line in lines
-    )
+    for line in as_text(found, brake):
+        assert "\n" not in line and "law: none" not in line and " -0 " not in line
 
 
 @pytest.mark.slow

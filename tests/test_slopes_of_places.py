@@ -1,6 +1,4 @@
-"""Slopes along points with which a shoe's body moves, and over bending stiffnesses: against
-differences of solves.
-"""
+"""Slopes along points that move a shoe's body, and by bending stiffness, against differences."""
 
 import json
 import math
@@ -14,12 +12,12 @@ import numpy as np
 import pytest
 from scipy.sparse.linalg import spsolve
 
+from command_line import drumlin
 from conftest import ROOT
 from drumlin.brake.brake import Brake
 from drumlin.brake.elasticity import ElasticLayer, elasticity_matrix
 from drumlin.brake.fields import Material
 from drumlin.brake.file import brake_from, read_brake, vary
-from drumlin.cli import commands as cli
 from drumlin.fem.analysis.mutual_work import change_by_nodes, work_by_part
 from drumlin.fem.analysis.sensitivity import as_text, sensitivity
 from drumlin.fem.error_control.levels import LEVELS
@@ -34,6 +32,7 @@ from drumlin_studies import consistency_slopes
 from drumlin_studies.consistency_slopes import Divided, difference, slopes_of
 from drumlin_studies.random_brake import random_brake
 from drumlin_studies.random_kinds import random_kind
+from shared_parts import modulus_slopes
 
 ELEMENTS = 10
 POST = {
@@ -102,7 +101,7 @@ def central(
     brake: Brake, i: int, key: str, way: int, torque: Callable[[Brake], float], step: float
 ) -> float:
     h = step * brake.size
-    up, down = (torque(along(brake, i, key, way, s)) for s in (h, -h))
+    up, down = torque(along(brake, i, key, way, h)), torque(along(brake, i, key, way, -h))
     return (up - down) / (2 * h)
 
 
@@ -139,8 +138,7 @@ def test_a_slope_along_a_point_is_that_of_solves_whose_body_moves_with_it(draw, 
 @pytest.mark.parametrize("name", ["brakes/crane.toml", "post_brake/brake.toml"])
 def test_slopes_of_the_studies_are_those_of_solves_by_default(name):
     brake = read_brake(ROOT / "studies" / name)
-    found = sensitivity(scene_of(brake), brake)
-    for i, own in enumerate(found.shoes):
+    for i, own in enumerate(sensitivity(scene_of(brake), brake).shoes):
         for key, value in own.held.items():
             for way, exact in enumerate(value):
                 for step in (1e-2, 3e-3, 1e-3):
@@ -204,8 +202,9 @@ def test_a_mesh_in_the_shoes_frame_turns_with_its_pin(kind, draw, tmp_path):
 
 
 def largest(brake: Brake, elements: int | None, key: str = "") -> float:
-    """The largest relative difference of slopes whose names begin so from differences over three
-    steps.
+    """The largest relative difference of slopes whose names begin with a key.
+
+    Differences over three steps are the reference.
     """
     divided = Divided(elements, consistency_slopes.Cache())
     base = divided.solved(brake)
@@ -227,7 +226,7 @@ def test_a_bending_stiffness_has_a_slope_of_its_own_and_the_modulus_beside_it_no
         "drum.ring.bending_stiffness": ring.EI,
     }
     given = vary(brake, EI)
-    plain, found = (sensitivity(scene(each), each) for each in (brake, given))
+    plain, found = sensitivity(scene(brake), brake), sensitivity(scene(given), given)
     # the section is the same, and plane stress feels the product of modulus and width alone
     assert found.shoes[0].bending_stiffness == pytest.approx(
         plain.shoes[0].moduli["shoe"], rel=1e-9
@@ -247,28 +246,20 @@ def test_a_bending_stiffness_has_a_slope_of_its_own_and_the_modulus_beside_it_no
     ]
     assert near[0] == pytest.approx(found.shoes[0].bending_stiffness, rel=1e-4)
     assert near[1] == pytest.approx(found.ring_bending_stiffness, rel=1e-4)
-    assert abs(near[2]) < 1e-6 * abs(near[0])  # the width makes up for the modulus
+    # A larger width makes up for a smaller modulus.
+    assert abs(near[2]) < 1e-6 * abs(near[0])
     text = " ".join(as_text(found, given))
     assert "d ln T/d ln bending_stiffness of the drum ring" in text
     assert "d ln T/d ln bending_stiffness: shoe" in text
     assert "E of the drum ring" not in text
 
 
-def test_the_command_writes_bending_stiffnesses_under_their_names(tmp_path, capsys):
+def test_the_command_writes_bending_stiffnesses_under_their_names(tmp_path):
     file = tmp_path / "s.json"
-    with pytest.raises(SystemExit) as end:
-        cli.app(
-            [
-                "sensitivity",
-                str(ROOT / "studies/post_brake/brake.toml"),
-                "--elements",
-                "8",
-                "--json",
-                str(file),
-            ]
-        )
-    assert end.value.code == 0
-    data, said = json.loads(file.read_text()), " ".join(capsys.readouterr().out.split())
+    post = ROOT / "studies/post_brake/brake.toml"
+    done = drumlin("sensitivity", post, "--elements", 8, "--json", file)
+    assert done.returncode == 0
+    data, said = json.loads(file.read_text()), " ".join(done.stdout.split())
     assert data["ring"] is None
     assert (
         f"bending_stiffness of the drum ring {data['ring_bending_stiffness'] / data['torque']:+.4g}"
@@ -307,8 +298,9 @@ ORTHOTROPIC = np.array([[9.0, 0.8, 0.0], [0.8, 3.0, 0.0], [0.0, 0.0, 2.5]])
 
 
 def some_layers(names: Iterable[str], *, directed: bool) -> dict[str, ElasticLayer]:
-    """A layer of each name, the first around the centre, the others straight, each stiffer than the
-    one before.
+    """A layer of each name, the first around the centre, the others straight.
+
+    Each layer is stiffer than the one before.
     """
     found = {}
     for k, name in enumerate(names):
@@ -322,8 +314,9 @@ def some_layers(names: Iterable[str], *, directed: bool) -> dict[str, ElasticLay
 @pytest.mark.parametrize("directed", [False, True], ids=["isotropic", "orthotropic"])
 @pytest.mark.parametrize("name", BODIES)
 def test_the_mutual_work_is_that_of_the_assembled_stiffness_and_so_is_its_change(name, directed):
-    """The change is that of the stiffness assembled anew with the nodes moved, by a central
-    difference.
+    """The mutual work and its change are those of the assembled stiffness.
+
+    Nodes are moved and the stiffness assembled anew for a central difference.
     """
     body = BODIES[name](random_brake(3, "post")).bodies[0]
     basis, size = body.basis, np.abs(body.basis.doflocs).max()
@@ -355,14 +348,15 @@ def test_the_mutual_work_changes_as_the_axis_of_straight_layers_turns(name):
         }
 
     h = 1e-5
-    ahead, behind = (v @ (stiffness(basis, turned(angle)) @ u) for angle in (h, -h))
+    ahead, behind = v @ (stiffness(basis, turned(h)) @ u), v @ (stiffness(basis, turned(-h)) @ u)
     exact = change_by_nodes(basis, layers, u, v, np.zeros((1, 2 * basis.N)), [1.0])[0]
     assert exact == pytest.approx((ahead - behind) / (2 * h), rel=1e-6)
 
 
 def test_displacements_on_columns_come_without_a_factorisation_of_the_whole(monkeypatch):
-    """Such a factorisation had an index limit, met with 270 000 nodes, and wrote on standard
-    output.
+    """Displacements on columns need no factorisation of the whole shoe.
+
+    This factorisation had an index limit, met at 270 000 nodes, and wrote on standard output.
     """
 
     def refuse(*_: Any, **__: Any) -> None:
@@ -373,7 +367,7 @@ def test_displacements_on_columns_come_without_a_factorisation_of_the_whole(monk
     monkeypatch.setattr(ColumnGrid, "stiffness", refuse)
     monkeypatch.setattr("scipy.sparse.linalg.splu", refuse)
     found = sensitivity(scene, brake)
-    moduli = [value for shoe in found.shoes for value in shoe.moduli.values()]
+    moduli = modulus_slopes(found)
     assert math.fsum([*moduli, found.ring or 0.0]) == pytest.approx(
         0.0, abs=1e-7 * max(map(abs, moduli))
     )
@@ -405,10 +399,10 @@ def test_displacements_by_way_of_the_sides_of_elements_are_those_of_the_whole_sy
         assert np.abs(found - expected).max() < 1e-6 * np.abs(expected).max()
 
 
-def test_random_brakes_of_all_kinds_keep_their_slopes():
-    for seed in range(3, 2 * len(consistency_slopes.SLOPE_KINDS), 7):
-        rows = consistency_slopes.checks(seed, 1)
-        assert all(row.outcome == "agrees" for row in rows), rows
+@pytest.mark.parametrize("seed", range(3, 2 * len(consistency_slopes.SLOPE_KINDS), 7))
+def test_random_brakes_of_all_kinds_keep_their_slopes(seed):
+    rows = consistency_slopes.checks(seed, 1)
+    assert all(row.outcome == "agrees" for row in rows), rows
 
 
 @pytest.mark.slow

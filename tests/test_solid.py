@@ -1,6 +1,4 @@
-"""The solid shoe against plane stress where they must agree, closed forms in three dimensions,
-balance.
-"""
+"""Solid shoes: plane stress where they must agree, closed forms in 3-D, balances."""
 
 import json
 import resource
@@ -18,22 +16,27 @@ from conftest import settled_sizes
 from drumlin.base.errors import BadInput
 from drumlin.brake.fields import Material
 from drumlin.brake.file import read_brake, vary
+from drumlin.contact import self_locking
 from drumlin.fem.model import respond
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solid import model
-from drumlin.fem.solid.body import face_of
+from drumlin.fem.solid.body import friction_face
 from drumlin.fem.solid.face import width_matrix
+from drumlin.fem.solid.fields import recover
 from drumlin.fem.solid.mesh import solid_mesh, width_levels
 from drumlin.fem.solve import solve
 from drumlin.response.balance import contact_resultant
 from drumlin.response.norms import pressure_distance, relative
 from drumlin.sweeps.cases import run
 from drumlin.sweeps.file import sweep_from
+from drumlin.verification.cost import solid_table
 from drumlin_studies import solid_forms
+from picking import picked
 from sections import t_section
 
 pytestmark = pytest.mark.slow
 
+NO_CONTRACTION = {"shoe.lining.material.nu": 0.0, "shoe.body.material.nu": 0.0}
 ONE_WIDTH = ("shoe.lining.width", "shoe.body.width")
 
 
@@ -41,12 +44,14 @@ def one_width(brake, width):
     return vary(brake, dict.fromkeys(ONE_WIDTH, width))
 
 
+def solid_and_plane(brake, elements):
+    """The answers of the solid shoe and of plane stress on as many elements."""
+    return [respond(make(brake, elements=elements), brake) for make in (model.prepare, prepare)]
+
+
 @pytest.mark.parametrize("width", [2e-3, 40e-3, 0.2])
 def test_without_lateral_contraction_it_is_plane_stress_at_any_width(flexible, width):
-    brake = vary(
-        one_width(flexible, width), {"shoe.lining.material.nu": 0.0, "shoe.body.material.nu": 0.0}
-    )
-    solid, plane = (respond(make(brake, elements=8), brake) for make in (model.prepare, prepare))
+    solid, plane = solid_and_plane(vary(one_width(flexible, width), NO_CONTRACTION), 8)
     for mine, other in zip(solid.shoes, plane.shoes, strict=True):
         assert relative(mine.torque, other.torque) == pytest.approx(0, abs=1e-9)
         np.testing.assert_allclose(mine.pressure, other.pressure, atol=1e-8 * other.peak_pressure)
@@ -61,18 +66,16 @@ def test_a_post_of_one_width_is_plane_stress_too(root):
     rigid_drum = vary(post, {"drum.ring": None})
     with pytest.raises(BadInput, match="its bending_stiffness is not that of a section"):
         model.prepare(rigid_drum)
-    none = {f"shoe.{part}.material.nu": 0.0 for part in ("lining", "backing", "body")}
+    none = NO_CONTRACTION | {"shoe.backing.material.nu": 0.0}
     width = post.shoes[0].lining.width
     brake = vary(rigid_drum, none | {"shoe.body.width": width, "shoe.body.bending_stiffness": None})
-    solid, plane = (respond(make(brake, elements=8), brake) for make in (model.prepare, prepare))
+    solid, plane = solid_and_plane(brake, 8)
     for mine, other in zip(solid.shoes, plane.shoes, strict=True):
         assert relative(mine.torque, other.torque) == pytest.approx(0, abs=1e-9)
 
 
 def test_with_lateral_contraction_it_is_not(flexible):
-    solid, plane = (
-        respond(make(flexible, elements=12), flexible) for make in (model.prepare, prepare)
-    )
+    solid, plane = solid_and_plane(flexible, 12)
     assert (
         1e-4
         < max(
@@ -91,13 +94,14 @@ def of_kind(root, name):
 
 @pytest.mark.parametrize("name", KINDS)
 def test_without_lateral_contraction_every_kind_of_shoe_is_plane_stress(root, name):
-    """Pivots, abutments, struts, a cam: the rigid line across the width stands for the point of the
+    """Without lateral contraction every kind of solid shoe is plane stress.
+
+    Pivots, abutments, struts, a cam: the rigid line across the width stands for the point of the
     plane.
     """
     given = of_kind(root, name)
-    changes = {f"shoe.{part}.material.nu": 0.0 for part in ("lining", "body")}
-    brake = vary(given, changes | {"shoe.body.width": given.shoes[0].lining.width})
-    solid, plane = (respond(make(brake, elements=8), brake) for make in (model.prepare, prepare))
+    brake = vary(given, NO_CONTRACTION | {"shoe.body.width": given.shoes[0].lining.width})
+    solid, plane = solid_and_plane(brake, 8)
     for mine, other in zip(solid.shoes, plane.shoes, strict=True):
         assert relative(mine.torque, other.torque) == pytest.approx(0, abs=1e-9)
         np.testing.assert_allclose(mine.pressure, other.pressure, atol=1e-8 * other.peak_pressure)
@@ -109,8 +113,6 @@ def test_without_lateral_contraction_every_kind_of_shoe_is_plane_stress(root, na
 
 @pytest.mark.parametrize("name", KINDS)
 def test_every_kind_of_solid_shoe_balances_and_meets_the_drum(root, name):
-    from drumlin.fem.solid.fields import recover
-
     brake = of_kind(root, name)
     scene = model.prepare(brake, elements=8)
     response = respond(scene, brake)
@@ -126,7 +128,9 @@ def test_every_kind_of_solid_shoe_balances_and_meets_the_drum(root, name):
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "within"), [("brake", 1e-4), ("flexible", 1.3e-4)])
 def test_a_tenth_of_the_linings_thickness_wide_it_is_plane_stress(root, name, within):
-    """Between flexible shoes 1.17e-4 are left on this mesh, 1.02e-4 on one of 200 elements; 6e-5 at
+    """A solid shoe a tenth of its lining's thickness in width is plane stress.
+
+    Flexible shoes differ by 1.17e-4 on this mesh, by 1.02e-4 on one of 200 elements, by 6e-5 at
     half the width.
     """
     brake = read_brake(root / "studies" / "double_shoe" / f"{name}.toml")
@@ -139,8 +143,10 @@ def test_a_tenth_of_the_linings_thickness_wide_it_is_plane_stress(root, name, wi
 
 
 def test_what_is_left_of_a_narrow_shoe_is_its_mesh(brake):
-    """Lining and shoe contract differently across the width, and a solid joins them over a layer of
-    elements: what that costs goes with their size, not with the width.
+    """The difference of a narrow solid shoe from plane stress is its mesh's error.
+
+    Lining and shoe contract differently across the width, and a solid joins them over a layer of
+    elements: this error goes with their size, not with the width.
     """
 
     def off(elements, part):
@@ -153,10 +159,7 @@ def test_what_is_left_of_a_narrow_shoe_is_its_mesh(brake):
             )
         )
         return np.array(
-            [
-                relative(a.torque, b.torque)
-                for a, b in zip(*(each.shoes for each in both), strict=True)
-            ]
+            [relative(a.torque, b.torque) for a, b in zip(*picked(both, "shoes"), strict=True)]
         )
 
     coarse, fine, narrower = off(24, 10), off(48, 10), off(24, 20)
@@ -206,7 +209,7 @@ def test_a_narrow_web_presses_under_itself(flexible):
 def test_the_mirror_image_of_a_brake_is_solved_alike(flexible):
     brake = t_section(flexible)
     turned = vary(brake, {"rotation": "clockwise"})
-    a, b = (model.solve(each, elements=10) for each in (brake, turned))
+    a, b = model.solve(brake, elements=10), model.solve(turned, elements=10)
     np.testing.assert_allclose(
         a.shoes[0].surface.pressure, b.shoes[1].surface.pressure[::-1], rtol=1e-8
     )
@@ -269,7 +272,7 @@ def test_the_mesh_has_the_volume_of_its_parts(flexible):
         volume = float(solid.basis.dx[solid.mesh.subdomains[name]].sum())
         assert 2 * volume == pytest.approx(arc * (outer**2 - inner**2) / 2 * width, rel=3e-6)
         outer = inner
-    face = face_of(solid, shoe, R)
+    face = friction_face(solid, shoe, R)
     assert face.width.sum() == pytest.approx(lining.width)
 
 
@@ -286,7 +289,7 @@ def test_condensed_it_yields_as_the_whole_system_does(flexible):
     )
     u = body.condensed.displacements(nodal, frame, load)
     at = (3 * body.line.nodes[:, None] + np.arange(2)).ravel()
-    half = body.condensed.half
+    half = body.condensed.half_flexibility
     mine = half(np.eye(n)).T @ half(nodal + body.condensed.load_on_contact @ load)
     moved = -half(np.eye(n)).T @ (body.condensed.L_fc.T @ frame)
     np.testing.assert_allclose(mine + moved, u[at], atol=1e-8 * np.abs(u).max())
@@ -325,7 +328,7 @@ def test_options_that_it_has_not(root, options, said):
 
 def test_the_command_writes_the_surface(root, tmp_path):
     file = root / "studies" / "double_shoe" / "flexible.toml"
-    made = [tmp_path / name for name in ("a.json", "a.vtu")]
+    made = [tmp_path / "a.json", tmp_path / "a.vtu"]
     options = ["--model", "solid", "--elements", "8", "--json", made[0], "--fields", made[1]]
     done = drumlin("solve", file, *options)
     assert done.returncode == 0 and "flexible shoes: solid" in done.stdout
@@ -344,11 +347,7 @@ def test_the_command_writes_the_surface(root, tmp_path):
 
 
 def test_the_fields_are_those_of_the_contact(flexible):
-    """The friction surface moves to the drum: the radial displacement where it is pressed is the
-    penalty's own.
-    """
-    from drumlin.fem.solid.fields import recover
-
+    """Fields of a solid shoe: its pressed surface moves to the drum by the penalty's own amount."""
     brake = t_section(flexible)
     scene = model.prepare(brake, elements=8, across=2)
     response = respond(scene, brake)
@@ -358,9 +357,8 @@ def test_the_fields_are_those_of_the_contact(flexible):
         on = found.pressure > 0
         moved = np.einsum("nc,nc->n", r, found.displacement[:, :2])
         assert on.sum() > 50
-        assert (
-            np.abs(found.displacement[found.points[:, 2] == 0, 2]).max() == 0
-        )  # nothing leaves the mid-plane
+        # No displacement leaves the mid-plane.
+        assert np.abs(found.displacement[found.points[:, 2] == 0, 2]).max() == 0
         # Weakly, not at every node: against what the shoe moves elsewhere.
         assert np.abs(moved[on]).mean() < 0.02 * np.abs(found.displacement).max()
         assert shoe.lining.material.E > 0 and (found.von_mises >= 0).all()
@@ -373,33 +371,35 @@ def test_a_hundred_thousand_unknowns_in_a_minute(flexible):
     first = respond(scene, flexible)
     cold = time.process_time() - start
     assert scene.bodies[0].unknowns > 95_000
-    assert cold < 180  # 60 on a machine of its own
+    # On a machine of its own it takes 60 s.
+    assert cold < 180
     start = time.process_time()
     second = respond(scene, vary(flexible, {"friction": 0.4}))
     # The value was 0.03; it was 0.15 where all nodes were followed.
     assert time.process_time() - start < 0.12 * cold
     assert second.torque > 1.2 * first.torque
-    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss < 6e6  # kB
+    # In kB.
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss < 6e6
 
 
 def test_a_large_face_is_answered_on_every_other_node_and_settles_once_on_all(
     flexible, monkeypatch
 ):
-    """Where friction assists the pressure is a spike at the lining's end: node by node two meshes
-    are far apart there, not in their work.
-    """
-    from drumlin.contact import self_locking
+    """A large face is solved on every other node and then once on all nodes.
 
+    Where friction assists, the pressure is a spike at the lining's end: two meshes differ there
+    node by node, but not in their work.
+    """
     brake = t_section(flexible)
     scene = model.prepare(brake, elements=10, across=5)
     wanted = respond(scene, brake)
     monkeypatch.setattr(self_locking, "HALVED_ABOVE", 60)
     sizes = settled_sizes(monkeypatch)
     found = respond(scene, brake)
-    nodes = [len(body.line.nodes) for body in scene.bodies]
-    assert [sizes.count(count) for count in sorted(set(nodes))] == [
-        len(nodes) / len(set(nodes))
-    ] * len(set(nodes))
+    nodes = list(map(len, picked(scene.bodies, "line.nodes")))
+    assert list(map(sizes.count, sorted(set(nodes)))) == [len(nodes) / len(set(nodes))] * len(
+        set(nodes)
+    )
     for mine, other in zip(found.shoes, wanted.shoes, strict=True):
         np.testing.assert_allclose(
             mine.surface.pressure, other.surface.pressure, atol=1e-8 * other.peak_pressure
@@ -408,8 +408,6 @@ def test_a_large_face_is_answered_on_every_other_node_and_settles_once_on_all(
 
 @pytest.mark.slow
 def test_the_cost_table_has_a_row_a_size(flexible):
-    from drumlin.verification.cost import solid_table
-
     heading, *rows = solid_table(flexible, (6, 12))
     assert heading.split()[0] == "unknowns"
     unknowns, seconds = ([float(row.split()[k]) for row in rows] for k in (0, 2))
@@ -437,9 +435,7 @@ def test_a_sweep_of_solid_shoes_makes_each_body_once(root, flexible, monkeypatch
     torques = [
         model.solve(vary(flexible, {"friction": mu}), **options).torque for mu in (0.2, 0.25, 0.3)
     ]
-    assert [row["torque"] for row in rows[::2]] == torques and all(
-        row["status"] == "solved" for row in rows
-    )
+    assert picked(rows[::2], "torque") == torques and set(picked(rows, "status")) == {"solved"}
 
 
 @pytest.mark.parametrize(
@@ -474,10 +470,8 @@ def guided(brake, **more):
 
 @pytest.mark.parametrize("width", [2e-3, 40e-3])
 def test_a_guided_shoe_without_lateral_contraction_is_plane_stress(flexible, width):
-    brake = guided(
-        one_width(flexible, width), **{"shoe.lining.material.nu": 0.0, "shoe.body.material.nu": 0.0}
-    )
-    solid, plane = (respond(make(brake, elements=8), brake) for make in (model.prepare, prepare))
+    brake = guided(one_width(flexible, width), **NO_CONTRACTION)
+    solid, plane = solid_and_plane(brake, 8)
     for mine, other in zip(solid.shoes, plane.shoes, strict=True):
         assert relative(mine.torque, other.torque) == pytest.approx(0, abs=1e-9)
         np.testing.assert_allclose(mine.pressure, other.pressure, atol=1e-8 * other.peak_pressure)
@@ -492,7 +486,8 @@ def test_a_guided_solid_shoe_balances(flexible, friction):
     for i, (shoe, found) in enumerate(zip(brake.shoes, response.shoes, strict=True)):
         along = np.array([np.cos(shoe.guide.direction), np.sin(shoe.guide.direction)])
         bears = contact_resultant(brake, i, found).force @ along
-        assert bears == pytest.approx(-4e3, rel=1e-4)  # nothing of the force goes into the guide
+        # None of the actuation's force goes into the guide.
+        assert bears == pytest.approx(-4e3, rel=1e-4)
 
 
 def test_a_pad_without_thickness_is_refused_in_a_line(root):

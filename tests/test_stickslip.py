@@ -1,33 +1,38 @@
-"""Stick and slip from below: five friction states, directions, energy over a loop, tangents, the
-holding brake.
-"""
+"""Stick and slip: five friction states, directions, energy, tangents, the holding brake."""
 
 import math
 
 import numpy as np
 import pytest
+import skfem
 from hypothesis import given
 from hypothesis import strategies as st
 
 from conftest import STUDY
 from drumlin.base.errors import BadInput, NoAnswer
+from drumlin.brake.elasticity import ElasticLayer
+from drumlin.brake.fields import Material
 from drumlin.brake.file import read_brake, vary
-from drumlin.contact import equations, stick_slip
+from drumlin.contact import active_set, equations, stick_slip
 from drumlin.contact.stick_slip import BACKWARD, FORWARD, OPEN, STICK, FrictionalProblem, History
 from drumlin.fem.analysis.at_rest import holding_problem
-from drumlin.fem.analysis.holding import as_dict, full_slip_rotation, hold, turned
+from drumlin.fem.analysis.holding import as_dict, full_slip_rotation, hold, turn_drum
 from drumlin.fem.equilibrium.group import ShoeGroup
 from drumlin.fem.model import respond
 from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.substructure.interface import ContactLine, couple
+from drumlin.fem.substructure.body import condense, constrain, scalar_basis, stiffness
+from drumlin.fem.substructure.interface import ContactLine, contact_line, couple
+from picking import picked
+from shared_parts import drum_ring
 
 BRAKE = read_brake(STUDY / "brake.toml")
 SCENE = prepare(BRAKE, elements=30)
 
 
 def spring(push, shift, stiffness=100.0, penalty=0.0):
-    """One node on a normal and a tangential spring, pushed by -push against the drum that has moved
-    by `shift`.
+    """One node on a normal and a tangential spring, pushed against a drum moved by `shift`.
+
+    The load is -push.
     """
     one, none = np.ones((1, 1)), np.zeros((1, 1))
     return FrictionalProblem(
@@ -52,12 +57,18 @@ REST = History(np.zeros(1), np.zeros(1))
 @pytest.mark.parametrize(
     ("mu", "shift", "state", "t"),
     [
-        (0.0, 0.05, FORWARD, 0.0),  # no friction
-        (math.inf, 0.05, STICK, 5.0),  # no slip at all
-        (0.5, 0.05, STICK, 5.0),  # just at the limit mu p = 5
-        (0.5, 0.20, FORWARD, 5.0),  # slip
-        (0.5, 0.02, STICK, 2.0),  # stick
-        (0.5, -0.20, BACKWARD, -5.0),  # slip the other way
+        # Without friction the node slips at once.
+        (0.0, 0.05, FORWARD, 0.0),
+        # With infinite friction the node never slips.
+        (math.inf, 0.05, STICK, 5.0),
+        # This node is just at its limit mu p = 5.
+        (0.5, 0.05, STICK, 5.0),
+        # This node slips.
+        (0.5, 0.20, FORWARD, 5.0),
+        # This node sticks.
+        (0.5, 0.02, STICK, 2.0),
+        # This node slips the other way.
+        (0.5, -0.20, BACKWARD, -5.0),
     ],
 )
 def test_friction_states_of_one_node_are_exact(mu, shift, state, t):
@@ -82,8 +93,9 @@ def test_a_tangential_penalty_is_an_elastic_slip():
 
 
 def test_a_closed_loop_dissipates_its_area():
-    """Forth and back beyond the limit: the dissipated energy is the loop's area, 4 mu p (shift - mu
-    p/k).
+    """A closed loop of sliding dissipates its area, 4 mu p (shift - mu p/k).
+
+    The drum moves forth and back beyond the limit of sticking.
     """
     mu, push, k, top = 0.5, 10.0, 100.0, 0.2
     path = np.concatenate(
@@ -94,19 +106,22 @@ def test_a_closed_loop_dissipates_its_area():
     previous, states = (0.0, 0.0), set()
     for k_step, shift in enumerate(path):
         found = stick_slip.solve(spring(push, shift, k), mu, history, state)
-        if k_step > 40:  # the closed part: from top to top
+        # The closed part of the path goes from top to top.
+        if k_step > 40:
             work += 0.5 * (found.t[0] + previous[1]) * (shift - previous[0])
             dissipated += found.t[0] * (found.s[0] - history.s[0])
         history, state, previous = found.history, found.state, (shift, found.t[0])
         states.add(int(found.state[0]))
     assert states == {STICK, FORWARD, BACKWARD}
     assert dissipated == pytest.approx(4 * mu * push * (top - mu * push / k), rel=1e-9)
-    assert work == pytest.approx(dissipated, rel=0.02)  # trapezoids cut the loop's corners
+    # Trapezoids cut the corners of the loop.
+    assert work == pytest.approx(dissipated, rel=0.02)
 
 
 def test_solving_twice_changes_nothing():
-    """History is an input: a second evaluation gives the same answer and leaves the history as it
-    was.
+    """A second evaluation gives the same answer and leaves the friction's history as it was.
+
+    The history is an input.
     """
     history = History(np.array([1.0]), np.array([0.01]))
     a = stick_slip.solve(spring(10.0, 0.2), 0.5, history, np.array([STICK]))
@@ -117,8 +132,10 @@ def test_solving_twice_changes_nothing():
 
 @given(st.integers(0, 500))
 def test_the_equations_of_the_found_states_hold_and_their_tangent_agrees_with_differences(seed):
-    """Open, stick and slip together: residuals vanish, and p, t move with the load as their linear
-    equations say.
+    """The equations of the found friction states hold, and their tangent agrees with differences.
+
+    Open, sticking and slipping nodes together: residuals vanish, and p, t move with the load by
+    their linear equations.
     """
     problem, lever = holding_problem(ShoeGroup(SCENE, BRAKE, (seed % 2,), 1e4))
     rng = np.random.default_rng(seed)
@@ -127,16 +144,15 @@ def test_the_equations_of_the_found_states_hold_and_their_tangent_agrees_with_di
     rest = History(np.zeros(n), np.zeros(n))
     mu = 0.3
     found = stick_slip.solve(problem, mu, rest, np.full(n, STICK))
-    for found_next in turned(problem, lever / 2000.0, mu, found, 0.0, rotation):
+    for found_next in turn_drum(problem, lever / 2000.0, mu, found, 0.0, rotation):
         before, state, found = found.history, found.state, found_next
     moved = problem._replace(q_s=problem.q_s + lever * rotation / 2000.0)
     assert (np.abs(found.t) <= mu * found.p + 1e-8 * found.p.max()).all()
     slip = found.s - before.s - problem.Q @ (found.t - before.t)
     sticks = found.state == STICK
     assert np.abs(slip[sticks]).max(initial=0) < 1e-9 * np.abs(found.s).max()
-    assert (
-        found.t * slip >= -1e-9 * np.abs(found.t).max() * np.abs(found.s).max()
-    ).all()  # friction dissipates
+    # Friction can only dissipate.
+    assert (found.t * slip >= -1e-9 * np.abs(found.t).max() * np.abs(found.s).max()).all()
     step = 1e-6 * rotation
     nearby = stick_slip.solve(
         moved._replace(q_s=moved.q_s + lever * step / 2000.0), mu, before, state
@@ -152,8 +168,9 @@ def test_the_equations_of_the_found_states_hold_and_their_tangent_agrees_with_di
 
 
 def test_direction_of_friction_on_a_wedge():
-    """NAFEMS CGS-4: a wedge of tan a = .1 pushed up with mu = .3: F/G = (tan a + mu)/(1 - mu tan a)
-    = .412371.
+    """NAFEMS CGS-4: a wedge pushed up has F/G = (tan a + mu)/(1 - mu tan a) = .412371.
+
+    tan a = .1 and mu = .3.
     """
     slope, mu = math.atan(0.1), 0.3
     x = np.linspace(0, 1, 5)
@@ -165,7 +182,8 @@ def test_direction_of_friction_on_a_wedge():
     )
     # The outward normal of the block points into the wedge.
     down = np.array([math.sin(slope), -math.cos(slope)])
-    up = np.array([math.cos(slope), math.sin(slope)])  # the way the block moves
+    # The block moves up along the slope.
+    up = np.array([math.cos(slope), math.sin(slope)])
 
     def directions(points):
         shape = (2, *([1] * (points.ndim - 1)))
@@ -181,17 +199,10 @@ def test_direction_of_friction_on_a_wedge():
 
 @pytest.mark.parametrize("turned", [0.0, 0.4, 1.1])
 def test_flat_patch_whole_and_inclined(turned):
-    """A strip pressed evenly on a plane at any inclination: even pressure to round-off, with its
-    resultant.
+    """A strip pressed on a plane of any inclination has an even pressure and its resultant.
+
+    Both hold to round-off.
     """
-    import skfem
-
-    from drumlin.brake.elasticity import ElasticLayer
-    from drumlin.brake.fields import Material
-    from drumlin.contact import active_set
-    from drumlin.fem.substructure.body import condense, constrain, scalar_basis, stiffness
-    from drumlin.fem.substructure.interface import contact_line
-
     grid = skfem.MeshQuad.init_tensor(np.array([0, 0.3, 1.1, 2.0]), np.array([0, 0.4, 0.5, 1.0]))
     middle = grid.p[:, grid.facets].mean(axis=1)
     mesh = skfem.MeshQuad2.from_mesh(grid)
@@ -226,24 +237,24 @@ def test_flat_patch_whole_and_inclined(turned):
         ) * np.ones_like(points)
 
     coupling = couple(line, 1.0, directions)
-    Y = condensed.half(-coupling.N.T)
+    Y = condensed.half_flexibility(-coupling.N.T)
     # The strip of height 1 has the strain -.05, which gives s = -1e5.
     depth = 0.05
     n = len(line.nodes)
     problem = equations.Problem(
         Y.T @ Y, coupling.M @ np.full(n, -depth), np.zeros((n, 0)), np.zeros((0, n)), np.zeros(0)
     )
-    found = active_set.solve(problem)
-    assert found.p == pytest.approx(np.full(n, 1e5), rel=1e-10)
+    assert active_set.solve(problem).p == pytest.approx(np.full(n, 1e5), rel=1e-10)
 
 
 def test_a_holding_brake_saturates_at_its_full_slip_torque():
-    end = full_slip_rotation(SCENE, BRAKE)
-    states = hold(SCENE, BRAKE, np.linspace(0, end, 13))
-    torques = np.array([state.torque for state in states])
-    assert abs(torques[0]) < 1e-9 * torques[-1]  # at rest both shoes balance by symmetry
+    states = hold(SCENE, BRAKE, np.linspace(0, full_slip_rotation(SCENE, BRAKE), 13))
+    torques = np.array(picked(states, "torque"))
+    # At rest both shoes balance each other by symmetry.
+    assert abs(torques[0]) < 1e-9 * torques[-1]
     assert (np.diff(torques[:-1]) > 0).all()
-    assert torques[-2] == pytest.approx(torques[-1], rel=1e-9)  # full slip comes before the end
+    # Full slip is reached before the last state.
+    assert torques[-2] == pytest.approx(torques[-1], rel=1e-9)
     assert states[0].sticking > 0.1
     assert 0 < states[6].sticking < states[1].sticking
     assert states[-1].sticking == 0
@@ -253,9 +264,8 @@ def test_a_holding_brake_saturates_at_its_full_slip_torque():
         assert mine == pytest.approx(theirs.pressure, rel=1e-6, abs=1e-7 * theirs.pressure.max())
     middle = states[6]
     assert any(middle.stick) and all(middle.slip)
-    assert np.diff([state.dissipated for state in states]).min() > 0
-    data = as_dict(states)
-    assert {"stick", "slip"} <= set(data[6]["shoes"][1]["state"])
+    assert np.diff(picked(states, "dissipated")).min() > 0
+    assert {"stick", "slip"} <= set(as_dict(states)[6]["shoes"][1]["state"])
 
 
 def test_more_increments_change_little_and_turning_on_changes_nothing_more():
@@ -275,14 +285,13 @@ def test_the_work_of_the_drum_and_of_the_force_is_dissipated_or_stored():
         SCENE, BRAKE, np.concatenate([there, back, np.linspace(-2 * end, 2 * end, 97)[1:]])
     )
     loop = states[24:]
-    rotation, torque = (
-        np.array([getattr(state, name) for state in loop]) for name in ("rotation", "torque")
-    )
+    rotation, torque = np.array(picked(loop, "rotation")), np.array(picked(loop, "torque"))
     work = float(np.trapezoid(torque, rotation))
     dissipated = loop[-1].dissipated - loop[0].dissipated
     assert torque.min() < 0 < torque.max()
     assert loop[-1].torque == pytest.approx(loop[0].torque, rel=1e-6)
-    assert dissipated == pytest.approx(work, rel=0.03)  # trapezoids of both
+    # Both are integrals by trapezoids.
+    assert dissipated == pytest.approx(work, rel=0.03)
 
 
 def test_refusals():
@@ -293,26 +302,23 @@ def test_refusals():
 
 
 def test_a_ring_takes_part_in_holding():
-    ring = {
-        "thickness": 0.015,
-        "width": 0.04,
-        "material": {"E": 1.2e11, "nu": 0.25},
-        "support": "fixed",
-    }
-    spec = vary(BRAKE, {"drum.ring": ring})
+    spec = vary(BRAKE, drum_ring(0.015, "fixed"))
     scene = prepare(spec, elements=20)
+    # At full slip holding and sliding brakes have the same torque.
     states = hold(scene, spec, np.linspace(0, full_slip_rotation(scene, spec), 4))
     assert states[-1].torque == pytest.approx(respond(scene, spec).torque, rel=1e-9)
 
 
-@pytest.mark.parametrize("way", [stick_slip._followed, stick_slip._closed])
+@pytest.mark.parametrize("way", [stick_slip._follow_from_states, stick_slip._follow_from_wide_gaps])
 def test_a_path_ends_at_an_answer_also_where_it_turns_back(way, monkeypatch):
-    """Four nodes on random elastic bodies, mu = 1: on a tenth of the paths the load grows again
-    before it falls.
+    """A path of loads ends at an answer also where it turns back.
+
+    Four nodes on random elastic bodies, mu = 1: on a tenth of the paths the load grows again before
+    it falls.
     """
-    monkeypatch.setattr(stick_slip, "_newton", way)
-    monkeypatch.setattr(stick_slip, "_followed", way)
-    monkeypatch.setattr(stick_slip, "_closed", way)
+    monkeypatch.setattr(stick_slip, "_solve_by_newton", way)
+    monkeypatch.setattr(stick_slip, "_follow_from_states", way)
+    monkeypatch.setattr(stick_slip, "_follow_from_wide_gaps", way)
     n, none = 4, np.zeros(0)
     for seed in range(100):
         rng = np.random.default_rng(seed)
@@ -337,13 +343,14 @@ def test_a_path_ends_at_an_answer_also_where_it_turns_back(way, monkeypatch):
         w = problem.q_w + problem.A_wp @ p + problem.A_wt @ t
         s = problem.q_s + problem.A_sp @ p + problem.A_st @ t
         assert np.minimum(p, w) == pytest.approx(np.zeros(n), abs=1e-8)
-        assert t == pytest.approx(np.clip(t + s, -p, p), abs=1e-8)  # projection on |t| <= mu p
+        # The projection on |t| <= mu p must leave the traction as it is.
+        assert t == pytest.approx(np.clip(t + s, -p, p), abs=1e-8)
 
 
 def test_a_vanishing_gap_changes_nothing():
     """A force that closes the gap in increments ends where one increment ends without a gap."""
     gap = vary(BRAKE, {"shoe.lining.clearance": 1e-13})
-    with_gap, without = (hold(SCENE, brake, np.zeros(8))[0] for brake in (gap, BRAKE))
+    with_gap, without = hold(SCENE, gap, np.zeros(8))[0], hold(SCENE, BRAKE, np.zeros(8))[0]
     for mine, theirs in zip(with_gap.traction, without.traction, strict=True):
         assert mine == pytest.approx(theirs, rel=1e-3, abs=1e-4 * np.abs(theirs).max())
 

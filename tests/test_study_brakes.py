@@ -11,16 +11,17 @@ from drumlin.brake.brake import Brake
 from drumlin.laws import law
 from drumlin.response.merit import brake_factor
 from drumlin_studies.brake_kinds import both_ways, cam_factor, case, others_of, row_of, verdict
+from picking import having, keyed, picked
 
 FILES = sorted((Path(__file__).parents[1] / "studies/brakes").glob("*.toml"))
 KINDS = {"hinge", "abutment", "pivot"}
 
 
 def test_the_files_hold_and_push_shoes_in_every_way() -> None:
-    brakes = [read_any(path) for path in FILES]
+    brakes = list(map(read_any, FILES))
     assert len(brakes) == 9
     assert {shoe.held_by for brake in brakes for shoe in brake.shoes} == KINDS
-    assert {brake.shares for brake in brakes} == {
+    assert set(picked(brakes, "shares")) == {
         None,
         "its shoes share their forces by a cam",
         "its shoes share their forces by a strut",
@@ -32,11 +33,11 @@ def test_every_file_has_its_law_both_ways(path: Path) -> None:
     for brake in both_ways(read_any(path)):
         response = law(brake)
         assert max(response.balance.force, response.balance.moment) < 1e-9
-        assert all(shoe.contact_arcs for shoe in response.shoes)
+        assert all(picked(response.shoes, "contact_arcs"))
 
 
 def test_the_elastic_cam_brake_wears_in_to_equal_torques() -> None:
-    (path,) = [path for path in FILES if path.stem == "s_cam"]
+    (path,) = having(FILES, stem="s_cam")
     brake = read_any(path)
     assert not brake.surface.straight
     found = case("s_cam", brake, 24)
@@ -55,13 +56,14 @@ def test_the_elastic_cam_brake_wears_in_to_equal_torques() -> None:
 
 @pytest.mark.slow
 def test_a_case_takes_solid_shoes_where_they_apply() -> None:
-    paths = {path.stem: path for path in FILES}
+    paths = keyed(FILES, "stem")
+    # On a pivot levers alone tell the force.
     for name, least in (
         ("simplex_hinged", 1e-3),
         ("rail_clamp", 0.0),
-    ):  # a pivot: levers alone tell the force
+    ):
         found = case(name, read_any(paths[name]), 12, solid=True)
-        (row,) = [row for row in others_of(found) if row["model"] == "solid"]
+        (row,) = having(others_of(found), model="solid")
         assert least <= abs(row["new"]) < 0.05
 
 
@@ -74,7 +76,7 @@ def under(brake: Brake, index: int) -> Brake:
 
 def test_a_strut_is_no_actuation() -> None:
     """The brake factor of a duo-servo brake counts the force of its cylinder."""
-    (path,) = [path for path in FILES if path.stem == "duo_servo"]
+    (path,) = having(FILES, stem="duo_servo")
     brake = read_any(path)
     assert not brake.surface.straight
     response = law(brake)

@@ -1,6 +1,4 @@
-"""The misfit study on its short setting: what it found, that it goes on where it was stopped, and
-its report.
-"""
+"""The misfit study in its short setting: findings, continuation after a stop, and report."""
 
 import numpy as np
 import pytest
@@ -9,15 +7,11 @@ import independent
 from conftest import STUDY
 from drumlin.base.journal import Journal
 from drumlin.brake.file import read_brake
-from drumlin.studies import load
 from drumlin_studies.misfit_rows import spread_rows
+from picking import keyed, picked
 
 pytestmark = pytest.mark.slow
-
-
-@pytest.fixture(scope="module")
-def module():
-    return load("misfit")[0]
+STUDY_NAME = "misfit"
 
 
 @pytest.fixture(scope="module")
@@ -31,8 +25,9 @@ def result(module, journal):
 
 
 def by_another_mesh(larger):
-    """Change of the torque by linings ground to a radius that is larger by so much [m], to first
-    order in the gap.
+    """Change of the torque by linings ground to a radius larger by an amount [m].
+
+    To first order in the gap.
     """
     brake = read_brake(STUDY / "brake.toml")
     torques = []
@@ -43,7 +38,7 @@ def by_another_mesh(larger):
 
 
 def test_some_hundredths_of_a_millimetre_change_the_torque_by_tens_of_per_cent(result):
-    off = {row["misfit"]: row["from_fit"] for row in result.single}
+    off = keyed(result.single, "misfit", "from_fit")
     assert off["fits"] == 0
     for words, larger in (("larger", 5e-5), ("smaller", -5e-5)):
         assert off[f"linings 50 µm {words} in radius"] == pytest.approx(
@@ -51,19 +46,16 @@ def test_some_hundredths_of_a_millimetre_change_the_torque_by_tens_of_per_cent(r
         )
     assert min(off.values()) > -0.2
     ratio = result.ratios["torque"]
-    assert ratio[2, 3] == pytest.approx(
-        result.single[0]["from_law"], abs=1e-3
-    )  # the middle of the map is the fit
+    # The middle of the map is the fitting lining.
+    assert ratio[2, 3] == pytest.approx(result.single[0]["from_law"], abs=1e-3)
     assert (np.diff(ratio[-1]) > 0).all() and (np.diff(ratio[:, -1]) > 0).all()
 
 
 def test_run_in_heals_every_misfit_but_not_the_drum(result, module):
-    assert result.healed["torque"][:, -1] == pytest.approx(
-        [row for row in law_torques(result, module)], rel=3e-3
-    )
-    first, last = (np.ptp(result.healed["torque"][:, k]) for k in (0, -1))
+    assert result.healed["torque"][:, -1] == pytest.approx(law_torques(result, module), rel=3e-3)
+    first, last = np.ptp(result.healed["torque"][:, 0]), np.ptp(result.healed["torque"][:, -1])
     assert last < 0.6 * first
-    worn = {share.name: share.total.value for share in result.shares["worn in"]["torque"]}
+    worn = keyed(result.shares["worn in"]["torque"], "name", "total.value")
     for name, value in worn.items():
         assert value < 1e-6 or not any(word in name for word in ("radius", "centre", "taper")), name
     assert max(worn, key=worn.get).startswith("where the oval drum stands")
@@ -73,7 +65,7 @@ def test_run_in_heals_every_misfit_but_not_the_drum(result, module):
 
 def law_torques(result, module):
     """The sine law's torque of the brakes that were worn in."""
-    return [row["torque"] for row in result.rows["law"][: len(result.healed["torque"])]]
+    return picked(result.rows["law"][: len(result.healed["torque"])], "torque")
 
 
 def test_a_second_run_computes_no_case_again(result, module, journal, monkeypatch):
@@ -97,7 +89,7 @@ def test_the_report_says_it_in_numbers(result, module, tmp_path):
     )
     assert page.count("data:image/svg+xml") == 6
     assert (tmp_path / "cases_new.csv").read_text().count("\n") == 1 + len(result.rows["new"])
-    quantities = {(row["quantity"], row["state"]): row for row in spread_rows(result.drawn)}
+    quantities = keyed(spread_rows(result.drawn), ("quantity", "state"))
     new, worn, law = (
         quantities["torque [N m]", state]["relative"] for state in ("new", "worn in", "sine law")
     )

@@ -4,20 +4,11 @@ import numpy as np
 import pytest
 
 from drumlin.fem.preparation import finite_width
-from drumlin.studies import load
 from drumlin_studies import plane_stress
+from picking import having, picked
 
 pytestmark = pytest.mark.slow
-
-
-@pytest.fixture(scope="module")
-def module():
-    return load("plane_stress")[0]
-
-
-@pytest.fixture(scope="module")
-def result(module):
-    return module.study(short=True)
+STUDY_NAME = "plane_stress"
 
 
 def test_plane_stress_has_the_torque_of_a_t_section_within_two_per_cent_and_no_width(
@@ -40,13 +31,14 @@ def test_the_error_is_resolved_against_both_meshes(result):
 
 def test_without_lateral_contraction_only_the_table_is_left(result):
     by_nu = dict(result.curves["Poisson's ratio of the lining"])
-    assert min(by_nu) == 0 and max(row["torque"] for row in by_nu[0.0]) > 0.01
+    assert min(by_nu) == 0 and max(picked(by_nu[0.0], "torque")) > 0.01
 
 
 def test_one_width_is_within_one_per_cent_and_thin_tables_are_not(result):
     one, table = result.maps
     assert np.abs(one.errors["torque"]).max() < 0.01
-    worst = table.errors["torque"][0, 0]  # the thinnest table on the narrowest web
+    # This is the thinnest table on the narrowest web.
+    worst = table.errors["torque"][0, 0]
     assert 0.02 < worst < 0.05 and table.errors["uneven"][0, 0] > 0.4
     assert np.abs(table.errors["corrected_torque"]).max() < 0.01
 
@@ -58,7 +50,7 @@ def test_corrected_all_brakes_are_within_what_the_option_states(result):
         found[key] = [*np.concatenate(maps), *(row[key] for row in swept(result))]
     torques, pressures = found.values()
     for rungs in result.ladder.values():
-        ways = [rung for rung in rungs if rung.method == "plane stress, corrected"]
+        ways = having(rungs, method="plane stress, corrected")
         torques.append(ways[-1].torque)
         pressures.append(ways[-1].pressure)
     assert len(torques) > 20 and np.abs(torques).max() < finite_width.TORQUE_DEVIATION
@@ -67,14 +59,13 @@ def test_corrected_all_brakes_are_within_what_the_option_states(result):
 
 def test_the_ladder_prices_every_rung_against_both_truths(result):
     car, post = result.ladder.values()
-    assert {rung.method for rung in post} - {rung.method for rung in car} == {
+    assert set(picked(post, "method")) - set(picked(car, "method")) == {
         "foundation",
         "lifted",
     }
     for rungs in (car, post):
         plane, solid, law = (
-            [rung for rung in rungs if rung.method == way][-1]
-            for way in ("plane stress", "solid", "sine")
+            having(rungs, method=way)[-1] for way in ("plane stress", "solid", "sine")
         )
         assert solid.torque < plane.torque < law.torque and plane.plane_torque < 0.2 * plane.torque
         assert law.seconds < plane.seconds < solid.seconds
@@ -99,15 +90,15 @@ def test_worn_in_the_pressure_is_even_across_the_width_and_the_laws_along_the_ar
     for uneven, law in zip(result.worn.uneven, result.worn.from_law, strict=True):
         assert uneven[0] > 0.15 and uneven[-1] < 2e-3
         assert law[0] > 0.5 and law[-1] < 0.1
-        healed = [np.array(series) / series[0] for series in (uneven, law)]
-        assert (healed[0][1:] < healed[1][1:]).all()  # the width heals first
+        healed = [np.array(uneven) / uneven[0], np.array(law) / law[0]]
+        # The pressure becomes even across the width first.
+        assert (healed[0][1:] < healed[1][1:]).all()
 
 
 def test_the_report(module, result, tmp_path):
-    page = module.report(result, tmp_path)
-    text = page.read_text()
+    text = module.report(result, tmp_path).read_text()
     assert "the worst shoe" in text and "E = S − D" in text
-    made = {path.name for path in tmp_path.iterdir()}
+    made = set(picked(tmp_path.iterdir(), "name"))
     assert {
         "map.png",
         "map.svg",

@@ -1,6 +1,4 @@
-"""What tells a brake on a drum from one on a plane: the surface says it, no code asks for the class
-of a brake.
-"""
+"""The friction surface tells a drum from a plane; no code asks for the class of a brake."""
 
 import ast
 import math

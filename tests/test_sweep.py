@@ -1,6 +1,4 @@
-"""Sweeps: what a file means and what it may not say, bodies that are shared, rows that do not
-depend on who solves.
-"""
+"""Sweeps: the meaning of their files, refusals, shared bodies, rows that depend on no worker."""
 
 import math
 import time
@@ -21,6 +19,8 @@ from drumlin.sweeps import file as sweep_file
 from drumlin.sweeps.cases import SweepCase, run, solved
 from drumlin.sweeps.file import read_sweep, sweep_from
 from drumlin.sweeps.table import table, write_table
+from picking import picked
+from shared_parts import friction_cases
 
 BRAKE = str(STUDY / "brake.toml")
 LAW = {"brake": BRAKE, "model": {"sine": {}}}
@@ -28,6 +28,11 @@ LAW = {"brake": BRAKE, "model": {"sine": {}}}
 
 def sweep(vary_, **more):
     return sweep_from(LAW | {"vary": vary_} | more)
+
+
+def frictions(cases):
+    """The coefficients of friction that the cases of a sweep change to."""
+    return [case.changes["friction"] for case in cases]
 
 
 def refusal(vary_, **more):
@@ -48,17 +53,16 @@ def test_grid_zip_and_models():
         "shoe.actuation.force": {"from": "1 kN", "to": "4 kN", "count": 3, "scale": "log"},
     }
     grid = sweep(keys, model={"sine": {}, "fem": {"elements": 20}}).cases
-    assert len(grid) == 2 * 3 * 2 and [case.model for case in grid[:2]] == ["sine", "fem"]
+    assert len(grid) == 2 * 3 * 2 and picked(grid[:2], "model") == ["sine", "fem"]
     forces = [case.changes["shoe.actuation.force"] for case in grid[0:6:2]]
-    assert forces == pytest.approx([1000, 2000, 4000]) and {
-        c.changes["friction"] for c in grid[:6]
-    } == {0.2}
+    # A logarithmic scale doubles the force at each step.
+    assert forces == pytest.approx([1000, 2000, 4000]) and set(frictions(grid[:6])) == {0.2}
     assert refusal(keys, combine="zip") == (
         "combine = \"zip\": needs as many values of each key; there are {'friction': 2, "
         "'shoe.actuation.force': 3}"
     )
     zipped = sweep(keys | {"friction": [0.1, 0.2, 0.3]}, combine="zip").cases
-    assert [case.changes["friction"] for case in zipped] == [0.1, 0.2, 0.3]
+    assert frictions(zipped) == [0.1, 0.2, 0.3]
 
 
 LAWS = {
@@ -79,10 +83,7 @@ LAWS = {
 @pytest.mark.parametrize("name", LAWS)
 def test_draws_follow_their_distribution(name):
     given, law = LAWS[name]
-    drawn = [
-        c.changes["friction"]
-        for c in sweep({"friction": {"distribution": name} | given}, cases=2000).cases
-    ]
+    drawn = frictions(sweep({"friction": {"distribution": name} | given}, cases=2000).cases)
     assert stats.kstest(drawn, law.cdf).pvalue > 0.01
 
 
@@ -112,13 +113,13 @@ def test_draws_stay_when_keys_and_cases_are_added():
     more = sweep(
         {"shoe.lining.thickness": spread | {"each_shoe": True}, "friction": spread}, cases=20
     ).cases
-    assert [c.changes["friction"] for c in few] == [c.changes["friction"] for c in more[:10]]
+    assert frictions(few) == frictions(more[:10])
     assert {"shoe[0].lining.thickness", "shoe[1].lining.thickness"} < set(more[0].changes)
     assert (
         more[0].changes["shoe[0].lining.thickness"] != more[0].changes["shoe[1].lining.thickness"]
     )
     other = sweep({"friction": spread}, cases=10, seed=2).cases
-    assert not {c.changes["friction"] for c in few} & {c.changes["friction"] for c in other}
+    assert not set(frictions(few)) & set(frictions(other))
 
 
 MANY = {"from": 0, "to": 1, "count": 2000}
@@ -235,7 +236,7 @@ def test_units_of_keys(brake):
 
 
 def test_a_failed_case_is_a_row_with_its_reason(brake, monkeypatch):
-    cases = [SweepCase(brake, {"friction": mu}, "sine") for mu in (0.3, 0.9, -1.0)]
+    cases = friction_cases(brake, (0.3, 0.9, -1.0))
     good, locked, bad = run(cases)
     assert good["status"] == "solved" and good["torque"] > 0
     assert (
@@ -258,16 +259,15 @@ def test_bodies_are_condensed_once_for_all_loads(brake, monkeypatch):
         {"shoe[0].actuation.point.y": 0.09},
     ]
     run([SweepCase(brake, change, "fem", {"elements": 10}) for change in loads])
-    assert len(made) == 1  # both shoes share it
+    # Both shoes share one body.
+    assert len(made) == 1
     softer = [{"shoe[0].lining.material.E": 2e8, "friction": mu} for mu in (0.2, 0.3)]
     run([SweepCase(brake, change, "fem", {"elements": 10}) for change in softer])
     assert len(made) == 3
 
 
 def test_shared_bodies_change_no_digit(brake, flexible):
-    """Each case by bodies that others made first, in whatever order, and by its own: the very same
-    numbers.
-    """
+    """Cases of a sweep that share bodies, in any order, have the numbers of cases that do not."""
     changes = [
         {"friction": mu, "shoe[0].lining.thickness": t} for mu in (0.0, 0.3) for t in (7e-3,)
     ]
@@ -281,10 +281,10 @@ def test_shared_bodies_change_no_digit(brake, flexible):
     ]
     cache = Cache()
     shared = [solved(case, cache) for case in reversed(cases)][::-1]
-    assert shared == [solved(case) for case in cases] == run(cases)
-    assert all(row["status"] == "solved" for row in shared)
+    assert shared == list(map(solved, cases)) == run(cases)
+    assert set(picked(shared, "status")) == {"solved"}
     own = [solve(vary(case.brake, case.changes), elements=8).torque for case in cases]
-    assert [row["torque"] for row in shared] == own
+    assert picked(shared, "torque") == own
 
 
 def test_room_for_bodies_is_kept_to():
@@ -298,7 +298,7 @@ def test_room_for_bodies_is_kept_to():
 
 @pytest.mark.parametrize("count", [1, 7])
 def test_any_executor_gives_the_same_rows(brake, count, tmp_path):
-    cases = [SweepCase(brake, {"friction": mu}, "sine") for mu in np.linspace(0.1, 0.9, 41)]
+    cases = friction_cases(brake, np.linspace(0.1, 0.9, 41))
     told = []
     with ThreadPoolExecutor(count) as executor, Journal(tmp_path / "journal") as journal:
         rows = run(
@@ -309,12 +309,12 @@ def test_any_executor_gives_the_same_rows(brake, count, tmp_path):
             done=lambda *at: told.append(at),
         )
     assert rows == run(cases) and told == [(n, 41) for n in range(42)]
-    with Journal(tmp_path / "journal") as journal:  # all are there, four more are asked for
-        more = cases + [
-            SweepCase(brake, {"friction": mu}, "sine") for mu in (0.11, 0.12, 0.13, 0.11)
-        ]
+    # All cases are in the journal; four more are asked for.
+    with Journal(tmp_path / "journal") as journal:
+        more = cases + friction_cases(brake, (0.11, 0.12, 0.13, 0.11))
         run(more, journal=journal, done=lambda *at: told.append(at))
-        assert told[42] == (42, 45)  # the doubled one is not solved twice
+        # The doubled case is not solved twice.
+        assert told[42] == (42, 45)
         assert told[-1] == (45, 45) and len(journal) == 44
 
 
@@ -350,12 +350,14 @@ def test_tables(brake, tmp_path):
     arrow = pytest.importorskip("pyarrow.parquet")
     write_table(lines, tmp_path / "t.parquet")
     again = arrow.read_table(tmp_path / "t.parquet").to_pylist()
-    assert [row["torque [N m]"] for row in again] == [line.get("torque [N m]") for line in lines]
+    assert picked(again, "torque [N m]") == [line.get("torque [N m]") for line in lines]
 
 
 def test_cases_that_share_bodies_cost_a_fraction_of_others():
-    """A thousand take some 20 s on two cores; here ratios of the process's own time, which is a
-    fifth.
+    """Cases that share bodies take a fraction of the time of others.
+
+    A thousand cases take some 20 s on two cores; ratios of the process's own time, a fifth, are
+    tested.
     """
 
     def spent(do):
@@ -368,4 +370,5 @@ def test_cases_that_share_bodies_cost_a_fraction_of_others():
     shared = spent(lambda: rows.extend(run(loads.cases[:12]))) / 12
     alone = sorted(spent(lambda case=case: run([case])) for case in loads.cases[:3])[1]
     assert shared < 0.5 * alone
-    assert all(row["status"] == "solved" and row["balance"] < 1e-9 for row in rows)
+    for row in rows:
+        assert row["status"] == "solved" and row["balance"] < 1e-9

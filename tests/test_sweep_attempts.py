@@ -1,6 +1,4 @@
-"""What passes and what lasts: which rows a sweep keeps, what it tries again, meshes by content,
-workers that die.
-"""
+"""Which rows a sweep keeps or tries again, meshes by content, workers that die."""
 
 import os
 import shutil
@@ -20,6 +18,8 @@ from drumlin.sweeps import workers
 from drumlin.sweeps.cases import SweepCase, keys_of, run, solve_chunk, solved
 from drumlin.sweeps.file import read_sweep
 from drumlin.sweeps.table import table
+from picking import picked
+from shared_parts import friction_cases
 
 MESHED = """
 brake = "brake.toml"
@@ -29,6 +29,11 @@ model = { fem = { elements = 20 } }
 "shoe[0].mesh" = ["mesh.msh", "other/mesh.msh"]
 "shoe[0].mesh_unit" = ["mm", "mm"]
 """
+
+
+def workers_of(pool, count):
+    """The process numbers of the workers that answer `count` calls one after the other."""
+    return {pool.submit(os.getpid).result(60) for _ in range(count)}
 
 
 def failing(monkeypatch, error, times):
@@ -66,7 +71,7 @@ def caused(kind, cause):
 def test_only_answers_and_refusals_of_the_case_itself_are_kept(
     brake, tmp_path, monkeypatch, error, tries, kept
 ):
-    cases = [SweepCase(brake, {"friction": mu}, "sine") for mu in (0.2, 0.3, 0.4)]
+    cases = friction_cases(brake, (0.2, 0.3, 0.4))
     with monkeypatch.context() as patched, Journal(tmp_path / "j", "a") as journal:
         tried = failing(patched, error, 9)
         told = []
@@ -87,7 +92,7 @@ def test_only_answers_and_refusals_of_the_case_itself_are_kept(
 
 
 def test_a_passing_failure_is_tried_again(brake, monkeypatch):
-    cases = [SweepCase(brake, {"friction": mu}, "sine") for mu in (0.2, 0.3, 0.4)]
+    cases = friction_cases(brake, (0.2, 0.3, 0.4))
     expected = run(cases)
     failing(monkeypatch, MemoryError(), 2)
     assert run(cases) == expected
@@ -111,9 +116,10 @@ def test_mesh_paths_count_from_the_sweep_file(meshed, monkeypatch, tmp_path):
     made = read_sweep(meshed.relative_to(tmp_path))
     monkeypatch.chdir("/")
     rows = run(made.cases)
-    assert all("no such file" not in row["status"] for row in rows)
+    for row in rows:
+        assert "no such file" not in row["status"]
     lines = table(made.cases, rows, meshed.parent)
-    assert [line["shoe[0].mesh"] for line in lines] == ["mesh.msh", "other/mesh.msh"]
+    assert picked(lines, "shoe[0].mesh") == ["mesh.msh", "other/mesh.msh"]
 
 
 def test_what_is_in_a_mesh_file_tells_cases_apart_not_its_name(meshed):
@@ -177,7 +183,7 @@ class Deadly(Executor):
 
 
 def test_a_case_that_kills_its_workers_is_a_failed_row_and_the_rest_goes_on(brake, tmp_path):
-    cases = [SweepCase(brake, {"friction": mu}, "sine") for mu in (0.1, 0.2, 0.3, 0.4, 0.5)]
+    cases = friction_cases(brake, (0.1, 0.2, 0.3, 0.4, 0.5))
     expected = run(cases)
     deadly = Deadly()
     with Journal(tmp_path / "j", "a") as journal:
@@ -185,7 +191,8 @@ def test_a_case_that_kills_its_workers_is_a_failed_row_and_the_rest_goes_on(brak
         assert len(journal) == 4
     assert rows[:2] + rows[3:] == expected[:2] + expected[3:]
     assert rows[2] == {"status": "failed: its worker was lost (BrokenExecutor: its process died)"}
-    assert deadly.sent[-2:] == [[0.3], [0.3]]  # alone, and once more
+    # The deadly case is tried alone, and once more.
+    assert deadly.sent[-2:] == [[0.3], [0.3]]
 
 
 def environment(name):
@@ -195,10 +202,10 @@ def environment(name):
 def test_a_process_that_dies_takes_its_own_work_alone_and_threads_are_one(monkeypatch):
     monkeypatch.delenv("OPENBLAS_NUM_THREADS", raising=False)
     with workers.executor(2) as (pool, _):
-        ids = {pool.submit(os.getpid).result(60) for _ in range(2)}
+        ids = workers_of(pool, 2)
         with pytest.raises(BrokenExecutor):
             pool.submit(os._exit, 3).result(60)
-        ids |= {pool.submit(os.getpid).result(60) for _ in range(4)}
+        ids |= workers_of(pool, 4)
         assert len(ids) >= 2 and os.getpid() not in ids
         assert {pool.submit(environment, "OPENBLAS_NUM_THREADS").result(60) for _ in range(3)} == {
             "1"
@@ -228,7 +235,7 @@ def test_a_process_that_dies_while_it_sends_its_answer_costs_that_answer_alone()
     with workers.executor(2) as (pool, _):
         with pytest.raises(BrokenExecutor):
             pool.submit(die_while_answering).result(60)
-        assert {pool.submit(os.getpid).result(60) for _ in range(4)}
+        assert workers_of(pool, 4)
 
 
 @pytest.mark.parametrize("jobs", [0, -1, 10**20, 1001])

@@ -1,6 +1,4 @@
-"""How a sweep file is read: many values are judged by their extremes where that is enough, else
-with progress shown.
-"""
+"""Reading a sweep file: extremes judge many values where they suffice, else with progress."""
 
 import io
 import random
@@ -190,11 +188,11 @@ class Terminal(io.StringIO):
         return True
 
 
-def test_what_takes_long_shows_a_bar_and_what_does_not_shows_none(monkeypatch):
-    for long, shown in ((100.0, False), (0.0, True)):
-        monkeypatch.setattr(terminal, "BAR_AFTER", long)
-        monkeypatch.setattr("sys.stderr", Terminal())
-        with terminal.progress_if_long("reading sweep.toml") as done:
-            for judged in range(4):
-                done(judged, 4)
-        assert ("reading sweep.toml" in terminal.sys.stderr.getvalue()) is shown
+@pytest.mark.parametrize(("long", "shown"), ((100.0, False), (0.0, True)))
+def test_what_takes_long_shows_a_bar_and_what_does_not_shows_none(long, shown, monkeypatch):
+    monkeypatch.setattr(terminal, "BAR_AFTER", long)
+    monkeypatch.setattr("sys.stderr", Terminal())
+    with terminal.progress_if_long("reading sweep.toml") as done:
+        for judged in range(4):
+            done(judged, 4)
+    assert ("reading sweep.toml" in terminal.sys.stderr.getvalue()) is shown

@@ -1,6 +1,4 @@
-"""Sweeps that are killed, and sweeps whose workers are: the table equals that of an undisturbed run
-byte for byte.
-"""
+"""Killed sweeps and killed workers: the table equals an undisturbed run's byte for byte."""
 
 import importlib.util
 import json
@@ -23,6 +21,7 @@ from conftest import STUDY
 from drumlin.sweeps.cases import run
 from drumlin.sweeps.file import read_sweep
 from drumlin.sweeps.table import table, write_table
+from picking import picked, saying
 
 pytestmark = pytest.mark.slow
 
@@ -57,7 +56,7 @@ def sweep_file(tmp_path_factory):
 def undisturbed(sweep_file):
     sweep = read_sweep(sweep_file)
     rows = run(sweep.cases)
-    assert 0 < sum("self-locking" in row["status"] for row in rows) < 100
+    assert 0 < len(saying(picked(rows, "status"), "self-locking")) < 100
     path = sweep_file.with_name("undisturbed.csv")
     write_table(table(sweep.cases, rows), path)
     return path.read_bytes()
@@ -94,8 +93,9 @@ def finished(output: Path, *how: object) -> list[str]:
 
 
 def killed_at(moments: list[int], sweep_file: Path, folder: Path, jobs: list[int]) -> bytes:
-    """The table of a sweep that was killed when its journal had so many rows; no case may be solved
-    twice.
+    """The table of a sweep that was killed at given row counts of its journal, then finished.
+
+    No case may be solved twice.
     """
     output, journal = folder / "out.csv", folder / "out.csv.journal"
     for moment, number in zip(moments, jobs, strict=True):
@@ -236,7 +236,8 @@ def test_a_lost_cluster_is_one_line_and_the_finished_cases_stay(
     assert (
         process.returncode == 3 and "finished cases are kept in" in last and cluster.address in last
     )
-    assert all("waiting for workers since" in line for line in waiting)
+    for line in waiting:
+        assert "waiting for workers since" in line
     keys = finished(output, sweep_file, "--jobs", 1)
     assert len(keys) == len(set(keys)) == 300
     assert output.read_bytes() == undisturbed
@@ -279,8 +280,9 @@ NO_SCHEDULERS = {
 @needs_dask
 @pytest.mark.parametrize("kind", NO_SCHEDULERS)
 def test_what_is_no_scheduler_is_refused_in_one_line(sweep_file, tmp_path, kind):
-    """Within five seconds, those that Python and its libraries take to start, and those of a busy
-    machine.
+    """An address that is no Dask scheduler is refused in one line.
+
+    Within five seconds: the start of Python and its libraries on a busy machine.
     """
     port, tried = NO_SCHEDULERS[kind]
     with port() as address:

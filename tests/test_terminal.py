@@ -1,6 +1,4 @@
-"""What the terminal says: the answer first, whole words and lines within 80 columns, refusals that
-help.
-"""
+"""What the terminal prints: the answer first, lines within 80 columns, helpful refusals."""
 
 import json
 import math
@@ -16,6 +14,7 @@ from drumlin.brake.plane_brake import read_any
 from drumlin.door import solve
 from drumlin.response.merit import brake_factor
 from drumlin.response.response import PeakPlace, edge_zone, peak_place
+from picking import picked
 
 BRAKE = STUDY / "brake.toml"
 
@@ -124,16 +123,17 @@ def test_where_the_pressure_peaks(root, brake):
     clamp = read_any(root / "studies/brakes/rail_clamp.toml")
     (shoe,) = solve(clamp, elements=40).shoes
     place = peak_place(clamp, 0, shoe)
-    assert place.zone == 5e-3 and abs(place.at) < 75e-3 - 5e-3  # half of 10 mm
+    # The zone is half of the 10 mm of thickness.
+    assert place.zone == 5e-3 and abs(place.at) < 75e-3 - 5e-3
     assert (
         shoe.pressure_at(np.array(place.at))
         == pytest.approx(shoe.peak_pressure, rel=1e-3)
         != shoe.pressure[0]
     )
-    response = solve(brake, elements=40)
-    for i, shoe in enumerate(response.shoes):
+    for i, shoe in enumerate(solve(brake, elements=40).shoes):
         place, zone = peak_place(brake, i, shoe), edge_zone(brake.shoes[i], brake.drum.radius)
-        assert zone == pytest.approx(4 / 150, rel=1e-12)  # half of 8 mm at R = 150 mm
+        # The zone is half of 8 mm at R = 150 mm.
+        assert zone == pytest.approx(4 / 150, rel=1e-12)
         assert place.zone == (zone if shoe.pressure.max() > shoe.peak_pressure else 0.0)
         assert shoe.theta[0] + zone <= place.at <= shoe.theta[-1] - zone
     lifted = vary(brake, {"shoe[0].actuation.force": -1.0})
@@ -149,7 +149,7 @@ def test_several_brakes_are_solved_in_one_call_and_one_failure_costs_no_other(tm
     alone = drumlin("solve", BRAKE, "--model", "sine").stdout
     assert done.stdout.startswith(alone + "\n")
     both = json.loads((tmp_path / "r.json").read_text())
-    assert [one["brake_file"] for one in both] == [str(BRAKE), str(STUDY / "flexible.toml")]
+    assert picked(both, "brake_file") == [str(BRAKE), str(STUDY / "flexible.toml")]
     done = drumlin("solve", locked, BRAKE, "--model", "sine", "--json", tmp_path / "r.json")
     assert done.returncode == 3 and done.stdout == alone
     assert done.stderr.splitlines()[0].startswith(f"drumlin: {locked}: shoe")
@@ -174,10 +174,10 @@ def test_no_more_is_worn_off_than_the_lining_has():
     assert drumlin(*words, "--distance", f"{0.99 * gone} km").returncode == 0
 
 
-def test_a_cam_brake_at_rest_holds_nothing_without_a_sign():
+@pytest.mark.parametrize("elements", (10, 12))
+def test_a_cam_brake_at_rest_holds_nothing_without_a_sign(elements):
     """Round-off of either sign is left of its moment, by the mesh."""
-    for elements in (10, 12):
-        lines = drumlin(
-            "hold", STUDY.parent / "brakes" / "s_cam.toml", "--elements", elements, "--steps", 1
-        ).stdout
-        assert lines.splitlines()[1].split()[:2] == ["0.000000", "0.0000"]
+    lines = drumlin(
+        "hold", STUDY.parent / "brakes" / "s_cam.toml", "--elements", elements, "--steps", 1
+    ).stdout
+    assert lines.splitlines()[1].split()[:2] == ["0.000000", "0.0000"]

@@ -30,7 +30,9 @@ TOLERANCES = (
 
 @pytest.mark.slow
 def test_the_shares_of_the_sine_laws_torque_are_those_of_its_derivatives(brake):
-    """Small tolerances: S_i = (dT/dx_i s_i)^2 / sum; the law knows no modulus: 0. First and total
+    """Shares of small tolerances are those of the sine law's derivatives.
+
+    S_i = (dT/dx_i s_i)^2 / sum. The law has no modulus, whose share is 0. First and total shares
     agree.
     """
     n = 128
@@ -43,7 +45,8 @@ def test_the_shares_of_the_sine_laws_torque_are_those_of_its_derivatives(brake):
             sine(vary(brake, case.changes)).torque
             for case in cases(brake, TOLERANCES, np.array([step, -step]))
         )
-        parts.append(5 * (high - low))  # per standard deviation
+        # The slope is taken per standard deviation.
+        parts.append(5 * (high - low))
     exact = np.square(parts) / np.sum(np.square(parts))
     assert exact[3] == 0 and exact[:3].min() > 0.01
     found = shares(TOLERANCES, torque, seed=1, confidence=0.99, resamples=200)

@@ -1,6 +1,4 @@
-"""The second solver against closed forms, against itself, and beside the finite elements that it
-judges.
-"""
+"""The triangle solver against closed forms, itself, and the finite elements it judges."""
 
 import math
 from itertools import combinations
@@ -53,13 +51,15 @@ def test_bisection_keeps_area_and_fits(seed):
     assert area(mesh).sum() == pytest.approx(2.0, rel=1e-12)
     places = {}
     for number, at in zip(mesh.vertices.ravel(), mesh.at.reshape(-1, 2), strict=True):
-        assert places.setdefault(int(number), tuple(at)) == tuple(at)  # a corner is one place
+        # A corner of several triangles has one place.
+        assert places.setdefault(int(number), tuple(at)) == tuple(at)
     assert len(set(places.values())) == len(places)
     edges, of = edges_of(mesh)
     once = np.flatnonzero(np.bincount(of.ravel()) == 1)
     ends = np.array([[places[int(a)], places[int(b)]] for a, b in edges[once]])
     on_border = (ends == np.array([0.0, 0.0])) | (ends == np.array([2.0, 1.0]))
-    assert on_border.all(axis=1).any(axis=1).all()  # no node hangs inside
+    # No node may hang inside the mesh.
+    assert on_border.all(axis=1).any(axis=1).all()
 
 
 def test_triangles_are_as_small_as_their_distance_asks():
@@ -92,8 +92,10 @@ def test_shape_functions_are_lagranges_and_carry_all_polynomials(degree):
 
 
 def test_ring_under_even_pressure_is_lames():
-    """Plane stress, outer rim held: u = A r + B/r with A (1 + nu) - B (1 - nu)/a^2 = -p (1 -
-    nu^2)/E, A b + B/b = 0.
+    """A ring under even pressure is Lame's in plane stress.
+
+    The outer rim is held: u = A r + B/r with A (1 + nu) - B (1 - nu)/a^2 = -p (1 - nu^2)/E, A b +
+    B/b = 0.
     """
     a, b, E, nu, width, p = 0.1, 0.13, 2e11, 0.3, 0.04, 1e6
     layer = TriangleLayer(-math.inf, math.inf, ElasticLayer.of(Material(E=E, nu=nu), width))
@@ -130,8 +132,9 @@ def test_ring_under_even_pressure_is_lames():
 @settings(max_examples=60, deadline=None)
 @given(st.integers(0, 2**30), st.floats(0.0, 0.3))
 def test_contact_sets_settle_on_the_one_that_fits(seed, skew):
-    """Against all contact sets tried, on problems whose A is positive definite, skewed as friction
-    does.
+    """Contact sets of the triangle solver settle on the one that fits.
+
+    All contact sets are tried on problems whose A is positive definite, skewed as friction does.
     """
     rng, n = np.random.default_rng(seed), 6
     X, Y = rng.normal(size=(n, n)), rng.normal(size=(n, n))
@@ -154,9 +157,7 @@ def test_contact_sets_settle_on_the_one_that_fits(seed, skew):
 
 
 def pressed_circle(half):
-    """A thick lining on a rigid shoe, of a radius 3 % smaller than the drum's; half-width of
-    Hertz's contact [rad].
-    """
+    """A thick lining of a 3 % smaller radius on a rigid shoe, and Hertz's half-width [rad]."""
     R, r, E, width = 0.15, 0.1455, 3e8, 0.04
     force = math.pi / 4 * (half * R) ** 2 * E * (1 / r - 1 / R) * width
     return brake_from(
@@ -186,8 +187,9 @@ def pressed_circle(half):
 
 
 def test_of_two_answers_triangles_find_the_one_that_grows_from_no_friction():
-    """A shoe that presses with its end; another answer, with the whole lining, has 3.5 times its
-    torque.
+    """Of two answers the triangle solver finds the one that grows from no friction.
+
+    A shoe presses with its end; another answer, with the whole lining, has 3.5 times its torque.
     """
     brake = random_brake(5820)
     *_, (found,) = sequence(brake, SMALL[:1])
@@ -197,11 +199,11 @@ def test_of_two_answers_triangles_find_the_one_that_grows_from_no_friction():
 
 
 def test_a_small_contact_is_hertzs():
-    """p = p0 sqrt(1 - (x/a)^2), a^2 = 4 P'/(pi E (1/r - 1/R)) in plane stress against a rigid drum;
-    a/t = 0.03.
+    """A small contact by triangles is Hertz's, p = p0 sqrt(1 - (x/a)^2).
+
+    a^2 = 4 P'/(pi E (1/r - 1/R)) in plane stress against a rigid drum; a/t = 0.03.
     """
-    brake = pressed_circle(math.radians(0.5))
-    *_, (found,) = sequence(brake, SMALL)
+    *_, (found,) = sequence(pressed_circle(math.radians(0.5)), SMALL)
     R, r, E = 0.15, 0.1455, 3e8
     load = found.normal_force / 0.04
     a = math.sqrt(4 * load / (math.pi * E * (1 / r - 1 / R)))

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 import drumlin
-from drumlin.base.errors import BadInput, NoAnswer
-from drumlin.brake import vary
+from drumlin import BadInput, NoAnswer, vary
 from drumlin.brake.file import validated
 from drumlin.brake.plane_brake import FlatBrake, read_any
+from drumlin.fem.mesh.file import write_mesh
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.response.balance import shoe_balance, worst
 from drumlin.response.norms import pressure_distance
 from drumlin.response.response import Balance, Response, ShoeResponse
@@ -19,6 +20,7 @@ from drumlin.response.resultants import InnerPart, cross, edge_left_out, lobatto
 from drumlin_studies.fuzzing.endings import fault_of, in_process
 from drumlin_studies.fuzzing.inputs import BrokenInput, brake_text
 from drumlin_studies.textbook_brakes import hinged
+from picking import picked, saying
 
 
 def _pressing(pressure):
@@ -48,20 +50,20 @@ def test_an_answer_that_is_not_finite_is_none():
         Response("fem", (_pressing([1, math.nan, 1]),), Balance(0.0, 0.0))
 
 
-def test_a_contact_within_the_lining_s_end_has_a_peak_pressure():
+def test_a_contact_within_the_lining_s_end_has_a_peak_pressure(brake):
     """Of 50 N on a lining whose clearance leaves only its last 0.02 deg."""
     gap = [["-70 deg", "1 mm"], ["54.98 deg", "1 mm"], ["55 deg", "0 mm"]]
-    brake = drumlin.read_brake("studies/double_shoe/brake.toml")
     response = drumlin.solve(
         vary(brake, {"shoe[0].lining.clearance": gap, "shoe.actuation.force": "50 N"}), elements=40
     )
     assert response.shoes[0].peak_pressure == response.shoes[0].pressure.max() > 1e7
-    assert any("the lining is strained" in note for note in response.notes)
+    assert saying(response.notes, "the lining is strained")
 
 
 def corner(gap, force):
-    """The main brake whose right shoe presses at its lining's end alone, this far off .2 deg
-    before; and mu N R.
+    """The main brake whose right shoe presses at its lining's end alone, and mu N R [N m].
+
+    The shoe stands off by `gap` 0.2 deg before this end.
     """
     brake = drumlin.read_brake("studies/double_shoe/brake.toml")
     table = [["-70 deg", "1 mm"], ["54.8 deg", gap], ["55 deg", "0 mm"]]
@@ -86,7 +88,7 @@ def test_a_contact_within_some_hundredths_of_a_degree_of_the_end_is_known(gap, f
     ((start, end),) = np.degrees(response.shoes[0].contact_arcs)
     assert 0.5 * length < end - start < length
     assert response.shoes[0].torque == pytest.approx(torque, rel=math.radians(length))
-    assert not any("not reached" in note for note in response.notes)
+    assert not saying(response.notes, "not reached")
     assert response.shoes[0].error["pressure"] < 5e-3 and response.shoes[0].error["peak"] < 5e-3
 
 
@@ -109,9 +111,8 @@ def test_of_a_contact_too_short_to_be_seen_the_torque_is_known_and_the_pressure_
     error = response.shoes[0].error
     assert error["torque"] < 1e-3 and error["reaction"] < 1e-2
     assert min(error["pressure"], error["peak"]) >= 1
-    assert any(
-        "shoe 'right': its contact is 0.1 um long, too short to know its pressure" in n
-        for n in response.notes
+    assert saying(
+        response.notes, "shoe 'right': its contact is 0.1 um long, too short to know its pressure"
     )
     with pytest.raises(NoAnswer, match="too short to know its pressure"):
         drumlin.solve(brake, tolerance=1e-2)
@@ -122,7 +123,7 @@ def test_a_short_contact_in_the_middle_of_a_lining_is_not_said_to_be_at_its_end(
     response = drumlin.solve(
         vary(drumlin.read_brake("studies/brakes/block_on_lever.toml"), crowned)
     )
-    (warning,) = [note for note in response.notes if "warning" in note]
+    (warning,) = saying(response.notes, "warning")
     assert "too short to know its pressure" in warning and "unbounded" not in warning
 
 
@@ -131,15 +132,15 @@ def test_a_zone_at_the_ends_is_left_out_where_it_bears_less_than_half():
         shoe = _pressing([1.0, 1.0] + [inner] * 18 + [1.0, 1.0])
         assert edge_left_out(shoe.theta, shoe.pressure, 1, 0.1) == zone
     spiked, even = _pressing([1000] + [1e-3] * 1000), _pressing([999] + [1e-3] * 1000)
-    assert pressure_distance(even, spiked) == pytest.approx(
-        1e-3, rel=1e-2
-    )  # not that of the rest, 0
+    # The distance is not that of the rest of the lining, which is 0.
+    assert pressure_distance(even, spiked) == pytest.approx(1e-3, rel=1e-2)
 
 
 @pytest.mark.parametrize("turned", [False, True])
 def test_what_differs_within_a_zone_at_either_end_alone_is_no_distance(turned):
-    a, b = [9.0] + [1.0] * 20, [1.0] * 21  # they differ in the first twentieth alone
-    one, other = (_pressing(p[::-1] if turned else p) for p in (a, b))
+    # The two pressures differ in their first twentieth alone.
+    a, b = [9.0] + [1.0] * 20, [1.0] * 21
+    one, other = _pressing(a[::-1] if turned else a), _pressing(b[::-1] if turned else b)
     assert pressure_distance(one, other, 0.05) == pytest.approx(0.0, abs=1e-12)
     assert pressure_distance(one, other, 0.04) > 0.01
 
@@ -181,14 +182,17 @@ material = { E = "340 GPa", nu = 0.23 }
 
 
 def test_a_shoe_is_not_taken_as_rigid_where_that_cannot_be_judged(tmp_path):
-    """Its contact is a tenth of a degree long; taken as rigid it pressed by 47.5 N, in truth by
+    """A shoe is not taken as rigid where its rigidity cannot be judged.
+
+    The contact is a tenth of a degree long; taken as rigid the shoe pressed by 47.5 N, in truth by
     38.6 N.
     """
     file = tmp_path / "thin.toml"
     file.write_text(THIN)
     response = drumlin.solve(drumlin.read_brake(file), tolerance=1e-2)
     assert response.shoes[0].normal_force == pytest.approx(38.6, abs=0.1)
-    assert all(math.isfinite(value) for value in response.error.values())
+    for value in response.error.values():
+        assert math.isfinite(value)
     json.dumps(response.as_dict(), allow_nan=False)
 
 
@@ -200,7 +204,8 @@ def test_next_to_no_friction_leaves_numbers(model, friction):
     response = drumlin.solve(brake, model)
     json.dumps(response.as_dict(), allow_nan=False)
     per_friction = drumlin.solve(vary(brake, {"friction": 1e-9}), model).torque / 1e-9
-    expected = friction * per_friction if friction >= 1e-30 else 0.0  # below it is none
+    # Friction below this value counts as none.
+    expected = friction * per_friction if friction >= 1e-30 else 0.0
     assert response.torque == pytest.approx(expected, rel=1e-7, abs=0.0)
 
 
@@ -233,8 +238,9 @@ def test_running_in_says_no_number_that_is_not_finite(tmp_path, words):
 @pytest.mark.parametrize("rotation", ["clockwise", "counter-clockwise"])
 @pytest.mark.parametrize("direction", ["90 deg", "-90 deg"])
 def test_eta_is_its_own_formula_wherever_the_lining_lies(start, end, rotation, direction):
-    """eta = T/M = 1/(m - dD n), UWA notes eq. 6, also where the lining reaches beyond half a turn
-    from the hinge.
+    """The figure of merit eta = T/M = 1/(m - dD n) follows its formula wherever the lining lies.
+
+    UWA notes, eq. 6, also where the lining reaches beyond half a turn from the hinge.
     """
     changes = {"rotation": rotation, "shoe[0].actuation.direction": direction}
     changes |= {"shoe[0].lining.start": start, "shoe[0].lining.end": end}
@@ -246,15 +252,12 @@ def test_eta_is_its_own_formula_wherever_the_lining_lies(start, end, rotation, d
         )
 
 
-def test_shoes_that_lie_in_each_other_are_said():
-    brake = drumlin.read_brake("studies/double_shoe/brake.toml")
+def test_shoes_that_lie_in_each_other_are_said(brake):
     changes = {"shoe[1].lining.start": "40 deg", "shoe[1].lining.end": "165 deg"}
     changes |= {"shoe[1].body.start": "35 deg", "shoe[1].body.end": "170 deg", "friction": 0.1}
     for model in ("fem", "cosine"):
-        assert not any("lie in each other" in note for note in drumlin.solve(brake, model).notes)
-        found = [
-            n for n in drumlin.solve(vary(brake, changes), model).notes if "lie in each other" in n
-        ]
+        assert not saying(drumlin.solve(brake, model).notes, "lie in each other")
+        found = saying(drumlin.solve(vary(brake, changes), model).notes, "lie in each other")
         assert len(found) == 1
         assert "'right' and 'left'" in found[0]
         assert "from 40 deg to 55 deg" in found[0]
@@ -278,21 +281,23 @@ def test_pads_are_warned_of_as_shoes_on_a_drum_are():
     second = vary(clamp, other).model_dump(by_alias=True)["shoe"][0]
     two = validated(FlatBrake, data | {"shoe": [shoe, second]})
     for model in ("fem", "rigid"):
-        assert not any("warning" in note for note in drumlin.solve(clamp, model).notes)
-        found = [note for note in drumlin.solve(two, model).notes if "warning" in note]
-        assert [("'pad'" in note, "strained" in note) for note in found[:1]] == [
-            (True, True)
-        ]  # its own first
+        assert not saying(drumlin.solve(clamp, model).notes, "warning")
+        found = saying(drumlin.solve(two, model).notes, "warning")
+        # A shoe's own notes come first.
+        assert [("'pad'" in note, "strained" in note) for note in found[:1]] == [(True, True)]
         assert "'pad' and 'other'" in found[-1] and "from 50 mm to 75 mm" in found[-1]
     bare = validated(
         FlatBrake,
         data | {"shoe": [shoe | {"body": None, "lining": {**shoe["lining"], "material": None}}]},
     )
-    assert drumlin.solve(bare, "rigid").notes == ()  # it has no modulus
+    # This lining has no modulus that could be exceeded.
+    assert drumlin.solve(bare, "rigid").notes == ()
 
 
 def test_a_pad_that_must_turn_too_far_to_touch_is_refused():
-    """A clearance c at x from the pin takes a turn of some c/x; small displacements hold up to 11.5
+    """A pad that must turn by more than 11.5 deg to touch is refused.
+
+    A clearance c at x from the pin takes a turn of some c/x; small displacements hold up to 11.5
     deg.
     """
     clamp, pad = read_any("studies/brakes/rail_clamp.toml"), read_any("studies/laws/pad.toml")
@@ -314,11 +319,13 @@ def test_a_pad_that_must_turn_too_far_to_touch_is_refused():
 
 @pytest.mark.parametrize(("slope", "refused"), [(0.1, False), (0.25, True), (0.5, True)])
 def test_a_pad_on_a_pivot_that_must_tilt_too_far_is_refused(slope, refused):
-    """Its lining stands off in a wedge, which the lever's turn and the tilt about the pivot close
-    together: at most the 0.2 rad that small displacements hold.
+    """A pad on a pivot that must tilt by more than 0.2 rad is refused.
+
+    Its lining stands off in a wedge, which the lever's turn and the tilt about the pivot close
+    together; small displacements hold up to 0.2 rad.
     """
     clamp = read_any("studies/brakes/rail_clamp.toml")
-    assert isinstance(clamp, FlatBrake) and all(shoe.held_by == "pivot" for shoe in clamp.shoes)
+    assert isinstance(clamp, FlatBrake) and set(picked(clamp.shoes, "held_by")) == {"pivot"}
     wedge = {}
     for i, shoe in enumerate(clamp.shoes):
         start, end = shoe.lining.start, shoe.lining.end
@@ -333,19 +340,19 @@ def test_a_pad_on_a_pivot_that_must_tilt_too_far_is_refused(slope, refused):
         drumlin.solve(vary(clamp, wedge))
 
 
-def test_a_lining_pressed_in_too_far_is_said_and_then_refused():
-    """p/E: 5 % at the peak is beyond small strains; ten times the lining's thickness in the mean is
-    no answer, a higher peak may only be a corner's.
+def test_a_lining_pressed_in_too_far_is_said_and_then_refused(brake):
+    """A lining pressed in too far is reported, and further in is refused.
+
+    p/E of 5 % at the peak is beyond small strains. Ten times the lining's thickness in the mean is
+    no answer; a higher peak may only be a corner's.
     """
-    brake = drumlin.read_brake("studies/double_shoe/brake.toml")
     small, E = drumlin.solve(brake, elements=20), 300e6
     shoe = small.shoes[1]
     ((start, end),) = shoe.contact_arcs
-    strain = (
-        shoe.peak_pressure / E
-    )  # and the mean, not of the resultant: opposite sides do not relieve each other
+    # The mean counts, not the resultant: opposite sides do not relieve each other.
+    strain = shoe.peak_pressure / E
     mean = np.trapezoid(shoe.pressure, shoe.theta) / (E * (end - start))
-    assert not any("strained" in note for note in small.notes)
+    assert not saying(small.notes, "strained")
 
     def said(factor):
         return drumlin.solve(
@@ -358,16 +365,13 @@ def test_a_lining_pressed_in_too_far_is_said_and_then_refused():
     )
     assert 9.5 * strain > 10.5 * mean
     most = f"the lining is strained by up to {100 * 9.5 * strain / mean:.2g} %"
-    assert any(most in note for note in said(9.5 / mean))
+    assert saying(said(9.5 / mean), most)
     with pytest.raises(NoAnswer, match="pressed in by 11 times its thickness"):
         said(11 / mean)
 
 
 def _meshed(tmp_path, change):
     """The main brake's right shoe with a mesh of its own, whose groups or nodes are changed."""
-    from drumlin.fem.mesh.file import write_mesh
-    from drumlin.fem.preparation.prepare import prepare
-
     brake = drumlin.read_brake("studies/double_shoe/brake.toml")
     brake = brake.model_copy(update={"shoes": brake.shoes[:1]})
     mesh = change(prepare(brake, elements=20).bodies[0].mesh)
@@ -404,11 +408,11 @@ def test_a_mesh_that_lies_in_the_drum_is_said_and_then_refused(tmp_path, depth, 
             drumlin.solve(brake)
         brake = vary(brake, {"shoe[0].mesh_interference": True})
     notes = drumlin.solve(brake).notes
-    assert any("in the drum" in note for note in notes) == (outcome != "fine")
+    assert bool(saying(notes, "in the drum")) == (outcome != "fine")
 
 
-def test_the_sine_law_refuses_a_lining_that_reaches_past_its_hinge_on_one_side():
-    brake = drumlin.read_brake("studies/double_shoe/brake.toml")  # its right hinge lies at -75 deg
+def test_the_sine_law_refuses_a_lining_that_reaches_past_its_hinge_on_one_side(brake):
+    # The right hinge of this brake lies at -75 deg.
     changes = {"shoe[0].lining.start": "-80 deg", "shoe[0].body.start": "-85 deg"}
     with pytest.raises(BadInput, match="within 0 to 180 deg of the hinge"):
         drumlin.solve(vary(brake, changes), "sine")
@@ -430,7 +434,7 @@ def test_the_balance_of_the_printed_pressure_is_said_where_it_is_the_worse(brake
     for options in ({}, {"elements": 12}):
         response = drumlin.solve(brake, **options)
         curve = worst([shoe_balance(brake, i, shoe) for i, shoe in enumerate(response.shoes)])
-        said = [note for note in response.notes if "p(theta) on the round drum balances" in note]
+        said = saying(response.notes, "p(theta) on the round drum balances")
         assert bool(said) == (curve.force > 1e-8) == bool(options)
         assert not said or f"{curve.force:.1e} (force) and {curve.moment:.1e} (moment)" in said[0]
     assert response.balance.force < 1e-12 < curve.force

@@ -9,8 +9,9 @@ from drumlin_studies.uncertainty import grid_convergence, validate
 
 
 def test_nasas_example():
-    """NASA's NPARC tutorial "Examining Spatial (Grid) Convergence": pressure recovery on 200, 100
-    and 50 cells.
+    """NASA's NPARC tutorial on grid convergence: pressure recovery on 200, 100 and 50 cells.
+
+    "Examining Spatial (Grid) Convergence".
 
     Its program computes in single precision: its digits are those of the values as that rounds
     them.

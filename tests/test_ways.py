@@ -1,9 +1,12 @@
 """Two ways to the same quantity agree on random brakes, or drumlin says why they do not."""
 
+from itertools import chain
+
 import pytest
 
 from drumlin.studies import load
 from drumlin_studies.consistency import Check, counted
+from picking import having, picked
 
 WAYS = load("stability")[0].ways.WAYS
 # Seeds of brakes on which nothing was mended, nor shown by the study.
@@ -18,8 +21,8 @@ UP_TO = {"refusals": 150, "holding": 60, "wear": 50, "slopes": 50, "blocks": 4}
 def test_two_ways_to_one_quantity_agree_or_say_why_not(name, part):
     first, last = (0, SHARE[name]) if part == 0 else (SHARE[name], UP_TO[name])
     seeds = range(FIRST_SEED + first, FIRST_SEED + last)
-    rows = [row for seed in seeds for row in WAYS[name].checks(seed)]
-    assert [row for row in rows if row.outcome == "differs"] == []
+    rows = list(chain.from_iterable(map(WAYS[name].checks, seeds)))
+    assert having(rows, outcome="differs") == []
     answered = [row for row in rows if row.outcome != "refused"]
     # Of the brakes that the levels answer, one in ten is held against three meshes.
     assert len(answered) >= 0.1 * len(seeds)
@@ -29,7 +32,7 @@ def test_a_difference_beyond_what_is_allowed_counts_unless_it_is_said():
     row = Check("holding", "hinge 1", "torque", 2e-3, 1e-3)
     said, refused = row._replace(said="held, it ends elsewhere"), row._replace(refused=True)
     near = row._replace(difference=5e-4)
-    assert [one.outcome for one in (row, said, refused, near)] == [
+    assert picked((row, said, refused, near), "outcome") == [
         "differs",
         "said",
         "refused",

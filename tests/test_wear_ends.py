@@ -27,6 +27,7 @@ from drumlin.lining_wear.run_in import (
 from drumlin.lining_wear.worn_in import worn_in
 from drumlin_studies import consistency_wear
 from drumlin_studies.random_kinds import random_kind
+from picking import picked, saying
 from winkler_lining import FORCE, LAW, MU, PIN, RADIUS, UNIT, WIDTH, winkler
 
 ARCHARD = WearLaw(COEFFICIENT)
@@ -68,7 +69,8 @@ def test_wear_ends_at_the_law_where_that_presses_a_part_only(
     torque = MU * WIDTH * RADIUS**2 * np.trapezoid(shape, x) * FORCE / (pressed + MU * dragged)
     assert float(interface.torque @ found.p) == pytest.approx(torque, rel=within)
     assert (found.p[phi < -0.05] == 0).all()
-    assert (found.w[phi < -0.05] > 0).all()  # the lifted part goes away from the drum
+    # The lifted part must move away from the drum.
+    assert (found.w[phi < -0.05] > 0).all()
     last = run([interface], wears, distance=1e5 * UNIT)[-1]
     assert last.torque == pytest.approx(torque, rel=within)
     assert np.linalg.norm(last.pressure - found.p) < 1e-3 * np.linalg.norm(found.p)
@@ -110,7 +112,7 @@ def test_worn_in_linings_bear_by_the_law_where_it_presses_a_part(
 def test_worn_in_unloaded_linings_do_not_lie_in_the_drum(kind: str, seed: int) -> None:
     brake = drawn(kind, seed)
     shoes = worn_in(prepare(brake, elements=20), brake).shoes
-    gaps = [np.array([gap for _, gap in shoe.lining.clearance]) for shoe in shoes]  # type: ignore[union-attr]
+    gaps = [np.array(shoe.lining.clearance)[:, 1] for shoe in shoes]  # type: ignore[union-attr]
     assert min(gap.min() for gap in gaps) >= -1e-12 * brake.size
 
 
@@ -129,7 +131,7 @@ def test_wear_begins_where_only_a_soft_lining_shows_the_contact() -> None:
     """`solve` begins each level with the contact of the one before; here there is none before."""
     brake = drawn("cam", 30564)
     (first,) = run_on(fem_setup(scene_of(brake), brake).interfaces, ARCHARD, [])
-    by_meshes = [drumlin.solve(brake, elements=elements).torque for elements in (40, 80)]
+    by_meshes = [drumlin.solve(brake, elements=40).torque, drumlin.solve(brake, elements=80).torque]
     assert first.torque == pytest.approx(by_meshes[1], rel=2e-5)
     assert by_meshes[0] == pytest.approx(by_meshes[1], rel=2e-5)
 
@@ -158,9 +160,7 @@ def test_wear_without_a_distance_ends_where_its_mesh_ends_and_says_how_far_that_
     assert 1e-3 < distance(setup, states[-1], goal).pressure < 1e-2
     assert states[-1].torque == pytest.approx(law(brake).torque, rel=1e-3)
     assert goal.torque == pytest.approx(law(brake).torque, rel=1e-9)
-    (line,) = [
-        line for line in report_lines(setup, states, goal, ARCHARD) if "on this mesh" in line
-    ]
+    (line,) = saying(report_lines(setup, states, goal, ARCHARD), "on this mesh")
     assert "more elements come nearer" in line
 
 
@@ -198,8 +198,8 @@ def test_a_held_torque_finds_the_feet_too() -> None:
 @pytest.mark.parametrize("seed", partly([17, 28], [28]))
 def test_beginning_middle_and_end_agree_on_random_brakes(seed: int) -> None:
     rows = consistency_wear.checks(seed)
-    assert {row.outcome for row in rows} <= {"agrees", "refused"}
-    assert {row.check for row in rows} >= {
+    assert set(picked(rows, "outcome")) <= {"agrees", "refused"}
+    assert set(picked(rows, "check")) >= {
         "wear's start = solve",
         "wear's end = worn in",
         "worn in = law",
@@ -209,4 +209,4 @@ def test_beginning_middle_and_end_agree_on_random_brakes(seed: int) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(100, 100 + len(consistency_wear.WEAR_KINDS)))
 def test_beginning_middle_and_end_agree_on_brakes_of_every_kind(seed: int) -> None:
-    assert {row.outcome for row in consistency_wear.checks(seed)} <= {"agrees", "refused"}
+    assert set(picked(consistency_wear.checks(seed), "outcome")) <= {"agrees", "refused"}

@@ -15,8 +15,9 @@ UNIT = 1 / (LAW.coefficient * K)
 
 
 def winkler(gap, *, elements=24, mu=MU, arc=(0.3, 2.2)):
-    """A rigid shoe on a hinge at (PIN, 0) with a lining of springs K per area, actuation moment
-    FORCE; and its phi.
+    """A rigid shoe on a hinge at (PIN, 0) with a Winkler lining, and the angles phi of its nodes.
+
+    Springs of stiffness K per area; FORCE is the moment of the actuation.
     """
     phi = np.linspace(*arc, 2 * elements + 1)
     xy = RADIUS * np.array([np.cos(phi), np.sin(phi)])
@@ -29,7 +30,8 @@ def winkler(gap, *, elements=24, mu=MU, arc=(0.3, 2.2)):
         q=coupling.M @ gap(phi),
         B=-approach[:, None],
         C=(mu * (coupling.T @ turned) - approach)[None],
-        h=np.array([FORCE]),  # the shoe presses as it turns clockwise
+        # The shoe presses as it turns clockwise.
+        h=np.array([FORCE]),
     )
     interface = WearInterface(
         problem,

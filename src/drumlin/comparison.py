@@ -10,7 +10,7 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from itertools import pairwise
+from itertools import chain, pairwise
 from statistics import median
 from typing import Any, Generic, NamedTuple, TypeVar
 
@@ -104,6 +104,7 @@ def richardson(fine: float, first: float, last: float, ratio: float = 2.0) -> Ex
     order = math.log(abs(gain), ratio) if abs(gain) > 1 else math.nan
     if gain <= 1:
         return Extrapolated(order, fine, max(abs(first), abs(last)))
+    # The steps after the finest mesh would form a geometric series with the ratio 1/gain.
     correction = last / (gain - 1)
     return Extrapolated(order, fine + correction, abs(correction))
 
@@ -182,6 +183,7 @@ def rows(
     reference : name of the model that errors refer to
     case : name of the brake in the table; None: its title
     """
+    # Without the reference, as where it has no answer, the rows state no errors.
     true = next((o.response for o in outcomes if o.model == reference), None)
     table: list[dict[str, Any]] = []
     for outcome in outcomes:
@@ -252,6 +254,7 @@ def columns_of(brake: Brake) -> tuple[TableColumn, ...]:
     surface = brake.surface
     if not surface.straight:
         return COLUMNS
+    # Keys stay those of a drum, so that programs read both kinds of table alike.
     words: dict[str, dict[str, Any]] = {
         "rotation": {"heading": surface.moving},
         "torque": {"heading": surface.effect, "unit": surface.effect_unit},
@@ -267,11 +270,9 @@ def as_csv(table: Sequence[dict[str, Any]]) -> str:
     No text in it is a formula to a spreadsheet.
     """
     # A dict keeps the order in which the keys first occur.
-    keys: dict[str, None] = {}
-    for row in table:
-        keys |= dict.fromkeys(row)
+    keys = list(dict.fromkeys(chain.from_iterable(table)))
     text = io.StringIO()
-    writer = csv.DictWriter(text, list(keys), lineterminator="\n")
+    writer = csv.DictWriter(text, keys, lineterminator="\n")
     writer.writeheader()
     writer.writerows({key: cell(value) for key, value in row.items()} for row in table)
     return text.getvalue()
@@ -326,6 +327,7 @@ def compare(
     outcomes = []
     for model in applicable(brake):
         if models is None or model.name in models:
+            # The options are those of the finite elements; no other model takes them.
             own_options = options if model.name == "fem" else {}
             outcomes.append(run(model.name, partial(model.solve, brake, **own_options), repeats))
     return Comparison(case or brake.title, brake, tuple(outcomes))
@@ -363,6 +365,7 @@ class Convergence:
         The error is the relative L2 distance of the finest p from its limit, by extrapolation of
         the distances between successive meshes.
         """
+        # With the value 0 for the finest p, the uncertainty is the distance of p from its limit.
         first, last = self.pressure_steps(shoe)[-2:]
         limit = richardson(0.0, first, last)
         return limit.order, limit.uncertainty

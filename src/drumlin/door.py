@@ -29,13 +29,14 @@ if TYPE_CHECKING:
     BrakeOrPath = Brake | Path | str
 
 MOST_STEPS = 10_000
-"""Increments of the rotation of a holding brake. The states of so many fill some 100 MB of JSON."""
+"""Largest number of increments of a holding brake: their states fill some 100 MB of JSON."""
 
 Say = Callable[[str], None]
+"""A function that shows a line of progress."""
 
 
 def _unheard(_: str) -> None:
-    """Nobody listens to the progress."""
+    """Show no line of progress."""
 
 
 class _Source(NamedTuple):
@@ -61,6 +62,7 @@ def _source_of(brake: BrakeOrPath) -> _Source:
     from drumlin.brake.file import toml_text
     from drumlin.brake.writing import brake_text
 
+    # A brake without a file has no folder beside which reference values could be stored.
     if not isinstance(brake, str | Path):
         return _Source(brake, brake_text(brake), None, "drumlin.reference(brake)")
     path = Path(brake)
@@ -70,28 +72,28 @@ def _source_of(brake: BrakeOrPath) -> _Source:
 
 
 def _given(**options: Any) -> dict[str, Any]:
-    """The options that were given, see `drumlin.models.given_options`."""
+    """The options that have a value, see `drumlin.models.given_options`."""
     from drumlin.models import given_options
 
     return given_options(**options)
 
 
 def _in_si(option: str, value: float | str, unit: str) -> float:
-    """A number in SI, or a text with its unit in SI."""
+    """The value [SI] of an option that is a number in SI or a text with a unit."""
     from drumlin.brake.units import quantity
 
     return quantity(option, value, unit) if isinstance(value, str) else value
 
 
 class _Corrected(NamedTuple):
-    """A brake, its moduli corrected for finite width where asked for, and the lines on that."""
+    """A brake whose moduli may be corrected for finite width, and notes on the correction."""
 
     brake: Brake
     notes: tuple[str, ...]
 
 
 def _corrected(brake: Brake, finite_width: bool) -> _Corrected:
-    """The brake as the finite elements take it."""
+    """The brake, its moduli corrected for the widths of its shoes if `finite_width`."""
     if not finite_width:
         return _Corrected(brake, ())
     from drumlin.fem.preparation import finite_width as width
@@ -167,6 +169,7 @@ def solve(
         sections=sections,
         lift=lift,
     )
+    # The model is picked first: that no such model exists says more than a wrong option.
     chosen = pick(model, whole)
     check_options(model, options)
     return chosen.solve(whole, **options)
@@ -319,10 +322,12 @@ def wear(
     from drumlin.lining_wear import linings, whole_brake
 
     worn, notes = _corrected(_brake_of(brake), finite_width and model == "fem")
+    # Guides are data of the brake, so that wear needs no option for them.
     worn = linings.guided(worn) if guided else worn
     worn.check_meshable()
     on_mesh = _given(elements=elements, kind=kind)
     on_springs = _given(sections=sections, lift=lift)
+    # Options of one model are refused for the other one by name.
     only_mesh = on_mesh | _given(guided=guided, finite_width=finite_width)
     whole_brake.check_wear_options(model, only_mesh, on_springs)
     law = whole_brake.wear_law(coefficient, exponent)
@@ -413,6 +418,7 @@ def hold(
     scene = scene_of(held, **on_mesh)
     if end is None:
         end = holding.full_slip_rotation(scene, held, **stiffness)
+    # The state at rest comes first, so that there is one state more than increments.
     rotations = np.linspace(0.0, end, steps + 1)
     states = holding.hold(scene, held, rotations, say=say, **stiffness)
     return HoldingRun(held, tuple(states), notes)
@@ -650,6 +656,7 @@ def check(
         raise BadInput(f"--tolerance = {tolerance:g}: must be greater than 0 and less than 1")
     source = _source_of(brake)
     curves = read_curves(Path(result), source.brake)
+    # Reference values are looked for beside the brake file first, then among drumlin's own.
     values = Path("reports") / "reference" / "values"
     beside = () if source.folder is None else (source.folder,)
     known = reference or stored(source.text, *beside, values, REPOSITORY / values)

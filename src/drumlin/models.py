@@ -46,7 +46,7 @@ def _fem(brake: Brake, *, worn_in: bool = False, **options: Any) -> Response:
 
 
 def _fem_why_not(brake: Brake) -> str | None:
-    """Why the finite elements do not apply to a brake."""
+    """The reason why the finite elements do not apply to a brake, or None."""
     from drumlin.fem.preparation.scene import why_not
 
     return why_not(brake)
@@ -60,7 +60,7 @@ def _foundation(brake: Brake, **options: Any) -> Response:
 
 
 def _foundation_why_not(brake: Brake) -> str | None:
-    """Why the foundation model does not apply to a brake."""
+    """The reason why the foundation model does not apply to a brake, or None."""
     from drumlin.foundation import why_not
 
     return why_not(brake)
@@ -74,7 +74,7 @@ def _solid(brake: Brake, **options: Any) -> Response:
 
 
 def _solid_why_not(brake: Brake) -> str | None:
-    """Why the solid shoes do not apply to a brake."""
+    """The reason why the solid shoes do not apply to a brake, or None."""
     from drumlin.fem.solid import model
 
     return model.why_not(brake)
@@ -89,7 +89,7 @@ law."""
 
 
 def _short_why_not(brake: Brake) -> str | None:
-    """Why the law of the short shoe does not apply to a brake."""
+    """The reason why the law of the short shoe does not apply to a brake, or None."""
     laws, law = SHORT_SHOE_LAWS[brake.surface.word]
     return laws.why_not(law, brake)
 
@@ -120,7 +120,7 @@ def _law(
     """
 
     def isotropic_too(brake: Brake) -> str | None:
-        """Why the law does not apply, also because of the materials."""
+        """The reason why the law does not apply to a brake or its materials, or None."""
         return why_not(brake) or isotropic_only(brake, "a closed-form law")
 
     return Model(name, assumes, isotropic_too, solve)
@@ -182,6 +182,7 @@ def pick(name: str, brake: Brake) -> Model:
             f"allowed: {', '.join(MODELS)}"
         )
     model = MODELS[name]
+    # The refusal names the models that do apply, so that a user need not try them.
     reason = model.why_not(brake)
     if reason is not None:
         others = [other.name for other in MODELS.values() if other.why_not(brake) is None]
@@ -198,6 +199,7 @@ def given_options(**options: Any) -> dict[str, Any]:
     Raises BadInput for `elements` out of range, whatever the model makes of them.
     """
     elements = options.get("elements")
+    # A number that is out of range is refused before a model loads or spends time.
     if elements is not None:
         from drumlin.fem.preparation.meshes import MOST_LINING_ELEMENTS
 
@@ -222,6 +224,7 @@ def check_options(model: str, given: Collection[str]) -> None:
     given: names of the options, as Python spells them.
     """
     own = OWN_OPTIONS.get(model, ())
+    # Several models may share an option; an option of another model alone is refused.
     for owner, names in OWN_OPTIONS.items():
         others = [f"--{name}" for name in names if name not in own]
         asked = any(option[2:].replace("-", "_") in given for option in others)

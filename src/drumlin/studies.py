@@ -34,6 +34,7 @@ def examples() -> dict[str, Path]:
     A file brake.toml has the name of its folder. Another file beside it has the folder's name
     before its own.
     """
+    # Files of studies come first, so that a mesh file of the same name gets the longer name.
     found: dict[str, Path] = {}
     in_studies = sorted((REPOSITORY / "studies").glob("*/*.toml"))
     in_meshes = sorted((REPOSITORY / "meshes").glob("*.toml"))
@@ -62,6 +63,7 @@ def example(name: str) -> str:
         """The line of a mesh file with its absolute path."""
         return f'mesh = "{(path.parent / mesh[1]).as_posix()}"'
 
+    # The text may be written into any folder, from which the mesh files are still found.
     text = re.sub(r'(?m)^mesh = "([^"]+)"', placed, path.read_text(encoding="utf-8"))
     return re.sub(r"(?m)^#:schema .*/", "#:schema ", text)
 
@@ -73,6 +75,7 @@ def load(name: str) -> tuple[ModuleType, Path]:
     is loaded by its path only, such as ./studies/NAME or studies/NAME/study.py. Raises BadInput,
     which names the studies that there are.
     """
+    # A name alone never runs code of somebody else that lies in the current folder.
     own = {path.parent.name: path for path in sorted((REPOSITORY / "studies").glob("*/study.py"))}
     file = own.get(name)
     if file is None and len(Path(name).parts) > 1:
@@ -105,6 +108,7 @@ def run(name: str, folder: Path | None, *, short: bool, say: Callable[[str], Non
     say : told the progress in lines
     """
     module, root = load(name)
+    # A study without a journal begins anew each time.
     folder = folder or Path("reports") / module.__name__.split(".")[1]
     if "journal" not in inspect.signature(module.study).parameters:
         page: Path = module.report(module.study(short=short, say=say), folder)

@@ -40,7 +40,7 @@ class Iterated(NamedTuple):
 
 
 def iterate(brake: Brake, index: int, sections: int) -> Iterated:
-    """A shoe by the paper's iteration, with all of the paper's simplifications.
+    """The answer of a shoe by the paper's iteration, with all of the paper's simplifications.
 
     index : number of the shoe; sections : number of sectors along the lining.
 
@@ -49,6 +49,7 @@ def iterate(brake: Brake, index: int, sections: int) -> Iterated:
     p = post(brake, brake.shoes[index], sections, tilt=False, wedge=False, plane_stress=False)
     theta = p.axis.origin + p.axis.sense * p.theta
     c = ring_of(brake, theta, theta, frozenset())
+    # The first guess of the contact is the whole lining.
     pressed = np.ones(len(p.theta), dtype=bool)
     for rounds in range(1, MOST_REVISIONS + 1):
         w, z = _displacements(p, c, np.where(pressed, p.k, 0.0))
@@ -57,7 +58,8 @@ def iterate(brake: Brake, index: int, sections: int) -> Iterated:
             return Iterated(w, z, np.where(pressed, p.k * t, 0.0), rounds)
         pressed = t > 0
     raise NoAnswer(
-        f"shoe {brake.shoes[index].name!r}: not converged: the contact still changes after {rounds} rounds"
+        f"shoe {brake.shoes[index].name!r}: not converged: "
+        f"the contact still changes after {rounds} rounds"
     )
 
 
@@ -77,6 +79,7 @@ def _displacements(p: Post, c: Floats, k: Floats) -> tuple[Floats, Floats]:
     # B of eq. 11, times dx.
     bent = (p.pressed + p.drag * p.dragged) * k
     matrix, right = np.zeros((m + n, m + n)), np.zeros(m + n)
+    # Bending of the beam, by second differences of w at the stations inside the beam (eq. 12).
     inner = np.arange(1, m - 1)
     before, after = np.diff(p.x)[:-1], np.diff(p.x)[1:]
     stiff = p.EI[inner] / p.step[inner]
@@ -92,6 +95,7 @@ def _displacements(p: Post, c: Floats, k: Floats) -> tuple[Floats, Floats]:
     right[0] = p.loaded[0] + bent[0] @ p.gap
     # w_0 = 0, scaled to the size of the other equations.
     matrix[m - 1, 0] = stiff.mean()
+    # Displacement z of the rim under the forces of all sectors (eq. 17).
     matrix[m:, p.under] = -(c * k) * np.cos(p.theta)
     matrix[m:, m:] = np.eye(n) + c * k
     right[m:] = -(c * k) @ p.gap

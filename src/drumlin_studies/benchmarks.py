@@ -54,7 +54,7 @@ SYSTEMS = 80
 """Number of dense systems in the workload, which takes some 5 ms in all."""
 
 ADDITIONS = 100_000
-"""Additions by the interpreter in the workload: a solve spends a good part of its time in Python."""
+"""Additions by the interpreter in the workload, because a solve spends much time in Python."""
 
 IMPORTS = "import numpy, scipy.linalg, pydantic"
 """Program with the imports that every command needs. Start-up is measured relative to its time."""
@@ -118,11 +118,11 @@ def time_ratio(
 
 def solve_ratios(repeats: int = USUAL_REPEATS) -> dict[str, float]:
     """Times of solves and of questions about a solved brake, over the time of the workload."""
-    brakes = {name: drumlin.read_brake(examples()[name]) for name in TIMED_SOLVES}
-    first = brakes[TIMED_SOLVES[0]]
-    calls: dict[str, Callable[[], object]] = {
-        f"solve {name}": partial(drumlin.solve, brake) for name, brake in brakes.items()
-    }
+    calls: dict[str, Callable[[], object]] = {}
+    for name in TIMED_SOLVES:
+        calls[f"solve {name}"] = partial(drumlin.solve, drumlin.read_brake(examples()[name]))
+    first = drumlin.read_brake(examples()[TIMED_SOLVES[0]])
+    # Further questions about the first brake.
     calls |= {
         "sine law": partial(drumlin.solve, first, "sine"),
         "sensitivity": partial(drumlin.sensitivity, first),
@@ -139,13 +139,14 @@ def solve_ratios(repeats: int = USUAL_REPEATS) -> dict[str, float]:
 
 def unknowns(brake: Brake) -> int:
     """Degrees of freedom of the shoes in the prepared model that a default solve ends on."""
-    prepared = scene_of(brake)
-    # Equal shoes share one body, which is condensed once.
-    distinct = {id(body): body for body in prepared.bodies}.values()
-    return sum(body.unknowns for body in distinct)
+    counted: dict[int, int] = {}
+    # Equal shoes share one body, which is condensed once and counted once.
+    for body in scene_of(brake).bodies:
+        counted[id(body)] = body.unknowns
+    return sum(counted.values())
 
 
-def counts() -> dict[str, float]:
+def solve_counts() -> dict[str, float]:
     """Unknowns and active-set iterations of default solves. They do not depend on the machine."""
     found: dict[str, float] = {}
     for name in COUNTED:
@@ -168,13 +169,14 @@ def start_ratios(repeats: int = USUAL_REPEATS) -> dict[str, float]:
 
 
 def git(*arguments: str) -> str:
-    """What git says of the repository of this checkout, without the last line's end."""
+    """The output of a git command on the repository of this checkout, without spaces around it."""
     command = ["git", "-C", str(REPOSITORY), *arguments]
     return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
 
 
 def commit_name() -> str:
     """Short name of the commit that is checked out, with a + if a source file differs from it."""
+    # The list is empty where every source file is as committed.
     changed = git("status", "--porcelain", "--", "src")
     return git("rev-parse", "--short=7", "HEAD") + ("+" if changed else "")
 
@@ -184,7 +186,8 @@ def measure_figures(repeats: int = USUAL_REPEATS) -> Benchmark:
 
     Raises subprocess.CalledProcessError outside of a git repository.
     """
-    figures = {**solve_ratios(repeats), **counts(), **start_ratios(repeats)}
+    figures = {**solve_ratios(repeats), **solve_counts(), **start_ratios(repeats)}
+    # Digits beyond the fourth are noise of the timing.
     rounded = {name: float(f"{value:.4g}") for name, value in figures.items()}
     return Benchmark(commit_name(), f"{datetime.now(UTC):%Y-%m-%d}", rounded)
 

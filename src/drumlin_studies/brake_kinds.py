@@ -1,4 +1,7 @@
-"""Brakes of every kind by finite elements and by rigid-shoe law, new and worn in, both ways."""
+"""Brakes of every kind by finite elements and by rigid-shoe law, in both senses of motion.
+
+Finite elements solve each brake with new linings and with worn-in linings.
+"""
 
 import math
 from collections.abc import Mapping
@@ -20,6 +23,7 @@ from drumlin.models import MODELS, applicable
 from drumlin.response.merit import brake_factor
 from drumlin.response.norms import pressure_distance, relative
 from drumlin.response.response import Response
+from drumlin_studies.tables import column
 
 TRUSTED = 0.05
 """Relative error up to which a law can be trusted."""
@@ -82,33 +86,34 @@ def case(file: str, brake: Brake, elements: int, *, solid: bool = False) -> Brak
         The law or finite elements have no answer.
     """
     by_law = law(brake)
-    others = [model for model in applicable(brake) if model.name not in {"fem", by_law.model}]
+    models = [*applicable(brake)]
     if solid and MODELS["solid"].why_not(brake) is None:
-        others.append(MODELS["solid"])
-    return BrakeInMotion(
-        file,
-        brake,
-        by_law,
-        solve(brake),
-        worn_in.solve(brake, elements=elements),
-        {model.name: run(model.name, partial(model.solve, brake)) for model in others},
-    )
+        models.append(MODELS["solid"])
+    others: dict[str, Outcome] = {}
+    for model in models:
+        # The law and the default finite elements have places of their own in the result.
+        if model.name not in {"fem", by_law.model}:
+            others[model.name] = run(model.name, partial(model.solve, brake))
+    worn = worn_in.solve(brake, elements=elements)
+    return BrakeInMotion(file, brake, by_law, solve(brake), worn, others)
 
 
 def mu_lock(brake: Brake, most: float = 2.0, elements: int = 20) -> float:
-    """The friction up to which the elastic brake has an answer.
+    """The coefficient of friction up to which the elastic brake has an answer.
 
-    inf where it has one up to `most`, nan where it has none at all.
+    The result is inf where the brake has an answer up to the friction `most`, and nan where it has
+    no answer even without friction. `elements` counts the elements along a lining.
     """
     try:
         found = limits(prepare(brake, elements=elements), brake, most, penalty=1e6)
     except NoAnswer:
         return math.nan
+    # The shoe or the group of shoes with the lowest limit locks the brake.
     return min((end.friction for end in found.values()), default=math.inf)
 
 
 def row_of(found: BrakeInMotion, limit: float | None) -> dict[str, Any]:
-    """The row of a brake: its law against finite elements, new and worn in.
+    """The row of a brake: its law against finite elements, with new and with worn-in linings.
 
     `factor` and `factor_worn` are brake factors by finite elements, `p` and `p_worn` the relative
     L2 distances of the law's pressure.
@@ -120,6 +125,7 @@ def row_of(found: BrakeInMotion, limit: float | None) -> dict[str, Any]:
 
     def distance(by: Response) -> float:
         """Relative L2 distance of the law's pressure, the largest of all shoes."""
+        # A shoe without contact has no pressure to which a distance could be relative.
         pairs = zip(found.law.shoes, by.shoes, strict=True)
         return max(pressure_distance(a, b, edge_of(brake)) for a, b in pairs if b.contact_arcs)
 
@@ -144,7 +150,7 @@ def row_of(found: BrakeInMotion, limit: float | None) -> dict[str, Any]:
 
 
 def others_of(found: BrakeInMotion) -> list[dict[str, Any]]:
-    """A row for each other model: its relative error against finite elements, new and worn in."""
+    """Relative errors of each other model against finite elements, new and worn in: a row each."""
     base: dict[str, Any] = {"file": found.file, "motion": found.brake.sense}
     rows: list[dict[str, Any]] = []
     for name, outcome in found.others.items():
@@ -179,13 +185,14 @@ def verdict(rows: list[dict[str, Any]]) -> str:
     effect_ = surface.effect
 
     def judged(key: str) -> str:
-        error = max(abs(row[key]) for row in rows)
+        """Whether the larger error of both rows allows trust, with this error in percent."""
+        error = np.abs(column(rows, key)).max()
         word = "is an estimate" if error <= ROUGH else "cannot be trusted"
         word = "can be trusted" if error <= TRUSTED else word
         size = f"up to {100 * error:.2g}" if error > 1e-4 else "less than 0.01"
         return f"{word} (off by {size} %)"
 
-    if all(abs(row["new"]) < NO_EFFECT_ERROR for row in rows):
+    if np.abs(column(rows, "new")).max() < NO_EFFECT_ERROR:
         return (
             f"The {effect_} follows from equilibrium alone, whatever the pressure. "
             f"The pressure of the law {name!r} "

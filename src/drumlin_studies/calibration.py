@@ -30,14 +30,19 @@ from drumlin.fem.hp.corner import with_powers
 from drumlin.fem.model import respond
 from drumlin_studies.random_brake import SHAPE_KINDS as KINDS
 from drumlin_studies.random_brake import random_brake
+from drumlin_studies.random_corners import CORNER_KINDS, random_corner
 from drumlin_studies.random_kinds import HOLDING_KINDS as KINDS_OF_HOLDING
 from drumlin_studies.random_kinds import random_kind
 from drumlin_studies.stated_true import Truth, errors
-from drumlin_studies.stored_truth import CERTAIN, by_finer
+from drumlin_studies.stored_truth import CERTAIN, by_deep_triangles, by_finer
 
 FIRST_SEED, BRAKES = 300_000, 260
 """Seed of the first random brake of the fit, and their number: ten of each kind. The seeds of the
-stored truths (70000 and on) and of the study that judges (600000 and on) are others."""
+stored truths (70000 and on) and of the study that judges (700000 and on) are others."""
+
+FIRST_CORNER, CORNER_BRAKES = 310_000, 60
+"""Seed of the first brake of the fit that presses with a corner or under a tip, and their number:
+six of each kind. Other seeds are judged, see `corner_rows.FIRST_JUDGED`."""
 
 QUANTILE = 0.995
 """Share of the true errors that the fit covers. Twice as many may be too small as README promises.
@@ -80,7 +85,13 @@ class Level(NamedTuple):
 
 
 def drawn(seed: int) -> tuple[str, Brake]:
-    """The kind and the brake of a seed, one of any kind."""
+    """The kind and the brake of a seed, one of any kind.
+
+    Seeds from FIRST_CORNER on are of brakes that press with a corner or under a tip.
+    """
+    if seed >= FIRST_CORNER:
+        names = list(CORNER_KINDS)
+        return names[seed % len(names)], random_corner(seed)
     kinds = [*KINDS, *KINDS_OF_HOLDING]
     kind = kinds[seed % len(kinds)]
     return kind, (random_brake if kind in KINDS else random_kind)(seed, kind)
@@ -88,10 +99,13 @@ def drawn(seed: int) -> tuple[str, Brake]:
 
 def observe(seed: int) -> dict[str, Any]:
     """The levels of the brake of a seed, as plain data; without an answer the reason in words."""
-    kind, brake = drawn(seed)
+    kind = ""
     try:
-        levels = observed(brake, by_finer(brake), islice(steps(brake, respond), FITTED))
-    except NoAnswer as error:
+        kind, brake = drawn(seed)
+        truth = (by_deep_triangles if seed >= FIRST_CORNER else by_finer)(brake)
+        levels = observed(brake, truth, islice(steps(brake, respond), FITTED))
+    except (NoAnswer, AssertionError) as error:
+        # Rounding turns over triangles that are too small.
         return {"seed": seed, "kind": kind, "reason": str(error), "levels": []}
     return {
         "seed": seed,

@@ -99,55 +99,65 @@ def ring_yield(n: int, free: float, held: float, E: float, nu: float) -> float:
     E, nu : float
         Young's modulus [Pa] and Poisson's ratio.
     """
-    k, two_mu = (3 - nu) / (1 + nu), E / (1 + nu)
+    two_mu = E / (1 + nu)
     if n == 0:
+        # Displacement and radial stress of the terms r and 1/r. Their sum is zero at `held`.
         u = np.array([free, 1 / free])
         s = np.array([E / (1 - nu), -two_mu / free**2])
         held_u = np.array([held, 1 / held])
         ratio = np.array([1.0, -held_u[0] / held_u[1]])
         return float(-(u @ ratio) / (s @ ratio))
-
-    def columns(r: float) -> Floats:
-        """2 mu u_r, 2 mu u_theta, s_rr and s_rtheta (4, 4) at a radius, a column for each term."""
-        fourth: list[float]
-        if n == 1:
-            # The terms r theta sin and r ln r cos, combined for single-valued displacements.
-            log = math.log(r)
-            fourth = [2 * k * log - 1, -1 - 2 * k * log, (k + 3) / r, -(k - 1) / r]
-        else:
-            fourth = [
-                (k + n - 1) * r ** (1 - n),
-                -(k - n + 1) * r ** (1 - n),
-                -(n + 2) * (n - 1) * r**-n,
-                -n * (n - 1) * r**-n,
-            ]
-        return np.array(
-            [
-                [
-                    -n * r ** (n - 1),
-                    n * r ** (n - 1),
-                    -n * (n - 1) * r ** (n - 2),
-                    n * (n - 1) * r ** (n - 2),
-                ],
-                [
-                    (k - n - 1) * r ** (n + 1),
-                    (k + n + 1) * r ** (n + 1),
-                    -(n + 1) * (n - 2) * r**n,
-                    n * (n + 1) * r**n,
-                ],
-                [
-                    n * r ** (-n - 1),
-                    n * r ** (-n - 1),
-                    -n * (n + 1) * r ** (-n - 2),
-                    -n * (n + 1) * r ** (-n - 2),
-                ],
-                fourth,
-            ]
-        ).T
-
-    at_free, at_held = columns(free), columns(held)
+    at_free, at_held = _michell_terms(n, free, nu), _michell_terms(n, held, nu)
+    # Four conditions: no displacement at `held`, unit pressure and no shear at `free`.
     terms = np.linalg.solve(np.vstack([at_held[:2], at_free[2:]]), [0, 0, -1, 0])
     return float(at_free[0] @ terms / two_mu)
+
+
+def _michell_terms(n: int, r: float, nu: float) -> Floats:
+    """Displacements and stresses (4, 4) at a radius, a column for each of Michell's four terms.
+
+    The rows are 2 mu u_r, 2 mu u_theta, s_rr and s_rtheta.
+
+    Parameters
+    ----------
+    n : int
+        Order of the harmonic, 1 or more.
+    r : float
+        Radius [m].
+    nu : float
+        Poisson's ratio.
+    """
+    k = (3 - nu) / (1 + nu)
+    if n == 1:
+        # The terms r theta sin and r ln r cos, combined for single-valued displacements.
+        log = math.log(r)
+        fourth = [2 * k * log - 1, -1 - 2 * k * log, (k + 3) / r, -(k - 1) / r]
+    else:
+        fourth = [
+            (k + n - 1) * r ** (1 - n),
+            -(k - n + 1) * r ** (1 - n),
+            -(n + 2) * (n - 1) * r**-n,
+            -n * (n - 1) * r**-n,
+        ]
+    first = [
+        -n * r ** (n - 1),
+        n * r ** (n - 1),
+        -n * (n - 1) * r ** (n - 2),
+        n * (n - 1) * r ** (n - 2),
+    ]
+    second = [
+        (k - n - 1) * r ** (n + 1),
+        (k + n + 1) * r ** (n + 1),
+        -(n + 1) * (n - 2) * r**n,
+        n * (n + 1) * r**n,
+    ]
+    third = [
+        n * r ** (-n - 1),
+        n * r ** (-n - 1),
+        -n * (n + 1) * r ** (-n - 2),
+        -n * (n + 1) * r ** (-n - 2),
+    ]
+    return np.array([first, second, third, fourth]).T
 
 
 def corner_exponent(mu: float, nu: float) -> float:
@@ -175,6 +185,7 @@ def corner_exponent(mu: float, nu: float) -> float:
         ]
         return float(np.linalg.det(np.array(rows)))
 
+    # The first change of sign of the determinant brackets the smallest root.
     exponents = np.linspace(0.25, 0.999, 400)
     for low, high in pairwise(exponents):
         if determinant(float(low)) * determinant(float(high)) < 0:
@@ -201,6 +212,7 @@ def sine_shoe_limit(R: float, a: float, phi_1: float, phi_2: float) -> float:
     phi_1, phi_2 : float
         Ends of the lining, from the hinge [rad].
     """
+    # Moments about the hinge by the integrals of sin^2 phi and of (R - a cos phi) sin phi.
     normal = a * ((phi_2 - phi_1) / 2 - (math.sin(2 * phi_2) - math.sin(2 * phi_1)) / 4)
     friction = (
         R * (math.cos(phi_1) - math.cos(phi_2))

@@ -58,7 +58,7 @@ class Check(NamedTuple):
 
 
 class Count(NamedTuple):
-    """How the comparisons of one check ended.
+    """How many comparisons of one check ended with each outcome.
 
     Attributes
     ----------
@@ -82,22 +82,25 @@ class Count(NamedTuple):
 
 
 def counted(rows: Sequence[Check]) -> list[Count]:
-    """How the rows of each check ended, the checks in the order of their first row."""
+    """The number of rows of each outcome, for each check in the order of its first row."""
+    rows_of: dict[str, list[Check]] = {}
+    for row in rows:
+        rows_of.setdefault(row.check, []).append(row)
     counts = []
-    for check in dict.fromkeys(row.check for row in rows):
-        own = [row for row in rows if row.check == check]
+    for check, own in rows_of.items():
         outcomes = Counter(row.outcome for row in own)
-        agreeing = [row for row in own if row.outcome == "agrees"]
-        largest = max((row.difference / row.allowed for row in agreeing), default=0.0)
+        used = [row.difference / row.allowed for row in own if row.outcome == "agrees"]
         counts.append(
             Count(
                 check=check,
+                # A brake that both paths refuse has no numbers to compare.
                 compared=len(own) - outcomes["refused"],
                 agree=outcomes["agrees"],
                 said=outcomes["said"],
                 differ=outcomes["differs"],
                 refused=outcomes["refused"],
-                largest=largest,
+                # 1 would mean that a difference is as large as is allowed.
+                largest=max(used, default=0.0),
             )
         )
     return counts

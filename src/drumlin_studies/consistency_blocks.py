@@ -18,6 +18,7 @@ from drumlin.fem.solve import solve
 from drumlin.response.response import Response, ShoeResponse
 from drumlin_studies import random_brake, random_kinds
 from drumlin_studies.consistency import Check
+from drumlin_studies.random_kinds import brake_of_kind
 from drumlin_studies.stated_true import JUDGED_QUANTITIES, Truth, by_columns, errors
 
 BLOCKS_CHECK = "blocks: error stated by the default solve, error against finer levels"
@@ -60,12 +61,11 @@ def random_blocks(seed: int, steps: int | None = None) -> Brake:
     kind = BLOCK_KINDS[seed % len(BLOCK_KINDS)]
     for attempt in range(BLOCK_ATTEMPTS):
         rng = np.random.default_rng([seed, attempt])
-        drawn, depth = (
-            int(rng.integers(FEWEST_BLOCK_STEPS, MOST_BLOCK_STEPS + 1)),
-            10 ** rng.uniform(*STEP_DEPTH_DECADES),
-        )
+        drawn = int(rng.integers(FEWEST_BLOCK_STEPS, MOST_BLOCK_STEPS + 1))
+        depth = 10 ** rng.uniform(*STEP_DEPTH_DECADES)
         try:
-            brake = _of_kind(seed + len(BLOCK_KINDS) * (attempt + 1), kind)
+            brake = brake_of_kind(seed + len(BLOCK_KINDS) * (attempt + 1), kind)
+            # The drawn number of steps must fit, so that `steps` never changes the brake.
             found = _with_blocks(brake, rng, drawn, depth)
             return found if steps is None else _with_blocks(brake, rng, steps, depth)
         except (BadInput, NoAnswer):
@@ -73,13 +73,6 @@ def random_blocks(seed: int, steps: int | None = None) -> Brake:
     raise NoAnswer(
         f"no brake of kind {kind} with blocks from seed {seed} in {BLOCK_ATTEMPTS} attempts"
     )
-
-
-def _of_kind(seed: int, kind: str) -> Brake:
-    """The brake of a seed and a kind of either generator."""
-    if kind in random_brake.SHAPE_KINDS:
-        return random_brake.random_brake(seed, kind)
-    return random_kinds.random_kind(seed, kind)
 
 
 def _with_blocks(brake: Brake, rng: Rng, steps: int, depth: float) -> Brake:
@@ -106,17 +99,17 @@ def _with_blocks(brake: Brake, rng: Rng, steps: int, depth: float) -> Brake:
     fitting = solve(brake, elements=BLOCK_TRIAL_ELEMENTS)
     changes: dict[str, list[list[float]]] = {}
     for i, (shoe, found) in enumerate(zip(brake.shoes, fitting.shoes, strict=True)):
-        places = _places(rng, shoe, steps)
+        places = _step_places(rng, shoe, steps)
         depths = depth * _compression(brake, shoe, found) * rng.uniform(0, 1, steps)
-        rows = [[float(x), float(y)] for x, y in zip(places, depths, strict=True)]
-        changes[f"shoe[{i}].lining.misfit.blocks"] = rows
+        changes[f"shoe[{i}].lining.misfit.blocks"] = np.column_stack([places, depths]).tolist()
     other = vary(brake, changes)
+    # Every shoe must press, because a shoe that does not touch would have no error to judge.
     if not all(shoe.contact_arcs for shoe in solve(other, elements=BLOCK_TRIAL_ELEMENTS).shoes):
         raise NoAnswer("a shoe does not press")
     return other
 
 
-def _places(rng: Rng, shoe: Shoe, steps: int) -> np.ndarray:
+def _step_places(rng: Rng, shoe: Shoe, steps: int) -> np.ndarray:
     """Random beginnings of the blocks of a lining (steps,) [rad], with room for each step.
 
     Raises BadInput where the lining is too short.
@@ -125,6 +118,7 @@ def _places(rng: Rng, shoe: Shoe, steps: int) -> np.ndarray:
     free = lining.end - lining.start - (steps + 1) * room
     if free <= 0:
         raise BadInput(f"no room for {steps} steps")
+    # Sorted places in the free arc, each moved on by the room of the steps before it.
     return lining.start + np.sort(rng.uniform(0, free, steps)) + room * np.arange(1, steps + 1)
 
 

@@ -5,7 +5,6 @@ be the torque of `solve`, or a line of the last state must tell both numbers and
 """
 
 import math
-from types import ModuleType
 
 import numpy as np
 
@@ -18,6 +17,7 @@ from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin_studies import random_brake, random_kinds
 from drumlin_studies.consistency import Check
+from drumlin_studies.random_kinds import brake_of_kind
 
 HOLD_CHECK = "hold's end = solve"
 """Name of the check in rows."""
@@ -25,6 +25,8 @@ HOLD_STEPS = 4
 """Increments of the rotation. Full slip does not depend on their number."""
 MESH_ELEMENTS = 12
 """Elements along a lining. Both paths share the mesh, so that its error does not matter."""
+HOLD_KINDS = (*random_kinds.HOLDING_KINDS, *random_brake.SHAPE_KINDS)
+"""The kinds of both generators, in the order in which seeds draw them."""
 LOCKED_ROTATION = 1.0
 """Rotation [rad] of a brake that `solve` refuses. A brake that locks still sticks there."""
 TWO_ANSWERS_LINE = "more than one answer"
@@ -37,31 +39,20 @@ def checks(seed: int) -> list[Check]:
     Seeds go through the kinds of both generators, on a mesh and on hp elements in turn. There is no
     row where the generator has no brake of the seed, and none for a brake without friction.
     """
-    kinds = _kinds()
-    generator, kind = kinds[seed % len(kinds)]
+    kind = HOLD_KINDS[seed % len(HOLD_KINDS)]
     try:
-        if generator is random_kinds:
-            brake = random_kinds.random_kind(seed, kind)
-        else:
-            brake = random_brake.random_brake(seed, kind)
+        brake = brake_of_kind(seed, kind)
     except NoAnswer:
         return []
     if brake.friction == 0:
         return []
-    on_hp_elements = seed // len(kinds) % 2 == 1
+    on_hp_elements = seed // len(HOLD_KINDS) % 2 == 1
     scene = prepare(brake, LEVELS[1]) if on_hp_elements else prepare(brake, elements=MESH_ELEMENTS)
     return [_check(f"{kind} {seed}", scene, brake)]
 
 
-def _kinds() -> list[tuple[ModuleType, str]]:
-    """Each generator with each of its kinds."""
-    of_holding = [(random_kinds, kind) for kind in random_kinds.HOLDING_KINDS]
-    of_shape = [(random_brake, kind) for kind in random_brake.SHAPE_KINDS]
-    return of_holding + of_shape
-
-
 def _check(name: str, scene: PreparedModel, brake: Brake) -> Check:
-    """The row of a brake on a prepared model."""
+    """The row of a brake: the torques of `hold` and `solve` on the same prepared model."""
     row = Check(
         check=HOLD_CHECK, brake=name, quantity="torque", difference=math.inf, allowed=TWO_ANSWERS
     )
@@ -72,6 +63,7 @@ def _check(name: str, scene: PreparedModel, brake: Brake) -> Check:
         held = _end(scene, brake, LOCKED_ROTATION)
         locked = held is None or held.sticking > 0
         return row._replace(said=str(error) if locked else "", refused=locked)
+    # A refusal counts as told only where it names the moments of both paths.
     try:
         end = full_slip_rotation(scene, brake)
     except NoAnswer as error:

@@ -13,6 +13,7 @@ from drumlin.fem.solve import solve
 from drumlin.response.response import Response
 from drumlin_studies import random_brake, random_kinds
 from drumlin_studies.consistency import Check
+from drumlin_studies.random_kinds import brake_of_kind
 from drumlin_studies.standing_off import standing_off
 
 MESH_SIZES = 20, 40, 80
@@ -63,10 +64,7 @@ def drawn(seed: int) -> Brake:
     if not odd:
         return standing_off(half)
     kinds = [*random_brake.SHAPE_KINDS, *random_kinds.HOLDING_KINDS]
-    kind = kinds[half % len(kinds)]
-    if kind in random_brake.SHAPE_KINDS:
-        return random_brake.random_brake(half, kind)
-    return random_kinds.random_kind(half, kind)
+    return brake_of_kind(half, kinds[half % len(kinds)])
 
 
 def force(response: Response) -> float:

@@ -28,6 +28,7 @@ from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin_studies import random_brake, random_kinds
 from drumlin_studies.consistency import Check
+from drumlin_studies.random_kinds import brake_of_kind
 
 SLOPE_MESH_ELEMENTS = 10
 """Elements along a lining of the meshes.
@@ -133,6 +134,7 @@ class Divided:
         """The torque of a brake with its division and contact set. Raises as `solve`."""
         scene = self.scene(brake)
         response = respond(scene, brake)
+        # Numbers of unknowns tell divisions apart: another division has other numbers.
         bodies = [body.unknowns for body in scene.bodies]
         if scene.ring:
             bodies.append(scene.ring.basis.N)
@@ -172,23 +174,27 @@ def moved(key: str, x: float, y: float, way: int) -> Changes:
 def slopes_of(brake: Brake, found: Sensitivity) -> list[Slope]:
     """All slopes that `drumlin sensitivity` prints of a brake."""
     table = [Slope("friction", found.friction, shifted("friction", brake.friction), brake.friction)]
-    table += _of_drive(brake, found)
-    ring = brake.ring
-    if ring is not None and found.ring is not None and ring.material is not None:
-        table.append(Slope("E of the ring", found.ring, scaled_moduli("drum.ring.", ring.material)))
-    if (
-        ring is not None
-        and found.ring_bending_stiffness is not None
-        and ring.bending_stiffness is not None
-    ):
-        EI = scaled("drum.ring.bending_stiffness", ring.bending_stiffness)
-        table.append(Slope("bending_stiffness of the ring", found.ring_bending_stiffness, EI))
+    table += _slopes_of_drive(brake, found)
+    table += _slopes_of_ring(brake, found)
     for i in range(len(brake.shoes)):
-        table += _of_shoe(brake, found, i)
+        table += _slopes_of_shoe(brake, found, i)
     return table
 
 
-def _of_drive(brake: Brake, found: Sensitivity) -> Iterator[Slope]:
+def _slopes_of_ring(brake: Brake, found: Sensitivity) -> Iterator[Slope]:
+    """The slopes over the moduli and the given bending stiffness of the drum's ring."""
+    ring = brake.ring
+    if ring is None:
+        return
+    if found.ring is not None and ring.material is not None:
+        yield Slope("E of the ring", found.ring, scaled_moduli("drum.ring.", ring.material))
+    # A bending stiffness that follows from the modulus has no slope of its own.
+    if found.ring_bending_stiffness is not None and ring.bending_stiffness is not None:
+        EI = scaled("drum.ring.bending_stiffness", ring.bending_stiffness)
+        yield Slope("bending_stiffness of the ring", found.ring_bending_stiffness, EI)
+
+
+def _slopes_of_drive(brake: Brake, found: Sensitivity) -> Iterator[Slope]:
     """The slope over the drive that all shoes share, where the brake has one."""
     drive = brake.actuation
     if drive is None or found.drive is None:
@@ -199,23 +205,24 @@ def _of_drive(brake: Brake, found: Sensitivity) -> Iterator[Slope]:
             yield Slope("actuation", found.drive, scaled(f"actuation.{key}", value))
 
 
-def _of_shoe(brake: Brake, found: Sensitivity, i: int) -> Iterator[Slope]:
+def _slopes_of_shoe(brake: Brake, found: Sensitivity, i: int) -> Iterator[Slope]:
     """The slopes over the quantities of shoe number i."""
     shoe, own, key = brake.shoes[i], found.shoes[i], f"shoe[{i}]."
+    # The force of a shoe behind a strut follows from the shoe before, and is no number of its own.
     behind_strut = any(link.to == shoe.name for link in brake.links)
     if own.force is not None and own.torque and brake.actuation is None and not behind_strut:
         force = shoe.actuation.force
         yield Slope("force", own.force * force, scaled(f"{key}actuation.force", force))
-    yield from _of_stiffness(shoe, own, key)
+    yield from _slopes_of_stiffness(shoe, own, key)
     clearance = shoe.lining.clearance
     if isinstance(clearance, float):
         changes = shifted(f"{key}lining.clearance", clearance)
         yield Slope("clearance", own.clearance, changes, _compression(brake, shoe))
     for what, value in own.held.items():
-        yield from _of_support(brake, i, what, value)
+        yield from _slopes_of_support(brake, i, what, value)
 
 
-def _of_stiffness(shoe: Shoe, own: ShoeSensitivity, key: str) -> Iterator[Slope]:
+def _slopes_of_stiffness(shoe: Shoe, own: ShoeSensitivity, key: str) -> Iterator[Slope]:
     """The slopes over the moduli and the bending stiffness of a shoe."""
     moduli, body = own.moduli, shoe.body
     lining = scaled_moduli(f"{key}lining.", shoe.lining.material)
@@ -234,14 +241,17 @@ def _of_stiffness(shoe: Shoe, own: ShoeSensitivity, key: str) -> Iterator[Slope]
 
 
 def _compression(brake: Brake, shoe: Shoe) -> float:
-    """Compression of a lining [m] by the shoe's force, or by the largest force where it has none."""
+    """Compression of a lining [m] by the force of its shoe.
+
+    For a shoe without a force, the largest force of all shoes counts.
+    """
     lining = shoe.lining
     force = abs(shoe.actuation.force) or max(abs(each.actuation.force) for each in brake.shoes)
     area = brake.scale_factor * (lining.end - lining.start) * lining.width
     return force / area * lining.thickness / lining.material.E_through
 
 
-def _of_support(brake: Brake, i: int, what: str, value: Floats) -> Iterator[Slope]:
+def _slopes_of_support(brake: Brake, i: int, what: str, value: Floats) -> Iterator[Slope]:
     """The slopes over a number or a point of the support of shoe number i.
 
     what : path of the number or point in the shoe; value : its slope (1,) or slopes (2,).
@@ -250,6 +260,7 @@ def _of_support(brake: Brake, i: int, what: str, value: Floats) -> Iterator[Slop
     for name in what.split("."):
         at = getattr(at, name)
     key = f"shoe[{i}].{what}"
+    # A number of a support has one slope, a point one along each axis.
     if len(value) == 1:
         size = at if what.endswith("friction") else 1.0
         yield Slope(what, float(value[0]), shifted(key, at), size)
@@ -278,10 +289,11 @@ def difference(
     base : TorqueOnDivision
         The torque of the brake itself.
     """
+    # The loop ends at the first factor at which all three steps keep the contact set.
     for factor in STEP_FACTORS:
         largest = 0.0
         for step in DIFFERENCE_STEPS:
-            apart = _difference(brake, slope, divided, base, factor * step * slope.size)
+            apart = _difference_at(brake, slope, divided, base, factor * step * slope.size)
             if apart is None:
                 break
             largest = max(largest, apart)
@@ -290,7 +302,7 @@ def difference(
     return None
 
 
-def _difference(
+def _difference_at(
     brake: Brake, slope: Slope, divided: Divided, base: TorqueOnDivision, step: float
 ) -> float | None:
     """Relative difference of a slope from the central difference over a step in its unit.
@@ -298,7 +310,8 @@ def _difference(
     None where the step changes the contact set or the division.
     """
     try:
-        up, down = (divided.solved(vary(brake, slope.changes(h))) for h in (step, -step))
+        up = divided.solved(vary(brake, slope.changes(step)))
+        down = divided.solved(vary(brake, slope.changes(-step)))
     except (BadInput, NoAnswer):
         return None
     if not (up.alike(base) and down.alike(base)):
@@ -318,13 +331,11 @@ def brake_of(seed: int) -> tuple[str, Brake]:
     In half of the brakes the body and the ring are given a bending stiffness.
     """
     kind = SLOPE_KINDS[seed % len(SLOPE_KINDS)]
-    draw = (
-        random_brake.random_brake if kind in random_brake.SHAPE_KINDS else random_kinds.random_kind
-    )
-    brake: Brake = draw(seed, kind)
+    brake = brake_of_kind(seed, kind)
+    # Without friction a drum brake has no torque, and slopes have nothing to be relative to.
     while brake.friction == 0:
         seed += 10**6
-        brake = draw(seed, kind)
+        brake = brake_of_kind(seed, kind)
     if seed // len(SLOPE_KINDS) % 2:
         return kind, brake
     return kind, _with_bending_stiffness(brake, np.random.default_rng(seed))
@@ -355,6 +366,7 @@ def checks(seed: int, most: int | None = SLOPES_PER_BRAKE) -> list[Check]:
     divided = Divided(None if on_hp_elements else SLOPE_MESH_ELEMENTS, Cache())
     name = f"{kind} {seed}, {'columns' if on_hp_elements else 'mesh'}"
     no_slopes = Check("slopes", name, "all", math.inf, ALLOWED_SLOPE_DIFFERENCE)
+    # Either both paths have an answer, or both must refuse the brake.
     try:
         base = divided.solved(brake)
     except NoAnswer as error:

@@ -81,7 +81,7 @@ WEAR_KINDS = (
 """The kinds that are drawn: those of both generators, and HOLDING_KINDS without elastic bodies."""
 
 
-class _Bearing(NamedTuple):
+class _TorqueAndPressure(NamedTuple):
     """Torque and pressure of worn linings by one path.
 
     Attributes
@@ -110,63 +110,60 @@ def checks(seed: int) -> list[Check]:
     except NoAnswer:
         return []
     name = f"{kind} {seed}"
-    round_ = brake.round()
-    return _beginning(name, brake) + _later(name, round_)
+    return _rows_of_start(name, brake) + _rows_of_wear(name, brake.round())
 
 
 def _drawn(seed: int, kind: str) -> Brake:
     """The brake of a seed and one of WEAR_KINDS."""
-    if kind in random_brake.SHAPE_KINDS:
-        return random_brake.random_brake(seed, kind)
-    return random_kinds.random_kind(
-        seed, kind.removeprefix("rigid "), rigid=kind.startswith("rigid ")
-    )
+    if kind.startswith("rigid "):
+        return random_kinds.random_kind(seed, kind.removeprefix("rigid "), rigid=True)
+    return random_kinds.brake_of_kind(seed, kind)
 
 
-def _beginning(name: str, brake: Brake) -> list[Check]:
+def _rows_of_start(name: str, brake: Brake) -> list[Check]:
     """Rows of the unworn linings, on the last division of `solve`."""
     scene = scene_of(brake)
     setup = fem_setup(scene, brake)
 
-    def solved() -> _Bearing:
+    def solved() -> _TorqueAndPressure:
         # As in `solve`, each level starts from the contact set of the level before.
-        return _borne(setup, adapt(brake, DEFAULT, EXACT_CONTACT, must=False).response)
+        return _of_response(setup, adapt(brake, DEFAULT, EXACT_CONTACT, must=False).response)
 
-    def begun() -> _Bearing:
-        return _of(run_on(setup.interfaces, WearLaw(COEFFICIENT), [])[0])
+    def begun() -> _TorqueAndPressure:
+        return _of_state(run_on(setup.interfaces, WearLaw(COEFFICIENT), [])[0])
 
-    return _rows(name, "wear's start = solve", setup, (begun, solved))
+    return _compared(name, "wear's start = solve", setup, (begun, solved))
 
 
-def _later(name: str, brake: Brake) -> list[Check]:
-    """Rows of the worn linings: on the way, turned back and at the end.
+def _rows_of_wear(name: str, brake: Brake) -> list[Check]:
+    """Rows of the worn linings: halfway, after the drum has turned back, and at the end of wear.
 
-    They are on a mesh, and the drum is round.
+    The linings are on a mesh, and the drum is round.
     """
     scene = prepare(brake, elements=WORN_ELEMENTS)
     setup = fem_setup(scene, brake)
 
-    def set_up() -> _Bearing:
+    def at_end() -> _TorqueAndPressure:
         return _solved(setup, scene, worn_in(scene, brake))
 
-    def by_law() -> _Bearing:
+    def by_law() -> _TorqueAndPressure:
         goal = target(setup)
-        return _Bearing(goal.torque, goal.pressure)
+        return _TorqueAndPressure(goal.torque, goal.pressure)
 
     try:
         states = run_in(setup)
     except NoAnswer as error:
-        return _rows(name, "wear's end = worn in", setup, (partial(_refused, error), set_up))
-    last = partial(_of, states[-1])
-    ends = last, set_up
-    rows = _rows(name, "wear's end = worn in", setup, ends, END_REACHED, END_REACHED)
-    rows += _rows(name, "worn in = law", setup, (set_up, by_law), LAW_TORQUE, LAW_PRESSURE)
+        return _compared(name, "wear's end = worn in", setup, (partial(_refused, error), at_end))
+    ends = partial(_of_state, states[-1]), at_end
+    rows = _compared(name, "wear's end = worn in", setup, ends, END_REACHED, END_REACHED)
+    rows += _compared(name, "worn in = law", setup, (at_end, by_law), LAW_TORQUE, LAW_PRESSURE)
+    # Linings that fit the law from the start have no middle of wear.
     middle = states[len(states) // 2]
     if middle.s == 0:
         return rows
     solved = partial(_solved, setup, scene, worn(setup, middle))
-    middles = partial(_of, middle), solved
-    rows += _rows(name, "wear's middle = solve of the worn linings", setup, middles)
+    middles = partial(_of_state, middle), solved
+    rows += _compared(name, "wear's middle = solve of the worn linings", setup, middles)
     backward = fem_setup(scene, brake.reversed())
     return rows + _turned_back(name, setup, backward, scene, middle.s)
 
@@ -182,50 +179,51 @@ def _turned_back(
         Kind and seed.
     setup, backward : WearSetup
         The linings as the drum turns forward and backward.
-    scene : Scene
+    scene : PreparedModel
         The prepared model of the brake.
     s : float
         Sliding distance before the drum turns back [m].
     """
     forward = run_in(setup, distance=s)[-1]
 
-    def turned() -> _Bearing:
+    def turned() -> _TorqueAndPressure:
+        # The first state backward follows at once, before the drum wears the linings further.
         states = run_in(setup, backward=backward, reverse=s, distance=s * (1 + 1e-9))
-        return _of(next(state for state in states if not state.forward))
+        return _of_state(next(state for state in states if not state.forward))
 
     then = partial(_solved, backward, scene, worn(backward, forward))
-    return _rows(name, "turned back = solve of the worn linings", backward, (turned, then))
+    return _compared(name, "turned back = solve of the worn linings", backward, (turned, then))
 
 
-def _refused(error: NoAnswer) -> _Bearing:
-    """A path that has no answer: raises its error."""
+def _refused(error: NoAnswer) -> _TorqueAndPressure:
+    """Raise the error of a path that has no answer, in place of its torque and pressure."""
     raise error
 
 
-def _of(state: WearState) -> _Bearing:
+def _of_state(state: WearState) -> _TorqueAndPressure:
     """Torque and pressure of a state of wear."""
-    return _Bearing(state.torque, state.pressure)
+    return _TorqueAndPressure(state.torque, state.pressure)
 
 
-def _solved(setup: WearSetup, scene: PreparedModel, brake: Brake) -> _Bearing:
+def _solved(setup: WearSetup, scene: PreparedModel, brake: Brake) -> _TorqueAndPressure:
     """Torque and pressure by the contact of a brake whose linings are worn."""
-    return _borne(setup, EXACT_CONTACT(scene, brake))
+    return _of_response(setup, EXACT_CONTACT(scene, brake))
 
 
-def _borne(setup: WearSetup, response: Response) -> _Bearing:
+def _of_response(setup: WearSetup, response: Response) -> _TorqueAndPressure:
     """Torque and pressure of a response, at the unknowns of a setup."""
-    by_lining = [
-        response.shoes[surface.shoe].pressure[surface.forward] for surface in setup.surfaces
-    ]
+    by_lining = []
+    for surface in setup.surfaces:
+        by_lining.append(response.shoes[surface.shoe].pressure[surface.forward])
     said = next((note for note in response.notes if REFINED in note), "")
-    return _Bearing(response.torque, np.concatenate(by_lining), said)
+    return _TorqueAndPressure(response.torque, np.concatenate(by_lining), said)
 
 
-def _rows(
+def _compared(
     brake: str,
     check: str,
     setup: WearSetup,
-    ways: tuple[Callable[[], _Bearing], Callable[[], _Bearing]],
+    paths: tuple[Callable[[], _TorqueAndPressure], Callable[[], _TorqueAndPressure]],
     torque: float = SAME_TORQUE,
     pressure: float = SAME_PRESSURE,
 ) -> list[Check]:
@@ -239,17 +237,18 @@ def _rows(
         Which paths are compared.
     setup : WearSetup
         The linings, whose areas weigh the difference of pressures.
-    ways : two functions
+    paths : two functions
         Torque and pressure by each path.
     torque, pressure : float
         Allowed relative differences.
     """
-    answers, refusals = list[_Bearing](), list[str]()
-    for way in ways:
+    answers, refusals = list[_TorqueAndPressure](), list[str]()
+    for path in paths:
         try:
-            answers.append(way())
+            answers.append(path())
         except NoAnswer as error:
             refusals.append(str(error))
+    # A refusal by one path alone needs one of the valid reasons.
     if refusals:
         both = not answers
         tells = both or any(reason in refusals[0] for reason in TRUE_REASONS)
@@ -259,6 +258,7 @@ def _rows(
     said = first.said or second.said
     difference = apart(setup, first.pressure, second.pressure)
     rows = [Check(check, brake, "pressure", difference, pressure, said)]
+    # Two zero torques, without friction, agree and have no relative difference.
     if second.torque == 0:
         return rows
     difference = abs(first.torque / second.torque - 1)

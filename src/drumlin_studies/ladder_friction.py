@@ -76,6 +76,7 @@ def _traction(shift: float) -> float:
 
 def _loop() -> float:
     """Energy [J] that one node dissipates as the drum moves in a closed loop between +-0.2 m."""
+    # From the start to one end, to the other end, and back to the first.
     path = np.concatenate(
         [np.linspace(0, 0.2, 21), np.linspace(0.2, -0.2, 41), np.linspace(-0.2, 0.2, 41)]
     )
@@ -183,16 +184,19 @@ class Flexible(NamedTuple):
         basis = scalar_basis(mesh)
         K = stiffness(basis, {"body": ElasticLayer.of(material, 1.0)}).tocsc()
         line = contact_line(basis, mesh.boundaries["contact"], middle)
-        return cls(
-            basis,
-            K,
-            line,
-            couple(line, 1.0, directions),
-            np.setdiff1d(np.arange(2 * basis.N), held),
-        )
+        free = np.setdiff1d(np.arange(2 * basis.N), held)
+        return cls(basis, K, line, couple(line, 1.0, directions), free)
+
+    @property
+    def contact_unknowns(self) -> Ints:
+        """Numbers (2 n,) of the displacements of the contact nodes, x and y of each in turn."""
+        return np.column_stack([2 * self.line.nodes, 2 * self.line.nodes + 1]).ravel()
 
     def spread(self, matrix: Floats) -> Floats:
-        """Nodal forces (2 nodes, n) of unit pressures or tractions, from a coupling matrix (n, 2 n)."""
+        """Nodal forces (2 nodes, n) of unit pressures or tractions.
+
+        matrix : coupling matrix (n, 2 n), as N or T of `Coupling`.
+        """
         f = np.zeros((self.basis.N, 2, len(matrix)))
         f[self.line.nodes] = matrix.T.reshape(-1, 2, len(matrix))
         return f.reshape(2 * self.basis.N, -1)
@@ -250,8 +254,7 @@ def _belt(mu: float, wrap: float) -> float:
     # A tension of 1 N, uniform through the thickness.
     f[pulled, 1] = -weights
     u = belt.moved(np.column_stack([f.ravel(), belt.spread(N) + mu * belt.spread(T)]))
-    on = np.column_stack([2 * belt.line.nodes, 2 * belt.line.nodes + 1]).ravel()
-    n = len(N)
+    on, n = belt.contact_unknowns, len(N)
     without_motions = np.zeros((n, 0)), np.zeros((0, n)), np.zeros(0)
     problem = equations.Problem(N @ u[on, 1:], -N @ u[on, 0], *without_motions)
     p = active_set.solve(problem).p
@@ -275,18 +278,15 @@ def _flat_patch(turned: float) -> float:
     )
     top = scalar_basis(mesh).get_dofs(mesh.boundaries["support"]).flatten()
     directions = _along(np.array([s, -c]), np.array([c, s]))
-    strip = Flexible.of(
-        mesh, Material(E=2e6, nu=0.0), np.concatenate([2 * top, 2 * top + 1]), directions, 0.3
-    )
+    held = np.concatenate([2 * top, 2 * top + 1])
+    strip = Flexible.of(mesh, Material(E=2e6, nu=0.0), held, directions, 0.3)
     N, M = strip.coupling.N, strip.coupling.M
-    on, n = np.column_stack([2 * strip.line.nodes, 2 * strip.line.nodes + 1]).ravel(), len(M)
-    HALF_WIDTH = N @ strip.moved(strip.spread(N))[on]
+    n = len(M)
+    # Closure of the gap by unit pressures, on a plane that lies 0.05 m inside the strip.
+    closure = N @ strip.moved(strip.spread(N))[strip.contact_unknowns]
     none = np.zeros((n, 0))
-    return float(
-        active_set.solve(
-            equations.Problem(HALF_WIDTH, M @ np.full(n, -0.05), none, none.T, np.zeros(0))
-        ).p.max()
-    )
+    problem = equations.Problem(closure, M @ np.full(n, -0.05), none, none.T, np.zeros(0))
+    return float(active_set.solve(problem).p.max())
 
 
 class Plate(NamedTuple):
@@ -332,8 +332,7 @@ def pressed_plate() -> Plate:
     f[:, 1] -= 5e6 * _edge(x, np.flatnonzero(y > L - 1e-9))
     f[:, 0] -= 10e6 * _edge(y, np.flatnonzero(x > L - 1e-9))
     N, T = plate.coupling.N, plate.coupling.T
-    n = len(N)
-    on = np.column_stack([2 * plate.line.nodes, 2 * plate.line.nodes + 1]).ravel()
+    on, n = plate.contact_unknowns, len(N)
     u = plate.moved(np.column_stack([f.ravel(), plate.spread(N), plate.spread(T)]))
     by_f, by_N, by_T = u[on, 0], u[on, 1 : 1 + n], u[on, 1 + n :]
     # The plate moves up and down as a rigid body.
@@ -372,6 +371,7 @@ def _edge(along: Floats, nodes: Ints) -> Floats:
     along : coordinate along the edge of all nodes; nodes : the nodes of the edge.
     """
     f = np.zeros(len(along))
+    # Simpson's weights on each quadratic edge: two ends and the middle between them.
     order = nodes[np.argsort(along[nodes])]
     for first, middle, last in zip(order[0:-2:2], order[1::2], order[2::2], strict=True):
         length = along[last] - along[first]
@@ -398,6 +398,7 @@ def _winkler(mu: float) -> tuple[WearInterface, Floats]:
         SPRING_WIDTH,
         radial(1),
     )
+    # Displacements of the nodes as the shoe turns about its pin by 1 rad.
     turned = np.column_stack([-xy[1], xy[0] - SPRING_PIN]).ravel()
     closing = coupling.N @ turned
     problem = equations.Problem(
@@ -414,8 +415,9 @@ def _winkler(mu: float) -> tuple[WearInterface, Floats]:
 
 
 def _winkler_limit() -> float:
-    """Friction at which this shoe locks itself."""
-    still, unit = (_winkler(-mu)[0].problem for mu in (0.0, 1.0))
+    """Friction at which the hinged rigid shoe with a lining of springs locks itself."""
+    # The equations are linear in friction, so that two problems give those of every friction.
+    still, unit = _winkler(0.0)[0].problem, _winkler(-1.0)[0].problem
     return self_locking.limit(self_locking.Sliding.through(still, unit)).friction
 
 
@@ -423,15 +425,16 @@ def _winkler_limit() -> float:
 def _worn() -> tuple[list[WearState], Floats]:
     """The states of the shoe as it runs in, and the pressure (n,) of the sine law at 1 N m."""
     interface, phi = _winkler(SPRING_MU)
-    return run([interface], SPRING_WEAR, distance=2 * WEAR_UNIT, tolerance=1e-4), np.sin(
-        phi
-    ) / float(interface.problem.C[0] @ np.sin(phi))
+    states = run([interface], SPRING_WEAR, distance=2 * WEAR_UNIT, tolerance=1e-4)
+    # The sine law gives the shape of the pressure; the balance of moments gives its size.
+    return states, np.sin(phi) / float(interface.problem.C[0] @ np.sin(phi))
 
 
 def _forgotten() -> float:
     """Fraction of the deviation from the sine law that is left after a distance of 2/(k K)."""
     states, law = _worn()
-    first, last = (state.pressure - SPRING_MOMENT * law for state in (states[0], states[-1]))
+    first = states[0].pressure - SPRING_MOMENT * law
+    last = states[-1].pressure - SPRING_MOMENT * law
     return float(first @ last / (first @ first))
 
 
@@ -439,9 +442,8 @@ def _volume() -> float:
     """Worn volume over k times the normal force integrated over the distance."""
     states, _ = _worn()
     area = _winkler(SPRING_MU)[0].area
-    return float(
-        area @ (states[-1].depth - states[0].depth) / (SPRING_WEAR.coefficient * states[-1].pressed)
-    )
+    worn_volume = area @ (states[-1].depth - states[0].depth)
+    return float(worn_volume / (SPRING_WEAR.coefficient * states[-1].pressed))
 
 
 class ThinLinings(NamedTuple):
@@ -453,16 +455,16 @@ class ThinLinings(NamedTuple):
 
 
 @cache
-def _brake() -> ThinLinings:
-    brake = DoubleShoe().brake(2000.0)
-    rigid = vary(brake, {"shoe.lining.thickness": 3e-3})
-    response = solve(rigid, elements=24)
-    return ThinLinings(sine(rigid).torque, response, rigid)
+def _thin_linings() -> ThinLinings:
+    """The double-shoe brake with linings of 3 mm on rigid shoes, by sine law and by elements."""
+    rigid = vary(DoubleShoe().brake(2000.0), {"shoe.lining.thickness": 3e-3})
+    return ThinLinings(sine(rigid).torque, solve(rigid, elements=24), rigid)
 
 
 def _equilibrium() -> float:
     """Moment of all actuations and hinges about the drum's centre, over the torque."""
-    response, brake = _brake().response, _brake().brake
+    response, brake = _thin_linings().response, _thin_linings().brake
+    # Moments of the actuation and of the hinge reaction of each shoe.
     moments = []
     for spec, shoe in zip(brake.shoes, response.shoes, strict=True):
         pin, force = spec.pin.xy, shoe.hinge_reaction
@@ -586,7 +588,7 @@ FRICTION_CASES = (
         expected=1.0,
         tolerance=2e-2,
         tier=MODEL,
-        found=lambda: _brake().response.torque / _brake().law_torque,
+        found=lambda: _thin_linings().response.torque / _thin_linings().law_torque,
     ),
     KnownAnswer(
         family="balance of a whole brake",

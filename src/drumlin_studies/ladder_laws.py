@@ -103,8 +103,12 @@ def _block(a: float = 0.05, spin: int = 1, mu: float = 0.35, x: float = 0.2) -> 
 
 
 def _block_by_statics() -> float:
-    """Torque [N m] of that block, its friction acting at psi R from the drum's centre."""
+    """Torque [N m] of the block of `_block` by statics.
+
+    Under the pressure p_0 cos phi the friction acts at psi R from the drum's centre.
+    """
     psi = closed_forms.equivalent_block(radians(45))
+    # Moments about the pin of the lever give the normal force.
     normal = 700.0 * 0.45 / (0.2 - 0.35 * (0.125 + 0.05 - psi * 0.125))
     return 0.35 * psi * 0.125 * normal
 
@@ -120,6 +124,7 @@ def _lock_of_block() -> float:
 def _double_block() -> float:
     """Torque of two opposite blocks over that of one block."""
     one = lever_block(R=0.125, arm=0.45, x=0.2, a=0.0, P=700.0, mu=0.35, half=radians(45), spin=1)
+    # The second block is the mirror image of the first about the x axis.
     data = one.shoes[0].model_dump()
     data["name"] = "below"
     data["hinge"] = {"x": one.shoes[0].pin.x, "y": -one.shoes[0].pin.y}
@@ -162,7 +167,10 @@ def _long_pad() -> float:
 
 
 def _long_pad_by_statics() -> float:
-    """The same by the moments about the pin, of a pressure that grows linearly from the pin."""
+    """Peak pressure [Pa] of the long flat shoe by statics.
+
+    The pressure grows linearly from the pin. Its moment and that of friction balance the actuation.
+    """
     normal = (PAD_END**3 - PAD_START**3) / 3
     friction = PAD_MU * PIN_HEIGHT * (PAD_END**2 - PAD_START**2) / 2
     return PAD_MOMENT * PAD_END / 0.03 / (normal + friction)
@@ -208,12 +216,12 @@ SHORT_SHOE = {
 
 
 def _sensitivity() -> float:
-    """Relative change of the torque over that of friction, by differences."""
+    """Relative change of a short shoe's torque over that of friction, by differences."""
     return sensitivity(hinged(**SHORT_SHOE, moment=50.0), MODELS["short"].solve)  # type: ignore[arg-type]
 
 
 def _sensitivity_by_formula() -> float:
-    """The same by m/(m - n)."""
+    """Relative change of a short shoe's torque over that of friction, by the formula m/(m - n)."""
     m, n = 0.25 * sin(radians(75)) / (0.3 * 0.2), 1 - 0.25 * cos(radians(75)) / 0.2
     assert np.allclose(m_and_n(0.3, radians(75), 0.2, 0.25), (m, n))
     return m / (m - n)

@@ -1,4 +1,4 @@
-"""Tables of brakes by every rigid-shoe law: results, reasons against laws, and words."""
+"""Tables of brakes by every rigid-shoe law: results, reasons against laws, shoe factors."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -35,7 +35,8 @@ def law_rows(brake: Brake, file: str) -> list[Row]:
         except NoAnswer as error:
             rows.append({**base, "reason": str(error), "status": "no answer"})
             continue
-        rows += [{**base, **shoe_row(response, i)} for i in range(len(response.shoes))]
+        for i in range(len(response.shoes)):
+            rows.append({**base, **shoe_row(response, i)})
     return rows
 
 
@@ -63,18 +64,19 @@ def shoe_row(response: Response, index: int) -> Row:
 
 
 def reasons(rows: Sequence[Row]) -> list[Row]:
-    """The laws without an answer among `law_rows`, a row for each file and reason."""
-    laws: dict[tuple[str, str], list[str]] = {}
+    """The laws without an answer among the rows of `law_rows`: a row for each file and reason."""
+    laws: dict[tuple[str, str], Row] = {}
     for row in rows:
-        if row["status"] != "applies":
-            laws.setdefault((row["file"], row["reason"]), []).append(row["law"])
-    return [
-        {"file": file, "laws": ", ".join(names), "reason": why}
-        for (file, why), names in laws.items()
-    ]
+        if row["status"] == "applies":
+            continue
+        # A further law with the same reason joins the row of the first.
+        key = row["file"], row["reason"]
+        names = f"{laws[key]['laws']}, {row['law']}" if key in laws else row["law"]
+        laws[key] = {"file": row["file"], "laws": names, "reason": row["reason"]}
+    return list(laws.values())
 
 
-def word_rows(brake: Brake) -> list[Row]:
+def shoe_factor_rows(brake: Brake) -> list[Row]:
     """The shoe factors of the posts of a brake, by eq. 26 of Barecki & Scieszka and by each law.
 
     Eq. 26 calls a shoe leading or trailing by the sign of a term. A row tells this word and whether
@@ -90,6 +92,7 @@ def word_rows(brake: Brake) -> list[Row]:
                 and merit.friction_radius is not None
             )
             R = brake.size
+            # Eq. 26 takes lengths over the drum's radius, and the angle from the hinge.
             arm = abs(data.actuation.moment_about(data.pin) / data.actuation.force)
             angle = data.frame.phi(np.array(merit.resultant_angle))
             S = barecki_shoe_factor(

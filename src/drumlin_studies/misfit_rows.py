@@ -45,16 +45,43 @@ def single_rows(
         Solves a brake.
     """
     fits = solve(brake)
+    law_peak = _peak(law)
+    rows = []
+    for name, changes in _single_misfits(brake).items():
+        response = solve(vary(brake, changes))
+        row = {
+            "misfit": name,
+            "torque": response.torque,
+            "from_fit": relative(response.torque, fits.torque),
+            "from_law": relative(response.torque, law.torque),
+            "peak": _peak(response),
+            "peak_from_law": relative(_peak(response), law_peak),
+            "touching": touching(brake, response),
+        }
+        rows.append(row)
+    return rows
+
+
+def _peak(response: Response) -> float:
+    """The largest peak pressure of all shoes [Pa]."""
+    return max(shoe.peak_pressure for shoe in response.shoes)
+
+
+def _single_misfits(brake: Brake) -> Mapping[str, Mapping[str, Any]]:
+    """Changes of the brake file for each single misfit, by its name in the table."""
     growth = clearance.thermal_growth(brake.size, EXPANSION, WARMING)
 
     def stepped(depth: float) -> dict[str, Any]:
-        return {
-            f"shoe[{i}].lining.misfit.blocks": [[shoe.lining.middle, depth * shoe.frame.sense]]
-            for i, shoe in enumerate(brake.shoes)
-        }
+        """Changes by which each lining has a step in its middle [m], lower away from the pin."""
+        changes = {}
+        for i, shoe in enumerate(brake.shoes):
+            step = [[shoe.lining.middle, depth * shoe.frame.sense]]
+            changes[f"shoe[{i}].lining.misfit.blocks"] = step
+        return changes
 
+    # A drum that grows evenly is a lobe of order zero.
     hot = {"drum.out_of_round": [{"order": 0, "amplitude": growth}]}
-    several: Mapping[str, Mapping[str, Any]] = {
+    return {
         "fits": {},
         "linings 50 µm larger in radius": ground_to(brake, 50e-6),
         "linings 50 µm smaller in radius": ground_to(brake, -50e-6),
@@ -66,22 +93,6 @@ def single_rows(
         "two blocks: the one away from the pin 20 µm higher": stepped(-20e-6),
         f"drum {WARMING:g} K hotter than the shoes: {growth * 1e6:.0f} µm larger": hot,
     }
-    rows = []
-    for name, changes in several.items():
-        response = solve(vary(brake, changes))
-        peak = max(shoe.peak_pressure for shoe in response.shoes)
-        rows.append(
-            {
-                "misfit": name,
-                "torque": response.torque,
-                "from_fit": relative(response.torque, fits.torque),
-                "from_law": relative(response.torque, law.torque),
-                "peak": peak,
-                "peak_from_law": relative(peak, max(shoe.peak_pressure for shoe in law.shoes)),
-                "touching": touching(brake, response),
-            }
-        )
-    return rows
 
 
 def touching(brake: Brake, response: Response) -> float:
@@ -139,10 +150,10 @@ def over_law(
         Shape of the maps.
     """
     nominal = row_of(brake, law)
-    return {
-        name: numbers(rows, name).reshape(shape) / nominal[name] - 1
-        for name in ("torque", "peak_pressure")
-    }
+    maps = {}
+    for name in ("torque", "peak_pressure"):
+        maps[name] = numbers(rows, name).reshape(shape) / nominal[name] - 1
+    return maps
 
 
 @dataclass(frozen=True)
@@ -190,14 +201,16 @@ class DrawnBrakes:
 
         What remains comes from friction, force, levers and the drum.
         """
-        new, worn = (spread(self.sample(state, "torque")).deviation for state in STATES)
+        new = spread(self.sample("new", "torque")).deviation
+        worn = spread(self.sample("worn in", "torque")).deviation
         return 1 - (worn / new) ** 2
 
 
 def nominal(brake: Brake, law: Response) -> dict[str, float]:
     """DRAWN_QUANTITIES of the nominal brake by the law; the peak pressure in MPa."""
     row = row_of(brake, law)
-    return {name: row[name] * (1e-6 if name == "peak_pressure" else 1) for name in DRAWN_QUANTITIES}
+    row["peak_pressure"] *= 1e-6
+    return {name: row[name] for name in DRAWN_QUANTITIES}
 
 
 def spread_rows(drawn: DrawnBrakes) -> list[dict[str, Any]]:
@@ -219,9 +232,9 @@ def spread_rows(drawn: DrawnBrakes) -> list[dict[str, Any]]:
             "state": state if state != "law" else "sine law",
         }
         row |= {"mean": found.mean, "deviation": found.deviation, "relative": found.relative}
-        rows.append(
-            row | {f"p{k}": value for k, value in zip(PERCENTILES, found.percentiles, strict=True)}
-        )
+        for k, value in zip(PERCENTILES, found.percentiles, strict=True):
+            row[f"p{k}"] = value
+        rows.append(row)
     return rows
 
 
@@ -244,17 +257,18 @@ def share_rows(
 
 
 def healed_after(distances: Sequence[float], torque: Floats, within: float) -> float:
-    """The sliding distance after which the distribution of the torque has settled.
+    """The sliding distance [m] after which the distribution of the torque has settled.
 
     Parameters
     ----------
     distances : sequence of float
-        Sliding distances.
+        Sliding distances [m].
     torque : array (brakes, distances)
-        Torque of each brake.
+        Torque of each brake [N m].
     within : float
         Fraction of their last values within which the 5th, 50th and 95th percentile must stay.
     """
+    # Distance of each percentile from its last value, the largest of the three.
     ends = np.percentile(torque, (5, 50, 95), axis=0)
     off = np.abs(ends / ends[:, -1:] - 1).max(axis=0)
     return next(s for k, s in enumerate(distances) if off[k:].max() < within)

@@ -14,7 +14,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Bar, Beam
@@ -24,7 +23,7 @@ from drumlin.fem.preparation.bodies import ShoeSubstructure
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.response.norms import pressure_distance
-from drumlin.response.response import Response
+from drumlin.response.response import Response, ShoeResponse
 from drumlin_studies.reduced import sketcher
 
 Make = Callable[[Brake], PreparedModel]
@@ -32,48 +31,43 @@ Make = Callable[[Brake], PreparedModel]
 
 
 class Omission(NamedTuple):
-    """A part that can be neglected: its name, what replaces it, and whether a brake has it."""
+    """A part that can be neglected: the model in its place, and whether a brake has the part."""
 
-    name: str
     instead: str
     in_brake: Callable[[Brake], bool]
 
 
-def _arc(shoe: Shoe) -> bool:
+def _follows_drum(shoe: Shoe) -> bool:
     """Whether the body of a shoe follows the drum: neither a mesh of its own nor a beam."""
     return shoe.mesh is None and not isinstance(shoe.body, Beam)
 
 
+def _has_elastic_bar(brake: Brake) -> bool:
+    """Whether a shoe of the brake has an elastic body that follows the drum."""
+    return any(isinstance(shoe.body, Bar) and _follows_drum(shoe) for shoe in brake.shoes)
+
+
+def _has_backing(brake: Brake) -> bool:
+    """Whether a shoe of the brake that follows the drum has a backing."""
+    return any(shoe.backing is not None and _follows_drum(shoe) for shoe in brake.shoes)
+
+
 OMISSIONS = {
-    part.name: part
-    for part in (
-        Omission("ring", "taken as rigid", lambda brake: brake.ring is not None),
-        Omission(
-            "coupling",
-            "each shoe presses the ring alone",
-            lambda brake: brake.ring is not None and len(brake.shoes) > 1,
-        ),
-        Omission(
-            "shoe",
-            "taken as rigid",
-            lambda brake: any(isinstance(shoe.body, Bar) and _arc(shoe) for shoe in brake.shoes),
-        ),
-        Omission(
-            "backing",
-            "left away; the shoe stands behind the lining at once",
-            lambda brake: any(shoe.backing is not None and _arc(shoe) for shoe in brake.shoes),
-        ),
-        Omission(
-            "drag",
-            "friction acts on the moments, and does not shear what is elastic",
-            lambda brake: brake.friction > 0,
-        ),
-        Omission(
-            "curvature",
-            "elements with straight edges",
-            lambda brake: all(shoe.mesh is None for shoe in brake.shoes),
-        ),
-    )
+    "ring": Omission("taken as rigid", lambda brake: brake.ring is not None),
+    "coupling": Omission(
+        "each shoe presses the ring alone",
+        lambda brake: brake.ring is not None and len(brake.shoes) > 1,
+    ),
+    "shoe": Omission("taken as rigid", _has_elastic_bar),
+    "backing": Omission("left away; the shoe stands behind the lining at once", _has_backing),
+    "drag": Omission(
+        "friction acts on the moments, and does not shear what is elastic",
+        lambda brake: brake.friction > 0,
+    ),
+    "curvature": Omission(
+        "elements with straight edges",
+        lambda brake: all(shoe.mesh is None for shoe in brake.shoes),
+    ),
 }
 """The parts whose neglect changes the answer, by name.
 
@@ -109,32 +103,29 @@ class OmissionChange(NamedTuple):
 
 def change(simple: Response, whole: Response) -> OmissionChange:
     """The change from the response of the whole brake to that of the simpler brake."""
-    pairs = list(zip(simple.shoes, whole.shoes, strict=True))
-    torques = [a.torque - b.torque for a, b in pairs]
-    peaks = [abs(a.peak_pressure - b.peak_pressure) / (b.peak_pressure or 1.0) for a, b in pairs]
+    torques, pressures, reactions, peaks, each = [], [], [], [], []
+    # Where the shoe of the whole brake has no torque, peak or reaction, the change itself counts.
+    for a, b in zip(simple.shoes, whole.shoes, strict=True):
+        torques.append(a.torque - b.torque)
+        each.append(abs(a.torque - b.torque) / (b.torque or 1.0))
+        pressures.append(_pressure_change(a, b))
+        reaction = float(np.linalg.norm(b.hinge_reaction)) or 1.0
+        reactions.append(float(np.linalg.norm(a.hinge_reaction - b.hinge_reaction)) / reaction)
+        peaks.append(abs(a.peak_pressure - b.peak_pressure) / (b.peak_pressure or 1.0))
     size = whole.torque or 1.0
     return OmissionChange(
         torque=abs(sum(torques)) / size,
-        pressure=max(_pressure(a, b) for a, b in pairs),
+        pressure=max(pressures),
         shoes=sum(map(abs, torques)) / size,
-        reaction=max(_reaction(a.hinge_reaction, b.hinge_reaction) for a, b in pairs),
+        reaction=max(reactions),
         peak=max(peaks),
-        each=max(abs(a.torque - b.torque) / (b.torque or 1.0) for a, b in pairs),
+        each=max(each),
     )
 
 
-def _reaction(simple: Floats, whole: Floats) -> float:
-    """Relative change of a force."""
-    return _length(simple - whole) / (_length(whole) or 1.0)
-
-
-def _pressure(a: Any, b: Any) -> float:
+def _pressure_change(a: ShoeResponse, b: ShoeResponse) -> float:
     """Relative L2 change of p from shoe b to shoe a; 1 where only shoe a presses."""
     return pressure_distance(a, b) if b.pressure.any() else float(a.pressure.any())
-
-
-def _length(vector: Floats) -> float:
-    return float(np.linalg.norm(vector))
 
 
 def present(brake: Brake) -> list[str]:
@@ -150,10 +141,17 @@ def simplified(brake: Brake, names: Iterable[str]) -> Brake:
     names = set(names)
     if unknown := sorted(names - set(OMISSIONS)):
         raise BadInput(f"{unknown[0]!r}: cannot be left out; allowed: {', '.join(OMISSIONS)}")
-    gone = {key: None for name, key in (("shoe", "body"), ("backing", "backing")) if name in names}
-    shoes = tuple(shoe.model_copy(update=gone) if _arc(shoe) else shoe for shoe in brake.shoes)
+    gone: dict[str, None] = {}
+    if "shoe" in names:
+        gone["body"] = None
+    if "backing" in names:
+        gone["backing"] = None
+    shoes = []
+    for shoe in brake.shoes:
+        # A mesh of its own and the beam of a post cannot do without these parts.
+        shoes.append(shoe.model_copy(update=gone) if _follows_drum(shoe) else shoe)
     left = brake.without_ring() if "ring" in names else brake
-    return left.model_copy(update={"shoes": shoes})
+    return left.model_copy(update={"shoes": tuple(shoes)})
 
 
 def scene_without(
@@ -172,6 +170,7 @@ def scene_without(
     """
     names = set(names)
     simple = simplified(brake, names)
+    # A model without friction has no friction to deform it.
     if "drag" in names and brake.friction > 0:
         scene = _undragged(make(simple.model_copy(update={"friction": 0.0})), simple)
     else:
@@ -185,26 +184,24 @@ def _undragged(scene: PreparedModel, brake: Brake) -> PreparedModel:
     Friction then acts on the balance of moments and causes no deformation.
     """
     made: dict[int, ShoeSubstructure] = {}
+    bodies = []
     for body, shoe in zip(scene.bodies, brake.shoes, strict=True):
         if id(body) not in made:
             x, y = body.line.xy - shoe.own_pin[:, None]
-            rigid = (
-                np.stack([[1 + 0 * x, 0 * x], [0 * x, 1 + 0 * x], [-y, x]])
-                .transpose(0, 2, 1)
-                .reshape(3, -1)
-            )
-            held = -rigid @ body.coupling.T.T
+            # Rigid-body modes of the contact nodes: along x, along y, and turn about the pin.
+            modes = np.stack([[1 + 0 * x, 0 * x], [0 * x, 1 + 0 * x], [-y, x]])
+            rigid = modes.transpose(0, 2, 1).reshape(3, -1)
             made[id(body)] = replace(
                 body,
                 closure_by_friction=np.zeros_like(body.closure_by_pressure),
-                reaction_to_friction=held,
+                reaction_to_friction=-rigid @ body.coupling.T.T,
             )
-    ring = scene.ring and replace(
-        scene.ring, dragged=tuple(np.zeros_like(d) for d in scene.ring.dragged)
-    )
-    return replace(
-        scene, brake=brake, bodies=tuple(made[id(body)] for body in scene.bodies), ring=ring
-    )
+        # Shoes that share a body go on sharing it.
+        bodies.append(made[id(body)])
+    ring = scene.ring
+    if ring is not None:
+        ring = replace(ring, dragged=tuple(map(np.zeros_like, ring.dragged)))
+    return replace(scene, brake=brake, bodies=tuple(bodies), ring=ring)
 
 
 def prepare_straight(brake: Brake, *, elements: int) -> PreparedModel:

@@ -1,6 +1,5 @@
 """The table of omissions: the change by each, the predicted change, and the saved time."""
 
-import itertools
 import math
 import time
 import tracemalloc
@@ -34,6 +33,7 @@ from drumlin_studies.omission import (
     scene_without,
 )
 from drumlin_studies.reduced import sketcher
+from drumlin_studies.tables import where
 
 EXACT_OMISSIONS = {
     "interior fields": "not recovered",
@@ -71,7 +71,7 @@ def omissions(
         Timings of each solve, whose median counts. With 0 nothing is timed.
     """
     rows: list[dict[str, Any]] = []
-    for part, instead, names in _cases(brake):
+    for part, instead, names in _omission_rows(brake):
         exact = names is None
         pair = (
             _exact_pair(brake, part, elements) if names is None else _pair(brake, names, elements)
@@ -81,9 +81,9 @@ def omissions(
         row: dict[str, Any] = {"brake": name, "part": part, "instead": instead}
         row["exact"] = "yes" if exact else "no"
         try:
-            row |= _judged(change(pair.simple(), pair.whole()), "")
+            row |= _change_row(change(pair.simple(), pair.whole()), "")
             if names is not None:
-                row |= _judged(_predicted(brake, names, elements), "predicted_")
+                row |= _change_row(_predicted(brake, names, elements), "predicted_")
             row |= (saved(pair, repeats) if repeats else {}) | {"status": "converged"}
         except NoAnswer as error:
             row["status"] = f"failed: {error}"
@@ -113,15 +113,19 @@ def time_saved(rows: Sequence[Mapping[str, Any]], least: float) -> dict[str, tup
     for row in rows:
         if row["exact"] == "no" and "seconds" in row and not row["part"].startswith("all"):
             saving.setdefault(row["part"], []).append(row["seconds"])
-    return {
-        part: (min(shares), max(shares)) for part, shares in saving.items() if max(shares) > least
-    }
+    ranges = {}
+    for part, shares in saving.items():
+        if max(shares) > least:
+            ranges[part] = min(shares), max(shares)
+    return ranges
 
 
 def worst_straight(rows: Sequence[Mapping[str, Any]]) -> Mapping[str, Any] | None:
     """The row in which straight edges change p most, or None."""
-    straight = [row for row in rows if row["part"] == "curvature" and row.get("pressure")]
-    return max(straight, key=lambda row: row["pressure"]) if straight else None
+    straight = where(rows, part="curvature")
+    # A row without an answer has no change of p.
+    worst = max(straight, key=lambda row: row.get("pressure") or 0.0, default=None)
+    return worst if worst and worst.get("pressure") else None
 
 
 class _OmissionRow(NamedTuple):
@@ -140,14 +144,16 @@ class _OmissionRow(NamedTuple):
     names: list[str] | None
 
 
-def _cases(brake: Brake) -> list[_OmissionRow]:
-    """The rows of a brake."""
-    names = present(brake)
-    # An omitted ring already removes the coupling of the shoes.
-    coupling = {"coupling"} if "ring" in names else set()
-    together = [name for name in names if name not in {"curvature", *coupling}]
+def _omission_rows(brake: Brake) -> list[_OmissionRow]:
+    """The omissions of a brake: the exact ones, each other alone, and all together."""
     rows = [_OmissionRow(part, instead, None) for part, instead in EXACT_OMISSIONS.items()]
-    rows += [_OmissionRow(part, OMISSIONS[part].instead, [part]) for part in names]
+    names = present(brake)
+    together = []
+    for part in names:
+        rows.append(_OmissionRow(part, OMISSIONS[part].instead, [part]))
+        # An omitted ring already removes the coupling of the shoes.
+        if part != "curvature" and not (part == "coupling" and "ring" in names):
+            together.append(part)
     if len(together) > 1:
         rows.append(_OmissionRow("all but curvature", ", ".join(together), together))
     if together and "curvature" in names:
@@ -156,8 +162,9 @@ def _cases(brake: Brake) -> list[_OmissionRow]:
     return rows
 
 
-def _judged(found: OmissionChange, prefix: str) -> dict[str, float]:
-    return {prefix + key: getattr(found, key) for key in OmissionChange._fields}
+def _change_row(found: OmissionChange, prefix: str) -> dict[str, float]:
+    """The attributes of a change as keys of a row, with a prefix."""
+    return {prefix + key: value for key, value in found._asdict().items()}
 
 
 def saved(pair: WholeAndSimple, repeats: int) -> dict[str, float]:
@@ -187,6 +194,7 @@ def _memory(solve: Callable[[], object]) -> int:
 
 
 def _pair(brake: Brake, names: list[str], elements: int) -> WholeAndSimple:
+    """The solves of the whole brake and of the brake without some of OMISSIONS."""
     whole = partial(prepare, elements=elements)
     make = partial(prepare_straight, elements=elements) if "curvature" in names else whole
     return WholeAndSimple(
@@ -213,6 +221,7 @@ def _exact_pair(brake: Brake, part: str, elements: int) -> WholeAndSimple | None
         return WholeAndSimple(with_fields, simple)
     if part == "second of equal shoes":
         shapes = {shape_of(brake, shoe) for shoe in brake.shoes}
+        # A model without its other shoes would lack their share of the ring.
         if len(shapes) == len(brake.shoes) or brake.ring is not None:
             return None
         return WholeAndSimple(lambda: respond(_each_alone(brake, make), brake), simple)
@@ -224,9 +233,11 @@ def _exact_pair(brake: Brake, part: str, elements: int) -> WholeAndSimple | None
 
 def _each_alone(brake: Brake, make: Callable[[Brake], PreparedModel]) -> PreparedModel:
     """The prepared model of a brake whose shoes are all condensed, even equal shoes."""
-    parts = [make(brake.model_copy(update={"shoes": (shoe,)})) for shoe in brake.shoes]
-    bodies = itertools.chain(*(part.bodies for part in parts))
-    return replace(parts[0], brake=brake, bodies=tuple(bodies))
+    bodies: list[Any] = []
+    for shoe in brake.shoes:
+        alone = make(brake.model_copy(update={"shoes": (shoe,)}))
+        bodies += alone.bodies
+    return replace(alone, brake=brake, bodies=tuple(bodies))
 
 
 def _predicted(brake: Brake, names: Iterable[str], elements: int) -> OmissionChange:
@@ -237,14 +248,15 @@ def _predicted(brake: Brake, names: Iterable[str], elements: int) -> OmissionCha
     names = list(names)
     if "curvature" not in names:
         return predict(brake, names, respond)
-    others = [name for name in names if name != "curvature"]
     sketch = sketcher()
     whole = respond(sketch(brake), brake)
-    scene, simple = scene_without(brake, others, sketch)
+    # The other omissions are predicted on a sketch whose linings have the mean gap of the chords.
+    scene, simple = scene_without(brake, set(names) - {"curvature"}, sketch)
     rest = respond(scene, simple)
     straightened = tuple(_straightened(brake, shoe, elements) for shoe in simple.shoes)
     straight = simple.model_copy(update={"shoes": straightened})
     found = change(respond(scene, straight), whole)
+    # The sketch does not see the waves of p within an element: a closed form adds them.
     waves = []
     for shoe, answer in zip(brake.shoes, rest.shoes, strict=True):
         size = _mean_square(answer.theta, answer.pressure)
@@ -261,6 +273,7 @@ def _sagittas(brake: Brake, shoe: Shoe, elements: int) -> tuple[Floats, Floats]:
 def _straightened(brake: Brake, shoe: Shoe, elements: int) -> Shoe:
     """The shoe with the mean gap of its straight edges, 2/3 of the sagitta, as a clearance."""
     angles, height = _sagittas(brake, shoe, elements)
+    # Angles of the shoe's frame fall with theta where the frame is turned over.
     middle = np.sort(shoe.frame.theta((angles[:-1] + angles[1:]) / 2))
     height = height[:: shoe.frame.sense]
     gap = shoe.sign * 2 / 3 * height + shoe.lining.clearance_at(middle)

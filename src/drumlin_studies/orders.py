@@ -22,6 +22,7 @@ from drumlin.laws import sine
 from drumlin.response.norms import pressure_distance, relative
 from drumlin.response.response import Response, ShoeResponse
 from drumlin.verification.reference import Refinement, responses
+from drumlin_studies.tables import column
 
 RIGID_CHANGES = {"shoe.body.material.E": 2.1e15, "shoe.lining.thickness": 3e-3}
 """Changes that make a shoe nearly rigid: E of steel times 1e4, and a lining of R/50."""
@@ -30,9 +31,7 @@ Row = dict[str, Any]
 
 def distance(response: Response, reference: Response) -> float:
     """Relative L2 distance of p outside the edge zones, the largest of all shoes."""
-    return max(
-        pressure_distance(a, b) for a, b in zip(response.shoes, reference.shoes, strict=True)
-    )
+    return max(map(pressure_distance, response.shoes, reference.shoes))
 
 
 def order_rows(
@@ -101,6 +100,7 @@ def level_rows(brake: Brake, refinement: Refinement = LEVEL_REFERENCE) -> list[R
     rows = []
     for level in (COARSE_LEVEL, *LEVELS):
         made = prepare(brake, level, places)
+        # Exact contact, from the contact set of the reference.
         response = respond(made, brake, penalty=math.inf, start=true)
         unknowns = max(body.unknowns for body in made.bodies)
         error = distance(response, true)
@@ -140,8 +140,8 @@ class FittedLine(NamedTuple):
 
 def line(rows: Sequence[Row]) -> FittedLine:
     """The straight line through `level_rows`."""
-    x = np.array([row["root"] for row in rows])
-    y = np.array([math.log10(row["pressure"]) for row in rows])
+    x = np.array(column(rows, "root"))
+    y = np.array(list(map(math.log10, column(rows, "pressure"))))
     return FittedLine(
         -float(np.polyfit(x, y, 1)[0]), -float(np.corrcoef(x, y)[0, 1]), float(np.ptp(y))
     )
@@ -195,19 +195,21 @@ def convergence_rows(convergence: Convergence) -> list[Row]:
     the relative change of p to the next finer mesh (None for the finest).
     """
     limit = convergence.torque.value
-    names = [shoe.name for shoe in convergence.responses[0].shoes]
-    changes = {name: convergence.pressure_steps(i) for i, name in enumerate(names)}
-    meshes = zip(convergence.elements, convergence.responses, strict=True)
-    rows = []
-    for k, (n, response) in enumerate(meshes):
+    rows: list[Row] = []
+    for n, response in zip(convergence.elements, convergence.responses, strict=True):
         row: Row = {
             "elements": n,
             "unknowns_torque": response.torque,
             "torque_error": relative(response.torque, limit),
         }
-        for name, of_shoe in changes.items():
-            row[name] = of_shoe[k] if k < len(of_shoe) else None
-        rows.append(row | {"steps": response.iterations})
+        rows.append(row)
+    for i, shoe in enumerate(convergence.responses[0].shoes):
+        # The finest mesh has no next finer one.
+        steps: list[float | None] = [*convergence.pressure_steps(i), None]
+        for row, change in zip(rows, steps, strict=True):
+            row[shoe.name] = change
+    for row, response in zip(rows, convergence.responses, strict=True):
+        row["steps"] = response.iterations
     return rows
 
 
@@ -221,6 +223,7 @@ def rigid_limit(brake: Brake, elements: int) -> list[Row]:
     law, fem = sine(rigid), solve(rigid, elements=elements)
     rows: list[Row] = []
     for spec, a, b in zip(rigid.shoes, law.shoes, fem.shoes, strict=True):
+        # Five thicknesses from an end, p of an elastic lining is as inside.
         edge = 5 * spec.lining.thickness / rigid.size
         ratio = amplitude(spec.frame.phi(b.theta), b, edge)
         rows.append(
@@ -253,6 +256,8 @@ def amplitude(phi: Floats, shoe: ShoeResponse, edge: float) -> Floats:
 
 def largest_residual(responses: Sequence[Response]) -> float:
     """The largest relative residual of forces or moments of the responses that have a balance."""
-    balances = [response.balance for response in responses]
-    known = [balance for balance in balances if not math.isnan(balance.force)]
-    return max(max(balance.force, balance.moment) for balance in known)
+    residuals: list[float] = []
+    for response in responses:
+        if not math.isnan(response.balance.force):
+            residuals += response.balance.force, response.balance.moment
+    return max(residuals)

@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import Any
 
+from drumlin_studies.tables import column, known, where
 from drumlin_studies.trial import TRIAL_FAULTS
 
 Row = dict[str, Any]
@@ -31,9 +32,15 @@ def faults(rows: Sequence[Row]) -> list[Row]:
 
 def worst(rows: Sequence[Row], count: int = 10) -> list[Row]:
     """The rows whose answers have the fewest correct digits."""
-    return sorted(
-        (row for row in rows if row.get("digits") is not None), key=lambda row: row["digits"]
-    )[:count]
+    return sorted(known(rows, "digits"), key=lambda row: row["digits"])[:count]
+
+
+def _by_knob(rows: Sequence[Row]) -> dict[str, list[Row]]:
+    """The rows of each knob by its name, and all rows under the name "all"."""
+    groups: dict[str, list[Row]] = {}
+    for row in rows:
+        groups.setdefault(row["knob"], []).append(row)
+    return groups | {"all": list(rows)}
 
 
 def counted(rows: Sequence[Row], key: str, names: Sequence[str]) -> list[Row]:
@@ -42,26 +49,23 @@ def counted(rows: Sequence[Row], key: str, names: Sequence[str]) -> list[Row]:
     key : key of the rows; names : the values that are counted, None where there are none.
     """
     table = []
-    for knob in [*dict.fromkeys(row["knob"] for row in rows), "all"]:
-        count = Counter(row.get(key) for row in rows if knob in (row["knob"], "all"))
-        table.append(
-            {
-                "knob": knob,
-                "cases": sum(count.values()),
-                **{name: count[name] or None for name in names},
-            }
-        )
+    for knob, own in _by_knob(rows).items():
+        count = Counter(row.get(key) for row in own)
+        line: Row = {"knob": knob, "cases": len(own)}
+        for name in names:
+            line[name] = count[name] or None
+        table.append(line)
     return table
 
 
 def timings(rows: Sequence[Row]) -> list[Row]:
     """Medians and largest values of TIME_KEYS, in a row for each knob and a row for all."""
     table = []
-    for knob in [*dict.fromkeys(row["knob"] for row in rows), "all"]:
-        there = [row for row in rows if knob in (row["knob"], "all")]
-        line: Row = {"knob": knob, "cases": len(there)}
+    for knob, own in _by_knob(rows).items():
+        line: Row = {"knob": knob, "cases": len(own)}
         for key in TIME_KEYS:
-            values = [row[key] for row in there if row.get(key) is not None]
+            # A case that is refused early has no times.
+            values = column(known(own, key), key)
             line[key] = statistics.median(values) if values else None
             line[f"most_{key}"] = max(values) if values else None
         table.append(line)
@@ -74,7 +78,7 @@ def softening(rows: Sequence[Row]) -> dict[str, list[tuple[float, float]]]:
     A sweep is a list of penalty factors and changes, by its name.
     """
     found: dict[str, list[tuple[float, float]]] = {}
-    swept = [row for row in rows if row["knob"] == "penalty" and row["outcome"] == "answer"]
+    swept = where(rows, knob="penalty", outcome="answer")
     for clearance, name in (
         (0.0, "whole lining in contact, stiff shoe"),
         (1e-4, "partial contact, soft shoe"),
@@ -83,6 +87,7 @@ def softening(rows: Sequence[Row]) -> dict[str, list[tuple[float, float]]]:
         for row in swept:
             if row["knobs"]["clearance"] == clearance:
                 torque[row["knobs"]["penalty"]] = row["torque"]
+        # Changes are relative to exact contact, which an infinite penalty stands for.
         if math.inf not in torque:
             continue
         exact = torque.pop(math.inf)
@@ -95,12 +100,14 @@ def penalty_rows(rows: Sequence[Row]) -> list[Row]:
 
     They are given the `penalty` and the relative `change` of the torque by it.
     """
-    swept = [row for row in rows if row["knob"] == "penalty" and row["knobs"]["clearance"] == 0]
-    exact = next(row["torque"] for row in swept if math.isinf(row["knobs"]["penalty"]))
-    return [
-        {**row, "penalty": row["knobs"]["penalty"], "change": row["torque"] / exact - 1}
-        for row in swept
-    ]
+    swept = []
+    for row in where(rows, knob="penalty"):
+        if row["knobs"]["clearance"] == 0:
+            swept.append({**row, "penalty": row["knobs"]["penalty"]})
+    exact = where(swept, penalty=math.inf)[0]["torque"]
+    for row in swept:
+        row["change"] = row["torque"] / exact - 1
+    return swept
 
 
 def slope(values: Sequence[tuple[float, float]], low: float = 1e2, high: float = 1e6) -> float:

@@ -14,7 +14,7 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.base.texts import formatted
-from drumlin.brake.brake import Brake, Shoe
+from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.fem.model import respond
 from drumlin.fem.preparation.finite_width import finite_width
@@ -28,6 +28,7 @@ from drumlin.lining_wear.archard import WearLaw, run_on
 from drumlin.lining_wear.linings import fem_setup
 from drumlin.response.norms import pressure_distance, relative, vector_distance
 from drumlin.response.response import PressureOverWidth, Response, ShoeResponse, edge_zone
+from drumlin_studies.tables import column
 from drumlin_studies.uncertainty import Index, Validation, grid_convergence, validate
 
 WIDTH_QUANTITIES = {
@@ -116,6 +117,7 @@ def rows(three: Three, case: str = "") -> list[dict[str, Any]]:
     stress with the correction for the width; `uneven`; `mid_over_side`.
     """
     table = []
+    # The edge zones, in which p is singular, count in no comparison of pressures.
     for i, (true, plane, other) in enumerate(
         zip(three.solid.shoes, three.plane.shoes, three.corrected.shoes, strict=True)
     ):
@@ -142,6 +144,7 @@ def rows(three: Three, case: str = "") -> list[dict[str, Any]]:
 def middle_over_side(shoe: ShoeResponse) -> float:
     """Pressure at the mid-plane over the pressure at the sides, in the middle of the contact."""
     p = surface_of(shoe).pressure
+    # Rows of nodes across the width that touch the drum with all nodes.
     pressed = np.flatnonzero((p > 0).all(axis=1))
     if not len(pressed):
         return float("inf")
@@ -151,7 +154,7 @@ def middle_over_side(shoe: ShoeResponse) -> float:
 
 def worst(table: Sequence[dict[str, Any]], key: str) -> float:
     """The value of largest size among the rows of all shoes."""
-    return float(max((row[key] for row in table), key=abs))
+    return float(max(column(table, key), key=abs))
 
 
 @dataclass(frozen=True)
@@ -188,11 +191,12 @@ class Map:
         found = []
         for name, values, along in zip(self.axes, (self.x, self.y), (0, 1), strict=True):
             lines = np.asarray(within.all(axis=along))
-            upwards, downwards = (int(np.cumprod(side).sum()) for side in (lines[::-1], lines))
-            if upwards:
-                found.append(f"{name} from {values[-upwards]:g} on")
-            if downwards:
-                found.append(f"{name} up to {values[downwards - 1]:g}")
+            # Numbers of whole rows or columns within the limit, from the last and from the first.
+            from_last, from_first = int(np.cumprod(lines[::-1]).sum()), int(np.cumprod(lines).sum())
+            if from_last:
+                found.append(f"{name} from {values[-from_last]:g} on")
+            if from_first:
+                found.append(f"{name} up to {values[from_first - 1]:g}")
         return " or ".join(found) or "for no whole row or column of the map"
 
 
@@ -270,7 +274,8 @@ class Certain(NamedTuple):
 
 def certain(torque: Callable[[int], float], elements: Sequence[int]) -> Certain:
     """The torque on three meshes, coarse to fine, by a function of the number of elements."""
-    values = tuple(torque(n) for n in elements)
+    values = tuple(map(torque, elements))
+    # Without an order of convergence, the range of the values is the uncertainty.
     try:
         index = grid_convergence(*values[::-1])
     except ValueError:
@@ -312,8 +317,12 @@ class Rung(NamedTuple):
     plane_pressure: float
 
 
-Way = tuple[str, str, Callable[[], Response]]
-"""Name and setting of a model, and the function that solves the brake by it."""
+class ModelOnBrake(NamedTuple):
+    """Name and setting of a model, and the function that solves the brake by the model."""
+
+    method: str
+    setting: str
+    solve: Callable[[], Response]
 
 
 def ladder(brake: Brake, fine: int, meshes: Sequence[int], solids: Sequence[int]) -> list[Rung]:
@@ -334,63 +343,58 @@ def ladder(brake: Brake, fine: int, meshes: Sequence[int], solids: Sequence[int]
     """
     truths = _solid(brake, fine), by_elements(brake)
     rungs = []
-    for method, setting, solve_once in _ways(brake, meshes, solids):
+    for method, setting, solve_once in _models_on(brake, meshes, solids):
         seconds = []
         # The first of several calls loads and caches and is not counted. Solids run only once.
         for _ in range(1 if method == "solid" else 4):
             start = time.process_time()
             response = solve_once()
             seconds.append(time.process_time() - start)
-        errors = []
+        errors: list[float] = []
         for truth in truths:
-            errors += [_largest_error(of, brake, response, truth) for of in _ERRORS_OF_SHOE]
+            errors += _largest_errors(brake, response, truth)
         rungs.append(Rung(method, setting, float(np.median(seconds[1:] or seconds)), *errors))
     return rungs
 
 
-def _ways(brake: Brake, meshes: Sequence[int], solids: Sequence[int]) -> list[Way]:
-    """The models of `ladder`."""
-    ways: list[Way] = []
+def _models_on(brake: Brake, meshes: Sequence[int], solids: Sequence[int]) -> list[ModelOnBrake]:
+    """The models of `ladder`, from the laws to the finest solid."""
+    models = []
     for name in ("sine", "cosine", "uniform"):
-        ways.append((name, "", partial(hinged.solve, LAWS[name], brake)))
+        models.append(ModelOnBrake(name, "", partial(hinged.solve, LAWS[name], brake)))
     if foundation.why_not(brake) is None:
-        ways.append(("foundation", "", partial(foundation.solve, brake, lift=())))
-        ways.append(("lifted", "all", partial(foundation.solve, brake, lift=("all",))))
+        models.append(ModelOnBrake("foundation", "", partial(foundation.solve, brake, lift=())))
+        lifted = partial(foundation.solve, brake, lift=("all",))
+        models.append(ModelOnBrake("lifted", "all", lifted))
     corrected = finite_width(brake)
     for n in meshes:
-        ways.append(("plane stress", f"{n} elements", partial(_plane, brake, n)))
-        ways.append(("plane stress, corrected", f"{n} elements", partial(_plane, corrected, n)))
-    return ways + [("solid", f"{n} elements", partial(_solid, brake, n)) for n in solids]
+        setting = f"{n} elements"
+        models.append(ModelOnBrake("plane stress", setting, partial(_plane, brake, n)))
+        by_corrected = partial(_plane, corrected, n)
+        models.append(ModelOnBrake("plane stress, corrected", setting, by_corrected))
+    for n in solids:
+        models.append(ModelOnBrake("solid", f"{n} elements", partial(_solid, brake, n)))
+    return models
 
 
-def _largest_error(
-    error: Callable[[ShoeResponse, ShoeResponse, Shoe, Brake], float],
-    brake: Brake,
-    response: Response,
-    truth: Response,
-) -> float:
-    """The largest error of all shoes of a response."""
-    trios = zip(response.shoes, truth.shoes, brake.shoes, strict=True)
-    return max(abs(error(found, true, shoe, brake)) for found, true, shoe in trios)
+def _largest_errors(brake: Brake, response: Response, truth: Response) -> tuple[float, float]:
+    """The largest relative errors of the torque and of p among the shoes of a response."""
+    torque, pressure = 0.0, 0.0
+    for found, true, shoe in zip(response.shoes, truth.shoes, brake.shoes, strict=True):
+        torque = max(torque, abs(relative(found.torque, true.torque)))
+        zone = edge_zone(shoe, brake.scale_factor)
+        pressure = max(pressure, abs(pressure_distance(found, true, zone)))
+    return torque, pressure
 
 
 def _plane(brake: Brake, elements: int) -> Response:
+    """The response of a brake in plane stress, on a mesh."""
     return respond(prepare(brake, elements=elements), brake)
 
 
 def _solid(brake: Brake, elements: int, across: int | None = None) -> Response:
+    """The response of a brake with solid shoes, on a mesh."""
     return respond(solid.prepare(brake, elements=elements, across=across), brake)
-
-
-def _torque_off(a: ShoeResponse, b: ShoeResponse, shoe: Shoe, brake: Brake) -> float:
-    return relative(a.torque, b.torque)
-
-
-def _pressure_off(a: ShoeResponse, b: ShoeResponse, shoe: Shoe, brake: Brake) -> float:
-    return pressure_distance(a, b, edge_zone(shoe, brake.scale_factor))
-
-
-_ERRORS_OF_SHOE = (_torque_off, _pressure_off)
 
 
 class WornSolid(NamedTuple):
@@ -439,8 +443,10 @@ def wear(
     all_uneven, all_from_law, last = [], [], []
     for surface in setup.surfaces:
         line, first = scene.bodies[surface.shoe].line, start.shoes[surface.shoe]
-        part, forward = surface.part, surface.forward
-        shoes = [_worn(line, first, part, forward, state.pressure) for state in states]
+        shoes = []
+        for state in states:
+            pressure = state.pressure[surface.part]
+            shoes.append(_worn(line, first, surface.forward, pressure))
         zone = edge_zone(brake.shoes[surface.shoe], brake.scale_factor)
         by_law = law.shoes[surface.shoe]
         all_uneven.append(tuple(uneven(shoe, zone) for shoe in shoes))
@@ -449,9 +455,7 @@ def wear(
     return WornSolid(tuple(distances), tuple(all_uneven), tuple(all_from_law), tuple(last))
 
 
-def _worn(
-    line: Any, first: ShoeResponse, part: slice, forward: slice, pressure: Floats
-) -> ShoeResponse:
+def _worn(line: Any, first: ShoeResponse, forward: slice, p: Floats) -> ShoeResponse:
     """The response of a worn shoe.
 
     Parameters
@@ -460,13 +464,12 @@ def _worn(
         Face of the lining.
     first : ShoeResponse
         The response of the shoe before wear.
-    part, forward : slice
-        The unknowns of this lining among all, and their order along growing angles.
-    pressure : array
-        Pressures of all unknowns [Pa].
+    forward : slice
+        Order of the lining's unknowns along growing angles.
+    p : array
+        Pressures of the lining's unknowns [Pa].
     """
     assert isinstance(line, ContactFace)
-    p = pressure[part]
     _, mean = line.along(p)
     face = line.surface(p)
     surface = face._replace(pressure=face.pressure[forward])
@@ -495,6 +498,7 @@ def along(curves: Mapping[str, Sequence[tuple[float, list[dict[str, Any]]]]]) ->
     for name, points in curves.items():
         largest = []
         for key, said in SAID.items():
+            # Of equal errors, that at the largest value of the quantity is told.
             error, at = max((abs(worst(table, key)), at) for at, table in points)
             largest.append(f"{said} by {formatted(error, '.1%')} (at {at:g})")
         values = f"{name} from {points[0][0]:g} to {points[-1][0]:g}"

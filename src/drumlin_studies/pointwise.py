@@ -83,12 +83,17 @@ def solve(
         raise BadInput("drum.ring: the pointwise penalty has a rigid drum only")
     seconds: Seconds = {}
     mesher = mesher or partial(shoe_mesh, elements=elements, kind=kind)
-    answers = [_shoe(brake, shoe, mesher, penalty, seconds) for shoe in brake.shoes]
+    shoes, balances, steps = [], [], []
+    for shoe in brake.shoes:
+        answer = _solve_shoe(brake, shoe, mesher, penalty, seconds)
+        shoes.append(answer.response)
+        balances.append(answer.balance)
+        steps.append(answer.steps)
     return Response(
         model="pointwise",
-        shoes=tuple(answer.response for answer in answers),
-        balance=worst([answer.balance for answer in answers]),
-        iterations=max(answer.steps for answer in answers),
+        shoes=tuple(shoes),
+        balance=worst(balances),
+        iterations=max(steps),
         seconds=seconds,
     )
 
@@ -125,9 +130,22 @@ class PointwiseAnswer(NamedTuple):
     steps: int
 
 
-def _shoe(
+def _solve_shoe(
     brake: Brake, shoe: Shoe, mesher: Mesher, penalty: float, seconds: Seconds
 ) -> PointwiseAnswer:
+    """The answer of one shoe.
+
+    Parameters
+    ----------
+    brake, shoe : Brake, Shoe
+        The brake, and its shoe.
+    mesher : function
+        Meshes the shoe for a drum's radius [m].
+    penalty : float
+        Penalty factor alpha in eps = alpha E/t.
+    seconds : dict
+        The times of the steps [s] are added to these.
+    """
     parts = assemble(brake, shoe, mesher, seconds)
     drag = brake.drag_on(shoe)
     unit, moment = actuation(parts, shoe)
@@ -149,11 +167,10 @@ def _shoe(
         u, on = contact_state.u, contact_state.touching
         p = np.where(on, stiffness * (points.closing @ u - points.gap), 0.0)
         nodal = points.pushing.T @ (points.weight * p)
+        # The pin carries the residual at the two unknowns that it holds.
         reaction = (A @ u - load - nodal)[-FRAME : 1 - FRAME + 1]
-    # The balance of the shoe: contact, hinge and actuation.
     contact = nodal[2 * -len(parts.line.nodes) - FRAME : -FRAME].reshape(-1, 2)
     given = force * parts.columns.part(ACTUATION, unit)
-    frame = shoe.frame
     balance = relative_balance(
         [contact.sum(axis=0), reaction, given[:2]],
         [
@@ -163,8 +180,10 @@ def _shoe(
             float(cross(shoe.own_pin, given[:2])),
         ],
     )
-    assists = float((points.weight * p) @ ((points.pushing + points.closing) @ turned)) * moment > 0
-    to_brake, turn = frame.to_brake(reaction), float(u[-1])
+    # Pushing plus closing leaves the forces of friction alone.
+    friction_work = float((points.weight * p) @ ((points.pushing + points.closing) @ turned))
+    to_brake, turn = shoe.frame.to_brake(reaction), float(u[-1])
+    assists = friction_work * moment > 0
     response = _response(shoe, points, p, abs(drag), to_brake, assists, turn)
     return PointwiseAnswer(response, balance, contact_state.steps)
 
@@ -261,12 +280,14 @@ def _newton(
             return _PointContact(u, on, step)
         if touching.tobytes() in seen:
             raise NoAnswer(
-                f"shoe {name!r}: not converged, the pointwise contact repeats itself after {step} steps"
+                f"shoe {name!r}: not converged, "
+                f"the pointwise contact repeats itself after {step} steps"
             )
         seen.add(touching.tobytes())
         on = touching
     raise NoAnswer(
-        f"shoe {name!r}: not converged, the pointwise contact still changes after {MOST_POINT_STEPS} steps"
+        f"shoe {name!r}: not converged, "
+        f"the pointwise contact still changes after {MOST_POINT_STEPS} steps"
     )
 
 

@@ -58,13 +58,16 @@ MATCHED_ASSUMPTIONS = {
 The lining is soft, the block stiff against it, the drum rigid, and nothing contracts laterally.
 """
 COMPARED_MODELS = ("foundation", "tilt", "lifted", "sine")
+"""The models in the table of violated assumptions, names of TILT_AND_MODELS."""
 MAPPED_MODELS = ("sine", "foundation", "lifted")
+"""The models with a map of their errors, names of POST_MODELS."""
 MODEL_NAMES = {
     "fem": "finite elements",
     "sine": "sine law",
     "foundation": "foundation, as printed",
     "lifted": "foundation, all lifted",
 }
+"""Names of the models in tables and figures."""
 
 
 @dataclass(frozen=True)
@@ -113,7 +116,7 @@ def lift_rows(brake: Brake, fem: Response) -> list[dict[str, Any]]:
     return rows
 
 
-def gaps(brake: Brake, gap: Callable[[Floats], Floats]) -> Brake:
+def with_clearance(brake: Brake, gap: Callable[[Floats], Floats]) -> Brake:
     """The brake with a clearance on every lining.
 
     gap : clearance [m] over the angle from the beam's normal [rad].
@@ -122,9 +125,8 @@ def gaps(brake: Brake, gap: Callable[[Floats], Floats]) -> Brake:
     for i, shoe in enumerate(brake.shoes):
         theta = np.linspace(shoe.lining.start, shoe.lining.end, 181)
         axis = axis_of(shoe.pin.xy, shoe.actuation.point.xy)
-        changes[f"shoe[{i}].lining.clearance"] = np.column_stack(
-            [theta, gap(axis.angle(theta))]
-        ).tolist()
+        table = np.column_stack([theta, gap(axis.angle(theta))])
+        changes[f"shoe[{i}].lining.clearance"] = table.tolist()
     return vary(brake, changes)
 
 
@@ -135,7 +137,8 @@ def radius_gap(brake: Brake, larger: float) -> Brake:
     middle, a smaller one with its ends.
     """
     end = math.cos(0.5 * (brake.shoes[0].lining.end - brake.shoes[0].lining.start))
-    return gaps(brake, lambda theta: larger * ((1.0 if larger > 0 else end) - np.cos(theta)))
+    zero_at = 1.0 if larger > 0 else end
+    return with_clearance(brake, lambda theta: larger * (zero_at - np.cos(theta)))
 
 
 def clearance_rows(brake: Brake, scene: PreparedModel) -> list[dict[str, Any]]:
@@ -144,10 +147,10 @@ def clearance_rows(brake: Brake, scene: PreparedModel) -> list[dict[str, Any]]:
         "fits": brake,
         "new lining, radius 1 mm larger": radius_gap(brake, 1e-3),
         "new lining, radius 1 mm smaller": radius_gap(brake, -1e-3),
-        "set 1 mm towards the loaded end": gaps(
+        "set 1 mm towards the loaded end": with_clearance(
             brake, lambda theta: 1e-3 * (np.sin(theta) - np.sin(theta).min())
         ),
-        "set 1 mm towards the hinge": gaps(
+        "set 1 mm towards the hinge": with_clearance(
             brake, lambda theta: 1e-3 * (np.sin(theta).max() - np.sin(theta))
         ),
         "worn in": worn_in_foundation(brake, lift=ALL_LIFTS),
@@ -168,7 +171,7 @@ def _clearance_rows(brake: Brake, response: Response, law: Response) -> list[dic
     for shoe, merit, by_law in zip(response.shoes, merits, law.shoes, strict=True):
         assert isinstance(merit, Merit)
         arcs = (f"{math.degrees(a):.0f} to {math.degrees(b):.0f}" for a, b in shoe.contact_arcs)
-        row = {
+        row: dict[str, Any] = {
             "shoe": shoe.name,
             "torque": shoe.torque,
             "from_nominal": relative(shoe.torque, by_law.torque),
@@ -188,21 +191,23 @@ def radius_errors(brake: Brake, scene: PreparedModel, errors: Floats) -> Offsets
     errors : radius of the lining less that of the drum (n,) [m].
     """
     nominal = torques(sine(brake))
-    found: Offsets = {shoe.name: {} for shoe in brake.shoes}
-    solvers: dict[str, Solver] = {name: POST_MODELS[name] for name in ("foundation", "lifted")}
-    solvers["fem"] = partial(respond, scene)
+    found: Offsets = {}
+    # The sine law knows no clearance and is the measure here.
+    solvers: dict[str, Solver] = {**POST_MODELS, "fem": partial(respond, scene)}
+    del solvers["sine"]
     for larger in errors.tolist():
         varied = radius_gap(brake, larger)
         for name, solver in solvers.items():
             off = torques(solver(varied)) / nominal - 1
             for shoe, error in zip(brake.shoes, off.tolist(), strict=True):
-                found[shoe.name].setdefault(name, []).append((larger, error))
+                of_shoe = found.setdefault(shoe.name, {})
+                of_shoe.setdefault(name, []).append((larger, error))
     return found
 
 
 def merits_over_friction(brake: Brake, scene: PreparedModel, friction: Floats) -> Merits:
     """Figures of merit over friction (n,). The values of a model end where it locks."""
-    found: Merits = {shoe.name: {} for shoe in brake.shoes}
+    found: Merits = {}
     solvers: dict[str, Solver] = {**POST_MODELS, "fem": partial(respond, scene)}
     for name, solver in solvers.items():
         for mu in friction.tolist():
@@ -213,7 +218,8 @@ def merits_over_friction(brake: Brake, scene: PreparedModel, friction: Floats) -
                 break
             for shoe, merit in zip(brake.shoes, with_merits(varied, response).merits, strict=True):
                 assert isinstance(merit, Merit)
-                found[shoe.name].setdefault(name, []).append((mu, merit))
+                of_shoe = found.setdefault(shoe.name, {})
+                of_shoe.setdefault(name, []).append((mu, merit))
     return found
 
 
@@ -257,10 +263,10 @@ def assumption_rows(brake: Brake, elements: int) -> list[dict[str, Any]]:
     for case, changes in cases.items():
         varied = brake if case == "the brake of this study" else vary(base, changes)
         fem = solve(varied, elements=elements)
-        rows.append(
-            {"case": case}
-            | {name: worst(TILT_AND_MODELS[name](varied), fem) for name in COMPARED_MODELS}
-        )
+        row: dict[str, Any] = {"case": case}
+        for name in COMPARED_MODELS:
+            row[name] = worst(TILT_AND_MODELS[name](varied), fem)
+        rows.append(row)
     return rows
 
 
@@ -299,17 +305,23 @@ def error_maps(
     for said, layers in (("soft lining", soft_lining), ("wooden block", {})):
         varied = vary(brake, layers)
         error = _errors_over(varied, x, y, elements)
-        titles = {name: f"{MODEL_NAMES[name]}, {said}" for name in MAPPED_MODELS}
-        rows.append([ErrorMap(titles[name], x, y, error[name]) for name in MAPPED_MODELS])
+        maps = []
+        for name in MAPPED_MODELS:
+            maps.append(ErrorMap(f"{MODEL_NAMES[name]}, {said}", x, y, error[name]))
+        rows.append(maps)
         places.append(groups(varied))
     return rows, places
 
 
 def _errors_over(brake: Brake, x: Floats, y: Floats, elements: int) -> dict[str, Floats]:
-    """Errors (m, n) of each model over the groups of the beam (n,) and of the ring (m,)."""
+    """Errors (m, n) of each model over the groups of the beam (n,) and of the ring (m,).
+
+    An error is nan where a model has no answer.
+    """
     beam, ring = groups(brake)
     body = brake.shoes[0].body
     assert brake.ring is not None and body is not None
+    # Bending stiffnesses [N m^2] of the beam and of the ring for which the groups are 1.
     EI, EI_r = body.plates["shoe"].bending_stiffness * beam, brake.ring.EI * ring
     error = {name: np.full((len(y), len(x)), np.nan) for name in POST_MODELS}
     for i, at_y in enumerate(y.tolist()):
@@ -341,6 +353,7 @@ def grid_rows(brake: Brake, repeats: int) -> list[dict[str, Any]]:
     )
 
     def numbers(response: Response) -> Floats:
+        """Torque, normal force and friction radius of the first shoe."""
         merit = response.merits[0]
         assert isinstance(merit, Merit)
         return np.array(
@@ -357,6 +370,7 @@ def grid_rows(brake: Brake, repeats: int) -> list[dict[str, Any]]:
             "steps": outcome.response.iterations,
             "seconds": outcome.seconds,
         }
+        # The grid of 1440 is too near to the reference of 2880 for an error.
         if n <= 720:
             names = ("torque", "N", "psi")
             row |= dict(zip(names, errors.tolist(), strict=True))
@@ -398,6 +412,7 @@ def rim_curves(
     printed = foundation.rim(brake, responses["foundation"], turn)
     lifted = foundation.rim(brake, responses["lifted"], turn, ALL_LIFTS).sum(axis=0)
     theta, z = rim_displacement(scene, brake, respond(scene, brake))
+    # The curve by finite elements is closed by its first point.
     fem = np.append(theta, theta[0]), np.append(z, z[0])
     own = {shoe.name: (turn, z) for shoe, z in zip(brake.shoes, printed, strict=True)}
     return own, {"lifted": (turn, lifted), "fem": fem}

@@ -18,6 +18,7 @@ from drumlin.brake.file import validated, vary
 from drumlin.brake.plane_brake import any_from
 from drumlin.fem.solve import solve
 from drumlin.laws import law
+from drumlin_studies.random_brake import SHAPE_KINDS, random_brake
 
 HOLDING_ATTEMPTS = 200
 """Draws for one seed before a generator gives up."""
@@ -66,6 +67,16 @@ def random_kind(seed: int, kind: str | None = None, *, rigid: bool = False) -> B
         except (BadInput, NoAnswer):
             continue
     raise NoAnswer(f"no brake of kind {kind} from seed {seed} in {HOLDING_ATTEMPTS} attempts")
+
+
+def brake_of_kind(seed: int, kind: str) -> Brake:
+    """The brake of a seed and a kind, which is one of SHAPE_KINDS or of HOLDING_KINDS.
+
+    Raises NoAnswer where the generator of the kind has no brake of the seed.
+    """
+    if kind in SHAPE_KINDS:
+        return random_brake(seed, kind)
+    return random_kind(seed, kind)
 
 
 def _check_all_press(brake: Brake) -> None:

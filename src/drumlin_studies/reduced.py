@@ -86,11 +86,21 @@ def sketcher(elements: int = SKETCH_ELEMENTS) -> Callable[[Brake], PreparedModel
 
 
 def _with_closed_forms(scene: PreparedModel, brake: Brake, shortest: float) -> PreparedModel:
-    """A scene of rigid shoes on a rigid drum with the flexibilities added that `brake` has and its
-    own has not.
+    """The prepared model of rigid shoes with the flexibilities of the elastic brake added.
 
-    shortest [rad]: contact that the ring's waves are to resolve. Raises NoAnswer where that takes
-    too many.
+    Parameters
+    ----------
+    scene : PreparedModel
+        The prepared model of the brake with rigid shoes on a rigid drum.
+    brake : Brake
+        The elastic brake.
+    shortest : float
+        Shortest contact [rad] that the waves of the ring must resolve.
+
+    Raises
+    ------
+    NoAnswer
+        The ring would need too many waves.
     """
     made: dict[tuple[object, ...], ShoeSubstructure] = {}
     bodies = []
@@ -109,8 +119,9 @@ def _with_closed_forms(scene: PreparedModel, brake: Brake, shortest: float) -> P
 
 
 def _rigid(brake: Brake) -> Brake:
-    """The brake without ring and with rigid shoes; a straight beam stays, as the end of its block,
-    and is stiff.
+    """The brake without ring and with rigid shoes.
+
+    A straight beam stays, because the block of a post begins at the beam, and becomes stiff.
     """
 
     def rigid(shoe: Shoe) -> Shoe:

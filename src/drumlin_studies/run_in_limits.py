@@ -382,7 +382,7 @@ def least_touching(runs: Iterable[Run]) -> Run:
 
 @dataclass(frozen=True)
 class RunFrame:
-    """A moment of a run: the state, and of each shoe the fields and the turn about its pin [rad]."""
+    """A moment of a run: the state, and each shoe's fields and turn about its pin [rad]."""
 
     state: WearState
     fields: Sequence[Fields]

@@ -18,9 +18,9 @@ from drumlin.contact import active_set
 from drumlin.contact.equations import Problem
 from drumlin.fem.mesh.edges import edge_nodes
 from drumlin.fem.mesh.grading import half_geometric
-from drumlin.fem.solid.body import HALVES, tie
+from drumlin.fem.solid.body import HALVES, constrain_solid
 from drumlin.fem.solid.face import ContactFace, contact_face
-from drumlin.fem.solid.mesh import Solid, extruded
+from drumlin.fem.solid.mesh import Solid, extrude
 from drumlin.fem.substructure.body import condense, stiffness
 from drumlin.fem.substructure.interface import ContactLine, contact_line, radial
 
@@ -52,7 +52,7 @@ def ring_sector(radii: Floats, angles: Floats, z: Floats) -> Solid:
     }
     quadratic = skfem.MeshQuad2.from_mesh(grid)
     r, phi = radii[-1] - quadratic.doflocs[0], quadratic.doflocs[1]
-    return extruded(
+    return extrude(
         _section(grid, np.array([r * np.cos(phi), r * np.sin(phi)]), groups),
         {PART: float(z[-1])},
         z,
@@ -184,15 +184,15 @@ def point_contact(
         "hinge": np.flatnonzero(middle[1] < 1e-9 - size),
     }
     section = _section(grid, skfem.MeshQuad2.from_mesh(grid).doflocs, groups)
-    solid = extruded(section, {PART: size}, s)
+    solid = extrude(section, {PART: size}, s)
     material = Material(E=1.0, nu=nu)
     face = contact_face(_flat_line(solid), solid.node, solid.z)
     held = np.unique(edge_nodes(solid.plane, groups["hinge"]))
-    ties = tie(solid, face.nodes, solid.node[held].ravel(), np.zeros(2), bonded=True)
+    ties = constrain_solid(solid, face.nodes, solid.node[held].ravel(), np.zeros(2), bonded=True)
     K = stiffness(solid.basis, {PART: ElasticLayer(solid_elasticity_matrix(material), HALVES)})
     body = condense(K, ties, {}, 2 * len(face.nodes))
     coupling = face.couple(0.0, _upwards)
-    half = body.half(coupling.N.T)
+    half = body.half_flexibility(coupling.N.T)
     r = np.hypot(face.xy[0], np.tile(face.z, len(face.line.nodes)))
     load, area = 4 / 3 / (1 - nu**2), coupling.area
     problem = Problem(

@@ -23,7 +23,6 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.comparison import edge_of
-from drumlin.fem.error_control.estimate import ROUND_OFF
 from drumlin.fem.error_control.levels import steps
 from drumlin.fem.hp.corner import NodalPressure
 from drumlin.fem.model import respond
@@ -138,7 +137,7 @@ def by_columns(brake: Brake, tolerance: float) -> Truth:
 def round_off(shoes: Sequence[ShoeResponse]) -> ShoeChange:
     """The largest relative round-off error of each quantity by the elimination, over all shoes."""
     by_quantity = zip(*(shoe.lost for shoe in shoes), strict=True)
-    return ShoeChange(*(ROUND_OFF * max(parts) for parts in by_quantity))
+    return ShoeChange(*(max(parts) for parts in by_quantity))
 
 
 def of_last_three(

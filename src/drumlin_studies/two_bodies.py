@@ -251,7 +251,7 @@ def nested_start(problem: Problem, share: int = 6) -> Bools:
 
 def _half(one: ContactBody, forces: Floats) -> Floats:
     """Square root of the flexibility of a body times nodal forces (n, 2 nodes)."""
-    return one.condensed.half(forces.T)
+    return one.condensed.half_flexibility(forces.T)
 
 
 LADDER_STEEL = Material(E=210e9, nu=0.3)

@@ -1,4 +1,4 @@
-"""Can the law of each kind of brake be trusted, with new and with worn-in linings?"""
+"""Whether the law of each kind of brake can be trusted, with new and with worn-in linings."""
 
 from collections.abc import Callable
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""With which safety factors are stated errors at least as large as true errors?
+"""Safety factors with which stated errors are at least as large as true errors.
 
 The factors are fitted on random brakes, into a file that the program reads.
 """
@@ -17,6 +17,8 @@ from drumlin.report import figures
 from drumlin.report.page import fill
 from drumlin_studies.calibration import (
     BRAKES,
+    CORNER_BRAKES,
+    FIRST_CORNER,
     FIRST_SEED,
     MEANING,
     QUANTILE,
@@ -63,12 +65,13 @@ def study(
     """
     journal = journal or Journal()
     seeds = range(FIRST_SEED, FIRST_SEED + (FEW if short else BRAKES))
-    cases = [{"seed": seed} for seed in seeds]
+    corners = range(FIRST_CORNER, FIRST_CORNER + (1 if short else CORNER_BRAKES))
+    cases = [{"seed": seed} for seed in (*seeds, *corners)]
     rows = kept(cases, _observed, journal, say, 0 if short else PROCESSES)
     levels = levels_of(rows)
     commit, date = last_commit()
     brakes = sum(bool(row["levels"]) for row in rows)
-    words = f"{seeds[0]} to {seeds[-1]}"
+    words = f"{seeds[0]} to {seeds[-1]}, {corners[0]} to {corners[-1]}"
     return Result(rows, fit(levels), Provenance(words, brakes, len(levels), commit, date))
 
 

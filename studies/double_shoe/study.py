@@ -1,4 +1,4 @@
-"""How far is the sine law from the elastic truth?
+"""How far the sine law is from the elastic truth.
 
 The study solves a double-shoe brake with stiff and with flexible shoes, in both rotations.
 """

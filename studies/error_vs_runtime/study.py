@@ -1,4 +1,4 @@
-"""Which model or mesh is enough for an accuracy, and how long does it take?
+"""Which model or mesh is enough for an accuracy, and how long a solve takes.
 
 Errors stand against run times on every brake.
 """

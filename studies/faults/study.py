@@ -1,4 +1,4 @@
-"""How does drumlin end on broken inputs and after sweeps that are killed?"""
+"""How drumlin ends on broken inputs and after sweeps that are killed."""
 
 import json
 from collections.abc import Callable

@@ -1,5 +1,6 @@
-"""Figures of the rigid-shoe laws: merit over friction, equivalent friction, torque over speed,
-pressures, drawings.
+"""Figures of the rigid-shoe laws.
+
+They show merit over friction, equivalent friction, torque over speed, pressures and drawings.
 """
 
 import math
@@ -33,8 +34,9 @@ def drawing(brakes: Sequence[tuple[str, Brake]]) -> Figure:
 
 
 def short_shoe_merits(angles: Sequence[float], a_over_r: float, arc: float = 0.02) -> Figure:
-    """eta and S of short shoes over mu: a line for each angle theta_m [rad] from the hinge, dD = +1
-    and -1.
+    """eta and S of short shoes over mu, for self-energising shoes (dD = +1) and others (dD = -1).
+
+    Each angle theta_m [rad] from the hinge has a line.
     """
     mu = np.linspace(1e-3, 1.2, 600)
     with mpl.rc_context(STYLE):
@@ -94,8 +96,9 @@ def friction_over_arc() -> Figure:
 
 
 def torque_over_speed(block: DoubleShoe, forces: Sequence[float], viscous: float) -> Figure:
-    """Torque of the double-shoe block over the speed, through zero; dashed with another viscous
-    coefficient.
+    """Torque of the double-shoe block over the speed, through zero.
+
+    The dashed line has another coefficient of viscous friction.
     """
     omega = np.linspace(-4, 4, 801) * block.omega_threshold
     sticky = DoubleShoe(**{**vars(block), "mu_visc": viscous})
@@ -116,8 +119,7 @@ def torque_over_speed(block: DoubleShoe, forces: Sequence[float], viscous: float
 
 
 def pressures(shoes: Mapping[str, ShoeResponse]) -> Figure:
-    """p over the angle for several laws on one axis, and their shapes over the place along the
-    lining.
+    """Pressure by several laws over the angle, and its shape over the place along the lining.
 
     `shoes`: {law: response of one shoe}; the law "linear" of a plane is drawn only as a shape.
     """

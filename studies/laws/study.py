@@ -1,4 +1,4 @@
-"""What does each rigid-shoe law assume, what does it give, and where does it fail?
+"""Assumptions, results and failures of each rigid-shoe law.
 
 The laws are applied to worked examples and to every kind of brake.
 """
@@ -25,7 +25,7 @@ from drumlin.laws.simscape import DoubleShoe
 from drumlin.report.figures import save
 from drumlin.report.page import fill, versions
 from drumlin.response.response import ShoeResponse
-from drumlin_studies.law_table import first_shoes, law_rows, reasons, word_rows
+from drumlin_studies.law_table import first_shoes, law_rows, reasons, shoe_factor_rows
 from drumlin_studies.worked_examples import example_rows, friction_rows, simscape_rows
 
 HERE = Path(__file__).parent
@@ -88,7 +88,7 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
         applies += law_rows(read_any(HERE.parent / file), file)
     post_brake = read_any(HERE.parent / "post_brake/brake.toml")
     shoes = first_shoes(read_any(HERE / "block.toml"), read_any(HERE / "pad.toml"))
-    return Result(examples, applies, word_rows(post_brake), shoes)
+    return Result(examples, applies, shoe_factor_rows(post_brake), shoes)
 
 
 def report(result: Result, folder: Path) -> Path:

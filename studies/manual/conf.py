@@ -1,4 +1,4 @@
-"""Settings of Sphinx for the manual; it stands alone, and nothing in it comes from another machine."""
+"""Settings of Sphinx for the manual, which loads nothing from another machine."""
 
 import sys
 from html import escape

@@ -1,5 +1,6 @@
-"""The reference, read off the program: keys from classes, commands from the command line, names
-from docstrings.
+"""The manual's reference pages, read off the program.
+
+Keys come from classes, commands from the command line, and names from docstrings.
 """
 
 import ast

@@ -27,8 +27,9 @@ NOTEBOOKS = ROOT / "studies" / "notebooks"
 
 
 def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -> Mapping[str, str]:
-    """The pages that are read off the program, as texts by their names below pages/; `short`
-    changes nothing.
+    """The pages that are read off the program: their texts by their names below pages/.
+
+    `short` changes nothing.
     """
     say("the reference")
     return {
@@ -70,8 +71,9 @@ def report(result: Mapping[str, str], folder: Path) -> Path:
 
 
 def build(source: Path, site: Path) -> None:
-    """Build the pages in `source` into `site`. Raises NoAnswer, with Sphinx's words, for anything
-    that it warns of.
+    """Build the pages in the folder `source` into the folder `site`.
+
+    Raises NoAnswer with the words of Sphinx where Sphinx warns of anything.
     """
     options = ["-b", "html", "-W", "--keep-going", "-q", "-c", str(HERE)]
     command = [sys.executable, "-m", "sphinx", *options, str(source), str(site)]
@@ -86,8 +88,9 @@ def build(source: Path, site: Path) -> None:
 
 
 def _environment() -> dict[str, str]:
-    """Examples run in the repository's folder, with this interpreter's command drumlin and its own
-    drumlin.
+    """The environment in which the manual's examples run: the repository's folder and its drumlin.
+
+    The command `drumlin` is that of this interpreter.
     """
     path = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")])
     python = os.pathsep.join(

@@ -123,8 +123,9 @@ def maps(sides: tuple[Floats, Floats], ratios: Mapping[str, Floats]) -> Figure:
 
 
 def turns(angles: Floats, states: Mapping[str, Mapping[str, Floats]], law: float) -> Figure:
-    """Torque over one turn of the drum, angles [rad], by state and name of the lobes, and the law's
-    torque [N m].
+    """Torque over the angles [rad] of one turn of the drum, and the torque by the law [N m].
+
+    There is a line for each state of the linings and each name of lobes.
     """
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(5.6 * len(states), 3.6), layout="constrained")
@@ -151,8 +152,9 @@ def turns(angles: Floats, states: Mapping[str, Mapping[str, Floats]], law: float
 
 
 def histograms(drawn: DrawnBrakes, nominal: Mapping[str, float]) -> Figure:
-    """Distributions of new and worn-in brakes, with the 5th, 50th and 95th percentile above them,
-    and the law's value of the nominal brake: a panel a quantity.
+    """Distributions of each quantity over new and worn-in brakes, a panel for each quantity.
+
+    Above them stand the 5th, 50th and 95th percentile, and the law's value of the nominal brake.
     """
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(4.6 * len(DRAWN_QUANTITIES), 3.9), layout="constrained")

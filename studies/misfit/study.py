@@ -1,4 +1,4 @@
-"""How do misfit and manufacturing tolerances change a brake's torque, and how far does run-in help?"""
+"""How misfit and manufacturing tolerances change a brake's torque, and how far run-in helps."""
 
 import math
 import time

@@ -1,4 +1,4 @@
-"""How far is plane stress from a solid shoe with table and web, and for which brakes is it enough?"""
+"""How far plane stress is from a solid shoe of T-section, and for which brakes it is enough."""
 
 import time
 from collections.abc import Callable, Sequence

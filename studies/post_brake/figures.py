@@ -1,4 +1,4 @@
-"""Figures of the post brake: beams, brake path, friction, clearance, and maps of a model's error."""
+"""Figures of the post brake: beams, brake path, friction, clearance, and maps of errors."""
 
 from collections.abc import Mapping, Sequence
 

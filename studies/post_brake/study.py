@@ -1,4 +1,4 @@
-"""Where do sine law and foundation model hold on a mine winder's post brake?
+"""Where sine law and foundation model hold on the post brake of a mine winder.
 
 Finite elements stand beside them.
 """

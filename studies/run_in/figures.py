@@ -159,8 +159,9 @@ def lines(
 
 
 def profiles(one: Run, curves: Sequence[float]) -> Figure:
-    """Worn depth over the angle at some distances, and the arcs in contact over the distance; a
-    column a lining.
+    """Worn depth over the angle at some distances, and the arcs in contact over the distance.
+
+    Each lining has a column.
     """
     setup, states, unit = one.setup, one.states, one.unit
     with mpl.rc_context(STYLE):
@@ -203,7 +204,8 @@ def checkerboard(surface: WornLining, boards: Sequence[Board]) -> Figure:
         for axes, board in zip(grid, boards, strict=True):
             p = surface.along(board.state.pressure) * 1e-6
             axes.plot(theta, p, color=BLUE, lw=0.8, marker="o", ms=2.2)
-            said = f"{board.title}\ncheckerboard {board.ripple:.1e}\ntorque {board.state.torque:.2f} N m"
+            torque = f"torque {board.state.torque:.2f} N m"
+            said = f"{board.title}\ncheckerboard {board.ripple:.1e}\n{torque}"
             axes.set_title(said, fontsize=8.5)
             axes.set_xlim(start, start + third)
             axes.set_xlabel("angle on the drum θ [deg]")

@@ -143,7 +143,7 @@ def condition(rows: Sequence[Row]) -> Figure:
 
 
 def softening(series: Mapping[str, Sequence[tuple[float, float]]]) -> Figure:
-    """Relative change of the torque by a finite penalty over the penalty, with a line of slope -1."""
+    """Relative change of the torque by a finite penalty, over the penalty, and a slope of -1."""
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(7.2, 4.2), layout="constrained")
         axes = figure.subplots()

@@ -1,4 +1,4 @@
-"""Is a brake with extreme parameters solved right, or refused with the true reason?
+"""Whether a brake with extreme parameters is solved right, or refused with the true reason.
 
 The textbook penalty at quadrature points stands beside drumlin.
 """

@@ -1,4 +1,4 @@
-"""How many cases a second does a sweep solve, and does it survive being killed?
+"""How many cases a second a sweep solves, and whether it survives being killed.
 
 Processes stand beside Dask workers, cases with bodies of their own beside cases that share them.
 """

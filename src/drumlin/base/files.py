@@ -15,7 +15,7 @@ from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from pathlib import Path
 
-from drumlin.base.errors import BadInput, DrumlinError, file_fault
+from drumlin.base.errors import BadInput, file_fault
 
 LONGEST_SUFFIX = 16
 """Characters of a suffix up to which a temporary name takes it over. A longer suffix would make the
@@ -107,12 +107,11 @@ def check_outputs(*paths: Path | None) -> None:
     file, since brake and sweep files are written by hand.
     """
     targets = []
-    for path in paths:
-        if path is not None:
-            target, found = _target(path)
-            if target in targets and (found is None or stat.S_ISREG(found.st_mode)):
-                raise BadInput(f"{path}: is written twice; give each output a file of its own")
-            targets.append(target)
+    for path in filter(None, paths):
+        target, found = _target(path)
+        if target in targets and (found is None or stat.S_ISREG(found.st_mode)):
+            raise BadInput(f"{path}: is written twice; give each output a file of its own")
+        targets.append(target)
 
 
 def check_folder(path: Path) -> None:
@@ -158,21 +157,20 @@ def replacing(path: Path) -> Iterator[Path]:
     `check_outputs` does or where the system refuses, and NoAnswer where the disk is full.
     """
     target, found = _target(path)
-    suffix = path.suffix if len(path.suffix) <= LONGEST_SUFFIX else ""
     stream = None if found is None else _stream(path, found)
+    folder = target.parent if stream is None else Path(tempfile.gettempdir())
+    suffix = path.suffix if len(path.suffix) <= LONGEST_SUFFIX else ""
+    partial = folder / f".drumlin-{os.urandom(6).hex()}{suffix}"
     try:
-        if stream is not None:
-            with tempfile.TemporaryDirectory(prefix="drumlin-") as folder:
-                partial = Path(folder) / f"output{suffix}"
-                yield partial
+        folder.mkdir(parents=True, exist_ok=True)
+        # Nobody else reads the content before the permissions of the file that it replaces are set.
+        partial.touch(0o666 if found is None else 0o600, exist_ok=False)
+        try:
+            yield partial
+            if stream is not None:
                 with open(stream, "wb", closefd=stream is path) as file:
                     file.write(partial.read_bytes())
-            return
-        target.parent.mkdir(parents=True, exist_ok=True)
-        partial = target.with_name(f".drumlin-{os.urandom(6).hex()}{suffix}")
-        try:
-            partial.touch(0o666 if found is None else 0o600, exist_ok=False)
-            yield partial
+                return
             if found is not None:
                 # Few users may give a file away, and some systems cannot.
                 with suppress(OSError, AttributeError):
@@ -181,8 +179,6 @@ def replacing(path: Path) -> Iterator[Path]:
             partial.replace(target)
         finally:
             partial.unlink(missing_ok=True)
-    except DrumlinError:
-        raise
     # A letter of the name that the locale does not have raises a UnicodeEncodeError.
     except (OSError, UnicodeEncodeError) as error:
         raise file_fault(path, "written", error) from error

@@ -19,12 +19,13 @@ MOST_KEY_PARTS = 16
 below, so that keys of many parts take long.
 """
 
-# An exponent of a number below ten millions, which is printed without exponent.
+# A number below ten millions is printed without exponent.
 _THOUSANDS = re.compile(r"e\+0[0-6]$")
-# A zero with a sign, which is printed without the sign.
+# A zero with a sign is printed without the sign.
 _NOTHING = re.compile(r"[-+]0(\.0*)?%?")
 _DIGITS = re.compile(rf"[0-9_]{{{MOST_DIGITS + 1}}}")
-# A part of a TOML key, bare or in quotes; a key, or a comment, in which no key stands.
+# A part of a TOML key is bare or in quotes. The second pattern also matches comments, so that a
+# text in a comment does not count as a key.
 _PART = r"""(?:[A-Za-z0-9_-]++|"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')"""
 _KEY = re.compile(rf"#[^\n]*+|{_PART}(?:[ \t]*+\.[ \t]*+{_PART})*+")
 
@@ -45,7 +46,7 @@ def _printable(character: str) -> str:
 
 
 def typed(words: Sequence[str]) -> str:
-    """A command line as a page shows it.
+    """The text of a command line for a page of a report.
 
     Of absolute paths only the names stay, since folders tell of the machine.
     """

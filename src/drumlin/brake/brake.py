@@ -44,7 +44,7 @@ class ShoeFrame(NamedTuple):
         return self.sense * (np.asarray(theta) - self.origin) / self.unit
 
     def phis(self, theta: Iterable[float]) -> list[float]:
-        """Convert a few places theta to phi."""
+        """Coordinates phi of a few places theta, as plain numbers."""
         return [self.sense * (place - self.origin) / self.unit for place in theta]
 
     def theta(self, phi: Floats) -> Floats:
@@ -61,20 +61,22 @@ class ShoeFrame(NamedTuple):
     def to_brake(self, vectors: Floats) -> Floats:
         """Convert vectors (..., 2) of the shoe's frame to the brake's."""
         c, s = math.cos(self.origin), math.sin(self.origin)
+        # A rotation by the origin; with sense -1 the shoe's y axis is mirrored first.
         return np.asarray(vectors) @ np.array([[c, s], [-self.sense * s, self.sense * c]])
 
     def to_shoe(self, vectors: Floats) -> Floats:
         """Convert vectors (..., 2) of the brake's frame to the shoe's."""
         c, s = math.cos(self.origin), math.sin(self.origin)
+        # The matrix is orthogonal: this one is the transpose of the matrix in `to_brake`.
         return np.asarray(vectors) @ np.array([[c, -self.sense * s], [s, self.sense * c]])
 
 
 class Shoe(Meshed):
-    """One shoe with its lining and its support (`Held`). Without `body` it is rigid."""
+    """One shoe with its lining and its support (`Held`). A shoe without `body` is rigid."""
 
     surface: ClassVar[FrictionSurface]
 
-    # Both shapes of file have these fields, each in its own order.
+    # Shoes on a drum and on a plane have these fields, each in the order of its own file.
     if TYPE_CHECKING:
 
         @property
@@ -114,6 +116,7 @@ class Shoe(Meshed):
     def arc(self) -> tuple[float, float]:
         """Begin and end (phi_1, phi_2) of the lining in the shoe's frame."""
         first, last = self.frame.phis((self.lining.start, self.lining.end))
+        # A frame whose phi falls with theta swaps the two ends.
         return min(first, last), max(first, last)
 
     @property
@@ -172,6 +175,7 @@ class Shoe(Meshed):
         """
         assert isinstance(self.body, Bar)
         ends = self.frame.phis((self.body.start, self.body.end))
+        # phi counts from the pin, so that the held end is the nearer one.
         phi = max(ends, key=abs) if loaded else min(ends, key=abs)
         return self.at(np.array(self.depth - 0.5 * self.body.depth), np.array(phi), size)
 
@@ -193,6 +197,7 @@ class Shoe(Meshed):
         # The part is at most 60 % of the lining and stays away from its ends.
         wanted = 0.5 * (self.body.grip or self.body.thickness) / self.back(size)
         half = min(wanted, 0.3 * (end - start))
+        # The part lies opposite the pivot, or in the lining's middle where there is no pivot.
         phi = self.frame.phi(np.array(place))
         at = float(np.clip(phi, start + 1.5 * half, end - 1.5 * half))
         return at - half, at + half
@@ -207,7 +212,7 @@ class Brake(Part):
     directions: ClassVar[tuple[str, str]]
     """Values of the direction of motion, for spin +1 and -1."""
 
-    # Both shapes of file have these fields, each in its own order.
+    # Brakes with a drum and with a plane have these fields, each in the order of its own file.
     if TYPE_CHECKING:
 
         @property
@@ -224,6 +229,7 @@ class Brake(Part):
     @staticmethod
     def shape_of(data: object) -> "type[Brake]":
         """The class that reads the data of a brake file: on a plane for data with "plane"."""
+        # A drum is the default, so that an error in a file without both keys names the drum.
         shapes = {shape.surface.word: shape for shape in Brake.__subclasses__()}
         return shapes[PLANE.word if isinstance(data, Mapping) and PLANE.word in data else DRUM.word]
 

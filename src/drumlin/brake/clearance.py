@@ -31,13 +31,16 @@ def gap(brake: Brake, shoe: Shoe, theta: Floats) -> Floats:
     """Gap [m] of a shoe's unloaded lining from the surface, at the places theta, same shape."""
     lining, misfit = shoe.lining, shoe.lining.misfit
     total = lining.clearance_at(theta)
+    # A part of the misfit that is zero costs no computation.
     if misfit.radius is not None or misfit.offset.radius > 0:
         total = total + shoe.misfit_gap(theta, brake.size)
+    # The taper is the change of the gap from one end of the lining to the other.
     if misfit.taper:
         from_middle = shoe.frame.sense * (theta - lining.middle)
         total = total + misfit.taper * from_middle / (lining.end - lining.start)
     if misfit.blocks:
         total = total + block_gap(lining, theta)
+    # A drum that stands back opens the gap of an internal lining and closes an external gap.
     off = brake.surface_off(theta)
     return total if off is None else total + shoe.sign * off
 
@@ -82,6 +85,7 @@ def tips(lining: Lining) -> list[tuple[float, float]]:
     Each is an angle [rad] and the change of the gap's slope there [m/rad].
     """
     change = slope_changes(lining)
+    # A gap whose slope grows has its smallest distance to the drum at the kink.
     sharp = change > ROUND * np.abs(change).max(initial=0.0)
     rows = zip(table_kinks(lining), change.tolist(), sharp, strict=True)
     return [(angle, slope) for angle, slope, is_sharp in rows if is_sharp]
@@ -95,6 +99,7 @@ def slope_changes(lining: Lining) -> Floats:
     if not isinstance(lining.clearance, tuple):
         return np.zeros(0)
     angle, gap = np.array(lining.clearance).T
+    # The zeros are the slopes before the first row and after the last one.
     return np.diff(np.concatenate([[0.0], np.diff(gap) / np.diff(angle), [0.0]]))
 
 
@@ -144,6 +149,7 @@ def along_hinge(brake: Brake, index: int, key: str) -> dict[str, float]:
     The point and the hinge are those of shoe `index`.
     """
     hinge = brake.shoes[index].pin
+    # The two values are the components of the unit vector from the drum's centre to the hinge.
     return {
         f"shoe[{index}].{key}.x": hinge.x / hinge.radius,
         f"shoe[{index}].{key}.y": hinge.y / hinge.radius,

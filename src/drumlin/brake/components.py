@@ -58,7 +58,7 @@ class Section(NamedTuple):
 
     @property
     def bending_stiffness(self) -> float:
-        """EI [N m^2]."""
+        """Bending stiffness EI [N m^2] of the section in the plane of the brake."""
         return self.material.E_along * self.width * self.thickness**3 / 12
 
 
@@ -85,11 +85,13 @@ def bonded(plates: Sequence[Section]) -> Bonded:
     width = np.array([plate.width for plate in plates])
     E = np.array([plate.material.E_along for plate in plates])
     G = np.array([plate.material.G_along_through for plate in plates])
+    # The neutral axis is the centre of the plates, each weighted by its stiffness in tension.
     EA, GA = E * width * t, G * width * t
     own = np.array([plate.bending_stiffness for plate in plates])
     # Distances of the plates' middles from the outer face of the first plate.
     middle = np.cumsum(t) - t / 2
     depth = float(EA @ middle / EA.sum())
+    # Steiner's theorem: a plate off the neutral axis is stretched as well as bent.
     EI = own + EA * (middle - depth) ** 2
     return Bonded(depth, float(EI.sum()), float(EA.sum()), float(GA.sum()))
 
@@ -111,6 +113,7 @@ def _section(part: "Ring | Beam | Bar", EI: float | None) -> Section | None:
     if EI is None:
         known = part.width is not None and part.material is not None
         return Section(part.thickness, part.width, part.material) if known else None  # type: ignore[arg-type]
+    # Any width and material do, since the width is then scaled to the bending stiffness.
     section = Section(part.thickness, part.width or 1.0, part.material or ASSUMED_STEEL)
     return section._replace(width=section.width * EI / section.bending_stiffness)
 
@@ -139,7 +142,8 @@ class Ring(Part):
     support: Literal["fixed", "free"] = "fixed"
 
     @model_validator(mode="after")
-    def _whole(self) -> Self:
+    def _check_whole_section(self) -> Self:
+        """Raise ValueError where neither section nor bending stiffness is given."""
         _check_section(self)
         return self
 
@@ -171,7 +175,7 @@ class Lobes(Part):
 
 
 class Drum(Part):
-    """The drum with its friction radius R [m]. Without `ring` it is rigid.
+    """The drum with its friction radius R [m]. A drum without `ring` is rigid.
 
     `out_of_round` holds the harmonics of its surface off the circle at `angle` = 0 [rad]; the
     harmonics turn with the drum.
@@ -244,6 +248,7 @@ class Misfit(Part):
         for name, size in sizes.items():
             if abs(size) > most:
                 raise ValueError(f"{key}.{name} = {mm(size)}: must be at most {allowed}")
+        # Two rounded steps must not overlap, nor reach over an end of the lining.
         edges = [ends[0], *(place for place, _ in self.blocks), ends[1]]
         if self.blocks and min(b - a for a, b in pairwise(edges)) <= step:
             places = ", ".join(text(place) for place, _ in self.blocks)
@@ -260,7 +265,7 @@ class Lining(Part):
     All of drumlin sees this class; each shape of brake file has its own subclass.
     """
 
-    # Both shapes of file have these fields, each in its own order.
+    # Linings of a drum and of a plane have these fields, each in the order of its own file.
     if TYPE_CHECKING:
 
         @property
@@ -314,7 +319,8 @@ class DrumLining(Lining):
         return ROUNDED_STEP
 
     @model_validator(mode="after")
-    def _arc(self) -> Self:
+    def _check_ends(self) -> Self:
+        """Raise ValueError unless the lining's end follows its start within one turn."""
         if not 0 < self.end - self.start < 2 * math.pi:
             raise ValueError(
                 f"end = {deg(self.end)} must be greater than start = {deg(self.start)}, "
@@ -361,7 +367,7 @@ class Bar(Part):
     bending_stiffness: BendingStiffness | None = None
     grip: Thickness | None = None
 
-    # Both shapes of file have these fields, from place to place on the surface.
+    # Bars on a drum and on a plane have these fields, as angles and as lengths.
     if TYPE_CHECKING:
 
         @property
@@ -372,7 +378,8 @@ class Bar(Part):
         def end(self) -> float: ...
 
     @model_validator(mode="after")
-    def _whole(self) -> Self:
+    def _check_section_and_table(self) -> Self:
+        """Raise ValueError unless the section is known and its table is as wide as its web."""
         if (self.width is None or self.material is None) and (
             self.bending_stiffness is None or self.width
         ):
@@ -395,7 +402,8 @@ class Bar(Part):
         They are "table", if the body has a table, and "shoe", its rectangle or web.
         """
         own = _section(self, self.bending_stiffness)
-        assert own is not None  # `_whole` has checked it
+        # The validator of the body has checked that the section is known.
+        assert own is not None
         if self.table is None:
             return {"shoe": own}
         table = Section(self.table.thickness, self.table.width, own.material)
@@ -433,7 +441,8 @@ class Beam(Part):
     offset: OffsetAlong = 0.0
 
     @model_validator(mode="after")
-    def _whole(self) -> Self:
+    def _check_section_and_tables(self) -> Self:
+        """Raise ValueError where the section or a table along the beam does not fit."""
         _check_section(self)
         EI = self.bending_stiffness
         if EI is not None:
@@ -472,7 +481,8 @@ class Beam(Part):
         if self.bending_stiffness is not None:
             return value_at(self.bending_stiffness, x)
         section = self.section
-        assert section is not None  # `_whole` has checked it
+        # The validator of the beam has checked that the section is known.
+        assert section is not None
         return np.full(np.shape(x), section.bending_stiffness)
 
     def offset_at(self, x: Floats) -> Floats:

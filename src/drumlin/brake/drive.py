@@ -34,12 +34,11 @@ class Drive(Part):
     efficiency: Efficiency = 1.0
 
     @model_validator(mode="after")
-    def _whole(self) -> Self:
-        given = {
-            key
-            for key in ("pressure", "diameter", "force", "torque", "radius")
-            if getattr(self, key) is not None
-        }
+    def _check_given_keys(self) -> Self:
+        """Raise ValueError unless the keys are those of a cylinder or of a cam."""
+        keys = ("pressure", "diameter", "force", "torque", "radius")
+        given = {key for key in keys if getattr(self, key) is not None}
+        # A drive is given by one of three sets of keys, so that no two of its values can differ.
         if given not in ({"pressure", "diameter"}, {"force"}, {"torque", "radius"}):
             raise ValueError(
                 "needs pressure and diameter of a cylinder, "
@@ -49,12 +48,13 @@ class Drive(Part):
 
     @property
     def is_cam(self) -> bool:
-        """Whether it is a cam, which moves the tips of both shoes equally."""
+        """Whether the drive is a cam, which moves the tips of both shoes equally."""
         return self.pressure is None
 
     @property
     def total(self) -> float:
         """Sum of a cam's forces on both shoes [N], or a cylinder's force on each shoe [N]."""
+        # The force of a cylinder is its pressure on the area of its piston.
         if self.pressure is not None and self.diameter is not None:
             return self.efficiency * self.pressure * math.pi * self.diameter**2 / 4
         if self.torque is not None and self.radius is not None:
@@ -93,7 +93,7 @@ def driven(
     ValueError
         if shoes, drive and links do not fit together
     """
-    lines = _lines(shoes, links)
+    lines = _lines_of_links(shoes, links)
     pushed = [i for i in range(len(shoes)) if i not in lines]
     if drive is not None and drive.is_cam and len(pushed) != 2:
         raise ValueError(f"actuation: a cam moves two shoes, not {len(pushed)}")
@@ -109,18 +109,19 @@ def driven(
     return tuple(found)
 
 
-def _lines(shoes: tuple[Any, ...], links: tuple[Link, ...]) -> dict[int, Actuation]:
+def _lines_of_links(shoes: tuple[Any, ...], links: tuple[Link, ...]) -> dict[int, Actuation]:
     """Line of action of the links on the shoes that they push, by the index of the shoe."""
     places = {shoe.name: i for i, shoe in enumerate(shoes)}
     lines: dict[int, Actuation] = {}
     for k, link in enumerate(links):
+        # Both names must be known before the strut's line can be found.
         for key, name in (("from", link.source), ("to", link.to)):
             if name not in places:
                 raise ValueError(
                     f"link[{k}].{key} = {name!r}: must be the name of a shoe: {', '.join(places)}"
                 )
         source = shoes[places[link.source]]
-        lines[places[link.to]] = _line(f"link[{k}]", source, link, links[:k])
+        lines[places[link.to]] = _line_of_link(f"link[{k}]", source, link, links[:k])
     return lines
 
 
@@ -136,11 +137,12 @@ def _own_actuation(key: str, shoe: Any, drive: Drive | None, file: bool) -> Actu
         raise ValueError(f"{key}.force: the brake's [actuation] gives it; leave one out")
     if drive is None:
         return own
+    # A cam's shares are equal only at first: the solve finds them from the shoes' stiffnesses.
     share = drive.total / (2 if drive.is_cam else 1)
     return own.model_copy(update={"force": share})
 
 
-def _line(key: str, source: Held, link: Link, before: tuple[Link, ...]) -> Actuation:
+def _line_of_link(key: str, source: Held, link: Link, before: tuple[Link, ...]) -> Actuation:
     """Line of action of a link, without force.
 
     Parameters

@@ -41,7 +41,7 @@ from drumlin.brake.units import deg, mm
 
 
 class DrumShoe(Shoe):
-    """One shoe with its lining and its support (`Held`). Without `body` it is rigid."""
+    """One shoe on a drum with its lining and its support. A shoe without `body` is rigid."""
 
     surface = DRUM
     side: Literal["internal", "external"]
@@ -54,6 +54,7 @@ class DrumShoe(Shoe):
         """The shoe's own frame, with phi of the lining's middle in [0, pi]."""
         middle = 0.5 * (self.lining.start + self.lining.end)
         offset = math.remainder(middle - self.pin.angle, 2 * math.pi)
+        # With this sense a shoe and its mirror image have equal coordinates phi.
         sense = 1 if offset >= 0 else -1
         return ShoeFrame(middle - offset, sense)
 
@@ -79,6 +80,7 @@ class DrumShoe(Shoe):
         phi : angles [rad], any shape
         size : radius of the drum [m]
         """
+        # The body of an internal shoe lies towards the drum's centre, of an external one outside.
         r = size - self.sign * depth
         return np.array([r * np.cos(phi), r * np.sin(phi)])
 
@@ -146,6 +148,7 @@ class DrumBrake(Brake):
     def bare(self) -> Self:
         """The brake without data on which its condensed bodies do not depend; the shoes stay."""
         drum = self.drum.model_copy(update={"out_of_round": (), "angle": 0.0})
+        # Condensed bodies know only whether there is friction, not how large it is.
         changes = {
             "title": "-",
             "rotation": self.directions[0],
@@ -172,8 +175,10 @@ class DrumBrake(Brake):
         return off_circle(self.drum, theta) if self.drum.out_of_round else None
 
     @model_validator(mode="after")
-    def _geometry(self, info: ValidationInfo) -> Self:
+    def _check_and_drive_shoes(self, info: ValidationInfo) -> Self:
+        """The brake with the forces of its drive and struts; ValueError where parts do not fit."""
         check_names([shoe.name for shoe in self.shoes])
+        # Numbers of a file must have units; this tells data of a file from data of a program.
         from_file = bool((info.context or {}).get("unit_required"))
         shoes = driven(self.shoes, self.actuation, self.links, file=from_file)
         _check_thickness("drum.ring", self.drum.ring, self.drum.radius)
@@ -186,6 +191,7 @@ class DrumBrake(Brake):
 
 def _check_round(drum: Drum) -> None:
     """Raise ValueError if a drum is too much out of round."""
+    # The amplitudes of all harmonics may add up at some angle.
     off = sum(abs(lobes.amplitude) for lobes in drum.out_of_round)
     most = LARGEST_MISFIT * drum.radius
     if off > most:
@@ -261,6 +267,7 @@ def _check_arc(key: str, body: ArcBody, lining: DrumLining) -> None:
             f"{deg(body.start)}, "
             "by less than 360 deg"
         )
+    # Angles that a file gives in degrees may differ by round-off.
     slack = 1e-9  # rad
     if lining.start < body.start - slack or lining.end > body.end + slack:
         raise ValueError(
@@ -288,6 +295,7 @@ def _check_beam(key: str, shoe: DrumShoe, radius: float) -> None:
         raise ValueError(
             f"{shown}: the actuation's point is the beam's loaded end and must not be the hinge"
         )
+    # The beam reaches from the hinge to the actuation's point and must pass the drum.
     axis = axis_of(shoe.pin.xy, shoe.actuation.point.xy)
     if axis.distance <= radius:
         raise ValueError(
@@ -295,6 +303,7 @@ def _check_beam(key: str, shoe: DrumShoe, radius: float) -> None:
             f"{mm(axis.distance)} from the drum's centre; must be more than drum.radius = "
             f"{mm(radius)}"
         )
+    # The rays from the drum's centre through the lining's ends must meet the beam.
     ends = axis.angle(np.array([shoe.lining.start, shoe.lining.end]))
     x = axis.foot + radius * np.sin(ends)
     if np.abs(ends).max() >= 0.5 * math.pi or x.min() < 0 or x.max() > axis.length:
@@ -306,8 +315,9 @@ def _check_beam(key: str, shoe: DrumShoe, radius: float) -> None:
 
 
 def _check_support(key: str, shoe: DrumShoe, radius: float) -> None:
-    """Raise ValueError if a support leaves a shoe without contact or holds it at O."""
+    """Raise ValueError if a support leaves a shoe without contact or holds it at the centre O."""
     if shoe.guide is not None:
+        # This is the component of the guide's direction along the lining's outward normal.
         away = shoe.sign * math.cos(shoe.guide.direction - shoe.lining.middle)
         if away <= 0:
             shown = f"{key}.guide.direction = {deg(shoe.guide.direction)}"

@@ -27,8 +27,8 @@ from drumlin.base.texts import nearest
 from drumlin.brake.units import EXAMPLES, QUANTITY_NAMES, to_si
 
 
-def _si(value: object, si: str, info: ValidationInfo, key: str = "") -> float:
-    """Convert a value to SI; the context of the validation tells whether it needs a unit.
+def _in_si(value: object, info: ValidationInfo, si: str, key: str = "") -> float:
+    """Convert a value to SI; the context of the validation tells whether a unit is required.
 
     Parameters
     ----------
@@ -46,11 +46,7 @@ def _si(value: object, si: str, info: ValidationInfo, key: str = "") -> float:
 
 def _quantity(si: str) -> BeforeValidator:
     """The validator that reads a quantity with this SI unit."""
-
-    def read(value: object, info: ValidationInfo, *, si: str) -> float:
-        return _si(value, si, info)
-
-    return BeforeValidator(partial(read, si=si))
+    return BeforeValidator(partial(_in_si, si=si))
 
 
 def _one_line(text: str) -> str:
@@ -98,7 +94,8 @@ class Part(BaseModel):
 
     @model_validator(mode="before")
     @classmethod
-    def _known_keys(cls, data: object) -> object:
+    def _refuse_unknown_keys(cls, data: object) -> object:
+        """The data as they are; ValueError for keys that the part does not have."""
         allowed = [field.alias or name for name, field in cls.model_fields.items()]
         if isinstance(data, Mapping):
             for key in data:
@@ -112,6 +109,7 @@ class Part(BaseModel):
     def __copy__(self) -> Self:
         """Copy without the values of cached properties, as `model_copy` changes their sources."""
         found = super().__copy__()
+        # The dictionary of an instance holds its fields and the cached values of its properties.
         for name in found.__dict__.keys() - type(self).model_fields:
             del found.__dict__[name]
         return found
@@ -189,7 +187,7 @@ class Orthotropic(Part):
     nu_through_across: PoissonRatio | None = None
 
     @model_validator(mode="after")
-    def _positive_definite(self) -> Self:
+    def _check_positive_definite(self) -> Self:
         """Refuse constants under which some strain would have no positive energy."""
         _check_ratio(
             "nu_along_through",
@@ -198,6 +196,7 @@ class Orthotropic(Part):
             self.E_through,
             ("along", "through"),
         )
+        # A material without constants across its layer serves plane stress, a solid needs them all.
         missing = [key for key in ACROSS if getattr(self, key) is None]
         if len(missing) == len(ACROSS):
             return self
@@ -236,9 +235,11 @@ class Orthotropic(Part):
         ratios along-through, along-across and through-across, each times the root of the ratio of
         its moduli.
         """
+        # The determinant is a quadratic in c: the bounds of c are its two zeros.
         a = self.nu_along_through * math.sqrt(self.E_through / self.E_along)
         b = nu_along_across * math.sqrt(E_across / self.E_along)
         reach = math.sqrt(max((1 - a**2) * (1 - b**2) - DEFINITE_WITHIN, 0.0))
+        # This factor turns c back into Poisson's ratio.
         unit = math.sqrt(self.E_through / E_across)
         return (-a * b - reach) * unit, (-a * b + reach) * unit
 
@@ -320,10 +321,11 @@ def _from_polar(data: object, info: ValidationInfo) -> object:
         return data
     if set(data) != {"radius", "angle"}:
         raise ValueError("must be { radius = ..., angle = ... } or { x = ..., y = ... }")
-    radius = _si(data["radius"], "m", info, "radius")
+    # A negative radius would turn the point to the other side of the centre unseen.
+    radius = _in_si(data["radius"], info, "m", "radius")
     if radius < 0:
         raise ValueError(f"radius = {data['radius']!r} must not be negative")
-    angle = _si(data["angle"], "rad", info, "angle")
+    angle = _in_si(data["angle"], info, "rad", "angle")
     return Point(x=radius * math.cos(angle), y=radius * math.sin(angle))
 
 
@@ -355,7 +357,7 @@ def _number_or_rows(
 ) -> float | Rows:
     """Read a number or a table; parameters as of `_rows`, `si` the unit of the number."""
     if not isinstance(value, list | tuple):
-        return _si(value, si, info)
+        return _in_si(value, info, si)
     rows = _rows(
         value, info, place=place, name=name, row=row, kinds=f"{QUANTITY_NAMES[si]} or rows"
     )
@@ -388,7 +390,8 @@ def _rows(
     for item in items:
         if not isinstance(item, list | tuple) or len(item) != 2:
             raise ValueError(f'must be {kinds} like ["{EXAMPLES[row[0]]}", "{EXAMPLES[row[1]]}"]')
-        rows.append((_si(item[0], row[0], info, place), _si(item[1], row[1], info, name)))
+        rows.append((_in_si(item[0], info, row[0], place), _in_si(item[1], info, row[1], name)))
+    # Places that do not grow would have two values, or none between them.
     for k in range(1, len(rows)):
         if rows[k][0] <= rows[k - 1][0]:
             raise ValueError(
@@ -418,6 +421,7 @@ def _keyword_of(annotation: Any, key: str, pure: Any = None) -> Any:
     marks: tuple[Any, ...] = ()
     if get_origin(annotation) is Annotated:
         kind, marks = annotation.__origin__, annotation.__metadata__
+    # Validators of quantities and tables are partial functions with their units as keywords.
     for mark in marks:
         if not isinstance(mark, BeforeValidator) or not isinstance(mark.func, partial):
             continue

@@ -63,6 +63,7 @@ def _line(error: ValidationError, data: Any) -> str:
     if fault["type"] == "missing":
         return f"{key}: is missing"
     shown = f" = {data!r}" if isinstance(data, str | int | float) else ""
+    # A value of any length must leave room for the reason.
     if len(shown) > 60:
         shown = shown[:57] + "..."
     return " ".join(f"{key}{shown}: {message}".removeprefix(": ").split())
@@ -158,6 +159,7 @@ def vary(brake: P, changes: Mapping[str, Any]) -> P:
     >>> drumlin.vary(brake, {"friction": 0.4, "drum.radius": "150 mm"}).friction
     0.4
     """
+    # The changed data are validated as a whole: single changes may fit only together.
     data = brake.model_dump(by_alias=True)
     for key, value in changes.items():
         _set(data, _steps(key), value, key)
@@ -218,6 +220,7 @@ def _parts(brake: Part, key: str) -> tuple[list[Part], str]:
 
 def _name(part: Part, key: str, whole: str) -> str:
     """The name of the field that a file calls `key`."""
+    # A file writes some fields otherwise than Python, such as `shoe` for the tuple `shoes`.
     names = {field.alias or name: name for name, field in type(part).model_fields.items()}
     if key not in names:
         raise BadInput(f"{whole}: unknown key {key!r}; allowed: {', '.join(names)}")
@@ -242,10 +245,10 @@ def differing(one: Part, other: Part) -> str | None:
 
     It is None for equal brakes.
     """
-    return _differing(one.model_dump(by_alias=True), other.model_dump(by_alias=True), "")
+    return _first_difference(one.model_dump(by_alias=True), other.model_dump(by_alias=True), "")
 
 
-def _differing(one: Any, other: Any, key: str) -> str | None:
+def _first_difference(one: Any, other: Any, key: str) -> str | None:
     """The first key at or below `key` in which two data differ, or None."""
     if isinstance(one, dict) and isinstance(other, dict):
         names = [name for name in {**one, **other} if name != "title"]
@@ -259,7 +262,7 @@ def _differing(one: Any, other: Any, key: str) -> str | None:
     else:
         return None if one == other else key
     for name, a, b in pairs:
-        found = _differing(a, b, name)
+        found = _first_difference(a, b, name)
         if found is not None:
             return found
     return None
@@ -293,6 +296,7 @@ def _set(data: Any, steps: list[str], value: Any, key: str) -> None:
     """
     head, *rest = steps
     if isinstance(data, list | tuple):
+        # A number leads to one shoe; without a number all shoes are changed.
         if _is_number(head) and int(head) < len(data):
             targets, rest_of = [data[int(head)]], rest
         else:

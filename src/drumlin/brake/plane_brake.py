@@ -82,7 +82,8 @@ class FlatLining(Lining):
     misfit: FlatMisfit = FlatMisfit()
 
     @model_validator(mode="after")
-    def _order(self) -> Self:
+    def _check_ends_and_misfit(self) -> Self:
+        """Raise ValueError for ends in the wrong order or a misfit that is too large."""
         long, radius = self.end - self.start, self.misfit.radius
         if long <= 0:
             raise ValueError(f"end = {mm(self.end)} must be greater than start = {mm(self.start)}")
@@ -124,11 +125,13 @@ class FlatFrame(ShoeFrame):
 
     def to_brake(self, vectors: Floats) -> Floats:
         """Convert vectors (..., 2) of the shoe's frame to the brake's."""
+        # A shoe whose lining lies towards -x from its pin is mirrored.
         return np.asarray(vectors) * np.array([float(self.sense), 1.0])
 
     def to_shoe(self, vectors: Floats) -> Floats:
         """Convert vectors (..., 2) of the brake's frame to the shoe's."""
-        return np.asarray(vectors) * np.array([float(self.sense), 1.0])
+        # A mirror image of the mirror image is the vector itself.
+        return self.to_brake(vectors)
 
 
 class FlatShoe(Shoe):
@@ -142,8 +145,10 @@ class FlatShoe(Shoe):
     body: FlatBody | None = None
 
     @model_validator(mode="after")
-    def _on_body(self) -> Self:
+    def _check_lining_on_body(self) -> Self:
+        """Raise ValueError where the lining reaches beyond the body."""
         lining, body = self.lining, self.body
+        # Ends that a file gives in different units may differ by round-off.
         slack = 1e-9 * (lining.end - lining.start)
         if body and not body.start - slack <= lining.start < lining.end <= body.end + slack:
             raise ValueError(
@@ -257,10 +262,13 @@ class FlatBrake(Brake):
         return self.model_copy(update=changes)
 
     @model_validator(mode="after")
-    def _whole(self, info: ValidationInfo) -> Self:
+    def _check_and_drive_shoes(self, info: ValidationInfo) -> Self:
+        """The brake with the forces of its drive and struts; ValueError where parts do not fit."""
         check_names([shoe.name for shoe in self.shoes])
+        # Numbers of a file must have units; this tells data of a file from data of a program.
         from_file = bool((info.context or {}).get("unit_required"))
         shoes = driven(self.shoes, self.actuation, self.links, file=from_file)
+        # The length of the first lining is the size of the brake, to which all shoes refer.
         size = shoes[0].lining.end - shoes[0].lining.start
         shoes = tuple(shoe.of_size(size) for shoe in shoes)
         for i, shoe in enumerate(shoes):

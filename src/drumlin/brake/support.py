@@ -138,7 +138,8 @@ class Held(Part):
     actuation: Actuation = Actuation(force=0.0, direction=0.0, point=Point(x=0.0, y=0.0))
 
     @model_validator(mode="after")
-    def _held(self) -> Self:
+    def _check_support(self) -> Self:
+        """Raise ValueError unless the shoe has one of the four supports."""
         given = [key for key in MAIN_SUPPORTS if getattr(self, key) is not None]
         if not given:
             raise ValueError(
@@ -202,9 +203,11 @@ class Held(Part):
         if self.abutment is None:
             return True
         c, s = self.bearing
+        # The parts of the reaction along the normal of the face and along the face.
         bearing, along = float(reaction @ [c, s]), float(reaction @ [-s, c])
         if bearing <= 0 or self.abutment.friction == 0:
             return bearing > 0
+        # A foot that sticks needs no more friction than the bearing force can give.
         if sense == 0:
             return abs(along) <= self.abutment.friction * bearing * (1 + STICKS)
         return sense * slide <= 0
@@ -217,6 +220,7 @@ class Held(Part):
         come off its face.
         """
         at = self.actuation.point.xy
+        # Every shoe but a guided one turns about its pin; a second mode follows from its support.
         motions, names = [turn_about(self.pin)], ["turn"]
         if self.guide is not None:
             motions, names = [slide_along(self.guide.direction)], ["slide"]
@@ -231,6 +235,7 @@ class Held(Part):
             motions.append(slide_along(along))
             tests.append(slide_along(along + leaning))
             names.append("slide")
+        # A foot without its face also moves along the normal of the face.
         if self.abutment is not None and sense == UNHELD:
             motions.append(slide_along(self.abutment.direction))
             tests.append(motions[-1])
@@ -252,9 +257,11 @@ class Held(Part):
         k = len(self.freedoms(sense).names)
 
         def both(row: int, change: Floats) -> SupportChange:
-            return SupportChange(_rows(k, row, change), _rows(k, row, change))
+            """An equal change of motion and test mode `row`."""
+            return SupportChange(_change_of_mode(k, row, change), _change_of_mode(k, row, change))
 
         def point(row: int) -> tuple[SupportChange, ...]:
+            """The changes of mode `row`, a turn about a point, as the point moves along x and y."""
             return both(row, np.array([0.0, -1.0, 0.0])), both(row, np.array([1.0, 0.0, 0.0]))
 
         if self.guide is not None:
@@ -265,18 +272,21 @@ class Held(Part):
         # If the foot sticks, the direction of its face does not matter.
         if sense == 0:
             return found
+        # Friction leans the test mode by its angle; the motion stays along the face.
         mu, along = self.abutment.friction, self.abutment.direction + math.pi / 2
         tested = slide_along(along + sense * math.atan(mu) + math.pi / 2)
         of_motion = slide_along(along + math.pi / 2)
-        of_direction = SupportChange(_rows(k, 1, of_motion), _rows(k, 1, tested))
+        of_direction = SupportChange(
+            _change_of_mode(k, 1, of_motion), _change_of_mode(k, 1, tested)
+        )
         found["abutment.direction"] = (of_direction,)
         if mu > 0:
-            of_test = _rows(k, 1, sense * tested / (1 + mu**2))
+            of_test = _change_of_mode(k, 1, sense * tested / (1 + mu**2))
             found["abutment.friction"] = (SupportChange(np.zeros((k, 3)), of_test),)
         return found
 
 
-def _found(mesh: Path | None, info: ValidationInfo) -> Path | None:
+def _absolute_mesh_path(mesh: Path | None, info: ValidationInfo) -> Path | None:
     """The path from the brake file's folder; the file there is protected from being written."""
     base = (info.context or {}).get("base")
     if mesh is None or base is None:
@@ -285,8 +295,8 @@ def _found(mesh: Path | None, info: ValidationInfo) -> Path | None:
     return Path(base / mesh)
 
 
-def _group_names(value: object, read: ValidatorFunctionWrapHandler) -> object:
-    """Read how a mesh file calls a group; what is none of the forms is refused in one line."""
+def _read_group_names(value: object, read: ValidatorFunctionWrapHandler) -> object:
+    """Read the names or numbers of a group in a mesh file. Raises ValueError for other data."""
     try:
         return read(value)
     except ValidationError as error:
@@ -296,7 +306,7 @@ def _group_names(value: object, read: ValidatorFunctionWrapHandler) -> object:
 
 
 GroupNames = Annotated[
-    Name | StrictInt | tuple[Name | StrictInt, ...] | None, WrapValidator(_group_names)
+    Name | StrictInt | tuple[Name | StrictInt, ...] | None, WrapValidator(_read_group_names)
 ]
 """How a mesh file calls a group: a name, a number, several of them, or as drumlin does."""
 
@@ -322,7 +332,7 @@ class MeshGroups(Part):
 
     @property
     def given(self) -> list[str]:
-        """The groups that are named here."""
+        """The groups of drumlin for which a brake file gives names of the mesh file."""
         return [group for group in type(self).model_fields if getattr(self, group) is not None]
 
 
@@ -334,14 +344,15 @@ class Meshed(Held):
     drum or the plane is intended. `groups` are the names or numbers of its groups in the file.
     """
 
-    mesh: Annotated[Path | None, AfterValidator(_found)] = None
+    mesh: Annotated[Path | None, AfterValidator(_absolute_mesh_path)] = None
     mesh_unit: Literal["m", "mm", "in"] = "m"
     mesh_frame: Literal["brake", "shoe"] = "brake"
     mesh_interference: bool = False
     groups: MeshGroups = MeshGroups()
 
     @model_validator(mode="after")
-    def _of_a_mesh(self) -> Self:
+    def _check_mesh_keys(self) -> Self:
+        """Raise ValueError for keys that only a shoe with a mesh file may have."""
         for key in ("mesh_unit", "mesh_frame", "mesh_interference", "groups"):
             if self.mesh is None and getattr(self, key) != type(self).model_fields[key].default:
                 raise ValueError(
@@ -350,7 +361,7 @@ class Meshed(Held):
         return self
 
 
-def _rows(count: int, row: int, change: Floats) -> Floats:
+def _change_of_mode(count: int, row: int, change: Floats) -> Floats:
     """Changes (count, 3) of several modes of which only mode `row` changes."""
     found = np.zeros((count, 3))
     found[row] = change
@@ -369,6 +380,7 @@ def check_motions(key: str, shoe: Held, columns: slice) -> None:
     columns : columns of a motion that close the gap: dx and dy on a drum, dy and turn on a plane
     """
     closing = shoe.freedoms().motions[:, columns]
+    # A shoe with one mode has no second mode that could be like it.
     if len(closing) != 2:
         return
     lengths = np.linalg.norm(closing, axis=1)

@@ -89,7 +89,7 @@ class FrictionSurface:
 
     @property
     def straight(self) -> bool:
-        """Whether its normal is the same everywhere."""
+        """Whether the surface is a plane: its normal is the same everywhere."""
         return self.period == 0
 
     def unlike(self, other: "FrictionSurface") -> str | None:

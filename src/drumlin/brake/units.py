@@ -72,11 +72,11 @@ def _registry() -> Any:
 def _factor(unit: str, si: str) -> float:
     """Factor from `unit` to the SI unit `si`; raises ValueError if it measures something else."""
     common = COMMON.get(si, {}).get(unit.strip())
-    return _by_pint(unit, si) if common is None else common
+    return _factor_by_pint(unit, si) if common is None else common
 
 
-def _by_pint(unit: str, si: str) -> float:
-    """The same factor from pint."""
+def _factor_by_pint(unit: str, si: str) -> float:
+    """The factor from `unit` to the SI unit `si`, from pint; ValueError as `_factor` raises."""
     registry = _registry()
     try:
         factor, base = registry.get_base_units(registry.parse_units(unit.strip()))
@@ -89,14 +89,6 @@ def _by_pint(unit: str, si: str) -> float:
     if base != si_base:
         raise ValueError(f"must be {QUANTITY_NAMES[si]} such as {EXAMPLES[si]!r}")
     return float(factor / si_factor)
-
-
-def _float(value: int | float) -> float:
-    """A number as a float; inf for an integer that is too large."""
-    try:
-        return float(value)
-    except OverflowError:
-        return math.inf
 
 
 def to_si(value: object, si: str, *, unit_required: bool) -> float:
@@ -124,16 +116,17 @@ def to_si(value: object, si: str, *, unit_required: bool) -> float:
             raise ValueError(
                 f"must be {QUANTITY_NAMES[si]}: a number and its unit, such as {EXAMPLES[si]!r}"
             )
-        number = float(match.group(1)) * _factor(match.group(2), si)
+        number: float = float(match.group(1)) * _factor(match.group(2), si)
     elif isinstance(value, bool) or not isinstance(value, int | float):
         raise ValueError(f"must be {QUANTITY_NAMES[si]} such as {EXAMPLES[si]!r}")
     elif unit_required:
         raise ValueError(f"has no unit; write {QUANTITY_NAMES[si]} such as {EXAMPLES[si]!r}")
     else:
-        number = _float(value)
+        number = value
+    # The comparison is false for nan, and exact for an integer that is too large for a float.
     if not abs(number) <= LARGEST_NUMBER_SI:
         raise ValueError(f"must be finite and at most {LARGEST_NUMBER_SI:g} in SI units")
-    return number if abs(number) >= SMALLEST else 0.0
+    return float(number) if abs(number) >= SMALLEST else 0.0
 
 
 def quantity(key: str, text: str, si: str) -> float:

@@ -1,17 +1,18 @@
-"""Solve unilateral contact by an active-set method.
+"""An active-set method for unilateral contact in full slip.
 
 The contact problem is a linear complementarity problem. Find nodal pressures p (n,) and rigid-body
 motions y (k,) with the weighted gaps
 
     w = q + A p + B y,    p >= 0,  w >= 0,  p w = 0,       C p = h
 
-A (n, n) is the compliance. Friction makes it unsymmetric. A penalty eps adds the compliance M/eps,
-which is zero for an infinite penalty. Equilibrium leaves y free: for a hinged shoe it is the
-rotation. C p = h is the equilibrium in these modes; without friction C = B^T.
+A (n, n) is the compliance. Friction makes A unsymmetric. A penalty eps adds the compliance M/eps,
+which is zero for an infinite penalty. The rigid-body motions y are free; the motion of a hinged
+shoe is its rotation. C p = h are the equilibria in the rigid-body modes; without friction C = B^T.
 
-The active-set method is a semismooth Newton method: all wrong nodes change at once (block principal
-pivoting: Kostreva 1978; Judice & Pires 1994). If the wrong nodes do not become fewer, `narrowed`
-follows the answer from wider gaps, where one node changes at a time (Lemke 1965).
+A trial contact set gives each node a pressure or a gap. A node is wrong if its pressure or its gap
+is negative. The active-set method is a semismooth Newton method: all wrong nodes change at once
+(block principal pivoting: Kostreva 1978; Judice & Pires 1994). If the wrong nodes do not become
+fewer, `follow_from_wider_gaps` changes one node at a time (Lemke 1965).
 """
 
 import math
@@ -31,30 +32,30 @@ from drumlin.contact.equations import (
     Equations,
     EquilibratedSystem,
     Problem,
+    bordering_pays,
     equilibrated,
-    few_changed,
     regular,
 )
 
 MOST_PIVOT_STEPS = 120
-"""Limit of the steps in which all wrong nodes change at once. A brake needs some ten."""
+"""Limit of the steps in which all wrong nodes change at once. A brake needs some ten steps."""
 
 MOST_SET_CHANGES = 10
-"""Limit of the changes per node while an answer is followed from wider gaps."""
+"""Limit of the changes of the contact set per node while an answer is followed from wider gaps."""
 
 GOLDEN = (math.sqrt(5) - 1) / 2
-"""Golden ratio. Its multiples modulo 1 spread the lifts of the nodes unevenly."""
+"""Golden ratio, whose multiples modulo 1 spread the added gaps of the nodes unevenly."""
 
 PATH_LIFT = math.sqrt(np.finfo(float).eps)
-"""Lift of the gaps where a path of answers begins, relative to the largest gap.
+"""Gap added to each node where a path of answers begins, relative to the largest gap.
 
-The lift keeps two nodes from changing together. The root of the round-off lies as far above the
-round-off as below the gaps. With a lift as large as the gaps a path may miss an answer that it
-finds with smaller lifts.
+The added gap (the lift) differs from node to node, which keeps two nodes from changing together.
+The root of the round-off lies as far above the round-off as below the gaps. With lifts as large as
+the gaps a path may miss an answer that smaller lifts find.
 """
 
 PATIENCE = 5
-"""Steps in a row that all wrong nodes may change at once without becoming fewer.
+"""Number of steps in a row in which the wrong nodes may change without becoming fewer.
 
 After these steps the nodes change one at a time, along a path with as many steps as nodes change.
 Judice and Pires (1994) wait for up to ten steps. On 50 random holding brakes a patience of one
@@ -63,42 +64,43 @@ same with any patience.
 """
 
 COARSENED_FROM = 48
-"""Nodes from which the first contact set is guessed from a coarser problem.
+"""Number of nodes from which the first contact set is guessed from a coarser problem.
 
 Smaller problems are solved as fast without a guess. Measured by trials: 24 and 96 change the steps
 by a tenth and the time not at all.
 """
 
 SET_ROUND_OFF = 1e-12
-"""Relative size of a negative pressure or gap up to which it counts as round-off.
+"""Relative size up to which a negative pressure or a negative gap counts as round-off.
 
-Pressures are relative to the largest pressure, gaps to the largest gap. Beyond it the node changes
-between contact and separation.
+Pressures are relative to the largest pressure, gaps to the largest gap. A node with a larger
+negative value changes between contact and separation.
 """
 
 MOST_CANDIDATE_SETS = 2016
-"""Limit of memory: sets of k nodes among which the first touching set of k modes is sought.
+"""Number of sets of k nodes among which the first touching set of k modes is sought.
 
-It admits all pairs of 64 nodes or all triples of 23. Of more nodes only every few are candidates.
+The number limits the memory. All pairs of 64 nodes or all triples of 23 nodes stay below it. Of
+more nodes only every few are candidates.
 """
 
 
 @dataclass(frozen=True)
 class Contact:
-    """Solution of a contact problem.
+    """The solution of a contact problem of n nodes and k rigid-body modes.
 
     Attributes
     ----------
-    p : (n,), nodal pressures
-    w : (n,), weighted gaps
-    y : (k,), rigid-body motions
-    active : (n,), whether a node is in the contact set
+    p : nodal pressures (n,)
+    w : weighted gaps (n,)
+    y : rigid-body motions (k,)
+    active : whether a node (n,) is in the contact set
     steps : number of contact sets that were solved
-    regular : whether the contact resists every rigid-body mode, as without friction. Followed from
-        mu = 0, an answer loses this where the brake locks itself.
-    system : the problem, equilibrated
-    tangent : function dq (n,) -> dp (n,); change of p under a change of the weighted gaps while the
-        contact set stays
+    regular : whether the contact resists every rigid-body mode, as it does without friction. Under
+        growing friction an answer is no longer regular where the brake locks itself.
+    system : the equilibrated contact problem
+    tangent : function that returns the change of p (n,) under a change of the weighted gaps (n,)
+        while the contact set stays
     """
 
     p: Floats
@@ -112,7 +114,7 @@ class Contact:
 
 
 class NotSettled(NoAnswer):
-    """The contact set still changes after `steps` in which all wrong nodes change at once."""
+    """The refusal of a contact set that still changes after a number of `steps`."""
 
     def __init__(self, steps: int) -> None:
         super().__init__(f"not converged: the contact set still changes after {steps} steps")
@@ -125,31 +127,31 @@ def solve(problem: Problem, start: Bools | None = None) -> Contact:
     Parameters
     ----------
     problem : the contact problem of n nodes
-    start : (n,), contact set of the first step; by default the set of `coarse_start`
+    start : contact set (n,) of the first step; by default the set of `coarse_start`
 
     Raises
     ------
     NoAnswer
-        if no contact set is consistent: nothing balances the actuation, or no convergence
+        if no pressures balance the actuation, or without convergence
     """
     try:
         return settle(problem, start)
     except NotSettled as unsettled:
-        active, steps = narrowed(problem)
+        active, steps = follow_from_wider_gaps(problem)
         found = settle(problem, active)
         return replace(found, steps=unsettled.steps + steps + found.steps)
 
 
 class _Trial(NamedTuple):
-    """Scaled solution on a trial contact set.
+    """The scaled solution on a trial contact set.
 
     Attributes
     ----------
-    x : (n + k,), pressures and rigid-body motions
-    p : (n,), pressures; a view of x
-    w : (n,), weighted gaps; a view of the residual
-    residual : (n + k,), weighted gaps, then the imbalance of each mode
-    wrong : (n,), whether a node has a negative pressure or a negative gap
+    x : pressures and rigid-body motions (n + k,)
+    p : pressures (n,), a view of x
+    w : weighted gaps (n,), a view of the residual
+    residual : weighted gaps, then the imbalance of each rigid-body mode (n + k,)
+    wrong : whether a node (n,) has a negative pressure or a negative gap
     """
 
     x: Floats
@@ -170,7 +172,7 @@ def settle(
     Parameters
     ----------
     problem : the contact problem of n nodes
-    start : (n,), contact set of the first step; by default the set of `coarse_start`
+    start : contact set (n,) of the first step; by default the set of `coarse_start`
     most : limit of the steps
     like : system whose scales are used, see `equilibrated`
 
@@ -179,42 +181,42 @@ def settle(
     NotSettled
         if the wrong nodes do not become fewer
     NoAnswer
-        if nothing balances the actuation
+        if no pressures balance the actuation
     """
     system = equilibrated(problem, like)
     active = coarse_start(problem) if start is None else start.copy()
     fewest, patience = system.n + 1, PATIENCE
     base: Equations | None = None
     for step in range(1, most + 1):
-        # A mode without a touching node needs one before the equations can be solved.
-        if not _resisted(problem, active):
-            active = active | _first_touch(system.problem)
+        # The equations are singular while no node touches in a rigid-body mode.
+        if not _resists_modes(problem, active):
+            active = active | _first_touching_set(system.problem)
         equations = _equations_of(system, active, base)
         if not isinstance(equations, Changed):
             base = equations
-        trial = _trial(system, equations, active)
+        trial = _solve_trial(system, equations, active)
         count = int(np.count_nonzero(trial.wrong))
         if not count:
-            return _refined(system, equations, active, trial, step)
+            return _refine(system, equations, active, trial, step)
         fewest, patience = (count, PATIENCE) if count < fewest else (fewest, patience - 1)
         if patience < 0:
             break
-        active = _changed(problem, system, equations, active, trial)
+        active = _next_contact_set(problem, system, equations, active, trial)
     raise NotSettled(step)
 
 
 def _equations_of(
     system: EquilibratedSystem, active: Bools, base: Equations | None
 ) -> Equations | Changed:
-    """The equations of a contact set (n,), from the factors of `base` if few nodes have changed."""
+    """Factorise the equations of a contact set (n,), or reuse `base` if few nodes differ."""
     on = system.on(active)
-    if base is not None and few_changed(base, on):
+    if base is not None and bordering_pays(base, on):
         return Changed(base, system.K, on)
     return Equations(system.K, on)
 
 
-def _trial(system: EquilibratedSystem, equations: Equations, active: Bools) -> _Trial:
-    """Solve on a contact set (n,), and judge the sign of each pressure and gap."""
+def _solve_trial(system: EquilibratedSystem, equations: Equations, active: Bools) -> _Trial:
+    """Solve the equations of a contact set (n,), and judge the sign of each pressure and gap."""
     K, r, n = system.K, system.r, system.n
     x = equations.solve(r)
     p = x[:n]
@@ -231,12 +233,12 @@ def _trial(system: EquilibratedSystem, equations: Equations, active: Bools) -> _
     return _Trial(x, p, w, residual, wrong)
 
 
-def _refined(
+def _refine(
     system: EquilibratedSystem, equations: Equations, active: Bools, trial: _Trial, steps: int
 ) -> Contact:
-    """The solution on a consistent contact set, after one step of iterative refinement.
+    """Refine the solution on a consistent contact set by one step of iterative refinement.
 
-    After the refinement p and y balance to round-off, even where wide gaps close on tiny
+    After the refinement pressures and motions balance to round-off, even if wide gaps close on tiny
     compressions.
     """
     x = (trial.x + equations.solve(trial.residual)) * system.column_scales
@@ -250,63 +252,63 @@ def _refined(
         steps=steps,
         regular=regular(equations, system),
         system=system,
-        tangent=partial(_tangent, equations, system),
+        tangent=partial(_pressure_change, equations, system),
     )
 
 
-def _changed(
+def _next_contact_set(
     problem: Problem,
     system: EquilibratedSystem,
     equations: Equations,
     active: Bools,
     trial: _Trial,
 ) -> Bools:
-    """The next contact set (n,): the wrong nodes change, as far as all modes stay resisted.
+    """The next contact set (n,): the wrong nodes change if the set still resists all modes.
 
-    A stiff shoe with two rigid-body modes stands on two nodes. It cannot leave one of them without
-    a third: it turns about the other until the third node touches, see `_blocking`. In this way a
-    short contact moves along the lining node by node.
+    A stiff shoe with two rigid-body modes stands on two nodes. If one node opens, the shoe turns
+    about the other node until a third node touches, see `_first_blocking_node`. In this way a short
+    contact moves along the lining node by node.
     """
     wanted = active ^ trial.wrong
-    if _resisted(problem, wanted):
+    if _resists_modes(problem, wanted):
         return wanted
-    # Nodes that touch are added. Nodes leave in the order of their pull, if the rest resists.
+    # Touching nodes are added. Pulling nodes leave in the order of their pull, if the rest resists.
     found = active | trial.wrong
     leaving = np.flatnonzero(active & trial.wrong)
     leaving = leaving[np.argsort(trial.p[leaving], kind="stable")]
     for node in leaving:
         found[node] = False
-        found[node] = not _resisted(problem, found)
+        found[node] = not _resists_modes(problem, found)
     if not np.array_equal(found, active) or not len(leaving):
         return found
-    # Nothing could change: the node that pulls most is exchanged for the first that touches.
+    # No node could leave: the node that pulls most is exchanged for the first that touches.
     pulling = int(leaving[0])
-    touched = _blocking(system.K, equations, trial.w, pulling, found)
+    touched = _first_blocking_node(system.K, equations, trial.w, pulling, found)
     if touched is None:
         return wanted
     found[[pulling, touched]] = False, True
     return found
 
 
-def _blocking(
+def _first_blocking_node(
     K: Floats,
     equations: Equations,
     w: Floats,
     leaving: int,
     active: Bools,
 ) -> int | None:
-    """The node that touches first as a node of the contact set opens; None if no node does.
+    """The node that touches first as a node of the contact set opens; None if no node touches.
 
-    Without the leaving node the set leaves one rigid-body mode free. As the node opens, the gaps
-    therefore change by this mode alone, and no pressure changes.
+    Without the leaving node the contact set leaves one rigid-body mode free. As the node opens, the
+    gaps therefore change by this mode alone, and no pressure changes.
 
     Parameters
     ----------
-    K : (n + k, n + k), matrix of the equilibrated system
-    equations : those of the set `active`
-    w : (n,), scaled weighted gaps before the node opens
-    leaving : index of the node that opens
-    active : (n,), the contact set with the leaving node
+    K : matrix (n + k, n + k) of the equilibrated system
+    equations : the factorised equations of the contact set
+    w : scaled weighted gaps (n,) before the node opens
+    leaving : number of the node that opens
+    active : the contact set (n,) with the leaving node
     """
     unit = np.zeros(len(K))
     unit[leaving] = -1.0
@@ -320,27 +322,26 @@ def _blocking(
 
 
 class _Line(NamedTuple):
-    """Pressures of the contact set and gaps of all other nodes, linear in s.
+    """Pressures of the contact set and gaps of all other nodes as linear functions of s.
 
-    `value` (n,) is theirs at s = 0 and `slope` (n,) their change per s.
+    `value` (n,) are the pressures and gaps at s = 0, and `slope` (n,) their change per s.
     """
 
     value: Floats
     slope: Floats
 
     def at(self, s: float) -> Floats:
-        """Pressures and gaps (n,) at s."""
+        """The pressures and gaps (n,) at s."""
         return self.value + s * self.slope
 
 
-def narrowed(problem: Problem) -> tuple[Bools, int]:
-    """Follow the answer from wide gaps q + s e, s = 1, to the true gaps, s = 0.
+def follow_from_wider_gaps(problem: Problem) -> tuple[Bools, int]:
+    """Follow the answer from wider gaps q + s e, s = 1, to the true gaps, s = 0.
 
-    At s = 1 only the nodes touch that the actuation closes first; e (n,) lifts all others. Between
-    two changes of the contact set p and w are linear in s. Each change is of one node. The next
-    piece begins where this node leaves zero; s grows again where the path turns. Such a path ends
-    at an answer or goes on for ever (Lemke 1965; Cottle, Pang & Stone, The Linear Complementarity
-    Problem, section 4.5).
+    At s = 1 only those nodes touch that the actuation closes first; e (n,) lifts all other nodes.
+    Between two changes of the contact set p and w are linear in s. One node changes at a time. The
+    path may turn, so that s grows again. A path ends at an answer or goes on for ever (Lemke 1965;
+    Cottle, Pang & Stone, The Linear Complementarity Problem, section 4.5).
 
     Returns
     -------
@@ -353,18 +354,18 @@ def narrowed(problem: Problem) -> tuple[Bools, int]:
     """
     system = equilibrated(problem)
     K, n = system.K, system.n
-    active = _first_touch(system.problem, alone=True)
+    active = _first_touching_set(system.problem, alone=True)
     s, direction, last = 1.0, -1, -1
     lift = np.zeros(len(system.r))
     for step in range(MOST_SET_CHANGES * n):
         equations = Equations(K, system.on(active))
         if step == 0:
             lift[:n] = _start_lift(system, equations, active)
-        line = _line(system, equations, active, lift)
+        line = _answer_line(system, equations, active, lift)
         # The node that has changed last must leave zero.
         if step > 0:
             direction = 1 if line.slope[last] > 0 else -1
-        reach = _reach(line, s, direction)
+        reach = _distances_to_zero(line, s, direction)
         if direction < 0 and reach.min() >= s:
             return active, step + 1
         last = int(reach.argmin())
@@ -373,11 +374,11 @@ def narrowed(problem: Problem) -> tuple[Bools, int]:
             break
         leaves = active[last]
         active[last] = not active[last]
-        if leaves and not _resisted(problem, active):
-            # A leaving node that frees a mode is exchanged for the node that blocks the mode.
+        if leaves and not _resists_modes(problem, active):
+            # A leaving node that frees a mode is exchanged for the node that stops the mode.
             active[last] = True
             gaps = np.where(active, 0.0, line.at(s))
-            touched = _blocking(K, equations, gaps, last, active)
+            touched = _first_blocking_node(K, equations, gaps, last, active)
             if touched is None:
                 break
             active[[last, touched]] = False, True
@@ -386,9 +387,9 @@ def narrowed(problem: Problem) -> tuple[Bools, int]:
 
 
 def _start_lift(system: EquilibratedSystem, equations: Equations, active: Bools) -> Floats:
-    """Lifts (n,) of the gaps at which all nodes outside a contact set (n,) are open.
+    """Gaps (n,) to add so that all nodes outside a contact set (n,) are open.
 
-    The lifts differ from node to node, so that no two nodes change together.
+    The added gaps differ from node to node, so that no two nodes change together.
     """
     r, n = system.r, system.n
     w = (r + system.K @ equations.solve(r))[:n]
@@ -397,16 +398,21 @@ def _start_lift(system: EquilibratedSystem, equations: Equations, active: Bools)
     return np.where(active, 0.0, np.maximum(-w, 0.0) + smallest * uneven)
 
 
-def _line(system: EquilibratedSystem, equations: Equations, active: Bools, lift: Floats) -> _Line:
-    """Pressures and gaps on a contact set (n,), at the true gaps and per lift (n + k,)."""
+def _answer_line(
+    system: EquilibratedSystem, equations: Equations, active: Bools, lift: Floats
+) -> _Line:
+    """The pressures and gaps on a contact set (n,) as functions of s, with gaps q + s lift."""
     K, r, n = system.K, system.r, system.n
     x, dx = equations.solve(r), equations.solve(lift)
     w, dw = (r + K @ x)[:n], (lift + K @ dx)[:n]
     return _Line(np.where(active, x[:n], w), np.where(active, dx[:n], dw))
 
 
-def _reach(line: _Line, s: float, direction: int) -> Floats:
-    """Changes of s (n,) after which each pressure or gap has fallen to zero, inf if it grows."""
+def _distances_to_zero(line: _Line, s: float, direction: int) -> Floats:
+    """The changes of s (n,) after which pressures or gaps have fallen to zero; inf if they grow.
+
+    `direction` is the sense, +1 or -1, in which s changes.
+    """
     falls = direction * line.slope < 0
     reach = np.full(len(falls), np.inf)
     reach[falls] = np.maximum(line.at(s), 0.0)[falls] / np.abs(line.slope[falls])
@@ -414,11 +420,11 @@ def _reach(line: _Line, s: float, direction: int) -> Floats:
 
 
 def coarse_start(problem: Problem) -> Bools:
-    """Guess the contact set (n,) from the problem on every other node.
+    """Guess the contact set (n,) by solving the problem on every other node.
 
-    From a start with all nodes, a small contact at an unexpected place moves by its own width a
-    step. On coarser problems, each started from a coarser one, these steps are few and cheap. The
-    smallest problems start from all nodes.
+    From a start with all nodes, a small contact at an unexpected place moves by its own width in a
+    step. On a coarser problem these steps are few and cheap. A coarser problem starts from a still
+    coarser problem, and the smallest problem from all nodes.
     """
     count = len(problem.q)
     active = np.ones(count, dtype=bool)
@@ -428,11 +434,14 @@ def coarse_start(problem: Problem) -> Bools:
         coarse = settle(halved(problem)).p > 0
     except NoAnswer:
         return active
-    return beside(coarse, count)
+    return spread_to_all_nodes(coarse, count)
 
 
-def beside(coarse: Bools, count: int) -> Bools:
-    """The nodes (count,) of a set of every other node, and the nodes next to them."""
+def spread_to_all_nodes(coarse: Bools, count: int) -> Bools:
+    """The contact set (count,) on all nodes from a contact set on every other node.
+
+    The nodes next to a node of the coarse set belong to the fine set.
+    """
     active = np.empty(count, dtype=bool)
     between = count // 2
     active[::2] = coarse
@@ -442,9 +451,9 @@ def beside(coarse: Bools, count: int) -> Bools:
 
 
 def halved(problem: Problem) -> Problem:
-    """The problem on every other node, with p linear in between.
+    """The contact problem on every other node, with pressures that are linear in between.
 
-    With the interpolation P it is P^T A P, P^T q, P^T B and C P.
+    With the interpolation P the coarse problem is P^T A P, P^T q, P^T B and C P.
     """
     A, q, B, C, h = problem
     return Problem(
@@ -452,8 +461,8 @@ def halved(problem: Problem) -> Problem:
     )
 
 
-def between(coarse: Floats, count: int) -> Floats:
-    """Interpolate pressures at every other node to all nodes (count,): P p."""
+def interpolated(coarse: Floats, count: int) -> Floats:
+    """Interpolate pressures at every other node to pressures at all nodes (count,)."""
     p = np.empty(count)
     p[::2] = coarse
     p[1::2] = 0.5 * coarse[: count // 2]
@@ -462,9 +471,10 @@ def between(coarse: Floats, count: int) -> Floats:
 
 
 def halved_sums(rows: Floats, axis: int = 0) -> Floats:
-    """Every other row with half of each neighbour, P^T rows: (n, ...) -> ((n + 1) // 2, ...).
+    """Add half of each row to its neighbours and keep every other row.
 
-    With axis 1 the columns are summed instead.
+    Rows (n, ...) become ((n + 1) // 2, ...), the transposed interpolation P^T times the rows. With
+    axis 1 columns are summed in place of rows.
     """
     at = (slice(None),) * axis
     half = rows[*at, ::2].copy()
@@ -474,24 +484,24 @@ def halved_sums(rows: Floats, axis: int = 0) -> Floats:
     return half
 
 
-def _tangent(equations: Equations, system: EquilibratedSystem, dq: Floats) -> Floats:
-    """Change of the pressures (n,) under a change dq (n,) of the weighted gaps."""
+def _pressure_change(equations: Equations, system: EquilibratedSystem, dq: Floats) -> Floats:
+    """The change of the pressures (n,) under a change dq (n,) of the weighted gaps."""
     dr = np.zeros(len(system.r))
     dr[: system.n] = dq
     return (system.column_scales * equations.solve(system.row_scales * dr))[: system.n]
 
 
-def _resisted(problem: Problem, active: Bools) -> bool:
-    """Whether the contact set (n,) resists each rigid-body mode.
+def _resists_modes(problem: Problem, active: Bools) -> bool:
+    """Whether a contact set (n,) resists each rigid-body mode.
 
-    Modes of the same nodes need as many touching nodes as modes. No load may act on a mode, as on
-    the slide of a shoe that a cam pushes. The pressures in such a mode have to balance each other,
-    so that a single node cannot resist it.
+    Modes of the same nodes need as many touching nodes as modes.
     """
     B, k = problem.B, len(problem.h)
     touched = B[active]
     if k < 2:
         return bool(touched.any()) or not B.size
+    # Pressures in a mode without load, as the slide of a shoe under a cam, balance each other. A
+    # single node cannot resist a mode without load.
     unloaded = problem.h == 0
     if unloaded.any():
         bearing = np.count_nonzero(problem.C[unloaded][:, active], axis=1)
@@ -500,37 +510,40 @@ def _resisted(problem: Problem, active: Bools) -> bool:
     moved = touched != 0
     if not moved.any(axis=0).all():
         return False
-    resisting = (np.count_nonzero(moved[:, of].any(axis=1)) >= len(of) for of in _together(B != 0))
+    resisting = (
+        np.count_nonzero(moved[:, of].any(axis=1)) >= len(of) for of in _group_modes(B != 0)
+    )
     return all(resisting)
 
 
-def _first_touch(problem: Problem, *, alone: bool = False) -> Bools:
-    """The nodes (n,) that the actuation closes first in each mode, if nothing touches yet.
+def _first_touching_set(problem: Problem, *, alone: bool = False) -> Bools:
+    """The set of nodes (n,) that the actuation closes first in each mode, if no node touches yet.
 
-    With `alone` only one node of each single mode touches. Shoes that push others come before
-    these, whose loads follow from the pressures of the first shoes.
+    With `alone` a shoe with a single mode touches with one node only.
     """
     _, q, B, C, h = problem
     n = len(q)
     touching, p = np.zeros(n, dtype=bool), np.zeros(n)
-    for modes in _in_order(_together(B != 0), B != 0, C != 0):
+    # The pressures of a shoe that pushes another shoe give the load on the other shoe.
+    for modes in _order_by_pressures(_group_modes(B != 0), B != 0, C != 0):
         load = h[modes] - C[modes] @ p
         if len(modes) > 1:
             moved = (B[:, modes] != 0).any(axis=1)
-            first = _first_nodes(q, B[:, modes], C[modes], load, moved)
+            first = _first_touching_nodes(q, B[:, modes], C[modes], load, moved)
             touching[first] = True
         else:
-            reach = _closing_motions(problem, modes[0], load)
+            reach = _touching_motions(problem, modes[0], load)
             first = np.array([reach.argmin()])
             touching[first if alone else reach <= reach.min()] = True
         p[first] = np.linalg.solve(C[modes][:, first], load)
     return touching
 
 
-def _closing_motions(problem: Problem, mode: int, load: Floats) -> Floats:
-    """Motion (n,) of a mode at which each node touches; inf if its pressure resists no load.
+def _touching_motions(problem: Problem, mode: int, load: Floats) -> Floats:
+    """The motion (n,) of a single mode at which each node touches.
 
-    Raises NoAnswer if no pressure resists the load.
+    The motion is inf for a node whose pressure does not resist the load on the mode. Raises
+    NoAnswer if no pressure resists the load.
     """
     _, q, B, C, _ = problem
     moved = B[:, mode] != 0
@@ -542,20 +555,20 @@ def _closing_motions(problem: Problem, mode: int, load: Floats) -> Floats:
     return reach
 
 
-def _in_order(sets: list[list[int]], moves: Bools, bears: Bools) -> list[list[int]]:
-    """Order sets of modes so that each equilibrium needs only pressures of earlier sets.
+def _order_by_pressures(sets: list[list[int]], moves: Bools, bears: Bools) -> list[list[int]]:
+    """Order sets of modes so that the equilibria of a set need only pressures of earlier sets.
 
     Parameters
     ----------
-    sets : modes that move the same nodes
-    moves : (n, k), whether a mode moves a node
-    bears : (k, n), whether a pressure is in a mode's equilibrium
+    sets : sets of modes that move the same nodes
+    moves : whether a mode moves a node (n, k)
+    bears : whether a pressure occurs in the equilibrium of a mode (k, n)
     """
     moved = [moves[:, modes].any(axis=1) for modes in sets]
     known = np.zeros(len(moves), dtype=bool)
     found, left = [], list(range(len(sets)))
     while left:
-        # Modes that wait for each other have no order: then the first of them is taken.
+        # Shoes that push each other in a circle have no order: then the first set is taken.
         following = left[0]
         for i in left:
             borne = bears[sets[i]].any(axis=0)
@@ -568,8 +581,8 @@ def _in_order(sets: list[list[int]], moves: Bools, bears: Bools) -> list[list[in
     return found
 
 
-def _together(moved: Bools) -> list[list[int]]:
-    """Group the modes that move the same nodes; moved (n, k)."""
+def _group_modes(moved: Bools) -> list[list[int]]:
+    """Group the modes that move the same nodes; `moved` (n, k) says whether a mode moves a node."""
     found: list[list[int]] = []
     for mode in range(moved.shape[1]):
         for modes in found:
@@ -581,21 +594,21 @@ def _together(moved: Bools) -> list[list[int]]:
     return found
 
 
-def _first_nodes(q: Floats, B: Floats, C: Floats, h: Floats, moved: Bools) -> Ints:
-    """The k nodes that balance k modes by pressure while all other nodes are most open.
+def _first_touching_nodes(q: Floats, B: Floats, C: Floats, h: Floats, moved: Bools) -> Ints:
+    """The k nodes that balance k modes by pressure while all other nodes are as open as possible.
 
     Parameters
     ----------
-    q : (n,), weighted gaps
-    B : (n, k), gaps per mode
-    C : (k, n), equilibria of the modes
-    h : (k,), loads on the modes
-    moved : (n,), the nodes that the modes move
+    q : weighted gaps (n,)
+    B : gaps (n, k) per motion of a mode
+    C : equilibria (k, n) of the modes
+    h : loads (k,) on the modes
+    moved : whether the modes move a node (n,)
 
     Raises
     ------
     NoAnswer
-        if no such nodes balance the load by pressures
+        if no k nodes balance the load by pressures
     """
     k = len(h)
     candidates = np.flatnonzero(moved)
@@ -609,25 +622,23 @@ def _first_nodes(q: Floats, B: Floats, C: Floats, h: Floats, moved: Bools) -> In
     sets = candidates[indices]
     # Only sets whose nodes hold all modes in place are kept.
     equilibria, closings = C.T[sets].transpose(0, 2, 1), B[sets]  # (sets, k, k)
-    holds = _independent(equilibria) & _independent(closings.transpose(0, 2, 1))
+    holds = _are_regular(equilibria) & _are_regular(closings.transpose(0, 2, 1))
     sets, equilibria, closings = sets[holds], equilibria[holds], closings[holds]
     loads = np.broadcast_to(h[:, None], (len(sets), k, 1))
     p = np.linalg.solve(equilibria, loads)[..., 0]
     pressed = (p >= 0).all(axis=1)
     if not pressed.any():
         raise NoAnswer("no equilibrium: contact pressure cannot balance the actuation anywhere")
-    # Of these sets the one counts whose motion leaves the smallest remaining gap widest.
+    # The set is chosen whose motion leaves the smallest remaining gap widest.
     gaps = q[sets[pressed]][..., None]
     y = -np.linalg.solve(closings[pressed], gaps)[..., 0]
     smallest_gap = (q[candidates] + y @ B[candidates].T).min(axis=1)
     return np.asarray(sets[pressed][np.argmax(smallest_gap)])
 
 
-def _independent(matrices: Floats) -> Bools:
-    """Whether matrices (m, k, k) of modes by nodes are regular beyond round-off.
-
-    The rows and columns are scaled first, so that the units of the modes do not matter.
-    """
+def _are_regular(matrices: Floats) -> Bools:
+    """Whether matrices (m, k, k) of modes by nodes are regular beyond round-off."""
+    # Scaled rows and columns make the units of the modes irrelevant.
     largest = np.maximum(np.abs(matrices).max(axis=(0, 2)), TINY)
     scaled = matrices / largest[:, None]
     length = np.maximum(np.linalg.norm(scaled, axis=1, keepdims=True), TINY)

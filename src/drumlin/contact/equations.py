@@ -1,12 +1,12 @@
 """Scale and factorise the linear equations of a contact set.
 
-The contact problem has n nodes and k rigid-body modes. In a node of the contact set the weighted
-gap vanishes, w = q + A p + B y = 0. In all other nodes the pressure vanishes, p = 0. The pressures
-balance the actuation, C p = h. On a contact set both are one linear system with the matrix
-[[A, B], [C, 0]], restricted to the rows and columns of the set.
+The contact problem has n nodes and k rigid-body modes. At a node of the contact set the weighted
+gap vanishes, w = q + A p + B y = 0. At all other nodes the pressure vanishes, p = 0. The pressures
+balance the actuation, C p = h. The gaps and the balance together are one linear system with the
+matrix [[A, B], [C, 0]], restricted to the rows and columns of the contact set.
 
-The system is equilibrated and factorised once. A set that differs by a few nodes reuses the factors
-through a bordered system.
+The system is equilibrated and factorised once. A contact set that differs by a few nodes reuses the
+factors through a bordered system.
 """
 
 from typing import NamedTuple
@@ -21,11 +21,11 @@ TINY = np.finfo(float).tiny
 """Smallest normal double. Divisors are at least TINY, so that an empty row does not divide by 0."""
 
 BORDERED_ABOVE = 100
-"""Unknowns of a contact set above which a changed set is bordered rather than factorised anew.
+"""Number of unknowns above which a changed contact set is bordered, not factorised anew.
 
-Below it a factorisation is as fast as bordering. Measured by trials: with 50 to 400 the time of a
-solve stays within 4 %. Without bordering, solves of 300 and 700 elements take 1.15 and 1.24 times
-as long.
+With fewer unknowns a factorisation is as fast as bordering. Measured by trials: with 50 to 400 the
+time of a solve stays within 4 %. Without bordering, solves of 300 and 700 elements take 1.15 and
+1.24 times as long.
 """
 
 
@@ -34,11 +34,11 @@ class Problem(NamedTuple):
 
     Attributes
     ----------
-    A : (n, n), gap that closes per pressure (compliance); unsymmetric with friction
-    q : (n,), weighted gaps of the unloaded contact
-    B : (n, k), gap that opens per unit of a rigid-body mode
-    C : (k, n), generalised force of a pressure in a mode's equilibrium
-    h : (k,), generalised force of the actuation
+    A : weighted gaps (n, n) that open per pressure, the compliance; unsymmetric with friction
+    q : weighted gaps (n,) of the unloaded contact
+    B : weighted gaps (n, k) that open per unit of a rigid-body mode
+    C : generalised forces (k, n) of pressures in the equilibria of the modes
+    h : generalised forces (k,) of the actuation
     """
 
     A: Floats
@@ -49,14 +49,14 @@ class Problem(NamedTuple):
 
 
 class EquilibratedSystem(NamedTuple):
-    """A contact problem as r + K x with x = (p, y), K = [[A, B], [C, 0]] and r = (q, -h), scaled.
+    """A scaled contact problem r + K x with x = (p, y), K = [[A, B], [C, 0]] and r = (q, -h).
 
     Attributes
     ----------
-    K : (n + k, n + k), the scaled matrix
-    r : (n + k,), the scaled right-hand side
-    row_scales : (n + k,), factors of the rows: w = w_scaled / row_scales
-    column_scales : (n + k,), factors of the columns: x = column_scales * x_scaled
+    K : the scaled matrix (n + k, n + k)
+    r : the scaled vector (n + k,)
+    row_scales : factors (n + k,) of the rows: w = w_scaled / row_scales
+    column_scales : factors (n + k,) of the columns: x = column_scales * x_scaled
     n : number of nodes
     """
 
@@ -73,29 +73,24 @@ class EquilibratedSystem(NamedTuple):
         return Problem(K[:n, :n], r[:n], K[:n, n:], K[n:, :n], -r[n:])
 
     def on(self, active: Bools) -> Bools:
-        """The unknowns (n + k,) of a contact set (n,): its pressures and all rigid-body modes."""
+        """Mark the free unknowns (n + k,) of a contact set (n,): its pressures and all modes."""
         unknowns = np.empty(len(self.r), dtype=bool)
         unknowns[: self.n] = active
         unknowns[self.n :] = True
         return unknowns
 
 
-class Scales(NamedTuple):
-    """Factors (n + k,) by which the `rows` and the `columns` of a problem are multiplied."""
-
-    rows: Floats
-    columns: Floats
-
-
 def equilibrated(problem: Problem, like: EquilibratedSystem | None = None) -> EquilibratedSystem:
     """Scale a problem so that A has a unit diagonal, B unit columns and C unit rows.
 
-    With `like` the factors of that system are used instead. The factors are positive, so that
-    neither the signs nor the contact set change.
+    The factors are positive, so that neither signs nor the contact set change. If the system `like`
+    is given, its factors are used.
     """
     A, q, B, C, h = problem
     n, k = B.shape
-    rows, columns = _scales(problem) if like is None else (like.row_scales, like.column_scales)
+    rows, columns = (
+        _equilibrating_scales(problem) if like is None else (like.row_scales, like.column_scales)
+    )
     K = np.zeros((n + k, n + k))
     np.multiply(A, rows[:n, None], out=K[:n, :n])
     K[:n, n:] = B * rows[:n, None]
@@ -107,24 +102,23 @@ def equilibrated(problem: Problem, like: EquilibratedSystem | None = None) -> Eq
     return EquilibratedSystem(K, r, rows, columns, n)
 
 
-def _scales(problem: Problem) -> Scales:
-    """The factors that equilibrate a problem."""
+def _equilibrating_scales(problem: Problem) -> tuple[Floats, Floats]:
+    """The factors (n + k,) of the rows and of the columns that equilibrate a problem."""
     A, _, B, C, _ = problem
     k = B.shape[1]
+    # A has a unit diagonal, and the largest entry of each mode is 1.
     of_nodes = 1 / np.sqrt(np.maximum(np.abs(A.diagonal()), TINY))
     modes = np.concatenate([B, C.T], axis=1)
     largest = np.abs(modes * of_nodes[:, None]).max(axis=0)
     of_modes = 1 / np.maximum(largest, TINY)
-    return Scales(
-        rows=np.concatenate([of_nodes, of_modes[k:]]),
-        columns=np.concatenate([of_nodes, of_modes[:k]]),
-    )
+    rows = np.concatenate([of_nodes, of_modes[k:]])
+    return rows, np.concatenate([of_nodes, of_modes[:k]])
 
 
 def condition(problem: Problem, active: Bools) -> float:
-    """Condition number, in the 1-norm, of the equilibrated equations on a contact set (n,).
+    """The condition number, in the 1-norm, of the equilibrated equations on a contact set (n,).
 
-    LAPACK's gecon estimates it from the factors.
+    LAPACK's gecon estimates the condition number from the factors.
     """
     system = equilibrated(problem)
     unknowns = np.flatnonzero(system.on(active))
@@ -138,9 +132,9 @@ def condition(problem: Problem, active: Bools) -> float:
 
 
 class Equations:
-    """The linear equations of the unknowns `on` (n + k,) of K, factorised once.
+    """The linear equations of the free unknowns `on` (n + k,) of K, factorised once.
 
-    All other unknowns are 0. `Changed` solves for unknowns that differ from these by a few.
+    All other unknowns are 0. The class `Changed` solves with a few other free unknowns.
     """
 
     def __init__(self, K: Floats, on: Bools) -> None:
@@ -148,30 +142,31 @@ class Equations:
         self._at = on.nonzero()[0]
         whole = len(self._at) == len(K)
         matrix = K.copy() if whole else K.take(self._at, 0).take(self._at, 1)
-        self._factors = _factorised(matrix)
+        self._factors = _factorise(matrix)
 
     def solve(self, r: Floats) -> Floats:
-        """Solve r + K x = 0 for the unknowns; r and x are (n + k,) or (n + k, m)."""
+        """Solve r + K x = 0 for the free unknowns; r and x are (n + k,) or (n + k, m)."""
         x = np.zeros(r.shape)
         x[self._at] = self._solution(-r[self._at])
         return x
 
     @property
     def sign(self) -> int:
-        """Sign of the determinant, +1 or -1."""
+        """The sign of the determinant, +1 or -1."""
         return _determinant_sign(self._factors)
 
     def _solution(self, right: Floats) -> Floats:
-        """Solve for the unknowns alone, under a right-hand side of as many rows."""
-        return _back(self._factors, right)
+        """Solve for the free unknowns alone, under a right-hand side with a row for each."""
+        return _back_substitute(self._factors, right)
 
 
 class Changed(Equations):
     """The equations of a contact set that differs by a few nodes from a factorised `base`.
 
     A bordered system adds two kinds of unknowns to the base. The weighted gaps of the released
-    nodes make their pressures vanish. The pressures of the added nodes make their weighted gaps
-    vanish. Only the small Schur complement of the border is factorised.
+    nodes make the pressures of these nodes vanish. The pressures of the added nodes make the
+    weighted gaps of these nodes vanish. Only the small Schur complement of the border is
+    factorised.
     """
 
     def __init__(self, base: Equations, K: Floats, on: Bools) -> None:
@@ -185,24 +180,24 @@ class Changed(Equations):
         border = np.zeros((len(base._at), released + len(added)))
         border[self._released, np.arange(released)] = -1.0
         border[:, released:] = K[base._at[:, None], added]
-        self._spread = -base._solution(border)
+        self._by_border = -base._solution(border)
         self._rows = K[added[:, None], base._at]
-        schur = self._across(self._spread)
+        schur = self._border_values(self._by_border)
         schur[released:, released:] += K[added[:, None], added]
-        self._schur = _factorised(schur)
+        self._schur = _factorise(schur)
 
     @property
     def sign(self) -> int:
-        """Sign of the determinant: the base's times the Schur complement's.
+        """The sign of the determinant: the product of the signs of base and Schur complement.
 
-        For released nodes it follows from Jacobi's complementary minor.
+        The product holds for released nodes too, by Jacobi's complementary minor.
         """
         return self._base.sign * _determinant_sign(self._schur)
 
-    def _across(self, solution: Floats) -> Floats:
-        """Pressures of the released nodes, then weighted gaps of the added nodes.
+    def _border_values(self, solution: Floats) -> Floats:
+        """The pressures of released nodes and then the weighted gaps of added nodes.
 
-        Both follow from a solution of the base.
+        `solution` is a solution of the base.
         """
         return np.concatenate([solution[self._released], self._rows @ solution])
 
@@ -212,8 +207,8 @@ class Changed(Equations):
         # The border's unknowns bring pressures to zero and gaps to the wanted right-hand side.
         no_pressure = np.zeros((released, *right.shape[1:]))
         wanted = np.concatenate([no_pressure, right[size:]])
-        border = _back(self._schur, wanted - self._across(solution))
-        solution += self._spread @ border
+        border = _back_substitute(self._schur, wanted - self._border_values(solution))
+        solution += self._by_border @ border
         solution[self._released] = 0.0
         return np.concatenate([solution, border[released:]])
 
@@ -221,8 +216,8 @@ class Changed(Equations):
 def regular(equations: Equations, system: EquilibratedSystem) -> bool:
     """Whether the contact resists every rigid-body mode.
 
-    It does where det A > 0 and C A^-1 B has no negative real eigenvalue. Without friction this
-    always holds.
+    The contact resists if det A > 0 and C A^-1 B has no negative real eigenvalue. Contact without
+    friction always resists.
     """
     n = system.n
     k = len(system.r) - n
@@ -242,11 +237,11 @@ def regular(equations: Equations, system: EquilibratedSystem) -> bool:
     return not ((values.imag == 0) & (values.real < 0)).any()
 
 
-def _factorised(matrix: Floats) -> tuple[Floats, Ints]:
-    """LU factors and pivots of the transposed matrix, written over the matrix.
+def _factorise(matrix: Floats) -> tuple[Floats, Ints]:
+    """Factorise the transposed matrix into LU factors and pivots, and overwrite the matrix.
 
-    The transposed matrix is the one that lies column by column in memory, as LAPACK wants it.
-    Raises NoAnswer for a singular matrix.
+    The transposed matrix lies column by column in memory, as LAPACK wants a matrix. Raises NoAnswer
+    for a singular matrix.
     """
     if not matrix.size:
         return matrix, np.zeros(0, dtype=np.int32)
@@ -256,24 +251,22 @@ def _factorised(matrix: Floats) -> tuple[Floats, Ints]:
     return lu, pivots
 
 
-def _back(factors: tuple[Floats, Ints], right: Floats) -> Floats:
-    """Solve by back-substitution.
-
-    LAPACK is called directly, since scipy's checks cost more than these small systems.
-    """
+def _back_substitute(factors: tuple[Floats, Ints], right: Floats) -> Floats:
+    """Solve the equations with LU factors and pivots for a right-hand side."""
+    # LAPACK is called directly, since scipy's checks cost more than these small systems.
     return dgetrs(*factors, right, trans=1)[0] if len(right) else right
 
 
 def _determinant_sign(factors: tuple[Floats, Ints]) -> int:
-    """Sign of the determinant: each negative pivot and each swap of rows changes it."""
+    """The sign of the determinant, which each negative pivot and each swap of rows changes."""
     lu, pivots = factors
     swaps = np.count_nonzero(pivots != np.arange(len(pivots)))
     negative = np.count_nonzero(lu.diagonal() < 0)
     return 1 if (negative + swaps) % 2 == 0 else -1
 
 
-def few_changed(base: Equations, on: Bools) -> bool:
-    """Whether bordering is cheaper than factorising the unknowns `on` (n + k,) anew."""
+def bordering_pays(base: Equations, on: Bools) -> bool:
+    """Whether bordering `base` is cheaper than factorising the free unknowns `on` (n + k,) anew."""
     size = len(base._at)
     changed = np.count_nonzero(base.on ^ on)
     # Bordering pays up to a change of one unknown in eight.

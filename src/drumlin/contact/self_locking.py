@@ -1,6 +1,6 @@
-"""Find the friction coefficient up to which sliding contact has an equilibrium: self-locking.
+"""Self-locking: the friction coefficient up to which sliding contact has an equilibrium.
 
-Under full slip the matrices of the contact problem grow linearly with the friction coefficient,
+In full slip the matrices of the contact problem grow linearly with the friction coefficient,
 
     A(mu) = A0 + mu A1,   C(mu) = C0 + mu C1.
 
@@ -8,12 +8,12 @@ On a contact set pressures and rigid-body motions solve K(mu) x = r with the bor
 K = [[A, B], [C, 0]]. They grow without bound where K0 + mu K1 is singular. The friction is then an
 eigenvalue of the pencil, the smallest above the current mu. The contact set changes on the way
 there, and so does the eigenvalue. The answer is therefore followed from mu = 0. The limit mu_lock
-is the eigenvalue of a contact set that holds right up to it. Such a limit does not depend on force
-or clearance, which count for nothing beside pressures without bound.
+is the eigenvalue of a contact set that holds right up to the eigenvalue. Such a limit does not
+depend on force or clearance, which are negligible spread_to_all_nodes pressures without bound.
 
-Otherwise the answer ends where it turns back: at a change of the contact set beyond which the
-determinant has the other sign. Other answers may exist beyond, to which the contact would leap and
-grow. A step over which the set changes must therefore be short: the contact force may grow by at
+An answer may also end where the path turns back: at a change of the contact set beyond which the
+determinant has the other sign. Other answers may exist beyond, to which the contact would jump. A
+step over which the contact set changes must therefore be short: the contact force may grow by at
 most LARGEST_FORCE_GROWTH.
 """
 
@@ -25,46 +25,55 @@ import numpy as np
 
 from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import NoAnswer
-from drumlin.contact.active_set import Contact, beside, between, halved, halved_sums, settle, solve
+from drumlin.contact.active_set import (
+    Contact,
+    halved,
+    halved_sums,
+    interpolated,
+    settle,
+    solve,
+    spread_to_all_nodes,
+)
 from drumlin.contact.equations import Problem, equilibrated
 
 LARGEST_SOUGHT_FRICTION = 1e3
-"""Friction coefficient up to which a limit is sought; a brake without limit below it has none."""
+"""Friction coefficient up to which a limit is sought. A brake with a higher limit has none."""
 
 LARGEST_FRICTION_STEP = 0.05
-"""Largest step of mu by which an answer is followed; above mu = 1 it is relative to mu.
+"""Largest step of mu by which an answer is followed; above mu = 1 the step is relative to mu.
 
-It is a matter of time alone. Steps over which the contact set changes are halved until the growth
-of force is below LARGEST_FORCE_GROWTH; while the set stays, the determinant shows the limit. On 30
-brakes 0.025 takes 1.07 times the factorisations, 0.1 as many, 0.4 takes 1.1 times. The answers are
-the same.
+The step changes the time alone. Steps over which the contact set changes are halved until the
+growth of force is below LARGEST_FORCE_GROWTH; while the set stays, the determinant shows the limit.
+On 30 brakes 0.025 takes 1.07 times the factorisations, 0.1 as many, 0.4 takes 1.1 times. The
+answers are the same.
 """
 
 POLE_DISTANCE = 1e-8
 """Relative distance below an eigenvalue at which the contact set must still hold.
 
-A set that holds there makes the eigenvalue a limit. It is far above round-off.
+If the contact set holds at this distance, the eigenvalue is a limit. The distance is far above
+round-off.
 """
 
 LARGEST_FORCE_GROWTH = 0.5
-"""Largest relative growth of the contact force over a step of friction without a look in between.
+"""Largest relative growth of the contact force over a step of friction that is not halved.
 
-The contact force is the sum of pressures times areas. It grows as 1/(mu_lock - mu). From mu/2 to mu
-it grows by at most (1 - 1/4)/(1 - 1/2) - 1 = 0.5 for any mu up to mu_lock/2. A step over which the
-contact set changes and the force grows by more is halved.
+The contact force is the sum of pressures times areas and grows as 1/(mu_lock - mu). From mu/2 to mu
+the force grows by at most (1 - 1/4)/(1 - 1/2) - 1 = 0.5 for any mu up to mu_lock/2. A step over
+which the contact set changes and the force grows by more is halved.
 """
 
 HALVED_ABOVE = 600
-"""Nodes above which the answer is followed on every other node.
+"""Number of nodes above which the answer is followed on every other node.
 
-It is a matter of time alone, as the work grows with the cube of the nodes. The answer is the same,
-see LARGEST_MESH_DIFFERENCE.
+The number changes the time alone, as the work grows with the cube of the nodes. The answer is the
+same, see LARGEST_MESH_DIFFERENCE.
 """
 
 LARGEST_MESH_DIFFERENCE = 0.1
-"""Largest difference between the pressures on all nodes and on every other node of one answer.
+"""Relative difference of pressures on all nodes and on every other node that one answer may have.
 
-It is relative to the pressures, both in the norm of their work. One answer on two meshes differs by
+The difference and the pressures are measured by their work. One answer on two meshes differs by
 0.004, two answers differ by 0.7. Any number between tells them apart; a smaller number costs time.
 """
 
@@ -73,7 +82,7 @@ RESOLUTION = 1e-12
 
 
 class Sliding(NamedTuple):
-    """A contact problem at every friction coefficient.
+    """A contact problem as a linear function of the friction coefficient mu.
 
     `still` is the problem at mu = 0. `A1` (n, n) and `C1` (k, n) are the changes of A and C per mu.
     """
@@ -84,7 +93,7 @@ class Sliding(NamedTuple):
 
     @classmethod
     def through(cls, still: Problem, other: Problem, friction: float = 1.0) -> "Sliding":
-        """Make it from the problems at mu = 0 and at another friction coefficient."""
+        """Make the linear function from the problems at mu = 0 and at another friction."""
         return cls(still, (other.A - still.A) / friction, (other.C - still.C) / friction)
 
     def at(self, friction: float) -> Problem:
@@ -99,11 +108,11 @@ class Limit(NamedTuple):
     Attributes
     ----------
     friction : mu_lock; inf if there is no limit up to LARGEST_SOUGHT_FRICTION
-    bounded : whether the answer turns back at finite pressure, at a change of the contact set.
-        Otherwise the pressure grows without bound as 1/(mu_lock - mu).
-    last : the answer at the friction coefficient `reached`; its contact set is that of the limit
+    bounded : whether the answer turns back at finite pressure, at a change of the contact set;
+        otherwise the pressure grows without bound as 1/(mu_lock - mu)
+    last : the answer at the friction coefficient `reached`, with the contact set of the limit
     reached : last friction coefficient that was solved
-    steps : steps of friction that were tried
+    steps : number of steps of friction that were tried
     """
 
     friction: float
@@ -114,7 +123,7 @@ class Limit(NamedTuple):
 
 
 class PathEnded(NoAnswer):
-    """The answer from mu = 0 ends, at the limit `end`, before the wanted friction coefficient."""
+    """The refusal of a friction coefficient beyond the limit `end` of the followed answer."""
 
     def __init__(self, line: str, end: Limit) -> None:
         super().__init__(line)
@@ -133,22 +142,22 @@ def limit(
     ----------
     sliding : the problem at every friction coefficient
     most : friction coefficient at which following ends
-    known : a friction coefficient and the answer there, from which following starts
-    areas : (n,), areas of the nodes [m^2]; by default 1, see `answer`
+    known : a friction coefficient and its answer, from which following starts
+    areas : areas (n,) of the nodes [m^2]; by default 1, see `answer`
 
     Raises
     ------
     NoAnswer
         if there is no answer at mu = 0
     """
-    areas = _areas(sliding.still, areas)
-    mu, found = (0.0, _without_friction(sliding.still)) if known is None else known
+    areas = _areas_or_ones(sliding.still, areas)
+    mu, found = (0.0, _solve_without_friction(sliding.still)) if known is None else known
     steps, step = 0, LARGEST_FRICTION_STEP
     critical, critical_set = np.inf, np.zeros(0, dtype=bool)
     while mu < most:
         steps += 1
         target = min(mu + step, most)
-        after = _reached(sliding, target, found.active)
+        after = _settle_stable(sliding, target, found.active)
         if after is not None and _continues(after, found, areas):
             step = min(2 * step, LARGEST_FRICTION_STEP * max(1.0, mu))
             found, mu = after, target
@@ -166,7 +175,7 @@ def limit(
 
 
 def _continues(after: Contact, before: Contact, areas: Floats) -> bool:
-    """Whether an answer continues that at less friction: same contact set or little growth."""
+    """Whether an answer continues the answer before: by the contact set or by little growth."""
     return np.array_equal(after.active, before.active) or _grows_little(after, before, areas)
 
 
@@ -174,15 +183,15 @@ def _holds_up_to(sliding: Sliding, mu: float, critical: float, active: Bools) ->
     """Whether a contact set (n,) at mu still holds just below its next eigenvalue `critical`."""
     if not np.isfinite(critical):
         return False
-    # The step before may have met the eigenvalue itself.
+    # The last step may have met the eigenvalue itself.
     if critical - mu < RESOLUTION * max(mu, 1e-3):
         return True
     near = mu + (critical - mu) * (1 - POLE_DISTANCE)
-    return _reached(sliding, near, active, 1) is not None
+    return _settle_stable(sliding, near, active, 1) is not None
 
 
-def _without_friction(still: Problem, start: Bools | None = None) -> Contact:
-    """The answer at mu = 0; raises NoAnswer if it is unstable."""
+def _solve_without_friction(still: Problem, start: Bools | None = None) -> Contact:
+    """Solve for the answer at mu = 0. Raises NoAnswer if the answer is unstable."""
     found = solve(still, start)
     if not found.regular:
         raise NoAnswer("no stable equilibrium without friction")
@@ -190,15 +199,15 @@ def _without_friction(still: Problem, start: Bools | None = None) -> Contact:
 
 
 class _AtOnce(NamedTuple):
-    """What settling at once at a friction coefficient gives.
+    """The result of settling at a friction coefficient at once, without following from mu = 0.
 
     Attributes
     ----------
-    found : the answer, None if nothing settles
-    half : the answer at half of the friction, None if it is unknown
+    found : the answer; None if no contact set settles
+    half : the answer at half of the friction; None if unknown
     stable : whether `found` is stable and mu is below the limit of the rigid shoe
-    sure : whether `found` is the answer that is followed from mu = 0
-    reason : why `found` is no answer
+    sure : whether `found` is certainly the answer that is followed from mu = 0
+    reason : the reason to refuse `found` if `found` is not stable
     """
 
     found: Contact | None
@@ -217,21 +226,21 @@ def answer(
     law: float,
     brake: str,
 ) -> Contact:
-    """The answer at a friction coefficient that is followed from mu = 0, where it is unique.
+    """Find the answer at a friction coefficient that a path from mu = 0 reaches.
 
     A stable answer that settles at once is taken if the friction is below the limit of the rigid
-    shoe and the contact force grows by at most LARGEST_FORCE_GROWTH from half of the friction on.
-    This holds up to half of mu_lock. Otherwise the answer is followed in small steps, from half of
-    the friction if the answer there is sure. Other stable answers do not count: near the limit and
-    beyond it some stand apart, and no friction that grows from 0 reaches them. Above HALVED_ABOVE
-    nodes the answer on every other node is followed, at a fraction of the cost.
+    shoe, and if the contact force grows by at most LARGEST_FORCE_GROWTH from half of the friction
+    on. Both hold up to half of mu_lock. Otherwise the answer is followed in small steps, from half
+    of the friction if the answer there is sure. Other stable answers do not count: near the limit
+    and beyond the limit some stand apart, and no friction that grows from 0 reaches them. Above
+    HALVED_ABOVE nodes the answer on every other node is followed, at a fraction of the cost.
 
     Parameters
     ----------
-    problem_at : function mu -> problem, linear in mu
+    problem_at : function that returns the problem at mu; the problem is linear in mu
     friction : friction coefficient mu
-    start : (n,), contact set from which the answer may settle at once
-    areas : (n,), areas of the nodes [m^2] that turn pressures into forces; by default 1, for
+    start : contact set (n,) from which the answer may settle at once
+    areas : areas (n,) [m^2] of the nodes, which turn pressures into forces; by default 1, for
         pressures that are forces already
     law : mu_lock of the rigid shoe
     brake : words for the brake in the message of a refusal
@@ -244,19 +253,19 @@ def answer(
         if there is no answer for another reason
     """
     if friction == 0:
-        return _without_friction(problem_at(0.0), start)
+        return _solve_without_friction(problem_at(0.0), start)
     problem = problem_at(friction)
-    areas = _areas(problem, areas)
+    areas = _areas_or_ones(problem, areas)
     if len(problem.q) > HALVED_ABOVE:
-        like = _as_coarser(problem, problem_at(0.0), friction, start, areas, law)
+        like = _settle_like_coarse(problem, problem_at(0.0), friction, start, areas, law)
         if like is not None:
             return like
-    at_once = _at_once(problem_at, problem, friction, start, areas, law)
+    at_once = _settle_at_once(problem_at, problem, friction, start, areas, law)
     if at_once.sure and at_once.found is not None:
         return at_once.found
     known = None
     half = at_once.half
-    if half is not None and _sure(problem_at, 0.5 * friction, half, areas):
+    if half is not None and _is_followed(problem_at, 0.5 * friction, half, areas):
         known = (0.5 * friction, half)
     try:
         end = limit(Sliding.through(problem_at(0.0), problem_at(1.0)), friction, known, areas)
@@ -267,10 +276,10 @@ def answer(
         raise NoAnswer(at_once.reason) from None
     if np.isinf(end.friction):
         return end.last
-    raise PathEnded(locks(friction, end.friction, law=law, brake=brake), end)
+    raise PathEnded(locking_text(friction, end.friction, law=law, brake=brake), end)
 
 
-def _at_once(
+def _settle_at_once(
     problem_at: Callable[[float], Problem],
     problem: Problem,
     friction: float,
@@ -278,7 +287,10 @@ def _at_once(
     areas: Floats,
     law: float,
 ) -> _AtOnce:
-    """Settle at once at a friction coefficient and at half of it; parameters as of `answer`."""
+    """Settle at a friction coefficient and at half of the coefficient, without following a path.
+
+    `problem` is the problem at `friction`. The other parameters are parameters of `answer`.
+    """
     found = half = None
     try:
         found = settle(problem, start)
@@ -291,15 +303,23 @@ def _at_once(
     return _AtOnce(found, half, True, sure, "self-locking, no stable equilibrium")
 
 
-def locks(friction: float, limit: float, *, law: float, brake: str) -> str:
-    """Text of a refusal at a friction coefficient beyond the limit; law, brake as of `answer`."""
+def locking_text(friction: float, limit: float, *, law: float, brake: str) -> str:
+    """The text that refuses a friction coefficient beyond a limit.
+
+    Parameters
+    ----------
+    friction : the refused friction coefficient
+    limit : mu_lock of the brake
+    law : mu_lock of the rigid shoe
+    brake : words for the brake
+    """
     return (
         f"self-locking, no equilibrium at friction {friction:g}; {brake} there is one up to "
         f"mu_lock = {limit:.4g} (rigid-shoe law: {law:.4g})"
     )
 
 
-def _as_coarser(
+def _settle_like_coarse(
     problem: Problem,
     still: Problem,
     friction: float,
@@ -307,37 +327,38 @@ def _as_coarser(
     areas: Floats,
     law: float,
 ) -> Contact | None:
-    """The stable answer that settles at once, if it agrees with `answer` on every other node.
+    """Settle at once, and compare with the answer that is followed on every other node.
 
     Parameters
     ----------
     problem, still : the problems at the friction coefficient and at mu = 0
-    friction, areas, law : as of `answer`
-    start : (n,), contact set to settle from; by default the coarse answer's
+    friction, areas, law : parameters of `answer`
+    start : contact set (n,) to settle from; by default the contact set of the coarse answer
 
     Returns
     -------
-    the answer on all nodes; None if it differs, is unstable or does not settle
+    the answer on all nodes; None if this answer differs from the coarse one, is unstable or does
+    not settle
     """
     coarse = Sliding.through(halved(still), halved(problem), friction)
     try:
         like = answer(coarse.at, friction, None, halved_sums(areas), law=law, brake="")
-        first = beside(like.p > 0, len(problem.q)) if start is None else start
+        first = spread_to_all_nodes(like.p > 0, len(problem.q)) if start is None else start
         found = settle(problem, first)
     except NoAnswer:
         return None
     # The work of the difference tells two meshes of one answer from two answers.
-    off = between(like.p, len(found.p)) - found.p
+    off = interpolated(like.p, len(found.p)) - found.p
     work_off = float(off @ (problem.A @ off))
     work = float(found.p @ (problem.A @ found.p))
     same = work_off < LARGEST_MESH_DIFFERENCE**2 * work
     return found if found.regular and same else None
 
 
-def _sure(
+def _is_followed(
     problem_at: Callable[[float], Problem], friction: float, found: Contact, areas: Floats
 ) -> bool:
-    """Whether an answer below the limit of the rigid shoe is the answer followed from mu = 0."""
+    """Whether an answer below the limit of the rigid shoe is surely followed from mu = 0."""
     try:
         half = settle(problem_at(0.5 * friction), found.active, like=found.system)
         return found.regular and _grows_little(found, half, areas)
@@ -346,18 +367,15 @@ def _sure(
 
 
 def _grows_little(found: Contact, before: Contact, areas: Floats) -> bool:
-    """Whether the contact force grows by at most LARGEST_FORCE_GROWTH from a stable answer before.
-
-    The sum of pressures would mislead. The contact moves along the lining as friction grows. Where
-    it comes from wide elements to narrow ones, more nodes press, and press harder, under the same
-    force.
-    """
+    """Whether the contact force grows from a stable answer by at most LARGEST_FORCE_GROWTH."""
+    # The sum of pressures would mislead: as friction grows, the contact moves along the lining. In
+    # narrower elements more nodes press, and press harder, under the same force.
     force, force_before = float(areas @ found.p), float(areas @ before.p)
     return before.regular and force <= (1 + LARGEST_FORCE_GROWTH) * force_before
 
 
-def _areas(problem: Problem, areas: Floats | None) -> Floats:
-    """The areas (n,) of the nodes, 1 by default."""
+def _areas_or_ones(problem: Problem, areas: Floats | None) -> Floats:
+    """The areas (n,) of the nodes, or 1 for each node if `areas` is None."""
     return np.ones(len(problem.q)) if areas is None else areas
 
 
@@ -375,21 +393,21 @@ def next_eigenvalue(sliding: Sliding, friction: float, active: Bools) -> float:
     G = np.linalg.solve(system.K[unknowns[:, None], unknowns], K1)[: len(nodes)]
     gamma = np.linalg.eigvals(G)
     gamma = gamma[gamma.imag == 0].real
-    # Only negative eigenvalues lie above the friction; those next to 0 belong to mu = inf.
+    # Only negative gamma give a friction above the present one; a gamma next to 0 gives mu = inf.
     falling = gamma[gamma < -1e-300]
     return float(friction - 1 / falling.min()) if len(falling) else np.inf
 
 
 class Agreement(NamedTuple):
-    """Where other first contact sets lead, compared with the answer followed from mu = 0.
+    """Counts of the answers to which several first contact sets lead.
 
     Attributes
     ----------
     starts : number of first contact sets
-    same : number that end at this answer
-    others : number that end at another stable answer
-    unstable : number that end at an unstable answer
-    lost : number that do not converge
+    same : number of first sets that end at the answer which is followed from mu = 0
+    others : number of first sets that end at another stable answer
+    unstable : number of first sets that end at an unstable answer
+    lost : number of first sets that do not converge
     difference : largest difference of pressure among `same`, relative to the largest pressure
     """
 
@@ -409,9 +427,10 @@ def agreement(
     Parameters
     ----------
     problem : contact problem of n nodes
-    answer : its answer, followed from mu = 0
-    starts : contact sets (n,)
-    tolerance : difference of pressure, relative to the largest, up to which answers are the same
+    answer : the answer of the problem that is followed from mu = 0
+    starts : first contact sets (n,)
+    tolerance : difference of pressure, relative to the largest pressure, up to which answers are
+        the same
     """
     counts = dict.fromkeys(("same", "others", "unstable", "lost"), 0)
     largest, scale = 0.0, np.abs(answer.p).max()
@@ -433,22 +452,25 @@ def agreement(
 def first_singular(sliding: Sliding) -> float:
     """The smallest mu > 0 at which K0 + mu K1 is singular on any contact set, or inf.
 
-    No brake needs to meet this contact set. Below this friction the determinants of all sets have
-    one sign, and every load and clearance has exactly one answer (without rigid-body modes a
-    P-matrix: Samelson, Thrall & Wesler 1958). All 2^n sets are tried, so that n must be small.
+    Below this friction the determinants of all contact sets have one sign, and every load and
+    clearance has exactly one answer (without rigid-body modes a P-matrix: Samelson, Thrall & Wesler
+    1958). A brake need not meet the contact set that is singular. All 2^n sets are tried, so that n
+    must be small.
     """
     n, k = sliding.still.B.shape
     sets = ((np.arange(2**n)[:, None] >> np.arange(n)) & 1).astype(bool)
     smallest = np.inf
     for active in sets[sets.sum(axis=1) >= max(k, 1)]:
-        # A set that leaves a mode free at every friction is singular, and no answer meets it.
+        # A contact set that leaves a mode free is singular at any friction; no answer has this set.
         with suppress(np.linalg.LinAlgError):
             smallest = min(smallest, next_eigenvalue(sliding, 0.0, active))
     return smallest
 
 
-def _reached(sliding: Sliding, friction: float, start: Bools, most: int = 30) -> Contact | None:
-    """The stable answer that settles from a contact set (n,) in at most `most` steps, or None."""
+def _settle_stable(
+    sliding: Sliding, friction: float, start: Bools, most: int = 30
+) -> Contact | None:
+    """The stable answer that settles from a contact set (n,) in `most` steps; None without one."""
     try:
         found = settle(sliding.at(friction), start, most)
     except NoAnswer:

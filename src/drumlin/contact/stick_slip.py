@@ -1,7 +1,7 @@
-"""Solve unilateral contact with friction that sticks and slips, one load increment at a time.
+"""Unilateral contact with friction that sticks and slips, solved one load increment at a time.
 
-Find pressures p, tangential tractions t and rigid-body motions y. With the changes of slip
-ds = s - s_0 and of traction dt = t - t_0 since the last converged increment they fulfil
+The unknowns are pressures p, tangential tractions t and rigid-body motions y. The slip changes by
+ds = s - s_0 and the traction by dt = t - t_0 since the last converged increment. The equations are
 
     w = q_w + A_wp p + A_wt t + B_w y,      p >= 0,  w >= 0,  p w = 0
     s = q_s + A_sp p + A_st t + B_s y,      |t| <= mu p,  ds - Q dt = 0 where it sticks,
@@ -9,23 +9,23 @@ ds = s - s_0 and of traction dt = t - t_0 since the last converged increment the
                                             where it slips
     C_p p + C_t t = h
 
-The weighted gaps are w (n,). The slips s (n,) are those of the drum against the lining. Q (n, n) is
+Here w (n,) are the weighted gaps and s (n,) the slips of the drum against the lining. Q (n, n) is
 the compliance of a tangential penalty, or zero.
 
-The law of one node is a surface of four flat pieces: open, sticking, and slipping either way. In a
-plane of (a, b) the open piece is the half-plane a < 0. The others are three wedges of a > 0. Each
-piece borders on two others:
+The law of one node is a surface of four flat pieces: open, stick, slip forward and slip backward.
+Each piece borders on two others:
 
     open:      p = t = 0,   w > 0;   w = 0 is the edge to slip, forward or backward as the slip went
     forward:   t = +mu p,   p > 0 (edge to open),  slip > 0 (edge to stick);     backward alike
     stick:     slip = 0,    |t| < mu p (edges to forward and backward)
 
 An increment is therefore one piecewise linear equation (Klarbring 1986; Alart & Curnier 1991).
-Newton's method solves it, all nodes at once. Where Newton's method cycles, a path of answers is
-followed. Its load goes from a load that the present states balance to the true one, and one node
-changes at a time (Lemke 1965; Eaves 1976).
+Newton's method solves this equation, and all nodes change at once. If Newton's method cycles, a
+path of answers is followed. The load of the path goes from a load that the present states balance
+to the true load, and one node changes at a time (Lemke 1965; Eaves 1976).
 
-The history (t_0, s_0) is an input. Only the caller changes it, by committing a converged increment.
+The history (t_0, s_0) is an input. Only the caller changes the history, by committing a converged
+increment.
 """
 
 from dataclasses import dataclass
@@ -41,7 +41,7 @@ from drumlin.contact.active_set import GOLDEN, PATH_LIFT, PATIENCE
 OPEN, STICK, FORWARD, BACKWARD = 0, 1, 2, 3
 
 MOST_STATE_STEPS = 60
-"""Limit of the steps of Newton's method. An increment of a brake needs some five."""
+"""Limit of the steps of Newton's method. An increment of a brake needs some five steps."""
 
 MOST_STATE_CHANGES = 6
 """Limit of the changes of state per node while a path of answers is followed."""
@@ -49,13 +49,23 @@ MOST_STATE_CHANGES = 6
 STATE_ROUND_OFF = 1e-10
 """Relative distance beyond an edge of its piece up to which a node stays in its state.
 
-It is relative to the largest numbers whose difference the distance is. A node farther out changes
-its state.
+The distance is a difference of two numbers, relative to the larger number. A node farther beyond
+the edge changes its state.
 """
 
 
 class FrictionalProblem(NamedTuple):
-    """The matrices and vectors of an increment's equations, named as in this module's docstring."""
+    """The equations of an increment, with matrices and vectors as in the module's docstring.
+
+    Attributes
+    ----------
+    A_wp, A_wt, B_w : weighted gaps per pressure, per traction and per rigid-body motion
+    A_sp, A_st, B_s : weighted slips per pressure, per traction and per rigid-body motion
+    C_p, C_t : equilibria per pressure and per traction
+    q_w, q_s : weighted gaps and slips without pressures, tractions and motions
+    h : generalised forces of the actuation
+    Q : compliance of the tangential penalty, or zero
+    """
 
     A_wp: Floats
     A_wt: Floats
@@ -72,7 +82,7 @@ class FrictionalProblem(NamedTuple):
 
 
 class History(NamedTuple):
-    """Tractions t (n,) and weighted slips s (n,) of the last converged increment."""
+    """The tractions t (n,) and weighted slips s (n,) of the last converged increment."""
 
     t: Floats
     s: Floats
@@ -84,9 +94,9 @@ class Increment:
 
     Attributes
     ----------
-    p, t, s, w : (n,), pressures, tractions, slips and weighted gaps
-    y : (k,), rigid-body motions
-    state : (n,), OPEN, STICK, FORWARD or BACKWARD of each node
+    p, t, s, w : pressures, tractions, slips and weighted gaps (n,)
+    y : rigid-body motions (k,)
+    state : state (n,) of each node: OPEN, STICK, FORWARD or BACKWARD
     steps : number of linear systems that were solved
     """
 
@@ -100,29 +110,29 @@ class Increment:
 
     @property
     def history(self) -> History:
-        """The history from which the next increment starts."""
+        """The tractions and slips from which the next increment starts."""
         return History(self.t, self.s)
 
 
 def solve(
     problem: FrictionalProblem, mu: float | Floats, history: History, start: Ints
 ) -> Increment:
-    """Solve one increment.
+    """Solve one load increment.
 
     Parameters
     ----------
     problem : the equations of n nodes
-    mu : friction coefficient of all nodes, or of each (n,)
-    history : tractions and slips of the increment before
-    start : (n,), states from which Newton's method starts
+    mu : friction coefficient of all nodes, or (n,) of each node
+    history : tractions and slips of the last increment
+    start : states (n,) from which Newton's method starts
 
     Raises
     ------
     NoAnswer
-        if neither Newton's method nor a path from these states or from wide gaps leads to an answer
+        if neither Newton's method nor a path from the states or from wide gaps leads to an answer
     """
-    system, scales = _scaled(problem, mu, history)
-    for method in (_newton, _followed, _closed):
+    system, scales = _scale_equations(problem, mu, history)
+    for method in (_solve_by_newton, _follow_from_states, _follow_from_wide_gaps):
         try:
             settled = method(system, start)
         except NoAnswer as error:
@@ -140,7 +150,8 @@ class _FrictionalSystem(NamedTuple):
     """The scaled equations of an increment: v = q + A z + B y and C z = h.
 
     The unknowns are z = (p, t) and v = (w, ds - Q dt), both (2n,). Scaling makes the diagonal of A
-    one for w and minus one for the slip. The friction coefficients `mu` (n,) are scaled with it.
+    1 in the rows of w and -1 in the rows of the slip. The friction coefficients `mu` (n,) are
+    scaled as well.
     """
 
     A: Floats
@@ -160,17 +171,17 @@ class _Point(NamedTuple):
 
 
 class _Settled(NamedTuple):
-    """States (n,) at which an increment settles, the solution there, and the steps to it."""
+    """The states (n,) at which an increment settles, the solution, and the number of steps."""
 
     state: Ints
     point: _Point
     steps: int
 
 
-def _scaled(
+def _scale_equations(
     problem: FrictionalProblem, mu: float | Floats, history: History
 ) -> tuple[_FrictionalSystem, Floats]:
-    """The scaled equations, and the scales (2n,): z = scales z', v = v' / scales."""
+    """Scale the equations of an increment, and return the scales (2n,): z = scales z_scaled."""
     A = np.block([[problem.A_wp, problem.A_wt], [problem.A_sp, problem.A_st - problem.Q]])
     # The history moves to the right-hand side, so that v holds changes of slip.
     q_slip = problem.q_s - history.s + problem.Q @ history.t
@@ -191,9 +202,9 @@ def _scaled(
 
 
 class _Piece:
-    """The linear equations of given states (n,), factorised once.
+    """The linear equations of given states (n,) of the nodes, factorised once.
 
-    Raises NoAnswer if they are singular.
+    Raises NoAnswer if the equations are singular.
     """
 
     def __init__(self, system: _FrictionalSystem, state: Ints) -> None:
@@ -201,10 +212,10 @@ class _Piece:
         n, k = len(state), len(system.h)
         self.pressed = np.flatnonzero(state != OPEN)
         stuck = n + np.flatnonzero(state == STICK)
-        # In a slipping node t = sliding p; sliding is 0 in a sticking node.
+        # At a slipping node t = sliding p; at a sticking node sliding is 0.
         sense = (state == FORWARD).astype(float) - (state == BACKWARD)
         self.sliding = (system.mu * sense)[self.pressed]
-        # The unknowns are the pressures of the pressed nodes and the tractions of the stuck ones.
+        # The unknowns are the pressures of pressed nodes and the tractions of sticking nodes.
         self.basic = np.concatenate([self.pressed, stuck])
         pressed, dragged = self.pressed, n + self.pressed
         by_pressure = system.A[:, pressed] + system.A[:, dragged] * self.sliding
@@ -214,12 +225,12 @@ class _Piece:
         matrix = np.block(
             [[self.columns[self.basic], system.B[self.basic]], [balance, np.zeros((k, k))]]
         )
-        self._factors = _factorised(matrix)
+        self._factors = _factorise(matrix)
 
     def at(self, q: Floats, h: Floats) -> _Point:
-        """Solve for z (2n,), v (2n,) and y (k,) under the data q (2n,) and h (k,)."""
+        """Solve the equations for z, v (2n,) and y (k,) under the loads q (2n,) and h (k,)."""
         right = np.concatenate([-q[self.basic], h])
-        solution = _back(self._factors, right)
+        solution = _back_substitute(self._factors, right)
         basic, y = solution[: len(self.basic)], solution[len(self.basic) :]
         n, m = len(self.state), len(self.pressed)
         v = q + self.columns @ basic + self.system.B @ y
@@ -230,9 +241,10 @@ class _Piece:
         return _Point(z, v, y)
 
     def margins(self, point: _Point) -> Floats:
-        """Distances (2, n) of each node from the two edges of its piece, linear in the point.
+        """The distances (2, n) of each node from the two edges of its piece, linear in the point.
 
-        A negative distance lies outside. An open node has no second edge; its distance is 0.
+        A distance is negative outside the piece. An open node has no second edge, and its second
+        distance is 0.
         """
         p, t = np.split(point.z, 2)
         w, slip = np.split(point.v, 2)
@@ -244,30 +256,32 @@ class _Piece:
         return np.array([first, second])
 
 
-# The state beyond each edge, by state and edge. An open node becomes FORWARD or BACKWARD by the
-# sign of its slip; the entry FORWARD only holds its place.
 NEXT_STATE = np.array([[FORWARD, OPEN], [FORWARD, BACKWARD], [OPEN, STICK], [OPEN, STICK]])
+"""The state of a node beyond each edge of its piece, by the present state and the edge.
+
+An open node becomes FORWARD or BACKWARD by the sign of its slip. The table gives it FORWARD alone.
+"""
 
 
-def _newton(system: _FrictionalSystem, start: Ints) -> _Settled:
-    """Solve by Newton's method, all nodes at once. Raises NoAnswer if it cycles."""
+def _solve_by_newton(system: _FrictionalSystem, start: Ints) -> _Settled:
+    """Solve by Newton's method, in which all nodes change at once. Raises NoAnswer on a cycle."""
     state, fewest, patience = start, 3 * len(start), PATIENCE
     for step in range(1, MOST_STATE_STEPS + 1):
         piece = _Piece(system, state)
         point = piece.at(system.q, system.h)
-        outside = piece.margins(point) < -STATE_ROUND_OFF * _sizes(system, piece, point)
+        outside = piece.margins(point) < -STATE_ROUND_OFF * _margin_scales(system, piece, point)
         wrong = int(np.count_nonzero(outside))
         if not wrong:
             return _Settled(state, point, step)
         fewest, patience = (wrong, PATIENCE) if wrong < fewest else (fewest, patience - 1)
         if patience < 0:
             break
-        state = _wanted(system, state, point, outside)
+        state = _next_states(system, state, point, outside)
     raise NoAnswer("not converged: stick and slip do not settle")
 
 
-def _wanted(system: _FrictionalSystem, state: Ints, point: _Point, outside: Bools) -> Ints:
-    """The next states (n,), for nodes that are `outside` (2, n) the edges of their pieces."""
+def _next_states(system: _FrictionalSystem, state: Ints, point: _Point, outside: Bools) -> Ints:
+    """The next states (n,) of the nodes, where `outside` (2, n) marks nodes beyond an edge."""
     p, _ = np.split(point.z, 2)
     w, slip = np.split(point.v, 2)
     wanted = state.copy()
@@ -283,23 +297,23 @@ def _wanted(system: _FrictionalSystem, state: Ints, point: _Point, outside: Bool
     return wanted
 
 
-def _sizes(system: _FrictionalSystem, piece: _Piece, point: _Point) -> Floats:
-    """The largest numbers (2, n) whose differences the margins are."""
+def _margin_scales(system: _FrictionalSystem, piece: _Piece, point: _Point) -> Floats:
+    """The scales (2, n) of the margins: the largest numbers whose differences the margins are."""
     of_z = np.abs(point.z).max(initial=0.0)
     of_v = max(np.abs(system.q).max(), np.abs(system.B @ point.y).max(), np.abs(point.v).max())
     opened, sticks = piece.state == OPEN, piece.state == STICK
     return np.array([np.where(opened, of_v, of_z), np.where(sticks, of_z, of_v)])
 
 
-def _followed(system: _FrictionalSystem, start: Ints) -> _Settled:
-    """Follow the path from a load that the states `start` (n,) balance."""
-    return _path(system, start, wide=False)
+def _follow_from_states(system: _FrictionalSystem, start: Ints) -> _Settled:
+    """Follow the path of answers from a load that the states `start` (n,) balance."""
+    return _follow_path(system, start, wide=False)
 
 
-def _closed(system: _FrictionalSystem, start: Ints) -> _Settled:
-    """Follow the path from wide gaps, at which only the nodes touch that close first.
+def _follow_from_wide_gaps(system: _FrictionalSystem, start: Ints) -> _Settled:
+    """Follow the path of answers from wide gaps, where only the nodes that close first slip.
 
-    These nodes slip. Of `start` (n,) only the number of nodes counts.
+    Only the number of nodes of `start` (n,) counts.
     """
     n = len(start)
     state = np.full(n, OPEN)
@@ -307,26 +321,26 @@ def _closed(system: _FrictionalSystem, start: Ints) -> _Settled:
         # A mode without load needs no node of its own.
         if load == 0:
             continue
-        # Only a pressure against the load can balance the mode.
+        # Only the pressure of a bearing node can balance the load on the mode.
         bearing = system.C[mode, :n] * load > 0
         if not bearing.any():
             raise NoAnswer("no equilibrium: contact pressure cannot balance the actuation anywhere")
         turn = np.maximum(np.abs(system.B[:n, mode]), np.finfo(float).tiny)
         first = int(np.where(bearing, system.q[:n] / turn, np.inf).argmin())
-        # Of the two ways to slip, the friction of this way does not lock the mode.
+        # The node slips in the sense in which its friction does not lock the mode.
         helps = system.C[mode, n + first] * load >= 0
         state[first] = FORWARD if helps else BACKWARD
-    return _path(system, state, wide=True)
+    return _follow_path(system, state, wide=True)
 
 
 class _Edge(NamedTuple):
-    """The edge that a path meets next.
+    """The edge of a piece that a path of answers meets next.
 
     Attributes
     ----------
-    node : node that reaches an edge of its piece
-    edge : index of this edge, 0 or 1
-    step : change of r up to there, inf if no node reaches an edge
+    node : number of the node that reaches an edge of its piece
+    edge : number of this edge, 0 or 1
+    step : change of r up to the edge; inf if no node reaches an edge
     """
 
     node: int
@@ -334,19 +348,17 @@ class _Edge(NamedTuple):
     step: float
 
 
-def _path(system: _FrictionalSystem, state: Ints, *, wide: bool) -> _Settled:
-    """Follow the path of answers to q + r e and h + r f from r = 1 to r = 0.
+def _follow_path(system: _FrictionalSystem, state: Ints, *, wide: bool) -> _Settled:
+    """Follow the path of answers under the loads q + r e and h + r f from r = 1 to r = 0.
 
-    The changes e and f let the states at r = 1 hold with a margin. With `wide` the open nodes get a
-    margin in any case. Between two changes of a state the answer is linear in r. Each change is of
-    one node. The next piece begins where this node left its piece; r grows again where the path
-    turns.
-
-    Raises NoAnswer if the path goes on for ever.
+    The added loads e and f let the first states hold at r = 1 with a margin. With `wide` each open
+    node gets a margin. Between two changes of a state the answer is linear in r. One node changes
+    at a time. The path may turn, so that r grows again. Raises NoAnswer if the path goes on for
+    ever.
     """
     state, r, direction, node, edge = state.copy(), 1.0, -1.0, -1, 0
     piece = _Piece(system, state)
-    e, f = _lift(system, piece, wide)
+    e, f = _lift_into_pieces(system, piece, wide)
     for passed in range(1, MOST_STATE_CHANGES * len(state) + 1):
         point, slope = piece.at(system.q, system.h), piece.at(e, f)
         value, change = piece.margins(point), piece.margins(slope)
@@ -376,7 +388,14 @@ def _path(system: _FrictionalSystem, state: Ints, *, wide: bool) -> _Settled:
 
 
 def _next_edge(value: Floats, change: Floats, r: float, direction: float) -> _Edge:
-    """The edge that a path meets first, from margins (2, n): `value` at r = 0, `change` per r."""
+    """The edge that a path of answers meets next.
+
+    Parameters
+    ----------
+    value, change : margins (2, n) at r = 0, and their change per r
+    r : present value of r
+    direction : sense, +1 or -1, in which r changes
+    """
     falls = direction * change < 0
     reach = np.full(falls.shape, np.inf)
     reach[falls] = np.maximum(value + r * change, 0.0)[falls] / np.abs(change[falls])
@@ -384,15 +403,17 @@ def _next_edge(value: Floats, change: Floats, r: float, direction: float) -> _Ed
     return _Edge(node, edge, reach[edge, node])
 
 
-def _lift(system: _FrictionalSystem, piece: _Piece, wide: bool) -> tuple[Floats, Floats]:
-    """Changes of q (2n,) and h (k,) under which every node lies within its piece."""
+def _lift_into_pieces(
+    system: _FrictionalSystem, piece: _Piece, wide: bool
+) -> tuple[Floats, Floats]:
+    """The loads to add to q (2n,) and h (k,) so that every node lies within its piece."""
     point, state = piece.at(system.q, system.h), piece.state
     margin = _lifted_margins(system, piece, point, wide)
     (p, t), (w, slip) = np.split(point.z, 2), np.split(point.v, 2)
     opened, sticks = state == OPEN, state == STICK
     slips = (state == FORWARD) | (state == BACKWARD)
     sense = np.where(state == BACKWARD, -1.0, 1.0)
-    # An open node has its gap for a margin, a slipping node its pressure and its slip.
+    # The margin of an open node is its gap; a slipping node has its pressure and its slip.
     w = np.where(opened, margin.distances[0], w)
     slip = np.where(slips, sense * margin.distances[1], slip)
     # The margins of a sticking node are mu p - t and mu p + t, which give its p and t.
@@ -402,7 +423,7 @@ def _lift(system: _FrictionalSystem, piece: _Piece, wide: bool) -> tuple[Floats,
     too_small = sticks & margin.lifted.any(axis=0)
     p = np.where(slips, margin.distances[0], np.where(too_small, stick_p, p))
     t = np.where(slips, sense * system.mu * p, np.where(sticks, stick_t, t))
-    # The data are changed so that these z and v solve the equations.
+    # The added loads make these z and v solve the equations.
     z, v = np.concatenate([p, t]), np.concatenate([w, slip])
     of_q = v - (system.q + system.A @ z + system.B @ point.y)
     of_h = system.C @ z - system.h
@@ -410,7 +431,7 @@ def _lift(system: _FrictionalSystem, piece: _Piece, wide: bool) -> tuple[Floats,
 
 
 class _Margins(NamedTuple):
-    """Positive `distances` (2, n) from the edges, and which of them were `lifted` (2, n)."""
+    """Positive `distances` (2, n) from the edges, and whether a distance was `lifted` (2, n)."""
 
     distances: Floats
     lifted: Bools
@@ -419,14 +440,14 @@ class _Margins(NamedTuple):
 def _lifted_margins(
     system: _FrictionalSystem, piece: _Piece, point: _Point, wide: bool
 ) -> _Margins:
-    """Margins of a point, lifted so far that every node lies within its piece.
+    """The margins of a point, enlarged so far that every node lies within its piece.
 
-    The lifts differ from node to node, so that no two nodes change together.
+    The enlargements differ from node to node, so that no two nodes change together.
     """
     state = piece.state
     n = len(state)
     uneven = 1 + np.arange(2 * n).reshape(2, n) * GOLDEN % 1
-    slack = PATH_LIFT * _sizes(system, piece, point)
+    slack = PATH_LIFT * _margin_scales(system, piece, point)
     margin = piece.margins(point)
     lifted = margin <= 0
     if wide:
@@ -437,7 +458,7 @@ def _lifted_margins(
 
 
 class _ScaledFactors(NamedTuple):
-    """LU factors and pivots of a matrix whose rows and columns are multiplied by scales."""
+    """The LU factors and pivots of a matrix, and the scales that multiply its rows and columns."""
 
     lu: Floats
     pivots: Ints
@@ -445,11 +466,9 @@ class _ScaledFactors(NamedTuple):
     column_scales: Floats
 
 
-def _factorised(matrix: Floats) -> _ScaledFactors:
-    """Equilibrate and factorise a matrix, whose rows and columns differ in their units.
-
-    Raises NoAnswer if the matrix is singular.
-    """
+def _factorise(matrix: Floats) -> _ScaledFactors:
+    """Equilibrate and factorise a matrix. Raises NoAnswer if the matrix is singular."""
+    # Rows and columns of pressures and of motions have different units.
     if not matrix.size:
         return _ScaledFactors(matrix, np.zeros(0, dtype=np.int32), np.zeros(0), np.zeros(0))
     tiny = np.finfo(float).tiny
@@ -461,8 +480,8 @@ def _factorised(matrix: Floats) -> _ScaledFactors:
     return _ScaledFactors(lu, pivots, row, column)
 
 
-def _back(factors: _ScaledFactors, right: Floats) -> Floats:
-    """Solve by back-substitution."""
+def _back_substitute(factors: _ScaledFactors, right: Floats) -> Floats:
+    """Solve the equations with scaled LU factors for a right-hand side."""
     if not right.size:
         return right
     solution, _ = dgetrs(factors.lu, factors.pivots, factors.row_scales * right)
@@ -470,19 +489,20 @@ def _back(factors: _ScaledFactors, right: Floats) -> Floats:
 
 
 def zones(nodes: Floats, state: Ints) -> dict[str, tuple[tuple[float, float], ...]]:
-    """Arcs [rad] of "stick" and of "slip": runs of nodes in one state.
+    """The arcs [rad] in which a lining sticks, as "stick", and in which it slips, as "slip".
 
-    An arc ends half-way to the next node. `nodes` (n,) are angles [rad], `state` (n,) their states.
+    An arc is a run of nodes in one state and ends half-way to the next node. `nodes` (n,) are the
+    angles [rad] of the nodes, and `state` (n,) their states.
     """
     edges = np.concatenate([nodes[:1], 0.5 * (nodes[1:] + nodes[:-1]), nodes[-1:]])
     return {
-        "stick": _runs(edges, state == STICK),
-        "slip": _runs(edges, (state == FORWARD) | (state == BACKWARD)),
+        "stick": _runs_of(edges, state == STICK),
+        "slip": _runs_of(edges, (state == FORWARD) | (state == BACKWARD)),
     }
 
 
-def _runs(edges: Floats, where: Bools) -> tuple[tuple[float, float], ...]:
-    """Begin and end of each run of true values; edges (n + 1,) lie between the values (n,)."""
+def _runs_of(edges: Floats, where: Bools) -> tuple[tuple[float, float], ...]:
+    """The begin and end of each run of true values; the value i lies between edges i and i + 1."""
     padded = np.concatenate([[0], where.astype(int), [0]])
     change = np.flatnonzero(np.diff(padded))
     return tuple((float(edges[a]), float(edges[b])) for a, b in change.reshape(-1, 2))

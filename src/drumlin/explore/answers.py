@@ -45,20 +45,20 @@ LockingFriction = Mapping[tuple[int, ...], float]
 
 @dataclass(frozen=True)
 class ExploredAnswer:
-    """The answers of the models for a setting.
+    """The answers of finite elements and of a law for a setting of the knobs.
 
     Attributes
     ----------
-    setting : the setting
+    setting : setting of the knobs
     brake : the brake as it is solved, worn where wear is asked for; None where its parts do not fit
         together
-    found : response of the finite elements
-    failure : why there is none
+    found : response of the finite elements; None where they have no answer
+    failure : reason why the finite elements have no answer; "" where they have one
     law_name : name of the law beside the finite elements
-    law : its response
-    law_failure : why there is none
-    law_locking : mu_lock of the worst shoe by the law; None on a plane
-    distance : sliding distance [m] of the wear
+    law : response of the law; None where the law has no answer
+    law_failure : reason why the law has no answer; "" where it has one
+    law_locking : smallest friction at which a shoe locks itself by the law; None on a plane
+    distance : sliding distance [m] over which the linings are worn
     """
 
     setting: KnobSetting
@@ -103,18 +103,18 @@ class StatedError(NamedTuple):
 
 
 class Latest:
-    """The value that was made last, with its key."""
+    """A store for one value: the value that was made last, with its key."""
 
     def __init__(self) -> None:
         self._key: Any = None
         self._value: Any = None
 
     def kept(self, key: Any) -> Any:
-        """The value, if it has this key, else None."""
+        """The stored value if its key is `key`, else None."""
         return self._value if key == self._key else None
 
     def get(self, key: Any, make: Callable[[], Any]) -> Any:
-        """The value, which is made anew for another key."""
+        """The stored value; for another key than the stored one `make` makes a new value."""
         if self._value is None or key != self._key:
             self._value = make()
             self._key = key
@@ -153,10 +153,10 @@ class Explorer:
         return _with_law(answer)
 
     def scene(self, brake: Brake) -> PreparedModel:
-        """The bodies of a brake, prepared with friction, so that they serve every friction."""
+        """The prepared model of a brake, which serves every friction coefficient."""
 
         def make() -> PreparedModel:
-            """The bodies with a friction of 1."""
+            """The prepared model of the brake with a friction coefficient of 1."""
             rough = vary(brake, {"friction": 1.0})
             if any(shoe.mesh for shoe in rough.shoes):
                 return prepare(rough)
@@ -165,10 +165,14 @@ class Explorer:
         return self._scene.get(bare(brake).model_copy(update={"friction": 1.0}), make)
 
     def _worn_brake(self, scene: PreparedModel, brake: Brake, wear: float) -> _WornBrake:
-        """The brake worn over `wear` times 1/(k K). Raises NoAnswer for a worn-out lining."""
+        """The brake worn over the sliding distance `wear` times 1/(k K).
+
+        Raises NoAnswer for a worn-out lining.
+        """
         run = self._worn.get(brake, lambda: _run(scene, brake))
         state = at(run.states, wear * run.unit)
         for surface in run.setup.surfaces:
+            # A lining worn below the allowed thickness has no answer.
             deepest, lining = state.depth[surface.part].max(), brake.shoes[surface.shoe].lining
             if deepest > WORN_OUT * lining.thickness:
                 raise NoAnswer(
@@ -178,10 +182,13 @@ class Explorer:
         return _WornBrake(worn(run.setup, state), wear * run.unit)
 
     def locking(self, brake: Brake) -> LockingFriction:
-        """The friction mu_lock, up to HIGHEST_FRICTION; empty where no shoe touches the drum."""
+        """The friction mu_lock at which shoes lock, if it is at most HIGHEST_FRICTION.
+
+        The result is empty where no shoe touches the drum.
+        """
 
         def make() -> LockingFriction:
-            """The limits of self-locking, whatever the friction of the brake."""
+            """The limits of self-locking, found from a friction coefficient of 1."""
             rough = vary(brake, {"friction": 1.0})
             try:
                 found = limits(self.scene(brake), rough, HIGHEST_FRICTION)
@@ -198,19 +205,22 @@ class Explorer:
         return known
 
     def stated(self, answer: ExploredAnswer) -> StatedError | None:
-        """The error of an answer by `solve`, which takes some time; None without an answer."""
+        """The distance of an answer from that of `solve`, which takes seconds to minutes.
+
+        It is None where one of both has no answer.
+        """
         brake, found = answer.brake, answer.found
         if brake is None or found is None:
             return None
 
         def make() -> StatedError | None:
-            """The distance from the answer of `solve`."""
+            """The distance of the answer from the answer of `solve`."""
             try:
                 finer = solve(brake)
             except DrumlinError:
                 return None
-            pairs = zip(found.shoes, finer.shoes, strict=True)
-            apart = max(pressure_distance(a, b) for a, b in pairs)
+            # The worst shoe counts.
+            apart = max(map(pressure_distance, found.shoes, finer.shoes))
             return StatedError(abs(relative(found.effect, finer.effect)), apart, finer.error)
 
         known: StatedError | None = self._stated.get(brake, make)
@@ -218,12 +228,12 @@ class Explorer:
 
 
 def _at_any_friction(brake: Brake) -> Brake:
-    """A key that is the same for every friction of a brake."""
+    """The brake with a friction coefficient of 1: a key that is the same for every friction."""
     return brake.model_copy(update={"friction": 1.0})
 
 
 def _run(scene: PreparedModel, brake: Brake) -> _WearRun:
-    """The wear of a brake over the whole range of its knob."""
+    """The wear of a brake up to the largest sliding distance that the page offers."""
     setup, law = fem_setup(scene, brake), WearLaw(COEFFICIENT)
     unit = unit_distance(setup, law)
     states = run_in(setup, law, distance=LARGEST_WEAR * unit, tolerance=WEAR_TOLERANCE)
@@ -231,11 +241,12 @@ def _run(scene: PreparedModel, brake: Brake) -> _WearRun:
 
 
 def _with_law(answer: ExploredAnswer) -> ExploredAnswer:
-    """The answer with the response and the self-locking of its law."""
+    """The answer of finite elements, completed by the response and the self-locking of its law."""
     name, brake = answer.law_name, answer.brake
     if name is None or brake is None:
         return answer
     try:
+        # The formula for self-locking holds on a drum, for the worst shoe.
         if name in LAWS and not brake.surface.straight:
             locking = min(locking_friction(brake, shoe, LAWS[name]) for shoe in brake.shoes)
             answer = replace(answer, law_locking=locking)

@@ -106,12 +106,14 @@ class KnobSetting:
     values: Mapping[str, float] = field(default_factory=dict)
 
     def value(self, knob: Knob) -> float:
-        """The value of a knob [its unit]."""
+        """The value of a knob at this setting [unit of the knob]."""
         return self.values.get(knob.name, knob.start)
 
     def turned(self, knob: Knob, value: float) -> "KnobSetting":
-        """The setting with one knob turned to a value [its unit]."""
-        values = {name: old for name, old in self.values.items() if name != knob.name}
+        """The setting with one knob turned to a value [unit of the knob]."""
+        values = dict(self.values)
+        values.pop(knob.name, None)
+        # A knob at the value of the brake file has no entry.
         if abs(value - knob.start) > 1e-9 * abs(knob.start or knob.high):
             values[knob.name] = value
         return replace(self, values=values)
@@ -142,16 +144,16 @@ def knobs_of(brake: Brake) -> tuple[Knob, ...]:
     fine = nice(R * 1e-5)
     is_flat = brake.surface.straight
     knobs = [
-        _friction(brake),
-        _force(brake),
-        _shift(brake, R),
-        _turn(brake),
-        _clearance(brake, fine),
+        _friction_knob(brake),
+        _force_knob(brake),
+        _shift_knob(brake, R),
+        _turn_knob(brake),
+        _clearance_knob(brake, fine),
         # A lining that fits a plane has no radius, and its wear has no unit of distance.
-        None if is_flat else _misfit(brake, fine),
+        None if is_flat else _misfit_knob(brake, fine),
         None if is_flat else WEAR_KNOB,
-        _modulus(brake, "lining", "lining modulus", "MPa", 1e6),
-        _modulus(brake, "shoe", "shoe modulus", "GPa", 1e9),
+        _modulus_knob(brake, "lining", "lining modulus", "MPa", 1e6),
+        _modulus_knob(brake, "shoe", "shoe modulus", "GPa", 1e9),
     ]
     return tuple(knob for knob in knobs if knob is not None)
 
@@ -162,7 +164,7 @@ def nice(value: float) -> float:
     return float(min((1, 2, 5, 10), key=lambda digit: abs(math.log(value / power / digit))) * power)
 
 
-def _friction(brake: Brake) -> Knob:
+def _friction_knob(brake: Brake) -> Knob:
     """The knob of the friction coefficient."""
     return Knob(
         name="friction",
@@ -176,10 +178,10 @@ def _friction(brake: Brake) -> Knob:
     )
 
 
-def _force(brake: Brake) -> Knob | None:
+def _force_knob(brake: Brake) -> Knob | None:
     """The knob of the force, pressure or torque that pushes the shoes; None where it is 0."""
     if brake.actuation is not None:
-        return _drive(brake.actuation)
+        return _drive_knob(brake.actuation)
     forces = [shoe.actuation.force for shoe in brake.shoes]
     largest = max(forces, key=abs)
     if largest == 0:
@@ -187,9 +189,11 @@ def _force(brake: Brake) -> Knob | None:
     low, high = sorted([0.0, 3 * largest * 1e-3])
 
     def changes(value: float) -> Changes:
-        """All forces in proportion, the largest at a value [kN]."""
-        shares = (force / largest for force in forces)
-        return {f"shoe[{i}].actuation.force": value * 1e3 * share for i, share in enumerate(shares)}
+        """New forces of all shoes in proportion, the largest one `value` [kN]."""
+        made: Changes = {}
+        for i, force in enumerate(forces):
+            made[f"shoe[{i}].actuation.force"] = value * 1e3 * (force / largest)
+        return made
 
     label = "force on each shoe" if len(forces) > 1 else "force"
     if len(set(forces)) > 1:
@@ -198,23 +202,24 @@ def _force(brake: Brake) -> Knob | None:
     return Knob("force", label, "kN", low, high, step, largest * 1e-3, changes)
 
 
-def _drive(drive: Drive) -> Knob:
+def _drive_knob(drive: Drive) -> Knob:
     """The knob of a common actuation: pressure of a cylinder, force or torque of a cam."""
-    given = {key: getattr(drive, key) for key in DRIVES if getattr(drive, key) is not None}
-    key, value = next(iter(given.items()))
+    # A brake file gives one of these keys.
+    key = next(key for key in DRIVES if getattr(drive, key) is not None)
+    value = getattr(drive, key)
     label, unit, factor = DRIVES[key]
     start = value / factor
     # A brake file refuses a cylinder without pressure.
     low, high = sorted([0.0 if key != "pressure" else 0.01 * start, 3 * start])
 
     def changes(value: float) -> Changes:
-        """The key of the actuation at a value [its unit]."""
+        """A new pressure, force or torque of the common actuation, `value` in the knob's unit."""
         return {f"actuation.{key}": value * factor}
 
     return Knob("force", label, unit, low, high, nice(abs(start) * 1e-2), start, changes)
 
 
-def _shift(brake: Brake, R: float) -> Knob:
+def _shift_knob(brake: Brake, R: float) -> Knob:
     """The knob that moves the lines of action, in mm; R [mm] is the size of the brake."""
     return Knob(
         name="shift",
@@ -224,12 +229,15 @@ def _shift(brake: Brake, R: float) -> Knob:
         high=nice(R / 5),
         step=nice(R / 400),
         start=0.0,
-        changes=lambda value: _shifted(brake, value * 1e-3),
+        changes=lambda value: _shifted_forces(brake, value * 1e-3),
     )
 
 
-def _shifted(brake: Brake, by: float) -> Changes:
-    """Every line of action moved across itself by a length [m], away from the hinge if positive."""
+def _shifted_forces(brake: Brake, by: float) -> Changes:
+    """New points of all forces, moved across the line of action by a length [m].
+
+    A positive length leads away from the hinge.
+    """
     changes: Changes = {}
     for i, shoe in enumerate(brake.shoes):
         along, point = shoe.actuation.direction_vector, shoe.actuation.point
@@ -241,7 +249,7 @@ def _shifted(brake: Brake, by: float) -> Changes:
     return changes
 
 
-def _turn(brake: Brake) -> Knob:
+def _turn_knob(brake: Brake) -> Knob:
     """The knob that turns the lines of action, in degrees."""
     return Knob(
         name="turn",
@@ -251,19 +259,20 @@ def _turn(brake: Brake) -> Knob:
         high=30.0,
         step=0.5,
         start=0.0,
-        changes=lambda value: _turned(brake, math.radians(value)),
+        changes=lambda value: _turned_forces(brake, math.radians(value)),
     )
 
 
-def _turned(brake: Brake, by: float) -> Changes:
-    """Every force turned by an angle [rad]; on mirrored shoes the other way."""
-    return {
-        f"shoe[{i}].actuation.direction": shoe.actuation.direction + shoe.frame.sense * by
-        for i, shoe in enumerate(brake.shoes)
-    }
+def _turned_forces(brake: Brake, by: float) -> Changes:
+    """New directions of all forces, turned by an angle [rad]; on mirrored shoes the other way."""
+    changes: Changes = {}
+    for i, shoe in enumerate(brake.shoes):
+        direction = shoe.actuation.direction + shoe.frame.sense * by
+        changes[f"shoe[{i}].actuation.direction"] = direction
+    return changes
 
 
-def _clearance(brake: Brake, step: float) -> Knob:
+def _clearance_knob(brake: Brake, step: float) -> Knob:
     """The knob of the clearance, with a step [mm].
 
     Where the file has tables, or clearances that differ, its value is added to them.
@@ -273,13 +282,13 @@ def _clearance(brake: Brake, step: float) -> Knob:
     start = float(given[0]) * 1e3 if same and not isinstance(given[0], tuple) else 0.0
 
     def changes(value: float) -> Changes:
-        """All clearances with the same length added, the common one at a value [mm]."""
+        """New clearances of all linings, changed by one length; `value` [mm] is the knob's."""
         more = (value - start) * 1e-3
         made: Changes = {}
         for i, old in enumerate(given):
             key = f"shoe[{i}].lining.clearance"
             if isinstance(old, tuple):
-                made[key] = [[place, gap + more] for place, gap in old]
+                made[key] = np.add(old, [0.0, more]).tolist()
             else:
                 made[key] = old + more
         return made
@@ -289,7 +298,7 @@ def _clearance(brake: Brake, step: float) -> Knob:
     return Knob("clearance", label, "mm", -reach, 2 * reach, step, start, changes)
 
 
-def _misfit(brake: Brake, step: float) -> Knob:
+def _misfit_knob(brake: Brake, step: float) -> Knob:
     """The knob of the linings' radius over the drum's, with a step [mm].
 
     Where the radii differ, its value is added to them.
@@ -303,16 +312,19 @@ def _misfit(brake: Brake, step: float) -> Knob:
     start = given[0] * 1e3 if same else 0.0
 
     def changes(value: float) -> Changes:
-        """All radii with the same length added, the common one at a value [mm]."""
+        """New radii of all linings, changed by one length; `value` [mm] is the knob's."""
         more = (value - start) * 1e-3
-        return {f"shoe[{i}].lining.misfit.radius": R + old + more for i, old in enumerate(given)}
+        made: Changes = {}
+        for i, old in enumerate(given):
+            made[f"shoe[{i}].lining.misfit.radius"] = R + old + more
+        return made
 
     reach = max(200 * step, 2 * abs(start))
     label = "misfit: radius over the drum's" + ("" if same else ", added to the file's")
     return Knob("misfit", label, "mm", -reach, reach, step, start, changes)
 
 
-def _modulus(brake: Brake, part: str, label: str, unit: str, factor: float) -> Knob | None:
+def _modulus_knob(brake: Brake, part: str, label: str, unit: str, factor: float) -> Knob | None:
     """The knob of Young's modulus of the linings or the shoes; None where the file has no modulus.
 
     It reaches from a hundredth to a hundred times the file's modulus. All moduli of an orthotropic
@@ -336,11 +348,11 @@ def _modulus(brake: Brake, part: str, label: str, unit: str, factor: float) -> K
     largest = max(moduli.values())
 
     def changes(value: float) -> Changes:
-        """All moduli of the part in proportion, the largest at a value [unit]."""
+        """New moduli of the part of all shoes in proportion, the largest one `value` [unit]."""
         times = value * factor / largest
         made: Changes = {}
         for i in moduli:
-            made |= _stiffer(brake.shoes[i], i, part, times)
+            made |= _scaled_moduli(brake.shoes[i], i, part, times)
         return made
 
     start = largest / factor
@@ -357,8 +369,8 @@ def _shown_modulus(shoe: Shoe, part: str) -> float | None:
     return shoe.body.material.E_along
 
 
-def _stiffer(shoe: Shoe, i: int, part: str, times: float) -> Changes:
-    """All moduli of a part and its bending stiffness multiplied by a factor.
+def _scaled_moduli(shoe: Shoe, i: int, part: str, times: float) -> Changes:
+    """New moduli and bending stiffness of a part of a shoe, multiplied by a factor.
 
     Parameters
     ----------
@@ -372,15 +384,16 @@ def _stiffer(shoe: Shoe, i: int, part: str, times: float) -> Changes:
     # Parts without a material have no knob.
     assert owner is not None and owner.material is not None
     material = owner.material
-    changes: Changes = {
-        f"shoe[{i}].{key}.material.{name}": E * times for name, E in material.moduli.items()
-    }
+    changes: Changes = {}
+    for name, E in material.moduli.items():
+        changes[f"shoe[{i}].{key}.material.{name}"] = E * times
     if part == "lining" or not isinstance(shoe.body, Beam):
         return changes
     # A bending stiffness that the file gives overrules that of the section.
     EI = shoe.body.bending_stiffness
     if EI is not None:
-        stiffer = EI * times if not isinstance(EI, tuple) else [[at, v * times] for at, v in EI]
+        is_table = isinstance(EI, tuple)
+        stiffer = np.multiply(EI, [1.0, times] if is_table else times).tolist()
         changes[f"shoe[{i}].body.bending_stiffness"] = stiffer
     return changes
 
@@ -397,7 +410,7 @@ def brake_of(brake: Brake, knobs: Sequence[Knob], setting: KnobSetting) -> Brake
 
 
 def link_of(knobs: Sequence[Knob], brake: Brake, setting: KnobSetting) -> str:
-    """The query of the page's address for a setting: all that is away from the brake file."""
+    """The query of the page's address for a setting: all that differs from the brake file."""
     start = start_of(brake)
     query = {}
     for knob in knobs:
@@ -413,13 +426,16 @@ def link_of(knobs: Sequence[Knob], brake: Brake, setting: KnobSetting) -> str:
 def setting_from(
     knobs: Sequence[Knob], brake: Brake, query: Mapping[str, str]
 ) -> tuple[KnobSetting, tuple[str, ...]]:
-    """The setting of a link, and a line for each part that was refused or moved into its range."""
+    """The setting that a link's query names, and a line for each part that had to be changed.
+
+    Unknown parts are left out, and values out of range are moved into their range.
+    """
     setting, lines = start_of(brake), list[str]()
     knob_of = {knob.name: knob for knob in knobs}
     words = {motion_of(brake): brake.directions, "law": laws_of(brake)}
     for name, text in query.items():
         if name in knob_of:
-            setting, line = _read(knob_of[name], text, setting)
+            setting, line = _turn_by_text(knob_of[name], text, setting)
             lines += [line] if line else []
         elif name in words and text in words[name]:
             setting = replace(setting, law=text) if name == "law" else replace(setting, sense=text)
@@ -432,8 +448,11 @@ def setting_from(
     return setting, tuple(lines)
 
 
-def _read(knob: Knob, text: str, setting: KnobSetting) -> tuple[KnobSetting, str]:
-    """The setting with a knob turned to a text of the link, and a line if the text is refused."""
+def _turn_by_text(knob: Knob, text: str, setting: KnobSetting) -> tuple[KnobSetting, str]:
+    """The setting with a knob turned to a value of a link, given as text, and a line of complaint.
+
+    The line is empty where the value is a number within the range of the knob.
+    """
     try:
         value = float(text[:LONGEST_LINK])
     except ValueError:

@@ -3,11 +3,14 @@
 import json
 import math
 from collections.abc import Callable, Mapping
+from functools import partial
 from html import escape
+from operator import attrgetter
 from typing import Any, NamedTuple
 from urllib.parse import parse_qsl, urlsplit
 
 import jinja2
+import numpy as np
 
 from drumlin.base.errors import BadInput
 from drumlin.base.texts import one_line
@@ -47,6 +50,7 @@ FORBIDDEN_LETTERS = frozenset('/\\:*?"<>|')
 """Letters that no file name can have on one operating system or another."""
 
 HTML, JSON, TOML = "text/html; charset=utf-8", "application/json", "application/toml; charset=utf-8"
+"""The types of the replies: a page or words, data of the page, and a brake file."""
 
 MOST_TICKS = 9
 """Largest number of steps between the ticks of an axis; more of their numbers would overlap."""
@@ -109,23 +113,28 @@ def split(address: str) -> tuple[str, dict[str, str]]:
         return "", {}
 
 
-def _page(request: _Request) -> Reply:
+def _reply_page(request: _Request) -> Reply:
     """The page itself, with its sliders and all that does not move."""
     setting, brake = request.setting, request.explorer.brake
     low, high = brake_extent(brake)
     is_flat, size = brake.surface.straight, brake.size * 1e3
     # The dashed lines up to which the full scale of pressure reaches.
-    signs = {shoe.sign for shoe in brake.shoes}
-    rings = [-PETAL * size] if is_flat else sorted(size * (1 + sign * PETAL) for sign in signs)
+    rings = [-PETAL * size]
+    if not is_flat:
+        signs = set(map(attrgetter("sign"), brake.shoes))
+        rings = sorted(size * (1 + sign * PETAL) for sign in signs)
+    colors, laws = {"fem": color_of("fem")}, {}
+    for law in laws_of(brake):
+        colors[law], laws[law] = color_of(law), name_of(law)
     text = _template().render(
         title=brake.title,
         lines=request.lines,
-        knobs=[_slider(knob, setting) for knob in request.explorer.knobs],
+        knobs=list(map(partial(_slider_data, setting), request.explorer.knobs)),
         motion=motion_of(brake),
         senses=brake.directions,
-        laws={law: name_of(law) for law in laws_of(brake)},
+        laws=laws,
         setting=setting,
-        colors={model: color_of(model) for model in ("fem", *laws_of(brake))},
+        colors=colors,
         fixed={key: path_of(lines) for key, lines in drawing_of(brake).items()},
         reach=reach_of(brake),
         centre=centre_of(brake),
@@ -143,13 +152,15 @@ def _page(request: _Request) -> Reply:
 
 
 def _ticks(low: float, high: float, unit: str) -> list[float]:
-    """Round places between two others."""
+    """The places of the ticks of an axis from `low` to `high` in a unit, "deg" or "mm"."""
     power = 10.0 ** math.floor(math.log10((high - low) / MOST_TICKS))
-    steps: list[float] = [5, 10, 15, 30, 45, 60, 90]
+    steps = np.array([5, 10, 15, 30, 45, 60, 90])
     if unit != "deg":
-        steps = [digit * power for digit in (1, 2, 5, 10)]
-    every = next(step for step in steps if (high - low) / step <= MOST_TICKS)
-    return [every * k for k in range(math.ceil(low / every), math.floor(high / every) + 1)]
+        steps = np.array([1, 2, 5, 10]) * power
+    # The finest step that leaves room for the numbers.
+    step = steps[np.argmax((high - low) / steps <= MOST_TICKS)]
+    ticks = np.arange(math.ceil(low / step), math.floor(high / step) + 1) * step
+    return list(ticks.tolist())
 
 
 def _template() -> jinja2.Template:
@@ -162,8 +173,8 @@ def _template() -> jinja2.Template:
     return environment.get_template("page.html")
 
 
-def _slider(knob: Knob, setting: KnobSetting) -> dict[str, Any]:
-    """A slider as the page makes it: places are logarithms where the knob moves by factors."""
+def _slider_data(setting: KnobSetting, knob: Knob) -> dict[str, Any]:
+    """The data of a knob's slider; a knob that moves by factors has logarithmic places."""
 
     def place(value: float) -> float:
         """The place of a value on the slider."""
@@ -184,16 +195,19 @@ def _slider(knob: Knob, setting: KnobSetting) -> dict[str, Any]:
     }
 
 
-def _picture(request: _Request) -> Reply:
+def _reply_picture(request: _Request) -> Reply:
     """The answer for a setting: curves, contact, forces and words."""
     explorer = request.explorer
     answer = explorer.answer(request.setting)
     picture = picture_of(answer, explorer.brake)
+    # Self-locking takes time to find: the picture only shows a limit that is known already.
     known = explorer.known_locking(answer.brake) if answer.brake is not None else None
+    whole_numbers = partial(numbers_of, scale=picture.scale)
+    arcs = np.rint(np.array(picture.arcs) / PLACE_STEP).astype(int)
     data = {
-        "fem": [numbers_of(curve, picture.scale) for curve in picture.fem],
-        "law": [numbers_of(curve, picture.scale) for curve in picture.law],
-        "arcs": [[round(end / PLACE_STEP) for end in arc] for arc in picture.arcs],
+        "fem": list(map(whole_numbers, picture.fem)),
+        "law": list(map(whole_numbers, picture.law)),
+        "arcs": arcs.tolist(),
         "forces": path_of(picture.forces),
         "scale": picture.scale,
         "motion": picture.motion,
@@ -206,8 +220,11 @@ def _picture(request: _Request) -> Reply:
     return Reply(200, JSON, json.dumps(data, allow_nan=False))
 
 
-def _locking(request: _Request) -> Reply:
-    """The slow words, asked for when the sliders rest: self-locking, errors and the link."""
+def _reply_slow_parts(request: _Request) -> Reply:
+    """The parts of the page that take long: self-locking, errors and the link.
+
+    The page asks for these parts when its sliders rest.
+    """
     explorer = request.explorer
     answer = explorer.answer(request.setting)
     locking = explorer.locking(answer.brake) if answer.brake is not None else None
@@ -219,24 +236,25 @@ def _locking(request: _Request) -> Reply:
     return Reply(200, JSON, json.dumps(data, allow_nan=False))
 
 
-def _brake(request: _Request) -> Reply:
-    """The brake file of a setting, with the clearance of worn linings."""
+def _reply_brake_file(request: _Request) -> Reply:
+    """The brake file of a setting; its clearances include the wear of the linings."""
     explorer, name = request.explorer, request.name
     answer = explorer.answer(request.setting)
     if answer.brake is None or answer.failure:
         return Reply(422, HTML, escape(answer.failure))
+    # The first lines of the file say from which link it comes.
     link = link_of(explorer.knobs, explorer.brake, request.setting)
     head = f"# {one_line(name)}, explored: {link or 'as it is'}\n"
     if answer.distance:
         head += "# Its clearances are tables of what wear has left.\n"
     try:
-        text = brake_text(_found_from_anywhere(answer.brake))
+        text = brake_text(_with_absolute_paths(answer.brake))
     except BadInput as error:
         return Reply(422, HTML, escape(str(error)))
     return Reply(200, TOML, head + text, f"{_file_name(name)}_explored.toml")
 
 
-def _found_from_anywhere(brake: Brake) -> Brake:
+def _with_absolute_paths(brake: Brake) -> Brake:
     """The brake with absolute paths of its mesh files.
 
     The browser chooses the folder of the saved file, so that relative paths would lead nowhere.
@@ -259,9 +277,9 @@ def _file_name(name: str) -> str:
 
 
 PAGE_PATHS: Mapping[str, Callable[[_Request], Reply]] = {
-    "/": _page,
-    "/picture": _picture,
-    "/locking": _locking,
-    "/brake.toml": _brake,
+    "/": _reply_page,
+    "/picture": _reply_picture,
+    "/locking": _reply_slow_parts,
+    "/brake.toml": _reply_brake_file,
 }
 """The function that replies to each path."""

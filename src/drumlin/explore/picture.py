@@ -7,6 +7,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
+from operator import attrgetter
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -29,6 +30,7 @@ from drumlin.response.merit import brake_factor
 from drumlin.response.show import arcs_text
 
 PAGE_MM, PAGE_MPA = 1e3, 1e-6
+"""Factors from metres to the millimetres, and from pascals to the MPa, that the page shows."""
 
 CURVE_POINTS = 160
 """Points of a curve: its segments are then some 3 pixels long on the page."""
@@ -50,13 +52,13 @@ PRESSURE_STEP = 1e-4
 
 
 class PressureCurve(NamedTuple):
-    """The pressure of a shoe.
+    """The pressure along a shoe as the page draws it.
 
     Attributes
     ----------
     at : places (n,) [deg], on a plane [mm]
-    p : (n,) [MPa]
-    sign : of the shoe, +1 inside the drum
+    p : pressures (n,) [MPa] at these places
+    sign : +1 for a shoe inside the drum, -1 for a shoe outside
     """
 
     at: Floats
@@ -65,17 +67,15 @@ class PressureCurve(NamedTuple):
 
 
 class Lines(NamedTuple):
-    """Lines or areas: the x and the y of each."""
+    """Several lines or outlines of areas, each by the x (n,) and the y (n,) [mm] of its points."""
 
     xs: list[Floats]
     ys: list[Floats]
 
-
-class LayerOutline(NamedTuple):
-    """The x and y (n,) [mm] of an outline."""
-
-    x: Floats
-    y: Floats
+    @classmethod
+    def of(cls, outlines: Sequence[Floats]) -> "Lines":
+        """Lines from arrays (2, n) [mm] of x and y."""
+        return cls([x for x, _ in outlines], [y for _, y in outlines])
 
 
 @dataclass(frozen=True)
@@ -84,14 +84,14 @@ class Picture:
 
     Attributes
     ----------
-    fem, law : curves of the shoes that touch
-    arcs : contact by the finite elements, as two places each
-    forces : arrows [mm]
+    fem, law : pressure curves by finite elements and by the law, of the shoes that touch
+    arcs : first and last place [deg, on a plane mm] of each contact by finite elements
+    forces : arrows of the forces [mm]
     scale : full scale of pressure [MPa]
-    motion : of drum or body, as a sign
-    head : the answer in a line
-    rows : of the table, its head first
-    failures : why there is no answer, or none by the law
+    motion : an arrow sign for the motion of the drum or of the sliding body
+    head : torque, brake factor and torque by the law, as one line of HTML
+    rows : rows of the table, its headings first
+    failures : reasons why finite elements or the law have no answer
     """
 
     fem: tuple[PressureCurve, ...]
@@ -113,29 +113,30 @@ def picture_of(answer: ExploredAnswer, brake: Brake) -> Picture:
     shown = answer.brake or brake
     unit = shown.surface.shown
     # One scale of pressure serves both models, so that their curves can be compared.
-    peaks = []
+    peaks: list[float] = []
     for response in (answer.found, answer.law):
         if response is not None:
-            peaks += [shoe.peak_pressure for shoe in response.shoes]
+            peaks += map(attrgetter("peak_pressure"), response.shoes)
     arcs: list[tuple[float, float]] = []
-    if answer.found:
-        for shoe in answer.found.shoes:
-            arcs += [(start * unit, end * unit) for start, end in shoe.contact_arcs]
+    for shoe in answer.found.shoes if answer.found else ():
+        for start, end in shoe.contact_arcs:
+            arcs.append((start * unit, end * unit))
+    # The same reason may hold for both models; the page shows it once.
     failures = (answer.failure, answer.law_failure)
     return Picture(
-        fem=_curves(answer.found, shown),
-        law=_curves(answer.law, shown),
+        fem=_pressure_curves(answer.found, shown),
+        law=_pressure_curves(answer.law, shown),
         arcs=tuple(arcs),
-        forces=_forces(shown if answer.found is None else loaded(shown, answer.found)),
+        forces=_force_arrows(shown if answer.found is None else loaded(shown, answer.found)),
         scale=scale_of(max(peaks, default=0.0) * PAGE_MPA),
-        motion=_motion(shown),
-        head=head_of(answer),
-        rows=rows_of(answer, shown),
-        failures=tuple(dict.fromkeys(line for line in failures if line)),
+        motion=_motion_sign(shown),
+        head=answer_html(answer),
+        rows=table_rows(answer, shown),
+        failures=tuple(dict.fromkeys(filter(None, failures))),
     )
 
 
-def _motion(brake: Brake) -> str:
+def _motion_sign(brake: Brake) -> str:
     """The sign for the motion of the drum, or of the body that slides."""
     if brake.surface.straight:
         return "→" if brake.spin > 0 else "←"
@@ -143,9 +144,9 @@ def _motion(brake: Brake) -> str:
 
 
 def numbers_of(curve: PressureCurve, scale: float) -> dict[str, Any]:
-    """A curve as whole numbers, which are short to send and fast to read.
+    """A pressure curve as whole numbers, which are short to send and fast to read.
 
-    They are in the units PLACE_STEP and PRESSURE_STEP; `scale` [MPa] is the full one.
+    Places count in PLACE_STEP. Pressures count in PRESSURE_STEP of the full `scale` [MPa].
     """
     at, p = np.rint(curve.at / PLACE_STEP), np.rint(curve.p / scale / PRESSURE_STEP)
     return {"at": at.astype(int).tolist(), "p": p.astype(int).tolist(), "sign": curve.sign}
@@ -159,11 +160,12 @@ def scale_of(peak: float) -> float:
     if not peak > 0:
         return 1.0
     power = 10.0 ** math.floor(math.log10(peak))
-    return float(next(digit for digit in (1, 2, 5, 10) if digit * power >= peak)) * power
+    digits = np.array([1, 2, 5, 10])
+    return float(digits[np.argmax(digits * power >= peak)]) * power
 
 
-def _curves(response: Response | None, brake: Brake) -> tuple[PressureCurve, ...]:
-    """The pressure of each shoe that touches."""
+def _pressure_curves(response: Response | None, brake: Brake) -> tuple[PressureCurve, ...]:
+    """The pressure curve of each shoe that touches the drum or the plane."""
     if response is None:
         return ()
     unit, curves = brake.surface.shown, []
@@ -174,11 +176,11 @@ def _curves(response: Response | None, brake: Brake) -> tuple[PressureCurve, ...
     return tuple(curves)
 
 
-def _forces(brake: Brake) -> Lines:
+def _force_arrows(brake: Brake) -> Lines:
     """An arrow [mm] for each force: its shaft from tail to tip, and its head."""
     lines = []
     for shoe in brake.shoes:
-        arrow = _arrow(brake, shoe)
+        arrow = _force_arrow(brake, shoe)
         along = arrow.tip - arrow.tail
         across = np.array([-along[1], along[0]])
         # The head is a quarter as long as the arrow, and as wide as it is long.
@@ -186,7 +188,7 @@ def _forces(brake: Brake) -> Lines:
         right = arrow.tip + 0.25 * (-0.5 * across - along)
         shaft, head = np.array([arrow.tail, arrow.tip]), np.array([left, arrow.tip, right])
         lines += [shaft.T * PAGE_MM, head.T * PAGE_MM]
-    return Lines([xy[0] for xy in lines], [xy[1] for xy in lines])
+    return Lines.of(lines)
 
 
 class _Arrow(NamedTuple):
@@ -196,14 +198,14 @@ class _Arrow(NamedTuple):
     tip: Floats
 
 
-def _arrow(brake: Brake, shoe: Shoe) -> _Arrow:
-    """The arrow of a force; that of the largest force has the length ARROW."""
+def _force_arrow(brake: Brake, shoe: Shoe) -> _Arrow:
+    """The arrow of a shoe's force; the brake's largest force has an arrow of the length ARROW."""
     largest = max(abs(shoe.actuation.force) for shoe in brake.shoes) or 1.0
-    tip = _loaded(shoe)
+    tip = _force_point(shoe)
     return _Arrow(tip - ARROW * brake.size * shoe.actuation.vector / largest, tip)
 
 
-def _loaded(shoe: Shoe) -> Floats:
+def _force_point(shoe: Shoe) -> Floats:
     """The point (2,) [m] where a force is drawn.
 
     Inside a drum it is the place of the line of action that is nearest to the lining's end away
@@ -214,15 +216,15 @@ def _loaded(shoe: Shoe) -> Floats:
         return point
     size = float(np.linalg.norm(point))
     angles = shoe.lining.start, shoe.lining.end
-    ends = [size * np.array([math.cos(angle), math.sin(angle)]) for angle in angles]
-    far = max(ends, key=lambda end: float(np.linalg.norm(end - shoe.pin.xy)))
+    ends = size * np.array([(math.cos(angle), math.sin(angle)) for angle in angles])
+    far = ends[np.argmax(np.linalg.norm(ends - shoe.pin.xy, axis=1))]
     return np.asarray(point + ((far - point) @ along) * along)
 
 
-# Words.
+# The answer in words and in a table.
 
 
-def head_of(answer: ExploredAnswer) -> str:
+def answer_html(answer: ExploredAnswer) -> str:
     """Torque, brake factor and law in a line of HTML."""
     if answer.found is None or answer.brake is None:
         return "no answer"
@@ -243,8 +245,10 @@ def head_of(answer: ExploredAnswer) -> str:
 
 def head_html(picture: Picture, refused: Sequence[str] = ()) -> str:
     """The answer as HTML, and a line for each part that was refused or has no answer."""
-    lines = [f'<p class="refused">{escape(line)}</p>' for line in (*refused, *picture.failures)]
-    return f'<p class="answer">{picture.head}</p>' + "".join(lines)
+    html = f'<p class="answer">{picture.head}</p>'
+    for line in (*refused, *picture.failures):
+        html += f'<p class="refused">{escape(line)}</p>'
+    return html
 
 
 def locking_html(answer: ExploredAnswer, locking: LockingFriction | None) -> str:
@@ -279,20 +283,20 @@ def error_html(answer: ExploredAnswer, stated: StatedError | None, *, asked: boo
             own = f"whose own errors are estimated as {torque:.1e} and {pressure:.1e}"
         words = (
             "error of the finite elements on this fixed division: "
-            f"{answer.brake.surface.effect} {_small(stated.torque)}, "
-            f"p {_small(stated.pressure)} (L2, worst shoe) from drumlin solve, {own}"
+            f"{answer.brake.surface.effect} {_error_text(stated.torque)}, "
+            f"p {_error_text(stated.pressure)} (L2, worst shoe) from drumlin solve, {own}"
         )
     worn = f"; wear in steps of {WEAR_TOLERANCE:g} of p" if answer.distance else ""
     return f"<p>{words}{worn}</p>"
 
 
-def _small(error: float) -> str:
+def _error_text(error: float) -> str:
     """A relative error in words."""
     return f"{error:.1e}" if error > ROUNDING else "only rounding"
 
 
-def rows_of(answer: ExploredAnswer, brake: Brake) -> tuple[tuple[str, ...], ...]:
-    """The table: its head, then a row for each shoe and model."""
+def table_rows(answer: ExploredAnswer, brake: Brake) -> tuple[tuple[str, ...], ...]:
+    """The table below the picture: its headings, then a row for each shoe and model."""
     surface = brake.surface
     head = (
         "shoe",
@@ -303,15 +307,16 @@ def rows_of(answer: ExploredAnswer, brake: Brake) -> tuple[tuple[str, ...], ...]
         f"contact [{brake.surface.shown_unit}]",
         "self-energising",
     )
-    responses = [response for response in (answer.found, answer.law) if response is not None]
     rows = []
     for i in range(len(brake.shoes)):
-        rows += [_row(brake, response, i) for response in responses]
+        for response in (answer.found, answer.law):
+            if response is not None:
+                rows.append(_table_row(brake, response, i))
     return (head, *rows)
 
 
-def _row(brake: Brake, response: Response, i: int) -> tuple[str, ...]:
-    """The row of shoe `i` by one model."""
+def _table_row(brake: Brake, response: Response, i: int) -> tuple[str, ...]:
+    """The row of the table for the shoe number `i` by the model of a response."""
     shoe, effect = response.shoes[i], response.effects[i]
     # The torque of the force at the size of the brake; on a plane the force.
     force = abs(loaded(brake, response).shoes[i].actuation.force)
@@ -328,13 +333,16 @@ def _row(brake: Brake, response: Response, i: int) -> tuple[str, ...]:
 
 
 def table_html(rows: Sequence[Sequence[str]]) -> str:
-    """A table as HTML, its head first."""
-    lines = ["".join(f"<td>{escape(cell)}</td>" for cell in row) for row in rows[1:]]
-    head = "".join(f"<th>{escape(cell)}</th>" for cell in rows[0])
-    return f"<table><tr>{head}</tr>" + "".join(f"<tr>{line}</tr>" for line in lines) + "</table>"
+    """A table as HTML; its first row holds the headings."""
+    lines = ""
+    for number, row in enumerate(rows):
+        tag = "td" if number else "th"
+        cells = "".join(f"<{tag}>{escape(cell)}</{tag}>" for cell in row)
+        lines += f"<tr>{cells}</tr>"
+    return f"<table>{lines}</table>"
 
 
-# The drawing, which does not change with the knobs.
+# The drawing of the brake, which does not change with the knobs.
 
 
 def drawing_of(brake: Brake) -> Mapping[str, Lines]:
@@ -342,23 +350,24 @@ def drawing_of(brake: Brake) -> Mapping[str, Lines]:
     linings, bodies = [], []
     for shoe in brake.shoes:
         lining, depth = shoe.lining, shoe.lining.thickness or 0.0
-        linings.append(_layer(shoe, brake.size, (lining.start, lining.end), (0.0, depth)))
+        linings.append(_layer_outline(shoe, brake.size, (lining.start, lining.end), (0.0, depth)))
         if shoe.mesh is None and isinstance(shoe.body, Bar):
             depth += shoe.backing.thickness if shoe.backing else 0.0
             ends = shoe.body.start, shoe.body.end
-            bodies.append(_layer(shoe, brake.size, ends, (depth, depth + shoe.body.depth)))
+            bodies.append(_layer_outline(shoe, brake.size, ends, (depth, depth + shoe.body.depth)))
         if isinstance(shoe.body, Beam):
-            bodies.append(_beam(shoe, brake.size))
-    held = [shoe.pin.xy * PAGE_MM for shoe in brake.shoes if shoe.guide is None]
+            bodies.append(_beam_outline(shoe, brake.size))
+    # A shoe on a guide turns about no point. A hinge is a line of one point.
+    hinges = [shoe.pin.xy[:, None] * PAGE_MM for shoe in brake.shoes if shoe.guide is None]
     return {
-        "drum": _surface(brake),
-        "linings": _lines(linings),
-        "bodies": _lines(bodies),
-        "hinges": Lines([xy[:1] for xy in held], [xy[1:] for xy in held]),
+        "drum": _surface_line(brake),
+        "linings": Lines.of(linings),
+        "bodies": Lines.of(bodies),
+        "hinges": Lines.of(hinges),
     }
 
 
-def _surface(brake: Brake) -> Lines:
+def _surface_line(brake: Brake) -> Lines:
     """The friction surface as a line [mm]."""
     if brake.surface.straight:
         (x, _), reach = centre_of(brake), reach_of(brake)
@@ -367,57 +376,49 @@ def _surface(brake: Brake) -> Lines:
     return Lines([R * np.cos(circle)], [R * np.sin(circle)])
 
 
-def _lines(outlines: Sequence[LayerOutline]) -> Lines:
-    """Several outlines together."""
-    return Lines([outline.x for outline in outlines], [outline.y for outline in outlines])
-
-
 def path_of(lines: Lines) -> str:
     """Lines as the path of an SVG."""
     path = ""
     for x, y in zip(lines.xs, lines.ys, strict=True):
-        points = zip(x.tolist(), y.tolist(), strict=True)
-        path += "M" + "L".join(f"{a:.5g},{b:.5g}" for a, b in points)
+        path += "M" + "L".join(map("{:.5g},{:.5g}".format, x.tolist(), y.tolist()))
     return path
 
 
-def _lining_ends(brake: Brake) -> list[float]:
-    """The places of the ends of all linings [rad, on a plane m]."""
-    ends: list[float] = []
-    for shoe in brake.shoes:
-        ends += [shoe.lining.start, shoe.lining.end]
-    return ends
+def _lining_ends(brake: Brake) -> Floats:
+    """The places (2 shoes,) [rad, on a plane m] of the ends of all linings."""
+    ends = [(shoe.lining.start, shoe.lining.end) for shoe in brake.shoes]
+    return np.ravel(ends)
 
 
 def brake_extent(brake: Brake) -> tuple[float, float]:
     """The places [deg], on a plane [mm], between which all linings lie, with some room."""
-    ends = [place * brake.surface.shown for place in _lining_ends(brake)]
+    ends = _lining_ends(brake) * brake.surface.shown
     room = 0.04 * brake.size * PAGE_MM if brake.surface.straight else 5.0
-    return min(ends) - room, max(ends) + room
+    return float(ends.min()) - room, float(ends.max()) + room
 
 
 def centre_of(brake: Brake) -> tuple[float, float]:
-    """The middle (x, y) [mm] of the picture: the drum's centre, on a plane that of all parts."""
+    """The middle (x, y) [mm] of the picture: the drum's centre, or the middle of a plane brake."""
     if not brake.surface.straight:
         return 0.0, 0.0
-    xy = _places_on_plane(brake)
+    xy = _extreme_points(brake)
     x, y = 0.5 * (xy.min(axis=0) + xy.max(axis=0)) * PAGE_MM
     return float(x), float(y)
 
 
-def _pins_and_arrows(brake: Brake) -> list[Floats]:
-    """The points (2,) [m] of all pins and of the ends of all arrows."""
+def _pins_and_arrows(brake: Brake) -> Floats:
+    """The points (n, 2) [m] of all pins and of the ends of all arrows."""
     points: list[Floats] = []
     for shoe in brake.shoes:
-        points += [shoe.pin.xy, *_arrow(brake, shoe)]
-    return points
+        points += [shoe.pin.xy, *_force_arrow(brake, shoe)]
+    return np.array(points)
 
 
-def _places_on_plane(brake: Brake) -> Floats:
+def _extreme_points(brake: Brake) -> Floats:
     """Points (n, 2) [m] that must be in the picture of a brake on a plane."""
     below = -1.2 * PETAL * brake.size
-    ends = [(place, below) for place in _lining_ends(brake)]
-    return np.array([*ends, *_pins_and_arrows(brake)])
+    ends = _lining_ends(brake)
+    return np.vstack([np.column_stack([ends, np.full(len(ends), below)]), _pins_and_arrows(brake)])
 
 
 def reach_of(brake: Brake) -> float:
@@ -426,21 +427,21 @@ def reach_of(brake: Brake) -> float:
     It holds shoes, hinges, pressures and forces.
     """
     if brake.surface.straight:
-        xy = _places_on_plane(brake)
+        xy = _extreme_points(brake)
         return float(0.55 * np.ptp(xy, axis=0).max()) * PAGE_MM
     R = brake.size
     room = []
     for shoe in brake.shoes:
         # Pressures of internal shoes are drawn outside the drum.
         room.append(1.12 * (1 + PETAL) * R if shoe.sign > 0 else 1.05 * R + shoe.depth)
-    room += [float(np.abs(place).max()) + 0.1 * R for place in _pins_and_arrows(brake)]
+    room.append(float(np.abs(_pins_and_arrows(brake)).max()) + 0.1 * R)
     return max(room) * PAGE_MM
 
 
-def _layer(
+def _layer_outline(
     shoe: Shoe, size: float, ends: tuple[float, float], depths: tuple[float, float]
-) -> LayerOutline:
-    """The outline of a layer of a shoe.
+) -> Floats:
+    """The outline (2, n) [mm] of a layer of a shoe.
 
     Parameters
     ----------
@@ -454,16 +455,18 @@ def _layer(
     places = np.concatenate([there, there[::-1], there[:1]])
     front, back = depths
     at = np.repeat([front, back, front], [len(there), len(there), 1])
-    x, y = shoe.points(shoe.at(at, shoe.frame.phi(places), size)) * PAGE_MM
-    return LayerOutline(x, y)
+    return shoe.points(shoe.at(at, shoe.frame.phi(places), size)) * PAGE_MM
 
 
-def _beam(shoe: Shoe, R: float) -> LayerOutline:
-    """The outline of a straight beam; without a thickness, a tenth of R [m] stands for it."""
+def _beam_outline(shoe: Shoe, R: float) -> Floats:
+    """The outline (2, 4) [mm] of a straight beam; R [m] is the size of the brake.
+
+    A beam whose file gives no thickness is drawn a tenth of R thick.
+    """
     assert isinstance(shoe.body, Beam)
     hinge, along = shoe.pin.xy, shoe.actuation.point.xy - shoe.pin.xy
     half = 0.5 * (shoe.body.thickness or 0.1 * R)
     across = half * np.array([-along[1], along[0]]) / np.linalg.norm(along)
     end = hinge + along
-    xy = np.array([hinge - across, end - across, end + across, hinge + across]) * PAGE_MM
-    return LayerOutline(xy[:, 0], xy[:, 1])
+    corners = np.array([hinge - across, end - across, end + across, hinge + across])
+    return corners.T * PAGE_MM

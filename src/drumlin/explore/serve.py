@@ -43,7 +43,7 @@ class _Server(ThreadingHTTPServer):
 
 
 class _Handler(BaseHTTPRequestHandler):
-    """The replies to a browser."""
+    """The handler of a browser's requests."""
 
     protocol_version = "HTTP/1.1"
     disable_nagle_algorithm = True
@@ -52,7 +52,7 @@ class _Handler(BaseHTTPRequestHandler):
 
     def do_GET(self) -> None:
         """Reply to a request for an address."""
-        # Another name that leads here belongs to a page of somebody else.
+        # Another host name that leads to this server belongs to a page of somebody else.
         if self.headers.get("Host") not in self.server.hosts:
             self.send_error(403)
             return

@@ -1,5 +1,4 @@
-"""The finite-element model: plane stress, shoe and lining against the drum in unilateral frictional
-contact.
+"""The finite-element model: plane stress, with linings in unilateral frictional contact.
 
 A brake passes the rooms from the bottom to the top. `mesh` and `hp` divide it into elements,
 `substructure` condenses its bodies, `preparation` collects them as a prepared model, and

@@ -26,7 +26,7 @@ from drumlin.fem.preparation.cache import shape_of
 from drumlin.fem.preparation.scene import PreparedModel, clock
 from drumlin.fem.substructure.loads import ACTUATION
 from drumlin.laws.rigid import cam_notes
-from drumlin.response.balance import borne, relative_balance, worst
+from drumlin.response.balance import guide_moments, relative_balance, worst
 from drumlin.response.response import (
     NEITHER,
     Balance,
@@ -44,64 +44,73 @@ if TYPE_CHECKING:
     from drumlin.fem.error_control.refinement import Refined
 
 DOUBLE = float(np.finfo(float).eps)
-"""Relative spacing of double-precision numbers: no refined answer is said to be more certain."""
+"""Relative spacing of double-precision numbers; no refined answer is stated to be more certain."""
 OVERLAP = 0.01
-"""Fraction of the lining's thickness by which a mesh may lie in the drum without a warning. Above it
-the pressure is noticeably that of a lining squeezed into place. It changes no answer.
+"""Fraction of the lining's thickness by which a mesh may lie in the drum without a warning.
+
+Above it the pressure is noticeably that of a lining squeezed into place. It changes no answer.
 """
 PENALTY = 1e8
-"""Default penalty factor alpha: the contact stiffness per area is alpha E/t of the lining. The
-penetration p/eps is then 1e-8 of the lining's own compression p t/E, and the pressure is off by
-about the same fraction, or by more in a contact that is short beside the lining's thickness. Each
-response states by how much.
+"""Default penalty factor alpha: the contact stiffness per area is alpha E/t of the lining.
+
+The penetration is then 1e-8 of the lining's own compression p t/E. The pressure is off by about the
+same fraction, or by more in a contact that is short beside the lining's thickness. Each response
+states by how much.
 """
 LARGEST_ANSWER_IMBALANCE = 1e-8
 """Imbalance of forces and moments, relative to the largest of them, up to which an answer stands.
+
 Above it the substructures have lost too many digits, and the answer is refined. A refined answer
 above it is refused.
 """
 LARGEST_LOSS = 1e-5
-"""Round-off error of the pressure, relative, up to which an answer needs no refinement. On a mesh,
-which states no error, a refined answer above it is refused. The discretisation error of a mesh is
-some hundred times larger, and hp elements state ten times the loss. The value is a judgement, and
-the refusal prints the loss.
+"""Round-off error of the pressure, relative, up to which an answer needs no refinement.
+
+On a mesh, which states no error, a refined answer above it is refused. The discretisation error of
+a mesh is some hundred times larger, and hp elements state the loss with their error.
+The value is a judgement, and the refusal prints the loss.
 """
 MOST_LOSS = 1e-3
-"""Round-off error of the pressure, relative, up to which an answer on hp elements stands that cannot
-be refined, or has been. Its stated error contains ten times the loss, 1 %. An answer that has lost
-more is refused. The value is a judgement, and the refusal prints the loss.
+"""Round-off error of the pressure, relative, up to which an answer on hp elements stands.
+
+It holds for answers that have been refined, or cannot be. Their stated error contains the loss. An
+answer that has lost more is refused. The value is a judgement, and the refusal prints the loss.
 """
 MAX_REFINED = 240_000
-"""Unknowns of a group times their degree squared up to which answers on hp elements are refined.
+"""Unknowns of a group times their degree squared up to which hp elements are refined.
+
 The refinement then takes seconds. Above it the fill-in of the factors grows with the square.
 """
 SETTLED_CORRECTION = 1e-10
-"""Relative correction of the pressures below which a refinement is taken as converged. Above it the
-other form of the full system is tried as well, and the better answer is taken.
+"""Relative correction of the pressures below which a refinement is taken as converged.
+
+Above it the other form of the full system is tried as well, and the better answer is taken.
 """
 TOO_FAR = "stiffnesses or sizes are too far apart for the arithmetic"
+"""Reason that is printed where an answer has lost too many digits by round-off."""
 REFINED = "refined in the whole system, condensed it loses digits"
+"""Remark that is printed with an answer that iterative refinement has corrected."""
 
 
 def respond(
     scene: PreparedModel, brake: Brake, *, penalty: float = PENALTY, start: Response | None = None
 ) -> Response:
-    """The response of a brake on a prepared model of the same geometry and stiffness.
+    """The response of a brake, on a prepared model of the same geometry and stiffness.
 
     Parameters
     ----------
     scene : the prepared model
-    brake : the brake, which may differ from that of the model in friction, rotation, load, clearance
+    brake : the brake; its friction, rotation, load and clearance may differ from the model's
     penalty : factor alpha of the contact stiffness alpha E/t per area; math.inf for exact contact
-    start : response of a similar brake or on another mesh, whose contact is the first guess; it saves
-        steps and does not change the answer
+    start : response of a similar brake or on another mesh, whose contact is the first guess; it
+        saves steps and does not change the answer
 
     Raises
     ------
     BadInput
         for a brake that is not that of the prepared model
     NoAnswer
-        self-locking, no equilibrium, not converged
+        where the brake locks itself, has no equilibrium, or the contact does not converge
     """
     check_penalty(penalty)
     if brake is not scene.brake:
@@ -135,11 +144,13 @@ def _check_same(scene: PreparedModel, brake: Brake) -> None:
     """Raise BadInput for a brake whose substructures are not those of the prepared model."""
     if [shape_of(brake, shoe) for shoe in brake.shoes] != scene.shapes:
         raise BadInput(
-            "the brake differs from the prepared scene in more than friction, rotation, load, clearance"
+            "the brake differs from the prepared scene in more than "
+            "friction, rotation, load, clearance"
         )
     if brake.friction > 0 and scene.brake.friction == 0:
         raise BadInput(
-            f"friction = {brake.friction:g}: the scene was prepared without friction, for mu = 0 only"
+            f"friction = {brake.friction:g}: the scene was prepared without friction, "
+            "for mu = 0 only"
         )
     if brake.ring != scene.brake.ring:
         raise BadInput("the brake's drum.ring differs from that of the prepared scene")
@@ -151,7 +162,7 @@ def check_penalty(penalty: float) -> None:
         raise BadInput(f"--penalty = {penalty}: must be greater than 0 (or inf)")
 
 
-# Lines about the brake as a whole
+# The following functions make lines about the brake as a whole.
 
 
 def _overlap_warnings(scene: PreparedModel, brake: Brake) -> Iterator[str]:
@@ -162,17 +173,18 @@ def _overlap_warnings(scene: PreparedModel, brake: Brake) -> Iterator[str]:
         deep = -float(shoe.off(body.line.xy, brake.size).min())
         if deep > OVERLAP * shoe.lining.thickness:
             yield (
-                f"warning: shoe {shoe.name!r}: the contact line of its mesh lies up to {mm(deep)} in the "
-                f"{shoe.surface.word}; its pressure is that of the lining squeezed out of there"
+                f"warning: shoe {shoe.name!r}: the contact line of its mesh lies up to "
+                f"{mm(deep)} in the {shoe.surface.word}; its pressure is that of the lining "
+                "squeezed out of there"
             )
 
 
 def _mesh_notes(
     scene: PreparedModel, brake: Brake, responses: Sequence[ShoeResponse]
 ) -> Iterator[str]:
-    """Lines about the mesh files: what was passed over, moved, and counts as a gap.
+    """Lines about mesh files: which parts are left out, which nodes are moved, which gaps count.
 
-    Raises BadInput for a contact line that is no shape of a lining.
+    Raises BadInput for a contact line that does not have the shape of a lining.
     """
     for body, shoe, response in zip(scene.bodies, brake.shoes, responses, strict=True):
         if body.of_file is not None:
@@ -180,7 +192,7 @@ def _mesh_notes(
 
 
 def _support_notes(brake: Brake) -> Iterator[str]:
-    """One line on how the bodies of hp elements are supported, if there are any.
+    """One line on how the shoes' bodies of hp elements are supported, if a shoe has such a body.
 
     A pin that stands off its body is joined to it rigidly, which changes the pressure.
     """
@@ -209,12 +221,20 @@ def _support_text(shoe: Shoe, bar: Bar, size: float) -> str:
     )
 
 
-# The answers of a group of shoes
+# The following functions answer a group of shoes, from its substructures or by refinement.
 
 
 @dataclass(frozen=True)
 class _ShoeAnswer:
-    """The response of a shoe, the balance of its forces, the steps of its contact, and its line."""
+    """The answer of one shoe: its response, and what is printed about it.
+
+    Attributes
+    ----------
+    response : response of the shoe
+    balance : imbalance of its forces and moments
+    steps : steps of the contact algorithm
+    note : the line on its contact
+    """
 
     response: ShoeResponse
     balance: Balance
@@ -258,8 +278,9 @@ class _ShoeSolution(NamedTuple):
 
 
 def _untouched_answer(shoe: Shoe) -> _ShoeAnswer:
-    """The answer of a shoe that its force does not press on the drum."""
-    note = f"shoe {shoe.name!r}: no contact, the force does not turn it towards the {shoe.surface.word}"
+    """The answer of a shoe whose force does not press it on the drum."""
+    word = shoe.surface.word
+    note = f"shoe {shoe.name!r}: no contact, the force does not turn it towards the {word}"
     return _ShoeAnswer(untouched(shoe, -shoe.actuation.vector), Balance(0.0, 0.0), 0, note)
 
 
@@ -270,16 +291,15 @@ def _group_answers(group: ShoeGroup, start: Response | None) -> dict[int, _ShoeA
     """
     first = None
     if start is not None:
-        parts = [_touching(group, k, start) for k in range(len(group.members))]
+        parts = [_nodes_touching(group, k, start) for k in range(len(group.members))]
         first = np.concatenate(parts)
     settled = group.settled(first)
     solution = _condensed_solution(*settled)
     answers = _shoe_answers(solution)
     if settled.group.sharing is not None:
         if not _imbalance(answers) < LARGEST_ANSWER_IMBALANCE:
-            raise LostDigits(
-                f"{settled.group.names}: lost digits, it balances only to {_imbalance(answers):.1e}; {TOO_FAR}"
-            )
+            balance = f"it balances only to {_imbalance(answers):.1e}"
+            raise LostDigits(f"{settled.group.names}: lost digits, {balance}; {TOO_FAR}")
         return answers
     refinable = _refinable(settled.group)
     # On a solid the full system is never assembled.
@@ -304,7 +324,7 @@ def _condensed_solution(group: ShoeGroup, contact: Contact) -> _GroupSolution:
         pressures=[size * contact.p[part] for part in group.node_ranges],
         coordinates=[size * y for y in coordinates],
         forces=size * group.forces(contact.p),
-        changes=size * _changes(group, contact, coordinates),
+        changes=size * _pressure_changes(group, contact, coordinates),
         steps=contact.steps,
         refined=False,
     )
@@ -314,7 +334,7 @@ def _refinable(group: ShoeGroup) -> bool:
     """Whether the full system of a group can be refined in seconds; never that of a solid."""
     orders = [body.line.order for body in group.bodies]
     size = sum(body.unknowns * body.line.order**2 for body in group.bodies)
-    # The factors of large systems of high degree fill in.
+    # The sparse factors of large systems of high degree fill in and take too long.
     small = size <= MAX_REFINED or max(orders) <= 2
     return group.scene.model != "solid" and small
 
@@ -341,15 +361,15 @@ def _refined_answers(solution: _GroupSolution, contact: Contact) -> dict[int, _S
         )
     )
     imbalance = _imbalance(answers)
-    # A mesh states no error, hp elements do.
+    # Meshes (order 1 and 2) state no error and are judged more strictly than hp elements.
     if max(body.line.order for body in group.bodies) <= 2:
         lost, most = refined.correction, LARGEST_LOSS
     else:
         lost, most = _largest_loss(answers), MOST_LOSS
     if lost >= most or not imbalance < LARGEST_ANSWER_IMBALANCE:
         raise LostDigits(
-            f"{group.names}: lost digits, even refined its pressure is certain only to {lost:.1e} and balances to "
-            f"{imbalance:.1e}; {TOO_FAR}"
+            f"{group.names}: lost digits, even refined its pressure is certain only to "
+            f"{lost:.1e} and balances to {imbalance:.1e}; {TOO_FAR}"
         )
     return answers
 
@@ -367,12 +387,12 @@ def _imbalance(answers: dict[int, _ShoeAnswer]) -> float:
 
 
 def refined_group(group: ShoeGroup, active: Bools, order: str = "COLAMD") -> "Refined":
-    """The answer of a group to all digits: the full system, refined from a contact set.
+    """The answer of a group to all digits, by iterative refinement of the full system.
 
     Parameters
     ----------
     group : the group, settled
-    active : the contact set (n,)
+    active : (n,) whether each contact node touches at the start of the refinement
     order : of the elimination, by SuperLU's names
 
     Raises
@@ -380,7 +400,7 @@ def refined_group(group: ShoeGroup, active: Bools, order: str = "COLAMD") -> "Re
     NoAnswer
         where the system is singular, or the contact set does not settle
     """
-    # Few brakes lose digits, and the module needs scipy.sparse.
+    # The module loads scipy.sparse, and only few brakes need a refinement.
     from drumlin.fem.error_control.refinement import full_system, refine  # noqa: PLC0415
 
     refined = refine(full_system(group), active, order)
@@ -390,7 +410,7 @@ def refined_group(group: ShoeGroup, active: Bools, order: str = "COLAMD") -> "Re
     return min(refined, other, key=lambda each: each.correction)
 
 
-# The answer of a shoe
+# The following functions answer one shoe of a solved group.
 
 
 def _shoe_answers(solution: _GroupSolution) -> dict[int, _ShoeAnswer]:
@@ -412,7 +432,10 @@ def _shoe_answers(solution: _GroupSolution) -> dict[int, _ShoeAnswer]:
 
 
 def _shoe_answer(solution: _ShoeSolution, steps: int) -> _ShoeAnswer:
-    """The answer of a shoe. Raises NoAnswer where its cam or strut would have to pull it."""
+    """The answer of one shoe of a group.
+
+    Raises NoAnswer where the shoe's cam or strut would have to pull it.
+    """
     group, shoe = solution.group, solution.group.shoes[solution.k]
     if group.sharing is not None and solution.force < NO_PUSH * group.unit_force:
         raise NoAnswer(f"shoe {shoe.name!r}: {WOULD_PULL}")
@@ -427,15 +450,15 @@ def _shoe_answer(solution: _ShoeSolution, steps: int) -> _ShoeAnswer:
 
 
 class _ActingForces(NamedTuple):
-    """The forces on a shoe, in its own frame.
+    """The forces on a shoe, in the frame of the shoe.
 
     Attributes
     ----------
-    normal : force x, y [N] and moment about the centre [N m] of the pressures, on the drum, (3,)
-    contact : force x, y [N] and moment about the centre [N m] of the drum on the lining, (3,)
-    push : the actuation (2,) [N]
+    normal : (3,) force x, y [N] and moment about the centre [N m] of the pressures on the drum
+    contact : (3,) force x, y [N] and moment about the centre [N m] of the drum on the lining
+    push : (2,) force of the actuation [N]
     push_moment : moment of the actuation about the pin [N m]
-    reaction : of the support (2,) [N]
+    reaction : (2,) force of the support [N]
     twist : moment of a guide [N m]; 0 for other supports
     """
 
@@ -482,7 +505,7 @@ def _shoe_balance(solution: _ShoeSolution, acting: _ActingForces) -> Balance:
     ]
     if shoe.guide is not None:
         length = group.brake.scale_factor * (shoe.lining.end - shoe.lining.start)
-        moments += [acting.twist, *borne(solution.force, length)]
+        moments += [acting.twist, *guide_moments(solution.force, length)]
     balance = relative_balance([acting.contact[:2], acting.reaction, acting.push], moments)
     if shoe.held_by == "hinge":
         return balance
@@ -490,7 +513,7 @@ def _shoe_balance(solution: _ShoeSolution, acting: _ActingForces) -> Balance:
 
 
 def _virtual_work_imbalance(solution: _ShoeSolution) -> float:
-    """The largest residual of virtual work on a shoe's test modes, relative."""
+    """The largest relative residual of virtual work on a shoe's test modes."""
     group, k, p = solution.group, solution.k, solution.p
     coupling, modes = group.bodies[k].coupling, group.modes[k]
     drag = group.brake.drag_on(group.shoes[k])
@@ -503,24 +526,24 @@ def _virtual_work_imbalance(solution: _ShoeSolution) -> float:
 
 
 class _ArithmeticErrors(NamedTuple):
-    """The penalty error and the round-off error of a shoe's answer, relative."""
+    """The relative errors of a shoe's answer by the penalty and by round-off."""
 
     penalty: ShoeChange
     round_off: ShoeChange
 
 
 def _arithmetic_errors(solution: _ShoeSolution, acting: _ActingForces) -> _ArithmeticErrors:
-    """The penalty error and the round-off error of a shoe's answer."""
+    """The relative errors of a shoe's answer by the penalty and by round-off."""
     normal_force = math.hypot(*acting.normal[:2])
     size = reaction_size(acting.reaction, normal_force)
     by_penalty, by_round_off = _relative_changes(solution, size)
-    # The elimination of a substructure has a round-off error of its own.
+    # The elimination of a substructure adds a round-off error of its own.
     least = 0.0 if solution.refined else solution.group.bodies[solution.k].condensed.force_imbalance
     return _ArithmeticErrors(by_penalty, ShoeChange(*(max(part, least) for part in by_round_off)))
 
 
 def _shoe_note(solution: _ShoeSolution, errors: _ArithmeticErrors) -> str:
-    """The line on a shoe's contact: its penetration, the penalty's effect, and a refinement."""
+    """The line on a shoe's contact: its penetration, the penalty's effect, and any refinement."""
     group, k, p = solution.group, solution.k, solution.p
     shoe, lever = group.shoes[k], group.bodies[k].coupling.lever
     contact = "exact contact, no penetration"
@@ -542,7 +565,14 @@ def _shoe_note(solution: _ShoeSolution, errors: _ArithmeticErrors) -> str:
 def _shoe_response(
     solution: _ShoeSolution, acting: _ActingForces, errors: _ArithmeticErrors
 ) -> ShoeResponse:
-    """The response of a shoe, in the frame of the brake."""
+    """The response of a shoe, in the frame of the brake.
+
+    Parameters
+    ----------
+    solution : the part of the shoe in the solution of its group
+    acting : the forces on the shoe
+    errors : relative errors by the penalty and by round-off
+    """
     group, k, p = solution.group, solution.k, solution.p
     brake, shoe, body, modes = group.brake, group.shoes[k], group.bodies[k], group.modes[k]
     frame, line, drag = shoe.frame, body.line, brake.drag_on(shoe)
@@ -574,15 +604,21 @@ def _shoe_response(
     )
 
 
-# Penalty error and round-off error
+# The following functions estimate the penalty error and the round-off error.
 
 
-def _changes(group: ShoeGroup, contact: Contact, coordinates: Sequence[Floats]) -> Floats:
-    """The change of the pressures (2, n), to first order, by the penalty and by round-off.
+def _pressure_changes(group: ShoeGroup, contact: Contact, coordinates: Sequence[Floats]) -> Floats:
+    """The first-order change of all pressures (2, n) by the penalty and by round-off.
 
     The effect of the contact's compliance x = 1/alpha grows as x/(1 + x), and its tangent as
     x/(1 + x)^2. Digits that the elimination of the substructures has lost move the contact as if it
     had strained under the rigid-body modes.
+
+    Parameters
+    ----------
+    group : the settled group of shoes
+    contact : its contact under a unit force
+    coordinates : (k_i,) generalised coordinates of each shoe
     """
     opened, strayed = [], []
     for k, (body, part) in enumerate(zip(group.bodies, group.node_ranges, strict=True)):
@@ -598,7 +634,7 @@ def _changes(group: ShoeGroup, contact: Contact, coordinates: Sequence[Floats]) 
 
 
 def _relative_changes(solution: _ShoeSolution, reaction: float) -> list[ShoeChange]:
-    """Relative changes of a shoe's pressure, torque, reaction and peak, one for each row of changes.
+    """Relative changes of a shoe's pressure, torque, reaction and peak, for each row of changes.
 
     The pressure counts outside EDGE_ZONE at the lining's ends, unless half of the force is there.
     `reaction` is the size of the support reaction [N].
@@ -625,15 +661,29 @@ def _relative_changes(solution: _ShoeSolution, reaction: float) -> list[ShoeChan
 
 
 def _weight_inside(shoe: Shoe, phi: Floats, area: Floats) -> Floats:
-    """The areas (n,) of the contact nodes at the angles phi (n,), 0 in the zones at the ends."""
+    """The areas (n,) of the contact nodes at the angles phi (n,), 0 in the zones at the ends.
+
+    Parameters
+    ----------
+    shoe : the shoe
+    phi : (n,) angles of the contact nodes [rad]
+    area : (n,) areas of the contact nodes [m^2]
+    """
     start, end = shoe.arc
     zone = singular_zone(end - start)
     inside = (phi > start + zone) & (phi < end - zone)
     return np.where(inside, area, 0.0)
 
 
-def _touching(group: ShoeGroup, k: int, start: Response) -> Bools:
-    """The contact nodes of shoe `k` of a group within the contact arcs of an earlier response."""
+def _nodes_touching(group: ShoeGroup, k: int, start: Response) -> Bools:
+    """The contact nodes of shoe `k` of a group within the contact arcs of an earlier response.
+
+    Parameters
+    ----------
+    group : the group of shoes
+    k : position of the shoe in the group
+    start : the earlier response
+    """
     theta = group.shoes[k].frame.theta(group.bodies[k].line.phi)
     touching = np.zeros(len(theta), dtype=bool)
     for first, last in start.shoes[group.members[k]].contact_arcs:

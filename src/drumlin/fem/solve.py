@@ -24,7 +24,7 @@ from drumlin.response.merit import with_merits
 from drumlin.response.response import Response
 
 REPORTED_IMBALANCE = 1e-8
-"""Imbalance of p(theta) beyond that of the nodal forces, relative, above which a note is written.
+"""Imbalance of p(theta), relative and beyond that of the nodal forces, above which a note is given.
 
 Elements with straight or parabolic sides lie a little off the round drum, so that p(theta) on the
 drum balances worse than the forces at the nodes. The value changes no answer.
@@ -46,11 +46,11 @@ def solve(
     Parameters
     ----------
     brake : the brake
-    elements : finite elements along each lining; the brake is then solved on one mesh, without
-        estimate
-    kind : of the finite elements; the brake is then solved on one mesh, too, as with a mesh file
-    tolerance : of the estimated relative errors of p (L2, outside the edge zones) and of the torque;
-        by default DEFAULT, or the error that is reached
+    elements : number of finite elements along each lining; the brake is then solved on one mesh,
+        without error estimate
+    kind : kind of the finite elements; the brake is then solved on one mesh, as with a mesh file
+    tolerance : tolerance of the estimated relative errors of p (L2, outside the edge zones) and of
+        the torque; by default DEFAULT, or the error that is reached
     penalty : factor alpha of the contact stiffness alpha E/t
     finite_width : whether the linings' moduli are corrected for the widths of the shoes, see
         fem/preparation/finite_width.py
@@ -59,9 +59,10 @@ def solve(
     Raises
     ------
     BadInput
-        for `elements` or a `kind` together with a tolerance, and as `check_divided` does
+        for `elements` or a `kind` together with a tolerance, and for those that `check_divided`
+        refuses
     NoAnswer
-        where the tolerance is not reached, and as `respond` does
+        where the tolerance is not reached, and where `respond` has no answer
     """
     if finite_width:
         other = corrected(brake)
@@ -76,6 +77,7 @@ def solve(
                 f"--tolerance = {tolerance:g}: chooses the elements; leave out --{option} = {value}"
             )
     brake.check_meshable()
+    # A tolerance must be met; without options the default tolerance is met as well as possible.
     answer = partial(respond, penalty=penalty)
     if tolerance is not None:
         check_tolerance(brake, tolerance)
@@ -96,7 +98,7 @@ def scene_of(
     kind: str | None = None,
     cache: Cache | None = None,
 ) -> PreparedModel:
-    """The prepared model on which `solve` ends, for holding, wear, slopes and pictures.
+    """The prepared model of the finest division that `solve` uses, for further analyses.
 
     A brake that has no answer in sliding is divided as the second level is.
 
@@ -109,12 +111,13 @@ def scene_of(
     Raises
     ------
     BadInput
-        as `check_divided` does
+        for `elements` or a `kind` that `check_divided` refuses
     """
     check_divided(brake, elements=elements, kind=kind)
     if not _has_levels(brake, elements, kind):
         elements = ELEMENTS if elements is None else elements
         return prepare(brake, elements=elements, kind=kind or DEFAULT_KIND, cache=cache)
+    # The model is that of the last division on which the answer was found.
     try:
         return adapt(brake, DEFAULT, respond, must=False, cache=cache).scene
     except NoAnswer:
@@ -125,6 +128,12 @@ def check_divided(brake: Brake, *, elements: int | None = None, kind: str | None
     """Raise BadInput for `elements` or a `kind` that would divide no part of the brake.
 
     Shoes with mesh files are not divided. A ring is divided into elements, of one kind only.
+
+    Parameters
+    ----------
+    brake : the brake
+    elements : number of elements along each lining; None for no choice
+    kind : kind of the elements; None for no choice
     """
     given = {"kind": kind} if brake.ring else {"elements": elements, "kind": kind}
     for option, value in given.items():
@@ -135,12 +144,13 @@ def check_divided(brake: Brake, *, elements: int | None = None, kind: str | None
 
 
 def _has_levels(brake: Brake, elements: int | None, kind: str | None) -> bool:
-    """Whether a brake is divided by levels of hp elements, not by one mesh."""
+    """Whether a brake is solved on levels of hp elements, not on one mesh."""
     return elements is None and kind is None and not any(shoe.mesh for shoe in brake.shoes)
 
 
 def _with_curve_balance(brake: Brake, response: Response) -> Response:
-    """The response with a note where p(theta) on the round drum balances worse than nodal forces."""
+    """The response, with a note where p(theta) balances worse than the nodal forces do."""
+    # Positive differences mean that p(theta) balances worse than the nodal forces do.
     under_forces = loaded(brake, response)
     curve = worst([shoe_balance(under_forces, i, shoe) for i, shoe in enumerate(response.shoes)])
     more_force = curve.force - response.balance.force
@@ -148,7 +158,7 @@ def _with_curve_balance(brake: Brake, response: Response) -> Response:
     if max(more_force, more_moment) <= REPORTED_IMBALANCE:
         return response
     note = (
-        f"p(theta) on the round drum balances to {curve.force:.1e} (force) and {curve.moment:.1e} (moment) only: "
-        "the lining's elements are not quite as round"
+        f"p(theta) on the round drum balances to {curve.force:.1e} (force) and "
+        f"{curve.moment:.1e} (moment) only: the lining's elements are not quite as round"
     )
     return replace(response, notes=(*response.notes, note))

@@ -1,6 +1,6 @@
 """The elastic foundation model of post brakes: beam, layers of springs and elastic ring.
 
-It follows Barecki & Scieszka (1987).
+The model was published by Barecki & Scieszka (1987).
 """
 
 from drumlin.foundation.model import LIFTS, RING_SECTIONS, rim, solve, why_not

@@ -1,13 +1,14 @@
 """Solve post brakes by the foundation model: beams, springs and ring as one contact problem.
 
-The normal forces N of the sectors keep the gaps w = Delta + N/k + z - closing >= 0 open or closed.
-A beam turns about its hinge by y and bends under its moments. With the trapezoidal rule over its
-stations
+A lining is divided into sectors. Each sector bears a normal force N >= 0, and its gap is
+w = Delta + N/k + z - closing >= 0; either N or w is zero. A beam turns about its hinge by y and
+bends under its moments M. With the trapezoidal rule over the stations of the beam
 
     M = loaded - (pressed + mu_hat dragged) N,   closing = y closing_0 + closing^T (dx/EI) M,
     z = c N,                                     M_0 = 0: (pressed + mu_hat dragged)_0 N = loaded_0.
 
-These are eq. 2, 8, 16 and 19 of Barecki & Scieszka (1987), and eq. 7 solved for the displacement.
+These equations are eq. 2, 8, 16 and 19 of Barecki & Scieszka (1987), and eq. 7 solved for the
+displacement.
 """
 
 import math
@@ -18,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drumlin.base.arrays import Bools, Floats
+from drumlin.base.arrays import Bools, Floats, in_turn
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.base.lapack import block_diag
 from drumlin.brake.brake import Brake
@@ -38,10 +39,10 @@ from drumlin.response.response import Deformation, Response, ShoeResponse, press
 from drumlin.response.resultants import Resultant
 
 RING_SECTIONS = 360
-"""Divisions of each beam if the user gives none."""
+"""Number of divisions of each beam if the user gives none."""
 
 LARGEST_SHOE_TURN = 0.2
-"""Largest turn of a shoe [rad]. Beyond it small displacements do not describe the shoe's motion."""
+"""Largest turn of a shoe [rad] that the model accepts: the model assumes small displacements."""
 
 LIFTS = {
     "plane-stress": (
@@ -62,7 +63,7 @@ LIFTS = {
     "own-pressure": "the other shoe's pressure is the same, half a turn on, not its own",
     "ring-friction": "friction does not bend the ring",
 }
-"""Simplifications of the paper that the option --lift removes, each with what it neglects."""
+"""Effects that the paper neglects, by the names with which the option --lift includes an effect."""
 
 ALWAYS = (
     "shear and stretching of the beam: it only bends",
@@ -71,11 +72,11 @@ ALWAYS = (
 """Effects that the model always neglects."""
 
 NO_RING = frozenset({"thick-ring", "all-modes", "own-pressure", "ring-friction"})
-"""Simplifications that mean nothing on a rigid drum."""
+"""Names of neglected effects that concern the ring, and do not exist on a rigid drum."""
 
 
 def why_not(brake: Brake) -> str | None:
-    """Reason why the foundation model does not apply to a brake, or None."""
+    """The reason why the foundation model does not apply to a brake; None if it applies."""
     refusal = brake.surface.unlike(DRUM) or brake.shares
     if refusal is not None:
         return refusal
@@ -85,10 +86,11 @@ def why_not(brake: Brake) -> str | None:
     return isotropic_only(brake, "the foundation model")
 
 
-def lifted(brake: Brake, lift: Iterable[str]) -> frozenset[str]:
-    """Check the simplifications to remove, and resolve "all" to those that the brake has data for.
+def included_effects(brake: Brake, lift: Iterable[str]) -> frozenset[str]:
+    """The names of the neglected effects to include, from the values of the option --lift.
 
-    Raises BadInput for an unknown name or missing data.
+    The value "all" stands for all effects for which the brake file has data. Raises BadInput for an
+    unknown name or missing data.
     """
     names = set(lift)
     unknown = sorted(names - set(LIFTS) - {"all"})
@@ -113,13 +115,13 @@ def lifted(brake: Brake, lift: Iterable[str]) -> frozenset[str]:
 
 
 class FoundationSystem(NamedTuple):
-    """Shoes that load the ring together.
+    """The contact problem of shoes that load the ring together.
 
     Attributes
     ----------
-    posts : the shoes on their grids
-    ring : (n, n), flexibilities c of the ring between the sectors of all posts [m/N]
-    problem : the contact problem of the normal forces
+    posts : the shoes, divided into stations and sectors
+    ring : flexibilities c (n, n) [m/N] of the ring between the sectors of all shoes
+    problem : the contact problem, whose unknowns are the normal forces of the sectors
     """
 
     posts: tuple[Post, ...]
@@ -128,16 +130,14 @@ class FoundationSystem(NamedTuple):
 
 
 def system(brake: Brake, group: list[int], sections: int, lift: frozenset[str]) -> FoundationSystem:
-    """Set up the contact problem of a group of shoes.
-
-    Its pressures are the normal forces of the sectors [N].
+    """Set up the contact problem of a group of shoes for the normal forces of their sectors [N].
 
     Parameters
     ----------
     brake : the brake
-    group : indices of the shoes
-    sections : divisions of each beam
-    lift : simplifications to remove
+    group : positions of the shoes in the brake
+    sections : number of divisions of each beam
+    lift : names of the neglected effects to include
 
     Raises
     ------
@@ -156,16 +156,7 @@ def system(brake: Brake, group: list[int], sections: int, lift: frozenset[str]) 
     posts = tuple(make(brake, brake.shoes[i]) for i in group)
     theta = np.concatenate([p.axis.origin + p.axis.sense * p.theta for p in posts])
     ring = ring_of(brake, theta, theta, lift)
-    A, q, B, C, h = [], [], [], [], []
-    for p in posts:
-        # Closing of the gap per moment at each station, and moments per normal force.
-        turning = p.closing.T * (p.step / p.EI)
-        moments = p.pressed + p.drag * p.dragged
-        A.append(turning @ moments + np.diag(1 / p.k))
-        q.append(p.gap - turning @ p.loaded)
-        B.append(-p.closing[:1].T)
-        C.append(-moments[:1])
-        h.append(-p.loaded[:1])
+    A, q, B, C, h = zip(*map(_post_problem, posts), strict=True)
     problem = Problem(
         block_diag(*A) + ring,
         np.concatenate(q),
@@ -176,15 +167,29 @@ def system(brake: Brake, group: list[int], sections: int, lift: frozenset[str]) 
     return FoundationSystem(posts, ring, problem)
 
 
+def _post_problem(p: Post) -> Problem:
+    """The contact problem of one shoe on a rigid drum."""
+    # The gap closes by the moments at all stations, and the moments come from the normal forces.
+    turning = p.closing.T * (p.step / p.EI)
+    moments = p.pressed + p.drag * p.dragged
+    return Problem(
+        A=turning @ moments + np.diag(1 / p.k),
+        q=p.gap - turning @ p.loaded,
+        B=-p.closing[:1].T,
+        C=-moments[:1],
+        h=-p.loaded[:1],
+    )
+
+
 def ring_of(brake: Brake, theta: Floats, loads: Floats, lift: frozenset[str]) -> Floats:
-    """Inward displacement (k, n) [m/N] of the rim per normal force.
+    """The inward displacement (k, n) [m/N] of the rim per normal force on a lining.
 
     Parameters
     ----------
     brake : the brake
-    theta : (k,), angles of the displacement [rad]
-    loads : (n,), angles of the forces [rad]
-    lift : simplifications to remove
+    theta : angles (k,) [rad] at which the rim is displaced
+    loads : angles (n,) [rad] of the forces
+    lift : names of the neglected effects to include
     """
     ring = brake.ring
     if ring is None:
@@ -192,26 +197,26 @@ def ring_of(brake: Brake, theta: Floats, loads: Floats, lift: frozenset[str]) ->
     d = np.subtract.outer(theta, loads)
     twin, R = "all-modes" not in lift, brake.size
     c = flexibility(ring, R, d, twin=twin, sign=-1, thick="thick-ring" in lift)
-    # The friction on the drum acts against the rotation.
+    # The friction on the drum acts against the rotation and bends the ring as well.
     if "ring-friction" in lift:
         c = c - brake.friction * brake.spin * drag_flexibility(ring, R, d, twin=twin)
     return c
 
 
 def rim(brake: Brake, response: Response, theta: Floats, lift: Iterable[str] = ()) -> Floats:
-    """Inward displacement (shoes, k) [m] of the rim under each shoe's pressure.
+    """The inward displacement (shoes, k) [m] of the rim under each shoe's pressure.
 
-    With "all-modes" the rim moves by the sum of the rows. Without, each row is a rim with an equal
-    shoe opposite.
+    With "all-modes" in `lift` the displacement of the rim is the sum of the rows. Otherwise each
+    row is the displacement of a rim that an equal shoe loads opposite.
 
     Parameters
     ----------
     brake : the brake
-    response : its response
-    theta : (k,), angles [rad]
-    lift : simplifications that the response was solved without
+    response : the response of the foundation model
+    theta : angles (k,) [rad]
+    lift : names of the effects that the response includes
     """
-    names = lifted(brake, lift)
+    names = included_effects(brake, lift)
     rows = []
     for shoe, answer in zip(brake.shoes, response.shoes, strict=True):
         N = shoe.lining.width * brake.size * trapezoid(answer.theta) * answer.pressure
@@ -231,8 +236,8 @@ def solve(
     Parameters
     ----------
     brake : the brake
-    sections : divisions of each beam
-    lift : simplifications to remove, names of LIFTS or "all"
+    sections : number of divisions of each beam
+    lift : names in LIFTS of the neglected effects to include, or "all"
     start : contact sets (n,) of all shoes to begin with
 
     Raises
@@ -245,10 +250,11 @@ def solve(
     reason = why_not(brake)
     if reason is not None:
         raise BadInput(f"foundation does not apply to this brake: {reason}")
-    names, clock = lifted(brake, lift), time.perf_counter()
+    names, clock = included_effects(brake, lift), time.perf_counter()
     shoes = brake.shoes
     answers: dict[int, ShoeResponse] = {}
     touching = []
+    # A shoe that its force does not press on the drum has no contact problem.
     for i, shoe in enumerate(shoes):
         if pressing_moment(shoe) > 0:
             touching.append(i)
@@ -260,9 +266,9 @@ def solve(
     steps = 0
     for group in groups:
         parts = system(brake, group, sections, names)
-        found = _found(brake, group, parts, sections, names, start)
+        found = _solve_group(brake, group, parts, sections, names, start)
         steps = max(steps, found.steps)
-        answers |= _responses(brake, group, parts, found)
+        answers |= _group_responses(brake, group, parts, found)
     ordered = tuple(answers[i] for i in range(len(shoes)))
     response = Response(
         model="foundation",
@@ -276,23 +282,32 @@ def solve(
     return with_merits(brake, response)
 
 
-def _responses(
+def _group_responses(
     brake: Brake, group: list[int], parts: FoundationSystem, found: active_set.Contact
 ) -> dict[int, ShoeResponse]:
-    """The responses of a group of shoes to their normal forces, by the index of the shoe."""
+    """The responses of a group of shoes, by the position of the shoe in the brake.
+
+    Parameters
+    ----------
+    brake : the brake
+    group : positions of the shoes in the brake
+    parts : the contact problem of the group
+    found : the solution of the contact problem
+    """
     answers = {}
     z = parts.ring @ found.p
-    first = 0
+    ranges = in_turn(len(p.theta) for p in parts.posts)
     for k, i in enumerate(group):
-        p = parts.posts[k]
-        part = slice(first, first + len(p.theta))
-        first = part.stop
-        answers[i] = respond(brake, i, p, found.p[part], z[part], float(found.y[k]))
+        part, turn = ranges[k], float(found.y[k])
+        answers[i] = respond(brake, i, parts.posts[k], found.p[part], z[part], turn)
     return answers
 
 
 def left_out(brake: Brake, names: frozenset[str]) -> tuple[str, ...]:
-    """Effects that are neglected for this brake, and the option that includes them."""
+    """The effects that are neglected for a brake, each with the option that includes the effect.
+
+    `names` are the names of the effects that the model includes.
+    """
     ring = brake.ring is not None
     blocks = any(shoe.backing for shoe in brake.shoes)
     kept = []
@@ -304,7 +319,7 @@ def left_out(brake: Brake, names: frozenset[str]) -> tuple[str, ...]:
     return (*rigid, *ALWAYS, *kept)
 
 
-def _found(
+def _solve_group(
     brake: Brake,
     group: list[int],
     parts: FoundationSystem,
@@ -316,20 +331,20 @@ def _found(
 
     Parameters
     ----------
-    brake, group, sections : as of `system`
-    parts : the group's contact problem
-    names : simplifications to remove
-    start : contact sets of all shoes to begin with
+    brake, group, sections : parameters of `system`
+    parts : the contact problem of the group
+    names : names of the neglected effects to include
+    start : contact sets (n,) of all shoes of the brake to begin with
 
     Raises
     ------
     NoAnswer
         for self-locking, no equilibrium, no convergence or a turn beyond LARGEST_SHOE_TURN
     """
-    said = brake.names(group)
     begin = None if start is None else np.concatenate([start[i] for i in group])
 
-    def at(friction: float) -> Problem:
+    def problem_at(friction: float) -> Problem:
+        """The contact problem of the group at another friction coefficient of the drum."""
         if friction == brake.friction:
             return parts.problem
         other = brake.model_copy(update={"friction": friction})
@@ -337,29 +352,31 @@ def _found(
 
     law = min(locking_friction(brake, brake.shoes[i]) for i in group)
     try:
-        found = self_locking.answer(at, brake.friction, begin, law=law, brake="on the foundation")
+        found = self_locking.answer(
+            problem_at, brake.friction, begin, law=law, brake="on the foundation"
+        )
     except NoAnswer as error:
-        raise NoAnswer(f"{said}: {error}") from error
+        raise NoAnswer(f"{brake.names(group)}: {error}") from error
     turn = float(np.abs(found.y).max())
     if turn > LARGEST_SHOE_TURN:
         raise NoAnswer(
-            f"{said}: it would have to turn by {math.degrees(turn):.3g} deg; "
+            f"{brake.names(group)}: it would have to turn by {math.degrees(turn):.3g} deg; "
             f"small displacements hold up to {math.degrees(LARGEST_SHOE_TURN):.3g} deg"
         )
     return found
 
 
 def respond(brake: Brake, index: int, p: Post, N: Floats, z: Floats, turn: float) -> ShoeResponse:
-    """The response of a shoe to its normal forces.
+    """The response of a shoe to the normal forces on its sectors.
 
     Parameters
     ----------
     brake : the brake
-    index : of the shoe
-    p : the shoe on its grid
-    N : (n,), normal forces of the sectors [N]
-    z : (n,), inward displacements of the ring [m]
-    turn : of the beam about its hinge [rad]
+    index : position of the shoe in the brake
+    p : the shoe, divided into stations and sectors
+    N : normal forces (n,) [N] of the sectors
+    z : inward displacements (n,) [m] of the ring at the sectors
+    turn : turn of the beam about its hinge [rad]
     """
     shoe, R = brake.shoes[index], brake.size
     pressure = N / (shoe.lining.width * R * p.sector)
@@ -369,7 +386,7 @@ def respond(brake: Brake, index: int, p: Post, N: Floats, z: Floats, turn: float
     w = turn * p.x + bent
     theta = shoe_angles(p.axis, shoe, p.theta)
     contact = _resultant(brake, theta, N)
-    # Friction helps if its moment is against the resisting moments.
+    # Friction helps if its moment about the hinge acts against the moment of the normal forces.
     helping = float(-p.drag * (p.dragged[0] @ N))
     deformation = Deformation(x=p.x, w=w, relative=w - w[-1] * p.x / p.x[-1], z=z[:: p.axis.sense])
     return pressed_shoe(
@@ -390,11 +407,10 @@ def respond(brake: Brake, index: int, p: Post, N: Floats, z: Floats, turn: float
 
 
 def _resultant(brake: Brake, theta: Floats, N: Floats) -> Resultant:
-    """Resultant on an external lining of normal forces N (n,) [N] at angles theta (n,) [rad]."""
-    along = np.array([N @ np.cos(theta), N @ np.sin(theta)])
-    drag = brake.drag
+    """The resultant on an external lining of normal forces N (n,) [N] at angles (n,) [rad]."""
+    normal, drag = np.array([N @ np.cos(theta), N @ np.sin(theta)]), brake.drag
     return Resultant(
-        normal=along,
-        friction=drag * np.array([-along[1], along[0]]),
+        normal=normal,
+        friction=drag * np.array([-normal[1], normal[0]]),
         moment=drag * brake.size * float(N.sum()),
     )

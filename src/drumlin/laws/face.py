@@ -44,6 +44,7 @@ class DrumFace(NamedTuple):
         """Integrals (3, 2) [m] of the products of shapes over the length of arcs."""
         total = np.zeros((3, 2))
         for a, b in arcs:
+            # Integrals of cos^2, cos sin and sin^2, and below of cos and sin, from a to b.
             half, across = (b - a) / 2, (math.sin(2 * b) - math.sin(2 * a)) / 4
             both = (math.cos(2 * a) - math.cos(2 * b)) / 4
             total += [
@@ -67,6 +68,7 @@ class DrumFace(NamedTuple):
     def peak(self, c: Floats, arcs: Arcs) -> float:
         """Largest value of the mixture c (2,) on the arcs."""
         top = math.atan2(c[1], c[0])
+        # The mixture is largest at its top or, where no arc holds the top, at an end of an arc.
         tops = [top + 2 * turn * math.pi for turn in range(-2, 3)]
         places: list[float] = []
         for a, b in arcs:
@@ -76,6 +78,7 @@ class DrumFace(NamedTuple):
     def force(self, loads: Floats, drag: float) -> Resultant:
         """Resultant of the loads (3,) [N] of the shapes, with friction `drag` per pressure."""
         along = loads[:2]
+        # Friction acts across the normal force, with the radius as its lever.
         return Resultant(
             normal=-self.sign * along,
             friction=drag * np.array([-along[1], along[0]]),
@@ -90,6 +93,7 @@ class DrumFace(NamedTuple):
         if not np.any(c):
             return 0
         middle, half = (start + end) / 2, min((end - start) / 2, math.pi)
+        # Pressures on the lining have resultants whose directions lie between the lining's ends.
         off = math.remainder(math.atan2(c[1], c[0]) - middle, 2 * math.pi)
         back = math.remainder(off + math.pi, 2 * math.pi)
         slack = 1e-9  # rad
@@ -126,6 +130,7 @@ class PlaneFace(NamedTuple):
 
     def pressed(self, c: Floats, start: float, end: float) -> Arcs:
         """Arcs of a lining from start to end [m] in which the mixture c (2,) is positive."""
+        # A linear pressure changes its sign once, and presses on one side of its zero.
         if c[1] != 0:
             zero = -c[0] / c[1]
             start, end = (max(start, zero), end) if c[1] > 0 else (start, min(end, zero))
@@ -148,6 +153,7 @@ class PlaneFace(NamedTuple):
         if c[0] == 0:
             return 0
         slack = 1e-9 * (end - start)
+        # c[0] is a force and c[1] its moment: their ratio is the place where the force acts.
         return int(math.copysign(1, c[0])) if start - slack <= c[1] / c[0] <= end + slack else 0
 
 

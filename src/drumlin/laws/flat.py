@@ -34,7 +34,7 @@ class FlatLoad(NamedTuple):
 
 
 class FlatLayout(NamedTuple):
-    """Layout of a flat shoe, as a law needs it; entries broadcast.
+    """Lengths of a shoe on a plane that the formulas of a law take; entries broadcast.
 
     Attributes
     ----------
@@ -50,14 +50,14 @@ class FlatLayout(NamedTuple):
 
 
 def linear_load(pad: FlatLayout) -> FlatLoad:
-    """f = x/x_max (UWA, eq. iv)."""
+    """Integrals of the linear pressure f = x/x_max (UWA notes, eq. iv)."""
     total = (pad.x_max**2 - pad.x_min**2) / (2 * pad.x_max)
     moment = (pad.x_max**3 - pad.x_min**3) / (3 * pad.x_max)
     return FlatLoad(np.asarray(total), np.asarray(moment))
 
 
 def short_load(pad: FlatLayout) -> FlatLoad:
-    """f = 1: N = p_m A acts at the lining's middle (UWA, eq. iii)."""
+    """Integrals of the even pressure f = 1, whose force acts in the middle (UWA notes, eq. iii)."""
     total = np.asarray(pad.x_max - pad.x_min)
     return FlatLoad(total, total * (pad.x_min + pad.x_max) / 2)
 
@@ -143,7 +143,7 @@ def span(shoe: Shoe) -> tuple[float, float]:
 
 
 def layout(brake: Brake, shoe: Shoe) -> FlatLayout:
-    """Layout of a shoe on a plane, as a law needs it."""
+    """The lengths of a shoe on a plane that the formulas of a law take."""
     return FlatLayout(*span(shoe), h=shoe.pin.y, s=brake.spin * shoe.frame.sense)
 
 
@@ -155,6 +155,7 @@ def why_not(law: FlatLaw, brake: Brake) -> str | None:
     for shoe in brake.shoes:
         if shoe.held_by != "hinge":
             return f"shoe {shoe.name!r}: {MOVES[shoe.held_by]}"
+        # A pressure proportional to x would be tension on the other side of the hinge.
         x_min, x_max = span(shoe)
         if law is LINEAR and x_min < 0:
             return (
@@ -172,7 +173,7 @@ def why_not(law: FlatLaw, brake: Brake) -> str | None:
 def solve(law: FlatLaw, brake: Brake) -> Response:
     """Solve a brake on a plane by a law. Raises NoAnswer for a self-locking shoe."""
     word = brake.surface.word
-    shoes = tuple(_shoe(law, brake, shoe) for shoe in brake.shoes)
+    shoes = tuple(_solve_shoe(law, brake, shoe) for shoe in brake.shoes)
     apart = [no_contact(shoe.name, word) for shoe in shoes if not shoe.contact_arcs]
     response = Response(
         model=law.name,
@@ -184,8 +185,8 @@ def solve(law: FlatLaw, brake: Brake) -> Response:
     return with_merits(brake, response)
 
 
-def _shoe(law: FlatLaw, brake: Brake, shoe: Shoe) -> ShoeResponse:
-    """Solve a shoe on a plane by a law."""
+def _solve_shoe(law: FlatLaw, brake: Brake, shoe: Shoe) -> ShoeResponse:
+    """The response of one shoe on a plane by a law. Raises NoAnswer where it locks itself."""
     pad, mu, w = layout(brake, shoe), brake.friction, shoe.lining.width
     moment = -shoe.frame.sense * shoe.actuation.moment_about(shoe.pin)
     # No force, or a force that lifts the lining off the plane.
@@ -197,6 +198,7 @@ def _shoe(law: FlatLaw, brake: Brake, shoe: Shoe) -> ShoeResponse:
             f"mu_lock = {float(law.locking_friction(pad)):.6g} of the {law.name} law"
         )
     amplitude = float(law.amplitude(moment, w, mu, pad))
+    # The amplitude is the pressure where f is 1: at the far end, or everywhere on a short shoe.
     N = amplitude * w * float(law.load(pad).total)
     # The pressure is linear, so that one piece is enough.
     x = np.linspace(shoe.lining.start, shoe.lining.end, 3)

@@ -30,7 +30,7 @@ ANGLE_ROUND_OFF = 1e-9
 
 
 def layout(brake: Brake, shoe: Shoe) -> Layout:
-    """Layout of a shoe, as a law needs it."""
+    """The angles and radii of a shoe on a drum that the formulas of a law take."""
     return Layout(*shoe.arc, R=brake.size, a=shoe.pin.radius, dD=double_delta(brake, shoe))
 
 
@@ -76,10 +76,10 @@ def _why_not_shoe(law: Law, shoe: Shoe) -> str | None:
 
 def solve(law: Law, brake: Brake) -> Response:
     """Solve a brake of hinged shoes by a law. Raises NoAnswer for a self-locking shoe."""
-    shoes = tuple(_shoe(law, brake, i) for i in range(len(brake.shoes)))
+    shoes = tuple(_solve_shoe(law, brake, i) for i in range(len(brake.shoes)))
     notes: list[str] = []
     for i, shoe in enumerate(shoes):
-        notes += _notes(law, brake, i, shoe)
+        notes += _notes_on_shoe(law, brake, i, shoe)
     response = Response(
         model=law.name,
         shoes=shoes,
@@ -95,13 +95,14 @@ def sine(brake: Brake) -> Response:
     return solve(SINE, brake)
 
 
-def _notes(law: Law, brake: Brake, index: int, response: ShoeResponse) -> list[str]:
+def _notes_on_shoe(law: Law, brake: Brake, index: int, response: ShoeResponse) -> list[str]:
     """Notes on a shoe: missing contact, the law's remark, and the effect of lumping its forces."""
     said = f"shoe {response.name!r}:"
     if not response.contact_arcs:
         return [no_contact(response.name)]
     if response.lumped is None:
         return [f"{said} {law.remark}"] if law.remark else []
+    # The resultant of the same pressure without lumping is what the lumped force stands for.
     spread = contact_resultant(brake, index, replace(response, lumped=None))
     share = float(np.linalg.norm(spread.normal) / np.linalg.norm(response.lumped.normal))
     ratio = float(law.friction(layout(brake, brake.shoes[index])))
@@ -112,11 +113,12 @@ def _notes(law: Law, brake: Brake, index: int, response: ShoeResponse) -> list[s
     ]
 
 
-def _shoe(law: Law, brake: Brake, index: int) -> ShoeResponse:
-    """Solve shoe `index` by a law."""
+def _solve_shoe(law: Law, brake: Brake, index: int) -> ShoeResponse:
+    """The response of shoe `index` by a law. Raises NoAnswer where the shoe locks itself."""
     shoe = brake.shoes[index]
     arc, mu = layout(brake, shoe), brake.friction
     moment = pressing_moment(shoe)
+    # No force, or a force that turns the shoe away from the drum.
     if moment <= 0:
         return untouched(shoe, -shoe.actuation.vector)
     if law.resistance(mu, arc) <= 0:
@@ -158,6 +160,7 @@ def pressing_moment(shoe: Shoe) -> float:
 
 def contact(brake: Brake, shoe: Shoe, load: Load, factor: float = 1.0) -> Resultant:
     """Resultant on a shoe under this load [Pa], at `factor` times the brake's friction."""
+    # The load is a pressure in radians of arc: width and radius make it a force.
     force = shoe.lining.width * brake.size
     along: Floats = force * np.array([load.cos, load.sin])
     across = np.array([-along[1], along[0]])

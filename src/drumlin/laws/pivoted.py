@@ -41,14 +41,14 @@ class Rows(NamedTuple):
         return np.asarray(self.g_cos * self.h_sin - self.g_sin * self.h_cos)
 
 
-class _RowsOf(NamedTuple):
+class _RowsOfMoments(NamedTuple):
     """Rows of the moments of the `normal` pressure M_N and of the `friction` M_F."""
 
     normal: Rows
     friction: Rows
 
 
-def _moments(arc: Layout, x: Values, y: Values) -> _RowsOf:
+def _moments(arc: Layout, x: Values, y: Values) -> _RowsOfMoments:
     """M_N and M_F of the four entries; the matrix is the first less dD mu times the second."""
     normal, friction = [], []
     for point in ((x, y), (arc.a, 0.0)):
@@ -56,10 +56,10 @@ def _moments(arc: Layout, x: Values, y: Values) -> _RowsOf:
             M_N, M_F = moments_about(load(arc), arc.R, *point)
             normal.append(M_N)
             friction.append(M_F)
-    return _RowsOf(Rows(*normal), Rows(*friction))
+    return _RowsOfMoments(Rows(*normal), Rows(*friction))
 
 
-def _rows(mu: Values, arc: Layout, x: Values, y: Values) -> Rows:
+def _equilibrium_rows(mu: Values, arc: Layout, x: Values, y: Values) -> Rows:
     """Matrix of the equilibria at friction mu, with the pivot at x, y [m]."""
     of = _moments(arc, x, y)
     return Rows(*(N - arc.dD * mu * F for N, F in zip(of.normal, of.friction, strict=True)))
@@ -78,7 +78,7 @@ def coefficients(
     arc : layout of the shoe, with the lever's pin as its hinge
     x, y : the pivot in the shoe's frame, whose lever's pin is at (a, 0) [m]
     """
-    rows = _rows(mu, arc, x, y)
+    rows = _equilibrium_rows(mu, arc, x, y)
     scale = moment / (width * arc.R * rows.determinant)
     return np.asarray(-rows.g_sin * scale), np.asarray(rows.g_cos * scale)
 
@@ -90,6 +90,7 @@ def torque(moment: Values, mu: Values, arc: Layout, x: Values, y: Values) -> Flo
     """
     # The torque does not depend on the width.
     A, B = coefficients(moment, 1.0, mu, arc, x, y)
+    # Over less than half a turn a mixture that is positive at both ends is positive between them.
     least = np.minimum(*(A * np.cos(phi) + B * np.sin(phi) for phi in (arc.phi_1, arc.phi_2)))
     size = mu * arc.R**2 * (A * cos_load(arc).total + B * sine_load(arc).total)
     return np.where(least >= -1e-12 * np.hypot(A, B), size, np.nan)
@@ -98,7 +99,7 @@ def torque(moment: Values, mu: Values, arc: Layout, x: Values, y: Values) -> Flo
 def sensitivity(mu: Values, arc: Layout, x: Values, y: Values) -> Floats:
     """Sensitivity S = (mu/T) dT/dmu at fixed actuation, with the change of the mixture A : B."""
     A, B = coefficients(1.0, 1.0, mu, arc, x, y)
-    rows = _rows(mu, arc, x, y)
+    rows = _equilibrium_rows(mu, arc, x, y)
     # The changes of A and B follow from the change of the matrix with mu.
     change = Rows(*(-arc.dD * F for F in _moments(arc, x, y).friction))
     g = change.g_cos * A + change.g_sin * B
@@ -114,9 +115,13 @@ def locking_friction(arc: Layout, x: float, y: float) -> float:
 
     The determinant is a parabola in mu. The pivot is at x, y [m].
     """
-    at_0, at_1, at_2 = (float(_rows(mu, arc, x, y).determinant) for mu in (0.0, 1.0, 2.0))
+    # Three values at evenly spaced frictions give the coefficients of the parabola.
+    at_0, at_1, at_2 = (
+        float(_equilibrium_rows(mu, arc, x, y).determinant) for mu in (0.0, 1.0, 2.0)
+    )
     second = (at_2 - 2 * at_1 + at_0) / 2
     parabola = np.array([second, at_1 - at_0 - second, at_0])
+    # A coefficient that is round-off would make a root far away.
     parabola[np.abs(parabola) < 1e-14 * np.abs(parabola).max()] = 0.0
     roots = np.roots(parabola)
     positive = [float(r.real) for r in roots if abs(r.imag) < 1e-12 and r.real > 0]

@@ -100,10 +100,12 @@ def locking(face: Face, free: Freedoms, width: float, arcs: Arcs, spin: int) -> 
     # The modes have units of their own: rows and columns are scaled first.
     size = np.sqrt(np.abs(np.diagonal(N))) + 1e-300
     N, F = N / np.outer(size, size), F / np.outer(size, size)
+    # The equilibria (N - mu s F) a = Q are singular where 1/mu is an eigenvalue of s N^-1 F.
     try:
         found = np.linalg.eigvals(np.linalg.solve(N, spin * F))
     except np.linalg.LinAlgError:
         return math.inf
+    # Pairs of complex eigenvalues and negative ones belong to no friction coefficient.
     real = found.real[np.abs(found.imag) <= 1e-9 * np.abs(found)]
     return min((1 / float(x) for x in real if x > 1e-14), default=math.inf)
 
@@ -120,7 +122,7 @@ def locking_friction(brake: Brake, shoe: Shoe) -> float:
 
 
 def press(brake: Brake, shoe: Shoe, *, whole: bool = False) -> PressedShoe | None:
-    """Solve a shoe for its contact; None if the actuation lifts it off or vanishes.
+    """The contact of a rigid shoe; None if its actuation is zero or lifts the shoe off.
 
     Parameters
     ----------
@@ -135,17 +137,18 @@ def press(brake: Brake, shoe: Shoe, *, whole: bool = False) -> PressedShoe | Non
     face = face_of(brake, shoe)
     if shoe.actuation.force == 0:
         return None
+    # A force that the lining can balance by tension alone lifts the shoe off.
     if bears(brake, shoe) < 0:
         return None
     # The first sense of an abutment's friction that fits the motion of the foot is the answer.
     failure: NoAnswer | None = None
     for sense in shoe.senses:
         try:
-            found = _settled(brake, shoe, face, sense, whole)
+            found = _solve_contact(brake, shoe, face, sense, whole)
         except NoAnswer as error:
             failure = failure or error
             continue
-        reaction = -shoe.actuation.vector - _contact(brake, shoe, found).force
+        reaction = -shoe.actuation.vector - _contact_force(brake, shoe, found).force
         if shoe.stands(reaction, sense, float(found.amounts[-1])):
             return found
     raise failure or NoAnswer(f"shoe {shoe.name!r}: no equilibrium, its foot leaves the abutment")
@@ -167,7 +170,7 @@ def bears(brake: Brake, shoe: Shoe) -> int:
         return 0
 
 
-def _settled(brake: Brake, shoe: Shoe, face: Face, sense: int, whole: bool) -> PressedShoe:
+def _solve_contact(brake: Brake, shoe: Shoe, face: Face, sense: int, whole: bool) -> PressedShoe:
     """Solve a shoe for its contact with a given sense of the abutment's friction.
 
     The arcs in contact change until they are those where the pressure is positive. Parameters are
@@ -190,9 +193,10 @@ def _settled(brake: Brake, shoe: Shoe, face: Face, sense: int, whole: bool) -> P
             amounts: Floats = np.linalg.solve(N - mu * brake.spin * F, free.work).astype(float)
         except np.linalg.LinAlgError:
             break
+        # The next arcs in contact are those where the pressure on the present arcs is positive.
         c = shapes.T @ amounts
         after = (ends,) if whole else face.pressed(c, *ends)
-        if after and _same(after, arcs):
+        if after and _agree(after, arcs):
             mu_lock = locking(face, free, shoe.lining.width, arcs, brake.spin)
             if mu >= mu_lock:
                 break
@@ -200,6 +204,7 @@ def _settled(brake: Brake, shoe: Shoe, face: Face, sense: int, whole: bool) -> P
         if not after:
             break
         arcs = after
+    # Above mu_lock friction is to blame, below it the place of the support.
     if mu >= mu_lock:
         raise NoAnswer(f"shoe {shoe.name!r}: {locked.format(mu_lock)}")
     raise NoAnswer(
@@ -208,16 +213,16 @@ def _settled(brake: Brake, shoe: Shoe, face: Face, sense: int, whole: bool) -> P
     )
 
 
-def _same(a: Arcs, b: Arcs) -> bool:
-    """Whether arcs agree to round-off."""
+def _agree(a: Arcs, b: Arcs) -> bool:
+    """Whether two sets of contact arcs are equal but for round-off."""
     if len(a) != len(b):
         return False
     round_off = 1e-13 * max(1.0, np.abs(b).max())
     return bool(np.allclose(a, b, rtol=0, atol=round_off))
 
 
-def _contact(brake: Brake, shoe: Shoe, found: PressedShoe) -> Resultant:
-    """Resultant on a shoe in contact."""
+def _contact_force(brake: Brake, shoe: Shoe, found: PressedShoe) -> Resultant:
+    """Resultant of pressure and friction on a shoe in contact."""
     loads = shoe.lining.width * found.face.products(found.arcs) @ found.c
     return found.face.force(loads, brake.friction * brake.spin)
 
@@ -226,8 +231,9 @@ def respond(brake: Brake, shoe: Shoe, found: PressedShoe | None) -> ShoeResponse
     """The response of a shoe in contact, or without contact if `found` is None."""
     if found is None:
         return untouched(shoe, -shoe.actuation.vector)
-    contact, flat = _contact(brake, shoe, found), shoe.flat
+    contact, flat = _contact_force(brake, shoe, found), shoe.flat
     ends = (shoe.lining.start, shoe.lining.end)
+    # The pressure on a plane is linear, so that two steps are enough.
     place = nodes(ends, found.arcs, 2 if flat else PRESSURE_NODES - 1)
     about_pin = _moments_about_pin(shoe, contact)
     of_actuation = shoe.actuation.moment_about(shoe.pin)
@@ -297,6 +303,7 @@ def nodes(ends: tuple[float, float], arcs: Arcs, steps: int) -> Floats:
     arcs : arcs in contact, whose ends are ends of pieces
     steps : number of steps over the whole lining
     """
+    # A set keeps each end once: an arc in contact may end where the lining ends.
     marks = sorted({*ends, *(end for arc in arcs for end in arc)})
     found = [np.array(marks[:1])]
     for a, b in pairwise(marks):
@@ -338,6 +345,7 @@ def _share_cam(brake: Brake, shoes: list[Shoe], total: float, whole: bool) -> No
         if found is None or found.tip <= 0:
             raise NoAnswer(f"shoe {shoes[i].name!r}: the cam does not press it")
         motions_per_force.append(found.tip / shoes[i].actuation.force)
+    # The tips are springs side by side: the sum of their stiffnesses carries the cam's force.
     stiffness = math.fsum(1 / motion for motion in motions_per_force)
     for i, motion in zip(on_cam, motions_per_force, strict=True):
         shoes[i] = shoes[i].under(total / (motion * stiffness))
@@ -359,6 +367,7 @@ def solve(brake: Brake, name: str = "rigid", *, whole: bool = False) -> Response
     """
     under = forced(brake, whole=whole)
     shoes = tuple(respond(under, shoe, press(under, shoe, whole=whole)) for shoe in under.shoes)
+    # Responses name the forces that the solve has found; the file gives only their sum.
     if under.shoes != brake.shoes:
         shoes = tuple(
             replace(response, force=shoe.actuation.force)

@@ -28,7 +28,7 @@ class Load(NamedTuple):
 
 
 class Layout(NamedTuple):
-    """Layout of a shoe, as a law needs it; entries broadcast.
+    """Angles and radii of a shoe on a drum that the formulas of a law take; entries broadcast.
 
     Attributes
     ----------
@@ -75,7 +75,7 @@ def moments_about(load: Load, R: Values, x: Values, y: Values = 0.0) -> tuple[Fl
 
 
 def sine_load(arc: Layout) -> Load:
-    """f = sin phi: Is, Isc, Iss (UWA long shoe; NPTEL lesson 12.1; Simscape double-shoe brake)."""
+    """Integrals of the pressure f = sin phi over the arc (UWA notes; NPTEL lesson 12.1)."""
     phi_1, phi_2 = arc.phi_1, arc.phi_2
     Is = np.cos(phi_1) - np.cos(phi_2)
     Iss = (phi_2 - phi_1) / 2 - (np.sin(2 * phi_2) - np.sin(2 * phi_1)) / 4
@@ -84,7 +84,7 @@ def sine_load(arc: Layout) -> Load:
 
 
 def cos_load(arc: Layout) -> Load:
-    """f = cos phi: Ic, Icc, Isc; with sin phi it spans the pressures of a shoe with two modes."""
+    """Integrals of f = cos phi, which with sin phi spans the pressures of a shoe with two modes."""
     phi_1, phi_2 = arc.phi_1, arc.phi_2
     Ic = np.sin(phi_2) - np.sin(phi_1)
     Icc = (phi_2 - phi_1) / 2 + (np.sin(2 * phi_2) - np.sin(2 * phi_1)) / 4
@@ -92,25 +92,26 @@ def cos_load(arc: Layout) -> Load:
 
 
 def cosine_load(arc: Layout) -> Load:
-    """f = cos(phi - middle): total 2 sin theta_0, theta_0 + sin(2 theta_0)/2 along the middle."""
+    """Integrals of the pressure f = cos(phi - middle) over the arc."""
+    # The resultant of the pressure lies along the middle radius.
     along = arc.half + np.sin(2 * arc.half) / 2
     return Load(2 * np.sin(arc.half), along * np.cos(arc.middle), along * np.sin(arc.middle))
 
 
 def uniform_load(arc: Layout) -> Load:
-    """f = 1, where every element presses along its own radius."""
+    """Integrals of the even pressure f = 1, where each element presses along its own radius."""
     along = 2 * np.sin(arc.half)
     return Load(2 * arc.half, along * np.cos(arc.middle), along * np.sin(arc.middle))
 
 
 def short_load(arc: Layout) -> Load:
-    """f = 1, all elements press along the middle radius: N = p_m A (UWA short shoe, eq. v)."""
+    """Integrals of f = 1, where all elements press along the middle radius (UWA notes, eq. v)."""
     along = 2 * arc.half
     return Load(along, along * np.cos(arc.middle), along * np.sin(arc.middle))
 
 
 def block_load(arc: Layout) -> Load:
-    """f = cos(phi - middle), lumped: N = b R p_0 (theta_0 + sin(2 theta_0)/2) (NPTEL)."""
+    """Integrals of f = cos(phi - middle) whose force acts along the middle radius (NPTEL 12.1)."""
     along = arc.half + np.sin(2 * arc.half) / 2
     return Load(along, along * np.cos(arc.middle), along * np.sin(arc.middle))
 
@@ -133,13 +134,8 @@ def pivot_radius(R: Values, theta_0: Values) -> Floats:
 
 
 def _one(arc: Layout) -> Floats:
-    """Factor 1 on mu."""
+    """The factor 1 on mu, for friction that is not lumped."""
     return np.ones(np.shape(arc.half))
-
-
-def _of_block(arc: Layout) -> Floats:
-    """Factor on mu of a friction that is lumped at the lining's middle."""
-    return equivalent_friction(arc.half)
 
 
 @dataclass(frozen=True)
@@ -232,17 +228,17 @@ def m_and_n(mu: Values, theta_m: Values, r: Values, a: Values) -> tuple[Floats, 
 
 
 def _middle(arc: Layout) -> Floats:
-    """Peak at the lining's middle."""
+    """Angle phi [rad] of the lining's middle, where a pressure of this kind has its peak."""
     return arc.middle
 
 
 def _cosine(phi: Floats, arc: Layout) -> Floats:
-    """f = cos(phi - middle)."""
+    """The pressure f = cos(phi - middle), same shape as phi."""
     return np.cos(phi - arc.middle)
 
 
 def _constant(phi: Floats, arc: Layout) -> Floats:
-    """f = 1."""
+    """The even pressure f = 1, same shape as phi."""
     return np.ones(np.broadcast_shapes(np.shape(phi), np.shape(arc.middle)))
 
 
@@ -271,7 +267,7 @@ BLOCK = Law(
     _cosine,
     _middle,
     lumped=True,
-    friction=_of_block,
+    friction=lambda arc: equivalent_friction(arc.half),
 )
 UNIFORM = Law(
     "uniform",

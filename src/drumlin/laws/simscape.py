@@ -190,6 +190,7 @@ class DoubleShoe:
         material : of the lining
         """
         phi_1, phi_2 = self.arc
+        # The left shoe is the mirror image of the right one.
         layers = {"thickness": thickness, "width": width, "material": material}
         inwards = 180.0 if side == "external" else 0.0
         shoes = []

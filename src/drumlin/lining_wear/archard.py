@@ -31,11 +31,13 @@ The module knows nothing of brakes: `linings` makes its problems from them.
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from bisect import bisect_left
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import nullcontext, suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
+from operator import attrgetter
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -90,15 +92,17 @@ SOFTEST_COMPLIANCE = 1e3
 compliance of the brake. A larger value only costs time."""
 
 SOFTENED_BY = 4.0
-"""Factor from one compliance to the next on this way. A smaller factor only costs time."""
+"""Factor between the compliances of successive linings while a contact set is followed from soft
+linings. A smaller factor only costs time."""
 
 SOFTENINGS = 20
-"""Number of compliances on this way. The last one is 4e-9 of the brake's own, so that the contact
-set hardly changes without it."""
+"""Number of compliances while a contact set is followed from soft linings.
+
+The last compliance is 4e-9 of the brake's own: without it the contact set hardly changes."""
 
 
 def always(_: Contact) -> bool:
-    """Return True: linings without rough abutments can bear in one way only."""
+    """Whether an answer allows the friction: always where no abutment is rough."""
     return True
 
 
@@ -165,7 +169,7 @@ class WearLaw(NamedTuple):
     reference: float = 1e6
 
     def rate(self, p: Floats, rounded: float) -> tuple[Floats, Floats]:
-        """dh/ds (n,) and its slope [1/Pa] at pressures p (n,).
+        """The wear per distance, dh/ds (n,), and its slope (n,) [1/Pa] at pressures p (n,) [Pa].
 
         `rounded` [Pa] is the pressure below which an exponent under 1 is rounded off, see
         ROUNDED_PRESSURE.
@@ -212,6 +216,7 @@ class WearState:
 
 
 WearInterfaces = Sequence[WearInterface]
+"""The interfaces of a brake, each in equilibrium by itself."""
 
 
 def run(
@@ -273,7 +278,7 @@ def _check_positive(values: Mapping[str, float]) -> None:
 
 
 def _check_law(law: WearLaw, tolerance: float, distance: float) -> None:
-    """Raise BadInput for a wear law, a tolerance or a distance out of range."""
+    """Raise BadInput for a wear law, a tolerance or a sliding distance out of range."""
     if not 0 < tolerance <= 0.1:
         raise BadInput(f"tolerance = {tolerance:g}: must be greater than 0 and at most 0.1")
     if not law.coefficient >= 0:
@@ -285,7 +290,7 @@ def _check_law(law: WearLaw, tolerance: float, distance: float) -> None:
 
 
 class _Course:
-    """A run on its way: its states so far, and the length of its next step.
+    """A wear run in progress: its states so far, and the length of its next step.
 
     Parameters
     ----------
@@ -315,12 +320,12 @@ class _Course:
 
     @property
     def state(self) -> WearState:
-        """The last state."""
+        """The last state of the run so far."""
         return self.states[-1]
 
     @property
     def is_over(self) -> bool:
-        """Whether the distance is reached, but for round-off."""
+        """Whether the run has reached its sliding distance, apart from round-off."""
         return self.state.s >= self._distance * (1 - 1e-12)
 
     def advance(self) -> None:
@@ -356,14 +361,14 @@ class _Course:
         return size
 
     def _shorten(self, step: float) -> None:
-        """Try again with a shorter step. Raises NoAnswer for one that round-off would swallow."""
+        """Shorten the next step. Raises NoAnswer where round-off would swallow the shorter step."""
         self._step = step
         s = self.state.s
         if step < SHORTEST_STEP * max(s, 1e-300) and s > 0:
             raise NoAnswer("not converged: the step of the wear shrinks to nothing")
 
     def _turn(self) -> None:
-        """Let the drum turn the other way."""
+        """Reverse the drum, and append the state of the linings after the reversal."""
         self._forward = not self._forward
         self._next_turn += self._reverse
         self.states.append(self._steppers[self._forward].turned(self.state, self._forward))
@@ -371,7 +376,7 @@ class _Course:
 
 
 def run_on(interfaces: WearInterfaces, law: WearLaw, stations: Sequence[float]) -> list[WearState]:
-    """Wear linings in steps that end at the distances `stations` [m], whatever their error."""
+    """Wear linings in steps that end at the distances `stations` [m], without error control."""
     stepper = _Stepper(interfaces, law, None)
     states = [stepper.start()]
     for s in stations:
@@ -381,38 +386,42 @@ def run_on(interfaces: WearInterfaces, law: WearLaw, stations: Sequence[float]) 
 
 
 def together(interfaces: WearInterfaces) -> WearInterface:
-    """Several interfaces as one: block by block, with every combination of their footings."""
+    """Join several interfaces into one, with every combination of their footings."""
     combinations = product(*(interface.footings for interface in interfaces))
-    first, *others = [_joined(footings) for footings in combinations]
-    all_settle = all(interface.settle for interface in interfaces)
+    first, *others = map(_joined, combinations)
+    all_settle = all(map(attrgetter("settle"), interfaces))
     return WearInterface(
         problem=first.problem,
-        weight=block_diag(*(interface.weight for interface in interfaces)),
-        loaded=np.concatenate([interface.loaded for interface in interfaces]),
-        pressure=np.concatenate([interface.pressure for interface in interfaces]),
-        area=np.concatenate([interface.area for interface in interfaces]),
-        torque=np.concatenate([interface.torque for interface in interfaces]),
+        weight=block_diag(*map(attrgetter("weight"), interfaces)),
+        loaded=_concatenated(interfaces, "loaded"),
+        pressure=_concatenated(interfaces, "pressure"),
+        area=_concatenated(interfaces, "area"),
+        torque=_concatenated(interfaces, "torque"),
         stands=first.stands,
         others=tuple(others),
         settle=partial(_all_settled, interfaces) if all_settle else None,
     )
 
 
+def _concatenated(owners: Iterable[Any], name: str) -> Floats:
+    """The arrays (n,) that some objects have as their attribute `name`, one after the other."""
+    return np.concatenate(list(map(attrgetter(name), owners)))
+
+
 def _joined(footings: Sequence[Footing]) -> Footing:
-    """Footings of several interfaces as one."""
-    problems = [footing.problem for footing in footings]
+    """The footing that holds where each of several interfaces has its own of these footings."""
     problem = Problem(
-        A=block_diag(*(each.A for each in problems)),
-        q=np.concatenate([each.q for each in problems]),
-        B=block_diag(*(each.B for each in problems)),
-        C=block_diag(*(each.C for each in problems)),
-        h=np.concatenate([each.h for each in problems]),
+        A=block_diag(*map(attrgetter("problem.A"), footings)),
+        q=_concatenated(footings, "problem.q"),
+        B=block_diag(*map(attrgetter("problem.B"), footings)),
+        C=block_diag(*map(attrgetter("problem.C"), footings)),
+        h=_concatenated(footings, "problem.h"),
     )
     return Footing(problem, partial(_all_stand, footings))
 
 
 def _all_stand(footings: Sequence[Footing], contact: Contact) -> bool:
-    """Whether each of the joined footings stands in their common answer."""
+    """Whether the common answer of several interfaces allows the footing of each of them."""
     unknowns = in_turn(len(footing.problem.q) for footing in footings)
     motions = in_turn(len(footing.problem.h) for footing in footings)
     for footing, unknown, motion in zip(footings, unknowns, motions, strict=True):
@@ -422,7 +431,10 @@ def _all_stand(footings: Sequence[Footing], contact: Contact) -> bool:
 
 
 def _all_settled(interfaces: WearInterfaces, depth: Floats) -> tuple[int, Bools]:
-    """The number of the footings among their combinations, and the contact set of all."""
+    """The number of the combination of footings, and the contact set (n,) of all interfaces.
+
+    The linings are worn by a depth (n,) [m].
+    """
     number = 0
     active_sets: list[Bools] = []
     parts = in_turn(len(interface.area) for interface in interfaces)
@@ -451,8 +463,9 @@ class Steady(NamedTuple):
 def steady(interface: WearInterface, law: WearLaw) -> Steady:
     """The steady wear that the wear of an interface ends with.
 
-    It depends on the exponent of the law, not on its coefficient. Raises NoAnswer: a rigid shoe
-    would lock itself, nothing balances the actuation, a foot leaves its abutment.
+    Steady wear depends on the exponent of the wear law, not on the coefficient. NoAnswer is raised
+    where a rigid shoe would lock itself, nothing balances the actuation, or a foot leaves its
+    abutment.
     """
     failure: NoAnswer | None = None
     compliance_of_wear = np.diagonal(interface.weight) * interface.pressure
@@ -473,8 +486,8 @@ def steady(interface: WearInterface, law: WearLaw) -> Steady:
 def _steady_as(interface: WearInterface, footing: Footing, law: WearLaw) -> Contact:
     """The steady wear with one footing. Raises NoAnswer.
 
-    For the exponent 1 it is the answer of one contact problem with the compliance of wear. For
-    other exponents this answer is the first guess.
+    For the exponent 1, steady wear is the answer of one contact problem with the compliance of
+    wear. For other exponents this answer is the first guess.
     """
     _, q, B, C, h = footing.problem
     compliance = interface.weight * interface.pressure
@@ -579,7 +592,14 @@ Tangent = Callable[[Floats], Floats]
 
 
 class _WearIntegrals(NamedTuple):
-    """The integrals of a WearState over the sliding distance, see there."""
+    """The integrals over the sliding distance that a WearState holds.
+
+    Attributes
+    ----------
+    removed : [m^3], integral of the wear rate
+    pressed : [N m], integral of the normal force
+    work : [N m^2], integral of the torque
+    """
 
     removed: float
     pressed: float
@@ -587,13 +607,13 @@ class _WearIntegrals(NamedTuple):
 
 
 class _WornContact(NamedTuple):
-    """The linings of all interfaces in contact.
+    """The answer for the linings of all interfaces in contact with the drum.
 
     Attributes
     ----------
-    p : (n,) [Pa]
-    rate : (n,), wear dh/ds
-    tangents : of each interface
+    p : pressure (n,) [Pa]
+    rate : wear per sliding distance, dh/ds (n,)
+    tangents : for each interface, the change of the contact unknowns by a change of the gap
     """
 
     p: Floats
@@ -602,7 +622,14 @@ class _WornContact(NamedTuple):
 
 
 class _InterfaceContact(NamedTuple):
-    """The linings of one interface in contact: p (n,) [Pa], rate (n,) and the contact's answer."""
+    """The answer for the linings of one interface in contact with the drum.
+
+    Attributes
+    ----------
+    p : pressure (n,) [Pa]
+    rate : wear per sliding distance, dh/ds (n,)
+    contact : answer of the contact problem
+    """
 
     p: Floats
     rate: Floats
@@ -610,7 +637,7 @@ class _InterfaceContact(NamedTuple):
 
 
 class _Stepper:
-    """Steps of interfaces under one actuation and one sense of rotation.
+    """A solver that wears the linings of some interfaces step by step, for one sense of rotation.
 
     The last contact sets are first guesses, and the last footings are kept while they stand.
 
@@ -626,33 +653,33 @@ class _Stepper:
         # A held torque is the sum of all linings, so that they have one common problem.
         self.interfaces = list(interfaces) if torque is None else [together(interfaces)]
         self.parts = in_turn(len(interface.area) for interface in self.interfaces)
-        self.problems = [self._problems_of(interface) for interface in self.interfaces]
+        self.problems = list(map(self._problems_of, self.interfaces))
         self.footing = [0] * len(self.interfaces)
-        self.area = np.concatenate([interface.area for interface in self.interfaces])
-        self.lever = np.concatenate([interface.torque for interface in self.interfaces])
+        self.area = _concatenated(self.interfaces, "area")
+        self.lever = _concatenated(self.interfaces, "torque")
         self.sets: list[Bools | None] = [None] * len(self.interfaces)
         self.forward = True
 
     def _problems_of(self, interface: WearInterface) -> list[Problem]:
         """The contact problem of each footing of an interface."""
-        problems = [footing.problem for footing in interface.footings]
+        problems: list[Problem] = list(map(attrgetter("problem"), interface.footings))
         if self.held is None:
             return problems
-        return [at_torque(interface, self.held, problem) for problem in problems]
+        return list(map(partial(at_torque, interface, self.held), problems))
 
     def start(self) -> WearState:
-        """The unworn linings."""
+        """The state of the unworn linings in contact. Raises NoAnswer."""
         depth = np.zeros(len(self.area))
         return self._state(0.0, depth, self._settled(depth), _WearIntegrals(0.0, 0.0, 0.0))
 
     def turned(self, state: WearState, forward: bool) -> WearState:
-        """The same linings with the drum turning forward or backward."""
+        """The state of the same linings as the drum begins to turn forward or backward."""
         self.forward = forward
         integrals = _WearIntegrals(state.removed, state.pressed, state.work)
         return self._state(state.s, state.depth, self._settled(state.depth), integrals)
 
     def _settled(self, depth: Floats) -> Floats:
-        """p (n,) under a depth (n,) [m] of wear, found without a first guess."""
+        """The pressure (n,) [Pa] of linings worn by a depth (n,) [m], without a first guess."""
         for i, (interface, part) in enumerate(zip(self.interfaces, self.parts, strict=True)):
             if interface.settle is None:
                 continue
@@ -663,20 +690,21 @@ class _Stepper:
         return self._bear(depth, 0.0).p
 
     def first(self, state: WearState, tolerance: float) -> float:
-        """A step [m] that is short even for the fastest ripple."""
+        """The length [m] of a first step, which is short even for the fastest ripple."""
         largest = state.pressure.max(initial=1.0)
         slope = float(self.law.rate(np.full(1, largest), 0.0)[1][0])
         if slope == 0:
             return math.inf
-        # Elastic compliance of each node over its compliance of wear, for a slope of 1.
-        ratios = []
+        # The least ratio of a node's elastic compliance to its compliance of wear at a slope of 1.
+        least = math.inf
         for interface in self.interfaces:
             of_wear = np.diagonal(interface.weight) * interface.pressure
-            ratios.append(np.diagonal(interface.problem.A) / of_wear)
-        return math.sqrt(tolerance) * float(min(np.abs(ratio).min() for ratio in ratios)) / slope
+            ratios = np.diagonal(interface.problem.A) / of_wear
+            least = min(least, float(np.abs(ratios).min()))
+        return math.sqrt(tolerance) * least / slope
 
     def step(self, state: WearState, ds: float) -> tuple[WearState, float]:
-        """The state after ds [m], and the error of its pressure (first order, relative, L2)."""
+        """The state after a step of ds [m], and the relative L2 error of its pressure."""
         footing = list(self.footing)
         first = self._bear(state.depth, GAMMA * ds)
         second = self._bear(state.depth + (1 - GAMMA) * ds * first.rate, GAMMA * ds)
@@ -684,9 +712,10 @@ class _Stepper:
         # The embedded rule ds r1 misses the depth by GAMMA ds (r2 - r1). The tangent of the last
         # stage gives the error of p that belongs to it.
         error = self._size(self._change(second.tangents, GAMMA * ds * (second.rate - first.rate)))
-        earlier = state.pressure, first.p
-        set_changes = any(not np.array_equal(p > 0, second.p > 0) for p in earlier)
-        if set_changes or self.footing != footing:
+        # The tangent holds for one contact set and one footing.
+        pressed = second.p > 0
+        same_set = ((state.pressure > 0) == pressed).all() and ((first.p > 0) == pressed).all()
+        if not same_set or self.footing != footing:
             error = max(error, self._euler_error(state, ds, second.p))
         error /= self._size(second.p) or 1.0
 
@@ -726,22 +755,23 @@ class _Stepper:
 
     def _state(self, s: float, depth: Floats, p: Floats, integrals: _WearIntegrals) -> WearState:
         """The state at the distance s [m] with a depth (n,) [m], p (n,) [Pa] and the integrals."""
-        force = 1.0
-        if self.held is not None:
-            force = self._force(0, p)
+        force = self._force(0, p)
         return WearState(s, depth, p, float(self.lever @ p), force, self.forward, *integrals)
 
     def _bear(self, depth: Floats, ds: float) -> _WornContact:
         """The linings in contact after a further wear of ds rate(p) on top of `depth` (n,) [m]."""
         bearings = [self._bear_one(i, depth[part], ds) for i, part in enumerate(self.parts)]
         return _WornContact(
-            p=np.concatenate([each.p for each in bearings]),
-            rate=np.concatenate([each.rate for each in bearings]),
-            tangents=[each.contact.tangent for each in bearings],
+            p=_concatenated(bearings, "p"),
+            rate=_concatenated(bearings, "rate"),
+            tangents=list(map(attrgetter("contact.tangent"), bearings)),
         )
 
     def _force(self, i: int, p: Floats) -> float:
-        """The factor on the actuation that balances the pressures p (n,) of interface `i`."""
+        """The factor on the actuation that balances the pressures p (n,) of interface `i`.
+
+        It is 1 unless the torque is held.
+        """
         if self.held is None:
             return 1.0
         interface = self.interfaces[i]
@@ -801,7 +831,7 @@ class _Stepper:
         )
 
     def _guess(self, i: int, problem: Problem) -> Floats:
-        """A pressure (n,) to begin Newton's method with; a linear rate takes any."""
+        """The pressure (n,) with which Newton's method begins; a linear rate takes any pressure."""
         if self.law.exponent == 1:
             return np.zeros(len(problem.q))
         contact = active_set.solve(problem, self.sets[i])
@@ -867,7 +897,8 @@ def _eroded(where: Bools, margin: int, *, beyond: bool) -> Bools:
 
 def at(states: Sequence[WearState], s: float) -> WearState:
     """The state at the sliding distance s [m], interpolated between two computed states."""
-    after = next((i for i, state in enumerate(states) if state.s >= s), len(states) - 1)
+    # After a reversal the same distance is there twice; the state before the reversal counts.
+    after = min(bisect_left(states, s, key=attrgetter("s")), len(states) - 1)
     b = states[after]
     if after == 0 or b.s == s:
         return b
@@ -900,10 +931,10 @@ def last_beyond(s: Sequence[float], values: Sequence[float], limit: float) -> fl
     values : a number at each distance
     limit : on their sizes
     """
-    above = [i for i, value in enumerate(values) if abs(value) > limit]
-    if not above:
+    above = np.flatnonzero(np.abs(values) > limit)
+    if not len(above):
         return 0.0
-    i = above[-1]
+    i = int(above[-1])
     if i + 1 >= len(s):
         return math.inf
     a, b = abs(values[i]), abs(values[i + 1])

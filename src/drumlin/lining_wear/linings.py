@@ -8,6 +8,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
+from operator import attrgetter
 from typing import NamedTuple, TypeVar
 
 import numpy as np
@@ -30,16 +31,16 @@ AnyBrake = TypeVar("AnyBrake", bound=Brake)
 
 
 class WornLining(NamedTuple):
-    """The lining of one shoe among the contact unknowns of its setup.
+    """The lining of one shoe, with its place among the contact unknowns of a wear setup.
 
     Attributes
     ----------
     shoe : position of the shoe in the brake
-    name : of the shoe
-    interface : position of its interface in the setup
-    part : its unknowns among those of all interfaces
-    local : its unknowns among those of its interface
-    theta : (n,) [rad], of the unknowns
+    name : name of the shoe
+    interface : position of the lining's interface in the setup
+    part : place of the lining's unknowns among the unknowns of all interfaces
+    local : place of the lining's unknowns among the unknowns of its interface
+    theta : angles (n,) [rad] of the unknowns
     forward : slice that sorts the unknowns by growing theta
     order : degree of the interpolation between the nodes
     """
@@ -54,12 +55,12 @@ class WornLining(NamedTuple):
     order: int
 
     def along(self, values: Floats) -> Floats:
-        """Values (n,) of this lining by growing theta, taken from the values of all unknowns."""
+        """The values (n,) of this lining by growing theta, taken from values at all unknowns."""
         return values[self.part][self.forward]
 
     @property
     def angles(self) -> Floats:
-        """The angles theta (n,) [rad] of the unknowns, growing."""
+        """The angles theta (n,) [rad] of the lining's unknowns in growing order."""
         return self.theta[self.forward]
 
 
@@ -88,14 +89,16 @@ class WearSetup(NamedTuple):
         lining = self.brake.shoes[self.surfaces[0].shoe].lining
         return lining.material.E_through / lining.thickness
 
-    def part(self, interface: int) -> slice:
-        """The unknowns of an interface among those of all interfaces."""
-        parts = [surface.part for surface in self.surfaces if surface.interface == interface]
-        return slice(parts[0].start, parts[-1].stop)
-
 
 class _PlacedLining(NamedTuple):
-    """A lining before its place among the unknowns is known: shoe, theta (n,) [rad], order."""
+    """A lining whose place among the unknowns is not known yet.
+
+    Attributes
+    ----------
+    shoe : position of the shoe in the brake
+    theta : angles (n,) [rad] of the lining's unknowns
+    order : degree of the interpolation between the nodes
+    """
 
     shoe: int
     theta: Floats
@@ -122,7 +125,7 @@ def fem_setup(scene: PreparedModel, brake: Brake, *, penalty: float = math.inf) 
 def _interface(group: ShoeGroup) -> WearInterface:
     """The linings of a group of shoes, with all their footings."""
     first, *others = group.footings()
-    bodies = group.bodies
+    couplings = list(map(attrgetter("coupling"), group.bodies))
     gap = np.concatenate(group.gaps)
     problem = _in_newtons(first)
     return WearInterface(
@@ -130,8 +133,8 @@ def _interface(group: ShoeGroup) -> WearInterface:
         loaded=problem.q - group.masses @ gap,
         weight=group.masses,
         pressure=np.ones(len(gap)),
-        area=np.concatenate([body.coupling.area for body in bodies]),
-        torque=group.brake.friction * np.concatenate([body.coupling.lever for body in bodies]),
+        area=np.concatenate(list(map(attrgetter("area"), couplings))),
+        torque=group.brake.friction * np.concatenate(list(map(attrgetter("lever"), couplings))),
         stands=partial(_stands, first),
         others=tuple(Footing(_in_newtons(way), partial(_stands, way)) for way in others),
         settle=partial(_settle, (first, *others)),
@@ -152,7 +155,8 @@ def _settle(ways: Sequence[ShoeGroup], depth: Floats) -> tuple[int, Bools]:
         if active is None:
             raise
         settled, contact = worn.settled(active)
-    senses = [way.each_sense for way in ways]
+    # The senses of friction tell which footing has been found.
+    senses = list(map(attrgetter("each_sense"), ways))
     return senses.index(settled.each_sense), contact.active
 
 
@@ -183,13 +187,13 @@ def worn_by(brake: Brake, depths: Mapping[int, tuple[Floats, Floats]]) -> Brake:
 
 
 def _in_newtons(group: ShoeGroup) -> Problem:
-    """The contact problem of a group with its loads in newtons."""
+    """The contact problem of a group of shoes, scaled from unit forces to newtons."""
     size, problem = group.unit_force, group.problem
     return problem._replace(q=size * problem.q, h=size * problem.h)
 
 
 def _stands(group: ShoeGroup, contact: Contact) -> bool:
-    """Whether the answer of a group, in newtons, allows the friction at its abutments."""
+    """Whether an answer in newtons allows the friction at the abutments of a group of shoes."""
     unit = replace(contact, p=contact.p / group.unit_force, y=contact.y / group.unit_force)
     return all(group.consistent(unit, k) for k in range(len(group.members)))
 
@@ -215,28 +219,28 @@ def foundation_setup(
     reason = foundation.why_not(brake)
     if reason is not None:
         raise BadInput(f"foundation does not apply to this brake: {reason}")
-    names = foundation.lifted(brake, lift)
+    names = foundation.included_effects(brake, lift)
     touching = [i for i, shoe in enumerate(brake.shoes) if pressing_moment(shoe) > 0]
-    # Shoes meet through an elastic ring that each shoe's own pressure deforms.
+    # Shoes influence each other through an elastic ring that each shoe's own pressure deforms.
     meet = brake.ring is not None and "own-pressure" in names
     groups = [touching] if meet and touching else [[i] for i in touching]
     interfaces: list[WearInterface] = []
     surfaces: list[WornLining] = []
     for group in groups:
         system = foundation.system(brake, group, sections, names)
-        areas, placed = [], []
+        areas, gaps, placed = [], [], []
         for i, post in zip(group, system.posts, strict=True):
             shoe = brake.shoes[i]
+            gaps.append(post.gap)
             areas.append(shoe.lining.width * brake.size * post.sector)
             placed.append(_PlacedLining(i, shoe_angles(post.axis, shoe, post.theta), 1))
         surfaces += _surfaces(brake, surfaces, len(interfaces), placed)
         area = np.concatenate(areas)
-        gap = np.concatenate([post.gap for post in system.posts])
         # The unknowns are normal forces of the sections.
         interfaces.append(
             WearInterface(
                 problem=system.problem,
-                loaded=system.problem.q - gap,
+                loaded=system.problem.q - np.concatenate(gaps),
                 weight=np.eye(len(area)),
                 pressure=1 / area,
                 area=area,
@@ -268,8 +272,8 @@ def _surfaces(
     ----------
     brake : the brake
     before : linings of the earlier interfaces
-    interface : position of the interface
-    placed : its linings, in the order of its unknowns
+    interface : position of the interface in the setup
+    placed : linings of the interface, in the order of its unknowns
     """
     offset = sum(len(surface.theta) for surface in before)
     first = 0
@@ -295,7 +299,7 @@ def _surfaces(
 def _setup(
     brake: Brake, model: str, interfaces: list[WearInterface], surfaces: list[WornLining]
 ) -> WearSetup:
-    """The setup of the interfaces and linings. Raises NoAnswer where there are none."""
+    """The wear setup of interfaces and linings. Raises NoAnswer where no shoe touches the drum."""
     if not interfaces:
         raise NoAnswer("no contact: no shoe is turned towards the drum, so that nothing wears")
     return WearSetup(brake, model, tuple(interfaces), tuple(surfaces))

@@ -9,6 +9,7 @@ clearance of `worn` is this shape: every model solves the worn brake as it solve
 
 import math
 from collections.abc import Callable, Sequence
+from operator import attrgetter
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -41,7 +42,7 @@ error that a step of the wear may make."""
 
 
 class WearTarget(NamedTuple):
-    """What wear tends to: pressure (n,) [Pa] of all unknowns, and torque [N m]."""
+    """The end of wear: pressure (n,) [Pa] at all contact unknowns, and torque [N m]."""
 
     pressure: Floats
     torque: float
@@ -83,19 +84,21 @@ def discrete_end(
 ) -> WearTarget:
     """The end of wear on the mesh or the sections of a setup.
 
-    It differs from the law where the law presses a part of a lining only, for this part ends within
-    an element. Parameters and errors are those of `target`.
+    The end of wear on a mesh differs from the law where the law presses only a part of a lining,
+    because this part ends within an element. Parameters and errors are those of `target`.
     """
     law = law or WearLaw(COEFFICIENT)
-    interfaces = setup.interfaces
-    pressures = [each.pressure * steady(each, law).contact.p for each in interfaces]
-    p = np.concatenate(pressures)
-    total = sum(float(each.torque @ p[setup.part(i)]) for i, each in enumerate(interfaces))
-    return _at_torque(p, total, torque)
+    pressures = []
+    total: float = 0
+    for interface in setup.interfaces:
+        p = interface.pressure * steady(interface, law).contact.p
+        pressures.append(p)
+        total += float(interface.torque @ p)
+    return _at_torque(np.concatenate(pressures), total, torque)
 
 
 def _at_torque(p: Floats, total: float, torque: float | None) -> WearTarget:
-    """The target with pressures p (n,) that make the torque `total`, scaled to a held torque."""
+    """The end of wear with pressures p (n,) of the torque `total`, scaled to a held torque."""
     return WearTarget(p, total) if torque is None else WearTarget(p * torque / total, torque)
 
 
@@ -109,12 +112,12 @@ def _law_torque(setup: WearSetup, surface: WornLining, pressed: PressedShoe) -> 
 
 
 class TargetDistance(NamedTuple):
-    """The relative distance of a state from the target.
+    """The relative distance of a state from the end of wear.
 
     Attributes
     ----------
-    pressure : of p in the L2 norm, without one element at each end: the worst lining's
-    torque : of the torque, with its sign
+    pressure : distance of p in the L2 norm, without one element at each end, of the worst lining
+    torque : distance of the torque, positive where the state has more torque
     """
 
     pressure: float
@@ -122,7 +125,7 @@ class TargetDistance(NamedTuple):
 
 
 def distance(setup: WearSetup, state: WearState, goal: WearTarget) -> TargetDistance:
-    """The relative distances of a state from the target."""
+    """The relative distances of pressure and torque of a state from the end of wear `goal`."""
     return TargetDistance(
         pressure=apart(setup, state.pressure, goal.pressure),
         torque=state.torque / goal.torque - 1 if goal.torque else 0.0,
@@ -141,7 +144,7 @@ def apart(setup: WearSetup, p: Floats, goal: Floats) -> float:
 
 
 def norm(surface: WornLining, values: Floats) -> float:
-    """L2 norm over theta of values (n,) by growing theta, without one element at each end."""
+    """The L2 norm over theta of values (n,) along a lining, without one element at each end."""
     inner = slice(surface.order, len(values) - surface.order)
     _, at_points, weight = gauss_points(surface.angles[inner], values[inner], surface.order)
     return math.sqrt(float((at_points**2 * weight).sum()))
@@ -180,7 +183,7 @@ def run_in(
     BadInput
         for options out of range, and for linings of fewer than 3 elements
     NoAnswer
-        as archard.run
+        for the reasons of archard.run
     """
     _check_elements(setup)
     law = law or WearLaw(COEFFICIENT)
@@ -201,7 +204,10 @@ def run_in(
 
 
 def _check_elements(setup: WearSetup) -> None:
-    """Raise BadInput where a lining has too few elements: p is compared without one at each end."""
+    """Raise BadInput where a lining has fewer than 3 elements.
+
+    The comparison of pressures leaves out one element at each end.
+    """
     for surface in setup.surfaces:
         count = (len(surface.angles) - 1) // surface.order
         if count < 3:
@@ -233,8 +239,11 @@ def _deepest(surface: WornLining, states: Sequence[WearState]) -> list[float]:
 
 
 def check_depth(setup: WearSetup, states: Sequence[WearState]) -> None:
-    """Raise NoAnswer where a lining is worn through; it says which one was first, and when."""
-    s = [state.s for state in states]
+    """Raise NoAnswer where a lining is worn through.
+
+    The message names the lining that is worn through first, and the sliding distance.
+    """
+    s = list(map(attrgetter("s"), states))
     worn_through = []
     for surface in setup.surfaces:
         # The depth grows with the distance, so that the last state tells whether it is too much.
@@ -258,8 +267,9 @@ class LiningLife(NamedTuple):
     Attributes
     ----------
     distance : sliding distance [m] at which the first lining is worn out
-    pressure : part of the life after which p stays near the law; above 1: it never does
-    torque : the same for the torque
+    pressure : part of the life after which the pressure stays near the law; above 1 the linings
+        are worn out before
+    torque : part of the life after which the torque stays near the law
     """
 
     distance: float
@@ -289,7 +299,7 @@ def life(
     within : relative distance from the law up to which p and torque count as near
     part : of a lining's thickness with which it is worn out at its deepest place
     """
-    s = [state.s for state in states]
+    s = list(map(attrgetter("s"), states))
     end = math.inf
     for surface in setup.surfaces:
         allowed = part * setup.brake.shoes[surface.shoe].lining.thickness
@@ -301,9 +311,9 @@ def life(
             rate = float(law.rate(goal.pressure[surface.part], 0.0)[0].max())
             end = min(end, s[-1] + (allowed - deepest[-1]) / rate)
     # A quantity is near the law from the last state on that is beyond the bound.
-    distances = [distance(setup, state, goal) for state in states]
-    pressure_near = archard.last_beyond(s, [each.pressure for each in distances], within)
-    torque_near = archard.last_beyond(s, [each.torque for each in distances], within)
+    pressures, torques = np.array([distance(setup, state, goal) for state in states]).T.tolist()
+    pressure_near = archard.last_beyond(s, pressures, within)
+    torque_near = archard.last_beyond(s, torques, within)
     return LiningLife(end, pressure_near / end, torque_near / end)
 
 
@@ -327,16 +337,20 @@ class RunChecks(NamedTuple):
 def checks(setup: WearSetup, states: Sequence[WearState], law: WearLaw) -> RunChecks:
     """The balances and the checkerboard of a run."""
     end = states[-1]
-    area = np.concatenate([interface.area for interface in setup.interfaces])
+    area = np.concatenate(list(map(attrgetter("area"), setup.interfaces)))
     scale = end.removed or 1.0
     # The first state is the new lining, whose pressure no wear has smoothed.
     ripples = []
     for state in states[1:]:
-        ripples += [archard.ripple(surface.along(state.pressure)) for surface in setup.surfaces]
+        for surface in setup.surfaces:
+            ripple = archard.ripple(surface.along(state.pressure))
+            # A lining of few nodes has no ripple.
+            if not math.isnan(ripple):
+                ripples.append(ripple)
     return RunChecks(
         volume=abs(float(area @ end.depth) - end.removed) / scale,
         energy=_energy_imbalance(setup, end, law, scale),
-        ripple=max((ripple for ripple in ripples if not math.isnan(ripple)), default=None),
+        ripple=max(ripples, default=None),
     )
 
 
@@ -369,7 +383,7 @@ def _integral(surface: WornLining, values: Floats) -> float:
 
 
 def peak(setup: WearSetup, state: WearState) -> float:
-    """The largest nodal pressure [Pa] at more than half a lining's thickness from its ends."""
+    """The largest nodal pressure [Pa] of a state outside the edge zones at the linings' ends."""
     peaks = []
     for surface in setup.surfaces:
         zone = edge_zone(setup.brake.shoes[surface.shoe], setup.brake.scale_factor)
@@ -391,11 +405,11 @@ def as_dict(
     """
 
     def by_lining(values: Floats) -> list[list[float]]:
-        """Values (n,) of all unknowns as one list a lining."""
+        """Values (n,) at all unknowns, as a list for each lining."""
         return [surface.along(values).tolist() for surface in setup.surfaces]
 
     def state_data(state: WearState) -> dict[str, Any]:
-        """One state as plain data."""
+        """A wear state as plain data for JSON."""
         off = distance(setup, state, goal)
         return {
             "distance": state.s,
@@ -410,15 +424,16 @@ def as_dict(
             "pressure": by_lining(state.pressure),
         }
 
+    shoes = []
+    for surface in setup.surfaces:
+        shoes.append({"name": surface.name, "theta": surface.angles.tolist()})
     return {
         "model": setup.model,
         "law": law._asdict(),
         "unit_distance": unit_distance(setup, law) if law.coefficient else None,
-        "shoes": [
-            {"name": surface.name, "theta": surface.angles.tolist()} for surface in setup.surfaces
-        ],
+        "shoes": shoes,
         "worn_in": {"torque": goal.torque, "pressure": by_lining(goal.pressure)},
-        "states": [state_data(state) for state in states],
+        "states": list(map(state_data, states)),
     }
 
 
@@ -441,7 +456,7 @@ def report_lines(
     """
     surface = setup.brake.surface
     text = _heading_lines(setup, law)
-    for i in sorted({round(x) for x in np.linspace(0, len(states) - 1, lines)}):
+    for i in np.unique(np.rint(np.linspace(0, len(states) - 1, lines)).astype(int)):
         text.append(_state_line(setup, states[i], goal, law))
     text.append(f"worn in (law): {surface.effect} {goal.torque:.6g} {surface.effect_unit}")
     text += _mesh_line(setup, goal, law)
@@ -481,7 +496,7 @@ def _heading_lines(setup: WearSetup, law: WearLaw) -> list[str]:
 
 
 def _state_line(setup: WearSetup, state: WearState, goal: WearTarget, law: WearLaw) -> str:
-    """One line of the table of states; parameters as of `report_lines`."""
+    """The line of a wear state in the table of states; parameters as of `report_lines`."""
     off = distance(setup, state, goal)
     force = setup.brake.shoes[setup.surfaces[0].shoe].actuation.force
     return (
@@ -492,7 +507,10 @@ def _state_line(setup: WearSetup, state: WearState, goal: WearTarget, law: WearL
 
 
 def _mesh_line(setup: WearSetup, goal: WearTarget, law: WearLaw) -> list[str]:
-    """A line on how far wear on this mesh ends from the law, where it is beyond WEAR_SETTLED."""
+    """A line of text on the distance between the end of wear on this mesh and the law.
+
+    There is no line where the distance is at most WEAR_SETTLED.
+    """
     end = discrete_end(setup, law)
     factor = goal.torque / end.torque if end.torque else 1.0
     off = apart(setup, end.pressure * factor, goal.pressure)

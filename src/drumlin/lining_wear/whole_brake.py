@@ -25,6 +25,7 @@ from drumlin.lining_wear.run_in import (
 )
 
 WEARING_MODELS = ("fem", "foundation")
+"""The names of the models whose linings can wear."""
 
 
 @dataclass(frozen=True)
@@ -35,8 +36,8 @@ class WearRun:
     ----------
     setup : the brake, and where its linings lie among the unknowns
     law : the law of wear
-    states : the linings from the unworn state on
-    target : pressure [Pa] and torque [N m] that wear tends to
+    states : the states of the linings, from the unworn one on
+    target : pressure [Pa] and torque [N m] at the end of wear
     notes : lines about the brake that was worn, such as its correction for finite width
     """
 
@@ -51,12 +52,12 @@ class WearRun:
         return as_dict(self.setup, self.states, self.target, self.law)
 
     def lines(self) -> list[str]:
-        """The run as lines of text: the notes, some states, what became of the linings."""
+        """The run as lines of text: the notes, some of the states, and the life of the linings."""
         return [*self.notes, *report_lines(self.setup, self.states, self.target, self.law)]
 
 
 class WearSetups(NamedTuple):
-    """The setup of a brake as its file says it turns, and of the same brake turning back."""
+    """The setup of a brake that turns as its file says, and of the same brake turning back."""
 
     forward: WearSetup
     backward: WearSetup | None
@@ -108,7 +109,7 @@ def wear_setups(brake: Brake, model: str, *, both_ways: bool, **options: Any) ->
     BadInput
         for an option out of range
     NoAnswer
-        for a brake that no lining of which touches, or without equilibrium
+        for a brake whose linings do not touch the drum, or that has no equilibrium
     """
     turned_back = brake.reversed() if both_ways else None
     if model == "foundation":
@@ -130,21 +131,21 @@ def sliding_distance(option: str, given: float | str, unit: float) -> float:
     Parameters
     ----------
     option : name of the option, for the message
-    given : metres; a text with a unit, "20 km"; a text without a unit counts `unit`s
+    given : number of metres, or a text such as "20 km"; a text without a unit is a multiple of
+        `unit`
     unit : the distance 1/(k K) [m] over which wear changes the pressure by a factor e
 
     Raises
     ------
     BadInput
-        for a text that is neither
+        for a text that is no number, with or without a unit
     """
     if not isinstance(given, str):
         return given
     try:
-        multiple = float(given)
+        return float(given) * unit
     except ValueError:
         return quantity(option, given, "m")
-    return multiple * unit
 
 
 def wear_in(
@@ -178,9 +179,9 @@ def wear_in(
     """
     setup, backward = setups
     unit = unit_distance(setup, law)
-    options: dict[str, Any] = {} if tolerance is None else {"tolerance": tolerance}
-    if torque is not None:
-        options["torque"] = torque
+    # Options that are not given keep the defaults of `run_in`.
+    given = {"tolerance": tolerance, "torque": torque}
+    options: dict[str, Any] = {key: value for key, value in given.items() if value is not None}
     if reverse is not None:
         options["reverse"] = sliding_distance("--reverse", reverse, unit)
     if distance is not None:

@@ -31,6 +31,7 @@ by exactly p. The amounts a and y0 are free. The module chooses them by these ru
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from operator import attrgetter
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -43,7 +44,7 @@ from drumlin.brake.fields import Rows, rows_of
 from drumlin.fem.model import PENALTY, respond
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.solve import scene_of
-from drumlin.foundation.model import RING_SECTIONS, lifted, system
+from drumlin.foundation.model import RING_SECTIONS, included_effects, system
 from drumlin.foundation.post import shoe_angles
 from drumlin.laws import sine
 from drumlin.lining_wear.archard import WearInterface, WearLaw, steady
@@ -82,10 +83,10 @@ def worn_in(scene: PreparedModel, brake: Brake) -> Brake:
     gaps: dict[int, Rows] = {}
     for number, interface in enumerate(setup.interfaces):
         surfaces = [surface for surface in setup.surfaces if surface.interface == number]
-        linings = [surface.local for surface in surfaces]
         # Shoes under a cam or behind a strut move together, so all their linings count as one.
-        if brake.shares is not None:
-            linings = [slice(None)]
+        linings = [slice(None)]
+        if brake.shares is None:
+            linings = list(map(attrgetter("local"), surfaces))
         gap = _worn_gap(interface, linings)
         for surface in surfaces:
             along = gap[surface.local][surface.forward]
@@ -101,10 +102,8 @@ def _worn_gap(interface: WearInterface, linings: list[slice]) -> Floats:
     end = steady(interface, WearLaw(1.0))
     footing, M, p = interface.footings[end.footing], interface.weight, end.contact.p
     A, q, B, *_ = footing.problem
-    # The motions that leave each rough foot where it is are those of the footing with the fewest.
-    resting = min(
-        (each.problem.B for each in interface.footings), key=lambda motions: motions.shape[1]
-    )
+    # The footing with the fewest motions is that in which each rough foot stays where it is.
+    resting = min(map(attrgetter("problem.B"), interface.footings), key=lambda B: B.shape[1])
     solved = scipy.linalg.solve(M, np.column_stack([q + A @ p, resting]), assume_a="pos")
     # opened is c, and approach y closes the gap by a motion y.
     opened, approach = solved[:, 0], -solved[:, 1:]
@@ -118,7 +117,7 @@ def _worn_gap(interface: WearInterface, linings: list[slice]) -> Floats:
         own_motions = np.any(resting[part] != 0, axis=0)
         rest[own_motions] += amount * motions.evenly[own_motions]
     depth_per_pressure = EVEN_WEAR * np.abs(bent).max() / p.max()
-    # The footing judges the slide in its own motions, which include those of the feet.
+    # The footing judges the slide by its own motions, among which are the slides of the feet.
     rest_among_all = np.linalg.lstsq(B, resting @ rest, rcond=None)[0]
     y = rest_among_all + depth_per_pressure * end.contact.y
     if not footing.stands(replace(end.contact, y=y)):
@@ -154,12 +153,12 @@ def fitted(brake: Brake, gaps: Mapping[int, Rows] | None = None, *, drum: bool =
     Parameters
     ----------
     brake : the brake
-    gaps : clearances of some linings all the same, by the position of the shoe
+    gaps : clearances that some linings get nevertheless, by the position of the shoe
     drum : whether the drum becomes round, too
     """
 
     def fit(i: int, shoe: Shoe) -> Shoe:
-        """The shoe with number i with its lining fitted."""
+        """The shoe number i with a lining that fits the drum but for its clearance in `gaps`."""
         clearance = (gaps or {}).get(i, 0.0)
         no_misfit = type(shoe.lining.misfit)()
         lining = shoe.lining.model_copy(update={"clearance": clearance, "misfit": no_misfit})
@@ -187,25 +186,24 @@ def worn_in_foundation(
     NoAnswer
         for a self-locking shoe
     """
-    names, law = lifted(brake, lift), sine(brake)
+    names, law = included_effects(brake, lift), sine(brake)
     fitting = fitted(brake, drum=True)
     shoes = list(range(len(brake.shoes)))
     gaps: dict[int, Rows] = {}
     for group in [shoes] if "own-pressure" in names else [[i] for i in shoes]:
         model = system(fitting, group, sections, names)
-        posts = list(zip(group, model.posts, strict=True))
-        angles = [shoe_angles(post.axis, brake.shoes[i], post.theta) for i, post in posts]
-        forces = []
-        for (i, post), theta in zip(posts, angles, strict=True):
+        forces, angles = [], []
+        for i, post in zip(group, model.posts, strict=True):
+            theta = shoe_angles(post.axis, brake.shoes[i], post.theta)
+            angles.append(theta)
             width = brake.shoes[i].lining.width
             forces.append(law.shoes[i].pressure_at(theta) * width * brake.size * post.sector)
         # The clearance and the turn of the shoe must make up for this gap.
         opened = model.problem.q + model.problem.A @ np.concatenate(forces)
-        first = 0
-        for (i, post), theta in zip(posts, angles, strict=True):
-            own = opened[first : first + len(theta)]
-            first += len(theta)
+        parts = np.split(opened, np.cumsum(list(map(len, angles)))[:-1])
+        for k, post in enumerate(model.posts):
+            own, theta = parts[k], angles[k]
             # A turn of the shoe closes the gap until it touches at one place.
             gap = post.closing[0] * np.max(own / post.closing[0]) - own
-            gaps[i] = rows_of(theta[:: post.axis.sense], gap[:: post.axis.sense])
+            gaps[group[k]] = rows_of(theta[:: post.axis.sense], gap[:: post.axis.sense])
     return fitted(fitting, gaps)

@@ -44,7 +44,7 @@ def solve(name: str, brake: Brake, **options: Any) -> Peer:
 
 
 def missing(name: str) -> str | None:
-    """The line that says how to install a missing peer; None where the peer is there."""
+    """A line that says how to install a missing peer; None where the peer is installed."""
     from drumlin.peers import calculix, getfem  # noqa: PLC0415
 
     try:

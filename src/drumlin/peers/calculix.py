@@ -16,7 +16,8 @@ import re
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -53,6 +54,7 @@ from drumlin.response.response import Balance, ShoeResponse
 INSTALL_CALCULIX = (
     "CalculiX is not installed (no ccx on the PATH); on Debian and Ubuntu: apt install calculix-ccx"
 )
+"""The message where CalculiX is missing."""
 
 LARGEST_STATE_IMBALANCE = 1e-3
 """Largest imbalance of forces or moments, relative, with which a state is believed.
@@ -77,12 +79,13 @@ LONGEST_CALCULIX = 3600
 
 
 class PosedShoe(NamedTuple):
-    """The way in which a shoe is posed to CalculiX.
+    """How a shoe is posed to CalculiX, and how the forces on the drum are read.
 
     Attributes
     ----------
-    text : text(setting, name) is the deck
-    along : along(forces) takes from the forces (n, 2) on all nodes of the drum those on its arc
+    text : text(setting, name) is the text of the deck with that setting and that name
+    along : along(forces) takes the forces on the drum's arc from the forces (n, 2) on all nodes of
+        the drum
     """
 
     text: Callable[[DeckSetting, str], str]
@@ -99,10 +102,10 @@ class CalculixState(NamedTuple):
     turn : of the shoe about the pin [rad], counter-clockwise in the brake
     touching : elements of the lining with contact points
     points : number of contact points
-    sticking : part of them that does not slip
-    iterations : of all increments
+    sticking : part of the contact points that does not slip
+    iterations : number of iterations of all increments
     unknowns : number of equations
-    seconds : of processor time
+    seconds : processor time of the run [s]
     """
 
     contact: Floats
@@ -118,7 +121,7 @@ class CalculixState(NamedTuple):
 
 @functools.cache
 def version() -> str:
-    """The version of the `ccx` on the PATH. Raises PeerMissing where there is none."""
+    """The version of CalculiX, the `ccx` on the PATH. Raises PeerMissing where ccx is missing."""
     path = shutil.which("ccx")
     if path is None:
         raise PeerMissing(INSTALL_CALCULIX)
@@ -130,7 +133,7 @@ def version() -> str:
 def export(
     brake: Brake, folder: Path, stem: str, *, elements: int = ELEMENTS, kind: str = DEFAULT_KIND
 ) -> tuple[list[Path], list[str]]:
-    """Write the decks of a brake, one for each shoe, as `solve` runs them at first.
+    """Write a CalculiX deck for each shoe of a brake, with the setting with which `solve` begins.
 
     It needs no CalculiX. Raises BadInput as `solve` does.
 
@@ -145,13 +148,41 @@ def export(
     -------
     the files, and the names of shoes without a deck, which their force turns away from the drum
     """
-    paths, apart = [], []
+    setting, decks = DeckSetting(), []
     for loaded in loaded_shoes(brake, elements, kind):
+        decks.append(ShoeDeck(loaded, partial(deck, brake, loaded, setting)))
+    return write_decks(decks, folder, stem)
+
+
+class ShoeDeck(NamedTuple):
+    """A shoe under its force; `text(name)` is the text of its deck, with the name of the deck."""
+
+    loaded: Loaded
+    text: Callable[[str], str]
+
+
+def write_decks(
+    decks: Sequence[ShoeDeck], folder: Path, stem: str, ending: str = ""
+) -> tuple[list[Path], list[str]]:
+    """Write a deck for each shoe that its force presses on the drum.
+
+    Parameters
+    ----------
+    decks : the shoes and the texts of their decks
+    folder : where the decks are written
+    stem, ending : first and last part of the names of the decks
+
+    Returns
+    -------
+    the files, and the names of shoes without a deck, which their force turns away from the drum
+    """
+    paths, apart = [], []
+    for loaded, text in decks:
         if not loaded.approaches:
             apart.append(loaded.shoe.name)
             continue
-        path = folder / f"{stem}_{loaded.shoe.name}.inp".replace(" ", "_")
-        write_text(path, deck(brake, loaded, DeckSetting(), path.stem))
+        path = folder / f"{stem}_{loaded.shoe.name}{ending}.inp".replace(" ", "_")
+        write_text(path, text(path.stem))
         paths.append(path)
     return paths, apart
 
@@ -207,21 +238,21 @@ def solve(
 
 
 class RunTally:
-    """The answers of CalculiX's runs for the shoes of a brake, and what they cost."""
+    """The answers of CalculiX's runs for the shoes of a brake, and the cost of the runs."""
 
     def __init__(self) -> None:
         self.answers: list[tuple[ShoeResponse, Balance]] = []
         self._iterations, self._unknowns, self._seconds = 0, 0, 0.0
 
     def add(self, loaded: Loaded, state: CalculixState) -> None:
-        """Add the state of a shoe."""
+        """Add the state of a shoe to the answers, and its run to the cost."""
         self.answers.append(response(loaded, state))
         self._iterations = max(self._iterations, state.iterations)
         self._unknowns += state.unknowns
         self._seconds += state.seconds
 
     def peer(self, installed: str, notes: tuple[str, ...]) -> Peer:
-        """The answer for the brake by the installed version."""
+        """The answer of CalculiX for the whole brake; `installed` is CalculiX's version."""
         seconds = self._seconds
         return Peer(
             name="calculix",
@@ -238,7 +269,7 @@ class RunTally:
 
 
 def plane_pose(brake: Brake, loaded: Loaded) -> PosedShoe:
-    """A shoe in plane stress, posed to CalculiX."""
+    """How a shoe in plane stress is posed to CalculiX."""
     count = len(drum_angles(loaded))
     # The arc is the row of nodes on the friction surface.
     arc = slice(count) if loaded.shoe.sign > 0 else slice(-count, None)
@@ -313,7 +344,7 @@ def run(
 
 
 def _fault(output: str) -> str:
-    """The last line in which CalculiX names an error; "" where there is none."""
+    """The last line in which CalculiX names an error; "" where CalculiX names no error."""
     faults = ""
     for line in output.splitlines():
         if "*ERROR" in line or "diverge" in line:
@@ -326,11 +357,11 @@ class _Results(NamedTuple):
 
     Attributes
     ----------
-    drum : forces (n, 3) on the nodes of the drum with their labels before them
+    drum : label of each node of the drum, followed by the force (3,) on the node
     pin : displacement (2,) of the pin [mm]
-    turn : of the shoe about the pin [rad]
+    turn : turn of the shoe about the pin [rad]
     stress : element, face, pressure and two shears of each contact point
-    time : part of the step that was reached
+    time : part of the load step that was reached, 1 at its end
     """
 
     drum: Floats
@@ -385,13 +416,14 @@ def read_state(
         raise NoAnswer(f"shoe {shoe.name!r}: CalculiX wrote no contact state ({error})") from error
     if abs(results.time - 1) > 1e-6:
         raise NoAnswer(f"shoe {shoe.name!r}: CalculiX ended at {results.time:g} of its step")
-    # Forces are in proportion to the thickness of the deck.
+    # Forces on the thin deck are scaled up to the full width of the lining.
     size = setting.thickness
     along = (posed or plane_pose(brake, loaded)).along
     stress = results.stress
     pressure, shear = stress[:, 2], np.hypot(stress[:, 3], stress[:, 4])
     pressed = pressure > 1e-3 * pressure.max()
     sticks = shear[pressed] < STICKING * brake.friction * pressure[pressed]
+    # Each increment is a row of the text, whose fourth number counts iterations.
     increments = [row.split() for row in sta.splitlines() if re.match(r"\s+\d", row)]
     equations = re.search(r"number of equations\s+(\d+)", output)
     return CalculixState(
@@ -407,7 +439,10 @@ def read_state(
 
 
 def _blocks(dat: str) -> dict[str, str]:
-    """The lines of numbers by their heading; of a heading that is printed again, the last ones."""
+    """The lines of numbers in CalculiX's results by their heading.
+
+    Where a heading is printed again, the last lines count.
+    """
     found: dict[str, str] = {}
     heading = ""
     for line in dat.splitlines():
@@ -423,10 +458,11 @@ def _blocks(dat: str) -> dict[str, str]:
 
 
 def _block(blocks: dict[str, str], start: str) -> Floats:
-    """The numbers (rows, columns) under the heading with a certain start. Raises LookupError."""
+    """The numbers (rows, columns) under the heading that begins with a text. Raises LookupError."""
     for heading, text in blocks.items():
         if heading.startswith(start) and text:
-            return np.array([[float(word) for word in line.split()] for line in text.splitlines()])
+            rows = list(map(str.split, text.splitlines()))
+            return np.array(rows).astype(float)
     raise LookupError(f"nothing under {start!r}")
 
 
@@ -447,9 +483,9 @@ def check(loaded: Loaded, state: CalculixState) -> None:
 
 
 def response(loaded: Loaded, state: CalculixState) -> tuple[ShoeResponse, Balance]:
-    """The response to a state, and its balance.
+    """The response of a shoe in the state that CalculiX found, and the balance of its forces.
 
-    Pressure and shear are those whose nodal forces are CalculiX's forces on the drum.
+    The pressure and the shear have nodal forces that equal CalculiX's forces on the drum.
     """
     shoe, frame = loaded.shoe, loaded.shoe.frame
     # The nodes of the drum's arc, by growing phi of the shoe's frame.
@@ -457,6 +493,7 @@ def response(loaded: Loaded, state: CalculixState) -> tuple[ShoeResponse, Balanc
     phi = frame.phi(drum_angles(loaded))[:: frame.sense]
     radius = float(np.hypot(*loaded.parts.line.xy).mean())
     xy = radius * np.array([np.cos(phi), np.sin(phi)])
+    # Each piece of the line is an edge of three nodes.
     pieces = np.arange(3)[:, None] + np.arange(0, len(phi) - 2, 2)
     line = ContactLine(np.arange(len(phi)), xy, phi, pieces)
     coupling = couple(line, shoe.lining.width, radial(shoe.sign))

@@ -9,6 +9,7 @@ is face to face by a penalty, with friction.
 
 import math
 from collections.abc import Mapping
+from itertools import count as count_from
 from typing import NamedTuple
 
 import numpy as np
@@ -26,8 +27,11 @@ from drumlin.fem.substructure.elasticity import layers_of
 from drumlin.fem.substructure.interface import end_loads
 from drumlin.peers.peer import Loaded
 
-MM = 1e3  # per m
-MPA = 1e-6  # per Pa
+MM = 1e3
+"""Millimetres in a metre: the lengths of a deck are in mm."""
+
+MPA = 1e-6
+"""Megapascals in a pascal: the stresses of a deck are in MPa."""
 
 DECK_CELLS = {"quad9": ("quad8", 4), "triangle6": ("triangle6", 3)}
 """The cell that a deck has for a cell of drumlin's mesh, and its number of corners."""
@@ -56,10 +60,10 @@ class DeckSetting(NamedTuple):
 
     Attributes
     ----------
-    rotation : of the drum [rad]
-    thickness : of all elements, relative to the lining's width
-    penalty : stiffness of the contact as a multiple of E/t of the lining
-    stick : stiffness of a sticking contact, likewise
+    rotation : rotation of the drum [rad]
+    thickness : thickness of all elements, relative to the lining's width
+    penalty : stiffness of the contact, as a multiple of E/t of the lining
+    stick : tangential stiffness of a sticking contact, as a multiple of E/t of the lining
     steps : least number of increments
     accuracy : CalculiX's relative tolerance of forces
     """
@@ -82,7 +86,7 @@ class DeckGrid(NamedTuple):
     ----------
     xy : nodes (n, 2) [mm]
     cells : nodes (m, k) of each cell, corners first
-    corners : of a cell
+    corners : number of corners of a cell
     kind : CalculiX's name for a cell
     edges : nodes of the edges of each boundary
     pin : label of the pin's node
@@ -101,7 +105,7 @@ class DeckGrid(NamedTuple):
 
 
 class FirstLabels(NamedTuple):
-    """The labels of the drum's first node and first element."""
+    """The numbers that the drum's first node and first element have in a deck."""
 
     node: int
     element: int
@@ -115,7 +119,7 @@ class DrumMesh(NamedTuple):
 
 
 def deck(brake: Brake, loaded: Loaded, setting: DeckSetting, name: str = "shoe") -> str:
-    """The deck of one shoe, in the brake's frame.
+    """The text of the deck of one shoe, in the brake's frame.
 
     Parameters
     ----------
@@ -130,18 +134,18 @@ def deck(brake: Brake, loaded: Loaded, setting: DeckSetting, name: str = "shoe")
         for linear elements and for a clearance
     """
     check_fit(brake, loaded)
-    grid = _grid(loaded)
-    drum_mesh = drum(brake, loaded, FirstLabels(grid.turn + 1, len(grid.cells) + 1))
-    lining_faces = faces(grid.cells, grid.edges["contact"], grid.corners)
+    grid = _deck_grid(loaded)
+    drum_mesh = mesh_drum(brake, loaded, FirstLabels(grid.turn + 1, len(grid.cells) + 1))
+    lining_faces = face_lines(grid.cells, grid.edges["contact"], grid.corners)
     drum_face = "S1" if loaded.shoe.sign > 0 else "S3"
     lines = [
-        *header(brake, loaded, setting, name),
-        *_shoe(loaded, grid),
+        *header_lines(brake, loaded, setting, name),
+        *_shoe_lines(loaded, grid),
         *drum_mesh.lines,
-        *_sections(loaded, setting),
-        *contact(brake, loaded, setting, lining_faces, drum_face),
-        *hinge(loaded, grid),
-        *step(brake, setting, grid, drum_mesh.xy, _load(loaded, setting, grid)),
+        *_material_lines(loaded, setting),
+        *contact_lines(brake, loaded, setting, lining_faces, drum_face),
+        *hinge_lines(loaded, grid),
+        *step_lines(brake, setting, grid, drum_mesh.xy, _load_lines(loaded, setting, grid)),
     ]
     return "\n".join(lines) + "\n"
 
@@ -156,7 +160,7 @@ def check_fit(brake: Brake, loaded: Loaded) -> None:
         )
 
 
-def _grid(loaded: Loaded) -> DeckGrid:
+def _deck_grid(loaded: Loaded) -> DeckGrid:
     """The mesh of a shoe as CalculiX has it. Raises BadInput for linear elements."""
     shoe, parts = loaded.shoe, loaded.parts
     cell = kind_of(parts.mesh).cell
@@ -180,26 +184,29 @@ def _grid(loaded: Loaded) -> DeckGrid:
     )
 
 
-def _shoe(loaded: Loaded, grid: DeckGrid) -> list[str]:
+def _shoe_lines(loaded: Loaded, grid: DeckGrid) -> list[str]:
     """The lines of a shoe's nodes and elements."""
     hinge = loaded.shoe.pin.xy * MM
     lines = ["*NODE, NSET=NSHOE"]
-    lines += [_node(i + 1, grid.xy[i]) for i in np.unique(grid.cells)]
-    lines += ["*NODE, NSET=PIN", _node(grid.pin, hinge)]
+    # Only nodes of cells are written: nodes in the middle of a cell have no place in a deck.
+    used = np.unique(grid.cells)
+    lines += map(_node_line, used + 1, grid.xy[used])
+    lines += ["*NODE, NSET=PIN", _node_line(grid.pin, hinge)]
     lines += ["** its displacement x is the turn [rad] of the shoe about the pin"]
-    lines += ["*NODE, NSET=TURN", _node(grid.turn, hinge)]
+    lines += ["*NODE, NSET=TURN", _node_line(grid.turn, hinge)]
     for part, members in loaded.parts.mesh.subdomains.items():
         lines.append(f"*ELEMENT, TYPE={grid.kind}, ELSET={part.upper()}")
-        lines += [", ".join(map(str, [i + 1, *(grid.cells[i] + 1)])) for i in np.sort(members)]
+        for i in np.sort(members):
+            lines.append(", ".join(map(str, [i + 1, *(grid.cells[i] + 1)])))
     return lines
 
 
-def _node(label: int, xy: Floats) -> str:
+def _node_line(label: int, xy: Floats) -> str:
     """The line of a node (2,) [mm]."""
     return f"{label}, {xy[0]:.12e}, {xy[1]:.12e}, 0."
 
 
-def _sections(loaded: Loaded, setting: DeckSetting) -> list[str]:
+def _material_lines(loaded: Loaded, setting: DeckSetting) -> list[str]:
     """The lines of materials and thickness; parts wider than the lining are stiffer instead."""
     lining = loaded.shoe.lining
     thickness = setting.thickness * lining.width * MM
@@ -215,14 +222,14 @@ def _sections(loaded: Loaded, setting: DeckSetting) -> list[str]:
         else:
             along = layers[part].along
             direction = None if along is None else loaded.shoe.frame.to_brake(along)
-            lines += _engineering_constants(material, times)
-            lines += _orientation(f"O{name}", direction)
+            lines += _orthotropic_lines(material, times)
+            lines += _orientation_lines(f"O{name}", direction)
             section += f", ORIENTATION=O{name}"
         lines += [section, f"{thickness:.12e}"]
     return lines
 
 
-def _engineering_constants(material: Orthotropic, times: float) -> list[str]:
+def _orthotropic_lines(material: Orthotropic, times: float) -> list[str]:
     """The lines of the nine constants of an orthotropic material, with its moduli times a factor.
 
     CalculiX's directions 1, 2, 3 are through, along and across the layer, as in its cylindrical
@@ -238,12 +245,13 @@ def _engineering_constants(material: Orthotropic, times: float) -> list[str]:
     ]
     shear = material.G_along_through
     G = [shear, material.G_through_across or shear, material.G_along_across or shear]
-    moduli = [times * MPA * value for value in (*E, *G)]
-    values = [f"{value:.12e}" for value in (*moduli[:3], *nu, *moduli[3:])]
+    # CalculiX reads three moduli, three Poisson's ratios, three shear moduli.
+    moduli = times * MPA * np.array([E, G])
+    values = list(map("{:.12e}".format, [*moduli[0], *nu, *moduli[1]]))
     return ["*ELASTIC, TYPE=ENGINEERING CONSTANTS", ", ".join(values[:8]) + ",", values[8]]
 
 
-def _orientation(name: str, along: Floats | None) -> list[str]:
+def _orientation_lines(name: str, along: Floats | None) -> list[str]:
     """The lines of the directions through, along and across a layer.
 
     A straight layer has the direction `along` (2,) in the brake's frame. None stands for a layer
@@ -258,7 +266,7 @@ def _orientation(name: str, along: Floats | None) -> list[str]:
     ]
 
 
-def contact(
+def contact_lines(
     brake: Brake, loaded: Loaded, setting: DeckSetting, slave: list[str], master: str
 ) -> list[str]:
     """The lines of the contact between lining and drum.
@@ -288,7 +296,7 @@ def contact(
     ]
 
 
-def hinge(loaded: Loaded, grid: DeckGrid) -> list[str]:
+def hinge_lines(loaded: Loaded, grid: DeckGrid) -> list[str]:
     """The lines of the hinge and its pin.
 
     The hinge's nodes move as a rigid line with the pin's node and the turn. Stiff springs bear the
@@ -310,10 +318,10 @@ def hinge(loaded: Loaded, grid: DeckGrid) -> list[str]:
     return [*lines, "*BOUNDARY", f"{grid.pin}, 3, 3"]
 
 
-def step(
+def step_lines(
     brake: Brake, setting: DeckSetting, grid: DeckGrid, drum_xy: Floats, load: list[str]
 ) -> list[str]:
-    """The lines of the step: load and rotation together, and the results to print.
+    """The lines of CalculiX's load step: load and rotation together, and the results to print.
 
     Parameters
     ----------
@@ -338,21 +346,21 @@ def step(
     return [*lines, "*CONTACT FILE, FREQUENCY=1000", "CDIS, CSTR", "*END STEP"]
 
 
-def _load(loaded: Loaded, setting: DeckSetting, grid: DeckGrid) -> list[str]:
+def _load_lines(loaded: Loaded, setting: DeckSetting, grid: DeckGrid) -> list[str]:
     """The lines of the actuation: nodal forces on the loaded end, or force and couple on the pin.
 
     The nodal forces are those of drumlin's traction.
     """
     if "actuation" not in grid.edges:
-        return load_on_pin(loaded, setting, grid)
+        return pin_load_lines(loaded, setting, grid)
     parts = loaded.parts
     unit, _ = end_loads(parts.basis, parts.mesh.boundaries["actuation"])
     nodal = (unit @ np.array([*loaded.force, loaded.couple])).reshape(-1, 2)
     forces = setting.thickness * loaded.shoe.frame.to_brake(nodal)
-    return nodal_loads(forces, np.unique(grid.edges["actuation"]))
+    return nodal_load_lines(forces, np.unique(grid.edges["actuation"]))
 
 
-def nodal_loads(forces: Floats, nodes: Ints) -> list[str]:
+def nodal_load_lines(forces: Floats, nodes: Ints) -> list[str]:
     """The lines of the forces (n, 2) on some nodes."""
     lines = []
     for i in nodes:
@@ -360,7 +368,7 @@ def nodal_loads(forces: Floats, nodes: Ints) -> list[str]:
     return lines
 
 
-def load_on_pin(loaded: Loaded, setting: DeckSetting, grid: DeckGrid) -> list[str]:
+def pin_load_lines(loaded: Loaded, setting: DeckSetting, grid: DeckGrid) -> list[str]:
     """The lines of the actuation as force and couple on the pin of a rigid shoe."""
     frame, size = loaded.shoe.frame, setting.thickness
     force = size * frame.to_brake(loaded.force)
@@ -369,8 +377,8 @@ def load_on_pin(loaded: Loaded, setting: DeckSetting, grid: DeckGrid) -> list[st
     return [*lines, f"{grid.turn}, 1, {couple:.12e}"]
 
 
-def header(brake: Brake, loaded: Loaded, setting: DeckSetting, name: str) -> list[str]:
-    """The comment lines of a deck: what it is, how to run it, how to read it.
+def header_lines(brake: Brake, loaded: Loaded, setting: DeckSetting, name: str) -> list[str]:
+    """The comment lines at the head of a deck: its brake, its units, how to run and read it.
 
     Parameters
     ----------
@@ -379,6 +387,7 @@ def header(brake: Brake, loaded: Loaded, setting: DeckSetting, name: str) -> lis
     setting : of the deck
     name : of the deck's file, without ending
     """
+    # Names of several lines, or of more than 80 letters, would not fit into a comment line.
     title, shoe = (" ".join(text.split())[:80] for text in (brake.title, loaded.shoe.name))
     return [
         f"** {title}",
@@ -403,11 +412,11 @@ def counter_clockwise(xy: Floats, cells: Ints, corners: int) -> Ints:
     area = (x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum(axis=1)
     # The order that turns a cell over: its first corner stays.
     back = [0, *range(corners - 1, 0, -1)]
-    middles = [corners + i for i in range(corners - 1, -1, -1)]
+    middles = list(range(2 * corners - 1, corners - 1, -1))
     return np.where((area > 0)[:, None], cells, cells[:, back + middles])
 
 
-def faces(cells: Ints, along: Ints, corners: int) -> list[str]:
+def face_lines(cells: Ints, along: Ints, corners: int) -> list[str]:
     """The lines "element, S<face>" of some edges; CalculiX counts faces from corner to corner.
 
     Parameters
@@ -416,11 +425,12 @@ def faces(cells: Ints, along: Ints, corners: int) -> list[str]:
     along : nodes (3, edges) of each edge, from end to end
     corners : of a cell
     """
-    wanted = {tuple(sorted(ends)) for ends in along[[0, -1]].T.tolist()}
+    # An edge is known by its two ends, in either order.
+    wanted = set(map(frozenset, along[[0, -1]].T.tolist()))
     lines = []
     for number, row in enumerate(cells[:, :corners].tolist(), start=1):
         for face in range(corners):
-            if tuple(sorted((row[face], row[(face + 1) % corners]))) in wanted:
+            if frozenset((row[face], row[(face + 1) % corners])) in wanted:
                 lines.append(f"{number}, S{face + 1}")
     return lines
 
@@ -438,10 +448,11 @@ def drum_angles(loaded: Loaded) -> Floats:
     return np.concatenate([theta[0] - more[::-1], theta, theta[-1] + more])
 
 
-def drum(brake: Brake, loaded: Loaded, first: FirstLabels) -> DrumMesh:
-    """The drum: one layer of CPS8 along the arc.
+def mesh_drum(brake: Brake, loaded: Loaded, first: FirstLabels) -> DrumMesh:
+    """The mesh of the drum: one layer of elements CPS8 along the arc.
 
-    Their face S1 (of an internal shoe) or S3 lies on the friction surface.
+    The face S1 of the elements lies on the friction surface of an internal shoe, S3 on that of an
+    external shoe.
     """
     shoe, R = loaded.shoe, brake.size
     theta = drum_angles(loaded)
@@ -453,7 +464,7 @@ def drum(brake: Brake, loaded: Loaded, first: FirstLabels) -> DrumMesh:
     # The first label of each row.
     a, b, c = (first.node + np.cumsum([0, len(theta), count + 1])).tolist()
     lines = ["*NODE, NSET=NDRUM"]
-    lines += [_node(label, at) for label, at in enumerate(xy, start=first.node)]
+    lines += map(_node_line, count_from(first.node), xy)
     lines.append("*ELEMENT, TYPE=CPS8, ELSET=DRUM")
     for k in range(count):
         i = 2 * k

@@ -13,6 +13,7 @@ import subprocess
 import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from operator import itemgetter
 from pathlib import Path
 from statistics import median
 from typing import Any, NamedTuple
@@ -28,7 +29,7 @@ from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.mesh.edges import edge_nodes
 from drumlin.fem.model import LARGEST_ANSWER_IMBALANCE
 from drumlin.fem.preparation.meshes import ELEMENTS, Mesher
-from drumlin.fem.substructure.elasticity import layers_of, split
+from drumlin.fem.substructure.elasticity import layers_of, split_elasticity
 from drumlin.peers.peer import (
     Loaded,
     MeshedShoe,
@@ -45,8 +46,13 @@ from drumlin.peers.peer import (
 from drumlin.response.response import Balance, ShoeResponse
 
 SCRIPT = Path(__file__).with_name("getfem_brake.py")
+"""The script that another Python runs with GetFEM."""
+
 INSTALL_GETFEM = "GetFEM is not installed; on Debian and Ubuntu: apt install python3-getfem++"
+"""The message where GetFEM is missing."""
+
 FORMULATIONS = ("full slip", "coulomb")
+"""The formulations of contact with friction; the head of the script describes both."""
 
 FURTHER_LOAD_FRICTION = 0.9
 """Friction coefficient of the further load case, relative to the brake's."""
@@ -112,8 +118,8 @@ def solve(
     interpreter = python()
     meshed = meshed_shoes(brake, elements, kind, mesher)
     solver = _Solver(interpreter, brake, meshed, formulation, repeats)
-    answers = _answers(brake, solver)
-    each = [(answers[shoe.name].response, answers[shoe.name].balance) for shoe in brake.shoes]
+    answers = _answers_by_name(brake, solver)
+    each = [answers[shoe.name][:2] for shoe in brake.shoes]
     costs = solver.costs()
     response = brake_response("getfem", each, costs.steps, {"getfem": costs.cold})
     if not max(response.balance.force, response.balance.moment) < LARGEST_ANSWER_IMBALANCE:
@@ -134,22 +140,22 @@ def solve(
 
 
 class _Run(NamedTuple):
-    """The script's result, and the seconds of its whole process."""
+    """The result of a run of the script, and the processor time [s] of its whole process."""
 
     result: dict[str, Any]
     seconds: float
 
 
 class _Costs(NamedTuple):
-    """The costs of all runs for a brake.
+    """The costs of all runs of the script for a brake.
 
     Attributes
     ----------
-    steps : largest number of Newton steps
-    cold : seconds of a solve from the beginning
-    warm : seconds of a further load case
-    process : seconds of the processes of one solve
-    unknowns : largest number
+    steps : largest number of Newton steps of a shoe
+    cold : processor time [s] of a solve from the beginning
+    warm : processor time [s] of a further load case
+    process : processor time [s] of the processes of one solve
+    unknowns : largest number of unknowns of a run
     version : of GetFEM; "" where no shoe touches
     """
 
@@ -162,7 +168,7 @@ class _Costs(NamedTuple):
 
 
 class _Solver:
-    """Runs of the script for the shoes of one brake.
+    """A runner of the GetFEM script for the shoes of one brake, which keeps the results and times.
 
     Parameters
     ----------
@@ -187,24 +193,25 @@ class _Solver:
 
     def run(self, shoes: list[Loaded]) -> list[dict[str, Any]]:
         """The script's answers for some shoes."""
-        problem = _problem(self.brake, shoes, self._formulation, self._repeats)
-        self._runs.append(_run(self._interpreter, problem))
+        problem = _problem_of(self.brake, shoes, self._formulation, self._repeats)
+        self._runs.append(_run_script(self._interpreter, problem))
         return list(self._runs[-1].result["answers"][0])
 
     def costs(self) -> _Costs:
         """The costs of all runs so far."""
-        steps: list[int] = []
+        steps, unknowns, rests = [0], [0], []
         for ran in self._runs:
-            steps += [answer["steps"] for answer in ran.result["answers"][0]]
-        # A process may hold several solves. One solve has the rest of the process to itself.
-        cold, warm = self._median_seconds(0), self._median_seconds(1)
-        rest = math.fsum(ran.seconds - sum(map(sum, ran.result["seconds"])) for ran in self._runs)
+            steps += map(itemgetter("steps"), ran.result["answers"][0])
+            unknowns.append(ran.result["unknowns"])
+            # A process may hold several solves. The rest of its time counts to one solve.
+            rests.append(ran.seconds - sum(map(sum, ran.result["seconds"])))
+        cold = self._median_seconds(0)
         return _Costs(
-            steps=max(steps, default=0),
+            steps=max(steps),
             cold=cold,
-            warm=warm,
-            process=rest + cold,
-            unknowns=max((ran.result["unknowns"] for ran in self._runs), default=0),
+            warm=self._median_seconds(1),
+            process=math.fsum(rests) + cold,
+            unknowns=max(unknowns),
             version=self._runs[-1].result["version"] if self._runs else "",
         )
 
@@ -212,25 +219,32 @@ class _Solver:
         """The seconds of load case 0 or 1, medians of the repeats, summed over the runs."""
         medians = []
         for ran in self._runs:
-            medians.append(median(times[case] for times in ran.result["seconds"]))
+            medians.append(median(map(itemgetter(case), ran.result["seconds"])))
         return math.fsum(medians)
 
 
 class ShoeAnswer(NamedTuple):
-    """A shoe's response, its balance, and the way of the force's point along the force [m]."""
+    """The answer of GetFEM for a shoe.
+
+    Attributes
+    ----------
+    response : response of the shoe
+    balance : relative imbalance of GetFEM's forces on the shoe
+    tip : displacement [m] of the force's point along the force
+    """
 
     response: ShoeResponse
     balance: Balance
     tip: float
 
 
-def _answers(brake: Brake, solver: _Solver) -> dict[str, ShoeAnswer]:
+def _answers_by_name(brake: Brake, solver: _Solver) -> dict[str, ShoeAnswer]:
     """The answers of all shoes by name, solved in the order in which they push each other."""
     pushed_by = {link.to: link.source for link in brake.links}
     answers: dict[str, ShoeAnswer] = {}
     if brake.actuation is not None and brake.actuation.is_cam:
         both = {i: shoe for i, shoe in enumerate(brake.shoes) if shoe.name not in pushed_by}
-        answers |= _under_cam(brake.actuation.total, both, solver)
+        answers |= _answers_under_cam(brake.actuation.total, both, solver)
     # Along chains of struts the force on a shoe is the reaction of the shoe before.
     while len(answers) < len(brake.shoes):
         ready = {}
@@ -243,11 +257,13 @@ def _answers(brake: Brake, solver: _Solver) -> dict[str, ShoeAnswer]:
             elif source in answers:
                 reaction = answers[source].response.hinge_reaction
                 ready[i] = shoe.under(float(np.hypot(*reaction)))
-        answers |= _standing(ready, solver)
+        answers |= _standing_answers(ready, solver)
     return answers
 
 
-def _under_cam(total: float, shoes: Mapping[int, Shoe], solver: _Solver) -> dict[str, ShoeAnswer]:
+def _answers_under_cam(
+    total: float, shoes: Mapping[int, Shoe], solver: _Solver
+) -> dict[str, ShoeAnswer]:
     """The answers of two shoes whose tips a cam moves alike, by name.
 
     Where the linings fit, the tips go in proportion to the forces, and the first step is the last.
@@ -264,7 +280,7 @@ def _under_cam(total: float, shoes: Mapping[int, Shoe], solver: _Solver) -> dict
         where the cam does not press a shoe, or the forces do not settle
     """
     one, other = shoes
-    # Parts of the one, and by how much farther its tip goes than the other's.
+    # Parts of the force that one shoe got, and by how much its tip went farther than the other's.
     tried: list[tuple[float, float]] = []
     part = 0.5
     for _ in range(MOST_FORCE_PARTS):
@@ -272,7 +288,7 @@ def _under_cam(total: float, shoes: Mapping[int, Shoe], solver: _Solver) -> dict
             one: shoes[one].under(part * total),
             other: shoes[other].under((1 - part) * total),
         }
-        answers = _standing(pushed, solver)
+        answers = _standing_answers(pushed, solver)
         a, b = (answers[shoe.name].tip for shoe in shoes.values())
         if not min(a, b) > 0:
             raise NoAnswer("GetFEM: a shoe is not pressed by the cam")
@@ -294,18 +310,20 @@ def _with_force(answer: ShoeAnswer, shoe: Shoe) -> ShoeAnswer:
     return answer._replace(response=replace(answer.response, force=shoe.actuation.force))
 
 
-def _standing(shoes: Mapping[int, Shoe], solver: _Solver) -> dict[str, ShoeAnswer]:
+def _standing_answers(shoes: Mapping[int, Shoe], solver: _Solver) -> dict[str, ShoeAnswer]:
     """The answers of some shoes by name, with friction of abutments in the sense that stands.
 
     `shoes` are given by their position in the brake. Raises NoAnswer.
     """
     answers: dict[str, ShoeAnswer] = {}
     left = dict(shoes)
+    # Shoes without an answer are tried again with the other sense of their abutment's friction.
     for attempt in range(max(len(shoe.senses) for shoe in shoes.values())):
         tried = {}
         for i, shoe in left.items():
             sense = shoe.senses[attempt]
             tried[i] = under_force(solver.brake, shoe, solver.meshed[i], sense)
+        # All shoes that touch go to one process.
         touching = [loaded for loaded in tried.values() if loaded.approaches]
         found = iter(solver.run(touching) if touching else ())
         for i, loaded in tried.items():
@@ -339,7 +357,7 @@ def _answer_if_standing(
     shoe = loaded.shoe
     is_last = attempt == len(shoe.senses) - 1
     try:
-        answer = _answer(brake, loaded, found)
+        answer = _answer_of_shoe(brake, loaded, found)
     except NoAnswer:
         if is_last:
             raise
@@ -352,7 +370,7 @@ def _answer_if_standing(
     return None
 
 
-def _problem(
+def _problem_of(
     brake: Brake, shoes: Sequence[Loaded], formulation: str, repeats: int
 ) -> dict[str, Any]:
     """The numbers that the script needs: arrays by name, and in "data" a text of JSON.
@@ -378,14 +396,14 @@ def _problem(
 
 
 def _body_arrays(brake: Brake, loaded: Loaded) -> dict[str, Any]:
-    """The mesh of a shoe's body and the constants of its cells, by names with its number."""
+    """The mesh and the elastic constants of a shoe's body, by names that end in its number."""
     shoe, k = loaded.shoe, loaded.body
     basis, mesh = loaded.parts.basis, loaded.parts.mesh
     E, width = shoe.lining.material.E_through, shoe.lining.width
     constants, straight = np.zeros((4, mesh.nelements)), np.zeros((2, mesh.nelements))
     for name, elements in mesh.subdomains.items():
         layer = layers_of(shoe)[name]
-        constants[:, elements] = split(layer.stiffness)[:, None] / width / E
+        constants[:, elements] = split_elasticity(layer.stiffness)[:, None] / width / E
         if layer.along is not None:
             straight[:, elements] = layer.along[:, None]
     arrays = {
@@ -401,7 +419,7 @@ def _body_arrays(brake: Brake, loaded: Loaded) -> dict[str, Any]:
 
 
 def _shoe_data(brake: Brake, loaded: Loaded) -> dict[str, Any]:
-    """The numbers of a shoe besides its body."""
+    """The numbers that the script needs of a shoe besides its body: support, load and gap."""
     shoe, parts, R = loaded.shoe, loaded.parts, brake.size
     E, width = shoe.lining.material.E_through, shoe.lining.width
     line = parts.line
@@ -431,13 +449,13 @@ def _shoe_data(brake: Brake, loaded: Loaded) -> dict[str, Any]:
 
 
 class _Modes(NamedTuple):
-    """The modes of a shoe in drum radii.
+    """The modes of a shoe with lengths in drum radii, scaled to the size 1.
 
     Attributes
     ----------
-    motions : rigid-body modes (k, 3) of size 1
-    tests : test modes (k, 3) of size 1
-    test_sizes : (k,), sizes of the test modes before
+    motions : rigid-body modes (k, 3)
+    tests : test modes (k, 3)
+    test_sizes : sizes (k,) of the test modes before they were scaled
     """
 
     motions: Floats
@@ -457,7 +475,7 @@ def _modes_in_radii(loaded: Loaded, R: float) -> _Modes:
     )
 
 
-def _run(interpreter: str, problem: dict[str, Any]) -> _Run:
+def _run_script(interpreter: str, problem: dict[str, Any]) -> _Run:
     """Run the script on a problem. Raises NoAnswer where its process fails."""
     with tempfile.TemporaryDirectory(prefix="drumlin-getfem-") as name:
         folder = Path(name)
@@ -473,7 +491,7 @@ def _run(interpreter: str, problem: dict[str, Any]) -> _Run:
         return _Run(json.loads(target.read_text()), ended.seconds)
 
 
-def _answer(brake: Brake, loaded: Loaded, found: dict[str, Any]) -> ShoeAnswer:
+def _answer_of_shoe(brake: Brake, loaded: Loaded, found: dict[str, Any]) -> ShoeAnswer:
     """A shoe's answer from the script's numbers.
 
     Raises NoAnswer where the script did not converge, and where the shoe sticks.
@@ -489,7 +507,7 @@ def _answer(brake: Brake, loaded: Loaded, found: dict[str, Any]) -> ShoeAnswer:
     E = shoe.lining.material.E_through
     phi = shoe.phi_of(np.array(found["xy"]), 1.0)
     order = np.argsort(phi)
-    # The unit of force.
+    # The script's unit of force, in newtons.
     size = E * R * shoe.lining.width
     forces = PeerForces(
         normal=size * np.array(found["normal"]),
@@ -498,6 +516,7 @@ def _answer(brake: Brake, loaded: Loaded, found: dict[str, Any]) -> ShoeAnswer:
         held=size * np.array(found["hold"]) * [1, 1, R],
         torque=abs(found["torque"]) * size * brake.scale_factor,
     )
+    # The script's rigid-body modes have the size 1 in drum radii.
     mode_sizes = np.linalg.norm(loaded.motions / [R, R, 1.0], axis=1)
     amounts = np.array(found["amounts"]) / mode_sizes
     pressure = E * np.array(found["pressure"])[order]

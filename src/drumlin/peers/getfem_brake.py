@@ -30,6 +30,8 @@ import getfem as gf  # type: ignore[import-not-found]
 import numpy as np
 
 CONTACT, HINGE, ACTUATION = 1, 2, 3
+"""GetFEM's numbers of the boundaries: friction surface, held edge, loaded end."""
+
 REGIONS = {CONTACT: "contact", HINGE: "hinge", ACTUATION: "actuation"}
 """The names of the boundaries in the problem file, by their numbers in GetFEM's mesh."""
 
@@ -54,7 +56,7 @@ class CellKind(NamedTuple):
     Attributes
     ----------
     geometry : transformation of the cell
-    element : of the displacement
+    element : element of the displacement
     constant : element of the elastic constants
     obstacle : element of the obstacle's distance
     inside : integration over the cell
@@ -156,7 +158,7 @@ class PeerBody:
         self.mesh.set_region(region, self.mesh.faces_from_pid(ids))
 
     def space(self, element: str, components: int = 1) -> Any:
-        """A finite element space on the mesh."""
+        """A finite element space on the mesh, of a scalar or of a vector with some components."""
         space = gf.MeshFem(self.mesh, components)
         space.set_fem(gf.Fem(element))
         return space
@@ -236,7 +238,7 @@ class PeerBody:
             self.model.add_linear_term(self.inside, f"-{self.push}.Test_u", ACTUATION)
 
     def _contact(self, shoe: dict[str, Any]) -> None:
-        """Add the contact with the drum or the plane."""
+        """Add the contact with the drum or the plane to the model."""
         md = self.model
         md.add_initialized_data("side", [float(shoe["side"])])
         md.add_initialized_data("augment", [shoe["augment"]])
@@ -281,7 +283,7 @@ class PeerBody:
         return float(gf.asm_generic(mim, 0, expression, region, self.model))
 
     def integrals(self, expression: str, region: int) -> list[float]:
-        """The integral of a vector (2,), component by component."""
+        """The integrals of both components of a vector expression over a region."""
         return [self.integral(f"({expression})({k})", region) for k in (1, 2)]
 
     def start(self, shoe: dict[str, Any]) -> dict[str, Any]:
@@ -297,10 +299,11 @@ class PeerBody:
         return values
 
     def solve(self, shoe: dict[str, Any], friction: float) -> dict[str, Any]:
-        """Solve one shoe; returns its pressure at the contact nodes, torque, reaction and so on.
+        """Solve one shoe at a friction coefficient; returns its pressure, torque and forces.
 
         The shoe keeps its state under "state", from which its next solve starts.
         """
+        # The drum drags the lining in the sense of the rotation.
         md, drag = self.model, friction * shoe["drag_sense"]
         self._set_loads(shoe, drag)
         self._set_gap(shoe, drag)
@@ -308,7 +311,7 @@ class PeerBody:
             md.set_variable(name, value)
         options = {"max_iter": MOST_NEWTON_STEPS, "max_res": NEWTON_RESIDUAL, "lsolver": "mumps"}
         options |= {"lsearch": "simplest", "alpha min": 1.0}
-        # GetFEM takes its options as a list of names and values in turn.
+        # GetFEM takes options as a list of names and values in turn.
         arguments: list[Any] = []
         for option in options.items():
             arguments += option
@@ -333,6 +336,7 @@ class PeerBody:
         if self.formulation == "full slip":
             md.set_variable("gap", np.interp(angles(self.xy, shoe), shoe["phi"], shoe["gap"]))
             return
+        # The obstacle's distance is that from the round drum or the plane, plus the clearance.
         x = self.obstacle.basic_dof_nodes()
         clearance = np.interp(angles(x, shoe), shoe["phi"], shoe["clearance"])
         off = x[1] if shoe["flat"] else shoe["side"] * (1 - np.hypot(*x))
@@ -341,12 +345,13 @@ class PeerBody:
         md.set_variable("mu", np.array([abs(drag)]))
 
     def _answer(self, steps: int, converged: bool, drag: float) -> dict[str, Any]:
-        """The numbers of the solved shoe.
+        """The numbers of a solved shoe for the result file.
 
-        "slipping" is its total shear over mu p, which is 1 in full slip.
+        "slipping" is the shoe's total shear relative to mu p, which is 1 in full slip.
         """
         md = self.model
         p = md.variable("p")
+        # Pressure and shear as GetFEM's expressions of the model's unknowns.
         pressure, shear = "p", "drag*p"
         if self.formulation == "coulomb":
             pressure, shear = "(-p.normal)", "(p.along)"
@@ -393,6 +398,7 @@ def brake(problem: dict[str, Any], data: dict[str, Any]) -> dict[str, Any]:
 
     Returns the answers and the seconds of processor time for each coefficient.
     """
+    # Shoes with equal body, load and number of rigid-body modes share one model.
     bodies: dict[tuple[int, bool, int], PeerBody] = {}
     shoes = [dict(shoe) for shoe in data["shoes"]]
     answers, seconds = [], []
@@ -419,9 +425,9 @@ def version() -> str:
 
 
 def main(source: str, target: str) -> None:
-    """Read the problem, solve it `repeats` times from the beginning, and write the results.
+    """Read a problem file, solve its shoes `repeats` times, and write the result file.
 
-    The results are the last answers and all times.
+    Each solve starts from the beginning. The results are the last answers and all times.
     """
     gf.util_trace_level(0)
     gf.util_warning_level(0)

@@ -47,14 +47,14 @@ class Peer(NamedTuple):
 
     Attributes
     ----------
-    name : of the peer
-    version : of the peer
-    response : of the brake
-    seconds : of its own computing, without the start of its process where that can be told apart
-    process_seconds : of the whole process or processes, for one solve
-    further_seconds : of a further load case, another friction coefficient, for which the peer
-        reuses what it can
-    unknowns : of all its systems; equal shoes count once where they share a system
+    name : name of the peer
+    version : version of the peer
+    response : response of the brake
+    seconds : time of the peer's computing, without the start of its process where this is known
+    process_seconds : time of the whole process or processes, for one solve
+    further_seconds : time of a further load case, another friction coefficient, for which the peer
+        reuses earlier results if it can
+    unknowns : number of unknowns of all systems; equal shoes that share a system count once
     notes : lines about the solve
     """
 
@@ -84,14 +84,14 @@ class Loaded:
     shoe : the shoe
     parts : its mesh and matrices
     body : number of its shape
-    force : (2,) [N]
-    couple : [N m], about `parts.load_centre`
+    force : force (2,) [N] of the actuation
+    couple : couple [N m] of the actuation about `parts.load_centre`
     drag : mu times the sense in which the drum drags the lining, positive towards growing phi
     approaches : whether the force presses the shoe on the drum anywhere; else it does not touch
     motions : rigid-body modes (k, 3) of what holds the shoe: dx, dy [m] and turn at the pin
     tests : test modes (k, 3), in the same form; see `Held.freedoms`
     work : (k,), work of the force on the test modes
-    tip : (k,), way of the force's point along the force for each rigid-body mode
+    tip : displacement (k,) of the force's point along the force by each rigid-body mode
     """
 
     shoe: Shoe
@@ -108,7 +108,7 @@ class Loaded:
 
     @property
     def on_body(self) -> bool:
-        """Whether the force acts on the body's loaded end, not on what holds the shoe."""
+        """Whether the force acts on the body's loaded end, and not on the holder of the shoe."""
         return "actuation" in self.parts.mesh.boundaries and not self.shoe.gripped
 
     @property
@@ -129,12 +129,12 @@ def meshed_shoes(
     ----------
     brake : the brake
     elements, kind : of the mesh
-    mesher : who meshes the shoes in their place
+    mesher : function that meshes a shoe in place of drumlin's own
 
     Raises
     ------
     BadInput
-        for a brake with an elastic ring and without friction: peers get a rigid drum that slips
+        for a brake with an elastic ring or without friction: peers get a rigid drum that slips
     """
     if brake.ring is not None:
         raise BadInput("drum.ring: the peers get a rigid drum; leave out [drum.ring]")
@@ -143,6 +143,7 @@ def meshed_shoes(
             "friction = 0: the peers are given a drum that slips; must be greater than 0"
         )
     mesher = mesher or partial(shoe_mesh, elements=elements, kind=kind)
+    # Shoes of equal shape share one mesh.
     by_shape: dict[tuple[object, ...], MeshedShoe] = {}
     meshed = []
     for shoe in brake.shoes:
@@ -266,7 +267,7 @@ def shoe_response(
 
 
 def _load_at_pin(loaded: Loaded) -> Floats:
-    """The force on a shoe and its moment about the pin (3,)."""
+    """The force (2,) [N] on a shoe, followed by the moment [N m] of the actuation about the pin."""
     arm = loaded.parts.load_centre - loaded.shoe.own_pin
     return np.array([*loaded.force, loaded.couple + float(cross(arm, loaded.force))])
 
@@ -301,7 +302,7 @@ def untouched_response(loaded: Loaded) -> tuple[ShoeResponse, Balance]:
 
 
 class EndedProcess(NamedTuple):
-    """A process that has ended: its status, its printed text, its processor time [s]."""
+    """A process that has ended: its exit status, its printed text, its processor time [s]."""
 
     status: int
     output: str
@@ -309,13 +310,14 @@ class EndedProcess(NamedTuple):
 
 
 def run_process(command: Sequence[str], folder: Path, longest: float) -> EndedProcess:
-    """Run a peer in a folder, on one thread, without this Python's paths.
+    """Run a peer's command in a folder, on one thread, without the paths of the running Python.
 
     Raises NoAnswer where it still runs after `longest` seconds.
     """
     environment = dict(os.environ)
     for name in ("PYTHONPATH", "PYTHONHOME"):
         environment.pop(name, None)
+    # The processor time is that by which the time of all child processes grows.
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     try:
         done = subprocess.run(

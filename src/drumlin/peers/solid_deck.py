@@ -6,6 +6,7 @@ and forces are half the brake's. All else is as in the plane deck.
 """
 
 from functools import partial
+from itertools import count
 from pathlib import Path
 from typing import NamedTuple
 
@@ -14,14 +15,13 @@ import skfem
 
 from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import BadInput
-from drumlin.base.files import write_text
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.fields import Material
 from drumlin.fem.preparation.meshes import materials_of
-from drumlin.fem.solid.body import end_forces, face_of, hinged
-from drumlin.fem.solid.fields import oriented, serendipity
+from drumlin.fem.solid.body import end_forces, friction_face, hinge_nodes
+from drumlin.fem.solid.fields import orient_cells, serendipity_cells
 from drumlin.fem.solid.mesh import Solid, solid_mesh
-from drumlin.fem.solid.model import ELEMENTS, across_of, why_not
+from drumlin.fem.solid.model import ELEMENTS, elements_across, why_not
 from drumlin.peers import calculix
 from drumlin.peers.deck import (
     DRUM_LAYER,
@@ -33,13 +33,13 @@ from drumlin.peers.deck import (
     DrumMesh,
     FirstLabels,
     check_fit,
-    contact,
+    contact_lines,
     drum_angles,
-    header,
-    hinge,
-    load_on_pin,
-    nodal_loads,
-    step,
+    header_lines,
+    hinge_lines,
+    nodal_load_lines,
+    pin_load_lines,
+    step_lines,
 )
 from drumlin.peers.peer import Loaded, Peer, loaded_shoes, untouched_response
 
@@ -69,7 +69,7 @@ class _SolidShoe(NamedTuple):
 def export(
     brake: Brake, folder: Path, stem: str, *, elements: int = ELEMENTS, across: int | None = None
 ) -> tuple[list[Path], list[str]]:
-    """Write the decks of a brake's solid shoes, one for each, as `calculix.export` does.
+    """Write a CalculiX deck for each solid shoe of a brake.
 
     Parameters
     ----------
@@ -84,15 +84,10 @@ def export(
     the files, and the names of shoes without a deck, which their force turns away from the drum
     """
     setting = DeckSetting(rotation=ROTATION, thickness=MODELLED_WIDTH)
-    paths, apart = [], []
+    decks = []
     for loaded, solid in _posed(brake, elements, across):
-        if not loaded.approaches:
-            apart.append(loaded.shoe.name)
-            continue
-        path = folder / f"{stem}_{loaded.shoe.name}_solid.inp".replace(" ", "_")
-        write_text(path, deck(brake, loaded, solid, setting, path.stem))
-        paths.append(path)
-    return paths, apart
+        decks.append(calculix.ShoeDeck(loaded, partial(deck, brake, loaded, solid, setting)))
+    return calculix.write_decks(decks, folder, stem, "_solid")
 
 
 def solve(
@@ -102,7 +97,7 @@ def solve(
     across: int | None = None,
     setting: DeckSetting | None = None,
 ) -> Peer:
-    """Solve a brake's solid shoes by CalculiX; it raises what `calculix.solve` raises.
+    """Solve a brake's solid shoes by CalculiX. Raises the errors of `calculix.solve`.
 
     Parameters
     ----------
@@ -127,14 +122,17 @@ def solve(
 
 
 def _posed(brake: Brake, elements: int, across: int | None) -> list[_SolidShoe]:
-    """The solid shoes of a brake. Raises BadInput where the solid model does not apply."""
+    """The solid shoes of a brake with their meshes, each under its force.
+
+    Raises BadInput where the model of solid shoes does not apply.
+    """
     reason = why_not(brake)
     if reason is not None:
         raise BadInput(f"solid does not apply to this brake: {reason}")
     posed = []
     for loaded in loaded_shoes(brake, elements):
         shoe = loaded.shoe
-        solid = solid_mesh(shoe, brake.size, elements, across or across_of(shoe, elements))
+        solid = solid_mesh(shoe, brake.size, elements, across or elements_across(shoe, elements))
         posed.append(_SolidShoe(loaded, solid))
     return posed
 
@@ -142,7 +140,7 @@ def _posed(brake: Brake, elements: int, across: int | None) -> list[_SolidShoe]:
 def deck(
     brake: Brake, loaded: Loaded, solid: Solid, setting: DeckSetting, name: str = "shoe"
 ) -> str:
-    """The deck of half a shoe, in the brake's frame.
+    """The text of the deck of half a shoe, in the brake's frame.
 
     Parameters
     ----------
@@ -162,32 +160,32 @@ def deck(
     # Cells keep the node numbers of drumlin's mesh, some of which are then unused.
     x = solid.basis.doflocs
     points = np.column_stack([shoe.frame.to_brake(x[:2].T), x[2]]) * MM
-    cells = oriented(points, serendipity(solid.basis.element_dofs))
+    cells = orient_cells(points, serendipity_cells(solid.basis.element_dofs))
     used = np.unique(cells)
-    held = np.intersect1d(hinged(solid, shoe), used)
-    grid = _grid(loaded, points, cells, held)
-    drum_mesh = drum(brake, loaded, FirstLabels(grid.turn + 1, len(cells) + 1))
+    held = np.intersect1d(hinge_nodes(solid, shoe), used)
+    grid = _deck_grid(loaded, points, cells, held)
+    drum_mesh = mesh_drum(brake, loaded, FirstLabels(grid.turn + 1, len(cells) + 1))
     # The mid-plane stays plane. A rigid shoe holds the back of its lining in this direction, too.
     mid_plane = np.intersect1d(solid.node[solid.node[:, 0] >= 0, 0], used)
     bonded = held if shoe.body is None else held[:0]
-    face = face_of(solid, shoe, brake.size).nodes
+    face = friction_face(solid, shoe, brake.size).nodes
     lines = [
-        *header(brake, loaded, setting, name),
+        *header_lines(brake, loaded, setting, name),
         "** half of the shoe, z >= 0: what is called thickness above is that half",
-        *_shoe(shoe, solid, points, grid),
+        *_shoe_lines(shoe, solid, points, grid),
         *drum_mesh.lines,
-        *_sections(shoe),
-        *contact(brake, loaded, setting, _faces(cells, face), "S1"),
-        *hinge(loaded, grid),
+        *_material_lines(shoe),
+        *contact_lines(brake, loaded, setting, _face_lines(cells, face), "S1"),
+        *hinge_lines(loaded, grid),
         "*BOUNDARY",
         *(f"{i + 1}, 3, 3" for i in np.union1d(mid_plane, bonded)),
         "NDRUM, 3, 3",
-        *step(brake, setting, grid, drum_mesh.xy, _load(loaded, solid, setting, grid)),
+        *step_lines(brake, setting, grid, drum_mesh.xy, _load_lines(loaded, solid, setting, grid)),
     ]
     return "\n".join(lines) + "\n"
 
 
-def _grid(loaded: Loaded, points: Floats, cells: Ints, held: Ints) -> DeckGrid:
+def _deck_grid(loaded: Loaded, points: Floats, cells: Ints, held: Ints) -> DeckGrid:
     """The mesh of half a shoe as CalculiX has it.
 
     Parameters
@@ -209,23 +207,24 @@ def _grid(loaded: Loaded, points: Floats, cells: Ints, held: Ints) -> DeckGrid:
     )
 
 
-def _shoe(shoe: Shoe, solid: Solid, points: Floats, grid: DeckGrid) -> list[str]:
-    """The lines of a shoe's nodes (n, 3) [mm] and elements."""
+def _shoe_lines(shoe: Shoe, solid: Solid, points: Floats, grid: DeckGrid) -> list[str]:
+    """The lines of a deck for the nodes (n, 3) [mm] and the elements of half a shoe."""
     pin = [*(shoe.pin.xy * MM), 0.0]
     lines = ["*NODE, NSET=NSHOE"]
-    lines += [_node(i + 1, points[i]) for i in np.unique(grid.cells)]
-    lines += ["*NODE, NSET=PIN", _node(grid.pin, pin)]
+    used = np.unique(grid.cells)
+    lines += map(_node_line, used + 1, points[used])
+    lines += ["*NODE, NSET=PIN", _node_line(grid.pin, pin)]
     lines += ["** its displacement x is the turn [rad] of the shoe about the pin"]
-    lines += ["*NODE, NSET=TURN", _node(grid.turn, pin)]
+    lines += ["*NODE, NSET=TURN", _node_line(grid.turn, pin)]
     for part, members in solid.mesh.subdomains.items():
         lines.append(f"*ELEMENT, TYPE={grid.kind}, ELSET={part.upper()}")
         for i in np.sort(members):
-            lines += _element(i + 1, grid.cells[i] + 1)
+            lines += _element_lines(i + 1, grid.cells[i] + 1)
     return lines
 
 
-def _sections(shoe: Shoe) -> list[str]:
-    """The lines of the materials."""
+def _material_lines(shoe: Shoe) -> list[str]:
+    """The lines of a deck for the materials of a shoe and of the drum."""
     moduli = {}
     for part, (material, _) in materials_of(shoe).items():
         # `why_not` refuses orthotropic materials.
@@ -239,17 +238,17 @@ def _sections(shoe: Shoe) -> list[str]:
     return lines
 
 
-def _node(label: int, at: Floats | list[float]) -> str:
-    """The line of a node (3,) [mm]."""
+def _node_line(label: int, at: Floats | list[float]) -> str:
+    """The line of a deck for a node (3,) [mm]."""
     return f"{label}, {at[0]:.12e}, {at[1]:.12e}, {at[2]:.12e}"
 
 
-def _element(label: int, nodes: Ints) -> list[str]:
-    """The two lines of an element: a line holds at most 16 entries."""
+def _element_lines(label: int, nodes: Ints) -> list[str]:
+    """The two lines of a deck for an element: a line holds at most 16 entries."""
     return [", ".join(map(str, [label, *nodes[:10]])) + ",", ", ".join(map(str, nodes[10:]))]
 
 
-def _faces(cells: Ints, on: Ints) -> list[str]:
+def _face_lines(cells: Ints, on: Ints) -> list[str]:
     """The lines "element, S<face>" of the faces whose four corners are all among the nodes `on`."""
     inside = np.isin(cells[:, :8], on)
     lines = []
@@ -259,14 +258,14 @@ def _faces(cells: Ints, on: Ints) -> list[str]:
     return lines
 
 
-def _load(loaded: Loaded, solid: Solid, setting: DeckSetting, grid: DeckGrid) -> list[str]:
+def _load_lines(loaded: Loaded, solid: Solid, setting: DeckSetting, grid: DeckGrid) -> list[str]:
     """The lines of the actuation: nodal forces on the end face, or force and couple on the pin."""
     if "actuation" not in solid.section.boundaries:
-        return load_on_pin(loaded, setting, grid)
+        return pin_load_lines(loaded, setting, grid)
     unit, _ = end_forces(solid)
     nodal = (unit @ np.array([*loaded.force, loaded.couple]))[:, :2]
     forces = setting.thickness * loaded.shoe.frame.to_brake(_without_middles(solid, nodal))
-    return nodal_loads(forces, np.flatnonzero(forces.any(axis=1)))
+    return nodal_load_lines(forces, np.flatnonzero(forces.any(axis=1)))
 
 
 def _without_middles(solid: Solid, forces: Floats) -> Floats:
@@ -309,11 +308,11 @@ class _Row(NamedTuple):
         return np.column_stack([r * np.cos(t), r * np.sin(t), np.full(len(t), self.z)])
 
 
-def drum(brake: Brake, loaded: Loaded, first: FirstLabels) -> DrumMesh:
-    """The drum: one element over half the width and a little more.
+def mesh_drum(brake: Brake, loaded: Loaded, first: FirstLabels) -> DrumMesh:
+    """The mesh of the drum: one element over half the width of the lining and a little more.
 
-    Its face S1 lies on the friction surface. The nodes of the friction surface come first: those of
-    z = 0, of the middle and of the outer side.
+    The face S1 of the elements lies on the friction surface. The nodes of the friction surface come
+    first: the nodes at z = 0, in the middle and on the outer side.
     """
     shoe, R = loaded.shoe, brake.size
     theta = drum_angles(loaded)
@@ -332,12 +331,12 @@ def drum(brake: Brake, loaded: Loaded, first: FirstLabels) -> DrumMesh:
     ]
     xyz = np.concatenate([row.xyz for row in rows]) * MM
     lines = ["*NODE, NSET=NDRUM"]
-    lines += [_node(label, at) for label, at in enumerate(xyz, start=first.node)]
+    lines += map(_node_line, count(first.node), xyz)
     lines.append("*ELEMENT, TYPE=C3D20, ELSET=DRUM")
     labels = first.node + np.cumsum([0, *(len(row.theta) for row in rows)])
     for k in range(len(ends) - 1):
         nodes = _drum_cell(labels[:-1].tolist(), k, shoe.sign)
-        lines += _element(first.element + k, nodes)
+        lines += _element_lines(first.element + k, nodes)
     return DrumMesh(lines, xyz[:, :2])
 
 
@@ -346,7 +345,7 @@ def _drum_cell(labels: list[int], k: int, sign: int) -> Ints:
 
     Parameters
     ----------
-    labels : of the first node of each row, in the order of the rows in `drum`
+    labels : of the first node of each row, in the order of the rows in `mesh_drum`
     k : number of the element along the arc
     sign : of the shoe
     """
@@ -368,9 +367,9 @@ def _drum_cell(labels: list[int], k: int, sign: int) -> Ints:
 
 
 def along(loaded: Loaded, forces: Floats) -> Floats:
-    """The forces (n, 2) on the nodes of the drum's arc, summed over the width.
+    """The nodal forces (n, 2) on the drum's arc, summed over the width from all nodes of the drum.
 
-    They are the nodal forces of a quadratic line.
+    The sums are the nodal forces of a quadratic line.
     """
     count = len(drum_angles(loaded))
     ends = (count + 1) // 2

@@ -35,15 +35,19 @@ class WrittenComparison(NamedTuple):
 
 
 def panels(comparison: Comparison[Any]) -> list[tuple[str, dict[str, Any]]]:
-    """A panel of pressures for each shoe: a title, and the responses by model."""
+    """A panel of the pressure figure for each shoe: its title, and its responses by model."""
     brake = comparison.brake
-    made = []
+    made: list[tuple[str, dict[str, Any]]] = []
+    if not comparison.responses:
+        return made
     for i, shoe in enumerate(brake.shoes):
-        responses = {model: response.shoes[i] for model, response in comparison.responses.items()}
-        if responses:
-            helps = any(response.self_energising for response in responses.values())
-            verb = "assists" if helps else "opposes"
-            made.append((f"{shoe.name}, {brake.sense}: friction {verb}", responses))
+        verb, responses = "opposes", {}
+        for model, response in comparison.responses.items():
+            responses[model] = response.shoes[i]
+            # The title follows any model by which friction presses the shoe on.
+            if response.shoes[i].self_energising:
+                verb = "assists"
+        made.append((f"{shoe.name}, {brake.sense}: friction {verb}", responses))
     return made
 
 
@@ -83,17 +87,17 @@ def results_json(comparisons: Sequence[Comparison[Any]], **more: Any) -> str:
 
     The seconds of each model are medians. Further keys come from `more`.
     """
-    cases = [_case_data(comparison) for comparison in comparisons]
+    cases = list(map(_case_data, comparisons))
     return json.dumps({"versions": versions(), "cases": cases, **more}, indent=1) + "\n"
 
 
 def _case_data(comparison: Comparison[Any]) -> dict[str, Any]:
-    """One comparison as plain data for JSON."""
+    """The comparison of all models on one brake as plain data for JSON."""
     return {
         "case": comparison.case,
         "rotation": comparison.brake.sense,
         "friction": comparison.brake.friction,
-        "models": [_model_data(outcome) for outcome in comparison.outcomes],
+        "models": list(map(_model_data, comparison.outcomes)),
     }
 
 
@@ -138,10 +142,12 @@ def write_comparison(
     drawn, not_drawn = False, None
     if fem is not None and any(shoe.contact_arcs for shoe in fem.shoes):
         drawn = True
-        mesh_options = {k: v for k, v in options.items() if k in {"elements", "kind"}}
+        # The other options do not concern the mesh.
+        mesh_options = {key: options[key] for key in ("elements", "kind") if key in options}
+        # The response was computed on a brake that is corrected for its finite width.
         solved_brake = finite_width(brake) if options.get("finite_width") else brake
         not_drawn = draw_fields(solved_brake, fem, folder, "fields", **mesh_options)
-    notes = _notes(brake, comparison)
+    notes = _notes_of_models(brake, comparison)
     page = fill(
         Path(__file__).with_name("comparison.html"),
         folder / "index.html",
@@ -150,26 +156,27 @@ def write_comparison(
         columns=columns_of(brake),
         drawn=drawn,
         not_drawn=not_drawn,
-        notes=notes + _neglected(comparison),
+        notes=notes + _lines_on_neglect(comparison),
         source_text=source,
     )
     return WrittenComparison(table, notes, page, columns_of(brake))
 
 
-def _notes(brake: Brake, comparison: Comparison[Any]) -> list[str]:
+def _notes_of_models(brake: Brake, comparison: Comparison[Any]) -> list[str]:
     """The notes of the models that answered, and why the other models do not apply."""
     notes = []
-    for outcome in comparison.outcomes:
-        if outcome.response:
-            notes += [f"{outcome.model}: {line}" for line in outcome.response.notes]
-    notes += [f"{name}: does not apply: {reason}" for name, reason in refusals(brake).items()]
+    for model, response in comparison.responses.items():
+        for line in response.notes:
+            notes.append(f"{model}: {line}")
+    for name, reason in refusals(brake).items():
+        notes.append(f"{name}: does not apply: {reason}")
     return notes
 
 
-def _neglected(comparison: Comparison[Any]) -> list[str]:
-    """What each model neglects, in lines."""
+def _lines_on_neglect(comparison: Comparison[Any]) -> list[str]:
+    """A line of text for each effect that a model of the comparison neglects."""
     lines = []
-    for outcome in comparison.outcomes:
-        if outcome.response:
-            lines += [f"{outcome.model} left out {line}" for line in outcome.response.left_out]
+    for model, response in comparison.responses.items():
+        for effect in response.left_out:
+            lines.append(f"{model} left out {effect}")
     return lines

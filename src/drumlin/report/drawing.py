@@ -26,16 +26,16 @@ from drumlin.report.signs import (
     LINING_COLOR,
     MM_PER_M,
     MOTION_COLOR,
-    arms,
-    between,
-    held,
+    draw_rigid_arms,
+    draw_shared_parts,
+    draw_support,
 )
 
 
 def draw_brake(axes: Axes, brake: Brake) -> None:
     """Draw a brake on a drum or a plane into `axes`, which become mm at equal scale."""
     if brake.surface.straight:
-        _draw_flat(axes, brake)
+        _draw_plane_brake(axes, brake)
     else:
         _draw_drum_brake(axes, brake)
     axes.set_aspect("equal")
@@ -56,20 +56,22 @@ def _draw_drum_brake(axes: Axes, brake: Brake) -> None:
     """Draw a brake on a drum."""
     R = brake.size * MM_PER_M
     unit = R / 10
-    _drum(axes, brake, R, unit)
+    _draw_drum(axes, brake, R, unit)
     struts = {link.source for link in brake.links}
     for shoe in brake.shoes:
-        _shoe(axes, shoe, R, unit, on_strut=shoe.name in struts)
-    loaded = {shoe.name: _loaded_point(shoe, R) for shoe in brake.shoes}
-    between(axes, brake, loaded, unit)
-    tips = {shoe.name: _tip(shoe, R, unit) for shoe in brake.shoes}
-    _forces(axes, brake, tips, unit)
-    corners = np.array([[-1.0, -1.0], [1.0, 1.0]]) * _outermost(brake)
-    points = [corners, *(_places(shoe, R, unit) for shoe in brake.shoes)]
-    _frame(axes, np.concatenate(points), 1.8 * unit)
+        _draw_shoe(axes, shoe, R, unit, on_strut=shoe.name in struts)
+    loaded = {shoe.name: _force_point(shoe, R) for shoe in brake.shoes}
+    draw_shared_parts(axes, brake, loaded, unit)
+    tips = {shoe.name: _arrow_tip(shoe, R, unit) for shoe in brake.shoes}
+    _draw_forces(axes, brake, tips, unit)
+    corners = np.array([[-1.0, -1.0], [1.0, 1.0]]) * _outer_radius(brake)
+    points = [corners]
+    for shoe in brake.shoes:
+        points += [_arrow_corners(shoe.actuation, tips[shoe.name], unit), _pin_corners(shoe, unit)]
+    _set_limits(axes, np.concatenate(points), 1.8 * unit)
 
 
-def _outermost(brake: Brake) -> float:
+def _outer_radius(brake: Brake) -> float:
     """The radius [mm] of a circle around the drum, its ring and the shoes."""
     ring = _ring_depth(brake)
     outside = any(shoe.side == "internal" for shoe in brake.shoes) and ring
@@ -83,7 +85,7 @@ def _ring_depth(brake: Brake) -> float:
     return ring.thickness if ring and ring.thickness else 0.1 * brake.size
 
 
-def _drum(axes: Axes, brake: Brake, R: float, unit: float) -> None:
+def _draw_drum(axes: Axes, brake: Brake, R: float, unit: float) -> None:
     """Draw the drum with its ring, its centre, its radius and the arrow of its motion."""
     ring = _ring_depth(brake) * MM_PER_M
     look = {"facecolor": DRUM_COLOR, "edgecolor": "none"}
@@ -99,13 +101,13 @@ def _drum(axes: Axes, brake: Brake, R: float, unit: float) -> None:
     axes.plot(cross, [0, 0], color=INK, lw=0.8)
     axes.plot([0, 0], cross, color=INK, lw=0.8)
     # The radius with its size.
-    direction = _unit_vector(_free_angle(brake, R, unit))
+    direction = _unit_vector(_angle_of_free_radius(brake, R, unit))
     axes.plot([0, R * direction[0]], [0, R * direction[1]], color=FAINT, lw=0.7)
-    _label(axes, 0.5 * R * direction, f"R = {R:.5g} mm")
-    _rotation_arrow(axes, brake.spin, 2.6 * unit)
+    _write_label(axes, 0.5 * R * direction, f"R = {R:.5g} mm")
+    _draw_rotation_arrow(axes, brake.spin, 2.6 * unit)
 
 
-def _rotation_arrow(axes: Axes, spin: int, radius: float) -> None:
+def _draw_rotation_arrow(axes: Axes, spin: int, radius: float) -> None:
     """Draw an arrow over 220 degrees about the drum's centre, with a radius [mm]."""
     reach = math.radians(220)
     start = math.pi / 2 - spin * reach / 2
@@ -120,26 +122,27 @@ def _rotation_arrow(axes: Axes, spin: int, radius: float) -> None:
         solid_capstyle="round",
     )
     tip, back = radius * _unit_vector(angles[-1]), radius * _unit_vector(angles[-8])
-    _arrow(axes, back, tip, MOTION_COLOR, width=0.1)
+    _draw_arrow(axes, back, tip, MOTION_COLOR, width=0.1)
 
 
-def _free_angle(brake: Brake, R: float, unit: float) -> float:
+def _angle_of_free_radius(brake: Brake, R: float, unit: float) -> float:
     """An angle [rad] for the drawn radius that keeps away from shoes, their names and forces."""
     taken = []
     for shoe in brake.shoes:
-        tip = _loaded_point(shoe, R)
+        tip = _force_point(shoe, R)
         tail = tip - _arrow_vector(shoe.actuation, unit)
         taken += [shoe.lining.start, shoe.lining.end, 0.5 * (shoe.lining.start + shoe.lining.end)]
-        taken += [math.atan2(y, x) for x, y in (tip, tail)]
+        taken += [math.atan2(tip[1], tip[0]), math.atan2(tail[1], tail[0])]
     candidates = np.radians(np.arange(-60, 300, 5) + 2.0)
+    # The candidate whose nearest taken angle is farthest away, measured around the circle.
     away = []
     for candidate in candidates:
         away.append(min(abs(math.remainder(candidate - t, 2 * math.pi)) for t in taken))
     return float(candidates[int(np.argmax(away))])
 
 
-def _shoe(axes: Axes, shoe: Shoe, R: float, unit: float, *, on_strut: bool) -> None:
-    """Draw a shoe with its layers, its name and what holds it.
+def _draw_shoe(axes: Axes, shoe: Shoe, R: float, unit: float, *, on_strut: bool) -> None:
+    """Draw a shoe with its layers, its name and its support.
 
     Parameters
     ----------
@@ -150,35 +153,35 @@ def _shoe(axes: Axes, shoe: Shoe, R: float, unit: float, *, on_strut: bool) -> N
     on_strut : whether its abutment is the end of a strut
     """
     if shoe.body is None:
-        _rigid_body(axes, shoe, R)
+        _draw_rigid_body(axes, shoe, R)
     arc = math.degrees(shoe.lining.start), math.degrees(shoe.lining.end)
     depth = shoe.lining.thickness * MM_PER_M
-    _layer(axes, shoe, R, _Layer(0.0, depth, arc, LINING_COLOR))
-    # Only a mesh of its own knows what is behind the lining.
+    _draw_layer(axes, shoe, R, _Layer(0.0, depth, arc, LINING_COLOR))
+    # For a shoe with a mesh file only the mesh says which parts lie behind the lining.
     if shoe.mesh is None:
         if isinstance(shoe.body, Beam):
-            _beam(axes, shoe, R, unit)
+            _draw_beam(axes, shoe, R, unit)
         elif shoe.backing is not None:
             backing = shoe.backing.thickness * MM_PER_M
-            _layer(axes, shoe, R, _Layer(depth, backing, arc, BLOCK_COLOR))
+            _draw_layer(axes, shoe, R, _Layer(depth, backing, arc, BLOCK_COLOR))
             depth += backing
         if isinstance(shoe.body, Bar):
             body_arc = math.degrees(shoe.body.start), math.degrees(shoe.body.end)
             for plate in shoe.body.plates.values():
                 thickness = plate.thickness * MM_PER_M
-                _layer(axes, shoe, R, _Layer(depth, thickness, body_arc, BODY_COLOR))
+                _draw_layer(axes, shoe, R, _Layer(depth, thickness, body_arc, BODY_COLOR))
                 depth += thickness
-    held(axes, shoe, unit, on_strut=on_strut)
-    arms(axes, shoe, R / MM_PER_M, _loaded_point(shoe, R), unit)
+    draw_support(axes, shoe, unit, on_strut=on_strut)
+    draw_rigid_arms(axes, shoe, R / MM_PER_M, _force_point(shoe, R), unit)
     # The name stands inside the drum, below the shoe where the shoe is inside, too.
     middle = 0.5 * (shoe.lining.start + shoe.lining.end)
     inside = R - 1.8 * unit - (shoe.depth * MM_PER_M if shoe.sign > 0 else 0.0)
-    _label(axes, inside * _unit_vector(middle), shoe.name)
+    _write_label(axes, inside * _unit_vector(middle), shoe.name)
 
 
-def _rigid_body(axes: Axes, shoe: Shoe, R: float) -> None:
+def _draw_rigid_body(axes: Axes, shoe: Shoe, R: float) -> None:
     """Draw the strokes of a rigid shoe."""
-    for stroke in _strokes(shoe, R):
+    for stroke in _rigid_shoe_lines(shoe, R):
         axes.plot(
             *stroke.T,
             color=BODY_COLOR,
@@ -189,7 +192,7 @@ def _rigid_body(axes: Axes, shoe: Shoe, R: float) -> None:
         )
 
 
-def _beam(axes: Axes, shoe: Shoe, R: float, unit: float) -> None:
+def _draw_beam(axes: Axes, shoe: Shoe, R: float, unit: float) -> None:
     """Draw a straight beam, and the block that fills the space up to the lining's back."""
     assert isinstance(shoe.body, Beam)
     axis = axis_of(shoe.pin.xy * MM_PER_M, shoe.actuation.point.xy * MM_PER_M)
@@ -221,7 +224,7 @@ class _Layer(NamedTuple):
     color: str
 
 
-def _layer(axes: Axes, shoe: Shoe, R: float, layer: _Layer) -> None:
+def _draw_layer(axes: Axes, shoe: Shoe, R: float, layer: _Layer) -> None:
     """Draw a layer of a shoe."""
     outer = R - layer.depth if shoe.sign > 0 else R + layer.depth + layer.thickness
     wedge = Wedge(
@@ -237,20 +240,20 @@ def _layer(axes: Axes, shoe: Shoe, R: float, layer: _Layer) -> None:
     axes.add_patch(wedge)
 
 
-def _back(shoe: Shoe, R: float) -> float:
+def _back_radius(shoe: Shoe, R: float) -> float:
     """The radius [mm] of the stroke behind the lining of a rigid shoe."""
     return R - shoe.sign * (shoe.lining.thickness * MM_PER_M + 0.035 * R)
 
 
-def _strokes(shoe: Shoe, R: float) -> list[Floats]:
+def _rigid_shoe_lines(shoe: Shoe, R: float) -> list[Floats]:
     """The lines (n, 2) [mm] that stand for a rigid shoe.
 
     They are its back, the way to the hinge and the way to the force, or its lever.
     """
     angles = np.linspace(shoe.lining.start, shoe.lining.end, 80)
-    back = _back(shoe, R) * np.column_stack([np.cos(angles), np.sin(angles)])
+    back = _back_radius(shoe, R) * np.column_stack([np.cos(angles), np.sin(angles)])
     middle = back[40]
-    hinge, load = shoe.pin.xy * MM_PER_M, _loaded_point(shoe, R)
+    hinge, load = shoe.pin.xy * MM_PER_M, _force_point(shoe, R)
     if shoe.pivot is not None:
         pivot = shoe.pivot.xy * MM_PER_M
         return [back, np.array([middle, pivot]), np.array([hinge, pivot, load])]
@@ -259,7 +262,7 @@ def _strokes(shoe: Shoe, R: float) -> list[Floats]:
     if np.all(clear > R) and shoe.sign < 0:
         foot = _nearest_on_lever(hinge, load, middle)
         return [back, np.array([hinge, load]), np.array([middle, foot])]
-    # Otherwise the end of the back that is nearer to the hinge is joined to it.
+    # Other shoes: the end of the back that is nearer to the hinge is joined to the hinge.
     near, far = back[0], back[-1]
     if np.linalg.norm(back[0] - hinge) > np.linalg.norm(back[-1] - hinge):
         near, far = far, near
@@ -275,7 +278,7 @@ def _nearest_on_lever(hinge: Floats, load: Floats, point: Floats) -> Floats:
     return hinge + along * lever
 
 
-def _loaded_point(shoe: Shoe, R: float) -> Floats:
+def _force_point(shoe: Shoe, R: float) -> Floats:
     """The point (2,) [mm] where the force on a shoe is drawn.
 
     It is the force's own point if this lies outside the drum beside an external shoe. Otherwise it
@@ -295,28 +298,23 @@ def _loaded_point(shoe: Shoe, R: float) -> Floats:
     nearest = point + ((far - point) @ along) * along
     # Half the chord that the line of action cuts from the circle of the back, squared.
     middle = point - (point @ along) * along
-    reach = _back(shoe, R) ** 2 - middle @ middle
+    reach = _back_radius(shoe, R) ** 2 - middle @ middle
     if shoe.sign > 0 or shoe.body or reach < 0:
         return np.asarray(nearest)
     return np.asarray(middle + math.copysign(math.sqrt(reach), (far - middle) @ along) * along)
 
 
-def _tip(shoe: Shoe, R: float, unit: float) -> Floats:
+def _arrow_tip(shoe: Shoe, R: float, unit: float) -> Floats:
     """The tip (2,) [mm] of the force's arrow.
 
     An arrow that pulls an external shoe has its tail where the force acts.
     """
-    load, arrow = _loaded_point(shoe, R), _arrow_vector(shoe.actuation, unit)
+    load, arrow = _force_point(shoe, R), _arrow_vector(shoe.actuation, unit)
     middle = R * _unit_vector(shoe.lining.middle)
     return load + arrow if shoe.sign < 0 and (load - middle) @ arrow > 0 else load
 
 
-def _places(shoe: Shoe, R: float, unit: float) -> Floats:
-    """Points (n, 2) [mm] of a shoe that must be in the picture."""
-    return np.concatenate([_room(shoe.actuation, _tip(shoe, R, unit), unit), _pin_box(shoe, unit)])
-
-
-def _pin_box(shoe: Shoe, unit: float) -> Floats:
+def _pin_corners(shoe: Shoe, unit: float) -> Floats:
     """Two corners (2, 2) [mm] of the box around the sign of a shoe's pin."""
     return shoe.pin.xy * MM_PER_M + np.array([[-1.2, -1.6], [1.2, 1.6]]) * unit
 
@@ -324,7 +322,7 @@ def _pin_box(shoe: Shoe, unit: float) -> Floats:
 # Brakes on a plane.
 
 
-def _draw_flat(axes: Axes, brake: Brake) -> None:
+def _draw_plane_brake(axes: Axes, brake: Brake) -> None:
     """Draw a brake on a plane."""
     ends: list[float] = []
     for shoe in brake.shoes:
@@ -332,22 +330,22 @@ def _draw_flat(axes: Axes, brake: Brake) -> None:
     left, right = min(ends) * MM_PER_M, max(ends) * MM_PER_M
     unit = (right - left) / 20
     left, right = left - 2 * unit, right + 2 * unit
-    _plane(axes, (left, right), brake.spin, unit)
+    _draw_plane(axes, (left, right), brake.spin, unit)
     struts = {link.source for link in brake.links}
     loads = {shoe.name: shoe.actuation.point.xy * MM_PER_M for shoe in brake.shoes}
-    _forces(axes, brake, loads, unit)
+    _draw_forces(axes, brake, loads, unit)
     is_elastic = brake.unmeshable() is None
     places = [np.array([[left, -2 * unit], [right, 0]])]
     for shoe in brake.shoes:
         load = loads[shoe.name]
-        _flat_shoe(axes, shoe, unit, on_strut=shoe.name in struts)
+        _draw_flat_shoe(axes, shoe, unit, on_strut=shoe.name in struts)
         if is_elastic:
-            arms(axes, shoe, brake.size, load, unit)
-        places += [_room(shoe.actuation, load, unit), _pin_box(shoe, unit)]
-    _frame(axes, np.concatenate(places), 2 * unit)
+            draw_rigid_arms(axes, shoe, brake.size, load, unit)
+        places += [_arrow_corners(shoe.actuation, load, unit), _pin_corners(shoe, unit)]
+    _set_limits(axes, np.concatenate(places), 2 * unit)
 
 
-def _plane(axes: Axes, ends: tuple[float, float], spin: int, unit: float) -> None:
+def _draw_plane(axes: Axes, ends: tuple[float, float], spin: int, unit: float) -> None:
     """Draw the plane between two ends [mm], and the arrow of its motion."""
     left, right = ends
     depth = 2 * unit
@@ -356,30 +354,30 @@ def _plane(axes: Axes, ends: tuple[float, float], spin: int, unit: float) -> Non
     axes.plot([left, right], [0, 0], color=INK, lw=1.6)
     middle, half = 0.5 * (left + right), 2.2 * unit * spin
     tail, tip = np.array([middle - half, -unit]), np.array([middle + half, -unit])
-    _arrow(axes, tail, tip, MOTION_COLOR, width=0.14)
+    _draw_arrow(axes, tail, tip, MOTION_COLOR, width=0.14)
 
 
-def _flat_shoe(axes: Axes, shoe: Shoe, unit: float, *, on_strut: bool) -> None:
-    """Draw a shoe on a plane with its layers, its name, what holds it, and its hinge's height."""
+def _draw_flat_shoe(axes: Axes, shoe: Shoe, unit: float, *, on_strut: bool) -> None:
+    """Draw a shoe on a plane with its layers, its name, its support, and its hinge's height."""
     if isinstance(shoe.body, Bar) and shoe.lining.thickness is not None:
-        _flat_layers(axes, shoe, shoe.body)
+        _draw_flat_layers(axes, shoe, shoe.body)
     else:
-        _flat_sign(axes, shoe, unit)
-    held(axes, shoe, unit, on_strut=on_strut)
+        _draw_rigid_flat_shoe(axes, shoe, unit)
+    draw_support(axes, shoe, unit, on_strut=on_strut)
     end = shoe.lining.end * MM_PER_M
-    _label(axes, np.array([end + 1.2 * unit, 1.0 * unit]), shoe.name, ha="left")
+    _write_label(axes, np.array([end + 1.2 * unit, 1.0 * unit]), shoe.name, ha="left")
     if shoe.hinge is not None and shoe.pivot is None:
         x, height = shoe.hinge.xy * MM_PER_M
         arrow = {"arrowstyle": "<->", "color": FAINT, "lw": 0.8}
         axes.annotate("", (x, 0), (x, height), arrowprops=arrow, zorder=4)
-        _label(axes, np.array([x - 1.6 * unit, 0.4 * height]), f"h = {height:.4g} mm")
+        _write_label(axes, np.array([x - 1.6 * unit, 0.4 * height]), f"h = {height:.4g} mm")
 
 
-def _flat_layers(axes: Axes, shoe: Shoe, body: Bar) -> None:
+def _draw_flat_layers(axes: Axes, shoe: Shoe, body: Bar) -> None:
     """Draw the layers of a shoe on a plane: lining, block and plates of the body."""
     lining = shoe.lining.start * MM_PER_M, shoe.lining.end * MM_PER_M
     layers = [_Layer(0.0, shoe.lining.thickness * MM_PER_M, lining, LINING_COLOR)]
-    # Only a mesh of its own knows what is behind the lining.
+    # For a shoe with a mesh file only the mesh says which parts lie behind the lining.
     if shoe.mesh is None:
         top = layers[0].thickness
         if shoe.backing:
@@ -403,7 +401,7 @@ def _flat_layers(axes: Axes, shoe: Shoe, body: Bar) -> None:
         axes.add_patch(box)
 
 
-def _flat_sign(axes: Axes, shoe: Shoe, unit: float) -> None:
+def _draw_rigid_flat_shoe(axes: Axes, shoe: Shoe, unit: float) -> None:
     """Draw a rigid shoe: its lining, and a block up to the lever."""
     start, end = shoe.lining.start * MM_PER_M, shoe.lining.end * MM_PER_M
     top = 0.8 * unit
@@ -425,7 +423,7 @@ def _flat_sign(axes: Axes, shoe: Shoe, unit: float) -> None:
     axes.plot(*line.T, color=BODY_COLOR, lw=7, solid_capstyle="round", zorder=2)
 
 
-# Forces and words.
+# Forces, and the words beside them.
 
 
 def _arrow_vector(actuation: Actuation, unit: float) -> Floats:
@@ -442,7 +440,9 @@ class _ForceLabel(NamedTuple):
     alignment: str
 
 
-def _beside(actuation: Actuation, tip: Floats, unit: float, *, inside: bool = False) -> _ForceLabel:
+def _force_label(
+    actuation: Actuation, tip: Floats, unit: float, *, inside: bool = False
+) -> _ForceLabel:
     """The size of a force, placed above its arrow or to the right of the arrow.
 
     Parameters
@@ -460,10 +460,10 @@ def _beside(actuation: Actuation, tip: Floats, unit: float, *, inside: bool = Fa
         up = -up
     place = tip - 0.75 * along + 0.95 * unit * up
     alignment = "left" if abs(up[1]) < 0.5 else "center"
-    return _ForceLabel(place, _size(actuation.force), alignment)
+    return _ForceLabel(place, _force_text(actuation.force), alignment)
 
 
-def _forces(axes: Axes, brake: Brake, tips: Mapping[str, Floats], unit: float) -> None:
+def _draw_forces(axes: Axes, brake: Brake, tips: Mapping[str, Floats], unit: float) -> None:
     """Draw the forces on the shoes with their sizes; the force of a strut is drawn with the strut.
 
     A cam has one label with the sum of its forces. Equal forces beside each other have one label.
@@ -478,18 +478,18 @@ def _forces(axes: Axes, brake: Brake, tips: Mapping[str, Floats], unit: float) -
     pushed = [shoe for shoe in brake.shoes if shoe.actuation.force]
     if brake.actuation is not None and brake.actuation.is_cam:
         middle = 0.5 * sum(tips[shoe.name] for shoe in pushed)
-        text = f"{_size(brake.actuation.total)} in all"
-        _label(axes, middle - np.array([0.0, 1.6 * unit]), text, color=FORCE_COLOR)
+        text = f"{_force_text(brake.actuation.total)} in all"
+        _write_label(axes, middle - np.array([0.0, 1.6 * unit]), text, color=FORCE_COLOR)
         return
     inside = not brake.surface.straight and brake.shoes[0].sign > 0
     labels: list[_ForceLabel] = []
     for shoe in pushed:
         tip = tips[shoe.name]
         tail = tip - _arrow_vector(shoe.actuation, unit)
-        _arrow(axes, tail, tip, FORCE_COLOR, width=0.12)
-        _add_label(labels, _beside(shoe.actuation, tip, unit, inside=inside), 5 * unit)
+        _draw_arrow(axes, tail, tip, FORCE_COLOR, width=0.12)
+        _add_label(labels, _force_label(shoe.actuation, tip, unit, inside=inside), 5 * unit)
     for label in labels:
-        _label(axes, label.place, label.text, color=FORCE_COLOR, ha=label.alignment)
+        _write_label(axes, label.place, label.text, color=FORCE_COLOR, ha=label.alignment)
 
 
 def _add_label(labels: list[_ForceLabel], new: _ForceLabel, reach: float) -> None:
@@ -502,19 +502,19 @@ def _add_label(labels: list[_ForceLabel], new: _ForceLabel, reach: float) -> Non
     labels.append(new)
 
 
-def _size(force: float) -> str:
+def _force_text(force: float) -> str:
     """The size of a force in N or kN."""
     return f"{abs(force) / 1e3:.4g} kN" if abs(force) >= 1e3 else f"{abs(force):.4g} N"
 
 
-def _room(actuation: Actuation, tip: Floats, unit: float) -> Floats:
+def _arrow_corners(actuation: Actuation, tip: Floats, unit: float) -> Floats:
     """Points (3, 2) [mm] that an arrow and its words need in the picture."""
-    label = _beside(actuation, tip, unit)
+    label = _force_label(actuation, tip, unit)
     words = np.array([3 * unit if label.alignment == "left" else 0.0, 0.0])
     return np.array([tip, tip - _arrow_vector(actuation, unit), label.place + words])
 
 
-def _arrow(axes: Axes, tail: Floats, tip: Floats, color: str, width: float) -> None:
+def _draw_arrow(axes: Axes, tail: Floats, tip: Floats, color: str, width: float) -> None:
     """Draw an arrow from tail to tip (2,) [mm]; `width` is relative to 20 points."""
     arrow = FancyArrowPatch(
         tuple(tail),
@@ -530,14 +530,14 @@ def _arrow(axes: Axes, tail: Floats, tip: Floats, color: str, width: float) -> N
     axes.add_patch(arrow)
 
 
-def _label(axes: Axes, place: Floats, text: str, color: str = INK, **style: Any) -> None:
+def _write_label(axes: Axes, place: Floats, text: str, color: str = INK, **style: Any) -> None:
     """Write a text at a place (2,) [mm], on a pale box; `style` is matplotlib's."""
     style = {"ha": "center", "va": "center"} | style
     box = {"boxstyle": "round,pad=0.15", "facecolor": "white", "edgecolor": "none", "alpha": 0.75}
     axes.text(place[0], place[1], text, color=color, fontsize=8.5, bbox=box, zorder=7, **style)
 
 
-def _frame(axes: Axes, points: Floats, margin: float) -> None:
+def _set_limits(axes: Axes, points: Floats, margin: float) -> None:
     """Set the limits of the axes so that all points (n, 2) [mm] have a margin [mm]."""
     low, high = points.min(axis=0) - margin, points.max(axis=0) + margin
     axes.set_xlim(low[0], high[0])

@@ -59,7 +59,7 @@ BOX_HALF_HEIGHT = 0.05
 """Half the height that a curve's name takes, relative to the height of the axes."""
 
 Panel = tuple[str, Mapping[str, ShoeResponse]]
-"""A title, and the responses of a shoe by model."""
+"""A panel of the pressure figure: its title, and the responses of one shoe by model."""
 
 
 def save(figure: Figure, path: Path) -> Path:
@@ -67,6 +67,7 @@ def save(figure: Figure, path: Path) -> Path:
 
     Equal figures become equal files. A letter that the font lacks is drawn as a box.
     """
+    # Without a date in it, the file depends on the figure alone.
     metadata = {"Date": None} if path.suffix == ".svg" else None
     with mpl.rc_context(STYLE), replacing(path) as partial, warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Glyph .* missing from")
@@ -75,7 +76,7 @@ def save(figure: Figure, path: Path) -> Path:
 
 
 def name_of(model: str) -> str:
-    """A model's name for people."""
+    """The name of a model in figures and tables for people."""
     return MODEL_TITLES.get(model, model)
 
 
@@ -86,6 +87,7 @@ def key(figure: Figure, axes: Axes, **more: Any) -> None:
     """
     handles, labels = axes.get_legend_handles_labels()
     handle_of = dict(zip(labels, handles, strict=True))
+    # A column of the key takes some 2.2 inches.
     columns = min(len(handle_of), max(2, int(figure.get_figwidth() / 2.2)))
     options = {"loc": "outside lower center", "ncols": columns, "fontsize": 9} | more
     figure.legend(handle_of.values(), handle_of.keys(), **options)
@@ -94,7 +96,7 @@ def key(figure: Figure, axes: Axes, **more: Any) -> None:
 def name_curve(
     axes: Axes, x: Floats, curves: Sequence[Floats], which: int, words: str, color: str
 ) -> None:
-    """Write a name beside one of several curves, where the name lies on no curve; else nowhere.
+    """Write the name of a curve beside it, if there is a place that no curve crosses.
 
     Parameters
     ----------
@@ -144,9 +146,9 @@ def _free_place(heights: Floats, which: int) -> _FreePlace | None:
 
 
 def mark_cut(axes: Axes, x: Floats, y: Floats, color: Any) -> None:
-    """Mark where a curve (n,) over x (n,) leaves the axes at their top.
+    """Mark the places where a curve y (n,) over x (n,) leaves the axes at their top.
 
-    A pressure does so at a sharp edge, where it has no bound.
+    A pressure leaves the axes at a sharp edge, where the pressure has no bound.
     """
     top = axes.get_ylim()[1]
     is_beyond = (y > top).astype(int)
@@ -199,7 +201,7 @@ def pressures(
         figure = Figure(figsize=(5.2 * columns, 3.1 * rows), layout="constrained")
         grid = figure.subplots(rows, columns, squeeze=False, sharey=True)
         few = max(len(responses) for _, responses in panels) <= 2
-        top = _top(panels)
+        top = _top_of_scale(panels)
         for axes, panel in zip(grid.flat, panels, strict=False):
             axes.set_ylim(0, top)
             _draw_panel(axes, panel, surface, named=few)
@@ -208,7 +210,7 @@ def pressures(
             axes.set_ylabel("pressure p [MPa]")
         used = list(grid.flat)[: len(panels)]
         for column in range(columns):
-            _label_lowest(used[column::columns])
+            _label_lowest_panel(used[column::columns])
         for axes in grid.flat[len(panels) :]:
             axes.set_visible(False)
         # The panel with the most labels has the key for all.
@@ -216,7 +218,7 @@ def pressures(
     return figure
 
 
-def _top(panels: Sequence[Panel]) -> float:
+def _top_of_scale(panels: Sequence[Panel]) -> float:
     """The top of the scale of pressure [MPa]: 12 % above the largest peak."""
     peaks: list[float] = []
     for _, responses in panels:
@@ -226,7 +228,7 @@ def _top(panels: Sequence[Panel]) -> float:
 
 
 def _draw_panel(axes: Axes, panel: Panel, surface: FrictionSurface, *, named: bool) -> None:
-    """Draw the pressures of one panel; `named`: with the names beside the curves."""
+    """Draw the pressures of one panel; if `named`, with the models' names beside the curves."""
     title, responses = panel
     unit = surface.shown
     axes.set_title(title)
@@ -247,9 +249,12 @@ def _draw_panel(axes: Axes, panel: Panel, surface: FrictionSurface, *, named: bo
         name_curve(axes, even * unit, lines, i, name_of(model), color_of(model))
 
 
-def _label_lowest(column: Sequence[Axes]) -> None:
-    """Leave the labels of the angle to the lowest panel, where all of a column show one range."""
-    if len({axes.get_xlim() for axes in column}) != 1:
+def _label_lowest_panel(column: Sequence[Axes]) -> None:
+    """Remove the labels of the angle from all panels of a column but the lowest one.
+
+    Panels that show different ranges of the angle keep their labels.
+    """
+    if len(set(map(Axes.get_xlim, column))) != 1:
         return
     for axes in column[:-1]:
         axes.set_xlabel("")
@@ -264,13 +269,14 @@ def convergence(series: Mapping[str, Sequence[tuple[int, float]]], ylabel: str) 
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(6.2, 3.8), layout="constrained")
         axes = figure.subplots()
+        # Each line has a marker and a colour of its own.
         looks = zip("osD^v<>", CATEGORIES, strict=False)
         elements: set[int] = set()
+        for values in series.values():
+            elements |= dict(values).keys()
         for (name, values), (marker, color) in zip(series.items(), looks, strict=False):
             n, e = zip(*values, strict=True)
             axes.loglog(n, np.array(e) * 100, marker=marker, color=color, ms=5, lw=1.4, label=name)
-        for values in series.values():
-            elements |= {n for n, _ in values}
         axes.set_xlabel("elements along the lining")
         axes.set_ylabel(f"{ylabel} [%]")
         axes.set_xticks(sorted(elements))

@@ -27,6 +27,7 @@ from drumlin.base.texts import formatted, typed
 from drumlin.comparison import TableColumn
 
 _MEDIA = {".svg": "image/svg+xml", ".png": "image/png", ".gif": "image/gif"}
+"""The media type of a picture, by the ending of its file."""
 
 LEAST_SECTIONS = 3
 """Number of sections from which on a page lists them. Shorter pages are seen at a glance."""
@@ -38,7 +39,8 @@ RECORDED_PACKAGES = ("numpy", "scipy", "scikit-fem", "meshio", "pyvista", "matpl
 def versions() -> dict[str, str]:
     """The versions of drumlin, Python and the packages that make the numbers, and the machine."""
     found = {"drumlin": drumlin.__version__, "Python": platform.python_version()}
-    found.update({name: importlib.metadata.version(name) for name in RECORDED_PACKAGES})
+    for name in RECORDED_PACKAGES:
+        found[name] = importlib.metadata.version(name)
     found["machine"] = f"{platform.machine()}, {os.cpu_count()} cores, {platform.system()}"
     return found
 
@@ -49,16 +51,22 @@ def embedded(path: Path) -> str:
 
 
 def filled(rows: Sequence[dict[str, Any]], columns: Sequence[TableColumn]) -> list[TableColumn]:
-    """The columns that some row fills."""
-    return [column for column in columns if any(row.get(column.key) is not None for row in rows)]
+    """The columns of a table that have a value in at least one row."""
+
+    def has_value(column: TableColumn) -> bool:
+        """Whether a row has a value in a column."""
+        return any(row.get(column.key) is not None for row in rows)
+
+    return list(filter(has_value, columns))
 
 
 def of_words(rows: Sequence[dict[str, Any]], column: TableColumn) -> bool:
-    """Whether a column holds words, so that its heading stands on their side."""
+    """Whether a column holds words: its heading then stands at the left, as words do."""
     return any(isinstance(row.get(column.key), str) for row in rows)
 
 
 _PERCENT = re.compile(r"(?<=[0-9]) %")
+"""A percent sign after a number, from which the page must not break it."""
 
 
 def fill(template: Path, page: Path, **values: Any) -> Path:
@@ -73,6 +81,7 @@ def fill(template: Path, page: Path, **values: Any) -> Path:
 
     Raises jinja2.UndefinedError where the template asks for a value that is not given.
     """
+    # The foot of each page names versions, date and command.
     text = (
         _environment(template, page)
         .get_template(template.name)
@@ -89,6 +98,7 @@ def fill(template: Path, page: Path, **values: Any) -> Path:
 
 def _environment(template: Path, page: Path) -> jinja2.Environment:
     """The functions and filters that a template can use for a page."""
+    # Templates are looked for among those of drumlin, then beside the given template.
     own_templates = jinja2.PackageLoader("drumlin", "report")
     beside = jinja2.FileSystemLoader(template.parent)
     environment = jinja2.Environment(
@@ -102,7 +112,7 @@ def _environment(template: Path, page: Path) -> jinja2.Environment:
     count: Counter[str] = Counter()
 
     def numbered(kind: str) -> Markup:
-        """The next number of a kind, such as "Figure 2."."""
+        """The label of the next figure or table, such as "Figure 2."."""
         count[kind] += 1
         return Markup("<b>{} {}.</b>").format(kind, count[kind])
 
@@ -119,16 +129,20 @@ def _environment(template: Path, page: Path) -> jinja2.Environment:
 
 
 def typeset(source: str) -> Markup:
-    """A formula in LaTeX as MathML, which browsers typeset."""
+    """The MathML, which browsers typeset, of a formula in LaTeX."""
     return Markup(latex2mathml.converter.convert(source))
 
 
 _HEADING = re.compile(r"<h2>(.*?)</h2>", re.DOTALL)
+"""The heading of a section in HTML."""
 
 
 def with_contents(text: str) -> str:
-    """A page whose sections can be linked; a list of LEAST_SECTIONS and more follows its lead."""
-    titles = [striptags(title) for title in _HEADING.findall(text)]
+    """The HTML of a page with an anchor for each section, and a list of links to the sections.
+
+    The list follows the lead of the page. Pages of fewer than LEAST_SECTIONS have no list.
+    """
+    titles = list(map(striptags, _HEADING.findall(text)))
     names = _anchors(titles)
     next_name = iter(names)
 
@@ -137,25 +151,28 @@ def with_contents(text: str) -> str:
         name = next(next_name)
         return f'<h2 id="{name}"><a href="#{name}">{heading[1]}</a></h2>'
 
+    # Each heading becomes a link to itself, so that a reader can pass the link on.
     text = _HEADING.sub(linked, text)
     if len(titles) < LEAST_SECTIONS:
         return text
-    items = zip(names, titles, strict=True)
-    links = "".join(f'<li><a href="#{name}">{title}</a></li>' for name, title in items)
+    links = "".join(map('<li><a href="#{}">{}</a></li>'.format, names, titles))
     contents = f'<nav aria-label="Contents"><ul>{links}</ul></nav>'
     return text.replace("<!-- contents -->", contents, 1)
 
 
 def _anchors(titles: Sequence[str]) -> list[str]:
-    """Names for links to titles, all different: those that are not get a number."""
-    names = []
-    for title in titles:
-        lower = html.unescape(title).lower()
-        names.append(re.sub(r"[^a-z0-9]+", "-", lower).strip("-"))
-    return [
-        name if name and names.index(name) == i else f"{name}-{i + 1}"
-        for i, name in enumerate(names)
-    ]
+    """A name for the anchor of each section title; all names differ.
+
+    A title whose name is empty, or stands before already, has its position in its name.
+    """
+    names: list[str] = []
+    anchors = []
+    for position, title in enumerate(titles, 1):
+        name = re.sub(r"[^a-z0-9]+", "-", html.unescape(title).lower()).strip("-")
+        is_new = name and name not in names
+        names.append(name)
+        anchors.append(name if is_new else f"{name}-{position}")
+    return anchors
 
 
 def striptags(text: str) -> str:

@@ -8,6 +8,7 @@ from typing import Any
 
 BLUE, RED, GREEN, OCHRE, PURPLE = "#0072b2", "#d55e00", "#00c663", "#feaa00", "#7d1fce"
 SKY, GREY, BROWN, INK = "#77bbe2", "#828890", "#473815", "#1d2733"
+"""The nine colours of curves; INK is the colour of text and outlines, too."""
 
 CATEGORIES = (BLUE, RED, GREEN, OCHRE, PURPLE, SKY, GREY, BROWN, INK)
 """The colours of curves, in the order in which a figure takes them."""
@@ -19,7 +20,7 @@ SHADE = "#e9d8c3"
 """The colour of shaded ground; not of curves."""
 
 GRADES = ("#2166ac", "#92c5de", "#f7e3b0", "#d6604d")
-"""Colours from good to bad."""
+"""Colours of a scale from good to bad: a low error is blue, a high error red."""
 
 LOOKS: dict[str, tuple[str, Any]] = {
     "fem": (BLUE, "-"),
@@ -40,7 +41,7 @@ LOOKS: dict[str, tuple[str, Any]] = {
 
 
 def color_of(model: str) -> str:
-    """A model's colour, the same in every figure."""
+    """The colour of a model, which every figure uses."""
     return LOOKS[model][0] if model in LOOKS else FAINT
 
 

@@ -35,7 +35,8 @@ BAR_TOPS = 1, 1.2, 1.6, 2, 2.4, 3.2, 4, 6, 8, 10
 ARROW_LENGTH = 0.28
 """Length of a force's arrow relative to the size of the brake."""
 
-FIELD_WIDTH, FIELD_HEIGHT = 1500, 1300  # pixels
+FIELD_WIDTH, FIELD_HEIGHT = 1500, 1300
+"""Width and height of the picture of the fields in pixels."""
 
 
 class NoPicture(Exception):
@@ -56,10 +57,10 @@ def render(fields: Path, picture: Path, brake: Brake, title: str) -> str | None:
     -------
     None, or one line that says why there is no picture
     """
-    surface = _surface(brake)
+    surface = _surface_line(brake)
     pins: list[list[float]] = []
     for shoe in brake.shoes:
-        pins += [list(point.xy) for point in _points(shoe)]
+        pins += [list(point.xy) for point in _support_points(shoe)]
     marks = {
         "surface": surface.line.tolist(),
         "size": surface.size,
@@ -111,7 +112,7 @@ class _SurfaceLine(NamedTuple):
     size: float
 
 
-def _surface(brake: Brake) -> _SurfaceLine:
+def _surface_line(brake: Brake) -> _SurfaceLine:
     """The friction surface of a brake.
 
     Signs are relative to the drum's radius, on a plane to half the length of the brake.
@@ -126,7 +127,7 @@ def _surface(brake: Brake) -> _SurfaceLine:
     return _SurfaceLine(np.array([[left, 0.0], [right, 0.0]]), 0.5 * (right - left))
 
 
-def _points(shoe: Held) -> list[Point]:
+def _support_points(shoe: Held) -> list[Point]:
     """The points where a shoe is held: its pin, its lever's pivot, its foot."""
     foot = None if shoe.abutment is None else shoe.abutment.point
     return [point for point in (shoe.hinge, shoe.pivot, foot) if point is not None]
@@ -162,7 +163,7 @@ def draw(fields: Path, picture: Path, marks: dict[str, Any]) -> None:
     plotter = pv.Plotter(off_screen=True, window_size=(FIELD_WIDTH, FIELD_HEIGHT))
     plotter.set_background("white")
     _add_stress(plotter, deformed)
-    plotter.add_mesh(_outline(grid), color="#888888", line_width=2)
+    plotter.add_mesh(_outline_of(grid), color="#888888", line_width=2)
     points = np.column_stack([line, np.zeros(len(line))])
     plotter.add_mesh(pv.lines_from_points(points), color="black", line_width=5)
     _add_pressure(plotter, grid, size, flat=marks["flat"])
@@ -170,12 +171,14 @@ def draw(fields: Path, picture: Path, marks: dict[str, Any]) -> None:
     for x, y in marks["pins"]:
         disc = pv.Disc(center=(x, y, 0), inner=0, outer=0.035 * size, c_res=40)
         plotter.add_mesh(disc, color=INK)
-    plotter.add_text(_text(marks, factor), position="upper_left", font_size=12, color="black")
+    plotter.add_text(
+        _text_of_picture(marks, factor), position="upper_left", font_size=12, color="black"
+    )
     plotter.view_xy()
     plotter.enable_parallel_projection()
     corners = np.reshape(deformed.bounds[:4], (2, 2)).T
     places = [line.min(axis=0), line.max(axis=0), *marks["pins"], *arrow_ends, *corners]
-    _aim(plotter.camera, np.array(places), margin=0.2 * size)
+    _aim_camera(plotter.camera, np.array(places), margin=0.2 * size)
     plotter.screenshot(str(picture))
 
 
@@ -220,8 +223,8 @@ def _add_forces(plotter: Any, forces: list[list[float]], size: float) -> list[li
     return ends
 
 
-def _text(marks: dict[str, Any], factor: float) -> str:
-    """The text of the picture: its title and what its signs mean."""
+def _text_of_picture(marks: dict[str, Any], factor: float) -> str:
+    """The text of the picture: its title and the meaning of its signs."""
     surface = "plane" if marks["flat"] else "drum"
     return (
         f"{marks['title']}\n"
@@ -231,7 +234,7 @@ def _text(marks: dict[str, Any], factor: float) -> str:
     )
 
 
-def _aim(camera: Any, places: Floats, margin: float) -> None:
+def _aim_camera(camera: Any, places: Floats, margin: float) -> None:
     """Aim the camera so that all places (n, 2) [m] lie left of the colour bar and below the text.
 
     The colour bar takes 16 % of the width, the text 10 % of the height.
@@ -246,7 +249,7 @@ def _aim(camera: Any, places: Floats, margin: float) -> None:
     camera.focal_point, camera.position = (x, y, 0), (x, y, 1)
 
 
-def _outline(grid: Any) -> Any:
+def _outline_of(grid: Any) -> Any:
     """The undeformed outline: boundary edges of the cells with merged nodes of shared edges."""
     flat = grid.copy()
     flat.clear_data()

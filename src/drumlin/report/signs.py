@@ -20,6 +20,7 @@ from drumlin.report.palette import BLUE, FAINT, INK, RED
 MM_PER_M = 1e3
 """Millimetres in a metre: drawings have their axes in mm."""
 
+# The colours of the parts of a brake in drawings.
 DRUM_COLOR = "#e6ebf0"
 BODY_COLOR = "#aab6c2"
 BLOCK_COLOR = "#e3cfa4"
@@ -28,8 +29,8 @@ FORCE_COLOR = RED
 MOTION_COLOR = BLUE
 
 
-def held(axes: Axes, shoe: Shoe, unit: float, *, on_strut: bool = False) -> None:
-    """Draw what holds a shoe.
+def draw_support(axes: Axes, shoe: Shoe, unit: float, *, on_strut: bool = False) -> None:
+    """Draw the support of a shoe: its pin, pivot, abutment or guide.
 
     Parameters
     ----------
@@ -39,29 +40,32 @@ def held(axes: Axes, shoe: Shoe, unit: float, *, on_strut: bool = False) -> None
     on_strut : whether its abutment is the end of a strut
     """
     if shoe.hinge is not None:
-        pin(axes, shoe.hinge, unit, fixed=True)
+        draw_pin(axes, shoe.hinge, unit, fixed=True)
     if shoe.pivot is not None:
         if shoe.hinge is not None:
             lever = np.array([shoe.hinge.xy, shoe.pivot.xy, shoe.actuation.point.xy])
             axes.plot(*lever.T * MM_PER_M, color=FAINT, lw=3, alpha=0.5, zorder=2)
-        pin(axes, shoe.pivot, unit, fixed=False)
+        draw_pin(axes, shoe.pivot, unit, fixed=False)
     if shoe.abutment is not None:
         point = shoe.abutment.point.xy * MM_PER_M
-        face(axes, point, shoe.abutment.direction, unit, ground=not on_strut)
+        draw_abutment_face(axes, point, shoe.abutment.direction, unit, ground=not on_strut)
     if shoe.guide is not None:
-        _guide(axes, shoe.pin.xy * MM_PER_M, shoe.guide.direction, unit)
+        _draw_guide(axes, shoe.pin.xy * MM_PER_M, shoe.guide.direction, unit)
 
 
-def _guide(axes: Axes, at: Floats, direction: float, unit: float) -> None:
+def _draw_guide(axes: Axes, at: Floats, direction: float, unit: float) -> None:
     """Draw a guide: two lines along its direction [rad], beside a point (2,) [mm]."""
     along = np.array([math.cos(direction), math.sin(direction)])
+    # A line on each side of the point.
     for side in (-1.0, 1.0):
         across = side * 0.6 * unit * np.array([-along[1], along[0]])
         ends = at + across + np.outer([-1.2 * unit, 1.2 * unit], along)
         axes.plot(*ends.T, color=INK, lw=2.5, zorder=5)
 
 
-def face(axes: Axes, at: Floats, direction: float, unit: float, *, ground: bool) -> None:
+def draw_abutment_face(
+    axes: Axes, at: Floats, direction: float, unit: float, *, ground: bool
+) -> None:
     """Draw the face of an abutment as a line.
 
     Parameters
@@ -76,6 +80,7 @@ def face(axes: Axes, at: Floats, direction: float, unit: float, *, ground: bool)
     tangent = np.array([-normal[1], normal[0]])
     line = at + np.outer([-unit, unit], tangent)
     axes.plot(*line.T, color=INK, lw=2.5, zorder=5)
+    # Hatching shows that the face is fixed.
     for place in np.linspace(-0.9, 0.9, 6 if ground else 0):
         foot = at + place * unit * tangent
         hatch = np.array([foot, foot - 0.45 * unit * (normal + tangent)])
@@ -89,7 +94,7 @@ class _Arm(NamedTuple):
     end: Floats
 
 
-def arms(axes: Axes, shoe: Shoe, radius: float, force: Floats, unit: float) -> None:
+def draw_rigid_arms(axes: Axes, shoe: Shoe, radius: float, force: Floats, unit: float) -> None:
     """Draw the rigid arms of an elastic shoe, dashed, and the stretch of its back that is gripped.
 
     A rigid arm joins the body to a hinge, pivot or force that stands off the body.
@@ -119,6 +124,7 @@ def arms(axes: Axes, shoe: Shoe, radius: float, force: Floats, unit: float) -> N
         drawn = [_Arm(middle, pin_at), _Arm(middle, force)]
         if shoe.pivot is not None:
             drawn = [_Arm(middle, shoe.pivot.xy * MM_PER_M)]
+    # Arms that are shorter than a sign would only blur it.
     for arm in drawn:
         start = shoe.points(arm.middle[:, None])[:, 0] * MM_PER_M
         line = np.array([start, arm.end])
@@ -126,8 +132,8 @@ def arms(axes: Axes, shoe: Shoe, radius: float, force: Floats, unit: float) -> N
             axes.plot(*line.T, color=INK, lw=1.6, ls="--", zorder=4)
 
 
-def between(axes: Axes, brake: Brake, loaded: Mapping[str, Floats], unit: float) -> None:
-    """Draw what shoes share: struts from one shoe to another, a cam between their tips.
+def draw_shared_parts(axes: Axes, brake: Brake, loaded: Mapping[str, Floats], unit: float) -> None:
+    """Draw the parts that shoes share: struts from shoe to shoe, a cam between the shoes' tips.
 
     Parameters
     ----------
@@ -150,7 +156,7 @@ def between(axes: Axes, brake: Brake, loaded: Mapping[str, Floats], unit: float)
         axes.add_patch(Circle(middle, radius, facecolor=BODY_COLOR, edgecolor=INK, zorder=5))
 
 
-def pin(axes: Axes, point: Point, unit: float, *, fixed: bool) -> None:
+def draw_pin(axes: Axes, point: Point, unit: float, *, fixed: bool) -> None:
     """Draw a pin: on hatched ground if it is fixed, or on a lever."""
     x, y = point.xy * MM_PER_M
     if fixed:

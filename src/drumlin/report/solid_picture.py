@@ -69,7 +69,10 @@ def draw(fields: Path, picture: Path, title: str) -> None:
 
 
 def _displacement_factor(grid: Any) -> float:
-    """The factor on the displacements: 1, 2 or 5 times a power of ten, see LARGEST_DISPLACEMENT."""
+    """The factor by which the picture enlarges the displacements, see LARGEST_DISPLACEMENT.
+
+    It is 1, 2 or 5 times a power of ten.
+    """
     u = np.asarray(grid.point_data["displacement [m]"])
     radius = float(np.linalg.norm(np.asarray(grid.points)[:, :2], axis=1).max())
     largest = float(np.linalg.norm(u, axis=1).max()) or 1.0

@@ -31,7 +31,7 @@ def draw(brake: Brake, **options: Any) -> Figure:
         return figure
     for shoe, body in zip(brake.shoes, scene_of(brake, **options).bodies, strict=True):
         xy = shoe.points(body.basis.doflocs).T * 1e3  # mm
-        around = body.mesh.outline if isinstance(body.mesh, ColumnGrid) else _around(body)
+        around = body.mesh.outline if isinstance(body.mesh, ColumnGrid) else _nodes_around(body)
         for name, elements in body.mesh.subdomains.items():
             polygons = PolyCollection(
                 list(xy[around[:, elements].T]),
@@ -44,7 +44,7 @@ def draw(brake: Brake, **options: Any) -> Figure:
     return figure
 
 
-def _around(body: ShoeSubstructure) -> Ints:
+def _nodes_around(body: ShoeSubstructure) -> Ints:
     """The nodes around each element of a mesh (k, elements): corners and middles of edges.
 
     Linear elements have no nodes in the middles of their edges.

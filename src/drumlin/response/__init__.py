@@ -1,7 +1,7 @@
-"""What every model returns: a Response with a ShoeResponse per shoe, and what follows from it.
+"""The result of every model: a Response with a ShoeResponse for each shoe.
 
-Figures of merit, resultants, balances and distances between responses follow from a response. The
-package imports the brake and nothing that computes a response.
+The package also derives figures of merit, resultants, balances and distances from responses. It
+imports the brake and nothing that computes a response.
 """
 
 from drumlin.response.response import EDGE_ZONE, Balance, Response, ShoeResponse

@@ -1,7 +1,10 @@
 """Check the equilibrium of a response: sums of forces and moments, relative to their largest."""
 
 import math
+from dataclasses import astuple
 from typing import TypeVar
+
+import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Brake
@@ -12,9 +15,10 @@ BrakeType = TypeVar("BrakeType", bound=Brake)
 
 
 def contact_resultant(brake: Brake, index: int, response: ShoeResponse) -> Resultant:
-    """Resultant of the contact on shoe `index`.
+    """The resultant of pressure and friction on shoe `index`.
 
-    It is the integral of the response's own pressure, unless the model lumps the contact's forces.
+    The resultant is the integral of the response's pressure, unless the model lumps the contact's
+    forces at one point or in sectors.
     """
     if response.lumped is not None:
         return response.lumped
@@ -32,22 +36,22 @@ def contact_resultant(brake: Brake, index: int, response: ShoeResponse) -> Resul
 
 
 def loaded(brake: BrakeType, response: Response) -> BrakeType:
-    """The brake under the actuation forces that its shoes share in a response."""
-    forces = [shoe.force for shoe in response.shoes]
-    if all(force is None for force in forces):
-        return brake
-    shoes = tuple(
-        shoe if force is None else shoe.under(force)
-        for shoe, force in zip(brake.shoes, forces, strict=True)
-    )
-    return brake.model_copy(update={"shoes": shoes})
+    """The brake with the actuation forces of a response, in which shoes may share forces."""
+    shoes = list(brake.shoes)
+    for i, answer in enumerate(response.shoes):
+        # The force is None for a shoe that keeps the force of the brake file.
+        if answer.force is not None:
+            shoes[i] = shoes[i].under(answer.force)
+    unchanged = all(answer.force is None for answer in response.shoes)
+    return brake if unchanged else brake.model_copy(update={"shoes": tuple(shoes)})
 
 
 def shoe_balance(brake: Brake, index: int, response: ShoeResponse) -> Balance:
-    """Balance of shoe `index` under actuation, support reaction and its own p, about the hinge.
+    """The imbalance of shoe `index` under actuation, support reaction and contact, about its hinge.
 
-    Stops that no model has hold a shoe that does not touch. Its balance is therefore 0.
+    The imbalance of a shoe that does not touch is 0.
     """
+    # Stops that no model has hold a shoe that does not touch.
     if not response.contact_arcs:
         return Balance(0.0, 0.0)
     shoe = brake.shoes[index]
@@ -61,27 +65,27 @@ def shoe_balance(brake: Brake, index: int, response: ShoeResponse) -> Balance:
     ]
     if shoe.guide is not None:
         length = brake.scale_factor * (shoe.lining.end - shoe.lining.start)
-        moments += borne(shoe.actuation.force, length)
+        moments += guide_moments(shoe.actuation.force, length)
     return relative_balance(forces, moments)
 
 
-def borne(force: float, length: float) -> list[float]:
+def guide_moments(force: float, length: float) -> list[float]:
     """Two opposite moments [N m] that set the scale of the moments on a guided shoe.
 
-    The moments on a guide may all vanish. The force [N] on half of a lining of this length [m]
-    then tells which moment is small.
+    All other moments on the shoe may vanish. The scale is the moment about the middle of a lining
+    of this length [m] of the actuation force [N], if the force acted at an end of the lining.
     """
     return [0.5 * force * length, -0.5 * force * length]
 
 
 def relative_balance(forces: list[Floats], moments: list[float]) -> Balance:
-    """Sums of forces (2,) [N] and of moments [N m], each relative to its largest member.
+    """The sums of forces (2,) [N] and of moments [N m], each relative to its largest member.
 
-    A sum is 0 if all its members are 0.
+    A relative sum is 0 if all its members are 0.
     """
-    vectors = [force.tolist() for force in forces]
+    vectors = np.array(forces).reshape(-1, 2).tolist()
     largest_force = max((math.hypot(*vector) for vector in vectors), default=0.0)
-    largest_moment = max((abs(moment) for moment in moments), default=0.0)
+    largest_moment = max(map(abs, moments), default=0.0)
     force = math.hypot(*map(math.fsum, zip(*vectors, strict=True)))
     moment = abs(math.fsum(moments))
     return Balance(
@@ -91,7 +95,6 @@ def relative_balance(forces: list[Floats], moments: list[float]) -> Balance:
 
 
 def worst(balances: list[Balance]) -> Balance:
-    """The largest imbalance of forces and the largest of moments."""
-    return Balance(
-        max(balance.force for balance in balances), max(balance.moment for balance in balances)
-    )
+    """The largest imbalance of forces and the largest imbalance of moments of several shoes."""
+    forces, moments = zip(*map(astuple, balances), strict=True)
+    return Balance(max(forces), max(moments))

@@ -1,4 +1,4 @@
-"""Check where the assumptions of a model end: large strains, and linings that lie in each other."""
+"""Check whether the assumptions of a model hold: small strains, and linings that do not overlap."""
 
 from collections.abc import Iterator
 from itertools import combinations
@@ -9,13 +9,13 @@ from drumlin.brake.brake import Brake, Shoe
 LARGE_STRAIN = 0.05
 """Strain p/E of a lining through its thickness above which a note warns the reader.
 
-Models assume small displacements. At this strain their answers are off by about as much.
+Models assume small displacements. At this strain their answers are wrong by about 5 % as well.
 """
 
 LARGEST_STRAIN = 10.0
 """Mean strain of a lining through its thickness above which a brake is refused.
 
-No scaled load leads to it, so that the force or its unit is wrong.
+No real load presses a lining in so far: the force in the brake file or its unit is wrong.
 """
 
 
@@ -23,12 +23,12 @@ def check_strain(shoe: Shoe, scale_factor: float, force: float, contact: float) 
     """Raise NoAnswer if a force would press a lining in by many times its thickness.
 
     The strain is the mean over the contact, or over a length of one thickness if the contact is
-    shorter. The peak does not count: at a corner it only tells how fine the mesh is.
+    shorter. The peak strain does not count: at a corner the peak only tells how fine the mesh is.
 
     Parameters
     ----------
     shoe : the shoe whose lining is pressed
-    scale_factor : of the brake's surface [m per unit of its coordinate]
+    scale_factor : length per unit of the surface's coordinate [m/rad, on a plane 1]
     force : sum of the normal forces on the lining [N]
     contact : length of the contact, in the surface's coordinate
     """
@@ -45,14 +45,14 @@ def check_strain(shoe: Shoe, scale_factor: float, force: float, contact: float) 
 
 
 def warnings(brake: Brake, peaks: dict[str, float]) -> tuple[str, ...]:
-    """Warnings that a reader needs before the numbers, one line each.
+    """Lines that warn the reader of large strains and of linings that overlap.
 
     `peaks` holds the peak pressure [Pa] of each shoe by its name.
     """
-    return (*_strained(brake, peaks), *_overlaps(brake))
+    return (*_strain_warnings(brake, peaks), *_overlap_warnings(brake))
 
 
-def _strained(brake: Brake, peaks: dict[str, float]) -> Iterator[str]:
+def _strain_warnings(brake: Brake, peaks: dict[str, float]) -> Iterator[str]:
     """A warning for each lining that is strained beyond LARGE_STRAIN."""
     for shoe in brake.shoes:
         material = shoe.lining.material
@@ -67,7 +67,7 @@ def _strained(brake: Brake, peaks: dict[str, float]) -> Iterator[str]:
             )
 
 
-def _overlaps(brake: Brake) -> Iterator[str]:
+def _overlap_warnings(brake: Brake) -> Iterator[str]:
     """A warning for each pair of linings that cover the same part of the drum or the plane."""
     surface = brake.surface
     text = surface.place

@@ -1,4 +1,4 @@
-"""Measure distances between responses: of pressures in L2 over the lining, vectors and numbers."""
+"""Distances between responses: between pressures in L2 over the lining, vectors and numbers."""
 
 import math
 from dataclasses import dataclass
@@ -13,15 +13,15 @@ from drumlin.response.resultants import GAUSS, WEIGHTS, edge_left_out
 
 @dataclass(frozen=True)
 class Difference:
-    """Difference p_a - p_b of the pressures of two responses of a shoe, at Gauss points.
+    """The difference p_a - p_b of the pressures of two responses of a shoe, at Gauss points.
 
     Attributes
     ----------
     b : the response with the pressure p_b
-    theta : (pieces, points), angles [rad] of a Gauss rule on the pieces of both pressures
-    weight : (pieces, points), weights of the rule [rad]
-    off : (pieces, points), p_a - p_b [Pa]
-    pressure : (pieces, points), p_b [Pa]
+    theta : angles (pieces, points) [rad] of a Gauss rule on the pieces of both pressures
+    weight : weights (pieces, points) [rad] of the rule
+    off : differences p_a - p_b (pieces, points) [Pa]
+    pressure : pressures p_b (pieces, points) [Pa]
     """
 
     b: ShoeResponse
@@ -32,11 +32,15 @@ class Difference:
 
     @classmethod
     def of(cls, a: ShoeResponse, b: ShoeResponse, *zones: float) -> Self:
-        """Make the difference; pieces also end at these zones [rad] from the lining's ends."""
-        start, end = b.theta[0], b.theta[-1]
-        inner = [x for zone in zones for x in (start + zone, end - zone)]
+        """Evaluate the difference of two responses on pieces on which both are polynomials.
+
+        Pieces also end at the distances `zones` [rad] from the ends of the lining.
+        """
+        start, end, inner = b.theta[0], b.theta[-1], np.array(zones)
         # Sorted knots may coincide: a piece of no length adds nothing.
-        knots = np.sort(np.concatenate([inner, a.theta[:: a.order], b.theta[:: b.order]]))
+        knots = np.sort(
+            np.concatenate([start + inner, end - inner, a.theta[:: a.order], b.theta[:: b.order]])
+        )
         knots = knots[(knots >= start) & (knots <= end)]
         half = 0.5 * np.diff(knots)[:, None]
         theta = knots[:-1, None] + half * (1 + GAUSS)
@@ -45,14 +49,15 @@ class Difference:
         return cls(b, theta, half * WEIGHTS, off, pb.reshape(theta.shape))
 
     def inside(self, zone: float) -> Bools:
-        """Whether each piece (pieces,) is more than one of those zones from the lining's ends."""
+        """Whether each piece (pieces,) is more than a zone [rad] away from the lining's ends."""
         middle, ends = self.theta.mean(axis=1), self.b.theta
         return np.asarray((middle > ends[0] + zone) & (middle < ends[-1] - zone))
 
     def distance(self, zone: float) -> float:
-        """L2 norm of the difference outside the zones at the ends, relative to that of p_b.
+        """The L2 norm of the difference relative to the L2 norm of p_b.
 
-        If p_b is zero there, the distance is 0 for a vanishing p_a and infinite otherwise.
+        Zones [rad] at the ends of the lining do not count. If p_b vanishes outside the zones, the
+        distance is 0 for a vanishing p_a and infinite otherwise.
         """
         inside = self.inside(zone)
         weight, off, p = self.weight[inside], self.off[inside], self.pressure[inside]
@@ -63,20 +68,21 @@ class Difference:
 
     @property
     def columns(self) -> Ints:
-        """Index of the element of b along the lining that holds each piece (pieces,)."""
+        """The number (pieces,) of the element of response b in which each piece lies."""
         ends, starts = self.b.theta[:: self.b.order], self.theta[:, 0]
         return np.asarray(np.searchsorted(ends, starts, side="right") - 1)
 
     def by_chance(self) -> float:
-        """Change of the force of p_b if the differences of its elements had random signs.
-
-        It is relative to the force of p_b.
-        """
+        """The relative change of the force of p_b if its elements changed with random signs."""
+        # Differences of random signs add up like the root of their squares.
         forces = np.bincount(self.columns, (self.weight * self.off).sum(axis=1))
         return float(np.linalg.norm(forces) / np.vdot(self.weight, self.pressure))
 
     def at_peak(self, zone: float) -> float:
-        """Largest difference in the element where p_b peaks outside the zones, over its peak."""
+        """The largest difference in the element where p_b peaks, relative to the peak pressure.
+
+        Zones [rad] at the ends of the lining do not count.
+        """
         inside, columns = self.inside(zone), self.columns
         highest = np.where(inside, self.pressure.max(axis=1), -math.inf).argmax()
         off = self.off[inside & (columns == columns[highest])]
@@ -84,21 +90,21 @@ class Difference:
 
 
 def pressure_distance(a: ShoeResponse, b: ShoeResponse, edge: float = EDGE_ZONE) -> float:
-    """L2 norm over theta of p_a - p_b, relative to that of p_b.
+    """The L2 norm over theta of p_a - p_b, relative to the L2 norm of p_b.
 
-    Zones of `edge` [rad] at the lining's ends do not count, unless half of the force of p_b acts
-    there. If p_b vanishes, the distance is 0 for a vanishing p_a and infinite otherwise.
+    Zones of `edge` [rad] at the lining's ends do not count, unless half of the force of p_b acts in
+    the zones. If p_b vanishes, the distance is 0 for a vanishing p_a and infinite otherwise.
     """
     edge = edge_left_out(b.theta, b.pressure, b.order, edge)
     return Difference.of(a, b, edge).distance(edge)
 
 
 def vector_distance(a: Floats, b: Floats) -> float:
-    """Length of a - b relative to that of b; nan if b is zero."""
+    """The length of a - b relative to the length of b; nan if b is zero."""
     size = float(np.linalg.norm(b))
     return float(np.linalg.norm(np.asarray(a) - b)) / size if size else math.nan
 
 
 def relative(value: float, true: float) -> float:
-    """Relative deviation (value - true) / true; nan if `true` is 0."""
+    """The relative deviation (value - true) / true; nan if `true` is 0."""
     return (value - true) / true if true else math.nan

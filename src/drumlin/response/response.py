@@ -1,4 +1,4 @@
-"""What every model returns: one Response, with one ShoeResponse per shoe."""
+"""The result of every model: one Response with one ShoeResponse per shoe."""
 
 import math
 from collections.abc import Mapping
@@ -25,43 +25,39 @@ from drumlin.response.show import as_html, as_text, plot
 EDGE_ZONE = math.radians(0.2)
 """Zone [rad] at each end of a lining in which no pressures are compared.
 
-The pressure is singular at a sharp elastic edge. The zone is part of the meaning of an error of p,
-in README and in stated errors.
+The pressure is singular at a sharp elastic edge. Stated errors of the pressure, in README too, hold
+outside this zone.
 """
 
 CURVE_SPACING = math.radians(0.2)
-"""Longest step [rad] of a curve that is drawn or written.
+"""Longest step [rad] between two points of a pressure curve that is drawn or written.
 
-It gives 500 points over a lining of 100 degrees, as many as a picture has dots. No answer depends
-on it.
+A lining of 100 degrees gets 500 points, as many as a picture has dots. The step changes no answer.
 """
 
 SMALLEST_CURVE_PIECE = 1e-9
-"""Distance [rad] from the lining's ends within which the pieces of a curve are left out.
+"""Distance [rad] from the lining's ends within which a curve leaves out ends of pieces.
 
-Angles that are nearer to each other are the same in a table. At a pressed corner p has pieces down
-to 1e-12 rad, and 1e-5 of the corner's force lies in the pieces that are left out.
+Angles that differ by less are the same number in a table. The pressure at a pressed corner has
+pieces down to 1e-12 rad. The pieces that are left out bear 1e-5 of the corner's force.
 """
 
 NEITHER = 1e-9
 """Work of the friction, relative to the work of the normal forces, that counts as round-off.
 
-Below it friction neither helps nor opposes the actuation.
-"""
-
-NEAR_PEAK = 0.8
-"""Pressure relative to the peak above which it lies near the peak.
-
-Only changes of the pressure near the peak change the peak.
+If its work is smaller, friction neither helps nor opposes the actuation.
 """
 
 NO_FORCE = 1e-6
-"""Reaction relative to the contact's force below which the reaction counts as zero."""
+"""Fraction of the contact's force below which a support reaction counts as zero."""
 
 
 @dataclass(frozen=True)
 class Balance:
-    """Imbalance of a shoe: sums of forces and of moments, relative to their largest members."""
+    """Imbalance of a shoe: the sum of its forces and the sum of its moments.
+
+    Each sum is relative to its largest member.
+    """
 
     force: float
     moment: float
@@ -72,10 +68,10 @@ class Deformation(NamedTuple):
 
     Attributes
     ----------
-    x : (m,), stations along the beam from the hinge [m]
-    w : (m,), displacement towards the drum there [m]
-    relative : (m,), w beyond the straight line through the beam's ends [m]
-    z : (n,), inward displacement of the ring at the response's angles [m]
+    x : stations (m,) [m] along the beam from the hinge
+    w : displacement (m,) [m] of the beam towards the drum
+    relative : displacement (m,) [m] of the beam beyond the straight line through the beam's ends
+    z : inward displacement (n,) [m] of the ring at the response's angles
     """
 
     x: Floats
@@ -89,10 +85,10 @@ class ShoeChange(NamedTuple):
 
     Attributes
     ----------
-    pressure : in L2, outside EDGE_ZONE at the lining's ends
-    torque : of the torque
-    reaction : of the support reaction
-    peak : of the pressure near the peak
+    pressure : change of the pressure in L2, outside EDGE_ZONE at the lining's ends
+    torque : change of the torque
+    reaction : change of the support reaction
+    peak : change of the pressure near the peak
     """
 
     pressure: float
@@ -105,20 +101,20 @@ NO_CHANGE = ShoeChange(0.0, 0.0, 0.0)
 
 
 def reaction_size(reaction: Floats, normal_force: float) -> float:
-    """Force [N] to which errors of a reaction (2,) [N] are relative.
+    """The force [N] to which errors of a support reaction (2,) [N] are relative.
 
-    It is the size of the reaction, and at least NO_FORCE of the contact's force.
+    This force is the size of the reaction, and at least NO_FORCE of the contact's force.
     """
     return max(math.hypot(*reaction), NO_FORCE * normal_force) or 1.0
 
 
 class PressureOverWidth(NamedTuple):
-    """The pressure over arc and width.
+    """The pressure over the arc and the width of a lining.
 
     Attributes
     ----------
-    z : (m,), growing distances from the mid-plane [m]
-    pressure : (n, m), pressures [Pa] at the response's angles and at z; quadratic in z over every
+    z : growing distances (m,) [m] from the mid-plane
+    pressure : pressures (n, m) [Pa] at the response's angles and at z; quadratic in z over every
         two steps
     """
 
@@ -128,38 +124,38 @@ class PressureOverWidth(NamedTuple):
 
 @dataclass(frozen=True)
 class ShoeResponse:
-    """What one shoe does.
+    """The forces, the pressure and the motion of one shoe, as a model answers.
 
-    Of a shoe on a plane `theta` and `contact_arcs` are places x [m], and `torque` is 0: the shoe
-    brakes by a force.
+    For a shoe on a plane, `theta` and `contact_arcs` are places x [m], and `torque` is 0, because
+    the shoe brakes by a force.
 
     Attributes
     ----------
-    name : of the shoe
-    torque : size of the torque on the drum [N m]; it opposes the rotation
+    name : name of the shoe
+    torque : size of the torque on the drum [N m], which opposes the rotation
     normal_force : size of the vector sum of the normal forces [N]
     self_energising : whether friction helps the actuation
-    peak_pressure : largest pressure [Pa]. Of elastic models it is the largest pressure more than
-        half a lining thickness from the lining's ends, where a sharp edge has no bound.
-    hinge_reaction : (2,), force of the pin on the shoe [N]
+    peak_pressure : largest pressure [Pa]. Elastic models leave out half a lining thickness at each
+        end of the lining, where the pressure at a sharp edge has no bound.
+    hinge_reaction : force (2,) [N] of the pin on the shoe
     contact_arcs : begin and end of each arc in contact [rad]
-    theta : (n,), growing nodes of a piecewise polynomial [rad]; consecutive pieces share an end
-    pressure : (n,), values of the pressure there [Pa]
+    theta : growing nodes (n,) [rad] of a piecewise polynomial; consecutive pieces share an end
+    pressure : pressures (n,) [Pa] at the nodes
     order : degree of the pieces
-    turn : rotation of the shoe about its pin [rad]; None if the model does not know it
+    turn : rotation of the shoe about its pin [rad]; None if the model does not know the rotation
     lumped : resultant of the contact, if a law lumps the forces at one point or a model in sectors;
         otherwise the resultant is the integral of the pressure
-    pivot_reaction : (2,), force of the pivot on the shoe [N], if there is a pivot
+    pivot_reaction : force (2,) [N] of the pivot on the shoe; None without a pivot
     reaction_moment : moment that a guide adds to its force, about `Held.pin` [N m]
-    force : of the actuation [N], if shoes share it
+    force : actuation force [N], if shoes share forces
     motion : dx, dy [m] at `Held.pin` and turn [rad] of a shoe without hinge, in the shoe's frame
-    deformation : of beam and ring, of the foundation model
+    deformation : deflections of beam and ring, from the foundation model
     surface : pressure over the width of a solid; then `pressure` and `peak_pressure` are means over
         the width
     error : estimated relative errors "pressure" (L2 outside the edge zones), "torque", "peak" and
         "reaction"; None if nothing was estimated
-    softness : change that the contact's penalty causes
-    lost : change that the round-off of the elimination causes, as far as it is known
+    softness : relative change of the results by the contact's penalty
+    lost : known relative change of the results by the round-off of the elimination
     """
 
     name: str
@@ -185,19 +181,19 @@ class ShoeResponse:
     lost: ShoeChange = NO_CHANGE
 
     def pressure_at(self, theta: Floats) -> Floats:
-        """Pressure [Pa] at the angles `theta` [rad], same shape; 0 beyond the lining.
+        """The pressure [Pa] at angles `theta` [rad] of any shape; 0 beyond the lining.
 
-        It is Lagrange's interpolation in the piece of each angle.
+        The pressure is Lagrange's interpolation of the nodal values in the piece of each angle.
         """
         theta = np.asarray(theta, dtype=float)
         ends = self.theta[:: self.order]
         piece = np.clip(np.searchsorted(ends, theta, side="right") - 1, 0, len(ends) - 2)
         x, y = by_piece(self.theta, self.order), by_piece(self.pressure, self.order)
-        # Distances of the nodes of a piece from each other; 1 from a node to itself.
+        # Distances of the nodes of a piece from each other; the diagonal is set to 1.
         apart = x[:, :, None] - x[:, None]  # (pieces, nodes, nodes)
         unit = np.eye(self.order + 1)
         factors = (y / (apart + unit).prod(axis=2))[piece]
-        # Products of the distances to all nodes before a node, and to all nodes behind it.
+        # Products of the distances to all nodes before a node, and to all nodes behind the node.
         off = theta[..., None] - x[piece]
         before, behind = np.ones(off.shape), np.ones(off.shape)
         np.cumprod(off[..., :-1], axis=-1, out=before[..., 1:])
@@ -207,30 +203,31 @@ class ShoeResponse:
         return np.where(on_lining, value, 0.0)
 
     def curve(self) -> tuple[Floats, Floats]:
-        """The pressure as a curve to draw and to write: angles (m,) [rad] and p >= 0 (m,) [Pa].
+        """The pressure as a curve to draw or write: angles (m,) [rad] and pressures >= 0 (m,) [Pa].
 
-        Pieces up to degree 2 keep their own nodes. Pieces of a higher degree get an even number of
-        even steps each, so many that straight lines or parabolas between them are good enough. A
-        polynomial may dip below zero between its nodes; the curve does not.
+        Pieces up to degree 2 keep their own nodes. A piece of a higher degree is divided into an
+        even number of even steps. The steps are so short that straight lines or parabolas between
+        the points follow the polynomial.
         """
         if self.order <= 2:
             return self.theta, self.pressure
+        # Pieces next to the lining's ends that are too short to show are joined.
         ends = self.theta[:: self.order]
         apart = np.minimum(ends - ends[0], ends[-1] - ends) > SMALLEST_CURVE_PIECE
         ends = np.concatenate([ends[:1], ends[apart], ends[-1:]])
         half_steps = np.ceil(np.diff(ends) / (2 * CURVE_SPACING))
         counts = 2 * np.maximum(self.order, half_steps).astype(int)
-        pieces = [
-            np.linspace(a, b, count + 1)[:-1]
-            for a, b, count in zip(ends[:-1], ends[1:], counts, strict=True)
-        ]
+        pieces = []
+        for i, count in enumerate(counts):
+            pieces.append(np.linspace(ends[i], ends[i + 1], count + 1)[:-1])
         theta = np.append(np.concatenate(pieces), ends[-1])
+        # A polynomial may dip below zero between its nodes, where no pressure acts.
         return theta, np.maximum(self.pressure_at(theta), 0.0)
 
     def as_dict(self) -> dict[str, Any]:
-        """The response as plain data for JSON, in the units of the attributes.
+        """Convert the response of the shoe to plain data for JSON, in the units of the attributes.
 
-        Its pressure is that of `curve`.
+        The angles and pressures are the points of `curve`.
         """
         theta, pressure = self.curve()
         data: dict[str, Any] = {
@@ -239,11 +236,12 @@ class ShoeResponse:
             "normal_force": self.normal_force,
             "self_energising": self.self_energising,
             "peak_pressure": self.peak_pressure,
-            "hinge_reaction": [float(x) for x in self.hinge_reaction],
-            "contact_arcs": [list(arc) for arc in self.contact_arcs],
+            "hinge_reaction": list(map(float, self.hinge_reaction)),
+            "contact_arcs": list(map(list, self.contact_arcs)),
             "theta": theta.tolist(),
             "pressure": pressure.tolist(),
         }
+        # Results that this shoe or its model does not have are no keys.
         if self.error is not None:
             data["error"] = dict(self.error)
         if self.force is not None:
@@ -251,31 +249,28 @@ class ShoeResponse:
         if self.reaction_moment:
             data["reaction_moment"] = self.reaction_moment
         if self.pivot_reaction is not None:
-            data["pivot_reaction"] = [float(x) for x in self.pivot_reaction]
-        if self.deformation is not None:
-            data["deformation"] = {
-                key: values.tolist() for key, values in self.deformation._asdict().items()
-            }
-        if self.surface is not None:
-            data["surface"] = {
-                key: values.tolist() for key, values in self.surface._asdict().items()
-            }
+            data["pivot_reaction"] = list(map(float, self.pivot_reaction))
+        for name in ("deformation", "surface"):
+            arrays = getattr(self, name)
+            if arrays is not None:
+                data[name] = {key: values.tolist() for key, values in arrays._asdict().items()}
         return data
 
 
 class Merit(NamedTuple):
-    """Figures of merit of a shoe on a drum, from its p(theta).
+    """The figures of merit of a shoe on a drum, from its pressure p(theta).
 
-    A figure is None if 0 is divided by 0 or by mu = 0.
+    A figure is None if its definition divides by 0.
 
     Attributes
     ----------
-    resultant_angle : of the normal pressure's resultant at O [rad], counted as the lining's angles
+    resultant_angle : angle [rad] of the normal pressure's resultant at the drum's centre O, counted
+        as the lining's angles
     friction_radius : psi, the apparent radius of friction over R
     shoe_factor : T/(F R)
     mechanical_advantage : eta = T/M = 1/(m - double_delta n)
     m : moment of the normal pressure about the hinge over T
-    n : moment of the friction about the hinge over its moment about O
+    n : moment of the friction about the hinge over the moment of the friction about O
     double_delta : sign of n in eta
     sensitivity_at_fixed_shape : m eta, the (mu/eta) d eta/d mu of a pressure of constant shape
     """
@@ -290,16 +285,16 @@ class Merit(NamedTuple):
     sensitivity_at_fixed_shape: float | None
 
     def effect_of(self, shoe: ShoeResponse) -> float:
-        """What the shoe does: its torque [N m]."""
+        """The effect of the shoe on the drum, a torque [N m]."""
         return shoe.torque
 
 
 class FlatMerit(NamedTuple):
-    """Figures of merit of a shoe on a plane.
+    """The figures of merit of a shoe on a plane.
 
     Attributes
     ----------
-    braking_force : force against the motion [N]
+    braking_force : force of the shoe against the motion [N]
     braking_force_over_moment : braking force over the actuation's moment M [1/m]
     sensitivity_at_fixed_shape : S, relative change of the braking force per relative change of mu
     """
@@ -309,26 +304,26 @@ class FlatMerit(NamedTuple):
     sensitivity_at_fixed_shape: float | None
 
     def effect_of(self, shoe: ShoeResponse) -> float:
-        """What the shoe does: its braking force [N]."""
+        """The effect of the shoe on the plane, a braking force [N]."""
         return self.braking_force
 
 
 @dataclass(frozen=True, repr=False)
 class Response:
-    """What a model answers for a brake.
+    """The answer of a model for a brake.
 
     Attributes
     ----------
     model : name of the model
-    shoes : one response per shoe
+    shoes : response of each shoe
     balance : largest imbalance of the shoes
     converged : whether the model has converged
-    iterations : number of its iterations
-    seconds : time of each phase [s]
-    left_out : what was not computed, and why
+    iterations : number of the model's iterations
+    seconds : time of each phase of the solve [s]
+    left_out : effects that the model neglects, a line each
     notes : lines for the reader
-    merits : figures of merit, one per shoe
-    bearing_load : (2,), force of all shoes on the drum, which its bearings carry [N]
+    merits : figures of merit of each shoe; empty until `with_merits` adds them
+    bearing_load : force (2,) [N] of all shoes on the drum, which the drum's bearings carry
     error : estimated relative errors "pressure" (L2 outside the edge zones, the worst shoe's) and
         "torque"; None if nothing was estimated
     surface : surface on which the brake runs, known once the response has `merits`
@@ -358,19 +353,20 @@ class Response:
 
     @property
     def torque(self) -> float:
-        """Torque of all shoes on the drum [N m], >= 0, against the rotation."""
+        """The torque of all shoes on the drum [N m], >= 0, against the rotation."""
         return math.fsum(shoe.torque for shoe in self.shoes)
 
     @property
     def effects(self) -> list[float]:
-        """What each shoe does: its torque [N m], on a plane its braking force [N]."""
-        if not self.merits:
-            return [shoe.torque for shoe in self.shoes]
-        return [merit.effect_of(shoe) for merit, shoe in zip(self.merits, self.shoes, strict=True)]
+        """The effect of each shoe: its torque [N m], on a plane its braking force [N]."""
+        effects = [shoe.torque for shoe in self.shoes]
+        for i, merit in enumerate(self.merits):
+            effects[i] = merit.effect_of(self.shoes[i])
+        return effects
 
     @property
     def effect(self) -> float:
-        """What the brake does: its torque [N m], on a plane its braking force [N]."""
+        """The effect of the brake: its torque [N m], on a plane its braking force [N]."""
         return math.fsum(self.effects)
 
     def __repr__(self) -> str:
@@ -380,15 +376,17 @@ class Response:
         return as_html(self)
 
     def plot(self, axes: Any = None) -> Any:
-        """Draw p(theta) of every shoe, in MPa over degrees.
+        """Draw p(theta) of every shoe, in MPa over degrees, and return the matplotlib axes.
 
-        It draws into matplotlib `axes`, or into new axes, and returns them.
+        The curves are drawn into the given `axes`, or into new axes.
         """
         return plot(self, axes)
 
     def as_dict(self) -> dict[str, Any]:
-        """The response as plain data for JSON, in N m, N, Pa, rad and s."""
-        merits = [merit._asdict() for merit in self.merits] or [{} for _ in self.shoes]
+        """Convert the response to plain data for JSON, in N m, N, Pa, rad and s."""
+        shoes = [shoe.as_dict() for shoe in self.shoes]
+        for i, merit in enumerate(self.merits):
+            shoes[i] |= merit._asdict()
         data: dict[str, Any] = {
             "model": self.model,
             "torque": self.torque,
@@ -399,12 +397,10 @@ class Response:
             "seconds": dict(self.seconds),
             "left_out": list(self.left_out),
             "notes": list(self.notes),
-            "shoes": [
-                shoe.as_dict() | merit for shoe, merit in zip(self.shoes, merits, strict=True)
-            ],
+            "shoes": shoes,
         }
         if self.bearing_load is not None:
-            data["bearing_load"] = [float(x) for x in self.bearing_load]
+            data["bearing_load"] = list(map(float, self.bearing_load))
         return data
 
 
@@ -432,35 +428,32 @@ def pressed_shoe(
     pressure: Floats,
     *,
     order: int,
-    torque: float,
-    normal_force: float,
-    self_energising: bool,
-    hinge_reaction: Floats,
-    turn: float | None = None,
     located: bool = True,
     peak: float | None = None,
     surface: PressureOverWidth | None = None,
-    **more: Any,
+    **results: Any,
 ) -> ShoeResponse:
-    """The response of a shoe whose elastic lining is pressed.
+    """Make the response of a shoe whose elastic lining is pressed.
 
     Parameters
     ----------
     shoe : the shoe
-    scale_factor : of the brake's surface [m per unit of its coordinate]
-    theta : (n,), growing or falling nodes [rad]
-    pressure : (n,), pressures there [Pa]
-    order, torque, normal_force, self_energising, hinge_reaction, turn : as of ShoeResponse
+    scale_factor : length per unit of the surface's coordinate [m/rad, on a plane 1]
+    theta : growing or falling nodes (n,) [rad]
+    pressure : pressures (n,) [Pa] at the nodes
+    order : degree of the pieces of the pressure
     located : whether the ends of the contact and the peak are located within their elements
-    peak : peak pressure [Pa], if it is known
-    surface : pressure over the width, its rows at theta
-    more : other attributes of ShoeResponse
+    peak : peak pressure [Pa]; None if unknown
+    surface : pressure over the width, whose rows stand at theta
+    results : the attributes torque, normal_force, self_energising and hinge_reaction of
+        ShoeResponse, and optional attributes
 
     Raises
     ------
     NoAnswer
         if the lining is strained beyond LARGEST_STRAIN
     """
+    # Nodes at falling angles are put into the order of growing angles.
     forward = slice(None, None, 1 if theta[-1] > theta[0] else -1)
     theta, pressure = theta[forward], pressure[forward]
     if peak is None:
@@ -470,33 +463,28 @@ def pressed_shoe(
         else:
             peak = nodal_peak(theta, pressure, edge_left_out(theta, pressure, order, zone))
     arcs = contact_arcs(theta, pressure, order, located=located)
-    # The sum of the normal forces: in their resultant opposite sides would cancel.
+    # Normal forces are summed by their sizes: in their resultant opposite sides would cancel.
     force = shoe.lining.width * scale_factor * integrate(theta, pressure, order)
     check_strain(shoe, scale_factor, force, sum(end - start for start, end in arcs))
     if surface is not None:
         surface = surface._replace(pressure=surface.pressure[forward])
     return ShoeResponse(
         name=shoe.name,
-        torque=torque,
-        normal_force=normal_force,
-        self_energising=self_energising,
         peak_pressure=peak,
-        hinge_reaction=hinge_reaction,
         contact_arcs=arcs,
         theta=theta,
         pressure=pressure,
         order=order,
-        turn=turn,
         surface=surface,
-        **more,
+        **results,
     )
 
 
 def edge_zone(shoe: Shoe, scale_factor: float) -> float:
-    """Zone at each end of a lining in which a sharp edge makes the pressure steep.
+    """The zone at each end of a lining in which a sharp edge makes the pressure steep.
 
-    It is half the lining's thickness, or a quarter of the length of a short lining, in the
-    coordinate of a surface of this scale factor.
+    The zone is half the lining's thickness, or a quarter of the length of a short lining. It counts
+    in the coordinate of a surface with the scale factor [m/rad, on a plane 1].
     """
     zone = (shoe.lining.thickness or 0.0) / (2 * scale_factor)
     length = shoe.lining.end - shoe.lining.start
@@ -504,23 +492,26 @@ def edge_zone(shoe: Shoe, scale_factor: float) -> float:
 
 
 def own_edge_zone(shoe: Shoe, size: float) -> float:
-    """The zone of `edge_zone` in phi of the shoe's own frame, in a brake of this size [m]."""
+    """The `edge_zone` of a lining in phi of the shoe's own frame, in a brake of a size [m]."""
     unit = shoe.frame.unit
     return edge_zone(shoe, size / unit) / unit
 
 
 def singular_zone(length: float, unit: float = 1.0) -> float:
-    """EDGE_ZONE at each end of a lining of this length, or a quarter of a short lining.
+    """The smaller of EDGE_ZONE and a quarter of a lining's length.
 
-    Both count in a coordinate of which one unit of phi has `unit`.
+    The zone and the length count in a coordinate that grows by `unit` per radian of phi.
     """
     return min(unit * EDGE_ZONE, 0.25 * length)
 
 
 class PeakPlace(NamedTuple):
-    """Where a pressure peaks: at the angle `at` [rad], on a plane at x [m].
+    """The place of a peak pressure, and the zone in which the peak was not sought.
 
-    The peak is sought outside a `zone` at the lining's ends.
+    Attributes
+    ----------
+    at : angle [rad] of the peak, on a plane its place x [m]
+    zone : zone [rad or m] at each of the lining's ends that was left out
     """
 
     at: float
@@ -528,16 +519,14 @@ class PeakPlace(NamedTuple):
 
 
 def peak_place(brake: Brake, index: int, response: ShoeResponse) -> PeakPlace | None:
-    """Where shoe `index` has its peak pressure, within CURVE_SPACING; None without contact.
-
-    The points of the curve may miss the peak. The zones at the ends therefore count as left out if
-    the largest value outside the zones is nearer to the peak than the largest of all values.
-    """
+    """The place of the peak pressure of shoe `index`, to CURVE_SPACING; None without contact."""
     if not response.contact_arcs or not response.peak_pressure > 0:
         return None
     theta, pressure = response.curve()
     zone = edge_zone(brake.shoes[index], brake.scale_factor)
-    inside = _inside(theta, zone)
+    inside = _is_outside_zones(theta, zone)
+    # The response does not tell whether its peak leaves out the zones at the ends. The curve's
+    # largest value outside the zones, or its largest value of all, comes nearest to the peak.
     apart = abs(pressure[inside].max(initial=0.0) - response.peak_pressure)
     if abs(pressure.max() - response.peak_pressure) <= apart:
         inside, zone = np.ones(len(theta), dtype=bool), 0.0
@@ -546,14 +535,14 @@ def peak_place(brake: Brake, index: int, response: ShoeResponse) -> PeakPlace | 
 
 
 def nodal_peak(theta: Floats, pressure: Floats, zone: float) -> float:
-    """Largest nodal pressure [Pa] more than `zone` [rad] from the lining's ends.
+    """The largest nodal pressure [Pa] more than `zone` [rad] away from the lining's ends.
 
-    If no node presses there, all nodes count.
+    All nodes count if no node outside the zones presses.
     """
-    inside = _inside(theta, zone)
+    inside = _is_outside_zones(theta, zone)
     return float(pressure[inside if pressure[inside].any() else slice(None)].max())
 
 
-def _inside(theta: Floats, zone: float) -> Bools:
-    """Whether angles (n,) are more than `zone` from the first and the last of them."""
+def _is_outside_zones(theta: Floats, zone: float) -> Bools:
+    """Whether angles (n,) are more than a zone away from the first angle and the last angle."""
     return np.asarray((theta > theta[0] + zone) & (theta < theta[-1] - zone))

@@ -1,4 +1,4 @@
-"""Integrate a pressure distribution, and find its largest value and where it ends.
+"""Integrals, peaks and contact arcs of a pressure distribution.
 
 A pressure distribution is a piecewise polynomial over the surface's coordinate. Its nodes are the
 Gauss-Lobatto points of each piece. Consecutive pieces share their end node.
@@ -18,7 +18,7 @@ from drumlin.brake.surface import FrictionSurface
 GAUSS, WEIGHTS = legendre.leggauss(12)
 
 PEAK_SAMPLES = np.cos(np.linspace(math.pi, 0.0, 25))
-"""Points of a piece, on [-1, 1], between which its largest value is sought by a parabola."""
+"""Points on [-1, 1] at which a piece is evaluated before a parabola gives its largest value."""
 
 
 class Resultant(NamedTuple):
@@ -26,9 +26,9 @@ class Resultant(NamedTuple):
 
     Attributes
     ----------
-    normal : (2,), force of the pressure [N]
-    friction : (2,), force of the friction [N]
-    moment : moment of both about the origin [N m]
+    normal : force (2,) [N] of the pressure
+    friction : force (2,) [N] of the friction
+    moment : moment of pressure and friction about the origin [N m]
     """
 
     normal: Floats
@@ -37,43 +37,46 @@ class Resultant(NamedTuple):
 
     @property
     def force(self) -> Floats:
-        """The whole force (2,) [N]."""
+        """The force (2,) [N] of pressure and friction together."""
         return self.normal + self.friction
 
 
 def cross(a: Floats, b: Floats) -> Floats:
-    """The out-of-plane component of a x b, of vectors (..., 2)."""
+    """The out-of-plane component of the vector product a x b, for vectors (..., 2)."""
     return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
 
 
 @cache
 def lobatto(order: int) -> Floats:
-    """Gauss-Lobatto points (order + 1,) on [-1, 1], the nodes of a polynomial of this degree.
+    """The Gauss-Lobatto points (order + 1,) on [-1, 1], the nodes of a polynomial of this degree.
 
-    Up to degree 2 they are evenly spaced.
+    The points are evenly spaced up to degree 2.
     """
     inner = np.zeros(0)
     if order > 1:
+        # The inner points are the roots of the derivative of the Legendre polynomial.
         highest = np.eye(order + 1)[order]
         inner = np.sort(legendre.legroots(legendre.legder(highest)).real)
+    # Round-off makes the roots slightly unsymmetric.
     symmetric = 0.5 * (inner - inner[::-1])
     return np.concatenate([[-1.0], symmetric, [1.0]])
 
 
 @cache
 def _coefficients(order: int) -> Floats:
-    """Legendre coefficients of the shape functions, a column each: (order + 1, order + 1)."""
+    """The Legendre coefficients (order + 1, order + 1) of the shape functions, a column each."""
     return np.asarray(np.linalg.inv(legendre.legvander(lobatto(order), order)), dtype=float)
 
 
 def shape(order: int, xi: Floats) -> Floats:
-    """Lagrange shape functions on the nodes `lobatto` at points xi: (order + 1, *xi.shape)."""
-    rows = _legendre(order, xi)
+    """The Lagrange shape functions on the nodes `lobatto` at points xi: (order + 1, *xi.shape)."""
+    rows = _legendre_values(order, xi)
     return (_coefficients(order).T @ rows.reshape(order + 1, -1)).reshape(rows.shape)
 
 
-def _legendre(order: int, xi: Floats) -> Floats:
-    """Legendre polynomials up to a degree at points xi, by recurrence: (order + 1, *xi.shape)."""
+def _legendre_values(order: int, xi: Floats) -> Floats:
+    """The Legendre polynomials up to a degree at points xi, shaped (order + 1, *xi.shape)."""
+    # The recurrence gives each polynomial from the two polynomials before.
     rows = np.ones((order + 1, *np.shape(xi)))
     if order > 0:
         rows[1] = xi
@@ -83,16 +86,16 @@ def _legendre(order: int, xi: Floats) -> Floats:
 
 
 @cache
-def _integrals(order: int) -> Floats:
-    """Legendre coefficients of the shape functions' integrals from -1 on, a row each.
+def _integral_coefficients(order: int) -> Floats:
+    """The Legendre coefficients (order + 1, order + 2) of the integrals of the shape functions.
 
-    Their shape is (order + 1, order + 2).
+    Each row is the integral of one shape function from -1 on.
     """
     return np.ascontiguousarray(legendre.legint(_coefficients(order), lbnd=-1).T)
 
 
 def slopes(order: int, xi: Floats) -> Floats:
-    """Derivatives of the shape functions at points xi: (order + 1, *xi.shape)."""
+    """The derivatives of the shape functions at points xi: (order + 1, *xi.shape)."""
     derivative = legendre.legder(_coefficients(order))
     return np.moveaxis(legendre.legvander(xi, order - 1) @ derivative, -1, 0)
 
@@ -104,13 +107,13 @@ def at_gauss(order: int) -> tuple[Floats, Floats]:
 
 
 @cache
-def _weights(order: int) -> Floats:
-    """Integrals (order + 1,) of the shape functions over a piece of length 1."""
+def _piece_weights(order: int) -> Floats:
+    """The integrals (order + 1,) of the shape functions over a piece of length 1."""
     return np.asarray(at_gauss(order)[0] @ WEIGHTS / 2, dtype=float)
 
 
 class GaussValues(NamedTuple):
-    """Places, values and weights (pieces, points) of a Gauss rule on every piece."""
+    """The places, values and weights (pieces, points) of a Gauss rule on every piece."""
 
     places: Floats
     values: Floats
@@ -118,7 +121,7 @@ class GaussValues(NamedTuple):
 
 
 def gauss_points(theta: Floats, values: Floats, order: int) -> GaussValues:
-    """Evaluate a piecewise polynomial, theta and values (n,), at the Gauss points of its pieces."""
+    """Evaluate a piecewise polynomial with nodal theta and values (n,) at Gauss points."""
     ends = theta[::order]
     half = 0.5 * (ends[1:] - ends[:-1])[:, None]
     return GaussValues(
@@ -129,7 +132,7 @@ def gauss_points(theta: Floats, values: Floats, order: int) -> GaussValues:
 
 
 def by_piece(values: Floats, order: int) -> Floats:
-    """The nodal values (pieces, order + 1) of each piece of a piecewise polynomial."""
+    """Arrange the nodal values (n,) of a piecewise polynomial by pieces, (pieces, order + 1)."""
     count = (len(values) - 1) // order
     found = np.empty((count, order + 1))
     found[:, :-1] = values[: count * order].reshape(-1, order)
@@ -144,13 +147,13 @@ def _at_samples(order: int) -> Floats:
 
 
 class _Samples(NamedTuple):
-    """Where the largest value inside is sought.
+    """Samples of the part of a line away from its ends, at which the largest value is sought.
 
     Attributes
     ----------
-    pieces : the pieces that reach inside
-    cut : (c,), which of these pieces the zones cut
-    shapes : (c, order + 1, s), shape functions at samples of the inner part of the cut pieces
+    pieces : the pieces of the line that lie in the part, wholly or in part
+    cut : numbers (c,), within `pieces`, of the pieces that the ends of the part cut
+    shapes : shape functions (c, order + 1, s) at samples of the inner part of the cut pieces
     """
 
     pieces: slice
@@ -160,10 +163,10 @@ class _Samples(NamedTuple):
 
 @dataclass(frozen=True)
 class InnerPart:
-    """The part of a line more than `zone` [rad] from its ends.
+    """The part of a line more than `zone` [rad] away from its ends.
 
-    It serves all piecewise polynomials on the growing nodes theta (n,). The part is empty if no
-    place is that far from the ends.
+    The same part serves all piecewise polynomials on the growing nodes theta (n,). The part is
+    empty if the zones cover the line.
     """
 
     theta: Floats
@@ -172,7 +175,7 @@ class InnerPart:
 
     @cached_property
     def weights(self) -> Floats:
-        """Weights (2, n) of the nodal values in the integrals over the whole line and this part."""
+        """The weights (2, n) of nodal values in integrals over the whole line and over the part."""
         ends, order = self.theta[:: self.order], self.order
         zone = min(self.zone, 0.5 * float(ends[-1] - ends[0]))
         half = 0.5 * (ends[1:] - ends[:-1])
@@ -180,23 +183,23 @@ class InnerPart:
         # The limits in the coordinate of each piece, [-1, 1].
         xi = np.minimum(np.maximum((limits[:, None] - ends[:-1]) / half - 1, -1.0), 1.0)
         # Integrals of the shape functions of each piece from its begin up to the limits.
-        integrals = _integrals(order) @ _legendre(order + 1, xi).swapaxes(0, 1)
+        integrals = _integral_coefficients(order) @ _legendre_values(order + 1, xi).swapaxes(0, 1)
         up_to = half[:, None] * integrals.swapaxes(1, 2)
         between = up_to[3:1:-1] - up_to[:2]
-        # Neighbours add up in the nodes that they share.
+        # A node between two pieces gets the weights of both pieces.
         found = np.zeros((2, len(self.theta)))
         found[:, :-1] = between[:, :, :-1].reshape(2, -1)
         found[:, order::order] += between[:, :, -1]
         return found
 
     def part(self, values: Floats) -> float:
-        """The integral over this part, relative to the integral over the whole line."""
+        """The integral of nodal values (n,) over the part, relative to that over the whole line."""
         whole, inside = (self.weights @ values).tolist()
         return float(inside / (whole or 1.0))
 
     @cached_property
     def samples(self) -> _Samples:
-        """The samples of the inner part; of the whole line if the part is empty."""
+        """The samples of the part; of the whole line if the part is empty."""
         ends = self.theta[:: self.order]
         empty = 2 * self.zone >= self.theta[-1] - self.theta[0]
         zone = 0.0 if empty else self.zone
@@ -212,27 +215,31 @@ class InnerPart:
         return _Samples(slice(int(pieces[0]), int(pieces[-1]) + 1), cut, shapes)
 
     def largest(self, values: Floats) -> float:
-        """Largest value of this part; of the whole line if the part is empty."""
+        """The largest value in the part; in the whole line if the part is empty.
+
+        `values` (n,) are the nodal values of a piecewise polynomial.
+        """
         samples = self.samples
         pieces = by_piece(values, self.order)[samples.pieces]
         found = pieces @ _at_samples(self.order)
         if len(samples.cut):
             found[samples.cut] = (pieces[samples.cut, None] @ samples.shapes)[:, 0]
         piece, sample = divmod(int(found.argmax()), len(PEAK_SAMPLES))
+        # At the end of a piece there is no parabola through a neighbour on both sides.
         if sample in {0, len(PEAK_SAMPLES) - 1}:
             return float(found[piece, sample])
         x = PEAK_SAMPLES[sample - 1 : sample + 2].tolist()
         return _top_of_parabola(x, found[piece, sample - 1 : sample + 2].tolist())
 
     def peak(self, pressure: Floats) -> float:
-        """Largest pressure of this part; of the whole line if under half of the force acts here."""
+        """The largest pressure in the part; in the whole line if half of the force acts outside."""
         if self.part(pressure) > 0.5:
             return self.largest(pressure)
         return largest(self.theta, pressure, self.order)
 
 
 def _top_of_parabola(x: list[float], y: list[float]) -> float:
-    """Largest value of the parabola through three points, of which the middle one is highest."""
+    """The largest value of a parabola through three points whose middle one is highest."""
     before, at, after = x
     below, top, beyond = y
     left, right = (top - below) / (at - before), (beyond - top) / (after - at)
@@ -242,20 +249,20 @@ def _top_of_parabola(x: list[float], y: list[float]) -> float:
 
 
 def largest(theta: Floats, values: Floats, order: int) -> float:
-    """Largest value of a piecewise polynomial."""
+    """The largest value of a piecewise polynomial with nodal theta and values (n,)."""
     return InnerPart(theta, order, 0.0).largest(values)
 
 
 def edge_left_out(theta: Floats, pressure: Floats, order: int, zone: float) -> float:
-    """The zone [rad] at the ends that may be left out of judging p(theta).
+    """The zone [rad] at each end of a lining that does not count in a judgement of p(theta).
 
-    It is 0 if half of the force acts in the zones.
+    The zone is `zone`, or 0 if half of the force acts in the zones.
     """
     return zone if InnerPart(theta, order, zone).part(pressure) > 0.5 else 0.0
 
 
 def integrate(theta: Floats, values: Floats, order: int) -> float:
-    """Integral over theta of a piecewise polynomial with nodes `theta` (n,) and `values` (n,)."""
+    """The integral over theta of a piecewise polynomial with nodal theta and values (n,)."""
     rule = gauss_points(theta, values, order)
     return float(np.sum(rule.values * rule.weights))
 
@@ -271,20 +278,20 @@ def resultant(
     sign: int,
     drag: float,
 ) -> Resultant:
-    """Resultant on the lining of the traction -p n + drag p t.
+    """The resultant on the lining of the traction -p n + drag p t.
 
     The normal n points out of the lining, t along the surface.
 
     Parameters
     ----------
     surface : surface on which the lining lies
-    theta : (n,), places in the surface's coordinate, nodes of the pressure
-    pressure : (n,), pressures [Pa] there
+    theta : nodes (n,) of the pressure in the surface's coordinate
+    pressure : pressures (n,) [Pa] at the nodes
     order : degree of the pieces
-    size : of the brake [m]
+    size : size of the brake [m]
     per_place : area of the lining per unit of the coordinate
-    sign : +1 of an internal lining, -1 of an external lining
-    drag : friction per pressure along growing places, mu s
+    sign : +1 for an internal lining, -1 for an external lining
+    drag : friction per pressure along the growing coordinate, mu or -mu
     """
     rule = gauss_points(theta, pressure, order)
     load = rule.values * rule.weights * per_place
@@ -301,16 +308,16 @@ def resultant(
 def contact_arcs(
     theta: Floats, pressure: Floats, order: int, *, located: bool = True
 ) -> tuple[tuple[float, float], ...]:
-    """Arcs [rad] in which the lining is pressed.
+    """The arcs [rad], begin and end of each, in which the lining is pressed.
 
-    Nodes next to a pressed node belong to its arc.
+    Nodes next to a pressed node belong to the arc of the pressed node.
 
     Parameters
     ----------
-    theta : (n,), growing nodes [rad]
-    pressure : (n,), nodal pressures [Pa]
+    theta : growing nodes (n,) [rad]
+    pressure : nodal pressures (n,) [Pa]
     order : degree of the pieces
-    located : whether an end without pressure is located within its element
+    located : whether an end of the contact is located within its element
     """
     pressed = pressure > 0
     # A step between two nodes belongs to an arc if one of the nodes is pressed.
@@ -321,28 +328,29 @@ def contact_arcs(
     for first, last in zip(edges[::2], edges[1::2], strict=True):
         start, end = float(theta[first]), float(theta[last])
         if located and not pressed[first]:
-            start = _end(theta, pressure, first, order)
+            start = _locate_end(theta, pressure, first, order)
         if located and not pressed[last]:
             # The other end is found from behind, in the mirror image of the pressure.
             mirrored = len(theta) - 1 - last
-            end = -_end(-theta[::-1], pressure[::-1], mirrored, order)
+            end = -_locate_end(-theta[::-1], pressure[::-1], mirrored, order)
         arcs.append((start, end))
     return tuple(arcs)
 
 
-def _end(theta: Floats, pressure: Floats, node: int, order: int) -> float:
-    """Locate the end of an arc between an unpressed `node` and the next node.
+def _locate_end(theta: Floats, pressure: Floats, node: int, order: int) -> float:
+    """Locate the end of a contact arc [rad] between an unpressed `node` and the next node.
 
-    The pressure of a smooth contact falls to its end e as sqrt(theta - e). The force from there on,
-    F = Int_e p dtheta, therefore has F^(2/3) linear in theta. The line through its values at the
-    ends of the first two elements gives e. Integrals of the pressure scatter far less than its
-    nodal values.
+    The pressure of a smooth contact falls to its end e as sqrt(theta - e). The force from the end
+    on, F = Int_e p dtheta, therefore has F^(2/3) linear in theta. The line through the values of
+    F^(2/3) at the ends of the first two elements gives e. Integrals of the pressure scatter far
+    less than nodal pressures.
     """
     begin = node // order * order
     near, far = begin + order, begin + 2 * order
+    # An arc of less than two elements ends at its node.
     if far >= len(theta):
         return float(theta[node])
-    means = by_piece(pressure[begin : far + 1], order) @ _weights(order)
+    means = by_piece(pressure[begin : far + 1], order) @ _piece_weights(order)
     first, second = means.tolist()
     first, second = first * (theta[near] - theta[begin]), second * (theta[far] - theta[near])
     f_near, f_far = (max(force, 0.0) ** (2 / 3) for force in (first, first + second))

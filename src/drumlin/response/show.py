@@ -1,4 +1,4 @@
-"""Show a response to a person: as a short table in text or HTML, and its pressure as a plot."""
+"""Show a response to a person: a short table as text or HTML, and the pressure as a plot."""
 
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
@@ -11,18 +11,18 @@ if TYPE_CHECKING:
     from drumlin.response.response import Response, ShoeResponse
 
 POINTS_PER_PIECE = 20
-"""Points of a drawn curve in each piece of the pressure. More would not show in a small plot."""
+"""Points of a drawn curve in each piece of the pressure; more do not show in a small plot."""
 
 
 def arcs_text(shoe: "ShoeResponse", surface: FrictionSurface) -> str:
-    """Contact arcs as text, in the unit in which a person sees places of the surface."""
+    """The contact arcs of a shoe as text, in degrees, or in mm on a plane."""
     factor = surface.shown
     arcs = [f"{start * factor:.1f} to {end * factor:.1f}" for start, end in shoe.contact_arcs]
     return ", ".join(arcs) or "none"
 
 
 def rows_of(response: "Response") -> list[tuple[str, ...]]:
-    """Rows of the table: its head, one row per shoe, and one of the whole brake."""
+    """The rows of a response's table: the head, a row per shoe, and a row of the whole brake."""
     surface, effects = response.surface, response.effects
     head = (
         "shoe",
@@ -47,22 +47,23 @@ def rows_of(response: "Response") -> list[tuple[str, ...]]:
 
 
 def as_text(response: "Response") -> str:
-    """The table with its columns aligned, under the name of the model."""
+    """The table of a response as text with aligned columns, under a line with model and effect."""
     table = rows_of(response)
-    widths = [max(len(row[k]) for row in table) for k in range(len(table[0]))]
+    widths = np.char.str_len(table).max(axis=0).tolist()
     lines = [_title(response)]
     for row in table:
-        cells = [cell.ljust(width) for cell, width in zip(row, widths, strict=True)]
-        lines.append("  ".join(cells).rstrip())
+        # Each cell is padded to the width of its column.
+        lines.append("  ".join(map(str.ljust, row, widths)).rstrip())
     return "\n".join(lines)
 
 
 def as_html(response: "Response") -> str:
-    """The table as HTML."""
-    # A table of all entities comes with the module, and only notebooks need it.
+    """The table of a response as HTML, for notebooks."""
+    # The module brings a table of all entities, and only notebooks need the module.
     from html import escape  # noqa: PLC0415
 
     def row(cells: tuple[str, ...], tag: str) -> str:
+        """A row of the table whose cells have the given tag."""
         return "<tr>" + "".join(f"<{tag}>{escape(cell)}</{tag}>" for cell in cells) + "</tr>"
 
     head, *rest = rows_of(response)
@@ -73,7 +74,7 @@ def as_html(response: "Response") -> str:
 def plot(response: "Response", axes: Any = None) -> Any:
     """Draw the pressure of every shoe, in MPa over degrees, or over mm on a plane.
 
-    It draws into matplotlib `axes`, or into new axes, and returns them.
+    The curves are drawn into the given matplotlib `axes`, or into new axes, which are returned.
     """
     if axes is None:
         # matplotlib is loaded only when something is drawn.
@@ -92,7 +93,7 @@ def plot(response: "Response", axes: Any = None) -> Any:
 
 
 def _title(response: "Response") -> str:
-    """Model and effect of a response in one line."""
+    """One line with the model of a response and the torque or the braking force."""
     surface = response.surface
     unconverged = "" if response.converged else ", not converged"
     effect = f"{response.effect:.6g} {surface.effect_unit}"

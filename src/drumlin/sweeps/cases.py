@@ -105,6 +105,7 @@ def respond(case: SweepCase, cache: Cache | None = None) -> tuple[Brake, Respons
     The models "fem" and "solid" take condensed bodies from the cache and put theirs into it. Raises
     BadInput and NoAnswer as the model does.
     """
+    # A case without changes needs no second validation of its brake.
     brake = vary(case.brake, case.changes) if case.changes else case.brake
     options = dict(case.options)
     if case.model in {"fem", "solid"}:
@@ -127,10 +128,10 @@ def attempt(case: SweepCase, cache: Cache | None = None) -> CaseAnswer:
         return CaseAnswer(row_of(*respond(case, cache)))
     # A fault of one case must not cost the others. The row of the case tells the fault.
     except Exception as error:
-        return _failure(case, error)
+        return _failed_answer(case, error)
 
 
-def _failure(case: SweepCase, error: Exception) -> CaseAnswer:
+def _failed_answer(case: SweepCase, error: Exception) -> CaseAnswer:
     """The answer to a case that an error ended."""
     known = isinstance(error, DrumlinError)
     text = str(error) if known else f"unexpected {type(error).__name__}: {error}"
@@ -143,6 +144,7 @@ def _failure(case: SweepCase, error: Exception) -> CaseAnswer:
 
 def _is_passing(error: BaseException | None) -> bool:
     """Whether memory or the system, not the case, caused an error."""
+    # A model may wrap the system's error in a refusal of its own, which names its cause.
     while error is not None:
         if isinstance(error, MemoryError | OSError):
             return True
@@ -175,7 +177,7 @@ def row_of(brake: Brake, response: Response) -> Row:
     for i, shoe in enumerate(response.shoes):
         numbers = _shoe_row(brake, i, response.effects[i], shoe)
         row |= {f"{shoe.name}.{name}": value for name, value in numbers.items()}
-    return {name: _plain(value) for name, value in row.items()}
+    return {name: _as_plain_value(value) for name, value in row.items()}
 
 
 def _shoe_row(brake: Brake, number: int, effect: float, shoe: ShoeResponse) -> Row:
@@ -201,7 +203,7 @@ def _shoe_row(brake: Brake, number: int, effect: float, shoe: ShoeResponse) -> R
     }
 
 
-def _plain(value: Any) -> Any:
+def _as_plain_value(value: Any) -> Any:
     """A value of a row as plain Python: numbers of numpy as floats."""
     return value if value is None or isinstance(value, str | int) else float(value)
 
@@ -238,18 +240,19 @@ def run(
     """
     journal = Journal() if journal is None else journal
     keys = list(keys_of(cases))
-    missing = _missing(cases, keys, journal)
+    missing = _missing_cases(cases, keys, journal)
     finished = len(cases) - len(missing)
     done(finished, len(cases))
     # Rows that the journal does not keep, by the key of their case.
     passing: dict[str, Row] = {}
+    # Only cases that failed for a passing reason are left for the second and third round.
     for further in reversed(range(FURTHER_ATTEMPTS + 1)):
         again = []
         if executor is None:
-            answers = _in_process(cases, missing)
+            answers = _solve_in_process(cases, missing)
         else:
             alone = further < FURTHER_ATTEMPTS
-            answers = _by_workers(_Dispatch(executor, workers, cases, missing, alone), say)
+            answers = _solve_by_workers(_Dispatch(executor, workers, cases, missing, alone), say)
         for i, answer in answers:
             if answer.lasting:
                 journal.add(keys[i], answer.row)
@@ -265,7 +268,7 @@ def run(
     return [passing.get(key_of(key)) or journal[key] for key in keys]
 
 
-def _missing(
+def _missing_cases(
     cases: Sequence[SweepCase], keys: Sequence[dict[str, Any]], journal: Journal
 ) -> list[int]:
     """Positions of the cases that the journal has not, equal cases once, sorted by their bodies."""
@@ -280,6 +283,7 @@ def keys_of(cases: Iterable[SweepCase]) -> Iterator[dict[str, Any]]:
     Mesh files among the changes stand by a digest of their content.
     """
     brake_digests: dict[int, str] = {}
+    # Each mesh file is read once, however many cases name it.
     file_digest = cache(content_digest)
     for case in cases:
         # Thousands of cases share one brake object: it is digested once.
@@ -299,6 +303,7 @@ def keys_of(cases: Iterable[SweepCase]) -> Iterator[dict[str, Any]]:
 
 def digest_of(brake: Brake) -> str:
     """A digest of all data of a brake; mesh files count by their content, not by their names."""
+    # Equal brakes have equal JSON, since the keys stand in the order of the classes.
     data = brake.model_dump(mode="json")
     for shoe in data["shoes"]:
         if shoe.get("mesh") is not None:
@@ -325,13 +330,14 @@ def body_key(case: SweepCase) -> str:
     """
     changes_of_bodies = {}
     for key, value in case.changes.items():
+        # "shoe[0].actuation.force" has the words shoe, 0, actuation and force.
         words = set(key.replace("[", ".").split("."))
         if not words & set(LOAD_KEYS):
             changes_of_bodies[key] = value
     return json.dumps([changes_of_bodies, dict(case.options)], sort_keys=True, default=str)
 
 
-def _in_process(
+def _solve_in_process(
     cases: Sequence[SweepCase], missing: Sequence[int]
 ) -> Iterator[tuple[int, CaseAnswer]]:
     """Positions of the missing cases, each with its answer, which this process finds."""
@@ -367,7 +373,7 @@ def _stamp() -> str:
     return source_stamp()
 
 
-def _by_workers(dispatch: "_Dispatch", say: Say) -> Iterator[tuple[int, CaseAnswer]]:
+def _solve_by_workers(dispatch: "_Dispatch", say: Say) -> Iterator[tuple[int, CaseAnswer]]:
     """Positions of cases with their answers, as the answers come from an executor."""
     last_answer, told = time.time(), False
     try:

@@ -24,7 +24,7 @@ from drumlin.brake.file import is_interval, read_toml, unit_of, validated, value
 from drumlin.brake.plane_brake import any_from, read_any
 from drumlin.brake.units import to_si
 from drumlin.fem.mesh.content import mesh_bytes
-from drumlin.foundation.model import lifted
+from drumlin.foundation.model import included_effects
 from drumlin.models import MODELS
 from drumlin.sweeps.cases import SweepCase, mesh_files, names_mesh
 from drumlin.sweeps.options import MODEL_OPTIONS
@@ -97,7 +97,7 @@ DISTRIBUTIONS: Mapping[str, type[Distribution]] = {
 
 
 class SweepFile(Part):
-    """A sweep file as it is written."""
+    """The keys of a sweep file, with the values that the file gives."""
 
     title: Title | None = None
     brake: Annotated[str, Field(pattern=r"^[^\x00-\x1f]*$")] | dict[str, Any]
@@ -131,7 +131,7 @@ class Sweep(NamedTuple):
 
 
 Done = Callable[[int, int], None]
-"""Told how many values have been judged, and of how many."""
+"""A function that shows how many values have been judged, and of how many."""
 
 
 def read_sweep(path: Path, done: Done = lambda judged, of: None) -> Sweep:
@@ -180,13 +180,14 @@ def sweep_from(
         in one line that names the key, the value and what is allowed
     """
     file = validated(SweepFile, data)
+    # The brake is read first, since the keys and models are judged by the brake.
     brake = _base_brake(file.brake, base)
-    models = _models(file.model, brake)
+    models = _checked_models(file.model, brake)
     specs: dict[str, _KeySpec] = {}
     for name, given in file.vary.items():
-        specs |= _specs(brake, name, given, base)
-    plan = _plan(file, specs)
-    changes = _changes(file, specs, plan, len(models))
+        specs |= _specs_of_line(brake, name, given, base)
+    plan = _plan_of_cases(file, specs)
+    changes = _changes_of_cases(file, specs, plan, len(models))
     _check_values(brake, file.combine, specs, plan, changes, done)
     for name in models:
         reason = MODELS[name].why_not(brake)
@@ -210,17 +211,19 @@ def _base_brake(brake: str | dict[str, Any], base: Path) -> Brake:
         raise BadInput(f"brake.{error}") from error
 
 
-def _models(given: Mapping[str, Mapping[str, Any]], brake: Brake) -> dict[str, dict[str, Any]]:
+def _checked_models(
+    given: Mapping[str, Mapping[str, Any]], brake: Brake
+) -> dict[str, dict[str, Any]]:
     """The checked options of each model that the sweep file names."""
     models = {}
     for name, options in given.items():
         if name not in MODELS:
             raise BadInput(f"model.{name}: unknown model; allowed: {', '.join(MODELS)}")
-        checked = _part(f"model.{name}", MODEL_OPTIONS.get(name, Part), options)
+        checked = _checked_part(f"model.{name}", MODEL_OPTIONS.get(name, Part), options)
         models[name] = checked.model_dump(exclude_none=True)
         # The foundation model refuses a brake on a plane altogether, as its `why_not` says later.
         if "lift" in models[name] and not brake.surface.straight:
-            lifted(brake, models[name]["lift"])
+            included_effects(brake, models[name]["lift"])
     return models
 
 
@@ -252,7 +255,7 @@ class _Plan(NamedTuple):
     repeats: int
 
 
-def _plan(file: SweepFile, specs: Mapping[str, _KeySpec]) -> _Plan:
+def _plan_of_cases(file: SweepFile, specs: Mapping[str, _KeySpec]) -> _Plan:
     """Decide which keys are drawn and which are listed. Raises BadInput for a wrong `cases`."""
     everything = file.combine == "random"
     drawn = [key for key, spec in specs.items() if everything or spec.values is None]
@@ -270,7 +273,7 @@ def _plan(file: SweepFile, specs: Mapping[str, _KeySpec]) -> _Plan:
     return _Plan(listed, drawn, file.cases or 1)
 
 
-def _changes(
+def _changes_of_cases(
     file: SweepFile, specs: Mapping[str, _KeySpec], plan: _Plan, models: int
 ) -> list[dict[str, Any]]:
     """The changed keys of each case.
@@ -287,14 +290,17 @@ def _changes(
     BadInput
         for more than MOST_CASES cases, and for lists of unequal lengths that are paired
     """
-    draws = {key: _draw(specs[key], key, file.seed, plan.repeats) for key in plan.drawn}
-    lengths = [len(values) for values in plan.listed.values()]
+    draws = {}
+    for key in plan.drawn:
+        draws[key] = _drawn_values(specs[key], key, file.seed, plan.repeats)
+    lengths = list(map(len, plan.listed.values()))
     combinations = math.prod(lengths) if file.combine == "grid" else max(lengths, default=1)
     count = combinations * plan.repeats * models
     if count > MOST_CASES:
         raise BadInput(f"vary: makes {count} cases; allowed: {MOST_CASES}")
+    # Each combination of listed values meets the same draws and can be compared.
     changes = []
-    for point in _combined(file.combine, plan.listed):
+    for point in _combinations(file.combine, plan.listed):
         for i in range(plan.repeats):
             changes.append({key: point[key] if key in point else draws[key][i] for key in specs})
     return changes
@@ -322,17 +328,19 @@ def _check_values(
     changes : the changed keys of each case
     done : told how many values have been judged, and of how many
     """
+    # The median is the value at half of the cumulative function.
     half = np.array([0.5])
     medians = {key: spec.at(half)[0] for key, spec in specs.items() if key not in plan.listed}
     vary(brake, medians)
-    lengths = [len(values) for values in plan.listed.values()]
-    steps = _steps(combine, lengths, plan.repeats)
+    lengths = list(map(len, plan.listed.values()))
+    steps = _cases_per_step(combine, lengths, plan.repeats)
     for (key, values), step in zip(plan.listed.items(), steps, strict=True):
         _check_key(brake, _ListedKey(key, values, changes[::step]), medians, done)
 
 
 def _check_meshes(brake: Brake, specs: Mapping[str, _KeySpec]) -> None:
     """Raise BadInput or NoAnswer for a mesh file of the sweep that cannot be read."""
+    # Each mesh file is read once, before the first case is solved.
     meshes = set(mesh_files(brake, {}))
     for key, spec in specs.items():
         if names_mesh(key):
@@ -344,7 +352,7 @@ def _check_meshes(brake: Brake, specs: Mapping[str, _KeySpec]) -> None:
             raise type(error)(f"mesh = {error}") from error
 
 
-def _specs(brake: Brake, name: str, given: Any, base: Path) -> dict[str, _KeySpec]:
+def _specs_of_line(brake: Brake, name: str, given: Any, base: Path) -> dict[str, _KeySpec]:
     """The values that one line of [vary] gives, by key.
 
     A distribution of which each shoe draws its own value has a key for each shoe.
@@ -362,7 +370,7 @@ def _specs(brake: Brake, name: str, given: Any, base: Path) -> dict[str, _KeySpe
     except BadInput as error:
         raise BadInput(f"{where}: {str(error).removeprefix(f'{name}: ')}") from error
     if isinstance(given, list):
-        return {name: _listed(where, name, given, unit, base)}
+        return {name: _listed_values(where, name, given, unit, base)}
     if not isinstance(given, dict):
         raise BadInput(
             f"{where} = {given!r}: "
@@ -371,14 +379,16 @@ def _specs(brake: Brake, name: str, given: Any, base: Path) -> dict[str, _KeySpe
     if unit is None:
         raise BadInput(f"{where}: takes words, not numbers; must be a list of values")
     if "distribution" in given:
-        return _distributed(brake, where, name, given, unit)
-    span = _part(where, Range, given)
-    start = _number(f"{where}.from", span.start, unit)
-    end = _number(f"{where}.to", span.to, unit)
-    return {name: _range(where, start, end, span)}
+        return _specs_of_distribution(brake, where, name, given, unit)
+    span = _checked_part(where, Range, given)
+    start = _number_in_si(f"{where}.from", span.start, unit)
+    end = _number_in_si(f"{where}.to", span.to, unit)
+    return {name: _range_values(where, start, end, span)}
 
 
-def _listed(where: str, name: str, given: list[Any], unit: str | None, base: Path) -> _KeySpec:
+def _listed_values(
+    where: str, name: str, given: list[Any], unit: str | None, base: Path
+) -> _KeySpec:
     """The values of a list.
 
     Parameters
@@ -391,7 +401,7 @@ def _listed(where: str, name: str, given: list[Any], unit: str | None, base: Pat
     """
     if not given:
         raise BadInput(f"{where}: the list is empty; needs at least one value")
-    values = [_value(where, value, unit) for value in given]
+    values = [_listed_value(where, value, unit) for value in given]
     if names_mesh(name):
         values = [str(base / value) if isinstance(value, str) else value for value in values]
 
@@ -402,7 +412,7 @@ def _listed(where: str, name: str, given: list[Any], unit: str | None, base: Pat
     return _KeySpec(values, at)
 
 
-def _distributed(
+def _specs_of_distribution(
     brake: Brake, where: str, name: str, given: Mapping[str, Any], unit: str
 ) -> dict[str, _KeySpec]:
     """The values of a distribution, by key.
@@ -420,7 +430,7 @@ def _distributed(
         raise BadInput(
             f"{where}.distribution = {kind!r}: unknown; allowed: {', '.join(DISTRIBUTIONS)}"
         )
-    distribution = _part(where, DISTRIBUTIONS[kind], given)
+    distribution = _checked_part(where, DISTRIBUTIONS[kind], given)
     keys = [name]
     if distribution.each_shoe:
         if not name.startswith("shoe."):
@@ -439,7 +449,7 @@ def _distributed(
 PartKind = TypeVar("PartKind", bound=Part)
 
 
-def _part(where: str, kind: type[PartKind], data: Mapping[str, Any]) -> PartKind:
+def _checked_part(where: str, kind: type[PartKind], data: Mapping[str, Any]) -> PartKind:
     """A table of the sweep file as a `kind`. Raises BadInput that names the place of the table."""
     try:
         return validated(kind, data)
@@ -447,7 +457,7 @@ def _part(where: str, kind: type[PartKind], data: Mapping[str, Any]) -> PartKind
         raise BadInput(f"{where}: {error}") from error
 
 
-def _value(where: str, value: Any, unit: str | None) -> Any:
+def _listed_value(where: str, value: Any, unit: str | None) -> Any:
     """One listed value: a quantity in SI, a word, or a table with its units."""
     if unit is None:
         return value
@@ -455,7 +465,7 @@ def _value(where: str, value: Any, unit: str | None) -> Any:
         if unit and not _has_units(value):
             raise BadInput(f"{where}: {value}: every number of a table needs its unit")
         return value
-    return _number(where, value, unit)
+    return _number_in_si(where, value, unit)
 
 
 def _has_units(rows: list[Any]) -> bool:
@@ -467,7 +477,7 @@ def _has_units(rows: list[Any]) -> bool:
     return True
 
 
-def _number(where: str, value: Any, unit: str) -> float:
+def _number_in_si(where: str, value: Any, unit: str) -> float:
     """A quantity in SI; a plain number where the key has no unit."""
     if unit:
         try:
@@ -479,7 +489,7 @@ def _number(where: str, value: Any, unit: str) -> float:
     return float(value)
 
 
-def _range(where: str, start: float, end: float, span: Range) -> _KeySpec:
+def _range_values(where: str, start: float, end: float, span: Range) -> _KeySpec:
     """The values of a range between two ends in SI."""
     if span.scale == "linear":
         return _KeySpec(
@@ -517,29 +527,31 @@ def _inverse(
     nominal : the brake file's values of the key
     """
     if isinstance(distribution, Normal):
-        mean = _centre(f"{where}.mean", distribution.mean, unit, nominal)
-        deviation = _deviation(f"{where}.deviation", distribution.deviation, mean, unit)
+        mean = _centre_in_si(f"{where}.mean", distribution.mean, unit, nominal)
+        deviation = _deviation_in_si(f"{where}.deviation", distribution.deviation, mean, unit)
         if isinstance(distribution, TruncatedNormal):
             return _truncated_normal(where, distribution, unit, mean, deviation)
         if distribution.distribution == "lognormal":
             return _lognormal(where, distribution, mean, deviation)
         return _normal(mean, deviation)
     assert isinstance(distribution, Uniform)
-    start = _end(f"{where}.from", distribution.start, unit)
-    end = _end(f"{where}.to", distribution.to, unit)
+    start = _end_in_si(f"{where}.from", distribution.start, unit)
+    end = _end_in_si(f"{where}.to", distribution.to, unit)
     if not start < end:
         raise BadInput(
             f"{where}.to = {distribution.to!r}: must be greater than from = {distribution.start!r}"
         )
     if not isinstance(distribution, Triangular):
         return lambda u: start + (end - start) * u
-    mode = _centre(f"{where}.mode", distribution.mode, unit, nominal)
+    mode = _centre_in_si(f"{where}.mode", distribution.mode, unit, nominal)
     if not start <= mode <= end:
         raise BadInput(f"{where}.mode = {mode:g}: must be from {start:g} to {end:g}")
     return _triangular(start, mode, end)
 
 
-def _centre(where: str, given: float | str | None, unit: str, nominal: Sequence[Any]) -> float:
+def _centre_in_si(
+    where: str, given: float | str | None, unit: str, nominal: Sequence[Any]
+) -> float:
     """The mean or mode that is given, or else the brake file's own value.
 
     Parameters
@@ -550,17 +562,18 @@ def _centre(where: str, given: float | str | None, unit: str, nominal: Sequence[
     nominal : the brake file's values of the key
     """
     if given is not None:
-        return _number(where, given, unit)
+        return _number_in_si(where, given, unit)
+    # Shoes may have different values, of which none is the centre of a common distribution.
     if len(set(nominal)) > 1 or not isinstance(nominal[0], float):
         raise BadInput(f"{where}: is missing, and the brake file has no single number there")
     return float(nominal[0])
 
 
-def _end(where: str, given: float | str, unit: str) -> float:
+def _end_in_si(where: str, given: float | str, unit: str) -> float:
     """An end of a distribution in SI; infinite ends stay."""
     if isinstance(given, float) and math.isinf(given):
         return given
-    return _number(where, given, unit)
+    return _number_in_si(where, given, unit)
 
 
 def _normal(mean: float, deviation: float) -> Callable[[Floats], Floats]:
@@ -603,8 +616,8 @@ def _truncated_normal(
     unit : SI unit of the key
     mean, deviation : of the distribution before it is cut off
     """
-    low = (_end(f"{where}.from", distribution.start, unit) - mean) / deviation
-    high = (_end(f"{where}.to", distribution.to, unit) - mean) / deviation
+    low = (_end_in_si(f"{where}.from", distribution.start, unit) - mean) / deviation
+    high = (_end_in_si(f"{where}.to", distribution.to, unit) - mean) / deviation
     if not low < high:
         raise BadInput(
             f"{where}.to = {distribution.to!r}: must be greater than from = {distribution.start!r}"
@@ -642,7 +655,7 @@ def _cut_normal(u: Floats, low: float, high: float) -> Floats:
     return values
 
 
-def _deviation(where: str, given: float | str, mean: float, unit: str) -> float:
+def _deviation_in_si(where: str, given: float | str, mean: float, unit: str) -> float:
     """A standard deviation, absolute or in % of the mean.
 
     Parameters
@@ -658,22 +671,23 @@ def _deviation(where: str, given: float | str, mean: float, unit: str) -> float:
         except ValueError as error:
             raise BadInput(f'{where} = {given!r}: must be such as "5 %" of the mean') from error
     else:
-        value = _number(where, given, unit)
+        value = _number_in_si(where, given, unit)
     if not 0 < value < math.inf:
         reason = " (the mean is 0)" if mean == 0 else ""
         raise BadInput(f"{where} = {given!r}: must be greater than 0{reason}")
     return value
 
 
-def _draw(spec: _KeySpec, key: str, seed: int, count: int) -> list[Any]:
+def _drawn_values(spec: _KeySpec, key: str, seed: int, count: int) -> list[Any]:
     """Draw `count` values of a key, by a stream of random numbers that the key has for itself."""
+    # A further key in the sweep file leaves the draws of the other keys as they are.
     stream = int.from_bytes(hashlib.sha256(key.encode()).digest()[:8])
     u = np.random.default_rng([seed, stream]).random(count)
     # Random numbers come in steps of 2^-53. A u of 0 would make a normal deviate -infinity.
     return spec.at(np.maximum(u, 2.0**-54))
 
 
-def _combined(combine: str, listed: Mapping[str, list[Any]]) -> Iterator[dict[str, Any]]:
+def _combinations(combine: str, listed: Mapping[str, list[Any]]) -> Iterator[dict[str, Any]]:
     """The combinations of the listed values; in a grid the last key changes first."""
     lengths = {key: len(values) for key, values in listed.items()}
     if combine == "zip" and len(set(lengths.values())) > 1:
@@ -684,7 +698,7 @@ def _combined(combine: str, listed: Mapping[str, list[Any]]) -> Iterator[dict[st
         yield dict(zip(listed, row, strict=True))
 
 
-def _steps(combine: str, lengths: Sequence[int], repeats: int) -> list[int]:
+def _cases_per_step(combine: str, lengths: Sequence[int], repeats: int) -> list[int]:
     """For each listed key the number of cases from one of its values to the next.
 
     The first case with value number k of a key stands k times this number after the first case.
@@ -725,6 +739,7 @@ def _check_key(brake: Brake, listed: _ListedKey, medians: Mapping[str, Any], don
     done : told how many values have been judged, and of how many
     """
     key, values, firsts = listed
+    # If a brake takes the extremes of an interval, it takes all numbers between them.
     extremes = _extremes(values) if is_interval(brake, key) else []
     places = list(range(len(values)))
     if extremes:
@@ -742,6 +757,7 @@ def _check_key(brake: Brake, listed: _ListedKey, medians: Mapping[str, Any], don
         try:
             vary(brake, {key: values[i]})
         except BadInput:
+            # The values of the other keys in the same case may make the value fit.
             vary(brake, {**firsts[i], **medians})
 
 
@@ -749,8 +765,9 @@ def _extremes(values: Sequence[Any]) -> list[int]:
     """Positions of the least and the greatest negative number, of 0, and of the positive ones."""
     numbers = [i for i, value in enumerate(values) if isinstance(value, float)]
     found: set[int] = set()
+    # The limits of a key may differ for numbers of the two signs.
     for sign in (-1, 0, 1):
-        group = [i for i in numbers if (values[i] > 0) - (values[i] < 0) == sign]
+        group = [i for i in numbers if np.sign(values[i]) == sign]
         if group:
             found |= {min(group, key=values.__getitem__), max(group, key=values.__getitem__)}
     return sorted(found)

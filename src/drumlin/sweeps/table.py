@@ -4,6 +4,7 @@ import importlib
 import json
 import os
 from collections.abc import Sequence
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -50,17 +51,17 @@ def table(
         line: Row = {"case": number}
         for key, value in case.changes.items():
             if key not in headings:
-                headings[key] = _headed(key, unit_of(case.brake, key))
+                headings[key] = _heading(key, unit_of(case.brake, key))
             line[headings[key]] = _changed_value(key, value, base)
         line |= {"model": case.model, "status": row["status"]}
         for name, value in row.items():
-            line[_headed(name, _row_unit(case, name))] = value
+            line[_heading(name, _row_unit(case, name))] = value
         lines.append(line if pressure == "Pa" else _in_megapascal(line))
     return lines
 
 
 def _changed_value(key: str, value: Any, base: Path | None) -> Any:
-    """A changed value as it stands in the table."""
+    """The cell of a changed value: a path from the folder `base`, a table of numbers as JSON."""
     if base is not None and names_mesh(key):
         return Path(os.path.relpath(value, base)).as_posix()
     return json.dumps(value) if isinstance(value, list | tuple) else value
@@ -68,6 +69,7 @@ def _changed_value(key: str, value: Any, base: Path | None) -> Any:
 
 def _row_unit(case: SweepCase, name: str) -> str | None:
     """The unit of a number of a row, by its name."""
+    # The numbers of a shoe are named SHOE.NUMBER.
     quantity = name.rpartition(".")[2]
     if quantity in {"contact_start", "contact_end"}:
         return case.brake.surface.unit
@@ -86,7 +88,7 @@ def _in_megapascal(line: Row) -> Row:
     return converted
 
 
-def _headed(name: str, unit: str | None) -> str:
+def _heading(name: str, unit: str | None) -> str:
     """The heading of a column: the name and, if there is one, the unit."""
     return f"{name} [{unit}]" if unit else name
 
@@ -98,14 +100,14 @@ def write_table(lines: Sequence[Row], path: Path) -> None:
         return
     parquet = _parquet()
     arrow = importlib.import_module("pyarrow")
-    names: dict[str, None] = {}
-    for line in lines:
-        names |= dict.fromkeys(line)
-    columns = {name: [line.get(name) for line in lines] for name in names}
-    for name, values in columns.items():
+    columns: dict[str, list[Any]] = {}
+    # A dict keeps the order in which the names first occur.
+    for name in dict.fromkeys(chain.from_iterable(lines)):
+        values = [line.get(name) for line in lines]
         # A column of Parquet has one type. Numbers beside words become words.
         if any(isinstance(value, str) for value in values):
-            columns[name] = [value if value is None else str(value) for value in values]
+            values = [value if value is None else str(value) for value in values]
+        columns[name] = values
     with replacing(path) as partial:
         parquet.write_table(arrow.table(columns), partial)
 

@@ -52,7 +52,7 @@ WORKER_THREADS = {"OPENBLAS_NUM_THREADS": "1"}
 them slower, above all where processes share the cores."""
 
 Say = Callable[[str], None]
-"""Told a line for the user."""
+"""A function that shows a line to the user."""
 
 
 class Workers(NamedTuple):
@@ -87,7 +87,7 @@ def executor(
                 f"--jobs = {jobs}: "
                 "the scheduler has its own workers; leave out --jobs or --scheduler"
             )
-        with _dask(scheduler, say) as workers:
+        with _dask_workers(scheduler, say) as workers:
             yield workers
         return
     jobs = min(_cores(), MAX_JOBS) if jobs is None else jobs
@@ -116,10 +116,16 @@ def _cores() -> int:
 
 
 class _ProcessPool(Executor):
-    """Processes, each with a thread of this process that gives it work.
+    """Processes, each with a thread of this process that gives the process its work.
 
     A process that dies takes only its own work with it, even where it dies while it sends its
     answer. Another process replaces it.
+
+    Three pools of others were tried (pebble 5.2.3, loky 3.7.0, concurrent.futures of Python 3.11).
+    The processes of each pool share a pipe. In all three a process that died while it sent its
+    answer was not noticed within 40 s, and in pebble and concurrent.futures work that was given
+    afterwards had no answer within 20 s. In loky a process that died at its work took the work of
+    its neighbour with it, and the pool; the pool of concurrent.futures was unusable after a death.
     """
 
     def __init__(self, number: int) -> None:
@@ -145,20 +151,20 @@ class _ProcessPool(Executor):
 
     def _ask(self, *work: Any) -> Any:
         """What a function returns in the process of this thread."""
-        process = getattr(self._of_thread, "process", None) or self._started()
+        process = getattr(self._of_thread, "process", None) or self._start_process()
+        self._of_thread.process = process
         try:
             outcome = process.ask(work)
         except Exception as error:
             process.kill()
-            process = None
+            # The next work of this thread goes to a new process.
+            self._of_thread.process = None
             raise BrokenExecutor(f"its process died ({type(error).__name__})") from error
-        finally:
-            self._of_thread.process = process
         if not outcome.returned:
             raise outcome.value
         return outcome.value
 
-    def _started(self) -> "_Process":
+    def _start_process(self) -> "_Process":
         """A new process that has answered once. Raises NoAnswer where none starts."""
         reason = "stopped"
         for _ in range(0 if self._ended else MAX_PROCESS_STARTS):
@@ -174,7 +180,7 @@ class _ProcessPool(Executor):
 
 
 class _Outcome(NamedTuple):
-    """What came of a call: whether the function returned, and what it returned or raised."""
+    """The outcome of a call in a process: whether the function returned, and its value or error."""
 
     returned: bool
     value: Any
@@ -187,7 +193,7 @@ class _Process:
         spawn = multiprocessing.get_context("spawn")
         self._pipe, far_end = spawn.Pipe()
         self._process = spawn.Process(target=_serve, args=(far_end,), daemon=True)
-        with _worker_environment():
+        with _limited_threads():
             self._process.start()
         # The process has its own copy of the far end. With this copy closed the pipe ends when the
         # process dies.
@@ -210,8 +216,8 @@ class _Process:
 
 
 def _serve(pipe: Any) -> None:
-    """In a process: answer until the pipe ends."""
-    _attach()
+    """Call the functions that come through the pipe and send their answers, in a worker process."""
+    _follow_parent()
     with suppress(EOFError):
         while True:
             fn, args, kwargs = pipe.recv()
@@ -226,8 +232,8 @@ _environment_lock = threading.Lock()
 
 
 @contextmanager
-def _worker_environment() -> Iterator[None]:
-    """Set the environment that processes are started in, for one thread at a time."""
+def _limited_threads() -> Iterator[None]:
+    """Limit the threads of the processes that a block starts, one block at a time."""
     with _environment_lock:
         added = {name: value for name, value in WORKER_THREADS.items() if name not in os.environ}
         os.environ.update(added)
@@ -238,8 +244,8 @@ def _worker_environment() -> Iterator[None]:
                 os.environ.pop(name, None)
 
 
-def _attach() -> None:
-    """In a worker: leave Ctrl-C to the parent process, and end when the parent ends."""
+def _follow_parent() -> None:
+    """Leave Ctrl-C to the parent process, and end this worker process when the parent ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
 
@@ -253,16 +259,16 @@ def _attach() -> None:
 
 
 @contextmanager
-def _dask(address: str, say: Say) -> Iterator[Workers]:
+def _dask_workers(address: str, say: Say) -> Iterator[Workers]:
     """Provide the workers of the Dask scheduler at an address while a block runs."""
     try:
         distributed: Any = importlib.import_module("distributed")
     except ImportError as error:
         raise BadInput("--scheduler: Dask needs the extra drumlin[distributed]") from error
-    with _silent():
-        client = _client(distributed, address)
+    with _silence_dask():
+        client = _connected_client(distributed, address)
         try:
-            threads = _first_workers(client, address, say)
+            threads = _await_first_workers(client, address, say)
             pool = _DaskPool(client, address, distributed)
             try:
                 yield Workers(pool, threads)
@@ -274,7 +280,7 @@ def _dask(address: str, say: Say) -> Iterator[Workers]:
                 client.close(timeout=2)
 
 
-def _client(distributed: Any, address: str) -> Any:
+def _connected_client(distributed: Any, address: str) -> Any:
     """A client of the scheduler at an address.
 
     Raises BadInput where no scheduler answers within CONNECT_SECONDS.
@@ -301,7 +307,7 @@ def _client(distributed: Any, address: str) -> Any:
     try:
         return connected.result(CONNECT_SECONDS)
     except Exception as error:
-        connected.add_done_callback(_close)
+        connected.add_done_callback(_close_late_client)
         reason = ""
         if time.monotonic() - start > 0.9 * CONNECT_SECONDS:
             reason = f" (tried for {CONNECT_SECONDS:g} s)"
@@ -312,13 +318,13 @@ def _client(distributed: Any, address: str) -> Any:
         ) from error
 
 
-def _close(connected: "Future[Any]") -> None:
+def _close_late_client(connected: "Future[Any]") -> None:
     """Close a client that was connected too late. A lost client has nothing to close."""
     with suppress(Exception):
         connected.result().close(timeout=2)
 
 
-def _first_workers(client: Any, address: str, say: Say) -> int:
+def _await_first_workers(client: Any, address: str, say: Say) -> int:
     """Wait for the first workers; returns how many cases the workers solve at a time.
 
     Raises NoAnswer where no worker comes within FIRST_WORKER_SECONDS.
@@ -351,10 +357,13 @@ def _ask(client: Any, address: str) -> dict[str, Any]:
             f"--scheduler = {address!r}: is of a Dask older than {OLDEST_DASK} ({error})"
         ) from error
     except Exception as error:
-        raise NoAnswer(
-            f"--scheduler = {address!r}: the scheduler was lost, or does not answer"
-        ) from error
+        raise _lost_scheduler(address) from error
     return workers
+
+
+def _lost_scheduler(address: str) -> NoAnswer:
+    """The exception for a scheduler that was lost."""
+    return NoAnswer(f"--scheduler = {address!r}: the scheduler was lost, or does not answer")
 
 
 class _DaskPool(Executor):
@@ -383,8 +392,8 @@ class _DaskPool(Executor):
         try:
             inner = self._inner.submit(call, pickle.dumps((fn, args, kwargs)))
         except Exception as error:
-            raise self._loss() from error
-        inner.add_done_callback(lambda done: self._answer(future, done))
+            raise _lost_scheduler(self._address) from error
+        inner.add_done_callback(lambda done: self._pass_answer(future, done))
         return future
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
@@ -393,13 +402,7 @@ class _DaskPool(Executor):
         with self._lock:
             self._waiting.clear()
 
-    def _loss(self) -> NoAnswer:
-        """The error that says that the scheduler was lost."""
-        return NoAnswer(
-            f"--scheduler = {self._address!r}: the scheduler was lost, or does not answer"
-        )
-
-    def _answer(self, future: "Future[Any]", inner: "Future[Any]") -> None:
+    def _pass_answer(self, future: "Future[Any]", inner: "Future[Any]") -> None:
         """Pass the result of Dask's future on to the future that the sweep waits for."""
         with self._lock:
             if future not in self._waiting:
@@ -408,7 +411,7 @@ class _DaskPool(Executor):
             try:
                 future.set_result(inner.result())
             except CancelledError:
-                future.set_exception(self._loss())
+                future.set_exception(_lost_scheduler(self._address))
             except self._dask.KilledWorker as error:
                 future.set_exception(
                     BrokenExecutor(f"its workers died again and again ({type(error).__name__})")
@@ -417,7 +420,7 @@ class _DaskPool(Executor):
                 future.set_exception(error)
 
     def _watch(self) -> None:
-        """Ask about once a second whether the cluster lives; fail all work once it does not."""
+        """Ask the scheduler about once a second; fail all work once the cluster is lost."""
         last_seen: dict[str, Any] = {}
         last_sign = time.monotonic()
         while not self._end.wait(min(1.0, ANSWER_SECONDS / 4)):
@@ -447,7 +450,7 @@ class _DaskPool(Executor):
 
 
 def call(work: bytes) -> Any:
-    """In a Dask worker: limit the threads, then unpack a function with its arguments and call it.
+    """The result of a function packed with its arguments, called in a Dask worker of one thread.
 
     Unpacking loads numpy, which reads the limit as it is loaded.
     """
@@ -459,7 +462,7 @@ def call(work: bytes) -> Any:
 
 
 @contextmanager
-def _silent() -> Iterator[None]:
+def _silence_dask() -> Iterator[None]:
     """Silence Dask's log while a block runs.
 
     A lost cluster is told in one line by this module. The log stays silent where the block fails,

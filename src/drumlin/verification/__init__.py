@@ -1,5 +1,4 @@
-"""Verification: reference values by a second solver, results that are checked against them, and the
-time of a solve against its own assembly.
+"""Verification: reference values by a second solver, checks of results, the cost of a solve.
 
-Stands on everything that computes; nothing that computes stands on it.
+This package imports the parts of drumlin that compute; no part that computes imports this package.
 """

@@ -1,4 +1,4 @@
-"""Somebody's p(theta), a table in a CSV file, against reference values."""
+"""Comparison of anybody's p(theta), a table in a CSV file, with reference values."""
 
 import csv
 import io
@@ -19,36 +19,51 @@ from drumlin.brake.plane_brake import read_any
 from drumlin.brake.surface import DRUM, FrictionSurface
 from drumlin.brake.units import LARGEST_NUMBER_SI, to_si
 from drumlin.comparison import as_csv
-from drumlin.response.response import Response, ShoeResponse
+from drumlin.response.response import Response
 from drumlin.verification.reference import Reference, ShoeReference
 from drumlin.verification.reference_file import LARGEST_FILE
 
 
 def _place_heading(surface: FrictionSurface) -> str:
+    """The heading of the column of places, with its unit: "theta [deg]" or "x [mm]"."""
     return f"{surface.coordinate} [{surface.shown_unit}]"
 
 
-def _allowed(surface: FrictionSurface) -> str:
+def _allowed_columns(surface: FrictionSurface) -> str:
+    """The columns that a table of p(theta) may have, in words for messages."""
     place = _place_heading(surface)
     return f"columns 'shoe', {place!r} and 'p [MPa]', or other units"
 
 
 class Curve(NamedTuple):
-    """Pressures p (n,) [Pa] of a shoe at growing angles theta (n,) [rad]."""
+    """The pressure of a shoe along its lining.
+
+    Attributes
+    ----------
+    theta : growing angles (n,) [rad], on a plane places (n,) [m]
+    p : pressures (n,) [Pa] at these angles
+    """
 
     theta: Floats
     p: Floats
 
 
 class Verdict(NamedTuple):
-    """How far a shoe's curve is from its reference.
+    """How far a shoe's pressure curve is from its reference values.
 
-    `distance`: relative L2 distance of p outside the edge zones, at the reference's angles;
-    `largest`: largest difference there over the peak pressure, and its place `at`, in words;
-    `torque_error`: what these differences of p change of the torque, relative; `torque` [N m], on a
-    plane the braking force [N]: by trapezia of the curve's own points, held even to the lining's
-    ends, where a sharp edge may need finer ones; `floor`, `torque_floor`: relative uncertainties of
-    the reference.
+    Differences of p count at the angles of the reference, outside the edge zones.
+
+    Attributes
+    ----------
+    shoe : name of the shoe
+    distance : relative L2 distance of p
+    largest : largest difference of p, relative to the peak pressure of the reference
+    at : place of the largest difference, in words
+    torque : torque of the curve [N m], on a plane its braking force [N], by trapezia of the curve's
+        points; from its last points to the lining's ends the pressure is taken as constant
+    torque_error : relative change of the torque by the differences of p
+    floor : relative uncertainty of the reference's p
+    torque_floor : relative uncertainty of the reference's torque
     """
 
     shoe: str
@@ -62,29 +77,21 @@ class Verdict(NamedTuple):
 
 
 def curves_text(response: Response, surface: FrictionSurface = DRUM) -> str:
-    """The pressures of a response over the places of its surface, as a CSV table that `read_curves`
-    takes.
-    """
-    place, per_unit = _place_heading(surface), surface.shown
-    return as_csv(
-        [
-            {"shoe": shoe.name, place: f"{x:.12g}", "p [MPa]": f"{p:.12g}"}
-            for shoe in response.shoes
-            for x, p in zip(*curve_of(shoe, per_unit), strict=True)
-        ]
-    )
-
-
-def curve_of(shoe: ShoeResponse, per_unit: float) -> tuple[Floats, Floats]:
-    """The curve of a shoe: places, in units of which there are so many to SI's, and p [MPa]."""
-    theta, p = shoe.curve()
-    return theta * per_unit, p * 1e-6
+    """The pressures of all shoes of a response as a CSV table, which `read_curves` can read."""
+    heading = _place_heading(surface)
+    rows = []
+    for shoe in response.shoes:
+        places, p = shoe.curve()
+        for x, mpa in zip(places * surface.shown, p * 1e-6, strict=True):
+            rows.append({"shoe": shoe.name, heading: f"{x:.12g}", "p [MPa]": f"{mpa:.12g}"})
+    return as_csv(rows)
 
 
 def read_curves(path: Path, brake: Brake) -> dict[str, Curve]:
-    """The curve of each shoe from a CSV file, on a plane over x [m].
+    """Read the pressure curve of each shoe, by its name, from a CSV file.
 
-    Raises BadInput with one line: file, line, what is allowed.
+    Raises BadInput for a table that cannot be used. The message is one line, which names the file,
+    the line and the allowed content.
     """
     text = read_text(path, LARGEST_FILE, "a table of p(theta)")
     try:
@@ -94,96 +101,136 @@ def read_curves(path: Path, brake: Brake) -> dict[str, Curve]:
     surface = brake.surface
     wanted = {surface.coordinate: surface.unit, "p": "Pa"}
     if not lines:
-        raise BadInput(f"{path}: is empty; must have {_allowed(surface)}")
-    columns = _columns(path, lines[0], wanted, surface)
+        raise BadInput(f"{path}: is empty; must have {_allowed_columns(surface)}")
+    columns = _read_heading(path, lines[0], wanted, surface)
     names = [shoe.name for shoe in brake.shoes]
     if "shoe" not in columns and len(names) > 1:
         raise BadInput(f"{path}: line 1: no column 'shoe'; the brake has {', '.join(names)}")
-    points: dict[str, list[tuple[float, float]]] = {name: [] for name in names}
+    points: dict[str, list[list[float]]] = {name: [] for name in names}
     for number, line in enumerate(lines[1:], 2):
-        if not any(cell.strip() for cell in line):
+        # Empty lines count as lines, and hold no point.
+        if not "".join(line).strip():
             continue
         if len(line) != len(lines[0]):
             raise BadInput(
-                f"{path}: line {number}: {len(line)} cells; must have {len(lines[0])} as the "
-                f"heading"
+                f"{path}: line {number}: {len(line)} cells; "
+                f"must have {len(lines[0])} as the heading"
             )
-        name = line[columns["shoe"][0]].strip() if "shoe" in columns else names[0]
+        name = line[columns["shoe"].position].strip() if "shoe" in columns else names[0]
         if name not in points:
             raise BadInput(
                 f"{path}: line {number}: shoe = {name!r}: unknown; allowed: {', '.join(names)}"
             )
-        theta, p = (_number(path, number, line, key, *columns[key]) for key in wanted)
-        points[name].append((theta, p))
+        place = f"{path}: line {number}: "
+        point = [_cell_in_si(place, line, key, columns[key]) for key in wanted]
+        points[name].append(point)
     return {shoe.name: _curve(path, shoe, points[shoe.name]) for shoe in brake.shoes}
 
 
-def _columns(
+class _NumberColumn(NamedTuple):
+    """A column of a table: its position, counted from 0, and the factor from its unit to SI."""
+
+    position: int
+    factor: float
+
+
+def _read_heading(
     path: Path, heading: Sequence[str], wanted: Mapping[str, str], surface: FrictionSurface
-) -> dict[str, tuple[int, float]]:
-    """Place and factor to SI of each column, from headings such as 'theta [deg]'."""
-    columns: dict[str, tuple[int, float]] = {}
-    for place, cell in enumerate(heading):
+) -> dict[str, _NumberColumn]:
+    """The columns of a table by name, from cells such as 'theta [deg]'.
+
+    Parameters
+    ----------
+    path : of the table, for messages
+    heading : cells of the first line
+    wanted : SI unit of each quantity that the table must hold, by name of its column
+    surface : friction surface of the brake
+
+    Raises
+    ------
+    BadInput
+        for a missing column or an unknown unit
+    """
+    columns: dict[str, _NumberColumn] = {}
+    for position, cell in enumerate(heading):
         name, _, unit = cell.strip().removesuffix("]").partition("[")
         name = name.strip()
         if name == "shoe":
-            columns[name] = (place, 1.0)
+            columns[name] = _NumberColumn(position, 1.0)
         if name in wanted:
             try:
-                columns[name] = (
-                    place,
-                    to_si(f"1 {unit.strip()}", wanted[name], unit_required=True),
-                )
+                factor = to_si(f"1 {unit.strip()}", wanted[name], unit_required=True)
+                columns[name] = _NumberColumn(position, factor)
             except ValueError as error:
                 raise BadInput(f"{path}: line 1: {cell.strip()!r}: {error}") from error
     for name in wanted:
         if name not in columns:
             raise BadInput(
-                f"{path}: line 1: no column {name!r} with its unit; must have {_allowed(surface)}"
+                f"{path}: line 1: no column {name!r} with its unit; "
+                f"must have {_allowed_columns(surface)}"
             )
     return columns
 
 
-def _number(
-    path: Path, number: int, line: Sequence[str], key: str, place: int, factor: float
-) -> float:
+def _cell_in_si(place: str, line: Sequence[str], key: str, column: _NumberColumn) -> float:
+    """The number in a cell of a table, in SI.
+
+    Parameters
+    ----------
+    place : file and number of the line, for messages
+    line : cells of the line
+    key : name of the quantity, for messages
+    column : column of the cell
+
+    Raises
+    ------
+    BadInput
+        for a cell that holds no finite number
+    """
+    cell = line[column.position]
     try:
-        value = float(line[place]) * factor
+        value = float(cell) * column.factor
     except ValueError:
         value = math.nan
     if not abs(value) <= LARGEST_NUMBER_SI:
         raise BadInput(
-            f"{path}: line {number}: {key} = {line[place]!r}: must be a finite number, "
+            f"{place}{key} = {cell!r}: must be a finite number, "
             f"up to {LARGEST_NUMBER_SI:g} in SI units"
         )
     return value
 
 
-def _curve(path: Path, shoe: Shoe, points: list[tuple[float, float]]) -> Curve:
+def _curve(path: Path, shoe: Shoe, points: list[list[float]]) -> Curve:
+    """The pressure curve of a shoe from the points (theta, p) of a table, in any order.
+
+    Raises BadInput for fewer than two points, and for two points at one place.
+    """
     if len(points) < 2:
         raise BadInput(f"{path}: shoe {shoe.name!r}: {len(points)} points; must be 2 or more")
     theta, p = np.array(points).T
-    if not shoe.flat:  # whole turns do not matter
-        theta = (
-            shoe.lining.middle + (theta - shoe.lining.middle + math.pi) % (2 * math.pi) - math.pi
-        )
+    if not shoe.flat:
+        # Whole turns do not matter: each angle is moved to within pi of the lining's middle.
+        middle = shoe.lining.middle
+        theta = middle + (theta - middle + math.pi) % (2 * math.pi) - math.pi
     order = np.argsort(theta, kind="stable")
     theta, p = theta[order], p[order]
     same = np.diff(theta) <= 0
     if same.any():
-        raise BadInput(
-            f"{path}: shoe {shoe.name!r}: {_place(shoe, theta[:-1][same][0])} stands twice"
-        )
+        place = _place_text(shoe, theta[:-1][same][0])
+        raise BadInput(f"{path}: shoe {shoe.name!r}: {place} stands twice")
     return Curve(theta, p)
 
 
-def _place(shoe: Shoe, at: float) -> str:
+def _place_text(shoe: Shoe, at: float) -> str:
+    """An angle [rad] on a shoe, or a place [m] on a flat shoe, in words with its unit."""
     return f"{shoe.surface.coordinate} = {shoe.surface.place(at)}"
 
 
 def check(brake: Brake, known: Reference, curves: dict[str, Curve]) -> list[Verdict]:
-    """The verdict on each shoe. Raises BadInput where the reference is of another brake, or a curve
-    does not reach over its lining up to the edge zones.
+    """Compare the pressure curve of each shoe with the reference values of a brake.
+
+    Raises BadInput where the reference is of another brake, or where a curve ends before it reaches
+    an edge zone of its lining.
     """
     if [shoe.name for shoe in known.shoes] != [shoe.name for shoe in brake.shoes]:
         said = ", ".join(shoe.name for shoe in known.shoes)
@@ -191,13 +238,22 @@ def check(brake: Brake, known: Reference, curves: dict[str, Curve]) -> list[Verd
     key = differing(brake, read_any(Path("brake_file"), known.text))
     if key is not None:
         raise BadInput(f"the reference is of another brake: {key} is not the same")
-    return [
-        _verdict(brake, spec, shoe, curves[shoe.name])
-        for spec, shoe in zip(brake.shoes, known.shoes, strict=True)
-    ]
+    verdicts = []
+    for spec, shoe in zip(brake.shoes, known.shoes, strict=True):
+        verdicts.append(_verdict(brake, spec, shoe, curves[shoe.name]))
+    return verdicts
 
 
 def _verdict(brake: Brake, spec: Shoe, known: ShoeReference, curve: Curve) -> Verdict:
+    """The verdict on the pressure curve of one shoe. Raises BadInput where the curve is too short.
+
+    Parameters
+    ----------
+    brake : the brake
+    spec : the shoe in the brake file
+    known : reference values of the shoe
+    curve : pressure curve that is judged
+    """
     inside = known.inside
     theta, p = known.theta[inside], known.pressure[inside]
     if not len(theta):
@@ -206,58 +262,62 @@ def _verdict(brake: Brake, spec: Shoe, known: ShoeReference, curve: Curve) -> Ve
         )
     if curve.theta[0] > theta[0] + 1e-9 or curve.theta[-1] < theta[-1] - 1e-9:
         raise BadInput(
-            f"shoe {known.name!r}: from {_place(spec, curve.theta[0])} to "
-            f"{_place(spec, curve.theta[-1])}: must reach "
-            f"from {_place(spec, theta[0])} to {_place(spec, theta[-1])}"
+            f"shoe {known.name!r}: from {_place_text(spec, curve.theta[0])} "
+            f"to {_place_text(spec, curve.theta[-1])}: must reach "
+            f"from {_place_text(spec, theta[0])} to {_place_text(spec, theta[-1])}"
         )
     off = np.interp(theta, *curve) - p
-    size = math.sqrt(float(p @ p))
     worst = int(np.abs(off).argmax())
-    peak = known.peak_pressure.value
+    # Torque per integral of p over theta.
     lever = brake.friction * spec.lining.width * brake.scale_factor**2
+    torque_off, torque = abs(lever * float(np.trapezoid(off, theta))), known.torque.value
     return Verdict(
         shoe=known.name,
-        distance=math.sqrt(float(off @ off)) / size if size else math.inf if off.any() else 0.0,
-        largest=abs(float(off[worst])) / peak if peak else math.inf if off.any() else 0.0,
-        at=_place(spec, float(theta[worst])),
-        torque=lever * _area(spec, curve),
-        torque_error=abs(lever * float(np.trapezoid(off, theta))) / known.torque.value
-        if known.torque.value
-        else 0.0,
+        distance=_relative(math.sqrt(float(off @ off)), math.sqrt(float(p @ p))),
+        largest=_relative(abs(float(off[worst])), known.peak_pressure.value),
+        at=_place_text(spec, float(theta[worst])),
+        torque=lever * _pressure_integral(spec, curve),
+        torque_error=torque_off / torque if torque else 0.0,
         floor=known.distance,
         torque_floor=known.torque.relative,
     )
 
 
-def _area(shoe: Shoe, curve: Curve) -> float:
-    """Int p dtheta over the lining, by trapezia of the curve's own points."""
+def _relative(difference: float, size: float) -> float:
+    """A difference relative to a size; of the size 0, infinite unless the difference is 0, too."""
+    return difference / size if size else math.inf if difference else 0.0
+
+
+def _pressure_integral(shoe: Shoe, curve: Curve) -> float:
+    """The integral of p over theta along the lining [Pa rad], by trapezia of the curve's points."""
     start, end = shoe.lining.start, shoe.lining.end
-    theta = np.concatenate(
-        [[start], curve.theta[(curve.theta > start) & (curve.theta < end)], [end]]
-    )
+    within_lining = (curve.theta > start) & (curve.theta < end)
+    theta = np.concatenate([[start], curve.theta[within_lining], [end]])
     return float(np.trapezoid(np.interp(theta, *curve), theta))
 
 
 def within(verdicts: Sequence[Verdict], tolerance: float) -> bool:
-    """Whether p in L2 and the torque of each shoe are within a relative tolerance."""
-    return all(max(v.distance, v.torque_error) <= tolerance for v in verdicts)
+    """Whether the L2 distance of p and the torque error of each shoe are within a tolerance."""
+    return all(max(each.distance, each.torque_error) <= tolerance for each in verdicts)
 
 
 def lines(
     verdicts: Sequence[Verdict], tolerance: float, surface: FrictionSurface = DRUM
 ) -> list[str]:
-    """The verdicts for people, the last line the verdict on all, of the effect of a surface."""
+    """A line of text for each verdict, then a line that says whether all are within a tolerance.
+
+    The surface of the brake, drum or plane, gives the name and the unit of the torque.
+    """
     effect, unit = surface.effect, surface.effect_unit
-    said = [
-        f"shoe {v.shoe!r}: p off by {formatted(v.distance, '.2%')} in L2 (reference known to "
-        f"{v.floor:.1e}), at most "
-        f"by {formatted(v.largest, '.2%')} of the peak, at {v.at}; that is "
-        f"{formatted(v.torque_error, '.2%')} of the "
-        f"{effect} (known to {v.torque_floor:.1e}); {effect} of its points {v.torque:.7g} {unit}"
-        for v in verdicts
-    ]
-    return [
-        *said,
-        f"{'within' if within(verdicts, tolerance) else 'NOT within'} {tolerance:.3g} of the "
-        f"reference",
-    ]
+    text = []
+    for verdict in verdicts:
+        text.append(
+            f"shoe {verdict.shoe!r}: p off by {formatted(verdict.distance, '.2%')} in L2 "
+            f"(reference known to {verdict.floor:.1e}), "
+            f"at most by {formatted(verdict.largest, '.2%')} of the peak, at {verdict.at}; "
+            f"that is {formatted(verdict.torque_error, '.2%')} of the {effect} "
+            f"(known to {verdict.torque_floor:.1e}); "
+            f"{effect} of its points {verdict.torque:.7g} {unit}"
+        )
+    is_within = "within" if within(verdicts, tolerance) else "NOT within"
+    return [*text, f"{is_within} {tolerance:.3g} of the reference"]

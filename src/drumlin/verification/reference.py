@@ -1,15 +1,18 @@
 """Reference values of a brake that others can cite, and how far somebody's p(theta) is from them.
 
-The value comes from columns of high degree on the finer of two divisions, with exact contact. Its
-uncertainty is the larger of two distances: from the other division, of another degree and grading,
-and from curved triangles, which share nothing with it but the brake.
+The value comes from hp elements on the finer of two divisions, with exact contact. The uncertainty
+of the value is the larger of its distances from two other answers. One answer is that of the other
+division, which has another degree and grading. The other answer comes from curved triangles, which
+share nothing with the hp elements but the brake.
 """
 
 import importlib.metadata
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import islice
+from operator import attrgetter
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -31,23 +34,32 @@ from drumlin.response.response import Response, ShoeResponse, edge_zone, pressed
 from drumlin.verification import triangles
 
 PACKAGES = ("numpy", "scipy", "scikit-fem")
-METHOD = (
+"""Packages whose versions a reference states beside drumlin's own."""
+
+PROBLEM_SOLVED = (
     "2D plane stress, unilateral contact, full-slip Coulomb friction, exact contact; value: "
-    "columns of elements of "
-    "high degree; uncertainty: the larger of the distances from another division of them and "
-    "from curved triangles "
-    "with contact node by node"
+    "columns of elements of high degree; uncertainty: the "
 )
-ALONE = (
-    "2D plane stress, unilateral contact, full-slip Coulomb friction, exact contact; value: "
-    "columns of elements of "
-    "high degree; uncertainty: the distance from another division of them"
+"""First words of the method that a reference states."""
+
+METHOD = PROBLEM_SOLVED + (
+    "larger of the distances from another division of them and "
+    "from curved triangles with contact node by node"
 )
+"""Method of a reference that curved triangles confirm."""
+
+METHOD_WITHOUT_TRIANGLES = PROBLEM_SOLVED + "distance from another division of them"
+"""Method of a reference of a brake that curved triangles do not cover."""
 
 
 class Refinement(NamedTuple):
-    """How finely a reference is solved: two divisions into columns, the second one cited, after
-    `first` levels that find the ends of the contact; the meshes of triangles, where there are any.
+    """How finely a reference is solved.
+
+    Attributes
+    ----------
+    first : number of coarser levels that find the ends of the contact beforehand
+    levels : two divisions of the shoes into hp elements; the answer on the second one is cited
+    triangles : meshes of curved triangles, from coarse to fine; empty: no triangles
     """
 
     first: int
@@ -56,6 +68,8 @@ class Refinement(NamedTuple):
 
 
 ONE_DEGREE = math.pi / 180
+"""A degree [rad]: the step of the angles at which a reference lists the pressure."""
+
 FINE = Refinement(
     3,
     (
@@ -64,14 +78,21 @@ FINE = Refinement(
     ),
     triangles.TRIANGLE_LEVELS,
 )
-"""Sizes that grow slowly towards the ends of the layers and the hinge, where the torque feels them;
-thinner columns at the lining's ends would cost a stiff shoe more digits than they bring.
-"""
+"""The refinement of reference values that are published.
+
+Element sizes grow slowly away from the ends of the layers and from the hinge, because the torque
+depends on the stresses there. Thinner columns at the lining's ends would cost a stiff shoe more
+digits by round-off than they bring."""
 
 
 class Trio(NamedTuple):
-    """The responses of a reference: `value` is cited, `before` on the other division, `other` by
-    triangles, None where these do not cover the brake.
+    """The responses of a brake that make a reference.
+
+    Attributes
+    ----------
+    value : response on the finer division, which is cited
+    before : response on the other division
+    other : response by curved triangles; None where triangles do not cover the brake
     """
 
     value: Response
@@ -80,34 +101,38 @@ class Trio(NamedTuple):
 
     @property
     def others(self) -> tuple[Response, ...]:
-        """Those whose distances are the uncertainty."""
+        """The responses whose distances from the cited response are the uncertainty."""
         return (self.before,) if self.other is None else (self.before, self.other)
 
 
 def responses(brake: Brake, refinement: Refinement = FINE) -> Trio:
-    """The fine responses of a brake. Raises BadInput where finite elements do not apply or a mesh
-    is given by a file, NoAnswer where there is no equilibrium.
+    """Solve a brake on both divisions and by triangles.
+
+    Raises BadInput where finite elements do not apply or a shoe has a mesh file, NoAnswer where
+    there is no equilibrium.
     """
     for shoe in brake.shoes:
         if shoe.mesh is not None:
             raise BadInput(
                 f"shoe {shoe.name!r} has a mesh file, which is not refined: no reference values"
             )
-    respond_ = partial(respond, penalty=math.inf)
-    *_, last = islice((step.response for step in steps(brake, respond_)), refinement.first)
+    solve_exactly = partial(respond, penalty=math.inf)
+    # Coarse levels find the ends of the contact, near which the divisions are fine.
+    for step in islice(steps(brake, solve_exactly), refinement.first):
+        last = step.response
     found = []
     for level in refinement.levels:
-        last = respond_(
-            prepare(brake, level, places_of(brake, last, error=level.error)), brake, start=last
-        )
+        singular_points = places_of(brake, last, error=level.error)
+        last = solve_exactly(prepare(brake, level, singular_points), brake, start=last)
         found.append(last)
     before, value = found
     return Trio(value, before, _by_triangles(brake, value, refinement))
 
 
 def _by_triangles(brake: Brake, like: Response, refinement: Refinement) -> Response | None:
-    """The finest solution by triangles in the form of `like`; None where they do not cover the
-    brake, as on a plane.
+    """The finest response by curved triangles, in the form of the response `like`.
+
+    It is None where triangles do not cover the brake: on a plane, and for some kinds of shoes.
     """
     if not refinement.triangles or brake.surface.straight:
         return None
@@ -115,26 +140,27 @@ def _by_triangles(brake: Brake, like: Response, refinement: Refinement) -> Respo
         *_, solutions = triangles.sequence(brake, refinement.triangles)
     except BadInput:
         return None
-    shoes = [
-        pressed_shoe(
+    shoes = []
+    for shoe, solution, own in zip(brake.shoes, solutions, like.shoes, strict=True):
+        response = pressed_shoe(
             shoe,
             brake.scale_factor,
-            found.theta,
-            found.pressure,
-            order=found.order,
-            torque=found.torque,
-            normal_force=found.normal_force,
+            solution.theta,
+            solution.pressure,
+            order=solution.order,
+            torque=solution.torque,
+            normal_force=solution.normal_force,
             self_energising=own.self_energising,
-            hinge_reaction=found.hinge_reaction,
+            hinge_reaction=solution.hinge_reaction,
         )
-        for shoe, found, own in zip(brake.shoes, solutions, like.shoes, strict=True)
-    ]
+        shoes.append(response)
     return replace(like, model="triangles", shoes=tuple(shoes))
 
 
 def peak_away(response: ShoeResponse, edge: float, points: int = 2001) -> float:
-    """Largest pressure [Pa] outside zones of `edge` [rad] at the lining's ends, at evenly spread
-    angles.
+    """The largest pressure [Pa] of a shoe outside the edge zones at its lining's ends.
+
+    Each zone is `edge` [rad] long. The pressure is evaluated at a number of evenly spread `points`.
     """
     start, end = response.theta[0] + edge, response.theta[-1] - edge
     return float(response.pressure_at(np.linspace(start, end, points)).max())
@@ -142,27 +168,39 @@ def peak_away(response: ShoeResponse, edge: float, points: int = 2001) -> float:
 
 @dataclass(frozen=True)
 class Sure:
-    """A value, a number or an array, with its absolute uncertainty."""
+    """A quantity, a number or an array, with its absolute uncertainty."""
 
     value: Any
     uncertainty: float
 
     @property
     def relative(self) -> float:
-        """The uncertainty over the value's size; 0 where the uncertainty is."""
+        """The uncertainty relative to the size of the value; 0 where the uncertainty is 0."""
         size = float(np.linalg.norm(self.value))
         return self.uncertainty / size if size else math.inf if self.uncertainty else 0.0
 
 
 @dataclass(frozen=True)
 class ShoeReference:
-    """What is known of one shoe.
+    """The reference values of one shoe.
 
-    `contact_force` (2,) [N]: of the drum on the lining, friction included. `peak_pressure` [Pa]:
-    outside the zones of `edge` [rad] at the lining's ends. `contact_arcs` (k, 2) [rad]. `theta`
-    (n,) [rad], whole degrees; on a plane x [m] in place of angles, whole millimetres, and the
-    braking force [N] in place of the torque. `pressure` and `uncertainty` (n,) [Pa]. `distance`:
-    relative L2 distance of both pressures outside EDGE_ZONE at the ends.
+    On a plane places x [m] stand for the angles, and the braking force [N] for the torque.
+
+    Attributes
+    ----------
+    name : name of the shoe
+    torque : torque of the shoe [N m]
+    contact_force : force of the drum on the lining (2,) [N], friction included
+    hinge_reaction : force of the hinge on the shoe (2,) [N]
+    peak_pressure : largest pressure [Pa] outside the edge zones
+    contact_arcs : ends (k, 2) [rad] of the stretches of lining in contact
+    ends : angles [rad] of the lining's ends
+    edge : length [rad] of the edge zone at each end of the lining
+    theta : angles (n,) [rad] of the listed pressures: whole degrees, on a plane whole millimetres
+    pressure : pressures (n,) [Pa] at these angles
+    uncertainty : uncertainties (n,) [Pa] of these pressures
+    distance : largest relative L2 distance of another answer's pressure from the cited one, without
+        the zones EDGE_ZONE at the lining's ends
     """
 
     name: str
@@ -180,23 +218,31 @@ class ShoeReference:
 
     @property
     def inside(self) -> Bools:
-        """Which angles are not in the edge zones."""
-        return np.asarray(
-            (self.theta > self.ends[0] + self.edge) & (self.theta < self.ends[1] - self.edge)
-        )
+        """Which of the listed angles (n,) are outside the edge zones."""
+        first, last = self.ends
+        return np.asarray((self.theta > first + self.edge) & (self.theta < last - self.edge))
 
     @property
     def pressure_uncertainty(self) -> float:
-        """The largest uncertainty of p outside the edge zones, over the peak pressure."""
+        """The largest uncertainty of p outside the edge zones, relative to the peak pressure."""
         peak = self.peak_pressure.value
         return float(self.uncertainty[self.inside].max() / peak) if peak else 0.0
 
 
 @dataclass(frozen=True)
 class Reference:
-    """Reference values of a brake: `text` is its file, `command` makes them again.
+    """The reference values of a brake.
 
-    `surface`: on a plane the braking force [N] stands for torques, and places x [m] for angles.
+    Attributes
+    ----------
+    title : title of the brake
+    text : text of the brake file
+    command : command that makes these values again
+    method : how the values and their uncertainties were computed, in words
+    versions : versions of the packages, by name
+    torque : torque of the brake [N m], on a plane its braking force [N]
+    shoes : reference values of each shoe
+    surface : friction surface of the brake, a drum or a plane
     """
 
     title: str
@@ -210,70 +256,83 @@ class Reference:
 
 
 def reference(brake: Brake, text: str, command: str, trio: Trio | None = None) -> Reference:
-    """The reference values of a brake; `trio`: its fine responses, already there. Raises as
-    responses.
+    """Compute the reference values of a brake. Raises the errors of `responses`.
+
+    Parameters
+    ----------
+    brake : the brake
+    text : text of its file, which the reference keeps
+    command : command that makes the values again
+    trio : fine responses of the brake; None: `responses` computes them
     """
     brake.check_meshable()
     trio = trio or responses(brake)
-    versions = {
-        "drumlin": drumlin.__version__,
-        **{name: importlib.metadata.version(name) for name in PACKAGES},
-    }
-    shoes = tuple(_shoe(brake, i, trio) for i in range(len(brake.shoes)))
-    torque = Sure(
-        trio.value.torque, math.fsum(shoe.torque.uncertainty for shoe in shoes)
-    )  # shoes do not cancel
-    method = ALONE if trio.other is None else METHOD
+    versions = {"drumlin": drumlin.__version__}
+    for name in PACKAGES:
+        versions[name] = importlib.metadata.version(name)
+    shoes = tuple(_shoe_reference(brake, i, trio) for i in range(len(brake.shoes)))
+    # Errors of different shoes do not cancel: the brake's uncertainty is their sum.
+    torque = Sure(trio.value.torque, math.fsum(shoe.torque.uncertainty for shoe in shoes))
+    method = METHOD_WITHOUT_TRIANGLES if trio.other is None else METHOD
     return Reference(brake.title, text, command, method, versions, torque, shoes, brake.surface)
 
 
-def _sure(value: Any, *others: Any) -> Sure:
-    """A value whose uncertainty is its distance from the farthest of others; of arrays of another
-    shape: infinite.
+def _with_uncertainty(values: Sequence[Any]) -> Sure:
+    """The first of some values; its largest distance from the other values is the uncertainty.
+
+    An array of another shape, such as another number of contact arcs, is infinitely far away.
     """
-    value = np.asarray(value, dtype=float)
-    apart = 0.0
+    cited, *others = (np.asarray(value, dtype=float) for value in values)
+    distance = 0.0
     for other in others:
-        off = np.asarray(other, dtype=float)
-        apart = max(
-            apart, float(np.linalg.norm(value - off)) if value.shape == off.shape else math.inf
-        )
-    return Sure(value.tolist(), apart)
+        same_shape = cited.shape == other.shape
+        distance = max(distance, float(np.linalg.norm(cited - other)) if same_shape else math.inf)
+    return Sure(cited.tolist(), distance)
 
 
-def _contact_force(brake: Brake, index: int, found: ShoeResponse) -> Floats:
-    """Force (2,) [N] on the lining; on a plane the rest of reaction and actuation."""
+def _contact_force(brake: Brake, index: int, response: ShoeResponse) -> Floats:
+    """The force (2,) [N] of the drum or the plane on the lining of the shoe number `index`."""
     shoe = brake.shoes[index]
     if not shoe.flat:
-        return contact_resultant(brake, index, found).force
-    return (
-        -found.hinge_reaction
-        - (shoe if found.force is None else shoe.under(found.force)).actuation.vector
-    )
+        return contact_resultant(brake, index, response).force
+    # On a plane, contact force, hinge reaction and actuation add up to zero.
+    pushed = shoe if response.force is None else shoe.under(response.force)
+    return -response.hinge_reaction - pushed.actuation.vector
 
 
-def _shoe(brake: Brake, index: int, trio: Trio) -> ShoeReference:
+def _shoe_reference(brake: Brake, index: int, trio: Trio) -> ShoeReference:
+    """The reference values of the shoe number `index` from the responses of the brake."""
     spec = brake.shoes[index]
-    own = [response.shoes[index] for response in (trio.value, *trio.others)]
-    a = own[0]
     edge = edge_zone(spec, brake.scale_factor)
     first, last = spec.lining.start, spec.lining.end
-    step = 1e-3 if spec.flat else ONE_DEGREE  # whole millimetres, whole degrees
+    # The pressure is listed at whole degrees, on a plane at whole millimetres.
+    step = 1e-3 if spec.flat else ONE_DEGREE
     theta = np.arange(math.ceil(first / step + 1e-6), last / step - 1e-6) * step
-    pressure = a.pressure_at(theta)
+    answers = [response.shoes[index] for response in (trio.value, *trio.others)]
+    cited, *others = answers
+    pressure = cited.pressure_at(theta)
+    differences, distances = [], [0.0]
+    for other in others:
+        differences.append(np.abs(other.pressure_at(theta) - pressure))
+        # A lining that the drum does not press has no relative distance.
+        if cited.pressure.any():
+            distances.append(pressure_distance(other, cited, edge_of(brake)))
+
+    def compared(quantity: Callable[[ShoeResponse], Any]) -> Sure:
+        """A quantity of the cited answer, with its uncertainty by the other answers."""
+        return _with_uncertainty([quantity(answer) for answer in answers])
+
     return ShoeReference(
         name=spec.name,
-        torque=_sure(*(x.torque for x in own)),
-        contact_force=_sure(*(_contact_force(brake, index, x) for x in own)),
-        hinge_reaction=_sure(*(x.hinge_reaction for x in own)),
-        peak_pressure=_sure(*(peak_away(x, edge) for x in own)),
-        contact_arcs=_sure(*(np.reshape(x.contact_arcs, (-1, 2)) for x in own)),
+        torque=compared(attrgetter("torque")),
+        contact_force=compared(partial(_contact_force, brake, index)),
+        hinge_reaction=compared(attrgetter("hinge_reaction")),
+        peak_pressure=compared(partial(peak_away, edge=edge)),
+        contact_arcs=compared(lambda answer: np.reshape(answer.contact_arcs, (-1, 2))),
         ends=(first, last),
         edge=edge,
         theta=theta,
         pressure=pressure,
-        uncertainty=np.max([np.abs(x.pressure_at(theta) - pressure) for x in own[1:]], axis=0),
-        distance=max(pressure_distance(x, a, edge_of(brake)) for x in own[1:])
-        if a.pressure.any()
-        else 0.0,
+        uncertainty=np.max(differences, axis=0),
+        distance=max(distances),
     )

@@ -1,12 +1,11 @@
-"""Reference values as files: written as JSON, read back without trust, found by the brake file that
-they belong to.
-"""
+"""Files of reference values: writing as JSON, checked reading, search by brake file."""
 
 import json
 import math
 import re
 import tomllib
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -21,9 +20,26 @@ from drumlin.brake.units import LARGEST_NUMBER_SI
 from drumlin.verification.reference import Reference, ShoeReference, Sure
 
 FORMAT = "drumlin reference values, 1"
-FILE_DIGITS = 10  # significant digits in a file
-_LIST = re.compile(r"\[[-+0-9.eE,\s]*\]")  # in JSON, of numbers only
-LARGEST_FILE = 10_000_000  # bytes
+"""Name and version of the format, with which a file of reference values begins."""
+
+FILE_DIGITS = 10
+"""Significant digits of the numbers in a file. Reference values are certain to fewer digits."""
+
+_NUMBER_LIST = re.compile(r"\[[-+0-9.eE,\s]*\]")
+"""A list in JSON that holds numbers only."""
+
+LARGEST_FILE = 10_000_000
+"""Bytes of a file above which it is refused unread. Reference values take below 100 000."""
+
+UNCERTAIN_QUANTITIES = (
+    "torque",
+    "contact_force",
+    "hinge_reaction",
+    "peak_pressure",
+    "contact_arcs",
+)
+"""The keys of a shoe's quantities that have an uncertainty each."""
+
 UNITS = {
     "torque": "N m",
     "contact_force": "N",
@@ -35,7 +51,7 @@ UNITS = {
     "pressure": "Pa",
     "pressure_uncertainty": "Pa",
 }
-
+"""The unit of each quantity in a file of a brake on a drum."""
 
 SURFACE_UNITS = {
     surface: {
@@ -44,47 +60,36 @@ SURFACE_UNITS = {
     }
     for surface in (DRUM, PLANE)
 }
+"""The units in a file that depend on the friction surface, drum or plane."""
+
+UNREADABLE = (
+    ValueError,
+    LookupError,
+    TypeError,
+    AttributeError,
+    RecursionError,
+    OverflowError,
+)
+"""The errors with which reading fails where a file holds something else."""
 
 
 def _rounded(value: Any, digits: int = FILE_DIGITS) -> Any:
-    """Numbers, also in lists, to so many significant digits."""
+    """A number, or each number in nested lists, rounded to a number of significant digits."""
     if isinstance(value, list):
         return [_rounded(each, digits) for each in value]
     return float(f"{value:.{digits}g}")
 
 
 def _sure_data(sure: Sure) -> dict[str, Any]:
-    finite = math.isfinite(sure.uncertainty)
-    return {
-        "value": _rounded(sure.value),
-        "uncertainty": _rounded(sure.uncertainty, 3) if finite else None,
-    }
+    """A value and its uncertainty as plain data for JSON, which has no infinity: null stands."""
+    uncertainty = None
+    if math.isfinite(sure.uncertainty):
+        uncertainty = _rounded(sure.uncertainty, 3)
+    return {"value": _rounded(sure.value), "uncertainty": uncertainty}
 
 
 def as_dict(found: Reference) -> dict[str, Any]:
-    """Reference values as plain data for JSON."""
-    shoes = [
-        {
-            "name": shoe.name,
-            **{
-                key: _sure_data(getattr(shoe, key))
-                for key in (
-                    "torque",
-                    "contact_force",
-                    "hinge_reaction",
-                    "peak_pressure",
-                    "contact_arcs",
-                )
-            },
-            "lining": _rounded(list(shoe.ends)),
-            "edge": _rounded(shoe.edge),
-            "pressure_distance": _rounded(shoe.distance, 3),
-            "theta": _rounded(shoe.theta.tolist()),
-            "pressure": _rounded(shoe.pressure.tolist()),
-            "pressure_uncertainty": _rounded(shoe.uncertainty.tolist(), 3),
-        }
-        for shoe in found.shoes
-    ]
+    """The reference values of a brake as plain data for JSON."""
     return {
         "format": FORMAT,
         "title": found.title,
@@ -93,19 +98,34 @@ def as_dict(found: Reference) -> dict[str, Any]:
         "command": found.command,
         "versions": found.versions,
         "torque": _sure_data(found.torque),
-        "shoes": shoes,
+        "shoes": list(map(_shoe_data, found.shoes)),
         "brake_file": found.text,
     }
 
 
+def _shoe_data(shoe: ShoeReference) -> dict[str, Any]:
+    """The reference values of a shoe as plain data for JSON."""
+    return {
+        "name": shoe.name,
+        **{key: _sure_data(getattr(shoe, key)) for key in UNCERTAIN_QUANTITIES},
+        "lining": _rounded(list(shoe.ends)),
+        "edge": _rounded(shoe.edge),
+        "pressure_distance": _rounded(shoe.distance, 3),
+        "theta": _rounded(shoe.theta.tolist()),
+        "pressure": _rounded(shoe.pressure.tolist()),
+        "pressure_uncertainty": _rounded(shoe.uncertainty.tolist(), 3),
+    }
+
+
 def write_values(data: dict[str, Any], path: Path) -> None:
-    """Write reference values, as as_dict gives them, as JSON; a list of numbers is a line."""
+    """Write reference values, as `as_dict` returns them, to a JSON file."""
     text = json.dumps(data, indent=1, allow_nan=False)
-    write_text(path, _LIST.sub(lambda match: " ".join(match.group().split()), text) + "\n")
+    # Each list of numbers takes one line, in place of a line for each number.
+    write_text(path, _NUMBER_LIST.sub(lambda match: " ".join(match.group().split()), text) + "\n")
 
 
 def read_reference(path: Path) -> Reference:
-    """Reference values from a file that write_values made. Raises BadInput with one line."""
+    """Read reference values from a file of `write_values`. Raises BadInput for another file."""
     text = read_text(path, LARGEST_FILE, "a file of reference values")
     try:
         check_digits(text)
@@ -113,48 +133,41 @@ def read_reference(path: Path) -> Reference:
         if data["format"] != FORMAT:
             raise BadInput(f"{path}: format = {data['format']!r}: must be {FORMAT!r}")
         return Reference(
-            _text(data["title"]),
-            _text(data["brake_file"]),
-            _text(data["command"]),
-            _text(data["method"]),
-            {_text(name): _text(version) for name, version in data["versions"].items()},
-            _sure_from(data["torque"]),
-            tuple(_shoe_from(shoe) for shoe in data["shoes"]),
+            title=_text(data["title"]),
+            text=_text(data["brake_file"]),
+            command=_text(data["command"]),
+            method=_text(data["method"]),
+            versions=dict(map(_texts, data["versions"].items())),
+            torque=_sure_from(data["torque"]),
+            shoes=tuple(map(_shoe_from, data["shoes"])),
             surface=PLANE if data["units"]["theta"] == PLANE.unit else DRUM,
         )
-    except (
-        ValueError,
-        LookupError,
-        TypeError,
-        AttributeError,
-        RecursionError,
-        OverflowError,
-    ) as error:
+    except UNREADABLE as error:
         raise BadInput(
             f"{path}: holds no reference values in the form of `drumlin reference`"
         ) from error
 
 
 def summary_rows(values: Mapping[str, Any], name: str) -> list[dict[str, Any]]:
-    """A row a shoe of reference values as plain data: what is known of it, and which of six digits
-    of its torque and four of p away from the edges it is short of.
+    """Rows of a table that summarises the reference values of a brake, one row for each shoe.
+
+    `values` are the reference values as of `as_dict`, `name` is the brake's name in the table. The
+    last column says which of six digits of the torque and four digits of p outside the edge
+    zones are not certain.
     """
     rows = []
     for shoe in values["shoes"]:
-        peak, (start, end), edge = shoe["peak_pressure"]["value"], shoe["lining"], shoe["edge"]
-        away = [
-            u
-            for angle, u in zip(shoe["theta"], shoe["pressure_uncertainty"], strict=True)
-            if start + edge < angle < end - edge
-        ]
+        (start, end), edge = shoe["lining"], shoe["edge"]
+        theta = np.array(shoe["theta"])
+        uncertainty = np.array(shoe["pressure_uncertainty"])
+        largest = uncertainty[(start + edge < theta) & (theta < end - edge)].max()
+        pressure = float(largest / shoe["peak_pressure"]["value"])
         torque = shoe["torque"]["uncertainty"] / shoe["torque"]["value"]
-        pressure = max(away) / peak
         short = [f"six digits of torque ({torque:.0e})"] * (torque > 1e-6)
         short += [f"four digits of p ({pressure:.0e})"] * (pressure > 1e-4)
-        arcs = [
-            f"{math.degrees(a):.3f} to {math.degrees(b):.3f}"
-            for a, b in shoe["contact_arcs"]["value"]
-        ]
+        arcs = []
+        for first, last in shoe["contact_arcs"]["value"]:
+            arcs.append(f"{math.degrees(first):.3f} to {math.degrees(last):.3f}")
         rows.append(
             {
                 "brake": name,
@@ -171,18 +184,29 @@ def summary_rows(values: Mapping[str, Any], name: str) -> list[dict[str, Any]]:
 
 
 def _refused(word: str) -> float:
+    """Refuse NaN and infinity, which Python's reader of JSON would accept. Raises ValueError."""
     raise ValueError(f"{word} is no number of JSON")
 
 
 def _text(value: object) -> str:
+    """The value, which must be a text. Raises TypeError."""
     if not isinstance(value, str):
         raise TypeError("not a text")
     return value
 
 
+def _texts(pair: tuple[object, object]) -> tuple[str, str]:
+    """The two values of a pair, which must be texts. Raises TypeError."""
+    return _text(pair[0]), _text(pair[1])
+
+
 def _numbers(value: object, *shape: int) -> Floats:
-    """Finite numbers of a shape; -1: of any length. Raises ValueError, TypeError."""
+    """An array of finite numbers that must have a shape, in which -1 stands for any length.
+
+    Raises ValueError or TypeError.
+    """
     array = np.array(value, dtype=float)
+    # An empty list has no second dimension of its own.
     if array.size == 0:
         array = array.reshape([max(length, 0) for length in shape])
     fits = array.ndim == len(shape) and all(
@@ -194,14 +218,14 @@ def _numbers(value: object, *shape: int) -> Floats:
 
 
 def _sure_from(data: dict[str, Any], *shape: int) -> Sure:
-    known = data["uncertainty"]
-    return Sure(
-        _numbers(data["value"], *shape).tolist(), math.inf if known is None else _size(known)
-    )
+    """A value of a shape with its uncertainty, where null stands for infinity."""
+    given = data["uncertainty"]
+    uncertainty = math.inf if given is None else _size(given)
+    return Sure(_numbers(data["value"], *shape).tolist(), uncertainty)
 
 
 def _size(value: object) -> float:
-    """A number that is not negative."""
+    """The value as a number, which must not be negative. Raises ValueError or TypeError."""
     size = float(_numbers(value))
     if size < 0:
         raise ValueError("negative")
@@ -209,10 +233,8 @@ def _size(value: object) -> float:
 
 
 def _shoe_from(data: dict[str, Any]) -> ShoeReference:
+    """The reference values of a shoe from data of a file. Raises the errors UNREADABLE."""
     theta = _numbers(data["theta"], -1)
-    pressure, uncertainty = (
-        _numbers(data[key], len(theta)) for key in ("pressure", "pressure_uncertainty")
-    )
     first, last = _numbers(data["lining"], 2).tolist()
     if not first < last or (np.diff(theta) <= 0).any():
         raise ValueError("angles that do not grow")
@@ -226,34 +248,31 @@ def _shoe_from(data: dict[str, Any]) -> ShoeReference:
         ends=(first, last),
         edge=_size(data["edge"]),
         theta=theta,
-        pressure=pressure,
-        uncertainty=uncertainty,
+        pressure=_numbers(data["pressure"], len(theta)),
+        uncertainty=_numbers(data["pressure_uncertainty"], len(theta)),
         distance=_size(data["pressure_distance"]),
     )
 
 
 def stored(text: str, *folders: Path) -> Path | None:
-    """The file with reference values of a brake file that says what this text says, comments aside,
-    in the first of the folders that has one.
+    """The path of the reference values of a brake whose file has the text `text`.
+
+    The folders are searched in their order. Brake files with the same keys and values count as
+    equal, whatever their comments. The path is None where no folder has such reference values.
     """
-    asked = _said(text)
+    wanted = _content(text)
     for folder in folders:
         for path in sorted(folder.glob("*.json")):
-            try:
-                if (
-                    _said(
-                        json.loads(read_text(path, LARGEST_FILE, "reference values"))["brake_file"]
-                    )
-                    == asked
-                ):
+            # A JSON file that is unreadable or has no brake file is none of reference values.
+            with suppress(BadInput, *UNREADABLE):
+                data = json.loads(read_text(path, LARGEST_FILE, "reference values"))
+                if _content(data["brake_file"]) == wanted:
                     return path
-            except (BadInput, ValueError, LookupError, TypeError, RecursionError):
-                continue  # another JSON file
     return None
 
 
-def _said(text: str) -> object:
-    """What a TOML text says; of another its words."""
+def _content(text: str) -> object:
+    """The keys and values of a TOML text; of a text that is not TOML the text itself."""
     try:
         check_toml(text)
         return tomllib.loads(text)

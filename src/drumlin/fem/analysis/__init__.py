@@ -1,7 +1,7 @@
-"""Analyses: questions to a prepared or a solved brake beyond its response.
+"""Analyses of a prepared or solved brake that go beyond the response of a solve.
 
-The room holds the brake at rest and turns it to full slip, finds the friction at which it locks,
-computes exact sensitivities of the torque by adjoints, and recovers displacements and stresses
-inside the bodies. A brake or a prepared model comes in. A result of its own for each question goes
-out.
+Holding turns the drum from rest to full slip. Self-locking finds the friction coefficient at which
+the brake locks. Sensitivity gives exact derivatives of the torque by adjoints. Fields recover
+displacements and stresses inside the bodies. Each analysis takes a prepared model with a brake and
+returns a result class of its own.
 """

@@ -1,10 +1,12 @@
-"""The adjoint of the torques of a group of shoes.
+"""The adjoint of the torques of a group of shoes, which gives the derivatives of the torque.
 
-On the contact set of the answer the pressures p, the generalised coordinates y, the actuation
-forces F and the travel d of a cam's tips solve linear equations, r = 0. The solution (a, b, c) of
-the transposed equations for a torque holds the effect of any small change on the torque:
-dT = -(a, b, c) . dr, and T/mu dmu besides. The forces are unknowns, so that the forces of struts
-and cams are treated as any other force: c is the change of T per given force.
+On the contact set of the answer, linear equations r = 0 hold for the pressures p, the generalised
+coordinates y, the actuation forces F and the travel d of a cam's tips. The adjoint (a, b, c) solves
+the transposed equations for a torque T. A small change dr of the equations changes the torque by
+dT = -(a, b, c) . dr. A change of the friction coefficient adds T/mu dmu.
+
+The actuation forces are unknowns of the equations, so that forces of struts and cams need no
+special case: c is the change of T per given force.
 """
 
 from typing import NamedTuple
@@ -18,16 +20,16 @@ from drumlin.fem.equilibrium.sharing import full_equations
 
 
 class ShoeAdjoint(NamedTuple):
-    """The part of one shoe in the adjoint of the brake's torque, and in the answer.
+    """The adjoint of the brake's torque on one shoe, and the answer of this shoe.
 
     Attributes
     ----------
-    a : multipliers (n,) of the weighted gaps
-    b : multipliers (k,) of the equilibria
-    c : multiplier of the equation that gives the shoe's force
+    a : adjoint multipliers (n,) of the weighted gaps
+    b : adjoint multipliers (k,) of the equilibria
+    c : adjoint multiplier of the equation that gives the shoe's actuation force
     p : pressures (n,) [Pa] of the answer
     y : generalised coordinates (k,) of the answer
-    F : actuation force >= 0 [N] of the answer
+    F : size of the actuation force [N] of the answer
     """
 
     a: Floats
@@ -44,11 +46,11 @@ class GroupAdjoint(NamedTuple):
     Attributes
     ----------
     group : the group, with the senses of friction at its abutments that its answer has
-    shoes : the part of each shoe
+    shoes : the adjoint and the answer of each shoe
     torque : torque of each shoe (shoes,) [N m]
     friction : change of the torque of each shoe per friction coefficient (shoes,) [N m]
-    ring : change of the whole torque by the logarithm of the ring's modulus [N m]
-    drive : change of the whole torque by the logarithm of the forces that are given [N m]
+    ring : change of the group's torque by the logarithm of the ring's modulus [N m]
+    drive : change of the group's torque by the logarithm of all given forces [N m]
     """
 
     group: ShoeGroup
@@ -60,37 +62,44 @@ class GroupAdjoint(NamedTuple):
 
 
 def group_adjoint(group: ShoeGroup) -> GroupAdjoint:
-    """The adjoint of the sum of a group's torques. Raises NoAnswer as `ShoeGroup.settled` does."""
+    """Solve for the adjoint of the sum of a group's torques.
+
+    Raises NoAnswer as `ShoeGroup.settled` does.
+    """
     group, contact = group.settled()
     size, mu, lever, n = group.unit_force, group.brake.friction, group.levers, len(contact.p)
-    without_friction = _equations(group, 0.0)
-    per_friction = _equations(group, 1.0) - without_friction
+    without_friction = _equation_matrix(group, 0.0)
+    per_friction = _equation_matrix(group, 1.0) - without_friction
     y, F = group.coordinates(contact), np.abs(group.forces(contact.p))
     coordinates = sum(map(len, y))
-    # The travel of a cam's tips stands last. No equation multiplies it by mu, so that it may be 0.
+    # The last unknown is the travel of a cam's tips. No equation multiplies the travel by mu, so
+    # that its value does not matter here.
     travel = np.zeros(len(without_friction) - n - coordinates - len(F))
     answer = np.concatenate([contact.p, *y, F, travel])
     weights = np.zeros((len(answer), len(F)))
     weights[:n] = mu * lever
     on = np.concatenate([contact.active, np.ones(len(answer) - n, dtype=bool)])
-    each = _transposed_solution(without_friction + mu * per_friction, on, weights)
+    each = _solve_transposed(without_friction + mu * per_friction, on, weights)
+    # The torque of the group is the sum of the shoes' torques, and so is its adjoint.
     a, b, c = np.split(each.sum(axis=1), [n, n + coordinates])
     shoes = []
     for k, (nodes, modes) in enumerate(zip(group.node_ranges, group.mode_ranges, strict=True)):
         p, force = size * contact.p[nodes], size * float(F[k])
         shoes.append(ShoeAdjoint(a[nodes], b[modes], float(c[k]), p, size * y[k], force))
+    # Friction changes the torque at fixed pressures, and the pressures through the equations.
     by_friction = lever.T @ contact.p - each.T @ (per_friction @ answer)
+    given = _slope_by_given_forces(group, shoes)
     return GroupAdjoint(
         group=group,
         shoes=shoes,
         torque=size * mu * (lever.T @ contact.p),
         friction=size * by_friction,
-        ring=_by_ring(group, a, contact.p),
-        drive=size * group.total * float(c[-1]) if group.cam else _by_given_forces(group, shoes),
+        ring=_slope_by_ring(group, a, contact.p),
+        drive=size * group.total * float(c[-1]) if group.cam else given,
     )
 
 
-def _by_ring(group: ShoeGroup, a: Floats, p: Floats) -> float:
+def _slope_by_ring(group: ShoeGroup, a: Floats, p: Floats) -> float:
     """The change of the torque by the logarithm of the ring's modulus [N m]; 0 for a rigid drum."""
     if group.ring is None:
         return 0.0
@@ -98,23 +107,38 @@ def _by_ring(group: ShoeGroup, a: Floats, p: Floats) -> float:
     return group.unit_force * float((pressed @ a) @ ((pressed + group.brake.drag * dragged) @ p))
 
 
-def _by_given_forces(group: ShoeGroup, shoes: list[ShoeAdjoint]) -> float:
-    """The change of the torque by the logarithm of all forces that no strut gives [N m]."""
+def _slope_by_given_forces(group: ShoeGroup, shoes: list[ShoeAdjoint]) -> float:
+    """The change of the torque by the logarithm of all forces but the forces of struts [N m]."""
     pushed_by_struts = [to for _, to in group.links]
-    given = [own.c * own.F for k, own in enumerate(shoes) if k not in pushed_by_struts]
-    return float(sum(given))
+    return float(sum(own.c * own.F for k, own in enumerate(shoes) if k not in pushed_by_struts))
 
 
-def _equations(group: ShoeGroup, friction: float) -> Floats:
-    """All equations of a group at a friction coefficient, its forces unknowns; linear in it."""
+def _equation_matrix(group: ShoeGroup, friction: float) -> Floats:
+    """The matrix of all equations of a group, which is linear in the friction coefficient.
+
+    The actuation forces are among the unknowns, see `full_equations`.
+    """
     blocks, effects = group.blocks(friction), group.force_effects(friction)
     return full_equations(blocks, effects, group.links, group.cam)
 
 
-def _transposed_solution(matrix: Floats, on: Bools, weights: Floats) -> Floats:
-    """The solution (m, j) of the transposed equations on the unknowns `on` (m,), 0 elsewhere.
+def _solve_transposed(matrix: Floats, on: Bools, weights: Floats) -> Floats:
+    """Solve the transposed equations for the adjoints of j torques.
 
-    Raises NoAnswer where the equations are singular.
+    Parameters
+    ----------
+    matrix : the matrix (m, m) of the equations
+    on : whether an unknown is free (m,); all other unknowns are 0
+    weights : the derivatives (m, j) of the torques by the unknowns
+
+    Returns
+    -------
+    the adjoints (m, j), 0 at the unknowns that are not free
+
+    Raises
+    ------
+    NoAnswer
+        where the equations are singular
     """
     K = matrix[np.ix_(on, on)]
     # The equations are equilibrated by rows, and then by columns.

@@ -1,7 +1,7 @@
-"""The stick-slip problem of shoes while the drum rests, or is turned by a small angle.
+"""The stick-slip problem of shoes on a drum that rests or is turned by a small angle.
 
-Tractions are unknowns of their own. So are the forces on a foot on a rough abutment, which sticks
-and slips as the linings do.
+The tangential tractions on the linings are unknowns beside the pressures. A foot on a rough
+abutment sticks and slips as a lining does, so that its two forces are unknowns as well.
 """
 
 import math
@@ -13,34 +13,34 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.lapack import block_diag
 from drumlin.brake.brake import Brake
-from drumlin.brake.support import UNHELD, Abutment
+from drumlin.brake.support import UNHELD
 from drumlin.contact import equations
 from drumlin.contact.stick_slip import FrictionalProblem
 from drumlin.fem.equilibrium.group import ShoeGroup
-from drumlin.fem.equilibrium.sharing import ForceEffects, share
+from drumlin.fem.equilibrium.sharing import ForceEffects, share_forces
 from drumlin.fem.model import PENALTY
 from drumlin.fem.preparation.bodies import actuation, contact_stiffness
 
 
 def holding_problem(group: ShoeGroup) -> tuple[FrictionalProblem, Floats]:
-    """The stick-slip problem of a group of shoes while the drum rests, per newton, and its lever.
+    """The stick-slip problem of a group of shoes on a resting drum, per newton, and its lever.
 
     The lever (n,) [m^3] is the weighted slip per rotation of the drum: a rotation by Omega adds
-    lever Omega to q_s. Tractions and slips count along e_theta of the brake. A node for each foot
-    on a rough abutment follows the nodes of the linings, see `Feet`.
+    lever Omega to the slips q_s. Tractions and slips count along e_theta of the brake. One node for
+    each foot on a rough abutment follows the nodes of the linings, see `Feet`.
     """
     feet = Feet.of(group)
-    still = replace(group, brake=feet.smooth(0.0), senses=feet.senses)
+    still = replace(group, brake=feet.without_abutment_friction(0.0), senses=feet.senses)
     shoes = [_shoe_tractions(still, k) for k in range(len(group.members))]
-    problem = feet.added(_with_tractions(still, shoes), still)
+    problem = feet.add_nodes(_free_feet_problem(still, shoes), still)
     if group.links or group.cam:
-        problem = _with_shared_forces(still, problem, [shoe.effects for shoe in shoes])
-    lever = np.concatenate([shoe.lever for shoe in shoes])
+        problem = _share_forces(still, problem, shoes)
+    lever = np.concatenate([body.coupling.lever for body in group.bodies])
     return problem, np.append(lever, np.zeros(len(feet.on)))
 
 
 class _ShoeTractions(NamedTuple):
-    """The parts of one shoe that tractions t and slips s add to its contact problem.
+    """The matrices that tractions t and slips s add to the contact problem of one shoe.
 
     Attributes
     ----------
@@ -48,10 +48,9 @@ class _ShoeTractions(NamedTuple):
     A_sp, A_st : weighted slips (n, n) per pressure and per traction
     B_s : weighted slips (n, k) per generalised coordinate
     C_t : equilibria (k, n) per traction
-    compliance : of the penalty (n, n), along the surface as across it
+    compliance : compliance (n, n) of the penalty, the same along the surface as across it
     q_s : weighted slips (n,) without pressure and traction
-    lever : weighted slip (n,) [m^3] per rotation of the drum
-    effects : of the actuation force, by tractions
+    effects : effects of the actuation force in which tractions take the place of pressures
     """
 
     A_wt: Floats
@@ -61,28 +60,27 @@ class _ShoeTractions(NamedTuple):
     C_t: Floats
     compliance: Floats
     q_s: Floats
-    lever: Floats
     effects: ForceEffects
 
 
 def _shoe_tractions(group: ShoeGroup, k: int) -> _ShoeTractions:
-    """The effects of tractions on shoe `k` of a group without friction."""
+    """The matrices of tractions on shoe `k` of a group without friction."""
     body, shoe, modes = group.bodies[k], group.shoes[k], group.modes[k]
     coupling, condensed = body.coupling, body.condensed
     n = len(body.line.nodes)
-    # Tractions count along e_theta of the brake.
+    # Tractions count along e_theta of the brake, whichever way the shoe's own frame turns.
     T = shoe.frame.sense * coupling.T
-    Y = condensed.half(np.hstack([-coupling.N.T, T.T, condensed.load_on_contact]))
+    # Products of two halves are entries of the flexibility by pressures, tractions and loads.
+    Y = condensed.half_flexibility(np.hstack([-coupling.N.T, T.T, condensed.load_on_contact]))
     pressed, dragged, loaded = np.split(Y, [n, 2 * n], axis=1)
     load, _ = actuation(body, shoe)
     force = abs(shoe.actuation.force) / group.unit_force
-    opened = -dragged.T @ (loaded @ load)
+    tip = dragged.T @ (loaded @ load)
     bearing = np.zeros(n)
     if shoe.abutment is not None:
         nodal = T.reshape(n, -1, 2).sum(axis=1)
         bearing = -shoe.frame.to_brake(nodal) @ shoe.bearing
     effects = group.force_effects(0.0)[k]
-    tip = (loaded @ load) @ dragged
     return _ShoeTractions(
         # The gaps close by N u as the tractions T^T t act.
         A_wt=pressed.T @ dragged,
@@ -91,19 +89,28 @@ def _shoe_tractions(group: ShoeGroup, k: int) -> _ShoeTractions:
         B_s=-(T @ modes.contact_modes),
         C_t=(T @ modes.test_modes).T,
         compliance=coupling.M / group.stiffnesses[k],
-        q_s=force * opened,
-        lever=coupling.lever,
-        effects=effects._replace(opened=opened, tip=tip, bearing=bearing),
+        q_s=-force * tip,
+        effects=effects._replace(opened=-tip, tip=tip, bearing=bearing),
     )
 
 
-def _with_tractions(still: ShoeGroup, shoes: list[_ShoeTractions]) -> FrictionalProblem:
-    """The stick-slip problem of a group whose feet are free in the plane."""
+def _free_feet_problem(still: ShoeGroup, shoes: list[_ShoeTractions]) -> FrictionalProblem:
+    """The stick-slip problem of a group whose feet are free in the plane.
+
+    Parameters
+    ----------
+    still : the group without friction
+    shoes : the matrices of tractions on each shoe
+    """
     normal = still.blocks(0.0)
-    A_wt = block_diag(*(shoe.A_wt for shoe in shoes))
-    A_sp = block_diag(*(shoe.A_sp for shoe in shoes))
-    A_st = block_diag(*(shoe.A_st for shoe in shoes))
+
+    def diagonal(name: str) -> Floats:
+        """The matrices of this name of all shoes as the blocks of one matrix."""
+        return block_diag(*(getattr(shoe, name) for shoe in shoes))
+
+    A_wt, A_sp, A_st = diagonal("A_wt"), diagonal("A_sp"), diagonal("A_st")
     if still.ring is not None:
+        # The ring under one shoe moves by the pressures and tractions on all shoes.
         pressed, dragged = still.ring
         A_wt = A_wt + pressed.T @ dragged
         A_sp = A_sp - dragged.T @ pressed
@@ -114,29 +121,29 @@ def _with_tractions(still: ShoeGroup, shoes: list[_ShoeTractions]) -> Frictional
         A_sp=A_sp,
         A_st=A_st,
         B_w=normal.B,
-        B_s=block_diag(*(shoe.B_s for shoe in shoes)),
+        B_s=diagonal("B_s"),
         C_p=normal.C,
-        C_t=block_diag(*(shoe.C_t for shoe in shoes)),
+        C_t=diagonal("C_t"),
         q_w=normal.q,
         q_s=np.concatenate([shoe.q_s for shoe in shoes]),
         h=normal.h,
-        Q=block_diag(*(shoe.compliance for shoe in shoes)),
+        Q=diagonal("compliance"),
     )
 
 
 class Feet(NamedTuple):
     """The feet of a group's shoes on rough abutments, each a node of the stick-slip problem.
 
-    The node bears a force p [N] along the normal of the abutment's face and a force t along the
-    face.
+    The node of a foot bears a force p [N] along the normal of the abutment's face and a force
+    t [N] along the face.
 
     Attributes
     ----------
-    group : the group
-    on : the shoes of the group whose feet are nodes
-    senses : of the group without these nodes, in which the feet are free in the plane
-    yielding : compliance (feet,) [m/N] of each node across and along the face; it stands for the
-        penalty of the lining
+    group : the group of shoes
+    on : numbers, within the group, of the shoes whose feet stand on rough abutments
+    senses : sense of friction at each abutment of the group, UNHELD where the foot is a node
+    yielding : compliance (feet,) [m/N] of each foot across and along the face, in the place of a
+        lining's penalty
     """
 
     group: ShoeGroup
@@ -147,42 +154,47 @@ class Feet(NamedTuple):
     @classmethod
     def of(cls, group: ShoeGroup) -> "Feet":
         """The feet of a group on rough abutments."""
-        rough = [shoe.abutment is not None and shoe.abutment.friction > 0 for shoe in group.shoes]
-        on = [k for k, is_rough in enumerate(rough) if is_rough]
-        # Exact contact needs a compliance for feet all the same.
+        # Exact contact of linings has no compliance, but a sticking foot needs one.
         penalty = PENALTY if math.isinf(group.penalty) else group.penalty
-        stiffness = []
-        for k in on:
+        on, stiffness, senses = [], [], [1] * len(group.shoes)
+        for k, shoe in enumerate(group.shoes):
+            if shoe.abutment is None or not shoe.abutment.friction > 0:
+                continue
+            on.append(k)
+            senses[k] = UNHELD
             area = float(group.bodies[k].coupling.area.sum())
-            stiffness.append(contact_stiffness(group.shoes[k], penalty) * area)
-        senses = tuple(UNHELD if is_rough else 1 for is_rough in rough)
-        return cls(group, on, senses, 1 / np.array(stiffness))
+            stiffness.append(contact_stiffness(shoe, penalty) * area)
+        return cls(group, on, tuple(senses), 1 / np.array(stiffness))
 
-    def smooth(self, friction: float) -> Brake:
-        """The brake at a friction of the drum, its abutments without friction."""
+    def without_abutment_friction(self, friction: float) -> Brake:
+        """The brake at a friction coefficient of the drum, with frictionless abutments."""
         shoes = []
         for shoe in self.group.brake.shoes:
-            smooth = shoe
-            if shoe.abutment is not None:
-                smooth = shoe.model_copy(update={"abutment": _without_friction(shoe.abutment)})
-            shoes.append(smooth)
+            abutment = shoe.abutment and shoe.abutment.model_copy(update={"friction": 0.0})
+            shoes.append(shoe.model_copy(update={"abutment": abutment}))
         return self.group.brake.model_copy(update={"friction": friction, "shoes": tuple(shoes)})
 
-    def friction(self) -> Floats:
-        """The friction coefficient (n,) of every node."""
-        n = sum(part.stop - part.start for part in self.group.node_ranges)
+    def node_friction(self) -> Floats:
+        """The friction coefficient (n,) of every node, of linings first and then of feet."""
+        n = self.group.node_ranges[-1].stop
         abutments = [self.group.shoes[k].abutment for k in self.on]
         of_feet = [abutment.friction for abutment in abutments if abutment is not None]
         return np.array([self.group.brake.friction] * n + of_feet)
 
-    def added(self, problem: FrictionalProblem, still: ShoeGroup) -> FrictionalProblem:
-        """The problem with a node for each foot; `still` is the group whose feet are free."""
+    def add_nodes(self, problem: FrictionalProblem, still: ShoeGroup) -> FrictionalProblem:
+        """Add a node for each foot to a stick-slip problem.
+
+        Parameters
+        ----------
+        problem : the stick-slip problem of the linings
+        still : the group of this problem, whose feet are free in the plane
+        """
         if not self.on:
             return problem
         count = len(self.on)
         off = np.zeros((count, problem.B_w.shape[1]))
         slid = np.zeros((count, problem.B_w.shape[1]))
-        # The shoe turns about its foot, so that a turn does not move the foot.
+        # Only the two slides of a shoe move its foot: the shoe turns about the foot.
         for row, k in enumerate(self.on):
             names = still.shoes[k].freedoms(UNHELD).names
             first = still.mode_ranges[k].start
@@ -205,20 +217,19 @@ class Feet(NamedTuple):
         )
 
 
-def _without_friction(abutment: Abutment) -> Abutment:
-    """The abutment without friction."""
-    return abutment.model_copy(update={"friction": 0.0})
-
-
-def _with_shared_forces(
-    still: ShoeGroup, problem: FrictionalProblem, by_tractions: list[ForceEffects]
+def _share_forces(
+    still: ShoeGroup, problem: FrictionalProblem, shoes: list[_ShoeTractions]
 ) -> FrictionalProblem:
-    """The problem of shoes that share forces by struts and a cam.
+    """Let the shoes of a stick-slip problem share forces by struts and a cam.
 
-    `by_tractions` holds the effects of each shoe's force as tractions act. Pressures and tractions
-    are put together as the n + n pressures of a contact problem.
+    Parameters
+    ----------
+    still : the group without friction
+    problem : the stick-slip problem in which each shoe has its own force
+    shoes : the matrices of tractions on each shoe
     """
     n = len(problem.q_w)
+    # `share_forces` takes the n pressures and n tractions as the unknowns of one contact problem.
     whole = equations.Problem(
         A=np.block([[problem.A_wp, problem.A_wt], [problem.A_sp, problem.A_st]]),
         q=np.concatenate([problem.q_w, problem.q_s]),
@@ -227,17 +238,16 @@ def _with_shared_forces(
         h=problem.h,
     )
     effects = []
-    for normal, tangential in zip(still.force_effects(0.0), by_tractions, strict=True):
-        nodes = np.arange(n)[normal.nodes]
-        effects.append(
-            normal._replace(
-                nodes=np.concatenate([nodes, n + nodes]),
-                opened=np.concatenate([normal.opened, tangential.opened]),
-                tip=np.concatenate([normal.tip, tangential.tip]),
-                bearing=np.concatenate([normal.bearing, tangential.bearing]),
-            )
+    for normal, shoe in zip(still.force_effects(0.0), shoes, strict=True):
+        nodes, tangential = np.arange(n)[normal.nodes], shoe.effects
+        both = normal._replace(
+            nodes=np.concatenate([nodes, n + nodes]),
+            opened=np.concatenate([normal.opened, tangential.opened]),
+            tip=np.concatenate([normal.tip, tangential.tip]),
+            bearing=np.concatenate([normal.bearing, tangential.bearing]),
         )
-    sharing = share(whole, effects, still.own_forces, still.links, still.cam, still.total)
+        effects.append(both)
+    sharing = share_forces(whole, effects, still.own_forces, still.links, still.cam, still.total)
     A, q, B, C, h = sharing.problem
     return FrictionalProblem(
         A_wp=A[:n, :n],

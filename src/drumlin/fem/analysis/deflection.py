@@ -1,4 +1,4 @@
-"""The displacements that the foundation model of a post brake knows, from the finite elements."""
+"""Displacements of a beam and a ring by finite elements, to compare with the foundation model."""
 
 import numpy as np
 
@@ -14,16 +14,17 @@ from drumlin.response.response import Response
 def beam_deflection(
     scene: PreparedModel, brake: Brake, response: Response, index: int
 ) -> tuple[Floats, Floats]:
-    """Stations x (m,) [m] along the axis of a straight beam, and its displacement w (m,) [m].
+    """The stations x (m,) [m] along a straight beam and its displacement w (m,) [m] there.
 
-    The beam is that of shoe `index`; w counts towards the drum.
+    The beam is the body of shoe `index`. Positive w points towards the drum.
     """
     shoe = brake.shoes[index]
     axis = axis_of(shoe.pin.xy, shoe.actuation.point.xy)
     of_shoe = fields(scene, brake, response, index)
     from_hinge = of_shoe.points - axis.hinge
-    # Nodes within this distance [m] of the axis are on it; the rest is round-off.
+    # Nodes on the axis are off the axis by round-off only.
     on = np.abs(from_hinge @ axis.towards) < 1e-9 * axis.length
+    # The fields repeat a node for each material around the node: each place is taken once.
     x, first = np.unique(np.round(from_hinge[on] @ axis.along, 12), return_index=True)
     return x, (of_shoe.displacement[on] @ axis.towards)[first]
 
@@ -31,9 +32,9 @@ def beam_deflection(
 def rim_displacement(
     scene: PreparedModel, brake: Brake, response: Response
 ) -> tuple[Floats, Floats]:
-    """Angles (m,) [rad] of the nodes of the ring's friction surface, and their inward displacement.
+    """The angles (m,) [rad] and the inward displacements z (m,) [m] of the ring's friction surface.
 
-    The displacement z (m,) is in m. Raises BadInput for a rigid drum.
+    Raises BadInput for a rigid drum.
     """
     ring = scene.ring
     if ring is None:

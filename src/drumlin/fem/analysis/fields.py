@@ -1,4 +1,4 @@
-"""Displacements and stresses inside the bodies, recovered where a picture asks for them."""
+"""Displacements and stresses inside the bodies, recovered from a solved brake for pictures."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -26,21 +26,21 @@ from drumlin.response.response import Response, ShoeResponse
 
 @dataclass(frozen=True)
 class Fields:
-    """Fields of one body in the frame of the brake.
+    """Displacements and stresses of one body at its nodes, in the frame of the brake.
 
-    A node stands once for each material that meets in it, since stresses jump there.
+    Stresses jump between materials, so that a node is repeated for each material around the node.
 
     Attributes
     ----------
-    points : nodes (n, 2) [m]
-    cells : nodes of each cell (m, k)
-    cell_type : of the cells, by its name in meshio
-    part : number of the subdomain of each cell (m,)
-    displacement : (n, 2) [m]
-    stress : xx, yy, xy (n, 3) [Pa]
+    points : places (n, 2) [m] of the nodes
+    cells : numbers (m, k) of the nodes of each cell
+    cell_type : type of the cells by its name in meshio
+    part : number (m,) of the subdomain of each cell
+    displacement : displacement (n, 2) [m]
+    stress : stresses xx, yy, xy (n, 3) [Pa]
     von_mises : equivalent stress (n,) [Pa]
-    pressure : on the friction surface (n,) [Pa]
-    push : normal traction of the drum or the plane on the lining (n, 2) [Pa]
+    pressure : contact pressure (n,) [Pa] on the friction surface, 0 elsewhere
+    push : normal traction (n, 2) [Pa] of the drum or the plane on the lining
     """
 
     points: Floats
@@ -54,13 +54,13 @@ class Fields:
     push: Floats
 
 
-class _Solved(NamedTuple):
+class _SolvedBody(NamedTuple):
     """A body with its displacements, in its own frame.
 
     Attributes
     ----------
-    mesh, basis : the elements of the body
-    layers : its materials by the names of the subdomains
+    mesh, basis : the mesh of the body and the finite-element basis on the mesh
+    layers : materials of the body by the names of the subdomains
     u : displacements (2, nodes) [m]
     pressure : nodal pressure (nodes,) [Pa], 0 off the contact
     """
@@ -73,13 +73,13 @@ class _Solved(NamedTuple):
 
 
 class _Placement(NamedTuple):
-    """Where a body stands in the brake.
+    """Functions that carry a body from its own frame into the frame of the brake.
 
     Attributes
     ----------
-    frame : its frame
-    points : gives points (2, n) [m] of the body in the frame of the brake
-    directions : gives the normals of the lining at points (2, n) [m]
+    frame : the frame of the body, which turns vectors
+    points : function that carries points (2, n) [m]
+    directions : function that returns the normals of the lining at points (2, n) [m]
     """
 
     frame: ShoeFrame
@@ -88,7 +88,14 @@ class _Placement(NamedTuple):
 
 
 class _PartFields(NamedTuple):
-    """One subdomain of a body: its nodes (n,), cells (k, m) within them, mean stress (n, 2, 2)."""
+    """The nodes, cells and stresses of one subdomain of a body.
+
+    Attributes
+    ----------
+    nodes : numbers (n,) of the nodes in the body
+    cells : nodes (m, k) of each cell, as numbers within `nodes`
+    stress : nodal stress (n, 2, 2) [Pa], the mean over the elements around a node
+    """
 
     nodes: Ints
     cells: Ints
@@ -96,11 +103,11 @@ class _PartFields(NamedTuple):
 
 
 class NodalMeans(NamedTuple):
-    """Means of a field at nodes.
+    """The mean of a tensor at each node, over the elements around the node.
 
     Attributes
     ----------
-    nodes : the nodes (n,)
+    nodes : numbers (n,) of the nodes in the body
     cells : the nodes of each element (a, m), as numbers within `nodes`
     values : the means (n, d, d)
     """
@@ -111,13 +118,13 @@ class NodalMeans(NamedTuple):
 
 
 class _ElementNodes(NamedTuple):
-    """Elements at their own nodes.
+    """The shape functions of m elements at their own a nodes.
 
     Attributes
     ----------
-    dofs : nodes (a, m) of the m elements
-    slopes : gradients (a, 2, m, a) of the shape functions at the nodes
-    corners : corners (k, c) of the c cells that each element is drawn as, as numbers below a
+    dofs : nodes (a, m) of the elements
+    slopes : gradients (a, 2, m, a) [1/m] of the shape functions at the nodes
+    corners : corners (k, c) of the c cells as which an element is drawn, as numbers below a
     """
 
     dofs: Ints
@@ -126,16 +133,16 @@ class _ElementNodes(NamedTuple):
 
 
 def fields(scene: PreparedModel, brake: Brake, response: Response, index: int) -> Fields:
-    """The fields of shoe `index` under the contact pressure and the force of its response."""
+    """The fields of shoe `index` under its contact pressure and actuation force in a response."""
     shoe, body = loaded(brake, response).shoes[index], scene.bodies[index]
     answer = response.shoes[index]
     p = answer.pressure[:: shoe.frame.sense]
-    u = displaced(body, brake, shoe, answer, p).reshape(-1, 2).T
+    u = shoe_displacements(body, brake, shoe, answer, p).reshape(-1, 2).T
     pressure = np.zeros(body.basis.N)
     pressure[body.line.nodes] = p
-    solved = _Solved(body.mesh, body.basis, layers_of(shoe), u, pressure)
+    solved = _SolvedBody(body.mesh, body.basis, layers_of(shoe), u, pressure)
     directions = straight if shoe.flat else radial(shoe.sign)
-    return _fields(solved, _Placement(shoe.frame, shoe.points, directions))
+    return _fields_in_brake(solved, _Placement(shoe.frame, shoe.points, directions))
 
 
 def ring_fields(scene: PreparedModel, brake: Brake, response: Response) -> Fields:
@@ -148,8 +155,8 @@ def ring_fields(scene: PreparedModel, brake: Brake, response: Response) -> Field
         raise BadInput("drum.ring: is missing, a rigid drum has no fields")
     u = ring.displacement(contact_pressures(brake, response), brake.drag)
     no_pressure = np.zeros(ring.basis.N)
-    solved = _Solved(ring.mesh, ring.basis, ring_layers(section), u, no_pressure)
-    return _fields(solved, _Placement(ShoeFrame(0.0, 1), np.asarray, radial(1)))
+    solved = _SolvedBody(ring.mesh, ring.basis, ring_layers(section), u, no_pressure)
+    return _fields_in_brake(solved, _Placement(ShoeFrame(0.0, 1), np.asarray, radial(1)))
 
 
 def contact_pressures(brake: Brake, response: Response) -> list[Floats]:
@@ -159,17 +166,17 @@ def contact_pressures(brake: Brake, response: Response) -> list[Floats]:
 
 
 def all_fields(scene: PreparedModel, brake: Brake, response: Response) -> list[Fields]:
-    """The fields of each shoe, and after them those of the drum ring where it is elastic."""
+    """The fields of each shoe, followed by the fields of the drum ring if the ring is elastic."""
     every = [fields(scene, brake, response, i) for i in range(len(brake.shoes))]
     if scene.ring is not None:
         every.append(ring_fields(scene, brake, response))
     return every
 
 
-def displaced(
+def shoe_displacements(
     body: ShoeSubstructure, brake: Brake, shoe: Shoe, answer: ShoeResponse, p: Floats
 ) -> Floats:
-    """Displacements (d nodes,) [m] of all nodes of a shoe, in its own frame.
+    """The displacements (d nodes,) [m] of all nodes of a shoe with d components, in its own frame.
 
     Parameters
     ----------
@@ -180,36 +187,40 @@ def displaced(
     p : pressures (n,) [Pa] on its lining, in the order of its own frame
     """
     load = abs(shoe.actuation.force) * actuation(body, shoe)[0]
+    # The nodal forces of pressure and friction on the contact nodes.
     nodal = brake.drag_on(shoe) * (body.coupling.T.T @ p) - body.coupling.N.T @ p
     motion = np.array(answer.motion or (0.0, 0.0, shoe.frame.sense * (answer.turn or 0.0)))
     return body.condensed.displacements(nodal[:, None], motion[:, None], load[:, None])[:, 0]
 
 
-def _fields(solved: _Solved, place: _Placement) -> Fields:
-    """The fields of a body in the frame of the brake."""
+def _fields_in_brake(solved: _SolvedBody, place: _Placement) -> Fields:
+    """Recover the fields of a body and turn them into the frame of the brake."""
     mesh, basis = solved.mesh, solved.basis
-    names = list(mesh.subdomains)
-    parts = [_part_fields(basis, solved.u, name, solved.layers[name]) for name in names]
-    starts = np.cumsum([0] + [len(part.nodes) for part in parts])
-    nodes = np.concatenate([part.nodes for part in parts])
-    xy = basis.doflocs[:, nodes]
+    nodes, cells, numbers, stresses, pressures, first = [], [], [], [], [], 0
+    for number, name in enumerate(mesh.subdomains):
+        part = _part_fields(basis, solved.u, name, solved.layers[name])
+        nodes.append(part.nodes)
+        cells.append(part.cells + first)
+        numbers.append(np.full(len(part.cells), number))
+        stresses.append(part.stress)
+        # The shoe or a backing may end in the friction surface, where the lining bears alone.
+        bears = 1.0 if name == "lining" else 0.0
+        pressures.append(bears * solved.pressure[part.nodes])
+        first += len(part.nodes)
+    all_nodes = np.concatenate(nodes)
+    xy = basis.doflocs[:, all_nodes]
     to_brake = place.frame.to_brake
+    # Stresses are tensors: both of their indices turn with the frame.
     turn = to_brake(np.eye(2))
-    tensor = np.concatenate([part.stress for part in parts])
-    rotated = np.einsum("ia,nij,jb->nab", turn, tensor, turn)
+    rotated = np.einsum("ia,nij,jb->nab", turn, np.concatenate(stresses), turn)
     xx, yy, shear = rotated[:, 0, 0], rotated[:, 1, 1], rotated[:, 0, 1]
-    p = solved.pressure[nodes]
-    for k, name in enumerate(names):
-        if name != "lining":
-            # The shoe or a backing may end in the friction surface, and shares nodes with it.
-            p[starts[k] : starts[k + 1]] = 0.0
-    cells = [part.cells + start for start, part in zip(starts[:-1], parts, strict=True)]
+    p = np.concatenate(pressures)
     return Fields(
         points=place.points(xy).T,
         cells=np.concatenate(cells),
         cell_type="quad" if isinstance(mesh, ColumnGrid) else kind_of(mesh).cell,
-        part=np.concatenate([np.full(len(part.cells), i) for i, part in enumerate(parts)]),
-        displacement=to_brake(solved.u[:, nodes].T),
+        part=np.concatenate(numbers),
+        displacement=to_brake(solved.u[:, all_nodes].T),
         stress=np.column_stack([xx, yy, shear]),
         von_mises=np.sqrt(xx**2 - xx * yy + yy**2 + 3 * shear**2),
         pressure=p,
@@ -218,18 +229,32 @@ def _fields(solved: _Solved, place: _Placement) -> Fields:
 
 
 def _part_fields(basis: Any, u: Floats, name: str, layer: ElasticLayer) -> _PartFields:
-    """The nodes, cells and mean stresses of one subdomain under displacements u (2, nodes)."""
+    """The nodes, cells and mean stresses of one subdomain of a body.
+
+    Parameters
+    ----------
+    basis : the finite-element basis of the body
+    u : displacements (2, nodes) [m] of the body
+    name, layer : the name and the material of the subdomain
+    """
     mesh = basis if isinstance(basis, ColumnGrid) else basis.mesh
-    dofs, slopes, corners = _at_nodes(mesh, mesh.subdomains[name])
+    dofs, slopes, corners = _element_nodes(mesh, mesh.subdomains[name])
     gradient = np.einsum("ian,ajnq->ijnq", u[:, dofs], slopes)
     along = layer.directions(basis.doflocs[:, dofs].transpose(0, 2, 1))
-    means = mean_of(stress(gradient, layer.elasticity, along), dofs)
+    # Elements differ in the stress at a shared node, so that their mean is drawn.
+    means = nodal_means(stress(gradient, layer.elasticity, along), dofs)
     cells = means.cells[corners].reshape(len(corners), -1).T
     return _PartFields(means.nodes, cells, means.values)
 
 
-def mean_of(values: Floats, dofs: Ints) -> NodalMeans:
-    """The means of tensors (d, d, m, a) at the nodes of m elements, whose nodes are dofs (a, m)."""
+def nodal_means(values: Floats, dofs: Ints) -> NodalMeans:
+    """The means of tensors at nodes, over the elements around each node.
+
+    Parameters
+    ----------
+    values : tensors (d, d, m, a) at the a nodes of each of m elements
+    dofs : numbers (a, m) of these nodes
+    """
     nodes, cells = np.unique(dofs, return_inverse=True)
     cells = cells.reshape(dofs.shape)
     total = np.zeros((len(nodes), *values.shape[:2]))
@@ -237,12 +262,13 @@ def mean_of(values: Floats, dofs: Ints) -> NodalMeans:
     return NodalMeans(nodes, cells, total / np.bincount(cells.ravel())[:, None, None])
 
 
-def _at_nodes(mesh: Any, elements: Ints) -> _ElementNodes:
-    """Some elements of a mesh at their own nodes."""
+def _element_nodes(mesh: Any, elements: Ints) -> _ElementNodes:
+    """The shape functions of the given elements of a mesh at their own nodes."""
     if isinstance(mesh, ColumnGrid):
         dofs = mesh.element_dofs[:, elements]
-        return _ElementNodes(dofs, mesh.gradients(elements), mesh.quarters)
+        return _ElementNodes(dofs, mesh.gradients(elements), mesh.subcells)
     element = kind_of(mesh).element()
+    # scikit-fem evaluates shape functions at quadrature points, which are the nodes here.
     at = element.doflocs.T
     basis = skfem.Basis(mesh, element, quadrature=(at, np.ones(at.shape[1])), elements=elements)
     slopes = np.array([psi[0].grad for psi in basis.basis])
@@ -256,31 +282,30 @@ HEADS = {
     "pressure [Pa]": "pressure",
     "push of the drum [Pa]": "push",
 }
-"""The names of nodal fields in a .vtu file, with units, and the attributes of `Fields`."""
+"""The name of each nodal field in a .vtu file, with its unit, and the attribute of `Fields`."""
 
 
 def write_vtu(path: Path, parts: Sequence[Any]) -> None:
     """Write the `Fields` or `SolidFields` of all shoes as one .vtu file for ParaView."""
-    starts = np.cumsum([0] + [len(part.points) for part in parts])
-    cells = []
-    for part, start in zip(parts, starts[:-1], strict=True):
-        cells.append((part.cell_type, part.cells + start))
-    given = {head: name for head, name in HEADS.items() if hasattr(parts[0], name)}
-    mesh = meshio.Mesh(
-        _joined(parts, "points"),
-        cells,
-        point_data={head: _joined(parts, name) for head, name in given.items()},
-        cell_data={
-            "part": [part.part for part in parts],
-            "shoe": [np.full(len(part.cells), i) for i, part in enumerate(parts)],
-        },
-    )
+    cells, numbers, shoes, first = [], [], [], 0
+    for i, part in enumerate(parts):
+        cells.append((part.cell_type, part.cells + first))
+        numbers.append(part.part)
+        shoes.append(np.full(len(part.cells), i))
+        first += len(part.points)
+    # Fields of a solid lack some of the names.
+    nodal = {}
+    for head, name in HEADS.items():
+        if hasattr(parts[0], name):
+            nodal[head] = _concatenated(parts, name)
+    cell_data = {"part": numbers, "shoe": shoes}
+    mesh = meshio.Mesh(_concatenated(parts, "points"), cells, nodal, cell_data)
     with replacing(path) as partial:
         meshio.write(partial, mesh, file_format="vtu")
 
 
-def _joined(parts: Sequence[Any], name: str) -> Floats:
-    """An attribute of all parts, one after the other; vectors in the plane get z = 0."""
+def _concatenated(parts: Sequence[Any], name: str) -> Floats:
+    """The values of an attribute of all parts in one array; vectors in the plane get z = 0."""
     values = np.concatenate([getattr(part, name) for part in parts])
     if values.shape[1:] == (2,):
         return np.column_stack([values, np.zeros(len(values))])

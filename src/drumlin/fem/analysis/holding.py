@@ -1,10 +1,10 @@
 """The holding brake: from rest through partial slip to full slip, as the drum is turned.
 
-The force comes on while the drum is at rest. In `solve` the drum turns already as the force comes
-on. Linings forget the difference at full slip, where all their nodes have slipped one way. A foot
-on a rough abutment does not forget it: it slides while the force comes on, and may stick where it
-has come to. The end of its path is in equilibrium, the foot within its cone of friction, but the
-torque is not that of `solve`; a line of the state says so.
+Here the actuation force comes on while the drum is at rest. In `solve` the drum turns already as
+the force comes on. The linings forget this difference at full slip, where all their nodes have
+slipped one way. A foot on a rough abutment remembers the difference: the foot slides while the
+force comes on, and may then stick. The end of the path is an equilibrium within the foot's cone of
+friction, but the torque differs from the torque of `solve`. A note of the state says so.
 """
 
 import math
@@ -38,33 +38,35 @@ HALVINGS = 8
 """Number of times that an increment is halved before its rotation is refused.
 
 The states of a node may change more than once within an increment: then no set of states settles in
-one step. Increments that do not settle are some times the rotation to full slip, and each halving
-allows twice as many: an increment of forty times that rotation needs seven or eight. More halvings
-only take longer to refuse.
+one step. Increments that do not settle are some times the rotation to full slip. Each halving
+allows twice as large an increment, and an increment of forty times the rotation to full slip needs
+seven or eight halvings. More halvings only take longer to refuse.
 """
 FIRST = 1e-7
-"""Rotation [rad] from which the search for full slip starts: far below any rotation that makes a
-lining slip, which is 1e-4 of p/E or more. The search is geometric, so that a start at a hundredth of
-it takes one increment in a hundred more.
+"""Rotation [rad] at which the search for full slip starts.
+
+The start lies far below any rotation that makes a lining slip, which is 1e-4 of p/E or more. The
+search is geometric: a hundredth of this start takes one increment in a hundred more.
 """
 LATER = 0.1
-"""Fraction by which full slip may come later on a path of other increments than on the path that has
-found the rotation.
+"""Fraction that `full_slip_rotation` adds to the rotation at which its search has met full slip.
 
-`full_slip_rotation` goes beyond the rotation that it has found by this fraction. With half of it
-some linings on a pivot still stick there at a few nodes. A larger value leaves fewer of the
-rotations of a user's path to partial slip. The search itself is no finer: each of its increments
-grows the rotation by this fraction at least, and by its reciprocal at most.
+Full slip may come later on a path of other increments. With half of this fraction some linings on a
+pivot still stick at a few nodes. With a larger fraction fewer rotations of a user's path are left
+for partial slip. The search itself is as coarse: each increment grows the rotation by this fraction
+at least, and by its reciprocal at most.
 """
 MOST_INCREMENTS = 100
 """Number of increments after which the search for full slip is refused as not converged."""
 TWO_ANSWERS = 1e-6
-"""Relative difference of two torques at full slip above which they belong to two answers. Below it
-they differ by the penalty only, which is worth 1e-8.
+"""Relative difference of two torques at full slip above which the torques belong to two answers.
+
+Torques of one answer differ by the penalty only, which is worth 1e-8.
 """
 OTHER_FRICTION = 1e-6
-"""Difference of two ratios of a foot's friction to its pressure, above which friction acts otherwise
-on the foot. Below it the difference is round-off and the penalty.
+"""Difference of two ratios of a foot's friction to its pressure above which the ratios differ.
+
+Smaller differences are round-off and the penalty.
 """
 
 Arcs = tuple[tuple[float, float], ...]
@@ -73,20 +75,20 @@ Arcs = tuple[tuple[float, float], ...]
 
 @dataclass(frozen=True)
 class Hold:
-    """One state of a holding brake. The nodes of a lining stand at growing angles.
+    """The state of a holding brake at one rotation of the drum.
 
     Attributes
     ----------
-    rotation : of the drum against its rest [rad]
-    torque : moment that holds the drum there [N m], positive against the rotation
+    rotation : rotation [rad] of the drum from its rest
+    torque : moment [N m] that holds the drum, positive against the brake's rotation
     names : names of the shoes
-    theta : angles (n,) [rad] of each lining's nodes
-    pressure : (n,) [Pa] on each lining
-    traction : (n,) [Pa] on each lining, along e_theta
-    state : of each node (n,): open, stick, slip forward or slip backward
-    stick, slip : arcs of each lining that stick and that slip [rad]
-    dissipated : energy dissipated by slip since the force came on [J]
-    notes : where the moment at full slip is not that of `solve`, both moments and why
+    theta : growing angles (n,) [rad] of the nodes of each lining
+    pressure : pressure (n,) [Pa] on each lining
+    traction : tangential traction (n,) [Pa] on each lining, along e_theta
+    state : state (n,) of each node: open, stick, slip forward or slip backward
+    stick, slip : arcs [rad] of each lining that stick, and arcs that slip
+    dissipated : energy [J] dissipated by slip since the force came on
+    notes : lines that explain a moment at full slip which differs from the moment of `solve`
     """
 
     rotation: float
@@ -103,23 +105,24 @@ class Hold:
 
     @property
     def sticking(self) -> float:
-        """The share of the touching contact nodes that stick."""
-        touching = sum(int((state != OPEN).sum()) for state in self.state)
-        sticking = sum(int((state == STICK).sum()) for state in self.state)
-        return sticking / touching if touching else 0.0
+        """The fraction of the touching contact nodes that stick; 0 if no node touches."""
+        states = np.concatenate(self.state)
+        touching = np.count_nonzero(states != OPEN)
+        sticking = np.count_nonzero(states == STICK)
+        return float(sticking / touching) if touching else 0.0
 
 
 class _HeldGroup(NamedTuple):
-    """A group of shoes with its stick-slip problem while the drum rests, per newton.
+    """A group of shoes with the force on and the drum at rest. All values hold per newton.
 
     Attributes
     ----------
-    group : the group
+    group : the group of shoes
     problem : the stick-slip problem, whose last nodes are feet on rough abutments
-    lever : growth (n,) of q_s per radian of the drum in the sense of the brake's rotation
+    lever : growth (n,) of the slips q_s per radian of the drum in the sense of the brake's rotation
     friction : friction coefficient (n,) of each node
     rest : the increment with the force fully on and the drum at rest
-    spent : energy dissipated up to there [J per newton squared]
+    spent : energy [J/N^2] dissipated while the force came on
     """
 
     group: ShoeGroup
@@ -131,23 +134,16 @@ class _HeldGroup(NamedTuple):
 
     @property
     def lining_nodes(self) -> int:
-        """Number of nodes on linings; the nodes of feet follow them."""
+        """The number of nodes on linings, which come before the nodes of feet."""
         return self.group.node_ranges[-1].stop
 
     def torque(self, at: Increment) -> float:
-        """The moment that holds the drum [N m], positive against the brake's rotation."""
+        """The moment [N m] that holds the drum in an increment, positive against the rotation."""
         return float(self.group.unit_force**2 * (self.lever @ at.t))
 
-    def turned(self, increment: Increment, start: float, end: float) -> Iterator[Increment]:
-        """The increments from a converged one at the rotation `start` to `end` [rad]."""
-        return turned(self.problem, self.lever, self.friction, increment, start, end)
-
-
-class _Loading(NamedTuple):
-    """The increment in which the force is fully on, and the energy [J/N^2] dissipated up to it."""
-
-    increment: Increment
-    spent: float
+    def turn_drum(self, increment: Increment, start: float, end: float) -> Iterator[Increment]:
+        """Turn the drum from the rotation `start`, at a converged increment, to `end` [rad]."""
+        return turn_drum(self.problem, self.lever, self.friction, increment, start, end)
 
 
 class _SlidingAnswer(NamedTuple):
@@ -156,9 +152,9 @@ class _SlidingAnswer(NamedTuple):
     Attributes
     ----------
     group : the group, with the senses of friction at its abutments that the answer has
-    contact : the answer; None where there is none
-    torque : [N m], positive against the sense of the brake's rotation
-    why : the reason why there is no answer, else empty
+    contact : the contact of the answer; None without an answer
+    torque : torque [N m], positive against the sense of the brake's rotation
+    why : the reason why there is no answer; empty with an answer
     """
 
     group: ShoeGroup
@@ -172,10 +168,11 @@ class _HeldPath(NamedTuple):
 
     Attributes
     ----------
-    held : the group
+    held : the group with the force on and the drum at rest
     increments : the increment at each rotation
     spent : energy [J] dissipated up to each rotation
-    sliding : gives the answer of the sliding drum, by the sense in which all nodes slip, +1 or -1
+    sliding : function that returns the answer of the sliding drum by the sense, +1 or -1, in which
+        all nodes slip
     """
 
     held: _HeldGroup
@@ -185,7 +182,7 @@ class _HeldPath(NamedTuple):
 
 
 class _LiningState(NamedTuple):
-    """The nodes of one lining in a state of the brake, at growing angles; see `Hold`."""
+    """The nodes of one lining in a `Hold`: angles, pressures, tractions and states (n,)."""
 
     theta: Floats
     pressure: Floats
@@ -194,7 +191,10 @@ class _LiningState(NamedTuple):
 
 
 class _FootSlide(NamedTuple):
-    """The slide of a foot along its abutment in words: at the end of a path, and by `solve`."""
+    """The slide of a foot along its abutment, as words for a note.
+
+    `came_to` is the slide at the end of a path, `by_solve` the slide in the answer of `solve`.
+    """
 
     came_to: str
     by_solve: str
@@ -208,21 +208,21 @@ def hold(
     penalty: float = PENALTY,
     say: Callable[[str], None] = lambda _: None,
 ) -> list[Hold]:
-    """The states of a brake whose drum is turned through `rotations` after the force is on.
+    """Put the force on, turn the drum through rotations, and return the state at each rotation.
 
-    The force comes on while the drum rests. Where there is a gap to close it comes on in as many
+    The force comes on while the drum rests. If a gap has to close, the force comes on in as many
     increments as there are rotations, since the closure under little force decides where the lining
-    sticks. Then each rotation is one increment. The energy converges with the first order of the
-    increment; the moment hardly depends on it where the drum is not turned back. A state at full
-    slip whose moment is not that of `solve` has a note.
+    sticks. Then each rotation is one increment. The dissipated energy converges with the first
+    order of the increment. The moment hardly depends on the increment unless the drum turns back. A
+    state at full slip has a note where its moment differs from the moment of `solve`.
 
     Parameters
     ----------
     scene : the prepared model
     brake : the brake
-    rotations : of the drum [rad], positive in the sense of the brake's rotation
+    rotations : rotations (m,) of the drum [rad], positive in the sense of the brake's rotation
     penalty : factor alpha of the contact stiffness alpha E/t
-    say : is told the group of shoes that is solved next
+    say : function that is told which group of shoes is solved next
 
     Raises
     ------
@@ -234,8 +234,8 @@ def hold(
     paths = []
     for held in _held_groups(scene, brake, len(rotations), penalty):
         say(f"holding: {held.group.names}")
-        paths.append(_path(held, rotations))
-    return [_state(brake, paths, k, float(rotation)) for k, rotation in enumerate(rotations)]
+        paths.append(_follow_rotations(held, rotations))
+    return [_brake_state(brake, paths, k, float(rotation)) for k, rotation in enumerate(rotations)]
 
 
 # The force comes on
@@ -244,7 +244,7 @@ def hold(
 def _held_groups(
     scene: PreparedModel, brake: Brake, increments: int, penalty: float
 ) -> Iterator[_HeldGroup]:
-    """The groups of shoes with the force on and the drum at rest. Raises as `hold` does."""
+    """Put the force on each group of shoes while the drum is at rest. Raises as `hold` does."""
     if brake.friction == 0 or scene.brake.friction == 0:
         raise BadInput(f"friction = {brake.friction:g}: must be greater than 0 for a holding brake")
     touching = pressed_shoes(scene, brake)
@@ -258,43 +258,47 @@ def _held_groups(
 
 
 def _held_group(group: ShoeGroup, increments: int) -> _HeldGroup:
-    """A group with the force on and the drum at rest. Raises NoAnswer as `hold` does."""
+    """Put the force on a group while the drum is at rest. Raises NoAnswer as `hold` does."""
     problem, lever = holding_problem(group)
     feet = Feet.of(group)
     count = len(feet.on)
-    # Nodes that touch without friction stick at first, as do the feet.
-    touches = replace(group, brake=feet.smooth(0.0), senses=()).answer().active
+    # The first guess: nodes that touch without friction stick, and so do all feet.
+    touches = replace(group, brake=feet.without_abutment_friction(0.0), senses=()).answer().active
     start = np.append(np.where(touches, STICK, OPEN), np.full(count, STICK))
     unit_gaps = np.concatenate(group.gaps) / group.unit_force
     gap = np.append(group.masses @ unit_gaps, np.zeros(count))
-    friction = feet.friction()
+    friction = feet.node_friction()
     try:
-        loading = _loading(problem, gap, friction, start, increments)
+        rest, spent = _put_force_on(problem, gap, friction, start, increments)
     except NoAnswer as error:
         # A brake that locks itself is refused by the line below, with its limit.
         group.settled()
         raise NoAnswer(f"{group.names}: {error}, the drum at rest") from error
     per_rotation = lever * (group.brake.spin / group.unit_force)
-    return _HeldGroup(group, problem, per_rotation, friction, *loading)
+    return _HeldGroup(group, problem, per_rotation, friction, rest, spent)
 
 
-def _loading(
+def _put_force_on(
     problem: FrictionalProblem, gap: Floats, friction: Floats, state: Ints, increments: int
-) -> _Loading:
-    """The increment in which the force is fully on, and the energy dissipated by slip up to it.
+) -> tuple[Increment, float]:
+    """Increase the actuation force to its full value while the drum rests.
 
-    Without gaps all quantities grow with the force, and one increment is exact. Otherwise the force
-    grows like the cubes of whole numbers, since most changes happen under little force. An
-    increment that does not settle from the present states, as under a force so small that one node
-    or two bear it, is taken together with the next.
+    Without gaps all quantities grow with the force, and one increment is exact. With gaps the force
+    grows like the cubes of whole numbers, since most changes happen under little force. Under a
+    very small force, which one or two nodes bear, an increment may not settle from the present
+    states. An increment that does not settle is taken together with the next increment.
 
     Parameters
     ----------
     problem : the stick-slip problem under the full force
     gap : weighted gaps (n,) without force
     friction : friction coefficient (n,) of each node
-    state : states (n,) to start from
+    state : states (n,) of the nodes from which the first increment starts
     increments : number of increments
+
+    Returns
+    -------
+    the increment with the force fully on, and the energy [J/N^2] that slip has dissipated
 
     Raises
     ------
@@ -314,25 +318,25 @@ def _loading(
             continue
         energy += _slip_work(problem, increment, history)
         history, state = increment.history, increment.state
-    return _Loading(increment, energy)
+    return increment, energy
 
 
 # The drum is turned
 
 
-def _path(held: _HeldGroup, rotations: Floats) -> _HeldPath:
-    """The path of a group through the rotations. Raises NoAnswer as `hold` does."""
+def _follow_rotations(held: _HeldGroup, rotations: Floats) -> _HeldPath:
+    """Turn the drum of a group through the rotations (m,) [rad]. Raises NoAnswer as `hold` does."""
     group, brake = held.group, held.group.brake
     increment, reached, energy = held.rest, 0.0, held.spent
     increments, spent = [], []
     for rotation in rotations:
         try:
-            for step in held.turned(increment, reached, float(rotation)):
+            for step in held.turn_drum(increment, reached, float(rotation)):
                 energy += _slip_work(held.problem, step, increment.history)
                 increment = step
         except NoAnswer as error:
             # A brake that locks itself is refused by the line below, with its limit.
-            _under(group, brake if rotation > reached else brake.reversed()).settled()
+            _on_brake(group, brake if rotation > reached else brake.reversed()).settled()
             raise NoAnswer(f"{group.names}: {error}, turned by {rotation:.3g} rad") from error
         reached = float(rotation)
         increments.append(increment)
@@ -340,7 +344,7 @@ def _path(held: _HeldGroup, rotations: Floats) -> _HeldPath:
     return _HeldPath(held, increments, spent, cache(partial(_sliding_answer, held)))
 
 
-def turned(
+def turn_drum(
     problem: FrictionalProblem,
     lever: Floats,
     friction: float | Floats,
@@ -348,23 +352,25 @@ def turned(
     start: float,
     end: float,
 ) -> Iterator[Increment]:
-    """The increments from a converged one at the rotation `start` to the rotation `end`.
+    """Turn the drum from one rotation to another, and yield each converged increment.
 
-    It is one increment where its states settle, else parts of it, see HALVINGS.
+    The whole turn is one increment if its states settle. Otherwise the turn is halved up to
+    HALVINGS times, and its parts are the increments.
 
     Parameters
     ----------
     problem : the stick-slip problem while the drum rests
-    lever : growth (n,) of q_s per radian
+    lever : growth (n,) of the slips q_s per radian
     friction : friction coefficient of all nodes, or (n,) of each node
-    increment : the converged increment
+    increment : the converged increment at the rotation `start`
     start, end : rotations [rad]
 
     Raises
     ------
     NoAnswer
-        where no part settles
+        where the smallest part does not settle
     """
+    # A turn by nothing is solved once as well.
     reached, pieces = start, 1
     while reached != end or start == end:
         step = end if pieces == 1 else reached + (end - reached) / pieces
@@ -382,36 +388,41 @@ def turned(
         reached, pieces = step, pieces - 1
 
 
-def _under(group: ShoeGroup, brake: Brake) -> ShoeGroup:
-    """The group at another rotation or friction of the drum, under which feet may slide otherwise."""
+def _on_brake(group: ShoeGroup, brake: Brake) -> ShoeGroup:
+    """The group on a brake with another rotation or friction of the drum.
+
+    The senses of friction at rough abutments become unknown, since feet may slide the other way.
+    """
     return replace(group, brake=brake, senses=() if group.rough else group.senses)
 
 
 def _slip_work(problem: FrictionalProblem, after: Increment, before: History) -> float:
-    """The work of the tractions on the plastic slip of an increment, by its end values."""
+    """The energy [J/N^2] that slip dissipates in an increment, by the tractions at its end."""
+    # The elastic slip of the penalty dissipates nothing.
     slip = after.s - before.s - problem.Q @ (after.t - before.t)
     return float(after.t @ slip)
 
 
-def _state(brake: Brake, paths: list[_HeldPath], k: int, rotation: float) -> Hold:
-    """The state of the brake at the rotation of number `k`, from the paths of all groups."""
+def _brake_state(brake: Brake, paths: list[_HeldPath], k: int, rotation: float) -> Hold:
+    """The state of the brake at rotation number `k`, from the paths of all groups of shoes."""
     linings: dict[int, _LiningState] = {}
     torque, dissipated, notes = 0.0, 0.0, list[str]()
     for path in paths:
         dissipated += path.spent[k]
-        notes += _other_moment_note(path, k)
+        notes += _other_moment_notes(path, k)
         torque += path.held.torque(path.increments[k])
         linings |= _lining_states(path.held.group, path.increments[k])
     order = sorted(linings)
-    arcs = [stick_slip.zones(linings[i].theta, linings[i].state) for i in order]
+    theta, pressure, traction, state = zip(*(linings[i] for i in order), strict=True)
+    arcs = list(map(stick_slip.zones, theta, state))
     return Hold(
         rotation=rotation,
         torque=torque,
         names=tuple(brake.shoes[i].name for i in order),
-        theta=tuple(linings[i].theta for i in order),
-        pressure=tuple(linings[i].pressure for i in order),
-        traction=tuple(linings[i].traction for i in order),
-        state=tuple(linings[i].state for i in order),
+        theta=theta,
+        pressure=pressure,
+        traction=traction,
+        state=state,
         stick=tuple(arc["stick"] for arc in arcs),
         slip=tuple(arc["slip"] for arc in arcs),
         dissipated=dissipated,
@@ -425,6 +436,7 @@ def _lining_states(group: ShoeGroup, at: Increment) -> dict[int, _LiningState]:
     states = {}
     for k, part in enumerate(group.node_ranges):
         frame = group.shoes[k].frame
+        # Nodes in a frame against the brake's sense stand at falling angles.
         forward = slice(None, None, frame.sense)
         p, t = size * at.p[part], size * at.t[part]
         theta = frame.theta(group.bodies[k].line.phi)
@@ -438,9 +450,9 @@ def _lining_states(group: ShoeGroup, at: Increment) -> dict[int, _LiningState]:
 
 
 def _sliding_answer(held: _HeldGroup, sense: int) -> _SlidingAnswer:
-    """The answer under a sliding drum whose linings slip in the sense +1 or -1."""
+    """The answer of a group under a sliding drum; `sense` +1 or -1 is the sense of the slip."""
     brake = held.group.brake
-    group = _under(held.group, brake if sense == brake.spin else brake.reversed())
+    group = _on_brake(held.group, brake if sense == brake.spin else brake.reversed())
     try:
         group, contact = group.settled()
     except NoAnswer as error:
@@ -449,8 +461,11 @@ def _sliding_answer(held: _HeldGroup, sense: int) -> _SlidingAnswer:
     return _SlidingAnswer(group, contact, sense * brake.spin * torque, "")
 
 
-def _other_moment_note(path: _HeldPath, k: int) -> list[str]:
-    """A line where all nodes slip one way and the moment is not that of `solve`: both, and why."""
+def _other_moment_notes(path: _HeldPath, k: int) -> list[str]:
+    """A note with both moments if the moment at full slip differs from the moment of `solve`.
+
+    The list is empty if the moments agree, and at partial slip. `k` is the number of the rotation.
+    """
     held, at = path.held, path.increments[k]
     sense = _full_slip_sense(held, at)
     if sense == 0:
@@ -464,35 +479,33 @@ def _other_moment_note(path: _HeldPath, k: int) -> list[str]:
     if sliding.contact is None:
         return [f"{text}; solve has none: {sliding.why}"]
     text += f", by solve {sliding.torque:.6g} {unit}"
-    feet = _other_feet(held, at, sliding.group, sliding.contact)
+    feet = _differing_feet(held, at, sliding.group, sliding.contact)
     if not feet:
         return [f"{text}: more than one answer"]
-    ends = " and ".join(foot.came_to for foot in feet)
-    places = " and ".join(foot.by_solve for foot in feet)
+    ends, places = map(" and ".join, zip(*feet, strict=True))
     return [
-        f"{text}: the force came on while the {moving} was at rest and left {ends} along its abutment from where it "
-        f"was without force; in solve the {moving} moves already as the force comes on, which leaves it at {places}"
+        f"{text}: the force came on while the {moving} was at rest and left {ends} along its "
+        f"abutment from where it was without force; in solve the {moving} moves already as the "
+        f"force comes on, which leaves it at {places}"
     ]
 
 
 def _full_slip_sense(held: _HeldGroup, at: Increment) -> int:
-    """The sense +1 or -1 in which all touching nodes of the linings slip; 0 where some do not."""
+    """The sense +1 or -1 in which all touching nodes of the linings slip; 0 at partial slip."""
     touching = set(at.state[: held.lining_nodes].tolist()) - {OPEN}
-    if touching == {FORWARD}:
-        return 1
-    return -1 if touching == {BACKWARD} else 0
+    return int(touching == {FORWARD}) - int(touching == {BACKWARD})
 
 
-def _other_feet(
+def _differing_feet(
     held: _HeldGroup, at: Increment, group: ShoeGroup, contact: Contact
 ) -> list[_FootSlide]:
-    """The feet on which friction acts otherwise at the end of a path than in a sliding answer.
+    """The feet whose friction differs between the end of a path and the sliding answer.
 
     Parameters
     ----------
     held : the group of the path
-    at : the end of the path
-    group, contact : the sliding answer
+    at : the increment at the end of the path
+    group, contact : the answer under the sliding drum
     """
     size, feet = held.group.unit_force, []
     for node, k in enumerate(Feet.of(held.group).on, start=held.lining_nodes):
@@ -502,24 +515,19 @@ def _other_feet(
         if presses and abs(at.t[node] / at.p[node] - along / bearing) <= OTHER_FRICTION:
             continue
         slide = float(group.coordinates(contact)[k][-1]) if group.each_sense[k] else 0.0
-        # The slip counts against the slide; 0.0 less it is never printed as -0.
-        came_to = _micrometres(size, 0.0 - at.s[node])
-        by_solve = _micrometres(size, slide)
+        # The slip counts against the slide. Subtraction from 0.0 never prints -0.
+        came_to = f"{1e6 * size * (0.0 - at.s[node]):.6g} µm"
+        by_solve = f"{1e6 * size * slide:.6g} µm"
         feet.append(_FootSlide(f"the foot of shoe {shoe.name!r} {came_to}", by_solve))
     return feet
-
-
-def _micrometres(force: float, slide: float) -> str:
-    """A slide per newton [m/N] under a force [N], in words."""
-    return f"{1e6 * force * slide:.6g} µm"
 
 
 def full_slip_rotation(
     scene: PreparedModel, brake: Brake, *, increments: int = 20, penalty: float = PENALTY
 ) -> float:
-    """A rotation of the drum [rad] after which every touching node slips.
+    """Find a rotation of the drum [rad] after which every touching node slips.
 
-    The moment there is that of the sliding drum.
+    The moment at this rotation is the moment of the sliding drum.
 
     Parameters
     ----------
@@ -538,25 +546,33 @@ def full_slip_rotation(
     for held in _held_groups(scene, brake, increments, penalty):
         target = sum(shoes[i].torque for i in held.group.members)
         try:
-            ends.append(_full_slip(held, target, FORWARD if brake.spin > 0 else BACKWARD))
+            ends.append(_find_full_slip(held, target, FORWARD if brake.spin > 0 else BACKWARD))
         except NoAnswer as error:
             raise NoAnswer(f"{held.group.names}: {error}") from error
     return (1 + LATER) * max(ends)
 
 
-def _full_slip(held: _HeldGroup, target: float, slipping: int) -> float:
-    """A rotation [rad] after which all touching nodes have the state `slipping`.
+def _find_full_slip(held: _HeldGroup, target: float, slipping: int) -> float:
+    """Find a rotation [rad] after which all touching nodes of a group slip.
 
-    Full slip is an answer of the sliding drum. Raises NoAnswer where it is another answer than that
-    with the moment `target` [N m], and where no rotation is found.
+    Parameters
+    ----------
+    held : the group with the force on and the drum at rest
+    target : moment [N m] of the sliding drum
+    slipping : the state of the nodes, FORWARD or BACKWARD
+
+    Raises
+    ------
+    NoAnswer
+        where the moment at full slip is not the target, and where no rotation is found
     """
     increment, reached, step, n = held.rest, 0.0, FIRST, held.lining_nodes
     for _ in range(MOST_INCREMENTS):
         before = held.torque(increment)
-        *_, increment = held.turned(increment, reached, reached + step)
+        *_, increment = held.turn_drum(increment, reached, reached + step)
         torque, reached = held.torque(increment), reached + step
         if np.isin(increment.state[:n], [OPEN, slipping]).all():
-            # A foot that sticks stands where its path has brought it, so that the moment may differ.
+            # A sticking foot remembers its path, so that the moment may differ from the target.
             has_feet = len(increment.state) > n
             if has_feet or math.isclose(torque, target, rel_tol=TWO_ANSWERS):
                 return reached
@@ -564,12 +580,13 @@ def _full_slip(held: _HeldGroup, target: float, slipping: int) -> float:
                 f"more than one answer: held it comes to slip everywhere at {torque:.5g} N m, "
                 f"at once it slides at {target:.5g} N m"
             )
-        # The moment that is lacking, in steps like the last.
+        # The number of steps like the last step that would add the missing moment.
         lacking = (target - torque) / (torque - before) if torque > before else math.inf
         step = min(max(step * lacking, LATER * reached), reached / LATER)
     sticking = np.count_nonzero(increment.state[:n] == STICK)
     raise NoAnswer(
-        f"not converged: after a rotation of {reached:.3g} rad {sticking} of {n} nodes still stick, "
+        f"not converged: after a rotation of {reached:.3g} rad "
+        f"{sticking} of {n} nodes still stick, "
         f"at {torque:.5g} of the sliding drum's {target:.5g} N m"
     )
 
@@ -578,21 +595,23 @@ def _full_slip(held: _HeldGroup, target: float, slipping: int) -> float:
 
 
 def as_dict(states: list[Hold]) -> list[dict[str, Any]]:
-    """States as plain data for JSON, in rad, N m, Pa and J; node states stand there by name."""
-    return [
-        {
+    """Convert states to plain data for JSON, in rad, N m, Pa and J; nodes have named states."""
+    rows = []
+    for state in states:
+        shoes = [_lining_as_dict(state, i) for i in range(len(state.names))]
+        row = {
             "rotation": state.rotation,
             "torque": state.torque,
             "dissipated": state.dissipated,
             "notes": list(state.notes),
-            "shoes": [_lining_as_dict(state, i) for i in range(len(state.names))],
+            "shoes": shoes,
         }
-        for state in states
-    ]
+        rows.append(row)
+    return rows
 
 
 def _lining_as_dict(state: Hold, i: int) -> dict[str, Any]:
-    """One lining of a state as plain data."""
+    """Convert lining `i` of a state to plain data for JSON."""
     names = {OPEN: "open", STICK: "stick", FORWARD: "slip", BACKWARD: "slip back"}
     return {
         "name": state.names[i],

@@ -1,14 +1,14 @@
-"""The motion of the nodes of a shoe's body with the points that hold and push it, and its effects.
+"""The motion of a shoe's nodes as a hinge, pivot, abutment or actuation point of the shoe moves.
 
 A straight beam runs from the hinge to the point of the actuation. As either point moves, the beam
-turns, and its block fills the space up to the lining, which stays. The back of an arc is gripped at
-the pivot, and elements end where the grip ends. A mesh in the shoe's own frame turns with the
-frame. All other bodies stay in their places on the drum or the plane.
+turns. The lining stays, and the block between beam and lining changes its shape. The back of an arc
+is gripped at the pivot, and elements end where the grip ends. A mesh in the shoe's own frame turns
+with the frame. The nodes of all other bodies stay in their places on the drum or the plane.
 """
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -23,20 +23,22 @@ from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.substructure.interface import ContactLine
 
 NODE_STEP = 1e-5
-"""Step of the central differences of places and of quantities that depend on places alone, in radii
-of the drum. The places are smooth functions of the points over a length of some radii, so that the
-difference is off by NODE_STEP^2 = 1e-10, and by some 1e-11 of round-off. A larger step is less
-exact, and a smaller step loses digits.
+"""Step, in radii of the drum, by which a point moves in central differences of nodal places.
+
+The places are smooth functions of the point over a length of some radii. The difference is
+therefore off by NODE_STEP^2 = 1e-10, and by some 1e-11 of round-off. A larger step is less exact,
+and a smaller step loses digits.
 """
 FARTHEST = 1e3
-"""Distance, in steps of a point, beyond which no node moves in one step. A node that moves farther
-belongs to another division: an hp element or a layer more, or another element that ends where the
-grip does.
+"""Motion of a node per motion of a point beyond which the division into elements has changed.
+
+A node moves so far if the moved shoe has one hp element or layer more, or if another element ends
+where the grip ends.
 """
 STILL = 1e-6
-"""Motion of a contact node per motion of a point, below which the contact counts as unmoved.
+"""Motion of a contact node per motion of a point below which the contact counts as unmoved.
 
-Smaller motions are taken for round-off, which is some 1e-11 in the central differences.
+Smaller motions are round-off, which is some 1e-11 in the central differences.
 """
 
 
@@ -49,10 +51,10 @@ class Moves(NamedTuple):
 
     Attributes
     ----------
-    nodes : motion (2 nodes,), x and y of a node together
+    nodes : motion (2 nodes,) of all nodes, x and y of a node together
     line : motion (2, n) of the nodes of the contact line
-    load : change (2 nodes,) [1/m] of the force on each node per newton of the actuation
-    axis : turn of the axis of a straight beam [rad/m]; 0 for other bodies
+    load : change (2 nodes,) [1/m] of the nodal forces per newton of the actuation
+    axis : turn [rad/m] of the axis of a straight beam; 0 for other bodies
     """
 
     nodes: Floats
@@ -66,17 +68,10 @@ class Moves(NamedTuple):
         return float(np.abs(self.line).max()) < STILL
 
 
-class LineAtStep(NamedTuple):
-    """A contact line moved by a `step` [m] of a point."""
+def node_motions(scene: PreparedModel, i: int, shoe: Shoe, key: str) -> list[Moves]:
+    """The motions of the nodes of a shoe as one of its points moves along x and along y.
 
-    step: float
-    line: ContactLine
-
-
-def moves_by(scene: PreparedModel, i: int, shoe: Shoe, key: str) -> list[Moves]:
-    """The motion of the nodes of shoe `i` as one of its points moves along x and along y.
-
-    The list is empty where no node moves. The axes are those of the brake.
+    The axes x and y are the axes of the brake. The list is empty if no node moves.
 
     Parameters
     ----------
@@ -90,18 +85,18 @@ def moves_by(scene: PreparedModel, i: int, shoe: Shoe, key: str) -> list[Moves]:
     NoAnswer
         where the division into elements changes within a step on both sides
     """
-    moving = _nodes_move(scene, shoe, key)
+    moving = _moves_nodes(scene, shoe, key)
     turns_axis = isinstance(shoe.body, Beam) and key in BEAM_POINTS
     if shoe.mesh is not None and not moving and turns_axis:
-        turns = [_axis_turn(shoe, key, direction) for direction in np.eye(2)]
-        return [_only_turned(scene.bodies[i], turn) for turn in turns]
+        return [_only_axis_turns(scene.bodies[i], shoe, key, axis) for axis in np.eye(2)]
     if scene.nodes_of is None or not moving:
         return []
-    return [_moves_along(scene, i, shoe, key, direction) for direction in np.eye(2)]
+    return [_motion_along(scene, i, shoe, key, axis) for axis in np.eye(2)]
 
 
-def _nodes_move(scene: PreparedModel, shoe: Shoe, key: str) -> bool:
-    """Whether nodes of a shoe's body move with the point `key`."""
+def _moves_nodes(scene: PreparedModel, shoe: Shoe, key: str) -> bool:
+    """Whether nodes of a shoe's body move with the point of the shoe that `key` names."""
+    # Without a mesh of the user the body is divided anew between its points.
     if shoe.mesh is None:
         beam = isinstance(shoe.body, Beam) and key in BEAM_POINTS
         return beam or (key == "pivot" and shoe.grip(scene.brake.size) is not None)
@@ -115,23 +110,25 @@ def _nodes_move(scene: PreparedModel, shoe: Shoe, key: str) -> bool:
     return shoe.mesh_frame == "shoe" and key == holds_frame
 
 
-def _moves_along(scene: PreparedModel, i: int, shoe: Shoe, key: str, direction: Floats) -> Moves:
-    """The motion of the nodes of shoe `i` as a point moves along a direction (2,), by differences.
+def _motion_along(scene: PreparedModel, i: int, shoe: Shoe, key: str, direction: Floats) -> Moves:
+    """The motion of a shoe's nodes by central differences as a point moves along a direction (2,).
 
-    Raises NoAnswer as `moves_by` does.
+    Raises NoAnswer as `node_motions` does.
     """
     h = NODE_STEP * scene.brake.size
-    here = _in_brake(scene, i, shoe)
+    here = _nodes_in_brake(scene, i, shoe)
     places, loads = [], []
     for step in (h, -h):
-        there = _in_brake(scene, i, _with_point(shoe, key, step * direction))
+        there = _nodes_in_brake(scene, i, _move_point(shoe, key, step * direction))
+        # A side on which the division into elements changes does not count.
         same_division = there.xy.shape == here.xy.shape
         if same_division and np.abs(there.xy - here.xy).max() < FARTHEST * h:
             places.append((there.xy - here.xy) / step)
             loads.append((there.load - here.load) / step)
     if not places:
         raise NoAnswer(
-            f"shoe {shoe.name!r}: no slope along its {key}, there its division into elements changes"
+            f"shoe {shoe.name!r}: no slope along its {key}, "
+            "there its division into elements changes"
         )
     nodes = shoe.frame.to_shoe(np.mean(places, axis=0).T)
     load = shoe.frame.to_shoe(np.mean(loads, axis=0).T)
@@ -139,16 +136,17 @@ def _moves_along(scene: PreparedModel, i: int, shoe: Shoe, key: str, direction: 
     return Moves(nodes.ravel(), line, load.ravel(), _axis_turn(shoe, key, direction))
 
 
-def _only_turned(body: ShoeSubstructure, axis: float) -> Moves:
-    """The motion of a mesh in the brake's frame: no node moves, but a beam's directions turn."""
+def _only_axis_turns(body: ShoeSubstructure, shoe: Shoe, key: str, direction: Floats) -> Moves:
+    """The motion of a beam's mesh in the brake's frame: no node moves, but the layers turn."""
     still = np.zeros(2 * body.basis.N)
-    return Moves(still, np.zeros(body.line.xy.shape), still, axis)
+    return Moves(still, np.zeros(body.line.xy.shape), still, _axis_turn(shoe, key, direction))
 
 
 def _axis_turn(shoe: Shoe, key: str, direction: Floats) -> float:
-    """The turn of a straight beam's axis in the shoe's frame per motion of a point [rad/m].
+    """The turn [rad/m] of a straight beam's axis per motion of the point `key` along a direction.
 
-    The point `key` moves along `direction` (2,). Other bodies have the turn 0.
+    The direction (2,) is a unit vector. Other bodies have the turn 0. The turn counts in the
+    shoe's frame.
     """
     if not isinstance(shoe.body, Beam):
         return 0.0
@@ -158,34 +156,36 @@ def _axis_turn(shoe: Shoe, key: str, direction: Floats) -> float:
     return {"hinge": -sideways, "actuation.point": sideways}.get(key, 0.0)
 
 
-def _in_brake(scene: PreparedModel, i: int, shoe: Shoe) -> BodyNodes:
-    """The nodes of shoe `i`, replaced by another shoe, in the frame of the brake."""
+def _nodes_in_brake(scene: PreparedModel, i: int, shoe: Shoe) -> BodyNodes:
+    """The nodes and nodal forces, in the frame of the brake, of `shoe` in the place of shoe `i`."""
     assert scene.nodes_of is not None
     nodes = scene.nodes_of(i, shoe)
     return BodyNodes(shoe.points(nodes.xy), shoe.frame.to_brake(nodes.load.T).T)
 
 
-def _with_point(shoe: Shoe, key: str, step: Floats) -> Shoe:
-    """The shoe with one of its points moved by a step (2,) [m]."""
-    for part in ("actuation", "abutment"):
-        if key == f"{part}.point":
-            whole = getattr(shoe, part)
-            other = whole.model_copy(update={"point": _moved_point(whole.point, step)})
-            return shoe.model_copy(update={part: other})
-    return shoe.model_copy(update={key: _moved_point(getattr(shoe, key), step)})
+def _move_point(shoe: Shoe, key: str, step: Floats) -> Shoe:
+    """The shoe with the point that `key` names, as "abutment.point", moved by a step (2,) [m]."""
+    part, _, inner = key.partition(".")
+    whole = getattr(shoe, part)
+    x, y = ((whole.point if inner else whole).xy + step).tolist()
+    moved: Any = Point(x=x, y=y)
+    if inner:
+        moved = whole.model_copy(update={"point": moved})
+    return shoe.model_copy(update={part: moved})
 
 
-def _moved_point(point: Point, step: Floats) -> Point:
-    """The point moved by a step (2,) [m]."""
-    x, y = (point.xy + step).tolist()
-    return Point(x=x, y=y)
-
-
-def lines_at(
+def shifted_lines(
     body: ShoeSubstructure, shoe: Shoe, radius: float, moves: Moves
-) -> Iterator[LineAtStep]:
-    """The contact line of a body a step ahead and a step behind; radius: of the drum [m]."""
+) -> Iterator[tuple[float, ContactLine]]:
+    """The step [m] of a point and the moved contact line, for a step ahead and a step behind.
+
+    Parameters
+    ----------
+    body, shoe : the substructure and the shoe
+    radius : radius of the drum [m]
+    moves : motion of the nodes with the point
+    """
     line = body.line
     for step in (NODE_STEP * radius, -NODE_STEP * radius):
         xy = line.xy + step * moves.line
-        yield LineAtStep(step, replace(line, xy=xy, phi=shoe.phi_of(xy, radius)))
+        yield step, replace(line, xy=xy, phi=shoe.phi_of(xy, radius))

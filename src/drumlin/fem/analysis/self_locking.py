@@ -1,4 +1,4 @@
-"""Self-locking of an elastic brake: its limit, and the torque at frictions below the limit."""
+"""Self-locking of an elastic brake: the limit of friction, and the torque below the limit."""
 
 import math
 from collections.abc import Sequence
@@ -18,15 +18,16 @@ def limits(
     most: float = LARGEST_SOUGHT_FRICTION,
     penalty: float = math.inf,
 ) -> dict[tuple[int, ...], Limit]:
-    """The limit of self-locking of each group of shoes, by the positions of its shoes.
+    """The friction limit of self-locking of each group of shoes, by the positions of the shoes.
 
-    A limit comes earlier where a foot leaves its abutment, or a cam or a strut would have to pull.
+    The limit comes earlier where a foot leaves its abutment, or where a cam or a strut would have
+    to pull.
 
     Parameters
     ----------
     scene : the prepared model
     brake : the brake
-    most : friction coefficient up to which the limit is looked for
+    most : friction coefficient up to which the limit is sought
     penalty : factor alpha of the contact stiffness alpha E/t
 
     Raises
@@ -40,14 +41,14 @@ def limits(
 def torques(
     scene: PreparedModel, brake: Brake, frictions: Sequence[float], penalty: float = math.inf
 ) -> Floats:
-    """Torque (m, shoes) [N m] of each shoe at growing friction coefficients (m,).
+    """The torque (m, shoes) [N m] of each shoe at m growing friction coefficients.
 
-    Each answer starts from the contact set of the one before. Raises NoAnswer at the limit and
-    beyond it.
+    Raises NoAnswer at the limit of self-locking and beyond the limit.
     """
     values = np.zeros((len(frictions), len(brake.shoes)))
     for group in groups_of(scene, brake, penalty):
         at, active = group, None
+        # The contact set of one friction is the best guess of the contact set at the next friction.
         for row, mu in zip(values, frictions, strict=True):
             at, contact = at.at_friction(mu).settled(active)
             active = contact.active

@@ -1,26 +1,27 @@
 """Exact sensitivities of the torque of an elastic brake, from the tangent of its equations.
 
-One solution of the transposed equations, their adjoint (fem.analysis.adjoint), holds the effect of
-any small change on the torque, without differences of solves.
+One adjoint, the solution of the transposed equations (fem.analysis.adjoint), holds the effect of
+any small change on the torque. No differences of solves are needed.
 
-- Moduli act through the displacements u of the loads and v of the adjoint loads: dT = -v^T dK u,
-  with dK the part of the stiffness that is proportional to the modulus.
-- The supports of a shoe act through its rigid-body modes, and through its body where nodes of the
-  body move with a support (fem.analysis.moving): a straight beam ends at the hinge, the back of an
-  arc is gripped at the pivot. Then dT = -v^T (dK/dX dX) u, with dK/dX the exact derivative of the
-  stiffness by the places X of the nodes (fem.analysis.mutual_work).
-- Where nodes of the contact move too, its coupling and its gap change by central differences of
-  these two alone.
+- Moduli act through the displacements u under the loads and v under the adjoint loads:
+  dT = -v^T dK u. Here dK is the part of the stiffness that is proportional to the modulus.
+- The supports of a shoe act through its rigid-body modes. A support also acts through the body if
+  nodes of the body move with the support (fem.analysis.moving): a straight beam ends at the hinge,
+  and the back of an arc is gripped at the pivot. Then dT = -v^T (dK/dX dX) u. Here dK/dX is the
+  exact derivative of the stiffness by the places X of the nodes (fem.analysis.mutual_work).
+- If nodes of the contact move too, the coupling and the gap of the contact change. Their changes
+  are central differences.
 
-On a mesh the division into elements is the one that `solve` would choose; of hp elements the places
-stay where the contact ends. Where a change makes the contact set change, the torque has a kink, and
-these are its slopes on the side of the present set. Forces of struts and cams are shared anew.
+The division into elements stays: a mesh stays as `solve` would make it, and hp elements end where
+the contact ends. If the contact set is about to change, the torque has a kink. The sensitivities
+are then the slopes on the side of the present contact set. Forces of struts and cams are shared
+anew.
 """
 
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -32,7 +33,7 @@ from drumlin.brake.file import vary
 from drumlin.brake.orthotropic import orthotropic_parts
 from drumlin.brake.support import SupportChange, wrench
 from drumlin.fem.analysis.adjoint import GroupAdjoint, ShoeAdjoint, group_adjoint
-from drumlin.fem.analysis.moving import Moves, lines_at, moves_by
+from drumlin.fem.analysis.moving import Moves, node_motions, shifted_lines
 from drumlin.fem.analysis.mutual_work import change_by_nodes, work_by_part
 from drumlin.fem.equilibrium.group import ShoeGroup, groups_of
 from drumlin.fem.equilibrium.state import gap_at
@@ -52,12 +53,12 @@ from drumlin.response.merit import sensitivity as by_differences
 from drumlin.response.resultants import cross
 
 PERCENT_PER_MM = 0.1
-"""Percent per millimetre of a relative change by a place, which is in 1/m."""
+"""Percent per millimetre in a relative change by a place of 1/m."""
 
 
 @dataclass(frozen=True)
 class ShoeSensitivity:
-    """The effects on the torque of one shoe, and the effects of this shoe on the brake's torque T.
+    """The derivatives of one shoe's own torque, and of the brake's torque T by data of this shoe.
 
     On a plane T is the braking force [N], and all units are divided by a length; `theta` is in m.
 
@@ -66,18 +67,18 @@ class ShoeSensitivity:
     name : name of the shoe
     torque : the shoe's own torque [N m]
     friction : change of the shoe's own torque per friction coefficient [N m]
-    S : (mu/torque) d torque/dmu of the shoe at a fixed actuation; None where the torque is 0
-    force : dT per actuation force [m]; None where a strut or a cam gives the force
-    moduli : dT by the logarithm of each modulus [N m] of "lining", "backing", "shoe"; of an
-        orthotropic part by that of one factor on all its moduli, not by each of them
-    bending_stiffness : dT by the logarithm of the body's bending stiffness [N m], which replaces the
-        modulus where the brake gives it; else None
+    S : (mu/torque) d torque/dmu of the shoe at a fixed actuation; None if the torque is 0
+    force : dT per actuation force [m]; None if a strut or a cam gives the force
+    moduli : dT by the logarithm of the modulus [N m] of each part, "lining", "backing" and "shoe";
+        of an orthotropic part by the logarithm of one factor on all its moduli
+    bending_stiffness : dT by the logarithm of the body's bending stiffness [N m], in the place of
+        the modulus of "shoe"; None if the brake file gives no bending stiffness
     clearance : dT per clearance that is even along the lining [N]
     held : dT by each support: the places "hinge", "pivot", "abutment.point" (2,) [N] along x and y
         of the brake; the angles "abutment.direction", "guide.direction" and the coefficient
         "abutment.friction" (1,) [N m]
     penalty : dT by the logarithm of the contact stiffness [N m]
-    theta : angles (n,) [rad] of the lining's nodes, growing
+    theta : growing angles (n,) [rad] of the lining's nodes
     density : dT per clearance and length of arc (n,) [N/m]; 0 off the contact
     """
 
@@ -101,17 +102,18 @@ class Sensitivity:
 
     Attributes
     ----------
-    friction_coefficient : mu
+    friction_coefficient : friction coefficient mu of the drum
     torque : T [N m]
     friction : dT/dmu [N m]
-    S : (mu/T) dT/dmu of the whole brake; None where T is 0
-    drive : dT by the logarithm of the brake's actuation [N m]; None where each shoe has its own force
-    ring : dT by the logarithm of the ring's modulus [N m]; None for a rigid drum, or where the brake
-        gives the bending stiffness
-    ring_bending_stiffness : dT by the logarithm of the ring's bending stiffness [N m]; None where the
-        brake does not give it
+    S : (mu/T) dT/dmu of the whole brake; None if T is 0
+    drive : dT by the logarithm of the brake's actuation [N m]; None if each shoe has its own force
+    ring : dT by the logarithm of the ring's modulus [N m]; None for a rigid drum, and for a ring
+        whose bending stiffness is given
+    ring_bending_stiffness : dT by the logarithm of the ring's bending stiffness [N m]; None if the
+        brake file gives no bending stiffness
     shoes : the sensitivities of each shoe
-    law : S of the rigid-shoe law, of each shoe on a hinge and then of the whole; None without answer
+    law : S by the rigid-shoe law, of each shoe and then of the whole brake; None if the law has no
+        answer
     """
 
     friction_coefficient: float
@@ -125,34 +127,38 @@ class Sensitivity:
     law: tuple[float | None, ...] | None
 
     def as_dict(self) -> dict[str, Any]:
-        """As plain data for JSON (SI)."""
-        shoes = [_shoe_as_dict(shoe) for shoe in self.shoes]
+        """Convert the sensitivities to plain data for JSON, in SI units."""
+        shoes = list(map(_shoe_as_dict, self.shoes))
         return vars(self) | {"shoes": shoes, "law": None if self.law is None else list(self.law)}
 
 
 def _shoe_as_dict(shoe: ShoeSensitivity) -> dict[str, Any]:
-    """The sensitivities of a shoe as plain data; the hinge stands there once more by itself."""
-    hinge = shoe.held["hinge"].tolist() if "hinge" in shoe.held else None
+    """Convert the sensitivities of a shoe to plain data for JSON.
+
+    The sensitivity by the hinge stands under "held" and under a key "hinge" of its own.
+    """
+    held = {key: value.tolist() for key, value in shoe.held.items()}
     return vars(shoe) | {
         "theta": shoe.theta.tolist(),
         "density": shoe.density.tolist(),
-        "held": {key: value.tolist() for key, value in shoe.held.items()},
-        "hinge": hinge,
+        "held": held,
+        "hinge": held.get("hinge"),
     }
 
 
 def sensitivity(scene: PreparedModel, brake: Brake, *, penalty: float = PENALTY) -> Sensitivity:
-    """The sensitivities of the torque of a brake on a prepared model.
+    """Compute the sensitivities of the torque of a brake on a prepared model.
 
-    Raises NoAnswer as `respond` does, and for a brake without friction, which has no torque.
-    Raises BadInput as `respond` does.
+    Raises NoAnswer and BadInput as `respond` does, and NoAnswer for a brake without friction, which
+    has no torque.
     """
     check_penalty(penalty)
     if brake.friction == 0:
         raise NoAnswer("sensitivity: without friction there is no torque")
     if scene.brake.friction == 0:
         raise BadInput(
-            f"friction = {brake.friction:g}: the scene was prepared without friction, for mu = 0 only"
+            f"friction = {brake.friction:g}: "
+            "the scene was prepared without friction, for mu = 0 only"
         )
     pressed: dict[int, ShoeSensitivity] = {}
     ring, drive = 0.0, 0.0
@@ -163,16 +169,17 @@ def sensitivity(scene: PreparedModel, brake: Brake, *, penalty: float = PENALTY)
         ring, drive = ring + adjoint.ring, drive + adjoint.drive
     shoes = []
     for i, shoe in enumerate(brake.shoes):
-        shoes.append(pressed[i] if i in pressed else _untouched(scene.bodies[i], shoe))
+        shoes.append(pressed[i] if i in pressed else _unpressed_shoe(scene.bodies[i], shoe))
     torque = math.fsum(shoe.torque for shoe in shoes)
     friction = math.fsum(shoe.friction for shoe in shoes)
     elastic = brake.ring is not None
+    # A given bending stiffness takes the place of the ring's modulus.
     by_stiffness = brake.ring is not None and brake.ring.bending_stiffness is not None
     return Sensitivity(
         friction_coefficient=brake.friction,
         torque=torque,
         friction=friction,
-        S=_elasticity(brake.friction, friction, torque),
+        S=_relative_slope(brake.friction, friction, torque),
         drive=None if brake.actuation is None else drive,
         ring=ring if elastic and not by_stiffness else None,
         ring_bending_stiffness=ring if by_stiffness else None,
@@ -181,15 +188,15 @@ def sensitivity(scene: PreparedModel, brake: Brake, *, penalty: float = PENALTY)
     )
 
 
-def _elasticity(x: float, slope: float, value: float) -> float | None:
-    """The relative change of a value per relative change of x; None where the value is 0."""
+def _relative_slope(x: float, slope: float, value: float) -> float | None:
+    """The relative change of a value per relative change of x; None if the value is 0."""
     return x * slope / value if value else None
 
 
-def _untouched(body: ShoeSubstructure, shoe: Shoe) -> ShoeSensitivity:
-    """The sensitivities of a shoe that its force does not press: its torque stays 0."""
+def _unpressed_shoe(body: ShoeSubstructure, shoe: Shoe) -> ShoeSensitivity:
+    """The sensitivities, all zero, of a shoe that does not press on the drum."""
     theta = shoe.frame.theta(body.line.phi)[:: shoe.frame.sense]
-    moduli = dict.fromkeys((_material_name(part) for part in layers_of(shoe)), 0.0)
+    moduli = dict.fromkeys(map(_material_name, layers_of(shoe)), 0.0)
     given = shoe.body is not None and shoe.body.bending_stiffness is not None
     return ShoeSensitivity(
         name=shoe.name,
@@ -208,41 +215,24 @@ def _untouched(body: ShoeSubstructure, shoe: Shoe) -> ShoeSensitivity:
 
 
 def _material_name(part: str) -> str:
-    """The name of the material of a part: the table of a T-section is of the shoe's material."""
+    """The name of the material of a part; the table of a T-section has the material "shoe"."""
     return "shoe" if part == "table" else part
 
 
 class _Displacements(NamedTuple):
-    """Displacements u of the loads and v of the adjoint loads (2 nodes,), with the frame held."""
+    """Displacements (2 nodes,) of a shoe whose rigid-body motion is held.
+
+    u are the displacements under the loads [m], v under the adjoint loads.
+    """
 
     u: Floats
     v: Floats
 
 
-class _CountedModes(NamedTuple):
-    """How a shoe counts its rigid-body modes.
-
-    Attributes
-    ----------
-    sign : (k,) of each mode in the frame of the shoe against that of the brake
-    worked : (k,) 1 where the actuation works on the mode; it does not where the shoe tilts on a lever
-    """
-
-    sign: Floats
-    worked: Floats
-
-
-class _ModuliSlopes(NamedTuple):
-    """dT by the logarithm of each modulus, and of the body's bending stiffness if it is given."""
-
-    moduli: dict[str, float]
-    bending_stiffness: float | None
-
-
 class _ShoeSlopes:
-    """The effects of changes at shoe `k` of a group on the brake's torque.
+    """The slopes of the brake's torque by data of one shoe.
 
-    adjoint: of the group; k: the shoe's number within the group.
+    `adjoint` is the adjoint of the shoe's group, and `k` the number of the shoe in the group.
     """
 
     def __init__(self, adjoint: GroupAdjoint, k: int) -> None:
@@ -254,43 +244,41 @@ class _ShoeSlopes:
         # Under a cam the travel of the shoe's tip enters the equation that gives its force.
         self.under_cam = k in self.group.cam
         self.tip_multiplier = self.own.c if self.under_cam else 0.0
-        names = self.shoe.freedoms(self.group.senses[k]).names
-        signs = [float(self.shoe.frame.sense) if name == "turn" else 1.0 for name in names]
-        worked = [float(name != "tilt") for name in names]
-        self.counted = _CountedModes(np.array(signs), np.array(worked))
+        names = np.array(self.shoe.freedoms(self.group.senses[k]).names)
+        # The sign of each rigid-body mode in the frame of the shoe against the frame of the brake.
+        self.mode_signs = np.where(names == "turn", float(self.shoe.frame.sense), 1.0)
+        # The actuation does no work on the tilt of a shoe on a lever.
+        self.works = np.where(names == "tilt", 0.0, 1.0)
 
     def sensitivity(self) -> ShoeSensitivity:
-        """All sensitivities of the shoe."""
+        """Compute all sensitivities of the shoe."""
         group, k, own, body = self.group, self.k, self.own, self.body
         shoe, coupling = self.shoe, self.body.coupling
         torque = float(self.adjoint.torque[k])
         friction = float(self.adjoint.friction[k])
         by_penalty = float(own.a @ (coupling.M @ own.p)) / group.stiffnesses[k]
-        of_moduli = self._moduli(by_penalty)
-        shares_force = self._pushed_by_strut() or k in group.cam
+        moduli, bending_stiffness = self._moduli_slopes(by_penalty)
+        # The force of a shoe under a cam or behind a strut is no datum of the brake file.
+        shares_force = k in [*group.cam, *(to for _, to in group.links)]
         sign_of_force = math.copysign(1.0, shoe.actuation.force)
         forward = slice(None, None, shoe.frame.sense)
         return ShoeSensitivity(
             name=shoe.name,
             torque=torque,
             friction=friction,
-            S=_elasticity(group.brake.friction, friction, torque),
+            S=_relative_slope(group.brake.friction, friction, torque),
             force=None if shares_force else sign_of_force * own.c,
-            moduli=of_moduli.moduli,
-            bending_stiffness=of_moduli.bending_stiffness,
+            moduli=moduli,
+            bending_stiffness=bending_stiffness,
             clearance=-float(own.a @ coupling.M.sum(axis=1)),
-            held=self._held(),
+            held=self._support_slopes(),
             penalty=by_penalty,
             theta=shoe.frame.theta(body.line.phi)[forward],
             density=-shoe.lining.width * own.a[forward],
         )
 
-    def _pushed_by_strut(self) -> bool:
-        """Whether a strut gives the shoe's force."""
-        return self.k in [to for _, to in self.group.links]
-
-    def _strut_ends(self) -> list[int]:
-        """The shoes that struts from this shoe push."""
+    def _pushed_shoes(self) -> list[int]:
+        """The numbers, within the group, of the shoes that struts from this shoe push."""
         return [to for source, to in self.group.links if source == self.k]
 
     # Moduli
@@ -306,10 +294,12 @@ class _ShoeSlopes:
         u, v = self.body.condensed.displacements(nodal, np.zeros((FRAME, 2)), loads).T
         return _Displacements(u, v)
 
-    def _moduli(self, by_penalty: float) -> _ModuliSlopes:
-        """The effects of the shoe's moduli, or of its bending stiffness, where that is given.
+    def _moduli_slopes(self, by_penalty: float) -> tuple[dict[str, float], float | None]:
+        """The slopes [N m] of the torque by the moduli of each part, and by the bending stiffness.
 
-        The lining's modulus is in the contact stiffness alpha E/t too, whose effect is `by_penalty`.
+        The second slope is None if the brake file gives no bending stiffness. The lining's modulus
+        E also changes the contact stiffness alpha E/t. The slope `by_penalty` [N m] by the contact
+        stiffness is therefore a part of the slope by the lining's modulus.
         """
         u, v = self.displacements
         effects: dict[str, float] = {}
@@ -320,30 +310,33 @@ class _ShoeSlopes:
         bar = self.shoe.body
         given = bar is not None and bar.bending_stiffness is not None
         bending_stiffness = effects.pop("shoe") if given else None
-        return _ModuliSlopes(effects, bending_stiffness)
+        return effects, bending_stiffness
 
     # Supports
 
-    def _held(self) -> dict[str, Floats]:
-        """The effects of the shoe's supports, see `Held.changes`.
+    def _support_slopes(self) -> dict[str, Floats]:
+        """The slopes of the torque by the supports of the shoe, by the keys of `Held.changes`.
 
-        The work of forces on a rigid motion is that of their wrench, and motions enter the equations
-        by work alone. Where nodes move with a point the strains change too.
+        A support changes the rigid-body modes, and the strains if nodes move with the support.
         """
         group, k = self.group, self.k
         effects = {}
         for key, changes in self.shoe.changes(group.senses[k]).items():
-            effects[key] = np.array([self._by_modes(change) for change in changes])
-            moves = moves_by(group.scene, group.members[k], self.shoe, key)
+            effects[key] = np.array(list(map(self._slope_by_modes, changes)))
+            moves = node_motions(group.scene, group.members[k], self.shoe, key)
             if moves:
-                effects[key] = effects[key] + self._by_nodes(moves)
-        for to in self._strut_ends():
-            _add_direction_of_strut(effects, _ShoeSlopes(self.adjoint, to))
+                effects[key] = effects[key] + self._slopes_by_nodes(moves)
+        for to in self._pushed_shoes():
+            _add_strut_line(effects, _ShoeSlopes(self.adjoint, to))
         return effects
 
-    def _by_modes(self, change: SupportChange) -> float:
-        """The effect of a change of the rigid-body modes on the torque."""
-        own, shoe, worked = self.own, self.shoe, self.counted.worked
+    def _slope_by_modes(self, change: SupportChange) -> float:
+        """The slope of the torque by a change of the rigid-body modes.
+
+        Motions enter the equations by the work of forces alone. On a rigid motion this is the work
+        of the wrench of the forces.
+        """
+        own, shoe, works = self.own, self.shoe, self.works
         N, T = self.body.coupling.N, self.body.coupling.T
         xy = shoe.points(self.body.line.xy)
         on_gaps, by_drum = own.a @ N, self.drag * (own.p @ T) - own.p @ N
@@ -351,39 +344,51 @@ class _ShoeSlopes:
         of_drum = wrench(shoe.frame.to_brake(by_drum.reshape(-1, 2)), xy.T)
         sign = math.copysign(1.0, shoe.actuation.force)
         push = wrench(sign * shoe.actuation.direction_vector, shoe.actuation.point.xy)
-        y, b = self.counted.sign * own.y, self.counted.sign * own.b
-        by_equilibria = change.tests @ of_drum + own.F * worked * (change.tests @ push)
-        by_tip = self.tip_multiplier * (y * worked) @ (change.motions @ push)
+        y, b = self.mode_signs * own.y, self.mode_signs * own.b
+        by_equilibria = change.tests @ of_drum + own.F * works * (change.tests @ push)
+        by_tip = self.tip_multiplier * (y * works) @ (change.motions @ push)
         return float(y @ (change.motions @ of_gaps) - b @ by_equilibria - by_tip)
 
-    def _by_nodes(self, moves: list[Moves]) -> Floats:
-        """The effects of moving nodes, (moves,): by the stiffness, the load, and the contact."""
+    def _slopes_by_nodes(self, moves: list[Moves]) -> Floats:
+        """The slopes (moves,) of the torque by motions of nodes.
+
+        Moving nodes change the stiffness, the load, and the contact if its nodes move.
+        """
         own, body = self.own, self.body
         u, v = self.displacements
         nodes, axes = np.array([move.nodes for move in moves]), [move.axis for move in moves]
         effects = -change_by_nodes(body.basis, layers_of(self.shoe), u, v, nodes, axes)
-        # The torque per force on each node.
+        # A change of the nodal forces changes the torque by this much per force.
         per_force = own.F * v - self.tip_multiplier * u
         for j, move in enumerate(moves):
             effects[j] += float(move.load @ per_force)
             if not move.contact_stays:
-                effects[j] += self._by_contact(move)
+                effects[j] += self._slope_by_contact(move)
         return effects
 
-    def _by_contact(self, move: Moves) -> float:
-        """The effect of contact nodes that move along the lining, by central differences.
+    def _slope_by_contact(self, move: Moves) -> float:
+        """The slope of the torque by a motion of contact nodes, by central differences.
 
-        The differences are those of the coupling and of the gap alone: all pressures, displacements
-        and motions stay as they are, and so do those of the adjoint.
+        Only the coupling and the gap change. All pressures, displacements and motions stay, and so
+        do their adjoints.
         """
         values = []
-        for step, line in lines_at(self.body, self.shoe, self.group.brake.size, move):
-            value = self._contact_value(line, step, move)
-            values.append((value - self._through_ring(line)) / step)
+        for step, line in shifted_lines(self.body, self.shoe, self.group.brake.size, move):
+            value = self._contact_terms(line, step, move)
+            values.append((value - self._ring_terms(line)) / step)
         return 0.5 * sum(values)
 
-    def _contact_value(self, line: ContactLine, step: float, move: Moves) -> float:
-        """The contact terms of the torque and its equations with the nodes moved by a step [m]."""
+    def _contact_terms(self, line: ContactLine, step: float, move: Moves) -> float:
+        """The contact terms of the torque with contact nodes moved by a step.
+
+        The equations of gaps and equilibria are weighted by their adjoints.
+
+        Parameters
+        ----------
+        line : contact line with moved nodes
+        step : distance [m] by which the point has moved
+        move : motion of the nodes per motion of the point
+        """
         own, group, brake, shoe, k = self.own, self.group, self.group.brake, self.shoe, self.k
         modes, nodes = group.modes[k], self.body.line.nodes
         contact = np.column_stack([2 * nodes, 2 * nodes + 1]).ravel()
@@ -392,24 +397,23 @@ class _ShoeSlopes:
         v = self.displacements.v[contact] - modes.test_modes @ own.b
         coupling = coupling_of(line, shoe)
         nodal = self.drag * (coupling.T.T @ own.p) - coupling.N.T @ own.p
-        # A turn by one radian moves the contact nodes aside as they move along the line.
+        # Nodes that have moved by `step` travel aside as well when the shoe turns.
         aside = step * np.array([-move.line[1], move.line[0]]).T.ravel()
         gap = gap_at(line.xy, line.phi, brake, shoe)
         value = brake.friction * float(coupling.lever @ own.p)
         closing = coupling.N @ (u + aside * (turns @ own.y))
         value += float(own.a @ (closing - coupling.M @ (gap + squeezed)))
         value += float(nodal @ (v - aside * (turns @ own.b)))
-        # A strut from the shoe passes on what its foot bears of these forces.
+        # A strut passes on the part of these nodal forces that the shoe's foot bears.
         whole = shoe.frame.to_brake(nodal.reshape(-1, 2).sum(axis=0))
-        value -= sum(
-            self.adjoint.shoes[to].c * float(whole @ shoe.bearing) for to in self._strut_ends()
-        )
+        for to in self._pushed_shoes():
+            value -= self.adjoint.shoes[to].c * float(whole @ shoe.bearing)
         return value
 
-    def _through_ring(self, line: ContactLine) -> float:
-        """The ring's part of the weighted gaps, times the adjoint, with the contact line moved.
+    def _ring_terms(self, line: ContactLine) -> float:
+        """The ring's part of the weighted gaps, times the adjoint, on a moved contact line.
 
-        It is 0 for a rigid drum.
+        The value is 0 for a rigid drum.
         """
         group, scene = self.group, self.group.scene
         if scene.ring is None or scene.ring_under is None:
@@ -425,14 +429,15 @@ class _ShoeSlopes:
 
     # The line of a strut
 
-    def by_force_line(self, force: Floats, moment: float, *, carried: bool = False) -> float:
-        """The effect of a change of the shoe's unit force.
+    def slope_by_force_line(self, force: Floats, moment: float, *, carried: bool = False) -> float:
+        """The slope of the torque by a change of the line along which the shoe's force acts.
 
         Parameters
         ----------
         force : change of the unit force (2,) [1]
-        moment : change of its moment about the origin [m]
-        carried : whether the body's loaded end goes with the force, which then adds no couple
+        moment : change of the unit force's moment about the origin [m]
+        carried : whether the loaded end of the body moves with the force, so that the force adds no
+            couple to the body
         """
         own, shoe, body = self.own, self.shoe, self.body
         centre = shoe.points(body.load_centre[:, None])[:, 0]
@@ -441,45 +446,50 @@ class _ShoeSlopes:
         pushing = np.array([*shoe.frame.to_shoe(force), couple])
         load = body.columns.factors({ACTUATION: pushing})
         work = free.tests @ np.array([*force, moment])
-        tested = self.counted.sign * self.counted.worked * work
+        tested = self.mode_signs * self.works * work
         return own.F * float(own.a @ (body.closure_by_load @ load) - own.b @ tested)
 
-    def by_point_of_force(self) -> list[Floats]:
-        """The effects (2,) of moving the point at which a strut pushes the shoe, in parts to be added.
+    def slopes_by_force_point(self) -> list[Floats]:
+        """The slopes (2,) [N] of the torque by the point at which a strut pushes the shoe.
 
-        The first is that of the force's moment, the second, if any, that of the body's nodes.
+        The slopes come in parts to be added: first by the moment of the force, and then by the
+        nodes of the body if nodes move with the point.
         """
         key, direction = "actuation.point", self.shoe.actuation.direction_vector
-        moves = moves_by(self.group.scene, self.group.members[self.k], self.shoe, key)
+        moves = node_motions(self.group.scene, self.group.members[self.k], self.shoe, key)
         effects = []
         for step in np.eye(2):
             moment = float(cross(step, direction))
-            effects.append(self.by_force_line(np.zeros(2), moment, carried=bool(moves)))
+            effects.append(self.slope_by_force_line(np.zeros(2), moment, carried=bool(moves)))
         by_moment = np.array(effects)
-        return [by_moment, self._by_nodes(moves)] if moves else [by_moment]
+        return [by_moment, self._slopes_by_nodes(moves)] if moves else [by_moment]
 
-    def by_direction_of_force(self) -> float:
-        """The effect of turning the direction in which a strut pushes the shoe."""
+    def slope_by_force_direction(self) -> float:
+        """The slope [N m] of the torque by the direction in which a strut pushes the shoe."""
         shoe = self.shoe
         direction, point = shoe.actuation.direction_vector, shoe.actuation.point.xy
         turned = np.array([-direction[1], direction[0]])
+        slope = self.slope_by_force_line(turned, float(cross(point, turned)))
         # In a chain the shoe passes its force on to a further shoe.
-        passed_on = [
-            self.adjoint.shoes[to].c * self.own.F * float(shoe.bearing @ turned)
-            for to in self._strut_ends()
-        ]
-        return self.by_force_line(turned, float(cross(point, turned))) - sum(passed_on)
+        for to in self._pushed_shoes():
+            slope -= self.adjoint.shoes[to].c * self.own.F * float(shoe.bearing @ turned)
+        return slope
 
 
-def _add_direction_of_strut(effects: dict[str, Floats], pushed: _ShoeSlopes) -> None:
-    """Add to the effects of an abutment on a strut those of the line along which the strut pushes.
+def _add_strut_line(effects: dict[str, Floats], pushed: _ShoeSlopes) -> None:
+    """Add the slopes by a strut's line of action to the slopes by the abutment on the strut.
 
-    The force that a strut passes on does not change with its direction: without friction no force
-    acts across it.
+    The strut pushes along a line that moves and turns with the abutment. The size of the force does
+    not change with the direction: without friction no force acts across the strut.
+
+    Parameters
+    ----------
+    effects : slopes by the supports of the shoe that stands on the strut, which are changed
+    pushed : slopes of the shoe that the strut pushes
     """
-    for part in pushed.by_point_of_force():
+    for part in pushed.slopes_by_force_point():
         effects["abutment.point"] = effects["abutment.point"] + part
-    by_direction = pushed.by_direction_of_force()
+    by_direction = pushed.slope_by_force_direction()
     effects["abutment.direction"] = effects["abutment.direction"] + by_direction
 
 
@@ -487,9 +497,9 @@ def _add_direction_of_strut(effects: dict[str, Floats], pushed: _ShoeSlopes) -> 
 
 
 def as_text(found: Sensitivity, brake: Brake) -> list[str]:
-    """The sensitivities in lines for people.
+    """The sensitivities as lines of text, with relative slopes d ln T / d ln x of the whole torque.
 
-    Elasticities are d ln T / d ln x of the whole torque.
+    `found` holds the sensitivities of the brake.
     """
     surface = brake.surface
     symbol, effect, unit = surface.symbol, surface.effect, surface.effect_unit
@@ -500,41 +510,42 @@ def as_text(found: Sensitivity, brake: Brake) -> list[str]:
         f"{effect} {found.torque:.6g} {unit}, d{symbol}/dmu {found.friction:.6g} {unit}, "
         f"S = (mu/{symbol}) d{symbol}/dmu = {_S_text(found.S)} ({of_law}: {_S_text(law[-1])})"
     ]
-    if found.drive is not None:
-        lines.append(f"  {elasticity} actuation {found.drive / T:+.4g}")
-    if found.ring is not None:
-        lines.append(f"  {elasticity} E of the drum ring {found.ring / T:+.4g}")
-    if found.ring_bending_stiffness is not None:
-        lines.append(
-            f"  {elasticity} bending_stiffness of the drum ring {found.ring_bending_stiffness / T:+.4g}"
-        )
+    of_brake = {
+        "actuation": found.drive,
+        "E of the drum ring": found.ring,
+        "bending_stiffness of the drum ring": found.ring_bending_stiffness,
+    }
+    for what, slope in of_brake.items():
+        if slope is not None:
+            lines.append(f"  {elasticity} {what} {slope / T:+.4g}")
     for k, own in enumerate(found.shoes):
         by_law = "" if law[k] is None else f" ({of_law}: {_S_text(law[k])})"
         lines.append(
-            f"  shoe {own.name!r}: {effect} {own.torque:.6g} {unit}, d{symbol}/dmu {own.friction:.6g} {unit}, "
+            f"  shoe {own.name!r}: {effect} {own.torque:.6g} {unit}, "
+            f"d{symbol}/dmu {own.friction:.6g} {unit}, "
             f"S {_S_text(own.S)}{by_law}; of the whole {effect}:"
         )
         lines += _shoe_lines(own, brake.shoes[k].actuation.force, T, elasticity)
-    parts = list(orthotropic_parts(brake))
+    parts = ", ".join(orthotropic_parts(brake))
     if parts:
         lines.append(
-            f"  {elasticity} E of {', '.join(parts)}: by one factor on all moduli; not given by each of them"
+            f"  {elasticity} E of {parts}: by one factor on all moduli; not given by each of them"
         )
     return lines
 
 
 def _S_text(S: float | None) -> str:
-    """S in words."""
+    """The sensitivity S as text, "none" if S is None."""
     return "none" if S is None else f"{S:.5g}"
 
 
 def _shoe_lines(own: ShoeSensitivity, force: float, T: float, elasticity: str) -> list[str]:
-    """The lines on one shoe's effects on the whole torque.
+    """Lines of text on the relative slopes of the whole torque by data of one shoe.
 
     Parameters
     ----------
     own : the sensitivities of the shoe
-    force : its actuation force [N]
+    force : actuation force of the shoe [N]
     T : the whole torque [N m]
     elasticity : the words "d ln T/d ln"
     """
@@ -543,16 +554,21 @@ def _shoe_lines(own: ShoeSensitivity, force: float, T: float, elasticity: str) -
     bent = ""
     if own.bending_stiffness is not None:
         bent = f"; {elasticity} bending_stiffness: shoe {own.bending_stiffness / T:+.4g}"
-    held = "; ".join(_held_text(key, value / T) for key, value in own.held.items())
+    held = "; ".join(_support_text(key, value / T) for key, value in own.held.items())
+    # Adding 0.0 turns -0.0 into 0.0, which prints without a sign of minus.
     per_micrometre = own.clearance / T * 1e-3 * PERCENT_PER_MM + 0.0
     return [
-        f"    {by_force}{elasticity} E: {moduli}{bent}; {elasticity} penalty {own.penalty / T:+.1e}",
+        f"    {by_force}{elasticity} E: {moduli}{bent}; "
+        f"{elasticity} penalty {own.penalty / T:+.1e}",
         f"    clearance {per_micrometre:+.4g} %/µm" + (f"; {held}" if held else ""),
     ]
 
 
-def _held_text(key: str, value: Floats) -> str:
-    """The words on the relative effect of one support."""
+def _support_text(key: str, value: Floats) -> str:
+    """The text on the relative slopes of the torque by one support.
+
+    `key` is a key of `ShoeSensitivity.held`, and `value` (1,) or (2,) its slopes over the torque.
+    """
     if len(value) == 2:
         x, y = value * PERCENT_PER_MM
         return f"{key} along x {x:+.4g} %/mm, along y {y:+.4g} %/mm"
@@ -561,43 +577,41 @@ def _held_text(key: str, value: Floats) -> str:
     return f"{key} {100 * math.radians(value[0]):+.4g} %/deg"
 
 
-# Other ways to the same numbers
+# Sensitivities by laws and by differences
 
 
 def law_sensitivity(brake: Brake) -> tuple[float | None, ...] | None:
-    """S of the rigid-shoe law, of each shoe and then of the whole; None where laws have no answer.
+    """The sensitivity S by the rigid-shoe law, of each shoe and then of the whole brake.
 
-    That of the sine law is exact, since its pressure keeps its shape (UWA notes, eq. 8). Of other
-    laws only S of the whole is known, by differences of their closed form. Laws refuse orthotropic
-    brakes.
+    S by the sine law is exact, since the shape of its pressure is constant (UWA notes, eq. 8). By
+    other laws S is None for each shoe, and S of the whole brake comes from differences of the
+    closed form. The result is None if no law has an answer, as for an orthotropic brake.
     """
     if any(orthotropic_parts(brake)):
         return None
     try:
         if name_of(brake) != "sine":
-            return (*(None for _ in brake.shoes), by_differences(brake, rigid_law))
+            return (*[None] * len(brake.shoes), by_differences(brake, rigid_law))
         response = sine(brake)
     except (BadInput, NoAnswer):
         return None
-    each = [
-        None if merit is None else merit.sensitivity_at_fixed_shape for merit in response.merits
-    ]
+    each = [merit.sensitivity_at_fixed_shape for merit in response.merits]
     pairs = zip(each, response.shoes, strict=True)
     total = math.fsum((S or 0.0) * shoe.torque for S, shoe in pairs)
     return (*each, total / response.torque if response.torque else None)
 
 
 class _Probe(NamedTuple):
-    """A slope that is compared with differences.
+    """A slope of the torque that is compared with a central difference of solves.
 
     Attributes
     ----------
-    what : the slope in words
-    unit : its unit
-    exact : its exact value
-    changes : gives the keys of the brake file that change, with their values, by the step
+    what : name of the slope, as "dT/dF"
+    unit : unit of the slope
+    exact : exact value of the slope
+    changes : function of the step that returns the changed keys of the brake file with their values
     step : step of the central difference; relative for force and moduli, else in the key's unit
-    per_force : force [N] by which the difference is divided besides; 1 for other slopes
+    per_force : force [N] by which a slope by a relative step of the force is divided; 1 for others
     """
 
     what: str
@@ -611,50 +625,48 @@ class _Probe(NamedTuple):
 def against_differences(
     brake: Brake, index: int, *, elements: int, penalty: float = PENALTY
 ) -> tuple[Sensitivity, list[dict[str, Any]]]:
-    """The slopes of the whole torque, beside central differences of solves from the mesh up.
+    """Compare exact slopes of the whole torque with central differences of complete solves.
 
-    A row has the keys `what`, `unit`, `exact`, `near`, and the relative `difference`. Raises as
-    `solve` does.
+    Raises NoAnswer and BadInput as `solve` does.
 
     Parameters
     ----------
     brake : the brake
-    index : the shoe whose force, moduli, clearance (one number) and hinge are changed; its body is
-        elastic
+    index : position of the shoe whose force, moduli, clearance and hinge are changed; its body is
+        elastic, and its clearance one number
     elements : finite elements along each lining
     penalty : factor alpha of the contact stiffness alpha E/t
+
+    Returns
+    -------
+    the sensitivities, and a row for each slope with the keys `what`, `unit`, `exact`, `near` (the
+    difference of solves) and `difference` (relative)
     """
     slopes = sensitivity(prepare(brake, elements=elements), brake, penalty=penalty)
     rows = []
-    for probe in _probes(brake, index, slopes):
+    for probe in _probed_slopes(brake, index, slopes):
         torques = []
         for step in (probe.step, -probe.step):
             changed = vary(brake, dict(probe.changes(step)))
             torques.append(solve(changed, elements=elements, penalty=penalty).torque)
         up, down = torques
         near = (up - down) / (2 * probe.step * probe.per_force)
-        rows.append(
-            {
-                "what": probe.what,
-                "unit": probe.unit,
-                "exact": probe.exact,
-                "near": near,
-                "difference": abs(probe.exact / near - 1),
-            }
-        )
+        row = {"what": probe.what, "unit": probe.unit, "exact": probe.exact, "near": near}
+        rows.append(row | {"difference": abs(probe.exact / near - 1)})
     return slopes, rows
 
 
-def _probes(brake: Brake, index: int, slopes: Sensitivity) -> list[_Probe]:
-    """The slopes of a brake and of its shoe `index` that are compared with differences."""
+def _probed_slopes(brake: Brake, index: int, slopes: Sensitivity) -> list[_Probe]:
+    """The slopes that are compared with differences: by friction, and by data of shoe `index`."""
     shoe, own, key = brake.shoes[index], slopes.shoes[index], f"shoe[{index}]."
-    gap, body, material = shoe.lining.clearance, shoe.body, shoe.lining.material
+    gap, body = shoe.lining.clearance, shoe.body
     assert isinstance(gap, float) and body is not None and body.material is not None
+    linings, bodies = shoe.lining.material.moduli, body.material.moduli
     force, x, y = shoe.actuation.force, shoe.pin.x, shoe.pin.y
-    by_x, by_y = (float(slope) for slope in own.held["hinge"])
+    by_x, by_y = own.held["hinge"].tolist()
 
-    def moduli(part: str, values: Mapping[str, float], step: float) -> dict[str, float]:
-        """All moduli of a part, a relative step larger."""
+    def scaled(part: str, values: Mapping[str, float], step: float) -> dict[str, Any]:
+        """The keys of all moduli of a part, with values that are larger by a relative step."""
         return {f"{key}{part}.material.{name}": E * (1 + step) for name, E in values.items()}
 
     def friction(step: float) -> dict[str, Any]:
@@ -663,28 +675,20 @@ def _probes(brake: Brake, index: int, slopes: Sensitivity) -> list[_Probe]:
     def actuation_force(step: float) -> dict[str, Any]:
         return {key + "actuation.force": force * (1 + step)}
 
-    def lining_moduli(step: float) -> dict[str, Any]:
-        return moduli("lining", material.moduli, step)
-
-    def body_moduli(step: float) -> dict[str, Any]:
-        assert body is not None and body.material is not None
-        return moduli("body", body.material.moduli, step)
-
     def clearance(step: float) -> dict[str, Any]:
         return {key + "lining.clearance": gap + step}
 
-    def hinge_along_x(step: float) -> dict[str, Any]:
-        return {key + "hinge": {"x": x + step, "y": y}}
+    def hinge(along_x: float, along_y: float, step: float) -> dict[str, Any]:
+        return {key + "hinge": {"x": x + along_x * step, "y": y + along_y * step}}
 
-    def hinge_along_y(step: float) -> dict[str, Any]:
-        return {key + "hinge": {"x": x, "y": y + step}}
-
+    lining_moduli = partial(scaled, "lining", linings)
+    body_moduli = partial(scaled, "body", bodies)
     return [
         _Probe("dT/dμ", "N m", slopes.friction, friction, 1e-5),
         _Probe("dT/dF", "m", own.force or 0.0, actuation_force, 1e-4, force),
         _Probe("dT/d ln E, lining", "N m", own.moduli["lining"], lining_moduli, 1e-4),
         _Probe("dT/d ln E, shoe", "N m", own.moduli["shoe"], body_moduli, 1e-4),
         _Probe("dT/d clearance", "N", own.clearance, clearance, 1e-9),
-        _Probe("dT/dx, hinge", "N", by_x, hinge_along_x, 1e-6),
-        _Probe("dT/dy, hinge", "N", by_y, hinge_along_y, 1e-6),
+        _Probe("dT/dx, hinge", "N", by_x, partial(hinge, 1.0, 0.0), 1e-6),
+        _Probe("dT/dy, hinge", "N", by_y, partial(hinge, 0.0, 1.0), 1e-6),
     ]

@@ -1,8 +1,8 @@
 """Groups of shoes that must be solved together, and the answers of their contact problems.
 
-A shoe on a rigid drum meets it alone. Shoes on an elastic ring feel each other, as do shoes that
-share a force, so that they are solved together. All analyses of the contact (sliding, holding,
-wear, sensitivity, self-locking) start from these groups.
+A shoe on a rigid drum is a group by itself. Shoes on an elastic ring influence each other and form
+one group, and so do shoes that share a force. All analyses of the contact (sliding, holding, wear,
+sensitivity, self-locking) start from groups.
 """
 
 import math
@@ -28,14 +28,14 @@ FOOT_LEAVES = "no equilibrium, a foot leaves its abutment"
 ELASTIC_BRAKE = "elastic as it is"
 """How the refusal of a self-locking brake names the elastic model, beside the rigid-shoe law."""
 FRICTION_STEP = self_locking.LARGEST_FRICTION_STEP / 4
-"""Largest step of the drum's friction coefficient between two checks of an answer that is followed.
+"""Largest step of the drum's friction coefficient between two checks of a followed answer.
 
-A check asks how feet slide and whether shoes are still pushed. Above a coefficient of 1 the step is
-relative to it. A foot that leaves its abutment and comes back within a step goes unnoticed; a
-smaller step costs time.
+A check asks how feet slide and whether all shoes are still pushed. Above a friction coefficient of
+1 the step is relative to the coefficient. A foot that leaves its abutment and comes back within a
+step goes unnoticed; a smaller step costs time.
 """
 NEAR_POLE = 1e-4
-"""Relative distance from the pole of the pressures up to which an answer is checked as above.
+"""Relative distance from the pole of the pressures up to which feet and forces are checked.
 
 A change of the footing nearer to the pole moves the limit by less than this fraction, which is the
 last of the four digits that are printed.
@@ -43,14 +43,17 @@ last of the four digits that are printed.
 
 
 class PullNeeded(NoAnswer):
-    """The refusal of an answer in which a cam or a strut, which can only push, would have to pull."""
+    """The refusal of an answer in which a cam or a strut would have to pull, not push."""
 
 
 class FollowedEnd(NamedTuple):
     """The end of an answer that is followed in the friction coefficient of the drum.
 
-    `limit`: the friction at which it ends. `lets_go`: the line that names the contact which would
-    have to pull there although it can only push; empty where the answer ends otherwise.
+    Attributes
+    ----------
+    limit : the friction coefficient at which the answer ends
+    lets_go : text that names the cam, strut or foot which would have to pull at the end and cannot;
+        empty if the answer ends for another reason
     """
 
     limit: self_locking.Limit
@@ -58,7 +61,7 @@ class FollowedEnd(NamedTuple):
 
 
 class SettledGroup(NamedTuple):
-    """A group with the senses of friction at its abutments that its answer has, and the answer."""
+    """A group with known senses of friction at its abutments, and its answer."""
 
     group: "ShoeGroup"
     contact: active_set.Contact
@@ -68,21 +71,21 @@ class ShoeGroup(GroupProblems):
     """A group of shoes with its state, its contact problems and their answers."""
 
     def at_friction(self, friction: float) -> "ShoeGroup":
-        """The group at another friction of the drum; its senses are then tried first."""
+        """The group at another friction of the drum, with the same senses of friction at feet."""
         return replace(self, brake=self.brake.model_copy(update={"friction": friction}))
 
     # The answer under given senses of friction at the abutments
 
     def answer(self, first: Bools | None = None) -> active_set.Contact:
-        """The contact per newton of `unit_force`, from the contact set `first` (n,) if it is given.
+        """Solve for the contact per newton of `unit_force` under the present senses at abutments.
 
-        Raises NoAnswer: self-locking, no equilibrium, not converged, a turn too large for small
-        displacements.
+        `first` (n,) is a contact set to start from. Raises NoAnswer: self-locking, no equilibrium,
+        not converged, a turn too large for small displacements.
         """
         for k, shoe in enumerate(self.shoes):
             xy = self.bodies[k].line.xy
             reach.check_pin(shoe, xy, self.gaps[k], self.loads[k].moment)
-        law = min(self.law(i) for i in self.members)
+        law = min(map(self.law, self.members))
         try:
             contact = self_locking.answer(
                 self.problem_at,
@@ -92,12 +95,12 @@ class ShoeGroup(GroupProblems):
                 law=law,
                 brake=ELASTIC_BRAKE,
             )
-        except self_locking.PathEnded as error:
-            refusal = self._pull_at(error.end)
-            raise (
-                PullNeeded(refusal) if refusal else NoAnswer(f"{self.names}: {error}")
-            ) from error
         except NoAnswer as error:
+            # Nothing locks where a shared force falls to zero: the shoe leaves the drum there.
+            if isinstance(error, self_locking.PathEnded) and (
+                refusal := self._pull_text_at(error.end)
+            ):
+                raise PullNeeded(refusal) from error
             raise NoAnswer(f"{self.names}: {error}") from error
         for k, coordinates in enumerate(self.coordinates(contact)):
             turns = self.unit_force * coordinates
@@ -105,9 +108,9 @@ class ShoeGroup(GroupProblems):
         return contact
 
     def law(self, i: int) -> float:
-        """The locking friction of shoe `i` of the brake by the rigid-shoe law.
+        """The friction coefficient at which shoe `i` of the brake locks by the rigid-shoe law.
 
-        The prepared model knows it for a hinged shoe that the drum drags the same way.
+        The prepared model knows this friction for a hinged shoe that the drum drags the same way.
         """
         shoe, known = self.brake.shoes[i], self.scene.brake.shoes[i]
         hinged = shoe.held_by == known.held_by == "hinge"
@@ -116,42 +119,42 @@ class ShoeGroup(GroupProblems):
             return self.scene.laws[i]
         return rigid.locking_friction(self.brake, shoe)
 
-    def _pull_at(self, end: self_locking.Limit) -> str:
-        """The line that refuses an answer which ends because a shared force falls to zero, or "".
+    def _pull_text_at(self, end: self_locking.Limit) -> str:
+        """The text that refuses an answer whose end `end` comes as a shared force falls to zero.
 
-        The shoe leaves the drum there, and nothing locks: its cam or strut would have to pull it.
+        The text is empty if no shared force falls to zero.
         """
         sharing = self._sharing_at(end.reached)
-        return "" if sharing is None else self._pull(sharing.forces(end.last.p))
+        return "" if sharing is None else self._pull_text(sharing.forces(end.last.p))
 
-    def _pull(self, forces: Floats) -> str:
-        """The line that refuses actuation forces (shoes,) of which one pulls; empty if all push."""
+    def _pull_text(self, forces: Floats) -> str:
+        """The text that refuses actuation forces (shoes,) of which one pulls; empty if all push."""
         i = int(forces.argmin())
         if forces[i] <= NO_PUSH * forces.max():
             return f"shoe {self.shoes[i].name!r}: {WOULD_PULL}"
         return ""
 
-    # The answer with the senses of friction at the abutments that it has
+    # The answer, and the senses of friction at the abutments that agree with the answer
 
     def settled(self, first: Bools | None = None) -> SettledGroup:
-        """The group with the senses of friction at its abutments that its answer has, and the answer.
+        """Find the senses of friction at the abutments that agree with their answer.
 
         The drum turns already as the force comes on. Friction opposes the whole slide of a foot
-        from its place without force, or holds the foot there. The first senses that agree with
-        their answer are taken, those of the rigid shoe first. Their order does not matter: no brake
-        is known in which two choices agree. Raises NoAnswer as `answer` does, and where a foot
-        would leave its abutment.
+        from its place without force, or holds the foot there. The senses of the rigid shoe are
+        tried first. The order of trials does not matter: no brake is known in which two choices of
+        senses agree with their answers. `first` (n,) is a contact set to start from. Raises
+        NoAnswer as `answer` does, and if a foot would leave its abutment.
         """
         try:
             return self._first_footing(first)
         except NoAnswer as error:
-            refusal = self._refusal(error)
-            if refusal is error:
+            refusal = self._refusal_text()
+            if not refusal:
                 raise
-            raise refusal from error
+            raise NoAnswer(refusal) from error
 
     def _first_footing(self, first: Bools | None = None) -> SettledGroup:
-        """As `settled`, but refused with the reason of the senses that are tried first."""
+        """Find the senses that agree with their answer, or raise the refusal of the first trial."""
         failure = NoAnswer(f"{self.names}: {FOOT_LEAVES}")
         for number, group in enumerate(self.footings()):
             try:
@@ -165,8 +168,11 @@ class ShoeGroup(GroupProblems):
         raise failure
 
     def footings(self) -> Iterator["ShoeGroup"]:
-        """The group with each choice of senses at its abutments: its own first, or the rigid shoe's."""
-        begin = self.senses or tuple(_sense(self.brake, shoe) for shoe in self.shoes)
+        """The group with each choice of senses of friction at its abutments.
+
+        The present senses come first, or the senses of the rigid shoes if the senses are unknown.
+        """
+        begin = self.senses or tuple(_rigid_sense(self.brake, shoe) for shoe in self.shoes)
         choices = []
         for own, shoe in zip(begin, self.shoes, strict=True):
             others = [sense for sense in shoe.senses if sense != own]
@@ -175,7 +181,7 @@ class ShoeGroup(GroupProblems):
             yield self if senses == self.senses else replace(self, senses=senses)
 
     def consistent(self, contact: active_set.Contact, k: int) -> bool:
-        """Whether the abutment of shoe `k` bears as an answer assumes; see `Held.stands`."""
+        """Whether the foot of shoe `k` stands or slides as an answer assumes; see `Held.stands`."""
         shoe = self.shoes[k]
         if shoe.abutment is None:
             return True
@@ -183,116 +189,125 @@ class ShoeGroup(GroupProblems):
         return shoe.stands(self.reaction(contact, k), self.each_sense[k], slide)
 
     def reaction(self, contact: active_set.Contact, k: int) -> Floats:
-        """The force (2,) of the abutment on the foot of shoe `k`, per newton, by equilibrium."""
+        """The force (2,) of the abutment on the foot of shoe `k`, per newton of `unit_force`."""
         shoe, body = self.shoes[k], self.bodies[k]
         drag, p = self.brake.drag_on(shoe), contact.p[self.node_ranges[k]]
+        # The reaction balances the contact and the actuation.
         normal, dragged = body.forces @ p
         push = self.forces(contact.p)[k] * shoe.actuation.direction_vector
         return np.asarray(-shoe.frame.to_brake((drag * dragged - normal)[:2]) - push)
 
-    def _refusal(self, failure: NoAnswer) -> NoAnswer:
-        """The reason why a group does not settle.
+    def _refusal_text(self) -> str:
+        """The text that refuses a group with rough feet at the end of its followed answer.
 
-        Where feet are rough it is the end of the answer that is followed while they slide.
+        The text is empty without rough feet, and if the answer does not end below this friction.
         """
         if not self.rough:
-            return failure
+            return ""
         friction = self.brake.friction
         try:
             end = self.followed(friction)
         except NoAnswer:
-            return failure
+            return ""
         if not end.limit.friction < friction:
-            return failure
-        law = min(self.law(i) for i in self.members)
-        locked = self_locking.locks(friction, end.limit.friction, law=law, brake=ELASTIC_BRAKE)
-        return NoAnswer(end.lets_go or f"{self.names}: {locked}")
+            return ""
+        law = min(map(self.law, self.members))
+        locked = self_locking.locking_text(
+            friction, end.limit.friction, law=law, brake=ELASTIC_BRAKE
+        )
+        return end.lets_go or f"{self.names}: {locked}"
 
     # The answer followed in the friction coefficient of the drum
 
     def followed(self, most: float) -> FollowedEnd:
-        """The end, up to mu = `most`, of the answer that is followed in the friction of the drum.
+        """Follow the answer under growing friction of the drum to its end, or to mu = `most`.
 
-        It begins at the least friction of the drum that has an answer. On its path a rough foot may
-        begin to slide, stop, or slide the other way; from there the answer is followed with the new
-        sense. Raises NoAnswer where there is no answer without friction of the drum, nor under any,
-        as where it takes friction to press a foot on its abutment.
+        The path begins at the least friction of the drum that has an answer. On the path a rough
+        foot may begin to slide, stop, or slide the other way. The answer is then followed with the
+        new sense. Raises NoAnswer if there is no answer at any friction.
         """
         if not self.links and not self.cam and all(shoe.abutment is None for shoe in self.shoes):
             limit = self_locking.limit(self.sliding, most, areas=self.areas)
             return FollowedEnd(limit, lets_go="")
-        low, (at, contact) = self._least_friction(most)
+        low, (at, contact) = self._find_least_friction(most)
         end = self_locking.limit(at.sliding, most, (low, contact), self.areas)
         while low < (last := min(end.friction * (1 - NEAR_POLE), most)):
             high = min(low + FRICTION_STEP * max(1.0, low), last)
-            after = at._pushing(high)
+            after = at._settled_pushing(high)
             # Under more friction the group may settle again, but the followed answer ends here.
             if after is None:
-                return at._end_between(end, low, high)
+                return at._bisect_end(end, low, high)
             low = high
             if after.group.senses != at.senses:
                 at, contact = after
                 end = self_locking.limit(at.sliding, most, (low, contact), self.areas)
-        return FollowedEnd(end, lets_go=at._pull_at(end))
+        return FollowedEnd(end, lets_go=at._pull_text_at(end))
 
-    def _least_friction(self, most: float) -> tuple[float, SettledGroup]:
-        """The least friction of the drum, to FRICTION_STEP, that has an answer, and the answer."""
+    def _find_least_friction(self, most: float) -> tuple[float, SettledGroup]:
+        """Find the least friction of the drum that has an answer, and the answer.
+
+        The friction grows from 0 in steps of FRICTION_STEP. A foot may need friction of the drum to
+        be pressed on its abutment.
+        """
         friction = 0.0
         while friction < most:
-            found = self._pushing(friction)
+            found = self._settled_pushing(friction)
             if found is not None:
                 return friction, found
             friction += FRICTION_STEP * max(1.0, friction)
         # Without any answer, the line below raises the reason.
         return 0.0, self.at_friction(0.0)._first_footing()
 
-    def _pushing(self, friction: float) -> SettledGroup | None:
-        """The settled group at a friction of the drum; None without an answer in which all push."""
+    def _settled_pushing(self, friction: float) -> SettledGroup | None:
+        """Settle the group at a friction of the drum; None unless every shared force pushes."""
         try:
             found = self.at_friction(friction)._first_footing()
         except NoAnswer:
             return None
-        pulls = found.group._pull(found.group.forces(found.contact.p))
+        pulls = found.group._pull_text(found.group.forces(found.contact.p))
         return None if pulls else found
 
-    def _end_between(self, end: self_locking.Limit, low: float, high: float) -> FollowedEnd:
-        """The end by bisection between two frictions, of which only the first has an answer."""
+    def _bisect_end(self, end: self_locking.Limit, low: float, high: float) -> FollowedEnd:
+        """Find the end of an answer by bisection between two frictions of the drum.
+
+        Parameters
+        ----------
+        end : the limit under the present senses
+        low : friction coefficient with an answer
+        high : friction coefficient without an answer
+        """
         at = self
         while high - low > self_locking.POLE_DISTANCE * high:
             middle = 0.5 * (low + high)
-            after = at._pushing(middle)
+            after = at._settled_pushing(middle)
             if after is None:
                 high = middle
             else:
                 low, at = middle, after.group
         limit = end._replace(friction=low, bounded=True, reached=low)
-        return FollowedEnd(limit, at.at_friction(high)._lets_go())
+        return FollowedEnd(limit, at.at_friction(high)._lets_go_text())
 
-    def _lets_go(self) -> str:
-        """The line that names a contact which would have to pull under the present senses, or ""."""
+    def _lets_go_text(self) -> str:
+        """The text that names a cam, strut or foot which would have to pull; empty if all push."""
         try:
             contact = self.answer()
         except PullNeeded as error:
             return str(error)
         except NoAnswer:
             return ""
-        pull = self._pull(self.forces(contact.p))
+        pull = self._pull_text(self.forces(contact.p))
         if pull:
             return pull
         for k, shoe in enumerate(self.shoes):
-            if shoe.abutment is not None and not self._foot_presses(contact, k):
+            if shoe.abutment is not None and not self.reaction(contact, k) @ shoe.bearing > 0:
                 return f"{self.names}: {FOOT_LEAVES}"
         return ""
 
-    def _foot_presses(self, contact: active_set.Contact, k: int) -> bool:
-        """Whether the foot of shoe `k` presses on its abutment in an answer."""
-        return float(self.reaction(contact, k) @ self.shoes[k].bearing) > 0
-
 
 def groups_of(scene: PreparedModel, brake: Brake, penalty: float = math.inf) -> list[ShoeGroup]:
-    """The shoes that are pressed on the drum, in groups that must be solved together.
+    """Divide the shoes that are pressed on the drum into groups that must be solved together.
 
-    Raises NoAnswer where a cam presses only some of its shoes.
+    Raises NoAnswer if a cam presses only one of its shoes.
     """
     touching = pressed_shoes(scene, brake)
     if brake.actuation is not None and brake.actuation.is_cam:
@@ -303,13 +318,10 @@ def groups_of(scene: PreparedModel, brake: Brake, penalty: float = math.inf) -> 
 
 
 def pressed_shoes(scene: PreparedModel, brake: Brake) -> list[int]:
-    """The positions of the shoes that their own forces, or struts from such shoes, press."""
-    touching = set()
-    for i, shoe in enumerate(brake.shoes):
-        if pressed(scene.bodies[i], brake, shoe):
-            touching.add(i)
+    """The positions of the shoes that an actuation force or a strut presses on the drum."""
+    touching = {i for i, shoe in enumerate(brake.shoes) if pressed(scene.bodies[i], brake, shoe)}
     names = [shoe.name for shoe in brake.shoes]
-    # The links of a chain stand in the order from the actuation on.
+    # The struts of a chain are listed in order from the actuation on.
     for link in brake.links:
         if names.index(link.source) in touching:
             touching.add(names.index(link.to))
@@ -319,21 +331,29 @@ def pressed_shoes(scene: PreparedModel, brake: Brake) -> list[int]:
 def grouped(
     scene: PreparedModel, brake: Brake, touching: list[int], penalty: float = math.inf
 ) -> list[ShoeGroup]:
-    """The shoes `touching` in groups: each alone, or all together.
+    """Make a group of each shoe, or one group of all shoes.
 
-    They are together where they meet through an elastic ring or share a force. A group without
-    rough abutments gets its senses at once.
+    Shoes that act on each other through an elastic ring or share a force are one group.
+
+    Parameters
+    ----------
+    scene : the prepared model
+    brake : the brake
+    touching : positions of the shoes that are pressed on the drum
+    penalty : factor alpha of the contact stiffness alpha E/t
     """
     alone = (scene.ring is None or scene.apart) and brake.shares is None
-    members: list[tuple[int, ...]] = [(i,) for i in touching]
-    if not alone:
-        members = [tuple(touching)] if touching else []
-    groups = [ShoeGroup(scene, brake, each, penalty) for each in members]
-    return [group if group.rough else replace(group, senses=group.each_sense) for group in groups]
+    members: list[tuple[int, ...]] = [(i,) for i in touching] if alone else [tuple(touching)]
+    groups = []
+    for each in filter(None, members):
+        group = ShoeGroup(scene, brake, each, penalty)
+        # Without rough abutments the senses are known at once.
+        groups.append(group if group.rough else replace(group, senses=group.each_sense))
+    return groups
 
 
-def _sense(brake: Brake, shoe: Shoe) -> int:
-    """The sense of friction at the abutment of the rigid shoe, which is tried first."""
+def _rigid_sense(brake: Brake, shoe: Shoe) -> int:
+    """The sense of friction at the abutment of a shoe if the shoe were rigid, +1 if unknown."""
     if len(shoe.senses) == 1:
         return 1
     try:
@@ -344,16 +364,11 @@ def _sense(brake: Brake, shoe: Shoe) -> int:
 
 
 def pressed(body: ShoeSubstructure, brake: Brake, shoe: Shoe) -> bool:
-    """Whether the force presses the shoe on the drum, at one lining point at least."""
-    if shoe.held_by == "hinge":
-        return turns_towards(body, shoe)
-    return shoe.actuation.force != 0 and rigid.bears(brake, shoe) >= 0
-
-
-def turns_towards(body: ShoeSubstructure, shoe: Shoe) -> bool:
-    """Whether the force turns the shoe towards the drum, at one lining point at least."""
+    """Whether the actuation force presses the shoe on the drum, at one lining point at least."""
     if shoe.actuation.force == 0:
         return False
+    if shoe.held_by != "hinge":
+        return rigid.bears(brake, shoe) >= 0
     _, moment = actuation(body, shoe)
     approach, _ = body.rotation_closure
     # A lever arm below 1e-14 of the lining's distance from the centre is round-off.

@@ -1,4 +1,4 @@
-"""The rigid-body modes of a shoe as its contact feels them."""
+"""The rigid-body modes of a shoe: motions of its contact nodes, and the work of its actuation."""
 
 import math
 from typing import NamedTuple
@@ -14,16 +14,17 @@ from drumlin.fem.preparation.bodies import ShoeSubstructure
 class RigidBodyModes(NamedTuple):
     """The k rigid-body modes of a shoe, each of unit size, in the frame of the shoe.
 
-    Friction at an abutment makes the test modes differ from the contact modes: the equilibrium in a
-    direction that the friction does not load is tested on a motion that the foot cannot make.
+    With friction at an abutment the test modes differ from the contact modes. An equilibrium in
+    which the force of the abutment does not occur is tested on a motion on which this force does no
+    work. The foot itself cannot make this motion.
 
     Attributes
     ----------
     contact_modes : displacements (2n, k) of the contact nodes
-    test_modes : displacements (2n, k) of the contact nodes on which the equilibria are tested
+    test_modes : displacements (2n, k) of the contact nodes in motions that test the equilibria
     work : work (k,) of the actuation on the test modes, per newton of its force
     tip : travel (k,) of the actuation's point along the force
-    pin_motion : dx, dy at the pin and the turn, (3, k)
+    pin_motion : motions (3, k) dx and dy of the pin, and the turn
     """
 
     contact_modes: Floats
@@ -34,9 +35,9 @@ class RigidBodyModes(NamedTuple):
 
 
 def at_pin(shoe: Shoe, motions: Floats) -> Floats:
-    """Dx, dy at the pin and the turn (3, k), in the shoe's frame, of rigid motions (k, 3).
+    """Convert rigid motions (k, 3) in the brake's frame to motions (3, k) at the shoe's pin.
 
-    The motions are given in the frame of the brake.
+    The rows of the result are dx and dy of the pin in the shoe's frame, and the turn.
     """
     at_point = moved(motions, shoe.pin.xy[:, None])
     in_shoe = shoe.frame.to_shoe(np.moveaxis(at_point, 0, -1))
@@ -47,18 +48,18 @@ def at_pin(shoe: Shoe, motions: Floats) -> Floats:
 def rigid_body_modes(
     body: ShoeSubstructure, shoe: Shoe, moment: float, sense: int = 1
 ) -> RigidBodyModes:
-    """The rigid-body modes of a shoe.
+    """Make the rigid-body modes of a shoe.
 
     Parameters
     ----------
     body : the substructure of the shoe
     shoe : the shoe
-    moment : of the actuation about the pin [m], per newton of its force
-    sense : of the friction at an abutment, see `Held.freedoms`
+    moment : moment of the actuation about the pin [m], per newton of its force
+    sense : sense of the friction at an abutment, see `Held.freedoms`
     """
     if shoe.held_by == "hinge":
         return _turn_about_pin(body, moment)
-    # A shoe without a force of its own has the modes that a unit force would give it.
+    # A shoe that gets its force from a strut has the modes of a shoe under a unit force.
     loaded = shoe if shoe.actuation.force else shoe.under(1.0)
     free = loaded.freedoms(sense)
     size = abs(shoe.actuation.force) or 1.0
@@ -70,21 +71,21 @@ def rigid_body_modes(
         pin_motion=at_pin(shoe, free.motions),
     )
     if free.names[0] == "turn":
-        # The turn about the pin is known exactly. It replaces the first mode, in place.
+        # The exact turn about the pin overwrites the first mode.
         for whole, exact in zip(modes, _turn_about_pin(body, moment), strict=True):
             whole[..., :1] = exact
     return modes
 
 
 def _contact_displacements(body: ShoeSubstructure, shoe: Shoe, motions: Floats) -> Floats:
-    """Displacements (2n, k) of the contact nodes under rigid motions (k, 3) of the brake's frame."""
+    """The displacements (2n, k) of contact nodes by rigid motions (k, 3) in the brake's frame."""
     xy = shoe.points(body.line.xy)
     u = shoe.frame.to_shoe(np.moveaxis(moved(motions, xy), 0, -1))  # (n, k, 2)
     return np.asarray(u.transpose(0, 2, 1).reshape(-1, len(motions)))
 
 
 def _turn_about_pin(body: ShoeSubstructure, moment: float) -> RigidBodyModes:
-    """The turn about the pin, without the round-off of a turn about the drum's centre."""
+    """The turn about the pin as a rigid-body mode, exact without a turn about the drum's centre."""
     turned = body.rotation_mode[:, None]
     work = np.array([moment])
     return RigidBodyModes(turned, turned, work, work, np.array([[0.0], [0.0], [1.0]]))

@@ -1,4 +1,4 @@
-"""Refusals of shoes that would have to turn too far before they touch the drum."""
+"""Refuse shoes that would have to turn too far before they touch the drum."""
 
 import math
 
@@ -9,25 +9,26 @@ from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Shoe
 
 LARGEST_TURN_TO_TOUCH = 0.2
-"""Largest turn of a shoe [rad] that a solve accepts. The model assumes small displacements: at this
-turn the sine and the angle differ by 0.7 %. A shoe that has to turn further is refused. The value
-is a judgement, and the refusal prints it.
+"""Largest turn of a shoe [rad] that a solve accepts.
+
+The model assumes small displacements: at this turn the sine and the angle differ by 0.7 %. A shoe
+that has to turn further is refused. The value is a judgement, which the refusal prints.
 """
 
 
 def check_pin(shoe: Shoe, xy: Floats, gap: Floats, moment: float) -> None:
-    """Raise NoAnswer where a hinged shoe has to turn too far to touch the drum, or never touches it.
+    """Raise NoAnswer if a hinged shoe has to turn too far to touch the drum, or never touches it.
 
     A lining point at the distance d from the pin and at the angle psi reaches the radius r after a
-    turn by alpha, with r^2 = a^2 + d^2 + 2 a d cos(psi + alpha). The pin's distance from the drum's
-    centre is a.
+    turn by alpha, with r^2 = a^2 + d^2 + 2 a d cos(psi + alpha). Here a is the distance of the pin
+    from the drum's centre.
 
     Parameters
     ----------
     shoe : the shoe; a shoe on a plane, or without a hinge, passes
     xy : contact nodes (2, n) [m] in the frame of the shoe
     gap : gaps (n,) [m] of the unloaded lining; a lining that touches anywhere passes
-    moment : of the actuation about the pin, whose sign is the sense of the turn
+    moment : moment of the actuation about the pin, whose sign is the sense of the turn
     """
     if shoe.held_by != "hinge" or shoe.flat or (gap <= 0).any():
         return
@@ -41,7 +42,8 @@ def check_pin(shoe: Shoe, xy: Floats, gap: Floats, moment: float) -> None:
     meets = np.abs(cosine) <= 1
     if not meets.any():
         raise NoAnswer(
-            f"shoe {shoe.name!r}: no equilibrium, the force turns it without its ever touching the drum"
+            f"shoe {shoe.name!r}: no equilibrium, "
+            "the force turns it without its ever touching the drum"
         )
     # Each point meets the circle at two angles. The first that the turn comes to counts.
     angle = np.arccos(cosine[meets])
@@ -51,23 +53,21 @@ def check_pin(shoe: Shoe, xy: Floats, gap: Floats, moment: float) -> None:
 
 
 def check_turns(shoe: Shoe, sense: int, gap: Floats, coordinates: Floats) -> None:
-    """Raise NoAnswer where a shoe that stands off everywhere turns too far in an answer.
+    """Raise NoAnswer if a shoe whose whole lining has a gap turns too far in an answer.
 
     A hinged or a guided shoe in a drum passes: `check_pin` judges the hinged shoe by the geometry.
 
     Parameters
     ----------
     shoe : the shoe
-    sense : of the friction at its abutment, see `Held.freedoms`
+    sense : sense of the friction at its abutment, see `Held.freedoms`
     gap : gaps (n,) [m] of the unloaded lining; a lining that touches anywhere passes
     coordinates : generalised coordinates (k,) [rad, m] of the shoe in the answer
     """
     if (shoe.held_by in {"hinge", "guide"} and not shoe.flat) or (gap <= 0).any():
         return
-    names = shoe.freedoms(sense).names
-    rotates = [name in {"turn", "tilt"} for name in names]
-    turns = [turn for turn, counts in zip(coordinates, rotates, strict=True) if counts]
-    # On a pivot the shoe turns with its lever and tilts on it, so that the sum counts as well.
+    turns = coordinates[np.isin(shoe.freedoms(sense).names, ["turn", "tilt"])]
+    # A shoe on a pivot turns with its lever and tilts on the lever: the sum of both counts as well.
     _check_turn(shoe, max(map(abs, (*turns, sum(turns)))))
 
 
@@ -75,7 +75,7 @@ def _check_turn(shoe: Shoe, turn: float) -> None:
     """Raise NoAnswer for a turn [rad] beyond LARGEST_TURN_TO_TOUCH."""
     if turn > LARGEST_TURN_TO_TOUCH:
         raise NoAnswer(
-            f"shoe {shoe.name!r}: it would have to turn by {math.degrees(turn):.3g} deg to touch the "
-            f"{shoe.surface.word}; small displacements hold up to "
+            f"shoe {shoe.name!r}: it would have to turn by {math.degrees(turn):.3g} deg "
+            f"to touch the {shoe.surface.word}; small displacements hold up to "
             f"{math.degrees(LARGEST_TURN_TO_TOUCH):.3g} deg"
         )

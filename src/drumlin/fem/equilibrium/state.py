@@ -1,4 +1,4 @@
-"""The state of a group of shoes: its members, their substructures, gaps, loads and rigid-body modes.
+"""The substructures, gaps, loads and rigid-body modes of a group of shoes.
 
 Nothing in this module depends on the friction coefficient of the drum.
 """
@@ -6,6 +6,7 @@ Nothing in this module depends on the friction coefficient of the drum.
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from operator import attrgetter
 from typing import NamedTuple
 
 import numpy as np
@@ -22,7 +23,8 @@ from drumlin.fem.preparation.scene import PreparedModel
 class UnitLoad(NamedTuple):
     """The actuation of a shoe per newton of its force.
 
-    `factors` (l,): of each load column of the substructure; `moment`: about the pin [m].
+    `factors` (l,) multiply the load columns of the substructure. `moment` is the moment of the
+    actuation about the pin [m].
     """
 
     factors: Floats
@@ -30,14 +32,14 @@ class UnitLoad(NamedTuple):
 
 
 class ModeClosures(NamedTuple):
-    """N u and T u (n, k) of the k test modes of a shoe: weighted gap closure and weighted slip."""
+    """The weighted gap closures N u and the weighted slips T u (n, k) of a shoe's k test modes."""
 
     normal: Floats
     tangential: Floats
 
 
 class LoadTerms(NamedTuple):
-    """The parts q (n,), B (n, k) and h (k,) of a shoe's contact problem. They know no friction."""
+    """The parts q (n,), B (n, k) and h (k,) of a shoe's problem that friction does not change."""
 
     q: Floats
     B: Floats
@@ -45,7 +47,10 @@ class LoadTerms(NamedTuple):
 
 
 class RingRoots(NamedTuple):
-    """Square roots (m, n) of the ring's flexibility, under pressure and under friction."""
+    """Square roots (m, n) of the ring's flexibility, under pressure and under friction.
+
+    The flexibility by pressures is pressed^T pressed, and by friction pressed^T dragged.
+    """
 
     pressed: Floats
     dragged: Floats
@@ -55,8 +60,8 @@ class RingRoots(NamedTuple):
 class GroupState:
     """Shoes of a brake that are solved together, on a prepared model.
 
-    All contact problems of the group are stated per newton of `unit_force`, so that a force that
-    acts alone enters only through the gap.
+    All contact problems of the group are stated per newton of `unit_force`. The size of a force
+    that acts alone then changes the gap alone.
 
     Attributes
     ----------
@@ -64,8 +69,9 @@ class GroupState:
     brake : the brake, whose friction, forces and clearances may differ from those of the model
     members : positions of the shoes in the brake
     penalty : factor alpha of the contact stiffness alpha E/t; inf for exact contact
-    senses : sense of the friction at each shoe's abutment, see `Held.freedoms`. It is empty until
-        `ShoeGroup.settled` has found it. A group with a rough abutment has no problem before that.
+    senses : sense of the friction at each shoe's abutment, see `Held.freedoms`; empty until
+        `ShoeGroup.settled` has found the senses. A group with a rough abutment has no contact
+        problem before the senses are known.
     """
 
     scene: PreparedModel
@@ -88,8 +94,8 @@ class GroupState:
 
     @property
     def names(self) -> str:
-        """The shoes as a refusal names them."""
-        return ", ".join(f"shoe {shoe.name!r}" for shoe in self.shoes)
+        """The names of the shoes as the text of a refusal."""
+        return self.brake.names(self.members)
 
     @property
     def rough(self) -> bool:
@@ -98,9 +104,9 @@ class GroupState:
 
     @property
     def each_sense(self) -> tuple[int, ...]:
-        """The sense of each shoe's friction at its abutment, +1 for a shoe without friction there.
+        """The sense of each shoe's friction at its abutment, +1 for a smooth or missing abutment.
 
-        Raises RuntimeError where an abutment is rough and its sense is not known yet.
+        Raises RuntimeError if an abutment is rough and its sense is not known yet.
         """
         if not self.senses and self.rough:
             raise RuntimeError(
@@ -112,19 +118,19 @@ class GroupState:
 
     @cached_property
     def node_ranges(self) -> tuple[slice, ...]:
-        """Where the pressures of each shoe stand among those of the group."""
+        """The places of each shoe's pressures among the pressures of the group."""
         return in_turn(len(body.line.nodes) for body in self.bodies)
 
     @cached_property
     def mode_ranges(self) -> tuple[slice, ...]:
-        """Where the generalised coordinates of each shoe stand among those of the group."""
+        """The places of each shoe's generalised coordinates among the coordinates of the group."""
         return in_turn(modes.work.size for modes in self.modes)
 
-    # What moves and loads each shoe
+    # The loads and the rigid-body modes of each shoe
 
     @cached_property
     def unit_force(self) -> float:
-        """The largest actuation force [N]."""
+        """The largest actuation force [N], to which the group's contact problems are scaled."""
         return max(abs(shoe.actuation.force) for shoe in self.shoes)
 
     @cached_property
@@ -135,8 +141,7 @@ class GroupState:
     @cached_property
     def loads(self) -> tuple[UnitLoad, ...]:
         """The actuation of each shoe per newton of its force."""
-        pairs = zip(self.bodies, self.shoes, strict=True)
-        return tuple(UnitLoad(*actuation(body, shoe)) for body, shoe in pairs)
+        return tuple(UnitLoad(*each) for each in map(actuation, self.bodies, self.shoes))
 
     @cached_property
     def modes(self) -> tuple[RigidBodyModes, ...]:
@@ -149,39 +154,42 @@ class GroupState:
 
     @cached_property
     def gaps(self) -> tuple[Floats, ...]:
-        """Gaps (n_i,) [m] of the unloaded linings at their contact nodes."""
-        pairs = zip(self.bodies, self.shoes, strict=True)
-        return tuple(gap_of(body, self.brake, shoe) for body, shoe in pairs)
+        """The gaps (n_i,) [m] of each unloaded lining at its contact nodes."""
+        gaps = []
+        for body, shoe in zip(self.bodies, self.shoes, strict=True):
+            gaps.append(gap_at(body.line.xy, body.line.phi, self.brake, shoe))
+        return tuple(gaps)
 
     @cached_property
     def stiffnesses(self) -> tuple[float, ...]:
-        """Contact stiffness of each shoe per area [Pa/m]."""
+        """The contact stiffness of each shoe per area [Pa/m]."""
         return tuple(contact_stiffness(shoe, self.penalty) for shoe in self.shoes)
 
     @cached_property
     def test_closures(self) -> tuple[ModeClosures, ...]:
-        """Closure and slip of the test modes of each shoe."""
-        return tuple(self._test_closures(k) for k in range(len(self.members)))
-
-    def _test_closures(self, k: int) -> ModeClosures:
-        """Closure and slip of the test modes of shoe `k`."""
-        body = self.bodies[k]
-        if self.shoes[k].held_by == "hinge":
-            return ModeClosures(*body.rotation_closure)
-        test_modes = self.modes[k].test_modes
-        return ModeClosures(body.coupling.N @ test_modes, body.coupling.T @ test_modes)
+        """The gap closures and slips of the test modes of each shoe."""
+        closures = []
+        for body, shoe, modes in zip(self.bodies, self.shoes, self.modes, strict=True):
+            if shoe.held_by == "hinge":
+                found = ModeClosures(*body.rotation_closure)
+            else:
+                coupling, u = body.coupling, modes.test_modes
+                found = ModeClosures(coupling.N @ u, coupling.T @ u)
+            closures.append(found)
+        return tuple(closures)
 
     @cached_property
     def load_terms(self) -> tuple[LoadTerms, ...]:
-        """The parts of each shoe's contact problem that the friction coefficient does not change."""
-        return tuple(self._load_terms(k) for k in range(len(self.members)))
+        """The parts of each shoe's contact problem that friction does not change."""
+        return tuple(map(self._load_terms, range(len(self.members))))
 
     def _load_terms(self, k: int) -> LoadTerms:
-        """The parts of the contact problem of shoe `k` that know no friction."""
+        """The parts of the contact problem of shoe `k` that friction does not change."""
         body, modes = self.bodies[k], self.modes[k]
         force = abs(self.shoes[k].actuation.force) / self.unit_force
         gap = body.coupling.M @ (self.gaps[k] / self.unit_force)
         q = gap - force * (body.closure_by_load @ self.loads[k].factors)
+        # Without friction at an abutment the closures of the test modes serve for both.
         if modes.contact_modes is modes.test_modes:
             closure = self.test_closures[k].normal
         else:
@@ -192,20 +200,20 @@ class GroupState:
 
     @cached_property
     def levers(self) -> Floats:
-        """(n, shoes) [m^3]: the torque of each shoe is mu times this matrix times the pressures."""
-        return np.asarray(block_diag(*(body.coupling.lever for body in self.bodies)).T)
+        """The torque (n, shoes) [m^3] of each shoe per pressure of each node and per mu."""
+        return np.asarray(block_diag(*map(attrgetter("coupling.lever"), self.bodies)).T)
 
     @cached_property
     def areas(self) -> Floats:
-        """Area (n,) [m^2] of each contact node; the pressures times it are the contact force."""
-        return np.concatenate([body.coupling.area for body in self.bodies])
+        """The area (n,) [m^2] of each contact node, which turns its pressure into a force."""
+        return np.concatenate(list(map(attrgetter("coupling.area"), self.bodies)))
 
     @cached_property
     def masses(self) -> Floats:
-        """Mass matrix (n, n) [m^2] of the contact nodes, which weighs the gaps of the linings."""
-        return np.asarray(block_diag(*(body.coupling.M for body in self.bodies)))
+        """The mass matrix (n, n) [m^2] of the contact nodes, which weights the gaps."""
+        return np.asarray(block_diag(*map(attrgetter("coupling.M"), self.bodies)))
 
-    # What the shoes share
+    # The ring, the struts and the cam
 
     @cached_property
     def ring(self) -> RingRoots | None:
@@ -220,19 +228,22 @@ class GroupState:
 
     @cached_property
     def links(self) -> list[tuple[int, int]]:
-        """The struts between shoes of the group, (from, to) each."""
+        """The numbers of the shoes from which and to which each strut of the group pushes."""
         names = [shoe.name for shoe in self.shoes]
-        links = [link for link in self.brake.links if link.to in names]
-        return [(names.index(link.source), names.index(link.to)) for link in links]
+        links = []
+        for link in self.brake.links:
+            if link.to in names:
+                links.append((names.index(link.source), names.index(link.to)))
+        return links
 
     @cached_property
     def cam(self) -> list[int]:
-        """The shoes whose tips a cam moves alike; empty without a cam."""
+        """The numbers of the shoes whose tips a cam moves by one travel; empty without a cam."""
         drive = self.brake.actuation
         if not drive or not drive.is_cam:
             return []
-        pushed_by_struts = [to for _, to in self.links]
-        return [k for k in range(len(self.shoes)) if k not in pushed_by_struts]
+        pushed_by_struts = {to for _, to in self.links}
+        return sorted(set(range(len(self.shoes))) - pushed_by_struts)
 
     @cached_property
     def total(self) -> float:
@@ -242,21 +253,20 @@ class GroupState:
         return self.brake.actuation.total / self.unit_force
 
 
-def gap_of(body: ShoeSubstructure, brake: Brake, shoe: Shoe) -> Floats:
-    """Gaps (n,) [m] of the unloaded lining at the contact nodes of its substructure.
+def gap_at(xy: Floats, phi: Floats, brake: Brake, shoe: Shoe) -> Floats:
+    """The gaps (...) [m] of an unloaded lining at points of its friction surface.
 
     A gap is the distance off the drum's radius, the clearance and the misfit together.
-    """
-    return gap_at(body.line.xy, body.line.phi, brake, shoe)
 
-
-def gap_at(xy: Floats, phi: Floats, brake: Brake, shoe: Shoe) -> Floats:
-    """Gaps [m] of the unloaded lining at points xy (2, ...) [m] of its mesh and their angles phi.
-
-    Both are in the frame of the shoe.
+    Parameters
+    ----------
+    xy : places (2, ...) [m] of the points in the frame of the shoe
+    phi : angles (...) [rad] of the points in the frame of the shoe
+    brake : the brake
+    shoe : the shoe of the lining
     """
     theta, radius = shoe.frame.theta(phi), brake.size
     off = shoe.off(xy, radius)
-    # Nodes on the drum's radius are off it by round-off, which would be a gap or an overlap.
+    # Round-off moves nodes off the drum's radius, which would look like a gap or an overlap.
     off = np.where(np.abs(off) < 1e-12 * radius, 0.0, off)
     return off + clearance.gap(brake, shoe, theta)

@@ -17,20 +17,13 @@ from drumlin.fem.hp.corner import AT_TIP, left_at_corners, left_under_tips, with
 from drumlin.fem.hp.division import FINEST
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.preparation.scene import PreparedModel
-from drumlin.response.response import NEAR_PEAK, Response, ShoeResponse, edge_zone
+from drumlin.response.response import Response, ShoeResponse, edge_zone
 from drumlin.response.resultants import edge_left_out, largest
 
-SHORTEST = 10 * FINEST
+SHORTEST = 1000 * FINEST
 """Length of a contact, relative to the lining's thickness, below which the response says that its
-pressure is not known. No hp element is smaller than FINEST, so that a contact of this length has
-ten of them.
-"""
-UNDER_TIP = math.log(1 / FINEST) / (2 * math.pi)
-"""Growth of p, relative to E s, under a tip of the gap whose slope changes by s: from the distance
-of the lining's thickness from the tip down to FINEST of that.
-
-A wedge on a half-plane of modulus E has the pressure E s/(2 pi) ln(1/x) (Johnson, Contact
-Mechanics, ch. 5). The constant bounds what the peak may lack where no hp elements end at the tip.
+pressure is not known. No hp element is smaller than FINEST, and the elements at the ends of a contact
+are a thousandth of it on a level that states an error of 1e-4.
 """
 NEAR = 0.5
 """Fraction of the peak up to which p may rise in the hp element at an end of the lining. Above it
@@ -276,11 +269,14 @@ def _peak_at_corner(answer: ShoeResponse, zone: float) -> bool:
 def _lacking_under_tips(
     shoe: Shoe, scale_factor: float, answer: ShoeResponse, zone: float
 ) -> float:
-    """The fraction that the peak of p may lack where p is near its peak beside a tip of the gap.
+    """The fraction that the peak of p may lack because p grows without bound under tips of the gap.
 
-    It is 1 where hp elements end at the tip: p is unbounded there as under a wedge, and a finer
-    level would show more of it. At a tip that p hardly feels no elements end, see `places_of`. In
-    the zone at the lining's ends `_peak_at_corner` judges.
+    A wedge whose slope changes by s has the pressure E s/(2 pi) ln(1/x) on a half-plane of modulus E
+    (Johnson, Contact Mechanics, ch. 5). As the elements beside a tip become smaller, down to FINEST,
+    p there grows by that. It matters where p would then be above the peak. If hp elements end at the
+    tip, the peak is unknown: the fraction is 1. At a tip that p hardly feels no elements end, see
+    `places_of`, and the peak lacks at most what p there could be above it. In the zone at the
+    lining's ends `_peak_at_corner` judges.
     """
     start, end, order = shoe.lining.start, shoe.lining.end, answer.order
     theta, p = answer.theta, answer.pressure
@@ -292,11 +288,13 @@ def _lacking_under_tips(
             continue
         nearest = int(np.abs(theta[::order] - tip).argmin()) * order
         around = slice(max(nearest - order, 0), nearest + order + 1)
-        if largest(theta[around], p[around], order) <= NEAR_PEAK * answer.peak_pressure:
-            continue
-        growth = UNDER_TIP * modulus * slope / scale_factor / answer.peak_pressure
+        width = scale_factor * float(theta[around][-1] - theta[around][0])
+        smaller = max(width / (FINEST * shoe.lining.thickness), 1.0)
+        growth = modulus * slope / scale_factor * math.log(smaller) / (2 * math.pi)
+        most = largest(theta[around], p[around], order) + growth
         divided = abs(theta[nearest] - tip) < AT_TIP * shoe.frame.unit
-        lacking = max(lacking, 1.0 if divided else growth)
+        if most > answer.peak_pressure:
+            lacking = max(lacking, 1.0 if divided else most / answer.peak_pressure - 1.0)
     return min(lacking, 1.0)
 
 

@@ -79,12 +79,6 @@ SOFTER = 2.0
 changes is at most twice that while the lining penetrates less than it is compressed.
 """
 
-ROUND_OFF = 10.0
-"""Factor on what the elimination has lost by its own account. Of 55 random answers that lost 3e-9
-of p and more 52 have lost at most ten times what they say, by refined ones. Three, of shoes and
-linings as unlike as can be, have lost 12, 76 and 378 times what they say, at most 1e-4 of p.
-"""
-
 
 class Errors(NamedTuple):
     """Relative errors of each of the `shoes`, and of the `brake`: of its torque, and the worst
@@ -124,7 +118,7 @@ def estimate(brake: Brake, before: Response, last: Response, factors: Factors = 
 
 def beside(shoes: Sequence[ShoeResponse]) -> Floats:
     """Penalty and round-off errors (1 + 4 shoes,), in the order of `Distances`."""
-    return SOFTER * _of_quantities(shoes, "softness") + ROUND_OFF * _of_quantities(shoes, "lost")
+    return SOFTER * _of_quantities(shoes, "softness") + _of_quantities(shoes, "lost")
 
 
 def _of_quantities(shoes: Sequence[ShoeResponse], name: str) -> Floats:

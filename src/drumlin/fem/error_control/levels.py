@@ -10,9 +10,10 @@ from typing import NamedTuple, Protocol
 from drumlin.base.errors import LostDigits, NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.fem.error_control.places import places_of
-from drumlin.fem.hp.division import Level, Singularity, SingularPoint
+from drumlin.fem.hp.division import SETTLED, Level, Singularity, SingularPoint
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.preparation.cache import alike as equal_shapes
+from drumlin.fem.preparation.meshes import ELEMENTS
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.response.response import Response
@@ -113,17 +114,6 @@ answers, and the medians of stated over true errors. A force is a torque or a re
 """
 LEVELS = tuple(RULE.level(k) for k in range(1, 7))
 MOST_PASSES = 8
-EVEN = 64
-"""Least number of columns under a lining on a division that confirms a refusal. Their nodes are
-then a third of a degree apart on most linings, less than on a mesh of 80 elements. Fewer let a
-contact that is shorter than a column stand on its ends alone; more cost time and no test brake
-needed them.
-"""
-SETTLED = 0.02
-"""Movement of an end of the contact, in parts of its length, below which the columns need not
-follow it. Larger, columns end where p does not, and the error of p is that of a coarser level;
-smaller, a level takes more passes for an end that it knows.
-"""
 
 
 class Respond(Protocol):
@@ -152,9 +142,9 @@ def steps(
 
     A division is coarse where the contact of the level before does not lie. But what the answer is
     followed through as friction grows lies there too, and a short contact on nodes far apart may
-    find no way. So a refusal is asked for once more on an even division of the same level, see
-    EVEN, and all levels from there on are so. Lost digits are not: no division of a level brings
-    them back.
+    find no way. So a refusal is asked for once more on an even division of the same level, of as many
+    columns as a mesh has elements, and all levels from there on are so. Lost digits are not: no
+    division of a level brings them back.
 
     Raises NoAnswer where neither division of the first level has an answer, or two later levels
     have none.
@@ -162,6 +152,7 @@ def steps(
     last: Response | None = None
     alike = equal_shapes(brake)
     refused, even = 0, math.inf
+    arcs = [shoe.arc for shoe in brake.shoes]
     for level in levels or LEVELS:
         step: Step | None = None
         places = places_of(brake, last, alike, level.error)
@@ -173,9 +164,7 @@ def steps(
             except NoAnswer as refusal:
                 step = None
                 if math.isinf(even) and not isinstance(refusal, LostDigits):
-                    even = (
-                        min(end - start for start, end in (shoe.arc for shoe in brake.shoes)) / EVEN
-                    )
+                    even = min(end - start for start, end in arcs) / ELEMENTS
                     continue
                 refused += 1
                 if refused == 2 or (last is None and math.isfinite(even)):

@@ -18,7 +18,7 @@ from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Lining
 from drumlin.fem.hp.corner import tip_rises
-from drumlin.fem.hp.division import Singularity, SingularPoint
+from drumlin.fem.hp.division import SETTLED, Singularity, SingularPoint
 from drumlin.fem.preparation.cache import alike as equal_shapes
 from drumlin.response.response import Response, ShoeResponse
 from drumlin.response.resultants import gauss_points
@@ -33,24 +33,11 @@ as that of a worn lining, is a curve until a level is fine enough to resolve its
 kinks as singular points such a table takes hp elements by the hundred. With none, a table with a
 real kink is short of the tolerance on all levels.
 """
-SEEN = 1e-3
-"""Length of an opening, relative to its contact, below which the opening counts as round-off and is
-ignored. With a larger value real openings stay unresolved. With a smaller value nodes where p is
-nearly 0 become singular points by the dozen.
-"""
-FEW = 4
-"""Number of pressed nodes up to which a contact is assumed to be shorter than their arc. With a
-smaller value a short contact needs more passes until its ends are found.
-"""
-SHORTER = 0.15
-"""Fraction of the arc of FEW pressed nodes or fewer that each node stands for. A contact with n
-pressed nodes is first assumed to cover 0.15 n of their arc, about the resultant. The passes after
-that find its ends.
-"""
-DIGITS = 20
-"""Binary digits that an end of the contact keeps, relative to the length of the contact. With fewer
-digits the ends would move by more than an hp element there. With more, round-off would change the
-division from machine to machine.
+KEPT_BITS = 20
+"""Binary digits that an end of the contact keeps, relative to the length of the contact: a millionth.
+
+With 36 digits all answers of the stored truths are the same. With 10 digits p is up to six times
+less exact at 1e-4, since columns then end beside the contact.
 """
 
 
@@ -89,7 +76,7 @@ def _places(
     shoe: Shoe, answer: ShoeResponse | None, scale_factor: float, level_error: float
 ) -> list[SingularPoint]:
     """The singular points of one lining, in no order."""
-    arcs = [] if answer is None else _likely_arcs(shoe, answer)
+    arcs = [] if answer is None else pressed_arcs(shoe, answer)
     points = _steps(shoe, answer, arcs)
     if answer is not None:
         points += _table_kinks(shoe, answer, arcs, scale_factor, level_error)
@@ -193,34 +180,14 @@ def _strongest(angle: Floats, strength: Floats, least: float) -> Floats:
 def pressed_arcs(shoe: Shoe, response: ShoeResponse) -> list[list[float]]:
     """The contacts of a lining [rad], growing, each with its start and its end.
 
-    Openings that are far shorter than their contact are ignored, see SEEN.
+    Openings that are far shorter than their contact are ignored, see `division.SETTLED`.
     """
     arcs: list[list[float]] = []
     for start, end in sorted(sorted(shoe.frame.phis(arc)) for arc in response.contact_arcs):
-        if arcs and start - arcs[-1][1] < SEEN * (end - arcs[-1][0]):
+        if arcs and start - arcs[-1][1] < SETTLED * (end - arcs[-1][0]):
             arcs[-1][1] = end
         else:
             arcs.append([start, end])
-    return arcs
-
-
-def _likely_arcs(shoe: Shoe, answer: ShoeResponse) -> list[list[float]]:
-    """The contacts of a lining [rad], of which those of few pressed nodes are shortened.
-
-    The end of an arc lies beside the last pressed node, so that few nodes span more than their
-    contact, see FEW and SHORTER.
-    """
-    phi, p = shoe.frame.phi(answer.theta), answer.pressure
-    arcs: list[list[float]] = []
-    for arc in pressed_arcs(shoe, answer):
-        on = (p > 0) & (phi >= arc[0]) & (phi <= arc[1])
-        pressing = np.count_nonzero(on)
-        if pressing > FEW:
-            arcs.append(arc)
-            continue
-        middle = float(phi[on] @ p[on] / p[on].sum())
-        part = SHORTER * pressing
-        arcs.append([middle + part * (end - middle) for end in arc])
     return arcs
 
 
@@ -243,7 +210,7 @@ def _within_contact(opening: _Opening, arcs: list[list[float]]) -> bool:
     """Whether an opening is inside a contact, off its ends, and not far shorter than it."""
     x, width = opening
     return any(
-        start + width < x < end - width and width > SEEN * (end - start) for start, end in arcs
+        start + width < x < end - width and width > SETTLED * (end - start) for start, end in arcs
     )
 
 
@@ -252,5 +219,5 @@ def _rounded(x: float, length: float) -> float:
 
     Round-off, as between numbers of threads, then moves no mesh.
     """
-    digits = DIGITS - math.frexp(length)[1]
+    digits = KEPT_BITS - math.frexp(length)[1]
     return math.ldexp(round(math.ldexp(x, digits)), -digits)

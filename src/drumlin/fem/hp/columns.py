@@ -1,7 +1,7 @@
 """Columns of elements as substructures: condensed to two sides and contact, and assembled.
 
 A column is a stack of elements from the contact inwards. On an arc the displacements on each side
-count along the radius and around the drum, and those between the sides as in the column's middle.
+are measured along the radius and around the drum, those between the sides as in the middle.
 So equal columns have equal stiffness wherever they stand, and each kind is made once.
 
 A substructure has the unknowns [left line | contact | right line], x and y of a node together. The
@@ -21,11 +21,11 @@ from drumlin.base.arrays import Floats
 from drumlin.fem.hp.element import schur_complement, schur_complements
 
 UnknownsAt = tuple[slice, slice]
-"""Some unknowns of an element, and the same unknowns in its column."""
+"""Two places of some unknowns: in the stiffness of an element, and in that of its column."""
 
 
-class Stack(NamedTuple):
-    """Where the unknowns of the elements of a column are.
+class ColumnUnknowns(NamedTuple):
+    """Where the unknowns of the elements of a column stand in the stiffness of the column.
 
     Attributes
     ----------
@@ -44,8 +44,10 @@ class Stack(NamedTuple):
 
 
 @cache
-def stack(p: int, layers: int, *, contact: bool, held: bool, sides: int = 2) -> Stack:
-    """The unknowns of a column of elements.
+def column_unknowns(
+    p: int, layers: int, *, contact: bool, held: bool, sides: int = 2
+) -> ColumnUnknowns:
+    """The places of the unknowns of elements in the stiffness of their column.
 
     Parameters
     ----------
@@ -57,7 +59,8 @@ def stack(p: int, layers: int, *, contact: bool, held: bool, sides: int = 2) -> 
     """
     side, edge, node = 2 * (p + 1), sides * (p - 1), 2 * contact
     line = 2 * (layers * p + (not held)) - node
-    # The edges of an element begin behind its sides, and the right line behind the contact.
+    # In an element the edges begin behind the sides (`own`); in the column the right line begins
+    # behind the contact (`far`).
     own = sides * side
     far = line + (edge + sides * node if contact else 0)
     kept, inside = [], []
@@ -65,21 +68,18 @@ def stack(p: int, layers: int, *, contact: bool, held: bool, sides: int = 2) -> 
         skipped = node if k == 0 else 0
         start, stop = 2 * k * p - node + skipped, min(2 * (k + 1) * p + 2 - node, line)
         count = skipped + stop - start
-        places = [
-            (slice(i * side + skipped, i * side + count), slice(i * far + start, i * far + stop))
-            for i in range(sides)
-        ]
+        left = slice(skipped, count), slice(start, stop)
+        right = slice(side + skipped, side + count), slice(far + start, far + stop)
+        places = [left, right][:sides]
         # The contact node of each line and the inner contact nodes stand between the lines.
         if k == 0 and contact:
             corners = [
                 (slice(node), slice(line, line + node)),
                 (slice(side, side + node), slice(far - node, far)),
             ]
-            places += [
-                *corners[:sides],
-                (slice(own, own + edge), slice(line + node, line + node + edge)),
-            ]
-        # The inner nodes of a held edge do not move, and those of the contact are kept.
+            between = slice(own, own + edge), slice(line + node, line + node + edge)
+            places += [*corners[:sides], between]
+        # The inner nodes of a held edge do not move, and the inner nodes of the contact are kept.
         first_edge = (k == 0 and contact) * edge
         last_edge = (2 - (k + 1 == layers and held)) * edge
         above = (k - contact) * edge
@@ -87,57 +87,68 @@ def stack(p: int, layers: int, *, contact: bool, held: bool, sides: int = 2) -> 
         in_element = slice(own + first_edge, own + last_edge)
         in_column = slice(above + first_edge, above + last_edge)
         inside.append((in_element, in_column))
-    return Stack(
-        tuple(kept),
-        tuple(inside),
-        far + (sides - 1) * line,
-        edge * (layers + 1 - contact - held),
-        line,
+    return ColumnUnknowns(
+        kept=tuple(kept),
+        inside=tuple(inside),
+        sides=far + (sides - 1) * line,
+        rest=edge * (layers + 1 - contact - held),
+        line=line,
     )
 
 
-def columns(elements: Floats, of: Stack, loads: Floats | None = None) -> Floats:
+def column_stiffness(
+    elements: Floats, unknowns: ColumnUnknowns, loads: Floats | None = None
+) -> Floats:
     """The stiffness (c, n, n) of columns, without their inner unknowns.
 
     Parameters
     ----------
     elements : (layers, c, m, m) stiffness of condensed elements
-    of : where the unknowns of the elements are
+    unknowns : where the unknowns of the elements are
     loads : (c, k, l) unit loads on the k unknowns of the innermost edge, of one side; they become
         l extra unknowns
     """
     count = elements.shape[1]
     extra = 0 if loads is None else loads.shape[2]
-    size = extra + of.sides
+    size = extra + unknowns.sides
     K = np.zeros((count, size, size))
-    C = np.zeros((count, of.rest, size))
-    inner = np.zeros((count, of.rest, of.rest))
+    C = np.zeros((count, unknowns.rest, size))
+    inner = np.zeros((count, unknowns.rest, unknowns.rest))
     sides, coupling = K[:, extra:, extra:], C[:, :, extra:]
-    for part, kept, inside in zip(elements, of.kept, of.inside, strict=True):
-        _add(part, kept, kept, sides)
-        _add(part, (inside,), kept, coupling)
-        _add(part, (inside,), (inside,), inner)
+    for part, kept, inside in zip(elements, unknowns.kept, unknowns.inside, strict=True):
+        _add_blocks(part, kept, kept, sides)
+        _add_blocks(part, (inside,), kept, coupling)
+        _add_blocks(part, (inside,), (inside,), inner)
     if loads is not None:
-        at = slice(extra + of.line - 2, extra + of.line)
+        # The first two unknowns of the innermost edge end the line; its other unknowns are
+        # eliminated.
+        at = slice(extra + unknowns.line - 2, extra + unknowns.line)
         K[:, at, :extra] = -loads[:, :2]
         K[:, :extra, at] = -loads[:, :2].transpose(0, 2, 1)
-        C[:, of.rest - loads.shape[1] + 2 :, :extra] = -loads[:, 2:]
+        C[:, unknowns.rest - loads.shape[1] + 2 :, :extra] = -loads[:, 2:]
     return schur_complements(K, C, inner)
 
 
-def _add(
-    part: Floats, rows: Sequence[UnknownsAt], columns_: Sequence[UnknownsAt], target: Floats
+def _add_blocks(
+    part: Floats, rows: Sequence[UnknownsAt], columns: Sequence[UnknownsAt], target: Floats
 ) -> None:
-    """Add blocks of the elements `part` (c, m, m) of one layer to the columns `target`."""
+    """Add blocks of the elements `part` (c, m, m) of one layer to the columns `target`.
+
+    Parameters
+    ----------
+    part : (c, m, m) stiffness of one element in each of c columns
+    rows, columns : the unknowns of the rows and of the columns of the blocks
+    target : (c, n, n) matrices that the blocks are added to
+    """
     for own, at in rows:
-        for other, to in columns_:
-            # target[...] += would look the view up twice.
+        for other, to in columns:
+            # The statement target[...] += would look the view up twice.
             view = target[:, at, to]
             view += part[:, own, other]
 
 
 class ColumnSubstructure(NamedTuple):
-    """The stiffness `K` (n, n) of one column or of several assembled ones.
+    """A substructure: the stiffness `K` (n, n) of one column, or of several assembled columns.
 
     `left` and `right` are the numbers of unknowns of the left and the right line.
     """
@@ -147,18 +158,18 @@ class ColumnSubstructure(NamedTuple):
     right: int
 
 
-def assembled_pair(
+def assemble_pair(
     A: ColumnSubstructure, B: ColumnSubstructure, shared: int, extra: int = 0
 ) -> ColumnSubstructure:
-    """Two neighbouring substructures as one, without the line between them.
+    """Two neighbouring substructures as one, without the unknowns of the line between them.
 
     Parameters
     ----------
     A, B : the left and the right substructure
-    shared : number of unknowns at the end of A's contact that are the first of B's
+    shared : number of contact unknowns that both share, the last of A and the first of B
     extra : number of extra unknowns, which both share
     """
-    # In A the line stands behind `before`, and in B it ends at `beyond`.
+    # The shared line begins at `before` in A, and ends at `beyond` in B.
     line = A.right
     before, beyond = len(A.K) - line, extra + line
     n = before - shared + len(B.K) - beyond
@@ -166,7 +177,7 @@ def assembled_pair(
     rest = slice(before - shared, None)
     K[:before, :before] = A.K[:before, :before]
     C[:, :before] = A.K[before:, :before]
-    # K[...] += would write the views twice.
+    # The statement K[...] += would write the views twice.
     own, coupling = K[rest, rest], C[:, rest]
     own += B.K[beyond:, beyond:]
     coupling += B.K[extra:beyond, beyond:]
@@ -179,79 +190,81 @@ def assembled_pair(
     return ColumnSubstructure(schur_complement(K, C, inner), A.left, B.right)
 
 
-def assembled(
+def assemble_row(
     pieces: Sequence[ColumnSubstructure], shared: int, extra: int = 0
 ) -> ColumnSubstructure:
-    """All substructures of a row as one; `shared` and `extra` are as of `assembled_pair`.
+    """All substructures of a row as one substructure, on the outer lines and the contact.
 
-    The neighbours that make the smallest substructure go first, which takes within a few percent of
-    the fewest multiplications. Equal pairs, of the same two objects, are assembled once.
+    `shared` and `extra` are numbers of unknowns, as in `assemble_pair`. The two neighbours that
+    make the smallest substructure are assembled first, which takes within a few percent of the
+    fewest multiplications. Equal pairs, of the same two objects, are assembled once.
     """
-    found = list(pieces)
+    made = list(pieces)
     first = dict[int, int]()
     row = [first.setdefault(id(piece), k) for k, piece in enumerate(pieces)]
-    made: dict[tuple[int, int], int] = {}
+    made_of: dict[tuple[int, int], int] = {}
 
     def sizes_of(row: list[int]) -> list[int]:
-        return [len(found[i].K) + len(found[j].K) - 2 * found[i].right for i, j in pairwise(row)]
+        """Number of unknowns that each pair of neighbours would have."""
+        return [len(made[i].K) + len(made[j].K) - 2 * made[i].right for i, j in pairwise(row)]
 
     sizes = sizes_of(row)
     while sizes:
         k = sizes.index(min(sizes))
         pair = row[k], row[k + 1]
-        if pair not in made:
-            made[pair] = len(found)
-            found.append(assembled_pair(found[pair[0]], found[pair[1]], shared, extra))
-        row[k : k + 2] = [made[pair]]
+        if pair not in made_of:
+            made_of[pair] = len(made)
+            made.append(assemble_pair(made[pair[0]], made[pair[1]], shared, extra))
+        row[k : k + 2] = [made_of[pair]]
         # Only the sizes of the pairs with the new substructure change.
         near = max(k - 1, 0)
         sizes[near : k + 2] = sizes_of(row[near : k + 2])
-    return found[row[0]]
+    return made[row[0]]
 
 
-def without_line(
+def eliminate_line(
     piece: ColumnSubstructure, end: Floats | None = None, part: int = 0, *, right: bool = False
 ) -> ColumnSubstructure:
-    """The Schur complement of a substructure without a line at its end, which has no neighbour.
+    """The substructure without the unknowns of its left or right line, which has no neighbour.
 
     Parameters
     ----------
     piece : the substructure
-    end : (l + part, l + part) stiffness of a body that hangs on the line; its l own unknowns come
-        to stand in the place of the line, on [own | part] on the left, [part | own] on the right
+    end : (l + part, l + part) stiffness of a body that hangs on the line; the l own unknowns of the
+        body take the place of the line, on [own | part] on the left, [part | own] on the right
     part : number of the last unknowns of the line that the body hangs on
-    right : whether the right line goes, not the left one
+    right : whether the right line is eliminated; otherwise the left line is
     """
     own = 0 if end is None else len(end) - part
     n, line = len(piece.K), piece.right if right else piece.left
+    # In the substructure the unknowns `rest` remain and the unknowns `gone` go. In the result the
+    # remaining unknowns are `kept`, and those of the body are `added`.
     if right:
         rest, gone = slice(n - line), slice(n - line, n)
+        kept, added = rest, slice(n - line, None)
     else:
         rest, gone = slice(line, n), slice(line)
+        kept, added = slice(own, None), slice(own)
     size = own + n - line
     K, C = np.zeros((size, size)), np.zeros((line, size))
     inner = piece.K[gone, gone].copy()
-    at = slice(n - line) if right else slice(own, None)
-    K[at, at], C[:, at] = piece.K[rest, rest], piece.K[gone, rest]
+    K[kept, kept], C[:, kept] = piece.K[rest, rest], piece.K[gone, rest]
     if end is not None:
         ends, on = (slice(part, None), slice(part)) if right else (slice(own), slice(own, None))
-        at = slice(n - line, None) if right else slice(own)
-        K[at, at] += end[ends, ends]
-        C[line - part :, at] += end[on, ends]
+        K[added, added] += end[ends, ends]
+        C[line - part :, added] += end[on, ends]
         inner[line - part :, line - part :] += end[on, on]
     schur_complement(K, C, inner)
-    if right:
-        return ColumnSubstructure(K, piece.left, 0)
-    return ColumnSubstructure(K, 0, piece.right)
+    return ColumnSubstructure(K, piece.left, 0) if right else ColumnSubstructure(K, 0, piece.right)
 
 
-def turned(K: Floats, angle: Floats) -> Floats:
-    """K (n, n) with each node's components in directions turned by the node's angle (n/2,) [rad]."""
-    return turned_rows(turned_rows(K, angle).T, angle)
+def rotate_components(K: Floats, angle: Floats) -> Floats:
+    """The matrix K (n, n) with each node's components in axes turned by an angle (n/2,) [rad]."""
+    return rotate_row_components(rotate_row_components(K, angle).T, angle)
 
 
-def turned_rows(V: Floats, angle: Floats) -> Floats:
-    """Vectors V (..., m, n) with each node's components in directions turned by the node's angle.
+def rotate_row_components(V: Floats, angle: Floats) -> Floats:
+    """Vectors V (..., m, n) with each node's components in axes turned by the node's angle.
 
     Each row has x and y of a node together; the angles (..., n/2) are in rad.
     """

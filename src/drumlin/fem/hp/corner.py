@@ -24,10 +24,9 @@ LEAST_ROOT = 1e-3
 """Smallest 1 + a of a power a that is looked for. At 1 + a = 1/2 p ceases to be square-integrable,
 which takes a friction coefficient of 0.57 to 0.61 on a rigid drum.
 """
-SMOOTH = 1e-3
-"""Absolute value of the power a below which p counts as bounded at the corner. A column of a
-thousandth of the contact leaves an error of 4e-6 of x^-0.001 at degree 7, and smaller powers are too
-near to a constant to tell both apart.
+SMOOTH = 1e-6
+"""Absolute value of the power a below which p counts as bounded at the corner. A smaller power
+cannot be told from a constant: the equations for the parts of both have 16 digits.
 """
 
 ROOTS_TRIED = 200

@@ -22,21 +22,21 @@ from drumlin.brake.components import Beam
 from drumlin.fem.hp.corner import tip_size
 from drumlin.response.response import EDGE_ZONE
 
-FINEST = 1e-5
-"""Smallest size of a column or layer, relative to the lining's thickness. The stiffness of smaller
-ones loses more digits to round-off than they resolve of p. Larger ones leave the ends of the
-shortest contacts unresolved, see `adapt.SHORTEST`.
-"""
-SAME = 1e-3
-"""Distance of an end of the contact from the lining's end, relative to the contact's length, below
-which the contact counts as reaching the lining's end. A longer open gap has columns of its own.
-"""
-SHARPEST = 1e-7
-"""Smallest size of columns and layers at a tip of the gap, relative to the lining's thickness.
+FINEST = 1e-7
+"""Smallest size of a column or layer, relative to the lining's thickness: a limit of the arithmetic.
 
 Columns of a size w through layers of the thickness t lose about 1e-16 (t/w)^2 of p in the column
-itself, and so some 1e-6 of p in L2 at w = 2e-7 t. FINEST, which holds at all other points, would
-leave an error of 1e-3 of p under a tip, whose error in L2 falls as the root of w.
+itself, and so some 1e-6 of p in L2 at w = 2e-7 t. Smaller columns would lose all digits of p.
+Columns a hundred times larger would leave an error of 1e-3 of p under a tip of the gap, whose error
+in L2 falls as the root of w.
+"""
+SETTLED = 0.02
+"""Length along the contact, relative to the contact's length, that columns do not resolve.
+
+An end of the contact that moved by less is where it was, and an opening that is shorter counts as
+closed. With a larger value columns end where p
+does not, and the error of p is that of a coarser level. With a smaller value a level takes more
+passes for an end that it knows.
 """
 CORNER_SIZE = 1e-4
 """Size of columns and layers at a pressed corner where p is unbounded, relative to the contact.
@@ -46,7 +46,12 @@ error of p on the second level of two brakes was 2.5 times as large; with 1e-5 i
 sixth more unknowns. Columns of 0.03 of the contact or more feel the rest of the contact, not the
 power alone.
 """
-CORNER_COUNTS = 6 * EDGE_ZONE
+HALF_THE_FORCE = 0.1632
+"""Part of a contact, from a corner on, that bears half of its force where p goes as x^(-1/2) at the
+corner and as a root at the other end: the median of the beta distribution of 1/2 and 3/2. No p that
+is square-integrable is more concentrated at the corner.
+"""
+CORNER_COUNTS = EDGE_ZONE / HALF_THE_FORCE
 """Length of a contact [rad] up to which the corner that it reaches is graded for its own sake. Half
 the force of a longer contact is farther than EDGE_ZONE from the corner, and only p there is judged.
 """
@@ -292,7 +297,7 @@ def divide(
     powers : powers of p at the lining's ends where they press, see `corner.powers_of`
     """
     layers = layers_of(shoe, radius)
-    contact = _contact_of(shoe, radius, layers, places)
+    contact = _contact_of(shoe, radius, level, layers, places)
     corners = _corners(contact, powers)
     left, right = _end_sizes(shoe, level, contact, corners)
     marks = _grading_points(shoe, radius, level, places, contact, (left, right))
@@ -352,9 +357,16 @@ class _PressedArc(NamedTuple):
 
 
 def _contact_of(
-    shoe: Shoe, radius: float, layers: list[ShoeLayer], places: Sequence[SingularPoint]
+    shoe: Shoe,
+    radius: float,
+    level: Level,
+    layers: list[ShoeLayer],
+    places: Sequence[SingularPoint],
 ) -> _PressedArc:
-    """The contact that the singular points describe; the whole lining where they have no ends."""
+    """The contact that the singular points describe; the whole lining where they have no ends.
+
+    The level says which contacts reach an end of the lining, see `_reached`.
+    """
     start, end = shoe.arc
     t = layers[0].thickness / radius
     ends = [x for x, _, kind in places if kind == Singularity.END] or [start, end]
@@ -368,7 +380,7 @@ def _contact_of(
     one_short = len(lengths) == 2 and pressed < t
     fades = not deep and (shoe.body is None or one_short)
     beyond = ends[0] - start, end - ends[-1]
-    reached = _reached(start, end, places)
+    reached = _reached(shoe, t, level, places)
     return _PressedArc(t, least, lengths, pressed, beyond, reached, fades)
 
 
@@ -475,7 +487,9 @@ def _mark(level: Level, t: float, place: SingularPoint, gap: float) -> GradingPo
         return GradingPoint(x, 0.5 * length, level.ratio)
     if kind == Singularity.STEP:
         return GradingPoint(x, length * math.sqrt(level.end), level.ratio)
-    size = min(level.end * min(length, math.sqrt(t * length)), max(0.5 * gap, SAME * length))
+    size = _column_at_end(level, t, length)
+    if gap > size:
+        size = min(size, 0.5 * gap)
     size = 2.0 ** math.floor(math.log2(max(size, FINEST * t)))
     if kind == Singularity.KINK:
         return GradingPoint(x, size, level.ratio)
@@ -486,9 +500,17 @@ def _mark(level: Level, t: float, place: SingularPoint, gap: float) -> GradingPo
     )
 
 
+def _column_at_end(level: Level, t: float, length: float) -> float:
+    """Size of the columns at an end of a contact of this length [rad], under a lining of thickness t.
+
+    An open gap beside the contact that is shorter than such a column is not resolved on this level.
+    """
+    return level.end * min(length, math.sqrt(t * length))
+
+
 def _tip(level: Level, t: float, length: float) -> float:
     """Size of columns and layers at a tip of the gap [rad], under a lining of thickness t [rad]."""
-    size = max(tip_size(length, level.degree, level.end), SHARPEST * t)
+    size = max(tip_size(length, level.degree, level.end), FINEST * t)
     return 2.0 ** math.floor(math.log2(size))
 
 
@@ -500,11 +522,20 @@ def _corner(length: float, power: float) -> float:
     return CORNER_SIZE * length if power < 0 and length <= CORNER_COUNTS else math.inf
 
 
-def _reached(start: float, end: float, places: Sequence[SingularPoint]) -> tuple[float, float]:
-    """Lengths of the contacts that reach the lining's ends [rad]; inf where no contact does."""
-    contact = [(x, size) for x, size, kind in places if kind == Singularity.END]
-    near = [size for x, size in contact if x - start < SAME * size]
-    far = [size for x, size in contact if end - x < SAME * size]
+def _reached(
+    shoe: Shoe, t: float, level: Level, places: Sequence[SingularPoint]
+) -> tuple[float, float]:
+    """Lengths of the contacts that reach the lining's ends [rad]; inf where no contact does.
+
+    A contact reaches an end of the lining if no column of the level fits into the gap between them.
+    """
+    start, end = shoe.arc
+    near, far = [], []
+    for x, length, kind in places:
+        if kind == Singularity.END:
+            column = _column_at_end(level, t, length)
+            near += [length] * (x - start < column)
+            far += [length] * (end - x < column)
     return min(near, default=math.inf), min(far, default=math.inf)
 
 

@@ -2,10 +2,11 @@
 
 Nodes lie at Gauss-Lobatto points in both directions. skfem's ElementQuadP spans the same
 polynomials; its values at the nodes turn its hierarchical functions into these nodal ones, once for
-each degree. Displacements use the functions that map the element, so that rigid-body modes are exact
-(Zienkiewicz & Taylor, The Finite Element Method, section 8).
+each degree. Displacements use the functions that map the element, so that rigid-body modes are
+exact (Zienkiewicz & Taylor, The Finite Element Method, section 8).
 """
 
+from collections.abc import Iterator
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -15,27 +16,30 @@ from numpy.polynomial.legendre import leggauss
 from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import NoAnswer
 from drumlin.base.lapack import dgemm, dpotrf, dtrsm
-from drumlin.fem.substructure.elasticity import across, split
+from drumlin.fem.substructure.elasticity import split_elasticity, through_layers
 from drumlin.response.resultants import lobatto
 
 SLOPES_AT_ONCE = 32_000
-"""Number of slopes of shape functions that are worked on at once, so that they stay in the
-processor's cache. Larger and smaller numbers give the same stiffness, more slowly.
+"""Number of slopes of shape functions that are worked on at once.
+
+They then stay in the processor's cache. Larger and smaller numbers give the same stiffness, more
+slowly.
 """
 SINGULAR_ELEMENT = (
     "singular stiffness: a part hangs on nothing, or moduli or sizes are too far apart"
 )
+"""Refusal of an element whose stiffness on its inner nodes is not positive definite."""
 
 
-class Element(NamedTuple):
-    """The element of degree p, with a = (p + 1)^2 nodes and q Gauss points.
+class ReferenceElement(NamedTuple):
+    """The element of degree p on the unit square, with a = (p + 1)^2 nodes and q Gauss points.
 
     Attributes
     ----------
     slopes : (a, 2 q) derivatives of the shape functions by both coordinates at the Gauss points
     weights : (q,) weights of the Gauss points
     order : (a,) the element's nodes as numbers of the (p + 1)^2 grid, which counts the nodes along
-        the layers first: those on the boundary, then those inside
+        the layers first: the nodes on the boundary, then those inside
     outer : number of nodes on the boundary, which stand in the order left side, right side, rest of
         the first edge, rest of the last edge
     values : (a, q) shape functions at the Gauss points
@@ -49,15 +53,15 @@ class Element(NamedTuple):
 
 
 @cache
-def element(p: int, *, precise: bool = False) -> Element:
-    """The element of degree p >= 2; with `precise` its slopes are computed in long double."""
-    x, w = leggauss(p + 1)
-    x, w = 0.5 * (x + 1), 0.5 * w
+def reference_element(p: int, *, precise: bool = False) -> ReferenceElement:
+    """The reference element of degree p >= 2; with `precise` its slopes are in long double."""
+    x, w = unit_gauss_rule(p)
     number = np.arange((p + 1) ** 2).reshape(p + 1, p + 1)
     edges = number[:, 0], number[:, -1], number[0, 1:-1], number[-1, 1:-1]
     order = np.concatenate([*edges, number[1:-1, 1:-1].ravel()])
-    values, slopes = _product_functions(p, x) if precise else shape_functions(p, _grid(x))
-    return Element(
+    functions = _precise_shape_functions(p, x) if precise else shape_functions(p, grid_points(x))
+    values, slopes = functions
+    return ReferenceElement(
         slopes=np.ascontiguousarray(slopes[order].reshape(len(order), -1)),
         weights=np.outer(w, w).ravel(),
         order=order,
@@ -66,51 +70,60 @@ def element(p: int, *, precise: bool = False) -> Element:
     )
 
 
-def shape_functions(p: int, x: Floats) -> tuple[Floats, Floats]:
-    """Values (a, q) and slopes (a, 2, q) of the nodal functions at points x (2, q) of [0, 1]^2.
+def unit_gauss_rule(p: int) -> tuple[Floats, Floats]:
+    """The p + 1 Gauss points of [0, 1] and their weights."""
+    x, w = leggauss(p + 1)
+    return 0.5 * (x + 1), 0.5 * w
 
-    The nodes are counted by rows of the grid.
+
+def unit_nodes(p: int) -> Floats:
+    """The p + 1 Gauss-Lobatto points of [0, 1], at which the nodes of an edge lie."""
+    return 0.5 * (lobatto(p) + 1)
+
+
+def grid_points(x: Floats) -> Floats:
+    """The points (2, n n) of the square grid of x (n,); the first coordinate grows by rows."""
+    return np.array([np.repeat(x, len(x)), np.tile(x, len(x))])
+
+
+def shape_functions(p: int, x: Floats) -> tuple[Floats, Floats]:
+    """Values (a, q) and slopes (a, 2, q) of an element's nodal functions at points x (2, q).
+
+    The element is the unit square [0, 1]^2. Its nodes are counted by rows of their grid.
     """
-    # The laws need no scikit-fem.
+    # scikit-fem loads only with finite elements; the pressure laws do without.
     import skfem  # noqa: PLC0415
 
     hierarchical = skfem.ElementQuadP(p) if p > 2 else skfem.ElementQuad2()
     count = (p + 1) ** 2
-
-    def of(points: Floats) -> tuple[Floats, Floats]:
-        both = [hierarchical.lbasis(points, i) for i in range(count)]
-        return np.array([value for value, _ in both]), np.array([slope for _, slope in both])
-
-    at_nodes, _ = of(_grid(0.5 * (lobatto(p) + 1)))
-    values, slopes = of(x)
-    nodal: Floats = np.asarray(np.linalg.inv(at_nodes), dtype=float)
+    at_nodes = [hierarchical.lbasis(grid_points(unit_nodes(p)), i)[0] for i in range(count)]
+    at_points = [hierarchical.lbasis(x, i) for i in range(count)]
+    values = np.array([value for value, _ in at_points])
+    slopes = np.array([slope for _, slope in at_points])
+    # The nodal functions are one at their own node and zero at the others.
+    nodal: Floats = np.asarray(np.linalg.inv(np.array(at_nodes)), dtype=float)
     return nodal @ values, (nodal @ slopes.reshape(count, -1)).reshape(slopes.shape)
 
 
-def _grid(x: Floats) -> Floats:
-    """The points (2, n n) of the grid of x (n,); the first coordinate grows by rows."""
-    return np.array([np.repeat(x, len(x)), np.tile(x, len(x))])
-
-
-def _product_functions(p: int, x: Floats) -> tuple[Any, Any]:
+def _precise_shape_functions(p: int, x: Floats) -> tuple[Any, Any]:
     """Values (a, q) and slopes (a, 2, q) of the nodal functions at the grid of x, in long double.
 
     They are products of Lagrange's polynomials.
     """
-    nodes = (0.5 * (lobatto(p) + 1)).astype(np.longdouble)
+    nodes = unit_nodes(p).astype(np.longdouble)
     x = x.astype(np.longdouble)
     apart = nodes[:, None] - nodes + np.eye(p + 1)
 
-    def factors(i: int, *others: int) -> Any:
-        """The product of the factors of polynomial i, without those of the nodes `others`."""
+    def product(i: int, *others: int) -> Any:
+        """The product of the factors of polynomial i, without the factors of the nodes `others`."""
         kept = [j for j in range(p + 1) if j != i and j not in others]
         return np.prod([(x - nodes[j]) / apart[i, j] for j in kept], axis=0)
 
     def derivative(i: int) -> Any:
         """The derivative of polynomial i, by the product rule."""
-        return sum(factors(i, k) / apart[i, k] for k in range(p + 1) if k != i)
+        return sum(product(i, k) / apart[i, k] for k in range(p + 1) if k != i)
 
-    value = np.array([factors(i) for i in range(p + 1)])
+    value = np.array([product(i) for i in range(p + 1)])
     slope = np.array([derivative(i) for i in range(p + 1)])
     both = [np.einsum("ik,jl->ijkl", slope, value), np.einsum("ik,jl->ijkl", value, slope)]
     slopes = np.stack([each.reshape((p + 1) ** 2, -1) for each in both], axis=1)
@@ -118,17 +131,16 @@ def _product_functions(p: int, x: Floats) -> tuple[Any, Any]:
 
 
 def gauss_points(xy: Any, p: int) -> Any:
-    """The Gauss points (e, 2, q) [m] of elements with nodes xy (e, 2, a), in the precision of xy."""
-    return xy @ element(p, precise=xy.dtype == np.longdouble).values
+    """The Gauss points (e, 2, q) of elements with nodes xy (e, 2, a) [m], as precise as xy."""
+    return xy @ reference_element(p, precise=xy.dtype == np.longdouble).values
 
 
-def stiffness(xy: Any, elasticity: Any, p: int, along: Any = None) -> Any:
+def element_stiffness(xy: Any, elasticity: Any, p: int, along: Any = None) -> Any:
     """The plane-stress stiffness (e, a, 2, a, 2) of elements, in the precision of xy.
 
-    The nodes stand in the element's order.
-
-    With the constants of `elasticity.split` and the unit vectors d = t along and n through the
-    layers
+    The nodes stand in the order of `ReferenceElement`. With the constants of
+    `elasticity.split_elasticity` and the unit vectors d = t along and
+    n through the layers
 
         K_ai,bj = Int lambda psi_a,i psi_b,j + mu psi_a,j psi_b,i + mu delta_ij psi_a,k psi_b,k
                       + sum_d s_d d_i (d . grad psi_a) d_j (d . grad psi_b) dA,   s_t = a,  s_n = b.
@@ -141,16 +153,16 @@ def stiffness(xy: Any, elasticity: Any, p: int, along: Any = None) -> Any:
     along : (e, 2, q) unit vectors along the layers at the `gauss_points`; None where all layers are
         isotropic
     """
-    return _integrals(xy, elasticity, p, along).stiffness(slice(None), slice(None))
+    return _element_integrals(xy, elasticity, p, along).stiffness(slice(None), slice(None))
 
 
 class _ElementIntegrals(NamedTuple):
-    """The integrals that make the stiffness of elements.
+    """Integrals of products of shape functions' gradients, which make the stiffness of elements.
 
     Attributes
     ----------
     products : (e, 2, a, 2, a) Int psi_a,i psi_b,j dA for i, a, j, b
-    constants : (e, 4) lambda, mu, a, b of `elasticity.split`
+    constants : (e, 4) lambda, mu, a, b of `elasticity.split_elasticity`
     directed : (m,) the elements whose layers are not isotropic
     strains : (2, m, a, 2, q) strains of the directed elements along and through their layers due to
         unit displacements, times the root of dA
@@ -162,7 +174,7 @@ class _ElementIntegrals(NamedTuple):
     strains: tuple[Any, ...]
 
     def stiffness(self, rows: slice, columns: slice) -> Any:
-        """The part (e, rows, 2, columns, 2) of the stiffness."""
+        """The stiffness (e, rows, 2, columns, 2) of the forces on `rows` by the nodes `columns`."""
         lam, mu = self.constants[:, :1, None], self.constants[:, 1:2, None]
         xx, xy = self.products[:, 0, rows, 0, columns], self.products[:, 0, rows, 1, columns]
         yx, yy = self.products[:, 1, rows, 0, columns], self.products[:, 1, rows, 1, columns]
@@ -172,13 +184,14 @@ class _ElementIntegrals(NamedTuple):
         np.add(lam * xy, mu * yx, out=K[:, :, 0, :, 1])
         np.add(lam * yx, mu * xy, out=K[:, :, 1, :, 0])
         if len(self.directed):
-            K[self.directed] += self._directed(rows, columns)
+            K[self.directed] += self._directional_stiffness(rows, columns)
         return K
 
-    def _directed(self, rows: slice, columns: slice) -> Any:
-        """The stiffness (m, rows, 2, columns, 2) that the directions of layers add."""
+    def _directional_stiffness(self, rows: slice, columns: slice) -> Any:
+        """The stiffness (m, rows, 2, columns, 2) that orthotropy along and through layers adds."""
 
         def work(strain: Any) -> Any:
+            """The integrals of products of two strains: one of `rows`, one of `columns`."""
             left, right = strain[:, rows], strain[:, columns]
             count, points = len(strain), strain.shape[-1]
             flat_right = right.reshape(count, -1, points).transpose(0, 2, 1)
@@ -190,9 +203,9 @@ class _ElementIntegrals(NamedTuple):
         return a * work(along) + b * work(through)
 
 
-def _integrals(xy: Any, elasticity: Any, p: int, along: Any) -> _ElementIntegrals:
-    """The integrals over elements; the parameters are those of `stiffness`."""
-    slopes, constants = _rooted_slopes(xy, p), split(elasticity)
+def _element_integrals(xy: Any, elasticity: Any, p: int, along: Any) -> _ElementIntegrals:
+    """The integrals of gradients over elements; parameters as of `element_stiffness`."""
+    slopes, constants = _weighted_gradients(xy, p), split_elasticity(elasticity)
     e, _, a, q = slopes.shape
     flat = slopes.reshape(e, 2 * a, q)
     products = (flat @ flat.transpose(0, 2, 1)).reshape(e, 2, a, 2, a)
@@ -200,11 +213,12 @@ def _integrals(xy: Any, elasticity: Any, p: int, along: Any) -> _ElementIntegral
     strains: tuple[Any, ...] = ()
     if len(directed):
         t = np.moveaxis(along[directed], 1, 0)  # (2, m, q)
-        strains = tuple(_stretches(slopes[directed], d) for d in (t, across(t)))
+        own = slopes[directed]
+        strains = _strains_in_direction(own, t), _strains_in_direction(own, through_layers(t))
     return _ElementIntegrals(products, constants, directed, strains)
 
 
-def _stretches(slopes: Any, direction: Any) -> Any:
+def _strains_in_direction(slopes: Any, direction: Any) -> Any:
     """Strains (m, a, 2, q) in a direction (2, m, q) due to unit displacements.
 
     `slopes` (m, 2, a, q) are the gradients of the shape functions.
@@ -213,20 +227,20 @@ def _stretches(slopes: Any, direction: Any) -> Any:
     return np.stack([direction[0][:, None] * grown, direction[1][:, None] * grown], axis=2)
 
 
-def _rooted_slopes(xy: Any, p: int) -> Any:
-    """Gradients (e, 2, a, q) of the shape functions, times the root of each Gauss point's area.
+def _weighted_gradients(xy: Any, p: int) -> Any:
+    """Gradients (e, 2, a, q) of the shape functions, times the root of the Gauss points' areas.
 
     `xy` (e, 2, a) are the nodes. The gradients of an element whose map is inverted have the other
     sign.
     """
-    ref = element(p, precise=xy.dtype == np.longdouble)
+    reference = reference_element(p, precise=xy.dtype == np.longdouble)
     e, _, a = xy.shape
-    q = len(ref.weights)
-    J = (xy.reshape(2 * e, a) @ ref.slopes).reshape(e, 2, 2, q)  # d x_c / d xi_d
+    q = len(reference.weights)
+    J = (xy.reshape(2 * e, a) @ reference.slopes).reshape(e, 2, 2, q)  # d x_c / d xi_d
     det = J[:, 0, 0] * J[:, 1, 1] - J[:, 0, 1] * J[:, 1, 0]
-    J *= np.sqrt(ref.weights / np.abs(det))[:, None, None]
-    first, second = ref.slopes[:, :q], ref.slopes[:, q:]
-    # G is d psi / d x_c times the root of dA, but for the sign of det.
+    J *= np.sqrt(reference.weights / np.abs(det))[:, None, None]
+    first, second = reference.slopes[:, :q], reference.slopes[:, q:]
+    # The gradient G is d psi / d x_c times the root of dA, but for the sign of det.
     G = np.empty((e, 2, a, q), dtype=xy.dtype)
     np.subtract(J[:, 1, 1][:, None] * first, J[:, 1, 0][:, None] * second, out=G[:, 0])
     np.subtract(J[:, 0, 0][:, None] * second, J[:, 0, 1][:, None] * first, out=G[:, 1])
@@ -234,10 +248,11 @@ def _rooted_slopes(xy: Any, p: int) -> Any:
 
 
 def schur_complement(K: Floats, C: Floats, inner: Floats) -> Floats:
-    """The Schur complement K - C^T inner^-1 C (k, k), for C (m, k) and inner (m, m).
+    """The Schur complement K - C^T inner^-1 C (k, k), which takes the place of K.
 
-    All three are in rows without gaps and are overwritten, so that BLAS works on them in place. The
-    Cholesky factors are backward stable; an inverse would lose digits in thin columns.
+    C is (m, k) and `inner` (m, m), of the m unknowns that are eliminated. All three matrices are
+    in rows without gaps and are overwritten, so that BLAS works on them in place. The Cholesky
+    factors are backward stable; an inverse would lose digits in thin columns.
 
     Raises
     ------
@@ -254,13 +269,52 @@ def schur_complement(K: Floats, C: Floats, inner: Floats) -> Floats:
 
 
 def schur_complements(K: Floats, C: Floats, inner: Floats) -> Floats:
-    """The Schur complements of batches (b, k, k), (b, m, k), (b, m, m), one after the other.
+    """The Schur complements of b matrices, which take the place of K (b, k, k).
 
-    numpy's batched functions would need more copies.
+    C is (b, m, k) and `inner` (b, m, m), as of `schur_complement`. The matrices go one by one,
+    since numpy's batched functions would need more copies.
     """
     for own in zip(K, C, inner, strict=True):
         schur_complement(*own)
     return K
+
+
+class _Blocks(NamedTuple):
+    """The stiffness of a batch of elements, by boundary nodes and inner nodes.
+
+    `part` is the place of the batch among all elements. `outer` (e, k, k) is the block of the
+    boundary, `coupling` (e, m, k) that of inner by boundary unknowns, `inner` (e, m, m) that of the
+    inner unknowns.
+    """
+
+    part: slice
+    outer: Floats
+    coupling: Floats
+    inner: Floats
+
+
+def _blocks_in_batches(
+    xy: Floats, elasticity: Floats, p: int, along: Floats | None
+) -> Iterator[_Blocks]:
+    """The stiffness of elements in batches that the processor's cache holds.
+
+    The parameters are those of `element_stiffness`.
+    """
+    reference = reference_element(p)
+    on, inside = slice(reference.outer), slice(reference.outer, None)
+    outer_count = 2 * reference.outer
+    inner_count = 2 * len(reference.order) - outer_count
+    step = max(1, SLOPES_AT_ONCE // reference.slopes.size)
+    for k in range(0, len(xy), step):
+        part = slice(k, k + step)
+        directions = None if along is None else along[part]
+        integrals = _element_integrals(xy[part], elasticity[part], p, directions)
+        yield _Blocks(
+            part,
+            integrals.stiffness(on, on).reshape(-1, outer_count, outer_count),
+            integrals.stiffness(inside, on).reshape(-1, inner_count, outer_count),
+            integrals.stiffness(inside, inside).reshape(-1, inner_count, inner_count),
+        )
 
 
 def condensed_elements(
@@ -273,28 +327,19 @@ def condensed_elements(
     Parameters
     ----------
     xy : (l, c, 2, a) nodes of c elements in each of l layers [m]
-    elasticity : (l, 3, 3) of each layer, see `stiffness`
+    elasticity : (l, 3, 3) elasticity matrix times the width of each layer [N/m]
     p : degree
-    along : (l, c, 2, q), see `stiffness`
+    along : (l, c, 2, q) unit vectors along the layers at the `gauss_points`; None where all layers
+        are isotropic
     """
-    ref, shape = element(p), xy.shape[:2]
+    shape = xy.shape[:2]
     xy = xy.reshape(-1, *xy.shape[2:])
     elasticity = np.repeat(elasticity, shape[1], axis=0)
     along = None if along is None else along.reshape(len(xy), 2, -1)
-    outer, inside = slice(ref.outer), slice(ref.outer, None)
-    outer_count, inner_count = 2 * ref.outer, 2 * (len(ref.order) - ref.outer)
-    out = np.empty((len(xy), outer_count, outer_count))
-    step = max(1, SLOPES_AT_ONCE // ref.slopes.size)
-    for k in range(0, len(xy), step):
-        part = slice(k, k + step)
-        directions = None if along is None else along[part]
-        found = _integrals(xy[part], elasticity[part], p, directions)
-        e = len(found.products)
-        K = found.stiffness(outer, outer).reshape(e, outer_count, outer_count)
-        C = found.stiffness(inside, outer).reshape(e, inner_count, outer_count)
-        inner = found.stiffness(inside, inside).reshape(e, inner_count, inner_count)
-        out[part] = schur_complements(K, C, inner)
-    return out.reshape(*shape, *out.shape[1:])
+    condensed = np.empty((len(xy), 8 * p, 8 * p))
+    for part, outer, coupling, inner in _blocks_in_batches(xy, elasticity, p, along):
+        condensed[part] = schur_complements(outer, coupling, inner)
+    return condensed.reshape(*shape, 8 * p, 8 * p)
 
 
 def inner_displacements(
@@ -304,34 +349,26 @@ def inner_displacements(
 
     Parameters
     ----------
-    xy, elasticity, p, along : as of `stiffness`
+    xy, elasticity, p, along : as of `element_stiffness`
     u : (e, 8 p, m) displacements of the boundary nodes
     """
-    ref = element(p)
-    outer, inside = slice(ref.outer), slice(ref.outer, None)
-    found = np.empty((len(xy), 2 * (len(ref.order) - ref.outer), u.shape[2]))
-    step = max(1, SLOPES_AT_ONCE // ref.slopes.size)
-    for k in range(0, len(xy), step):
-        part = slice(k, k + step)
-        directions = None if along is None else along[part]
-        own = _integrals(xy[part], elasticity[part], p, directions)
-        e = len(own.products)
-        coupling = own.stiffness(inside, outer).reshape(e, found.shape[1], -1)
-        inner = own.stiffness(inside, inside).reshape(e, found.shape[1], -1)
+    inner_count = 2 * xy.shape[2] - 8 * p
+    found = np.empty((len(xy), inner_count, u.shape[2]))
+    for part, _, coupling, inner in _blocks_in_batches(xy, elasticity, p, along):
         found[part] = -np.linalg.solve(inner, coupling @ u[part])
     return found
 
 
 def gradients(xy: Floats, p: int) -> tuple[Floats, Floats]:
-    """Gradients (e, 2, a, q) [1/m] of the shape functions, and areas (e, q) [m^2] of the Gauss points.
+    """Gradients (e, 2, a, q) of the shape functions [1/m], and areas (e, q) of Gauss points [m^2].
 
     `xy` (e, 2, a) are the nodes of the elements.
     """
-    ref = element(p)
-    q = len(ref.weights)
-    J = (xy @ ref.slopes).reshape(*xy.shape[:2], 2, q)  # d x_c / d xi_d
+    reference = reference_element(p)
+    q = len(reference.weights)
+    J = (xy @ reference.slopes).reshape(*xy.shape[:2], 2, q)  # d x_c / d xi_d
     det = J[:, 0, 0] * J[:, 1, 1] - J[:, 0, 1] * J[:, 1, 0]
-    # d xi_d / d x_c, (d, c, e, q)
+    # The inverse has the derivatives d xi_d / d x_c, (d, c, e, q).
     inverse = np.array([[J[:, 1, 1], -J[:, 0, 1]], [-J[:, 1, 0], J[:, 0, 0]]]) / det
-    slopes = ref.slopes.reshape(len(ref.order), 2, q)
-    return np.einsum("adq,dceq->ecaq", slopes, inverse), np.abs(det) * ref.weights
+    slopes = reference.slopes.reshape(len(reference.order), 2, q)
+    return np.einsum("adq,dceq->ecaq", slopes, inverse), np.abs(det) * reference.weights

@@ -1,7 +1,7 @@
 """All nodes and elements of a body of columns, numbered.
 
-Pictures, files, slopes and refinement of round-off need them; they are made when asked for. The
-grid stands where skfem's basis stands for a body on a mesh.
+Pictures, files, slopes and refinement of round-off need all nodes, which are made when asked for.
+The grid stands where skfem's basis stands for a body on a mesh.
 """
 
 from collections.abc import Callable, Mapping
@@ -15,28 +15,30 @@ from drumlin.base.arrays import Floats, Ints
 from drumlin.brake.elasticity import ElasticLayer, has_directions
 from drumlin.fem.hp.element import (
     condensed_elements,
-    element,
+    element_stiffness,
     gauss_points,
+    grid_points,
     inner_displacements,
+    reference_element,
     shape_functions,
-    stiffness,
+    unit_nodes,
 )
-from drumlin.response.resultants import lobatto
+from drumlin.fem.substructure.body import InnerSystem, sparse_stiffness
 
 
 @dataclass(frozen=True)
-class Block:
-    """A rectangle of elements.
+class ElementBlock:
+    """A rectangle of elements between rows of nodes, which lie at one depth each.
 
     Attributes
     ----------
-    id : (rows, columns) numbers of its nodes
-    depth : (rows,) their depths
-    along : (columns,) their positions along the lining
+    number : (rows, columns) numbers of the nodes in the grid
+    depth : (rows,) depths of the rows
+    along : (columns,) positions of the columns of nodes along the lining
     part : (layers,) the part that each layer of elements belongs to
     """
 
-    id: Ints
+    number: Ints
     depth: Floats
     along: Floats
     part: tuple[str, ...]
@@ -44,95 +46,103 @@ class Block:
 
 @dataclass(frozen=True)
 class ColumnGrid:
-    """Nodes and elements of one degree.
+    """Nodes and elements of one degree p in a body of columns; an element has a = (p + 1)^2 nodes.
 
     Attributes
     ----------
-    degree : of the elements
+    degree : degree p of the elements
     blocks : the rectangles of elements
-    place : from depths and positions along the lining to points (2, ...) [m]
+    point_at : from depths and positions along the lining to points (2, ...) [m]
     sets : nodes by the name of their set
-    N : number of nodes; the contact nodes come first, by growing angle where the blocks have them so
+    N : number of nodes; the contact nodes come first, by growing angle if the blocks order them
     """
 
     degree: int
-    blocks: tuple[Block, ...]
-    place: Callable[[Floats, Floats], Floats]
+    blocks: tuple[ElementBlock, ...]
+    point_at: Callable[[Floats, Floats], Floats]
     sets: Mapping[str, Ints]
     N: int
 
     @cached_property
     def doflocs(self) -> Floats:
-        """Points of the nodes (2, N) [m]."""
+        """Points of the grid's nodes (2, N) [m]."""
         xy = np.zeros((2, self.N))
         for block in self.blocks:
-            xy[:, block.id] = self.place(block.depth[:, None], block.along)
+            xy[:, block.number] = self.point_at(block.depth[:, None], block.along)
         return xy
+
+    @property
+    def dofs(self) -> Ints:
+        """The numbers (2 N,) of all displacements, x and y of a node together."""
+        return np.arange(2 * self.N)
+
+    def numbers_of(self, nodes: Ints) -> Ints:
+        """The same `nodes`; a `Skeleton` gives the numbers that they have there."""
+        return nodes
 
     @cached_property
     def element_dofs(self) -> Ints:
         """Nodes of each element (a, elements), in the order of the element's grid by rows."""
         p = self.degree
-        found = []
+        nodes = []
         for block in self.blocks:
-            rows, columns = (np.arange(0, size - 1, p) for size in block.id.shape)
+            rows, columns = (np.arange(0, size - 1, p) for size in block.number.shape)
             i = rows[:, None, None, None] + np.arange(p + 1)[:, None]
             j = columns[None, :, None, None] + np.arange(p + 1)
-            found.append(block.id[i, j].reshape(-1, (p + 1) ** 2))
-        return np.concatenate(found).T
+            nodes.append(block.number[i, j].reshape(-1, (p + 1) ** 2))
+        return np.concatenate(nodes).T
 
     @cached_property
     def subdomains(self) -> dict[str, Ints]:
-        """Elements of each part."""
+        """Elements of each part, by the name of the part."""
         names: list[str] = []
         for block in self.blocks:
-            columns = (block.id.shape[1] - 1) // self.degree
-            for part in block.part:
-                names += [part] * columns
+            columns = (block.number.shape[1] - 1) // self.degree
+            names += np.repeat(block.part, columns).tolist()
         return {name: np.flatnonzero(np.array(names) == name) for name in dict.fromkeys(names)}
 
+    @property
+    def _local_numbers(self) -> Ints:
+        """Numbers (p + 1, p + 1) of an element's nodes by rows of its own grid."""
+        return np.arange((self.degree + 1) ** 2).reshape(self.degree + 1, -1)
+
     @cached_property
-    def quarters(self) -> Ints:
-        """Corners (4, p p) of the quadrilaterals between the nodes of an element, as its local nodes."""
-        at = np.arange((self.degree + 1) ** 2).reshape(self.degree + 1, -1)
-        return np.array(
-            [at[:-1, :-1].ravel(), at[:-1, 1:].ravel(), at[1:, 1:].ravel(), at[1:, :-1].ravel()]
-        )
+    def subcells(self) -> Ints:
+        """Local nodes (4, p p) at the corners of the quadrilaterals between an element's nodes."""
+        at = self._local_numbers
+        return np.array([at[:-1, :-1], at[:-1, 1:], at[1:, 1:], at[1:, :-1]]).reshape(4, -1)
 
     @cached_property
     def outline(self) -> Ints:
-        """Nodes around each element (4 p, elements)."""
-        at = np.arange((self.degree + 1) ** 2).reshape(self.degree + 1, -1)
-        return self.element_dofs[
-            np.concatenate([at[0, :-1], at[:-1, -1], at[-1, :0:-1], at[:0:-1, 0]])
-        ]
+        """Nodes on the boundary of each element (4 p, elements), in order around the element."""
+        at = self._local_numbers
+        around = np.concatenate([at[0, :-1], at[:-1, -1], at[-1, :0:-1], at[:0:-1, 0]])
+        return self.element_dofs[around]
 
     def gradients(self, elements: Ints) -> Floats:
         """Gradients (a, 2, elements, a) [1/m] of the shape functions of elements at their nodes."""
-        p = self.degree
-        nodes = 0.5 * (lobatto(p) + 1)
-        _, slopes = shape_functions(p, np.array([np.repeat(nodes, p + 1), np.tile(nodes, p + 1)]))
+        _, slopes = shape_functions(self.degree, grid_points(unit_nodes(self.degree)))
         J = np.einsum("can,adq->nqcd", self.doflocs[:, self.element_dofs[:, elements]], slopes)
         return np.asarray(np.einsum("adq,nqdc->acnq", slopes, np.linalg.inv(J)))
 
     @cached_property
     def ordered_dofs(self) -> Ints:
-        """Nodes of each element (elements, a), in the order of `element.Element`."""
-        return np.ascontiguousarray(self.element_dofs[element(self.degree).order].T)
+        """Nodes of each element (elements, a), in the order of `element.ReferenceElement`."""
+        return np.ascontiguousarray(self.element_dofs[reference_element(self.degree).order].T)
 
     @cached_property
     def element_nodes(self) -> Floats:
-        """Points (elements, 2, a) [m] of the nodes of each element, in that order."""
+        """Points (elements, 2, a) [m] of each element's nodes, in the order of `ordered_dofs`."""
         return np.ascontiguousarray(self.doflocs[:, self.ordered_dofs].transpose(1, 0, 2))
 
     def elasticity(self, layers: Mapping[str, ElasticLayer]) -> Floats:
         """Elasticity matrix times the width of each element (elements, 3, 3) [N/m]."""
-        found = np.zeros((self.element_dofs.shape[1], 3, 3))
+        matrices = np.zeros((self.element_dofs.shape[1], 3, 3))
         for name, elements in self.subdomains.items():
-            found[elements] = layers[name].stiffness
-        return found
+            matrices[elements] = layers[name].stiffness
+        return matrices
 
-    def along(self, layers: Mapping[str, ElasticLayer], xy: Any) -> Any:
+    def layer_directions(self, layers: Mapping[str, ElasticLayer], xy: Any) -> Any:
         """Unit vectors (elements, 2, q) along the layers at the Gauss points of all elements.
 
         `xy` (elements, 2, a) are the nodes of the elements. The result is None where all layers are
@@ -141,12 +151,11 @@ class ColumnGrid:
         if not any(has_directions(layers[name].elasticity) for name in self.subdomains):
             return None
         points = gauss_points(xy, self.degree)
-        found = np.empty_like(points)
+        directions = np.empty_like(points)
         for name, elements in self.subdomains.items():
-            found[elements] = np.moveaxis(
-                layers[name].directions(np.moveaxis(points[elements], 1, 0)), 0, 1
-            )
-        return found
+            of_layer = layers[name].directions(np.moveaxis(points[elements], 1, 0))
+            directions[elements] = np.moveaxis(of_layer, 0, 1)
+        return directions
 
     def stiffness(self, layers: Mapping[str, ElasticLayer], *, precise: bool = False) -> Any:
         """The plane-stress stiffness (2 N, 2 N) [N/m]; with `precise` in long double.
@@ -154,92 +163,109 @@ class ColumnGrid:
         Unknown 2 i + c is component c of node i.
         """
         kind = np.longdouble if precise else float
-        xy = np.ascontiguousarray(
-            self.doflocs.astype(kind)[:, self.ordered_dofs].transpose(1, 0, 2)
-        )
-        K = stiffness(xy, self.elasticity(layers).astype(kind), self.degree, self.along(layers, xy))
-        return _assembled(K, self.ordered_dofs, self.N)
+        xy = self.element_nodes.astype(kind)
+        along = self.layer_directions(layers, xy)
+        K = element_stiffness(xy, self.elasticity(layers).astype(kind), self.degree, along)
+        return sparse_stiffness(K, self.ordered_dofs, self.N)
 
     @cached_property
     def skeleton(self) -> "Skeleton":
-        """The nodes on the sides of the elements."""
-        dofs = self.ordered_dofs[:, : element(self.degree).outer]
+        """The grid's nodes on the sides of elements, without those inside elements."""
+        dofs = self.ordered_dofs[:, : reference_element(self.degree).outer]
         nodes = np.unique(dofs)
-        place = np.full(self.N, -1)
-        place[nodes] = np.arange(len(nodes))
-        return Skeleton(self, nodes, place, place[dofs].T)
+        number = np.full(self.N, -1)
+        number[nodes] = np.arange(len(nodes))
+        return Skeleton(self, nodes, number, number[dofs].T)
 
 
 @dataclass(frozen=True)
 class Skeleton:
-    """The nodes on the sides of a grid's elements, without those inside.
+    """The nodes on the sides of a grid's elements, without those inside the elements.
 
-    It stands where a basis stands. A grid of high degree has most of its unknowns inside its
-    elements, and the elimination of these couples no two elements.
+    A skeleton stands where skfem's basis stands for a body on a mesh. A grid of high degree has
+    most of its unknowns inside its elements, and the elimination of these couples no two elements.
 
     Attributes
     ----------
     grid : the grid
-    nodes : (N,) numbers of the nodes in the grid
-    place : (grid nodes,) number of each node of the grid here, -1 for a node inside an element
+    nodes : (N,) numbers of the skeleton's nodes in the grid
+    number : (grid nodes,) number of each node of the grid in the skeleton, -1 for a node inside an
+        element
     element_dofs : (4 p, elements) nodes of each element
     """
 
     grid: ColumnGrid
     nodes: Ints
-    place: Ints
+    number: Ints
     element_dofs: Ints
 
     @property
     def N(self) -> int:
-        """Number of nodes."""
+        """Number of nodes of the skeleton."""
         return len(self.nodes)
 
     @property
     def doflocs(self) -> Floats:
-        """Points of the nodes (2, N) [m]."""
+        """Points of the skeleton's nodes (2, N) [m]."""
         return self.grid.doflocs[:, self.nodes]
 
     @property
     def dofs(self) -> Ints:
-        """The numbers (2 N,) of its displacements in the grid, x and y of a node together."""
+        """The numbers in the grid of all displacements (2 N,), x and y of a node together."""
         return np.asarray((2 * self.nodes[:, None] + np.arange(2)).ravel())
+
+    def numbers_of(self, nodes: Ints) -> Ints:
+        """The numbers in the skeleton of nodes of the grid."""
+        return self.number[nodes]
 
     def stiffness(self, layers: Mapping[str, ElasticLayer]) -> Any:
         """The stiffness (2 N, 2 N) [N/m], with the insides of the elements condensed."""
         grid = self.grid
-        xy, along = grid.element_nodes, grid.along(layers, grid.element_nodes)
+        xy, along = grid.element_nodes, grid.layer_directions(layers, grid.element_nodes)
         K = condensed_elements(xy[:, None], grid.elasticity(layers), grid.degree, along)
-        return _assembled(K, self.element_dofs.T, self.N)
+        return sparse_stiffness(K, self.element_dofs.T, self.N)
 
-    def everywhere(self, layers: Mapping[str, ElasticLayer], u: Floats) -> Floats:
-        """Displacements (2 grid nodes, m) of all nodes of the grid, from u (2 N, m) of its own.
+    def displacements_everywhere(self, layers: Mapping[str, ElasticLayer], u: Floats) -> Floats:
+        """Displacements (2 grid nodes, m) of all nodes of the grid.
 
-        No force acts on the nodes inside elements.
+        `u` (2 N, m) are the displacements of the skeleton. No force acts on the nodes inside
+        elements.
         """
         grid = self.grid
-        found = np.empty((grid.N, 2, u.shape[1]))
-        on = u.reshape(self.N, 2, -1)
-        found[self.nodes] = on
-        outer = on[self.element_dofs.T].reshape(len(grid.ordered_dofs), -1, u.shape[1])
-        along = grid.along(layers, grid.element_nodes)
-        inner = inner_displacements(
-            grid.element_nodes, grid.elasticity(layers), grid.degree, along, outer
-        )
+        everywhere = np.empty((grid.N, 2, u.shape[1]))
+        on_sides = u.reshape(self.N, 2, -1)
+        everywhere[self.nodes] = on_sides
+        outer = on_sides[self.element_dofs.T].reshape(len(grid.ordered_dofs), -1, u.shape[1])
+        xy, along = grid.element_nodes, grid.layer_directions(layers, grid.element_nodes)
+        inner = inner_displacements(xy, grid.elasticity(layers), grid.degree, along, outer)
         inside = grid.ordered_dofs[:, len(self.element_dofs) :]
-        found[inside] = inner.reshape(*inside.shape, 2, -1)
-        return found.reshape(2 * grid.N, -1)
+        everywhere[inside] = inner.reshape(*inside.shape, 2, -1)
+        return everywhere.reshape(2 * grid.N, -1)
 
 
-def _assembled(K: Any, dofs: Ints, N: int) -> Any:
-    """The sparse stiffness (2 N, 2 N) of elements with nodes `dofs` (e, a).
+WholeSystem = Callable[[ColumnGrid | Skeleton], InnerSystem]
+"""Makes the whole system of a body, on all nodes of its grid or on those of the skeleton alone."""
 
-    K (e, 2 a, 2 a) is the stiffness of the elements, x and y of a node together.
+
+def recover_displacements(
+    grid: ColumnGrid,
+    layers: Mapping[str, ElasticLayer],
+    whole_system: WholeSystem,
+    nodal: Floats,
+    frame: Floats,
+    loads: Floats,
+) -> Floats:
+    """Displacements (2 grid nodes, m) of all nodes of a grid, solved for on the skeleton first.
+
+    The insides of elements are eliminated one by one.
+
+    Parameters
+    ----------
+    grid : all nodes and elements of the body
+    layers : elastic layers of the body by name
+    whole_system : makes the whole system of the body
+    nodal, frame, loads : as of `CondensedBody.displacements`
     """
-    # Only whole systems load scipy.sparse.
-    import scipy.sparse as sp  # noqa: PLC0415
-
-    both = (2 * dofs[:, :, None] + np.arange(2)).reshape(len(dofs), -1).astype(np.int32)
-    rows = np.broadcast_to(both[:, :, None], (*both.shape, both.shape[1]))
-    at = rows.ravel(), np.swapaxes(rows, 1, 2).ravel()
-    return sp.coo_matrix((K.ravel(), at), shape=(2 * N, 2 * N)).tocsc()
+    sides = grid.skeleton
+    on_sides = whole_system(sides).displacements(nodal, frame, loads)
+    return sides.displacements_everywhere(layers, on_sides)

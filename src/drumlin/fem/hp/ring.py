@@ -12,40 +12,45 @@ from drumlin.base.errors import NoAnswer
 from drumlin.base.lapack import dpotrf
 from drumlin.brake.brake import Brake
 from drumlin.brake.components import Section
-from drumlin.brake.elasticity import ElasticLayer, has_directions
-from drumlin.fem.hp.arc import angular, arc_columns, elements
+from drumlin.brake.elasticity import has_directions
+from drumlin.fem.hp.arc import angular_integrals, arc_column_stiffness, condensed_arc_elements
 from drumlin.fem.hp.columns import (
     ColumnSubstructure,
-    assembled,
-    stack,
-    turned,
-    turned_rows,
-    without_line,
+    assemble_row,
+    column_unknowns,
+    eliminate_line,
+    rotate_components,
+    rotate_row_components,
 )
 from drumlin.fem.hp.division import Level, ends_of, graded
-from drumlin.fem.hp.grid import Block, ColumnGrid, Skeleton
-from drumlin.fem.hp.shoe import directions, distinct, line_of, within
+from drumlin.fem.hp.grid import ColumnGrid, ElementBlock, Skeleton, recover_displacements
+from drumlin.fem.hp.shoe import distinct_sizes, nodes_between, nodes_of_pieces, side_angles
 from drumlin.fem.substructure.body import FRAME, CondensedBody, InnerSystem, constrain
-from drumlin.fem.substructure.elasticity import ring_layers, stacked
+from drumlin.fem.substructure.elasticity import ring_layers, stack_elasticity
 from drumlin.fem.substructure.elimination import SINGULAR_BODY
 from drumlin.fem.substructure.interface import ContactLine
 from drumlin.fem.substructure.loads import LoadColumns
-from drumlin.fem.substructure.ring import FreeRing, RingSubstructure, coupled_ring, determinate
+from drumlin.fem.substructure.ring import (
+    FreeRing,
+    RingSubstructure,
+    coupled_ring,
+    determinate_unknowns,
+)
 from drumlin.response.resultants import WEIGHTS, at_gauss, lobatto
 
 FULL_TURN = 2 * math.pi
 """A whole turn [rad]."""
 SAME_ANGLE = 1e-9
-"""Distance of two ends of columns [rad] below which they count as one: they differ by round-off."""
+"""Distance [rad] of two ends of columns below which they differ by round-off only."""
 
 
 class RingDivision(NamedTuple):
-    """The columns of a ring.
+    """The division of a ring into m columns of elements and l layers.
 
     Attributes
     ----------
-    degree : of the elements
-    angles : (m + 1,) ends of the columns [rad], the last one a whole turn after the first
+    degree : degree p of the elements
+    angles : (m + 1,) ends of the columns [rad], the last end a whole turn after the first
     contact : (m,) whether each column lies under a lining
     depths : (l + 1,) ends of the layers from the friction surface on [m]
     """
@@ -55,33 +60,55 @@ class RingDivision(NamedTuple):
     contact: Bools
     depths: Floats
 
+    @property
+    def contact_edges(self) -> Ints:
+        """Nodes (p + 1, c) of the friction surface on each of the c columns in contact.
 
-def divide(
+        The nodes are counted from the first angle. Where the ring closes, node 0 follows the last.
+        """
+        p, count = self.degree, len(self.contact)
+        edges = np.flatnonzero(self.contact) * p + np.arange(p + 1)[:, None]
+        return edges % (count * p)
+
+    @property
+    def contact_nodes(self) -> Ints:
+        """Nodes of the friction surface under linings, counted from the first angle."""
+        return np.unique(self.contact_edges)
+
+    @property
+    def first_of_runs(self) -> Ints:
+        """The first column of each run; a run is all columns under one lining or between two."""
+        runs = np.flatnonzero(np.diff(self.contact, prepend=not self.contact[0]))
+        # A ring in contact all around has two runs, so that a line between them closes it.
+        return runs if len(runs) > 1 else np.array([0, 1])
+
+
+def divide_ring(
     section: Section, radius: float, linings: list[Floats], level: Level, sharp: float = math.inf
 ) -> RingDivision:
     """The division of a ring under linings.
 
     Parameters
     ----------
-    section : of the ring
-    radius : of the friction surface [m]
+    section : section of the ring
+    radius : radius of the friction surface [m]
     linings : ends of the columns of each lining, growing, in the brake's angles [rad]
     level : degree and grading
-    sharp : size of the thinnest layer [m], as of `division.ShoeDivision`
+    sharp : upper bound of the size of the thinnest layer [m], as of `division.ShoeDivision`
     """
-    # The ends of all linings' columns within one turn from the first lining on.
+    # Within one turn from the first lining on: the ends of the columns of all linings.
     origin = min(float(ends[0]) % FULL_TURN for ends in linings)
     parts = [ends - ends[0] + (float(ends[0]) - origin) % FULL_TURN for ends in linings]
     places = np.sort(np.concatenate([part % FULL_TURN for part in parts]))
     places = places[np.append(True, np.diff(places) > SAME_ANGLE)]
     places = np.append(places[places < FULL_TURN - SAME_ANGLE], FULL_TURN)
 
-    # Between linings the columns grow away from both neighbours.
+    # Between two linings the columns grow from the size of their neighbours to the middle.
     angles, contact = [places[:1]], []
     sizes = np.diff(places)
     for k, (a, b) in enumerate(pairwise(places)):
         middle = 0.5 * (float(a) + float(b))
-        covered = any(_within(middle, part) for part in parts)
+        covered = any(_lies_under(middle, part) for part in parts)
         pieces = [b - a]
         if not covered:
             before, after = sizes[k - 1], sizes[(k + 1) % len(sizes)]
@@ -95,121 +122,153 @@ def divide(
     return RingDivision(level.degree, ends, np.array(contact), ends_of(layers, 0.0, t))
 
 
-def _within(angle: float, ends: Floats) -> bool:
-    """Whether an angle of the first turn lies between the ends of a lining, whatever the turn."""
+def _lies_under(angle: float, ends: Floats) -> bool:
+    """Whether an `angle` [rad] lies between the `ends` of a lining; whole turns do not count."""
     return any(ends[0] < angle + turn < ends[-1] for turn in (0.0, FULL_TURN))
 
 
 def ring_body(
     brake: Brake, level: Level, linings: tuple[ContactLine, ...], *, sharp: float = math.inf
 ) -> RingSubstructure:
-    """The ring condensed under the linings.
+    """The ring of a brake in hp elements, condensed to its nodes under the linings.
 
     Parameters
     ----------
     brake : the brake, which has a ring with a section
     level : degree and grading
     linings : contact line of each lining, in its shoe's frame
-    sharp : see `divide` [m]
+    sharp : upper bound of the size of the thinnest layer [m], as of `division.ShoeDivision`
     """
+    # The assertion holds of every brake that `scene.why_not` lets pass.
     ring, radius, sign = brake.ring, brake.size, brake.shoes[0].sign
-    assert ring is not None and ring.section is not None  # scene.why_not
-    ends = [
-        np.sort(shoe.frame.theta(line.phi[:: line.order]))
-        for shoe, line in zip(brake.shoes, linings, strict=True)
-    ]
-    div = divide(ring.section, radius, ends, level, sharp)
+    assert ring is not None and ring.section is not None
+    ends = []
+    for shoe, line in zip(brake.shoes, linings, strict=True):
+        ends.append(np.sort(shoe.frame.theta(line.phi[:: line.order])))
+    div = divide_ring(ring.section, radius, ends, level, sharp)
     free = ring.support == "free"
-    made = _columns(ring.section, radius, sign, div, free=free)
-    line = stack(level.degree, len(div.depths) - 1, contact=True, held=not free).line
-    grid = grid_of(radius, sign, div)
-    contact = ContactLine(
-        grid.sets["contact"], grid.doflocs[:, grid.sets["contact"]], *_pieces(div)
-    )
-    n, extra = 2 * len(contact.nodes), FRAME * free
-    A = _closed(made, div, line, extra)
-    # Three unknowns of the rim hold a free ring, statically determinate.
-    if free:
-        A = _held(A, extra, n, line, div)
-    A = without_line(ColumnSubstructure(A, 0, len(A) - extra - n), right=True).K
-    back = -directions(div.angles, div.degree)[_touching(div)]
-    S = turned(A[extra:, extra:], back)
-    L, info = dpotrf(S, lower=1)
-    if info:
-        raise NoAnswer(SINGULAR_BODY)
-    load = turned_rows(A[:extra, extra:], back).T
-    work = -A[:extra, :extra]
+    grid = ring_grid(radius, sign, div)
     rim = np.zeros((2 * grid.N, 0))
     if free:
-        rim = rim_of(radius + sign * ring.section.thickness, div, grid)
-    condensed = CondensedBody(
-        L,
-        L_fc=np.zeros((FRAME, n)),
-        load_on_contact=-load,
-        load_on_frame=np.zeros((FRAME, extra)),
-        load_work=work,
-        inside=partial(_inside, brake, grid, rim),
-        recover=partial(_recovered, brake, grid, rim),
-        columns=LoadColumns((("rim", extra),)),
-    )
+        rim = rim_forces(radius + sign * ring.section.thickness, div, grid)
+
+    contact = _ring_contact_line(div, grid)
+    condensed = _condensed_ring(ring.section, radius, sign, div, grid, rim)
     balance = FreeRing.of(grid, rim, condensed, contact) if free else None
     support = grid.sets["support"]
     return coupled_ring(brake, linings, grid, grid, contact, condensed, support, balance)
 
 
-def _columns(
-    section: Section, radius: float, sign: int, div: RingDivision, *, free: bool
-) -> list[tuple[bool, Floats]]:
-    """The assembled runs of columns, from the first angle on: whether in contact, and stiffness.
+def _ring_contact_line(div: RingDivision, grid: ColumnGrid) -> ContactLine:
+    """The contact line of the ring: the nodes under all linings."""
+    nodes, touching = grid.sets["contact"], div.contact_nodes
+    place = np.full(len(div.contact) * div.degree, -1)
+    place[touching] = np.arange(len(touching))
+    angles = nodes_between(div.angles, div.degree)[touching]
+    return ContactLine(nodes, grid.doflocs[:, nodes], angles, place[div.contact_edges])
+
+
+def _condensed_ring(
+    section: Section, radius: float, sign: int, div: RingDivision, grid: ColumnGrid, rim: Floats
+) -> CondensedBody:
+    """The ring condensed to its contact nodes, with the loads on its rim.
 
     Parameters
     ----------
-    section : of the ring
-    radius : of the friction surface [m]
+    section, radius, sign, div : as of `_assembled_runs`
+    grid : all nodes and elements of the ring
+    rim : (2 N, l) unit loads on the rim; l is 0 where the rim is fixed
+    """
+    extra = rim.shape[1]
+    free = extra > 0
+    layers = len(div.depths) - 1
+    line = column_unknowns(div.degree, layers, contact=True, held=not free).line
+    n = 2 * len(div.contact_nodes)
+    A = _closed_ring_stiffness(
+        _assembled_runs(section, radius, sign, div, free=free), div, line, extra
+    )
+    # Three unknowns of the rim hold a free ring; the support is statically determinate.
+    if free:
+        A = _without_rigid_motion(A, extra, n, line, div)
+    A = eliminate_line(ColumnSubstructure(A, 0, len(A) - extra - n), right=True).K
+    back = -side_angles(div.angles, div.degree)[div.contact_nodes]
+    L, info = dpotrf(rotate_components(A[extra:, extra:], back), lower=1)
+    if info:
+        raise NoAnswer(SINGULAR_BODY)
+    system = partial(_whole_system, section, grid, rim)
+    return CondensedBody(
+        L,
+        L_fc=np.zeros((FRAME, n)),
+        load_on_contact=-rotate_row_components(A[:extra, extra:], back).T,
+        load_on_frame=np.zeros((FRAME, extra)),
+        load_work=-A[:extra, :extra],
+        inside=partial(system, grid),
+        recover=partial(recover_displacements, grid, ring_layers(section), system),
+        columns=LoadColumns((("rim", extra),)),
+    )
+
+
+def _assembled_runs(
+    section: Section, radius: float, sign: int, div: RingDivision, *, free: bool
+) -> list[Floats]:
+    """The stiffness (n, n) of each run of element columns of a ring, from the first angle on.
+
+    A run is all columns under one lining, or all columns between two linings.
+
+    Parameters
+    ----------
+    section : section of the ring
+    radius : radius of the friction surface [m]
     sign : 1 where the ring's depth grows outwards, -1 where it grows inwards
     div : division of the ring
     free : whether the far edge is free; its unit loads are then extra unknowns
     """
     p, layers = div.degree, len(div.depths) - 1
-    sizes, which = distinct(np.diff(div.angles))
+    sizes, which = distinct_sizes(np.diff(div.angles))
     along = 0.5 * sizes[:, None] * lobatto(p)
-    elasticity = stacked(ring_layers(section), ("drum",) * layers)
-    A = angular(along, p, directed=bool(has_directions(elasticity).any()))
-    K = elements(radius + sign * div.depths, A, elasticity, p)
+    elasticity = stack_elasticity(ring_layers(section), ("drum",) * layers)
+    A = angular_integrals(along, p, directed=bool(has_directions(elasticity).any()))
+    K = condensed_arc_elements(radius + sign * div.depths, A, elasticity, p)
     loads = _side_loads(radius + sign * section.thickness, along, p) if free else None
-    extra = FRAME * free
     middle = 0.5 * (div.angles[1:] + div.angles[:-1])
-    runs = _runs(div)
-    pieces = []
-    for first, last in pairwise([*runs, len(which)]):
-        touching = bool(div.contact[first])
+    runs = []
+    for first, last in pairwise([*div.first_of_runs, len(which)]):
+        contact = bool(div.contact[first])
         kinds, kind_of = np.unique(which[first:last], return_inverse=True)
-        of = stack(p, layers, contact=touching, held=not free)
+        line = column_unknowns(p, layers, contact=contact, held=not free).line
         own = None if loads is None else loads[kinds]
-        made = arc_columns(K[:, :, kinds], p, contact=touching, held=not free, loads=own)
+        made = arc_column_stiffness(K[:, :, kinds], p, contact=contact, held=not free, loads=own)
         if free:
             # The loads have their own direction in each column: no two columns are equal.
-            made = _turned_loads(made[kind_of], middle[first:last])
+            made = _rotate_loads(made[kind_of], middle[first:last])
             kind_of = np.arange(last - first)
-        row = [ColumnSubstructure(each, of.line, of.line) for each in made]
-        run = assembled([row[k] for k in kind_of], 2 * touching, extra)
-        pieces.append((touching, run.K))
-    return pieces
+        kinds_made = [ColumnSubstructure(each, line, line) for each in made]
+        row = [kinds_made[k] for k in kind_of]
+        runs.append(assemble_row(row, 2 * contact, FRAME * free).K)
+    return runs
 
 
 def _side_loads(radius: float, along: Floats, p: int) -> Floats:
-    """The loads of `_rim_loads` with the end nodes in the directions of the columns' sides."""
-    loads = _rim_loads(radius, along, p)
+    """The rim loads of `_column_rim_loads`, with end nodes measured in the axes of column sides.
+
+    Parameters
+    ----------
+    radius : radius of the rim [m]
+    along : (c, p + 1) angles of the nodes about the middle of their column [rad]
+    p : degree
+    """
+    loads = _column_rim_loads(radius, along, p)
     for at, k in ((slice(2), 0), (slice(-2, None), -1)):
         nodal = loads[:, at].transpose(0, 2, 1)
-        loads[:, at] = turned_rows(nodal, along[:, k, None]).transpose(0, 2, 1)
+        rotated = rotate_row_components(nodal, along[:, k, None])
+        loads[:, at] = rotated.transpose(0, 2, 1)
     return loads
 
 
-def _rim_loads(radius: float, along: Floats, p: int) -> Floats:
-    """Forces (c, 2 (p + 1), 3) on the rim's nodes of columns, spread like the rigid-body modes.
+def _column_rim_loads(radius: float, along: Floats, p: int) -> Floats:
+    """Forces (c, 2 (p + 1), 3) on the rim of columns, spread like the rigid-body modes.
 
-    They are in the columns' frames, for unit loads on the whole rim of a round ring. `along`
+    The forces are in the columns' frames, for unit loads on the whole rim of a round ring. `along`
     (c, p + 1) are the angles of the nodes about the columns' middle [rad].
     """
     xy = radius * np.array([np.cos(along), np.sin(along)])  # (2, c, p + 1)
@@ -222,8 +281,8 @@ def _rim_loads(radius: float, along: Floats, p: int) -> Floats:
     return found.reshape(len(along), -1, FRAME)
 
 
-def _turned_loads(K: Floats, angle: Floats) -> Floats:
-    """Columns (c, n, n) with their loads turned from the columns' frames to the brake's.
+def _rotate_loads(K: Floats, angle: Floats) -> Floats:
+    """Columns (c, n, n) with their loads rotated from the columns' frames to the brake's frame.
 
     `angle` (c,) [rad] is that of each column's middle.
     """
@@ -236,43 +295,61 @@ def _turned_loads(K: Floats, angle: Floats) -> Floats:
     return K
 
 
-def _closed(pieces: list[tuple[bool, Floats]], div: RingDivision, line: int, extra: int) -> Floats:
+def _closed_ring_stiffness(runs: list[Floats], div: RingDivision, line: int, extra: int) -> Floats:
     """Stiffness of the closed ring on [extra | contact nodes by growing angle | inner lines].
 
-    The lines stand between the runs of columns `pieces`. The first node of a line is in contact,
-    since one of both runs is. `line` is the number of unknowns of the rest of a line, and `extra`
-    that of the extra unknowns.
+    The lines stand between the runs. The first node of a line is in contact, since one of both runs
+    is.
+
+    Parameters
+    ----------
+    runs : stiffness of each run of columns
+    div : division of the ring
+    line : number of unknowns of a line without its first node
+    extra : number of extra unknowns
     """
-    count = len(pieces)
-    inner = [len(K) - extra - 2 * line - 4 if touching else 0 for touching, K in pieces]
-    tops = extra + np.cumsum([0, *(2 + n for n in inner)])
+    starts, count = div.first_of_runs, len(runs)
+    # Number of contact unknowns of each run without its last node. A run between two linings has
+    # those of its first node only.
+    p = div.degree
+    columns = np.diff([*starts, len(div.contact)])
+    own = np.where(div.contact[starts], 2 * p * columns, 2)
+    tops = extra + np.concatenate([[0], np.cumsum(own)])
     first = int(tops[-1])
     A = np.zeros((first + count * line,) * 2)
-    for k, (touching, K) in enumerate(pieces):
+    for k, K in enumerate(runs):
         after = (k + 1) % count
-        nodes = [np.arange(tops[j], tops[j] + 2) for j in (k, after)]
-        lines = [np.arange(first + j * line, first + (j + 1) * line) for j in (k, after)]
-        between = np.arange(tops[k] + 2, tops[k] + 2 + inner[k])
-        own = (
-            [lines[0], nodes[0], between, nodes[1], lines[1]]
-            if touching
-            else [nodes[0], lines[0], nodes[1], lines[1]]
-        )
-        place = np.concatenate([np.arange(extra), *own])
+        left_node, right_node = tops[k] + np.arange(2), tops[after] + np.arange(2)
+        left_line = first + k * line + np.arange(line)
+        right_line = first + after * line + np.arange(line)
+        between = np.arange(tops[k] + 2, tops[k + 1])
+        if div.contact[starts[k]]:
+            order = [left_line, left_node, between, right_node, right_line]
+        else:
+            order = [left_node, left_line, right_node, right_line]
+        place = np.concatenate([np.arange(extra), *order])
         np.add.at(A, (place[:, None], place), K)
     return A
 
 
-def _held(A: Floats, extra: int, contact: int, line: int, div: RingDivision) -> Floats:
+def _without_rigid_motion(
+    A: Floats, extra: int, contact: int, line: int, div: RingDivision
+) -> Floats:
     """The stiffness without three unknowns at the rim, which hold the ring against rigid motion.
 
-    They are both displacements of one node, and one displacement of another node that turns about
-    the first.
+    The three are both displacements of one node, and one displacement of another node that turns
+    about the first.
+
+    Parameters
+    ----------
+    A : (n, n) stiffness of the closed ring
+    extra, contact, line : numbers of unknowns of the loads, of the contact, and of a line
+    div : division of the ring
     """
-    angles = div.angles[_runs(div)]
+    angles = div.angles[div.first_of_runs]
     away = 0.5 * (angles - angles[0])
     k = int(np.abs(np.sin(away)).argmax())
-    # A rotation moves the other node rather around the drum than along the radius.
+    # Whether a rotation moves the other node more around the drum than along the radius.
     along = abs(math.sin(away[k])) > abs(math.cos(away[k]))
     node = extra + contact + line - 2
     other = extra + contact + (k + 1) * line - 2 + along
@@ -280,93 +357,63 @@ def _held(A: Floats, extra: int, contact: int, line: int, div: RingDivision) -> 
     return A[keep[:, None], keep]
 
 
-def _runs(div: RingDivision) -> Ints:
-    """The first columns of the runs, each of which is under one lining or between two."""
-    runs = np.flatnonzero(np.diff(div.contact, prepend=not div.contact[0]))
-    # A ring in contact all around has two runs, so that a line between them closes it.
-    return runs if len(runs) > 1 else np.array([0, 1])
+def ring_grid(radius: float, sign: int, div: RingDivision) -> ColumnGrid:
+    """All nodes and elements of a ring, with the sets "contact", "surface" and "support".
 
-
-def _pieces(div: RingDivision) -> tuple[Floats, Ints]:
-    """Angles of the contact nodes, and their positions (p + 1, m) in each column in contact."""
-    touching = _touching(div)
-    place = np.full(len(div.contact) * div.degree, -1)
-    place[touching] = np.arange(len(touching))
-    at = np.flatnonzero(div.contact) * div.degree + np.arange(div.degree + 1)[:, None]
-    return line_of(div.angles, div.degree)[touching], place[at % len(place)]
-
-
-def _touching(div: RingDivision) -> Ints:
-    """The nodes of the friction surface that lie under a lining, counted from the first angle on."""
-    at = np.flatnonzero(div.contact) * div.degree + np.arange(div.degree + 1)[:, None]
-    return np.unique(at % (len(div.contact) * div.degree))
-
-
-def grid_of(radius: float, sign: int, div: RingDivision) -> ColumnGrid:
-    """All nodes and elements of a ring, with the sets "contact", "surface" and "support"."""
+    Parameters
+    ----------
+    radius, sign, div : as of `_assembled_runs`
+    """
     p = div.degree
-    depth, along = line_of(div.depths, p), line_of(div.angles, p)
+    depth, along = nodes_between(div.depths, p), nodes_between(div.angles, p)
     rows, n = len(depth), len(along) - 1
-    under = np.arange(rows * n).reshape(rows, n)
-    under = np.column_stack([under, under[:, 0]])
+    nodes = np.arange(rows * n).reshape(rows, n)
+    # The ring closes: the last column of nodes is the first column again.
+    closed = np.column_stack([nodes, nodes[:, 0]])
 
-    def place(depth: Floats, phi: Floats) -> Floats:
+    def point_at(depth: Floats, phi: Floats) -> Floats:
         r = radius + sign * depth
         return np.stack([r * np.cos(phi), r * np.sin(phi)])
 
-    sets = {
-        "contact": under[0, _touching(div)],
-        "surface": under[0, :-1],
-        "support": under[-1, :-1],
-    }
-    return ColumnGrid(
-        p, (Block(under, depth, along, ("drum",) * (len(div.depths) - 1)),), place, sets, rows * n
-    )
+    contact = nodes[0, div.contact_nodes]
+    sets = {"contact": contact, "surface": nodes[0], "support": nodes[-1]}
+    block = ElementBlock(closed, depth, along, ("drum",) * (len(div.depths) - 1))
+    return ColumnGrid(p, (block,), point_at, sets, rows * n)
 
 
-def rim_of(radius: float, div: RingDivision, grid: ColumnGrid) -> Floats:
-    """Nodal forces (2 N, 3) that are spread over the rim like the rigid-body modes."""
-    p, found = div.degree, np.zeros((grid.N, 2, FRAME))
-    pieces = _rim_loads(radius, within(div.angles, p), p).reshape(len(div.contact), p + 1, 2, FRAME)
-    rim = np.append(grid.sets["support"], grid.sets["support"][0])
-    at = rim[np.arange(len(div.contact))[:, None] * p + np.arange(p + 1)]
-    np.add.at(found, at, pieces)
-    return found.reshape(-1, FRAME)
+def rim_forces(radius: float, div: RingDivision, grid: ColumnGrid) -> Floats:
+    """Nodal forces (2 N, 3) that are spread over the rim like the rigid-body modes.
+
+    Parameters
+    ----------
+    radius : radius of the rim [m]
+    div : division of the ring
+    grid : all nodes and elements of the ring
+    """
+    p, count = div.degree, len(div.contact)
+    forces = np.zeros((grid.N, 2, FRAME))
+    pieces = _column_rim_loads(radius, nodes_of_pieces(div.angles, p), p)
+    edges = (np.arange(count)[:, None] * p + np.arange(p + 1)) % (count * p)
+    np.add.at(forces, grid.sets["support"][edges], pieces.reshape(count, p + 1, 2, FRAME))
+    return forces.reshape(-1, FRAME)
 
 
-def _inside(brake: Brake, grid: ColumnGrid, rim: Floats) -> InnerSystem:
-    """The whole system of a ring."""
-    return _reduced(brake, grid, grid.sets["support"], grid.sets["contact"], rim)
-
-
-def _recovered(
-    brake: Brake, grid: ColumnGrid, rim: Floats, nodal: Floats, frame: Floats, loads: Floats
-) -> Floats:
-    """The displacements of `CondensedBody`, with the insides of elements eliminated one by one."""
-    sides = grid.skeleton
-    support, contact = (sides.place[grid.sets[name]] for name in ("support", "contact"))
-    inside = _reduced(brake, sides, support, contact, rim[sides.dofs])
-    return sides.everywhere(_layers(brake), inside.displacements(nodal, frame, loads))
-
-
-def _layers(brake: Brake) -> dict[str, ElasticLayer]:
-    """The one layer of the brake's ring, by the name of its subdomain."""
-    ring = brake.ring
-    assert ring is not None and ring.section is not None  # scene.why_not
-    return ring_layers(ring.section)
-
-
-def _reduced(
-    brake: Brake, basis: ColumnGrid | Skeleton, support: Ints, contact: Ints, rim: Floats
+def _whole_system(
+    section: Section, grid: ColumnGrid, rim: Floats, basis: ColumnGrid | Skeleton
 ) -> InnerSystem:
-    """The stiffness of a ring and the unit loads `rim` (2 nodes, l) on its reduced unknowns."""
-    K, ring = basis.stiffness(_layers(brake)), brake.ring
-    if ring is not None and ring.support == "fixed":
-        constraints = constrain(basis, contact, support, np.zeros(2))
-        loads = np.zeros((constraints.matrix.shape[1], 0))
-    else:
-        constraints = constrain(
-            basis, contact, support[:0], np.zeros(2), determinate(basis, support)
-        )
-        loads = constraints.matrix.T @ rim
-    return InnerSystem((constraints.matrix.T @ K @ constraints.matrix).tocsc(), constraints, loads)
+    """The stiffness, constraints and loads of a ring on all nodes of its grid or its skeleton.
+
+    Parameters
+    ----------
+    section : section of the ring
+    grid : all nodes and elements of the ring
+    rim : (2 N, l) unit loads on the rim; l is 0 where the rim is fixed
+    basis : the grid or its skeleton
+    """
+    contact = basis.numbers_of(grid.sets["contact"])
+    support, alone = basis.numbers_of(grid.sets["support"]), None
+    if rim.shape[1]:
+        support, alone = support[:0], determinate_unknowns(basis, support)
+    constraints = constrain(basis, contact, support, np.zeros(2), alone)
+    loads = constraints.matrix.T @ rim[basis.dofs]
+    return InnerSystem.of(basis.stiffness(ring_layers(section)), constraints, loads)

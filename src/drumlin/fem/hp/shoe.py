@@ -11,62 +11,29 @@ from drumlin.brake.beam_axis import axis_of
 from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Beam
 from drumlin.brake.elasticity import ElasticLayer, has_directions
-from drumlin.fem.hp.arc import angular, arc_columns, elements
+from drumlin.fem.hp.arc import angular_integrals, arc_column_stiffness, condensed_arc_elements
 from drumlin.fem.hp.columns import (
     ColumnSubstructure,
-    assembled,
-    columns,
-    stack,
-    turned,
-    turned_rows,
-    without_line,
+    assemble_row,
+    column_stiffness,
+    column_unknowns,
+    eliminate_line,
+    rotate_components,
+    rotate_row_components,
 )
 from drumlin.fem.hp.division import ShoeDivision
-from drumlin.fem.hp.element import condensed_elements, element, gauss_points
-from drumlin.fem.substructure.body import FRAME
-from drumlin.fem.substructure.elasticity import stacked
+from drumlin.fem.hp.element import condensed_elements, gauss_points, reference_element
+from drumlin.fem.substructure.body import FRAME, rigid_body_modes
+from drumlin.fem.substructure.elasticity import stack_elasticity
 from drumlin.fem.substructure.loads import ACTUATION, LoadColumns
 from drumlin.response.resultants import GAUSS, WEIGHTS, at_gauss, lobatto
 
-LEFT = 0.02
-"""Fraction of the uncorrected rigid-body residual S R + F that the round-off estimate still assumes
-after the correction has taken the residual off. 0 would call corrected answers exact; 1 would refuse
-right answers. The stored truths judge the value.
-"""
-Map = Callable[[Floats, Floats], Floats]
-"""From depths and positions along the lining to points (2, ...) in the shoe's frame [m]."""
-
-
-def end_load(xy: Floats, depths: Floats, p: int) -> tuple[Floats, Floats]:
-    """Nodal forces (2n, 3) of unit force x, unit force y and unit couple, and their centre (2,) [m].
-
-    They act on the straight loaded end. The forces are spread evenly; the couple is a traction that
-    grows linearly from the centre. The unit of the forces is [1], that of the couple's [1/m].
-
-    Parameters
-    ----------
-    xy : (2, n) nodes of the end [m]
-    depths : (n,) their depths, in proportion to the distance along the end
-    p : degree
-    """
-    # Positions along the end, from -1/2 to 1/2.
-    ends = (depths[::p] - depths[0]) / (depths[-1] - depths[0]) - 0.5
-    at = np.arange(len(ends) - 1)[:, None] * p + np.arange(p + 1)
-    psi, _ = at_gauss(p)
-    half = 0.5 * (ends[1:] - ends[:-1])[:, None]
-    where = ends[:-1, None] + half * (1 + GAUSS)
-    even = np.bincount(at.ravel(), ((half * WEIGHTS) @ psi.T).ravel())
-    linear = np.bincount(at.ravel(), ((half * WEIGHTS * where) @ psi.T).ravel()) * 12
-    end = xy[:, -1] - xy[:, 0]
-    centre = 0.5 * (xy[:, -1] + xy[:, 0])
-    load = np.zeros((xy.shape[1], 2, FRAME))
-    load[:, 0, 0] = load[:, 1, 1] = even
-    load[:, :, 2] = linear[:, None] * np.array([-end[1], end[0]]) / (end @ end)
-    return load.reshape(-1, FRAME), centre
+PointMap = Callable[[Floats, Floats], Floats]
+"""Gives points (2, ...) in the shoe's frame [m] at depths and positions along the lining."""
 
 
 class LoadedEnd(NamedTuple):
-    """Unit loads on the loaded end.
+    """Unit loads on the loaded end of a shoe's body.
 
     Attributes
     ----------
@@ -82,7 +49,7 @@ class LoadedEnd(NamedTuple):
     moments: Floats
 
     def resultants(self, pin: Floats) -> Floats:
-        """Force x, force y and moment (3, l) about the `pin` (2,) [m]."""
+        """Force x, force y and moment (3, l) of each unit load about the `pin` (2,) [m]."""
         arm = self.centre - pin
         resultants = self.moments.copy()
         resultants[2] += arm[0] * self.moments[1] - arm[1] * self.moments[0]
@@ -94,15 +61,39 @@ EndLoads = Callable[[Floats, Floats, int], LoadedEnd]
 
 
 def unit_actuations(xy: Floats, depths: Floats, p: int) -> LoadedEnd:
-    """The three unit actuations on the loaded end, see `end_load`."""
-    forces, centre = end_load(xy, depths, p)
-    return LoadedEnd(forces, LoadColumns(((ACTUATION, FRAME),)), centre, np.eye(FRAME))
+    """Unit force x, unit force y and unit couple on the straight loaded end.
+
+    The forces are spread evenly; the couple is a traction that grows linearly from the centre. The
+    unit of the nodal forces is [1], that of the couple's nodal forces [1/m].
+
+    Parameters
+    ----------
+    xy : (2, n) nodes of the end [m]
+    depths : (n,) depths of the nodes, in proportion to the distance along the end
+    p : degree
+    """
+    # The ends of the elements along the loaded end, in positions from -1/2 to 1/2.
+    ends = (depths[::p] - depths[0]) / (depths[-1] - depths[0]) - 0.5
+    at = np.arange(len(ends) - 1)[:, None] * p + np.arange(p + 1)
+    psi, _ = at_gauss(p)
+    half = 0.5 * (ends[1:] - ends[:-1])[:, None]
+    where = ends[:-1, None] + half * (1 + GAUSS)
+    even = np.bincount(at.ravel(), ((half * WEIGHTS) @ psi.T).ravel())
+    # The traction of a unit couple on an end of length 1 is 12 times the position.
+    linear = np.bincount(at.ravel(), ((half * WEIGHTS * where) @ psi.T).ravel()) * 12
+    end = xy[:, -1] - xy[:, 0]
+    centre = 0.5 * (xy[:, -1] + xy[:, 0])
+    load = np.zeros((xy.shape[1], 2, FRAME))
+    load[:, 0, 0] = load[:, 1, 1] = even
+    load[:, :, 2] = linear[:, None] * np.array([-end[1], end[0]]) / (end @ end)
+    columns = LoadColumns(((ACTUATION, FRAME),))
+    return LoadedEnd(load.reshape(-1, FRAME), columns, centre, np.eye(FRAME))
 
 
 class CondensedShoe(NamedTuple):
     """A shoe condensed to [frame | contact nodes x, y], with estimates of round-off.
 
-    The estimates are zero for a shoe whose frame is its back itself, where they are not known.
+    The estimates are zero for a shoe whose frame is its back, since they are not known then.
 
     Attributes
     ----------
@@ -125,18 +116,19 @@ class CondensedShoe(NamedTuple):
     columns: LoadColumns
 
 
-def map_of(shoe: Shoe, radius: float) -> Map:
-    """The map from depths and angles of a division to points in the shoe's frame."""
+def point_map(shoe: Shoe, radius: float) -> PointMap:
+    """The map from depths and positions along the lining to points in the shoe's frame."""
     return _beam_map(shoe, radius) if isinstance(shoe.body, Beam) else partial(shoe.at, size=radius)
 
 
-def _beam_map(shoe: Shoe, radius: float) -> Map:
-    """The map of a straight beam, whose depth counts in layers.
+def _beam_map(shoe: Shoe, radius: float) -> PointMap:
+    """The map from depths and positions to points of a shoe with a straight beam.
 
     Depths from 0 to 1 are in the lining, from 1 to 2 in the block, which is cut square to the beam,
     and from 2 to 3 in the beam.
     """
-    assert isinstance(shoe.body, Beam) and shoe.body.section is not None  # why_not
+    # The assertion holds of every brake that `scene.why_not` lets pass.
+    assert isinstance(shoe.body, Beam) and shoe.body.section is not None
     axis = axis_of(shoe.pin.xy, shoe.actuation.point.xy)
     thickness = shoe.lining.thickness
     back, beam = radius + thickness, shoe.body.section.thickness
@@ -144,9 +136,11 @@ def _beam_map(shoe: Shoe, radius: float) -> Map:
     ends = axis.angle(shoe.frame.theta(np.array([s, e])))
     start = float(np.min(ends))
 
-    def place(depth: Floats, phi: Floats) -> Floats:
+    def point_at(depth: Floats, phi: Floats) -> Floats:
+        """Points (2, ...) of the beam, its block and its lining in the shoe's frame [m]."""
         depth, phi = np.broadcast_arrays(depth, phi)
-        # The angle under the lining counts from the axis's foot, the distance beyond it along x.
+        # Under the lining the angle counts from the foot of the axis; beyond the lining the
+        # distance counts along x.
         a = np.clip(phi, s, e) - s + start
         beyond = back * (np.minimum(phi - s, 0) + np.maximum(phi - e, 0))
         r = radius + thickness * np.minimum(depth, 1)
@@ -158,25 +152,25 @@ def _beam_map(shoe: Shoe, radius: float) -> Map:
         y = np.where(depth > 2, in_beam, y)
         return np.moveaxis(shoe.frame.to_shoe(axis.to_brake(x, y)), -1, 0)
 
-    return place
+    return point_at
 
 
-def within(ends: Floats, p: int) -> Floats:
-    """The nodes (m, p + 1) of pieces of degree p between ends (m + 1,)."""
+def nodes_of_pieces(ends: Floats, p: int) -> Floats:
+    """Positions (m, p + 1) of the nodes of m elements of degree p between `ends` (m + 1,)."""
     first, last = ends[:-1, None], ends[1:, None]
     return np.asarray(0.5 * (last + first) + 0.5 * (last - first) * lobatto(p))
 
 
-def line_of(ends: Floats, p: int) -> Floats:
-    """The nodes (m p + 1,) of pieces of degree p between ends (m + 1,), common ones once."""
-    found = np.empty((len(ends) - 1) * p + 1)
-    found[:-1] = within(ends, p)[:, :-1].ravel()
-    found[-1] = ends[-1]
-    return found
+def nodes_between(ends: Floats, p: int) -> Floats:
+    """Positions (m p + 1,) of the nodes of m elements in a row; common nodes count once.
+
+    `ends` (m + 1,) are the ends of the elements, and p is their degree.
+    """
+    return np.append(nodes_of_pieces(ends, p)[:, :-1].ravel(), ends[-1])
 
 
-def nodes_of(place: Map, depths: Floats, along: Floats, p: int) -> Floats:
-    """Nodes (layers, columns, 2, a) of elements [m], in the element's order.
+def element_nodes(place: PointMap, depths: Floats, along: Floats, p: int) -> Floats:
+    """Nodes (layers, columns, 2, a) of elements [m], in the order of `ReferenceElement`.
 
     Parameters
     ----------
@@ -185,13 +179,17 @@ def nodes_of(place: Map, depths: Floats, along: Floats, p: int) -> Floats:
     along : (c, p + 1) positions of the columns' nodes along the lining
     p : degree
     """
-    xy = place(within(depths, p)[:, None, :, None], along[:, None, :])  # (2, layers, columns, i, j)
+    # xy are the points of all nodes, (2, layers, columns, p + 1, p + 1).
+    xy = place(nodes_of_pieces(depths, p)[:, None, :, None], along[:, None, :])
     xy = xy.reshape(*xy.shape[:3], -1).transpose(1, 2, 0, 3)
-    return np.ascontiguousarray(xy[..., element(p).order])
+    return np.ascontiguousarray(xy[..., reference_element(p).order])
 
 
-def distinct(sizes: Floats) -> tuple[Floats, Ints]:
-    """The different ones of sizes (m,), equal up to round-off, and the number of each one's (m,)."""
+def distinct_sizes(sizes: Floats) -> tuple[Floats, Ints]:
+    """The k different sizes (k,) among `sizes` (m,), and the number of the size of each (m,).
+
+    Sizes that differ by round-off are equal.
+    """
     numbers: dict[float, int] = {}
     which = []
     for size in sizes.tolist():
@@ -200,26 +198,20 @@ def distinct(sizes: Floats) -> tuple[Floats, Ints]:
     return np.array(list(numbers)), np.array(which)
 
 
-def _along(layers: dict[str, ElasticLayer], part: tuple[str, ...], xy: Floats, p: int) -> Floats:
+def _layer_directions(
+    layers: dict[str, ElasticLayer], part: tuple[str, ...], xy: Floats, p: int
+) -> Floats:
     """Unit vectors along the layers (l, c, 2, q) at the Gauss points of their elements.
 
     `part` (l,) names the layer of each row of elements with the nodes xy (l, c, 2, a) [m].
     """
     points = np.moveaxis(gauss_points(xy, p), 2, 1)  # (l, 2, c, q)
-    found = [layers[name].directions(own) for name, own in zip(part, points, strict=True)]
-    return np.moveaxis(np.array(found), 1, 2)
+    vectors = [layers[name].directions(own) for name, own in zip(part, points, strict=True)]
+    return np.moveaxis(np.array(vectors), 1, 2)
 
 
-def rigid(xy: Floats, pin: Floats) -> Floats:
-    """The rigid-body modes (2n, 3) of nodes xy (2, n): dx, dy and rotation about the pin."""
-    modes = np.zeros((xy.shape[1], 2, FRAME))
-    modes[:, 0, 0] = modes[:, 1, 1] = 1.0
-    modes[:, 0, 2], modes[:, 1, 2] = pin[1] - xy[1], xy[0] - pin[0]
-    return modes.reshape(-1, FRAME)
-
-
-class _Columns(NamedTuple):
-    """The columns under the lining, before it and behind it, in their order.
+class _ShoeColumns(NamedTuple):
+    """The element columns of a shoe under the lining, before it and behind it, in order.
 
     Equal columns are the same object. The columns grip[0] to grip[1] - 1 under the lining are those
     whose back a grip holds; both are 0 without a grip.
@@ -232,7 +224,7 @@ class _Columns(NamedTuple):
 
 
 class _ColumnKinds(NamedTuple):
-    """The kinds of columns of a shoe, and the data that makes a column of each.
+    """The kinds of element columns of a shoe, and the data that makes a column of each kind.
 
     `along` (kinds, p + 1) are the positions of the nodes of each kind along the lining, `angular`
     the angular integrals of columns on arcs (None of a straight beam), and `which` (columns,) the
@@ -244,85 +236,104 @@ class _ColumnKinds(NamedTuple):
     which: Ints
 
 
-def _kinds_of(shoe: Shoe, div: ShoeDivision, *, directed: bool) -> _ColumnKinds:
-    """The kinds of columns; on an arc equal columns are of one kind, wherever they stand."""
+def _column_kinds(shoe: Shoe, div: ShoeDivision, *, directed: bool) -> _ColumnKinds:
+    """The kinds of element columns of a shoe; on an arc equally wide columns are of one kind.
+
+    Parameters
+    ----------
+    shoe, div : the shoe and its division
+    directed : whether a layer of the shoe is orthotropic
+    """
     p = div.degree
     rows = [div.angles]
     if div.first < div.layers:
         rows += [div.before[::-1], div.after]
     if isinstance(shoe.body, Beam):
-        along = np.concatenate([within(ends, p) for ends in rows])
+        along = np.concatenate([nodes_of_pieces(ends, p) for ends in rows])
         return _ColumnKinds(along, None, np.arange(len(along)))
-    sizes, which = distinct(np.concatenate([ends[1:] - ends[:-1] for ends in rows]))
+    sizes, which = distinct_sizes(np.concatenate([ends[1:] - ends[:-1] for ends in rows]))
     along = 0.5 * sizes[:, None] * lobatto(p)
-    A = angular(along, p, flat=shoe.flat, directed=directed)
+    A = angular_integrals(along, p, flat=shoe.flat, directed=directed)
     return _ColumnKinds(along, A, which)
 
 
-def _columns(
+def _condensed_columns(
     shoe: Shoe, radius: float, div: ShoeDivision, layers: dict[str, ElasticLayer]
-) -> _Columns:
-    """The condensed columns of a shoe."""
+) -> _ShoeColumns:
+    """The condensed element columns of a shoe; parameters as of `condense_shoe`."""
     p = div.degree
-    elasticity = stacked(layers, div.part)
+    elasticity = stack_elasticity(layers, div.part)
     directed = bool(has_directions(elasticity).any())
-    kinds_of_columns = _kinds_of(shoe, div, directed=directed)
+    kinds_of_columns = _column_kinds(shoe, div, directed=directed)
     plane = radius if shoe.flat else None
 
-    def made(row: Ints, layer: int, *, contact: bool, held: bool) -> list[ColumnSubstructure]:
-        """The columns of a row of kinds, of the layers from `layer` on."""
+    def columns_of(row: Ints, layer: int, *, contact: bool, held: bool) -> list[ColumnSubstructure]:
+        """The element columns of a row of kinds, without the layers before `layer`.
+
+        Parameters
+        ----------
+        row : kind of each column
+        layer : number of the first layer of the columns
+        contact : whether the outermost edge is in contact
+        held : whether the innermost edge is held
+        """
         if not len(row):
             return []
-        # np.unique would load np.ma.
+        # bincount stands for np.unique, which would load numpy's masked arrays.
         kinds = np.flatnonzero(np.bincount(row))
-        depths = div.depths[layer:]
-        of = stack(p, div.layers - layer, contact=contact, held=held)
+        depths, own = div.depths[layer:], elasticity[layer:]
+        unknowns = column_unknowns(p, div.layers - layer, contact=contact, held=held)
         if kinds_of_columns.angular is None:
-            xy = nodes_of(map_of(shoe, radius), depths, kinds_of_columns.along[kinds], p)
-            along_layers = _along(layers, div.part[layer:], xy, p) if directed else None
-            found = columns(condensed_elements(xy, elasticity[layer:], p, along_layers), of)
+            xy = element_nodes(point_map(shoe, radius), depths, kinds_of_columns.along[kinds], p)
+            along = _layer_directions(layers, div.part[layer:], xy, p) if directed else None
+            stiffness = column_stiffness(condensed_elements(xy, own, p, along), unknowns)
         else:
             A = kinds_of_columns.angular[:, kinds]
-            own = elements(radius - shoe.sign * depths, A, elasticity[layer:], p, plane)
-            found = arc_columns(own, p, contact=contact, held=held)
-        pieces = {}
-        for kind, K in zip(kinds.tolist(), found, strict=True):
-            pieces[kind] = ColumnSubstructure(K, of.line, of.line)
-        return [pieces[kind] for kind in row.tolist()]
+            parts = condensed_arc_elements(radius - shoe.sign * depths, A, own, p, plane)
+            stiffness = arc_column_stiffness(parts, p, contact=contact, held=held)
+        made = {}
+        for kind, K in zip(kinds.tolist(), stiffness, strict=True):
+            made[kind] = ColumnSubstructure(K, unknowns.line, unknowns.line)
+        return [made[kind] for kind in row.tolist()]
 
     which = kinds_of_columns.which
     under, before = len(div.angles) - 1, len(div.before) - 1
     ends = shoe.grip(radius)
     a, b = (0, 0) if ends is None else (int(np.abs(div.angles - x).argmin()) for x in ends)
     outside_grip = np.concatenate([which[:a], which[b:under]])
-    free = made(outside_grip, 0, contact=True, held=div.first == div.layers)
-    gripped = made(which[a:b], 0, contact=True, held=True)
-    rest = made(which[under:], div.first, contact=False, held=False)
-    return _Columns([*free[:a], *gripped, *free[a:]], rest[:before], rest[before:], (a, b))
+    free = columns_of(outside_grip, 0, contact=True, held=div.first == div.layers)
+    gripped = columns_of(which[a:b], 0, contact=True, held=True)
+    rest = columns_of(which[under:], div.first, contact=False, held=False)
+    return _ShoeColumns([*free[:a], *gripped, *free[a:]], rest[:before], rest[before:], (a, b))
 
 
-def directions(ends: Floats, p: int) -> Floats:
-    """Angles (m p + 1,) of the directions in which the displacements of contact nodes count.
+def side_angles(ends: Floats, p: int) -> Floats:
+    """Angles (m p + 1,) of the axes along which displacements of contact nodes are measured.
 
-    Nodes between the ends (m + 1,) of a column have the direction of the column's middle.
+    A node between two `ends` (m + 1,) of columns has the axes of the column's middle.
     """
     angles = np.append(np.repeat(0.5 * (ends[1:] + ends[:-1]), p), 0.0)
     angles[::p] = ends
     return angles
 
 
-def _angle_at(shoe: Shoe, phi: Floats) -> Floats:
-    """The angles [rad] of the directions in which displacements count at positions phi of columns.
+def _axis_angle(shoe: Shoe, phi: Floats) -> Floats:
+    """The angles [rad] of the axes along which displacements at positions phi are measured.
 
-    On an arc they count along the radius, on a pad along the normal, whose tangent is the plane's x,
-    and in a straight beam along the axes of the frame.
+    On an arc displacements are measured along the radius, on a pad along the plane's normal, and in
+    a straight beam along the axes of the frame.
     """
     if isinstance(shoe.body, Beam):
         return np.zeros_like(phi)
     return np.full_like(phi, -0.5 * np.pi) if shoe.flat else phi
 
 
-def condense(
+def _angles_back_to_frame(shoe: Shoe, div: ShoeDivision) -> Floats:
+    """Angles (n,) [rad] that rotate components at the contact nodes back to the shoe's frame."""
+    return -_axis_angle(shoe, side_angles(div.angles, div.degree))
+
+
+def condense_shoe(
     shoe: Shoe,
     radius: float,
     div: ShoeDivision,
@@ -334,8 +345,8 @@ def condense(
     Parameters
     ----------
     shoe : a parametric shoe
-    radius : of the drum [m]
-    div : its division
+    radius : radius of the drum [m]
+    div : division of the shoe
     layers : elasticity of the layers by name
     end_loads : the unit loads on the loaded end; a shoe whose back is held has the three unit
         actuations on its frame and no others
@@ -345,26 +356,23 @@ def condense(
     NoAnswer
         for a singular stiffness
     """
-    p = div.degree
-    phi = line_of(div.angles, p)
-    back = -_angle_at(shoe, directions(div.angles, p))
-    R = rigid(map_of(shoe, radius)(np.zeros(1), phi), shoe.own_pin)
-    found = _columns(shoe, radius, div, layers)
-    if any(found.grip):
-        return _held_shoe(shoe, turned(_on_grip(found), back), R)
-    if div.first == div.layers:
-        return _held_shoe(shoe, turned(_between(found.under), back), R)
-    return _free_shoe(shoe, radius, div, found, end_loads, R)
+    phi = nodes_between(div.angles, div.degree)
+    R = rigid_body_modes(point_map(shoe, radius)(np.zeros(1), phi), shoe.own_pin)
+    row = _condensed_columns(shoe, radius, div, layers)
+    if div.first < div.layers and not any(row.grip):
+        return _hinged_shoe(shoe, radius, div, row, end_loads, R)
+    S = _gripped_stiffness(row) if any(row.grip) else _lining_stiffness(row.under)
+    return _back_held_shoe(shoe, rotate_components(S, _angles_back_to_frame(shoe, div)), R)
 
 
-def _held_shoe(shoe: Shoe, S: Floats, R: Floats) -> CondensedShoe:
-    """A shoe whose back is held, by a grip or as a rigid shoe; the force acts on the frame there.
+def _back_held_shoe(shoe: Shoe, S: Floats, R: Floats) -> CondensedShoe:
+    """A condensed shoe whose back is held by a grip or by a rigid shoe, as is the force.
 
     `S` (2n, 2n) is the stiffness of the contact nodes, and `R` (2n, 3) their rigid-body modes.
     """
     zeros = np.zeros((len(R), FRAME))
     return CondensedShoe(
-        S=_balanced(S, R),
+        S=_stiffness_with_frame(S, R),
         loads=np.vstack([np.eye(FRAME), zeros]),
         work=np.zeros((FRAME, FRAME)),
         centre=shoe.own_pin,
@@ -374,74 +382,81 @@ def _held_shoe(shoe: Shoe, S: Floats, R: Floats) -> CondensedShoe:
     )
 
 
-def _free_shoe(
+def _hinged_shoe(
     shoe: Shoe,
     radius: float,
     div: ShoeDivision,
-    found: _Columns,
+    row: _ShoeColumns,
     end_loads: EndLoads,
     R: Floats,
 ) -> CondensedShoe:
-    """An elastic shoe that is held at its hinge and loaded at its other end.
+    """A condensed elastic shoe that is held at its hinge and loaded at its other end.
 
-    `found` are its columns, and `R` (2n, 3) the rigid-body modes of the contact nodes.
+    Parameters
+    ----------
+    shoe, radius, div, end_loads : as of `condense_shoe`
+    row : columns of the shoe
+    R : (2n, 3) rigid-body modes of the contact nodes
     """
-    p, place, pin = div.degree, map_of(shoe, radius), shoe.own_pin
-    back = -_angle_at(shoe, directions(div.angles, p))
-    depths = line_of(div.depths[div.first :], p)
+    p, place, pin = div.degree, point_map(shoe, radius), shoe.own_pin
+    back = _angles_back_to_frame(shoe, div)
+    depths = nodes_between(div.depths[div.first :], p)
     near, far = div.before[-1], div.after[-1]
-    hinge_modes = _local(rigid(place(depths, near), pin), _angle_at(shoe, near))
+    hinge_modes = rigid_body_modes(place(depths, near), pin)
+    hinge_modes = _rotate_all(hinge_modes, _axis_angle(shoe, near))
     end = end_loads(place(depths, far), depths, p)
-    end_forces = _local(end.forces, _angle_at(shoe, far))
-
-    # All columns as one, on [frame | contact nodes | loads].
-    row = found.under.copy()
-    row[0] = _held(row[0], found.before, hinge_modes)
-    loaded = _loaded(found.after, end_forces)
-    row[-1] = without_line(row[-1], loaded, len(end_forces), right=True)
-    A = assembled(row, 2).K
+    end_forces = _rotate_all(end.forces, _axis_angle(shoe, far))
+    # The assembled columns have the unknowns [frame | contact nodes | loads].
+    columns = row.under.copy()
+    columns[0] = _first_column_on_hinge(columns[0], row.before, hinge_modes)
+    loaded = _loaded_body_stiffness(row.after, end_forces)
+    columns[-1] = eliminate_line(columns[-1], loaded, len(end_forces), right=True)
+    A = assemble_row(columns, 2).K
     extra = end.columns.count
     frame, contact, loads = slice(FRAME), slice(FRAME, -extra), slice(-extra, None)
-    S = turned(A[contact, contact], back)
-    load = -turned_rows(A[loads, contact], back).T
+    S = rotate_components(A[contact, contact], back)
+    load = -rotate_row_components(A[loads, contact], back).T
     on_frame = -A[frame, loads]
 
     # Round-off has put the condensed loads out of balance: the contact nodes take the difference.
     imbalance = end.resultants(pin) - on_frame - R.T @ load
     load += R @ np.linalg.solve(R.T @ R, imbalance)
-    S, missed = _still(S, R, turned_rows(A[frame, contact], back).T)
+    corrected = _correct_rigid_modes(S, R, rotate_row_components(A[frame, contact], back).T)
     actuation = end.columns.places[ACTUATION]
     return CondensedShoe(
-        S=_balanced(S, R),
+        S=_stiffness_with_frame(corrected.S, R),
         loads=np.concatenate([on_frame, load]),
         work=-A[loads, loads],
         centre=end.centre,
-        rigid_mode_forces=missed,
+        rigid_mode_forces=corrected.round_off_forces,
         force_imbalance=float(np.abs(imbalance[:2, actuation][:, :2]).max()),
         columns=end.columns,
     )
 
 
-def _between(
+def _lining_stiffness(
     row: list[ColumnSubstructure], left: Floats | None = None, right: Floats | None = None
 ) -> Floats:
-    """Stiffness of the contact nodes of columns under the lining.
+    """Stiffness of the contact nodes, from the columns `row` under the lining.
 
-    `left` and `right` are the stiffness of the bodies that hang on the back of both ends.
+    Parameters
+    ----------
+    row : columns under the lining
+    left, right : stiffness of the bodies that hang on the back of both ends, if there are any
     """
     row = row.copy()
-    row[0] = without_line(row[0], left, 0 if left is None else len(left))
-    row[-1] = without_line(row[-1], right, 0 if right is None else len(right), right=True)
-    return assembled(row, 2).K
+    row[0] = eliminate_line(row[0], left, 0 if left is None else len(left))
+    row[-1] = eliminate_line(row[-1], right, 0 if right is None else len(right), right=True)
+    return assemble_row(row, 2).K
 
 
-def _on_grip(found: _Columns) -> Floats:
+def _gripped_stiffness(columns: _ShoeColumns) -> Floats:
     """Stiffness of the contact nodes of a lining whose body is held by a grip on its back.
 
     The body beyond the lining is free.
     """
-    row, (first, last) = found.under.copy(), found.grip
-    # The held columns lack the last node of the others' lines.
+    row, (first, last) = columns.under.copy(), columns.grip
+    # The lines of the held columns lack the last node of the other columns' lines.
     line = row[first].left
     if first > 0:
         K, left, _ = row[first - 1]
@@ -450,26 +465,32 @@ def _on_grip(found: _Columns) -> Floats:
         K, _, right = row[last]
         free = np.delete(np.arange(len(K)), [line, line + 1])
         row[last] = ColumnSubstructure(K[free[:, None], free], line, right)
-    before = without_line(assembled(found.before, 0)).K if found.before else None
-    after = without_line(assembled(found.after, 0), right=True).K if found.after else None
-    return _between(row, before, after)
+    before, after = columns.before, columns.after
+    body_before = eliminate_line(assemble_row(before, 0)).K if before else None
+    body_after = eliminate_line(assemble_row(after, 0), right=True).K if after else None
+    return _lining_stiffness(row, body_before, body_after)
 
 
-def _held(
+def _first_column_on_hinge(
     first: ColumnSubstructure, before: list[ColumnSubstructure], held: Floats
 ) -> ColumnSubstructure:
-    """The first column under the lining with the body before it, down to the hinge.
+    """The first column under the lining, joined to the part of the body that the hinge holds.
 
-    Its unknowns are [frame | own]. `held` (n, 3) are the rigid-body modes of the line at the hinge.
+    The unknowns are [frame | own unknowns of the column].
+
+    Parameters
+    ----------
+    first : the first column under the lining
+    before : columns of the body before the lining, from the hinge on
+    held : (n, 3) rigid-body modes of the line at the hinge
     """
     if not before:
-        return without_line(_tied(first, held))
-    part = len(held)
-    body = assembled([_tied(before[0], held), *before[1:]], 0)
-    return without_line(first, body.K, part)
+        return eliminate_line(_constrain_to_frame(first, held))
+    body = assemble_row([_constrain_to_frame(before[0], held), *before[1:]], 0)
+    return eliminate_line(first, body.K, len(held))
 
 
-def _loaded(after: list[ColumnSubstructure], load: Floats) -> Floats:
+def _loaded_body_stiffness(after: list[ColumnSubstructure], load: Floats) -> Floats:
     """Stiffness of the body behind the lining on [line at the lining's end | loads].
 
     `load` (n, l) are the unit loads on the line at the body's end.
@@ -479,14 +500,15 @@ def _loaded(after: list[ColumnSubstructure], load: Floats) -> Floats:
     end[:part, part:], end[part:, :part] = -load, -load.T
     if not after:
         return end
-    last = without_line(after[-1], end, part, right=True)
-    return assembled([*after[:-1], last], 0).K
+    last = eliminate_line(after[-1], end, part, right=True)
+    return assemble_row([*after[:-1], last], 0).K
 
 
-def _tied(piece: ColumnSubstructure, held: Floats) -> ColumnSubstructure:
-    """A column whose left line is constrained to the frame: [left line | frame | ...].
+def _constrain_to_frame(piece: ColumnSubstructure, held: Floats) -> ColumnSubstructure:
+    """A column whose left line is partly constrained to the frame of the hinge.
 
-    The last unknowns of the line move with the frame by the modes `held` (n, 3).
+    The last unknowns of the line move with the frame by the modes `held` (n, 3). The unknowns of
+    the result are [rest of the left line | frame | other unknowns].
     """
     left = piece.left - len(held)
     at, frame = slice(left, piece.left), slice(left, left + FRAME)
@@ -502,15 +524,30 @@ def _tied(piece: ColumnSubstructure, held: Floats) -> ColumnSubstructure:
     return ColumnSubstructure(K, left, piece.right)
 
 
-def _still(S: Floats, R: Floats, held: Floats) -> tuple[Floats, Floats]:
-    """The stiffness S (2n, 2n) of the contact nodes, corrected for round-off, and what is left.
+class _CorrectedStiffness(NamedTuple):
+    """The stiffness `S` (2n, 2n) of the contact nodes, corrected for round-off.
 
-    Rigid-body modes strain nothing: if the contact moves with the frame by R (2n, 3), then S R =
-    -held. The forces `held` (2n, 3) on the contact by motions of the frame are small beside the
-    stiffness of thin columns, and have more digits. The first correction changes each node's own
-    part, where most digits were lost. The second is the least symmetric change that leaves no
-    residual. The estimate (2n, 3) of the forces that remain is the residual half way, and LEFT of
-    the residual before.
+    `round_off_forces` (2n, 3) estimate the forces that round-off adds to rigid-body modes.
+    """
+
+    S: Floats
+    round_off_forces: Floats
+
+
+def _correct_rigid_modes(S: Floats, R: Floats, held: Floats) -> _CorrectedStiffness:
+    """The stiffness of the contact nodes, corrected so that rigid-body modes strain nothing.
+
+    If the contact moves with the frame by R, then S R = -held. The forces `held` are small beside
+    the stiffness of thin columns, and have more digits. The first correction changes each node's
+    own part, where most digits were lost. The second correction is the least symmetric change that
+    leaves no residual. The corrected stiffness is wrong elsewhere by as much as rigid-body modes
+    showed: the estimate of the forces that round-off adds is the residual before any correction.
+
+    Parameters
+    ----------
+    S : (2n, 2n) stiffness of the contact nodes
+    R : (2n, 3) rigid-body modes of the contact nodes
+    held : (2n, 3) forces on the contact by motions of the frame
     """
     S, own = S.copy(), np.arange(len(S)).reshape(-1, 2)
     before = S @ R + held
@@ -521,10 +558,10 @@ def _still(S: Floats, R: Floats, held: Floats) -> tuple[Floats, Floats]:
     change, moment = back @ after.T, R.T @ after
     symmetric_moment = 0.5 * (moment + moment.T)
     corrected = S - change - change.T + back @ symmetric_moment @ back.T
-    return corrected, after + LEFT * before
+    return _CorrectedStiffness(corrected, before)
 
 
-def _balanced(S: Floats, R: Floats) -> Floats:
+def _stiffness_with_frame(S: Floats, R: Floats) -> Floats:
     """Stiffness on [frame | contact nodes] from the stiffness S (2n, 2n) of the contact nodes.
 
     The rigid-body modes R (2n, 3) strain nothing.
@@ -538,6 +575,6 @@ def _balanced(S: Floats, R: Floats) -> Floats:
     return whole
 
 
-def _local(V: Floats, angle: Floats) -> Floats:
-    """Vectors V (2n, m) in directions that are turned by one angle [rad]."""
-    return turned_rows(V.T, np.reshape(angle, 1)).T
+def _rotate_all(V: Floats, angle: Floats) -> Floats:
+    """Vectors V (2n, m) with the components of all nodes in axes turned by one angle [rad]."""
+    return rotate_row_components(V.T, np.reshape(angle, 1)).T

@@ -148,7 +148,7 @@ def coupled_shoe(
         forces.append(coupling.T.T)
 
     # The columns of Y and of the blocks made from it: pressure, unit loads, friction.
-    Y = condensed.half(np.concatenate(forces, axis=1))
+    Y = condensed.half_flexibility(np.concatenate(forces, axis=1))
     first_friction = n + condensed.columns.count
     pressed, loaded, dragged = slice(n), slice(n, first_friction), slice(first_friction, None)
     closure = -Y[:, :n].T @ Y

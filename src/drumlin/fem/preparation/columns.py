@@ -10,7 +10,7 @@ import numpy as np
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Beam
-from drumlin.fem.hp.body import condensed, contact_line, end_load_of, grid_of
+from drumlin.fem.hp.body import condensed_body, shoe_contact_line, shoe_grid, unit_actuation_forces
 from drumlin.fem.hp.corner import powers_of
 from drumlin.fem.hp.division import (
     CORNER_COUNTS,
@@ -21,7 +21,7 @@ from drumlin.fem.hp.division import (
     divide,
 )
 from drumlin.fem.hp.ring import ring_body
-from drumlin.fem.hp.shoe import condense
+from drumlin.fem.hp.shoe import condense_shoe
 from drumlin.fem.preparation.bodies import BodyNodes, ShoeSubstructure, coupled_shoe, load_on
 from drumlin.fem.preparation.cache import Cache, bare, bare_shoe, size_of
 from drumlin.fem.preparation.scene import DividedBodies, Seconds, clock
@@ -139,10 +139,10 @@ def _condense_shoe(
 ) -> ShoeSubstructure:
     """The condensed body of a parametric shoe with this division, coupled with its counterface."""
     with clock(seconds, "condensation"):
-        found = condense(shoe, radius, division, layers_of(shoe))
-        line = contact_line(shoe, radius, division)
-        grid = grid_of(shoe, radius, division)
-        inner = condensed(shoe, division, found, line, grid)
+        found = condense_shoe(shoe, radius, division, layers_of(shoe))
+        line = shoe_contact_line(shoe, radius, division)
+        grid = shoe_grid(shoe, radius, division)
+        inner = condensed_body(shoe, division, found, grid)
     with clock(seconds, "coupling"):
         made = partial(ShoeSubstructure, grid, grid, line)
         return coupled_shoe(made, shoe, line, inner, found.centre, friction=friction)
@@ -181,10 +181,10 @@ def _nodes_of_other_shoe(rule: _DivisionRule, radius: float, other: Shoe) -> Bod
     division = divide(other, radius, rule.level, points, tip=rule.tip, powers=rule.powers)
     if isinstance(shoe.body, Beam):
         division = replace(division, angles=rule.division.angles + turn)
-    grid = grid_of(other, radius, division)
+    grid = shoe_grid(other, radius, division)
     if "actuation" not in grid.sets:
         return BodyNodes(grid.doflocs, np.zeros(grid.doflocs.shape))
-    unit_loads, centre = end_load_of(division, grid)
+    unit_loads, centre = unit_actuation_forces(division, grid)
     factors, _ = load_on(centre, other)
     load = unit_loads @ factors
     return BodyNodes(grid.doflocs, load.reshape(-1, 2).T)

@@ -1,9 +1,10 @@
-"""The solid shoe: the section of the plane model, as wide as its parts are, in hexahedra; half of
-it, by symmetry.
+"""The solid shoe: the section of the plane model, as wide as its parts are, in hexahedra.
 
-Beyond meshing and condensing it knows nothing of its own: contact, response and self-locking are
-those of the plane.
+One half of the shoe stands for the whole, by symmetry. The room only meshes and condenses. Contact,
+response and self-locking are those of the plane model.
 """
 
-MOST_ELEMENTS = 200  # along a lining
-MOST_ACROSS = 24  # over half its width
+MOST_ELEMENTS = 200
+"""Largest number of hexahedra along a lining; more take more memory than most computers have."""
+MOST_ACROSS = 24
+"""Largest number of hexahedra over half the width of a lining; more take too much memory."""

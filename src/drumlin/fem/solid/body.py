@@ -1,15 +1,14 @@
-"""A solid shoe, assembled and condensed to what contact and hinge need: the body of the plane, with
-other matrices.
+"""A solid shoe, assembled and condensed to what contact and hinge need.
 
-The half from the mid-plane outwards stands for the whole: its stiffness counts twice, and forces
-and widths are those of the whole shoe. Across the width nothing is pressed or dragged, so that
-displacements along z are inner unknowns, those of the friction surface too.
+The condensed body is that of the plane model, with other matrices. The half from the mid-plane
+outwards stands for the whole: its stiffness counts twice, and forces and widths are those of the
+whole shoe. Nothing is pressed or dragged across the width. So displacements along z are inner
+unknowns, on the friction surface too.
 """
 
 from functools import partial
 
 import numpy as np
-import scipy.sparse as sp
 
 from drumlin.base.arrays import Floats, Ints
 from drumlin.brake.brake import Brake, Shoe
@@ -21,12 +20,19 @@ from drumlin.fem.preparation.meshes import line_of, materials_of
 from drumlin.fem.preparation.scene import Seconds, clock
 from drumlin.fem.solid.face import ContactFace, contact_face, width_matrix
 from drumlin.fem.solid.mesh import Solid, solid_mesh
-from drumlin.fem.substructure.body import FRAME, Constraints, condense, stiffness
+from drumlin.fem.substructure.body import (
+    FRAME,
+    Constraints,
+    condense,
+    constraint_matrix,
+    stiffness,
+)
 from drumlin.fem.substructure.elimination import dissection
 from drumlin.fem.substructure.interface import end_loads
 from drumlin.fem.substructure.loads import ACTUATION
 
 HALVES = 2.0
+"""Factor on the stiffness of the meshed half, which stands for both halves of a shoe."""
 
 
 class SolidBody(ShoeSubstructure):
@@ -39,39 +45,48 @@ class SolidBody(ShoeSubstructure):
 
 
 def solid_layers(shoe: Shoe) -> dict[str, ElasticLayer]:
-    """The layers of a half that stands for the whole."""
-    found = {}
+    """The elastic layers of a shoe by subdomain, with the stiffness of both halves."""
+    layers = {}
     for name, (material, _) in materials_of(shoe).items():
-        assert isinstance(material, Material)  # model.why_not
-        found[name] = ElasticLayer(solid_elasticity_matrix(material), HALVES)
-    return found
+        # The assertion holds of every brake that `model.why_not` lets pass.
+        assert isinstance(material, Material)
+        layers[name] = ElasticLayer(solid_elasticity_matrix(material), HALVES)
+    return layers
 
 
-def behind(shoe: Shoe) -> str:
-    """The subdomain that the hinge holds: a rigid shoe holds the back of the lining or of its
-    backing.
-    """
-    return "shoe" if shoe.body is not None else "lining" if shoe.backing is None else "backing"
+def held_subdomain(shoe: Shoe) -> str:
+    """The subdomain that the hinge holds: the body, or the back part of a rigid shoe's lining."""
+    if shoe.body is not None:
+        return "shoe"
+    return "lining" if shoe.backing is None else "backing"
 
 
-def hinged(solid: Solid, shoe: Shoe) -> Ints:
+def hinge_nodes(solid: Solid, shoe: Shoe) -> Ints:
     """Nodes that move as a rigid line with the pin, across the whole width."""
     line = np.unique(edge_nodes(solid.plane, solid.section.boundaries["hinge"]))
-    return solid.node[line, : solid.levels(behind(shoe))].ravel()
+    return solid.node[line, : solid.levels(held_subdomain(shoe))].ravel()
 
 
-def face_of(solid: Solid, shoe: Shoe, radius: float) -> ContactFace:
-    """The friction surface; radius [m]: of the drum."""
+def friction_face(solid: Solid, shoe: Shoe, radius: float) -> ContactFace:
+    """The friction surface of a solid shoe on a drum of this `radius` [m]."""
     line = line_of(solid.plane, solid.section.boundaries["contact"], shoe, radius)
     return contact_face(line, solid.node, solid.z[: solid.levels("lining")])
 
 
-def tie(solid: Solid, contact: Ints, rigid: Ints, pin: Floats, *, bonded: bool) -> Constraints:
-    """The reduced unknowns, in the order of a dissection: inner ones, contact nodes as x, y pairs,
-    frame.
+def constrain_solid(
+    solid: Solid, contact: Ints, rigid: Ints, pin: Floats, *, bonded: bool
+) -> Constraints:
+    """The constraints of a solid: inner unknowns by dissection, contact nodes as x, y pairs, frame.
 
-    The `rigid` nodes move with u = (dx, dy) + turn k x (x - pin), free along z unless they are
-    `bonded` to a rigid shoe; nodes of the mid-plane do not leave it.
+    Nodes of the mid-plane do not leave it.
+
+    Parameters
+    ----------
+    solid : the meshed half of a shoe
+    contact : (n,) contact nodes
+    rigid : nodes that move with u = (dx, dy) + rotation k x (x - pin)
+    pin : (2,) point of the pin [m]
+    bonded : whether the rigid nodes are bonded to a rigid shoe; they are free along z otherwise
     """
     basis = solid.basis
     order = dissection(basis.doflocs, basis.element_dofs)
@@ -82,24 +97,18 @@ def tie(solid: Solid, contact: Ints, rigid: Ints, pin: Floats, *, bonded: bool) 
         inner[rigid, 2] = False
     inside = inner[order.nodes].ravel()
     dofs = (3 * order.nodes[:, None] + np.arange(3)).ravel()[inside]
-    region = np.repeat(order.region, 3)[inside]
-    _, region = np.unique(region, return_inverse=True)
+    # Regions are numbered anew without those that have no inner unknown.
+    _, region = np.unique(np.repeat(order.region, 3)[inside], return_inverse=True)
     dofs = np.concatenate([dofs, (3 * contact[:, None] + np.arange(2)).ravel()])
-    frame = len(dofs) + np.arange(FRAME)
-    x, y = basis.doflocs[:2, rigid] - pin[:, None]
-    ones = np.ones(len(rigid))
-    rows = [dofs, 3 * rigid, 3 * rigid, 3 * rigid + 1, 3 * rigid + 1]
-    columns = [np.arange(len(dofs)), *(np.full(len(rigid), frame[k]) for k in (0, 2, 1, 2))]
-    entries = (
-        np.concatenate([np.ones(len(dofs)), ones, -y, ones, x]),
-        (np.concatenate(rows), np.concatenate(columns)),
-    )
-    return Constraints(sp.csc_matrix(entries, shape=(3 * basis.N, len(dofs) + FRAME)), region)
+    arm = basis.doflocs[:2, rigid] - pin[:, None]
+    return Constraints(constraint_matrix(dofs, 3 * basis.N, 3 * rigid, arm), region)
 
 
 def end_forces(solid: Solid) -> tuple[Floats, Floats]:
-    """Nodal forces (nodes, 3, 3) (node, component, unit load) of unit force x, y and unit couple on
-    the loaded end, even over the width, and the point (2,) that they act at.
+    """Nodal forces (nodes, 3, 3) of the unit loads on the loaded end, and their centre (2,) [m].
+
+    The last axis counts unit force x, unit force y and unit couple, the second one the components.
+    The loads are even over the width.
     """
     line, centre = end_loads(solid.plane, solid.section.boundaries["actuation"])
     nodes = np.unique(edge_nodes(solid.plane, solid.section.boundaries["actuation"]))
@@ -111,35 +120,49 @@ def end_forces(solid: Solid) -> tuple[Floats, Floats]:
     return forces, centre
 
 
-def loads_on(
-    solid: Solid, shoe: Shoe, constraints: Constraints
-) -> tuple[dict[str, Floats], Floats]:
-    """Unit loads (unknowns, k) on the reduced unknowns by name, and the point (2,) that those of the
-    actuation act at.
+def _unit_loads(solid: Solid, shoe: Shoe, constraints: Constraints) -> tuple[Floats, Floats]:
+    """Unit loads (unknowns, 3) of a shoe's actuation, and the point (2,) that they act at [m].
+
+    They are unit force x, unit force y and unit couple on the reduced unknowns.
+
+    Parameters
+    ----------
+    solid : the meshed half of the shoe
+    shoe : the shoe
+    constraints : its reduced unknowns
     """
-    # Without a loaded end the force acts on the rigid shoe, or on what holds its body.
+    # Without a loaded end the force acts on the rigid shoe, or on the grip of its body.
     if "actuation" not in solid.section.boundaries or shoe.gripped:
         loads = np.zeros((constraints.matrix.shape[1], 3))
         loads[-FRAME:] = np.eye(3)
-        return {ACTUATION: loads}, shoe.own_pin
+        return loads, shoe.own_pin
     forces, centre = end_forces(solid)
-    return {ACTUATION: np.asarray(constraints.matrix.T @ forces.reshape(-1, 3))}, centre
+    return np.asarray(constraints.matrix.T @ forces.reshape(-1, 3)), centre
 
 
 def solid_body(
     brake: Brake, shoe: Shoe, elements: int, across: int, seconds: Seconds
 ) -> ShoeSubstructure:
-    """Mesh, assemble and condense a shoe."""
+    """The meshed, assembled and condensed body of a solid shoe.
+
+    Parameters
+    ----------
+    brake, shoe : the brake and one of its shoes
+    elements, across : elements along the lining, and over half of its width
+    seconds : time of each phase [s], which this function adds to
+    """
     with clock(seconds, "mesh"):
         solid = solid_mesh(shoe, brake.size, elements, across)
     with clock(seconds, "assembly"):
         K = stiffness(solid.basis, solid_layers(shoe))
     with clock(seconds, "ties"):
-        face, rigid = face_of(solid, shoe, brake.size), hinged(solid, shoe)
-        constraints = tie(solid, face.nodes, rigid, shoe.own_pin, bonded=shoe.body is None)
-        loads, centre = loads_on(solid, shoe, constraints)
+        face, rigid = friction_face(solid, shoe, brake.size), hinge_nodes(solid, shoe)
+        bonded = shoe.body is None
+        constraints = constrain_solid(solid, face.nodes, rigid, shoe.own_pin, bonded=bonded)
+        loads, centre = _unit_loads(solid, shoe, constraints)
     with clock(seconds, "condensation"):
-        condensed = condense(K, constraints, loads, 2 * len(face.nodes))
+        condensed = condense(K, constraints, {ACTUATION: loads}, 2 * len(face.nodes))
     with clock(seconds, "coupling"):
         made = partial(SolidBody, solid.mesh, solid.basis, face)
-        return coupled_shoe(made, shoe, face, condensed, centre, friction=brake.friction > 0)
+        friction = brake.friction > 0
+        return coupled_shoe(made, shoe, face, condensed, centre, friction=friction)

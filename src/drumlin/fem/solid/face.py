@@ -1,9 +1,9 @@
 """The lining's friction surface: the contact line of the section times the width.
 
 Pressure and displacement are products of the line's shape functions and those over the width,
-zeta_k(z), so every
-matrix of the weak coupling is that of a line of width 1 times  m_kl = 2 Int zeta_k zeta_l dz  over half the width.
-The weights of the quadratic functions are all positive, those of serendipity elements are not.
+zeta_k(z). So every matrix of the weak coupling is that of a line of width 1 times
+m_kl = 2 Int zeta_k zeta_l dz  over half the width. The weights of the quadratic functions are all
+positive; those of serendipity elements are not.
 """
 
 from dataclasses import dataclass
@@ -18,10 +18,16 @@ from drumlin.response.response import PressureOverWidth
 
 @dataclass(frozen=True)
 class ContactFace(ContactLine):
-    """A friction surface: contact nodes by growing angle, and from the mid-plane outwards at each.
+    """The friction surface of a solid lining: a contact line times the levels over half the width.
 
-    `nodes` (n m,), `xy` (2, n m) [m] and `phi` (n m,) [rad] of all; `pieces` those of the `line`;
-    `z` (m,) [m].
+    The contact nodes stand by growing angle, and at each angle from the mid-plane outwards.
+
+    Attributes
+    ----------
+    nodes, xy, phi : (n m,), (2, n m) [m], (n m,) [rad], as of `ContactLine`, of all nodes
+    pieces : as of `line`
+    line : the contact line of the section, with n nodes
+    z : (m,) levels of the nodes over half the width [m]
     """
 
     line: ContactLine
@@ -29,22 +35,21 @@ class ContactFace(ContactLine):
 
     @property
     def width(self) -> Floats:
-        """2 Int zeta_k dz (m,) [m]: the whole width is their sum."""
+        """The widths 2 Int zeta_k dz (m,) [m] of the levels; their sum is the whole width."""
         return width_matrix(self.z).sum(axis=1)
 
     def couple(self, width: float, directions: Directions) -> Coupling:
-        """The coupling with a counterface; its width is that of the face."""
+        """The coupling with a counterface; its width is that of the face, not `width`."""
         line, m = couple_line(self.line, 1.0, directions), width_matrix(self.z)
         n = len(self.line.nodes)
 
-        def spread(vectors: Floats) -> Floats:  # (n, 2n) -> (n m, 2 n m)
+        def spread(vectors: Floats) -> Floats:
+            """Matrix (n m, 2 n m) of the face from that of the line (n, 2n)."""
             whole = np.einsum("ijc,kl->ikjlc", vectors.reshape(n, n, 2), m)
             return np.ascontiguousarray(whole).reshape(n * len(m), -1)
 
-        M, lever = (
-            np.asarray(np.kron(*pair), dtype=float)
-            for pair in ((line.M, m), (line.lever, m.sum(axis=1)))
-        )
+        M = np.asarray(np.kron(line.M, m), dtype=float)
+        lever = np.asarray(np.kron(line.lever, m.sum(axis=1)), dtype=float)
         return Coupling(M, spread(line.N), spread(line.T), lever)
 
     def along(self, p: Floats) -> tuple[Floats, Floats]:
@@ -54,15 +59,12 @@ class ContactFace(ContactLine):
     def surface(self, p: Floats) -> PressureOverWidth:
         """The pressure over arc and whole width."""
         half = p.reshape(-1, len(self.z))
-        return PressureOverWidth(
-            np.concatenate([-self.z[:0:-1], self.z]), np.hstack([half[:, :0:-1], half])
-        )
+        z = np.concatenate([-self.z[:0:-1], self.z])
+        return PressureOverWidth(z, np.hstack([half[:, :0:-1], half]))
 
 
 def width_matrix(z: Floats) -> Floats:
-    """m_kl = 2 Int zeta_k zeta_l dz (m, m) [m] of the quadratic functions over the levels z (m,)
-    [m].
-    """
+    """The matrix 2 Int zeta_k zeta_l dz (m, m) [m] of quadratic functions over levels z (m,)."""
     pieces = np.arange(3)[:, None] + np.arange(0, len(z) - 2, 2)
     psi, _, dz = edge_points(np.array([z, np.zeros_like(z)])[:, pieces])
     matrix = np.zeros((len(z), len(z)))
@@ -71,8 +73,13 @@ def width_matrix(z: Floats) -> Floats:
 
 
 def contact_face(line: ContactLine, node: Ints, z: Floats) -> ContactFace:
-    """The face over a section's line; node (nodes, m): numbers of the nodes of the solid above each
-    of the section.
+    """The friction surface over the contact line of a section.
+
+    Parameters
+    ----------
+    line : contact line of the section
+    node : (nodes, m) nodes of the solid above each node of the section
+    z : (m,) levels of the nodes over half the width [m]
     """
     return ContactFace(
         nodes=node[line.nodes, : len(z)].ravel(),

@@ -8,65 +8,42 @@ import skfem
 from drumlin.base.arrays import Floats, Ints
 from drumlin.brake.brake import Brake
 from drumlin.brake.elasticity import ElasticLayer
-from drumlin.fem.analysis.fields import displaced, mean_of
+from drumlin.fem.analysis.fields import nodal_means, shoe_displacements
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.solid.body import solid_layers
 from drumlin.response.balance import loaded
 from drumlin.response.response import Response
 
+# Hexahedra with 20 nodes stand in the order of VTK: the corners of the bottom and of the top, then
+# the middles of the edges.
+# fmt: off
 _BOTTOM = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
 _CORNERS = np.array([*_BOTTOM, *((x, y, 1) for x, y, _ in _BOTTOM)], dtype=float)
 _EDGES = [
-    (0, 1),
-    (1, 2),
-    (2, 3),
-    (3, 0),
-    (4, 5),
-    (5, 6),
-    (6, 7),
-    (7, 4),
-    (0, 4),
-    (1, 5),
-    (2, 6),
-    (3, 7),
+    (0, 1), (1, 2), (2, 3), (3, 0),
+    (4, 5), (5, 6), (6, 7), (7, 4),
+    (0, 4), (1, 5), (2, 6), (3, 7),
 ]
-_TURNED = [
-    4,
-    5,
-    6,
-    7,
-    0,
-    1,
-    2,
-    3,
-    12,
-    13,
-    14,
-    15,
-    8,
-    9,
-    10,
-    11,
-    16,
-    17,
-    18,
-    19,
-]  # bottom and top exchanged
+# The order of the same nodes with bottom and top exchanged.
+_TURNED = [4, 5, 6, 7, 0, 1, 2, 3, 12, 13, 14, 15, 8, 9, 10, 11, 16, 17, 18, 19]
+# fmt: on
 
 
-def serendipity(cells: Ints) -> Ints:
-    """Nodes (m, 20) of hexahedra with 20 nodes, in the order of VTK and of CalculiX's C3D20, of
-    skfem's (27, m).
+def serendipity_cells(cells: Ints) -> Ints:
+    """Nodes (m, 20) of hexahedra in the order of VTK and of CalculiX's C3D20.
+
+    `cells` (27, m) are the nodes in the order of skfem.
     """
-    places = np.vstack([_CORNERS, *(_CORNERS[list(edge)].mean(axis=0) for edge in _EDGES)])
-    local = skfem.ElementHex2.doflocs
-    order = [int(np.flatnonzero((local == place).all(axis=1))[0]) for place in places]
-    return np.asarray(cells[order].T)
+    middles = _CORNERS[np.array(_EDGES)].mean(axis=1)
+    places = np.vstack([_CORNERS, middles])
+    same = (skfem.ElementHex2.doflocs == places[:, None]).all(axis=2)
+    return np.asarray(cells[same.argmax(axis=1)].T)
 
 
-def oriented(points: Floats, cells: Ints) -> Ints:
-    """Cells (m, 20) of nodes at `points` (n, 3) that all have a positive volume: a mirror image
-    turns them over.
+def orient_cells(points: Floats, cells: Ints) -> Ints:
+    """The hexahedra `cells` (m, 20), turned over where their volume is negative.
+
+    A mirror image makes volumes negative. `points` (n, 3) are the nodes.
     """
     a, b, c, d = (points[cells[:, i]] for i in (0, 1, 3, 4))
     volume = np.einsum("mi,mi->m", np.cross(b - a, c - a), d - a)
@@ -74,11 +51,19 @@ def oriented(points: Floats, cells: Ints) -> Ints:
 
 
 class SolidFields(NamedTuple):
-    """Fields of half a shoe (z >= 0) in the brake's frame; nodes stand once for each material that
-    meets in them.
+    """Displacement and stress in half a shoe (z >= 0), in the brake's frame.
 
-    `points` (n, 3) [m], `cells` (m, 20), `part` (m,): number of the subdomain, `displacement` (n,
-    3) [m], `von_mises` (n,) [Pa], `pressure` (n,) [Pa] on the friction surface.
+    A node stands once for each material that meets in it.
+
+    Attributes
+    ----------
+    points : (n, 3) nodes [m]
+    cells : (m, 20) nodes of each cell
+    part : (m,) number of the subdomain of each cell
+    displacement : (n, 3) displacement of the nodes [m]
+    von_mises : (n,) von Mises stress [Pa]
+    pressure : (n,) pressure on the friction surface [Pa], 0 elsewhere
+    cell_type : name of the cells in meshio
     """
 
     points: Floats
@@ -90,44 +75,71 @@ class SolidFields(NamedTuple):
     cell_type: str = "hexahedron20"
 
 
+class _SolidPartFields(NamedTuple):
+    """Fields of one subdomain.
+
+    `nodes` (n,) are its nodes, `cells` (27, m) its cells by the positions of their nodes in
+    `nodes`, and `von_mises` (n,) the von Mises stress of the nodes [Pa].
+    """
+
+    nodes: Ints
+    cells: Ints
+    von_mises: Floats
+
+
 def recover(scene: PreparedModel, brake: Brake, response: Response, index: int) -> SolidFields:
-    """Recover the fields of shoe `index` from the contact pressure of its response."""
+    """The fields in shoe `index` of a brake, from the contact pressure of its response.
+
+    Parameters
+    ----------
+    scene : the prepared model of solid shoes
+    brake : the brake
+    response : response of the brake on the model
+    index : position of the shoe in the brake
+    """
     brake = loaded(brake, response)
     shoe, body, answer = brake.shoes[index], scene.bodies[index], response.shoes[index]
-    frame = shoe.frame
     p = np.zeros(len(body.line.nodes))
     if answer.surface is not None:
         m = len(answer.surface.z) // 2
-        p = np.ascontiguousarray(answer.surface.pressure[:: frame.sense, m:]).ravel()
-    u = displaced(body, brake, shoe, answer, p).reshape(-1, 3).T
+        p = np.ascontiguousarray(answer.surface.pressure[:: shoe.frame.sense, m:]).ravel()
+    u = shoe_displacements(body, brake, shoe, answer, p).reshape(-1, 3).T
     pressure = np.zeros(body.basis.N)
     pressure[body.line.nodes] = p
     layers = solid_layers(shoe)
-    parts = [
-        (*_part(body.mesh, u, members, layers[name]), name)
-        for name, members in body.mesh.subdomains.items()
-    ]
-    starts = np.cumsum([0, *(len(nodes) for nodes, *_ in parts)])
-    nodes = np.concatenate([part[0] for part in parts])
 
+    # The subdomains follow one another; a node at their interface stands once for each of them.
+    parts, cells, part_of_cell, pressures = [], [], [], []
+    count = 0
+    for i, (name, members) in enumerate(body.mesh.subdomains.items()):
+        part = _part_fields(body.mesh, u, members, layers[name])
+        parts.append(part)
+        cells.append(serendipity_cells(part.cells) + count)
+        part_of_cell.append(np.full(part.cells.shape[1], i))
+        pressures.append(pressure[part.nodes] * (name == "lining"))
+        count += len(part.nodes)
+    nodes = np.concatenate([part.nodes for part in parts])
     x, moved = body.basis.doflocs[:, nodes], u[:, nodes]
     points = np.column_stack([shoe.points(x[:2]).T, x[2]])
-    cells = np.concatenate(
-        [serendipity(part[1]) + start for part, start in zip(parts, starts, strict=False)]
-    )
     return SolidFields(
         points=points,
-        cells=oriented(points, cells),
-        part=np.concatenate([np.full(part[1].shape[1], i) for i, part in enumerate(parts)]),
-        displacement=np.column_stack([frame.to_brake(moved[:2].T), moved[2]]),
-        von_mises=np.concatenate([part[2] for part in parts]),
-        pressure=np.concatenate([pressure[part[0]] * (part[3] == "lining") for part in parts]),
+        cells=orient_cells(points, np.concatenate(cells)),
+        part=np.concatenate(part_of_cell),
+        displacement=np.column_stack([shoe.frame.to_brake(moved[:2].T), moved[2]]),
+        von_mises=np.concatenate([part.von_mises for part in parts]),
+        pressure=np.concatenate(pressures),
     )
 
 
-def _part(mesh: Any, u: Floats, elements: Ints, layer: ElasticLayer) -> tuple[Ints, Ints, Floats]:
-    """Nodes, cells (27, m) numbered within them, and nodal von Mises stress (n,) of the mean
-    stresses of a part.
+def _part_fields(mesh: Any, u: Floats, elements: Ints, layer: ElasticLayer) -> _SolidPartFields:
+    """The fields of one subdomain; the stress of a node is the mean over the elements there.
+
+    Parameters
+    ----------
+    mesh : the hexahedra
+    u : (3, nodes) displacement [m]
+    elements : elements of the subdomain
+    layer : elastic layer of the subdomain
     """
     element = skfem.ElementHex2()
     at = element.doflocs.T
@@ -137,6 +149,6 @@ def _part(mesh: Any, u: Floats, elements: Ints, layer: ElasticLayer) -> tuple[In
     lam, mu = layer.elasticity[0, 1], layer.elasticity[-1, -1]
     at_nodes = mu * (gradient + gradient.swapaxes(0, 1))
     at_nodes[range(3), range(3)] += lam * np.trace(gradient)
-    nodes, cells, stress = mean_of(at_nodes, basis.element_dofs)
+    nodes, cells, stress = nodal_means(at_nodes, basis.element_dofs)
     deviator = stress - np.trace(stress, axis1=1, axis2=2)[:, None, None] / 3 * np.eye(3)
-    return nodes, cells, np.sqrt(1.5 * (deviator**2).sum(axis=(1, 2)))
+    return _SolidPartFields(nodes, cells, np.sqrt(1.5 * (deviator**2).sum(axis=(1, 2))))

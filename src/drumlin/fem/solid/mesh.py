@@ -1,8 +1,7 @@
-"""The mesh of a solid shoe: the plane mesh of its section, extruded from the mid-plane z = 0 over
-the widths.
+"""The mesh of a solid shoe: the plane mesh of its section, extruded over the widths of its parts.
 
-Quadratic hexahedra with 27 nodes, isoparametric. Groups as those of the section; the solid is half
-of the shoe.
+The mesh goes from the mid-plane z = 0 outwards, so that it is half of the shoe. Its elements are
+isoparametric quadratic hexahedra with 27 nodes. Its groups are those of the section.
 """
 
 from collections.abc import Mapping
@@ -22,12 +21,15 @@ from drumlin.fem.preparation.meshes import materials_of
 from drumlin.fem.substructure.body import scalar_basis
 
 SIDE_SIZE = 1 / 8
-"""Size of an element at a free side, relative to one in the middle: there are few elements across,
-so that they shrink less than along the lining.
+"""Size of an element at a free side, relative to an element in the middle of the width.
+
+There are few elements across the width, so that they shrink less than along the lining.
 """
 CORNERS = [2, 2, 1, 3, 1, 3, 0, 0], [1, 0, 1, 1, 0, 0, 1, 0]
-"""Corners of skfem's hexahedra: the corner of the section's quadrilateral, and whether it is the
-outer one.
+"""The eight corners of skfem's hexahedra.
+
+The first list has the corner of the section's quadrilateral, the second list 1 for the outer level
+and 0 for the inner level.
 """
 
 
@@ -35,10 +37,14 @@ outer one.
 class Solid:
     """A meshed half of a shoe.
 
-    `section`, `plane`: mesh and scalar basis of its section; `mesh`, `basis`: those of the
-    hexahedra; `z` (m,) [m]: the levels of nodes, growing from 0; `node` (n, m): number of the node
-    above each of the section's, -1 where the shoe does not reach that far out; `half` [m]: half the
-    width of each subdomain.
+    Attributes
+    ----------
+    section, plane : mesh and scalar basis of its section
+    mesh, basis : mesh and scalar basis of the hexahedra
+    z : (m,) levels of nodes [m], growing from 0
+    node : (n, m) number of the node above each node of the section, -1 where the shoe does not
+        reach that far out
+    half : half the width of each subdomain [m]
     """
 
     section: Any
@@ -60,12 +66,18 @@ def half_widths(shoe: Shoe) -> dict[str, float]:
 
 
 def width_levels(half: Mapping[str, float], across: int, zone: float) -> Floats:
-    """Ends (m + 1,) [m] of the elements across half the shoe: about `across` over half the lining's
-    width, graded over `zone` [m] to every free side, and an end at each.
+    """Ends (m + 1,) of the elements across half the shoe [m], one end at each free side.
+
+    Parameters
+    ----------
+    half : half the width of each subdomain [m]
+    across : approximate number of elements over half the lining's width
+    zone : length at each free side over which the elements are graded [m]
     """
     sides = np.unique(np.round(list(half.values()), 15))
     sides = sides[np.append(True, np.diff(sides) > 1e-9 * sides[-1])]
     size = half["lining"] / across
+    # The innermost part is graded to both of its sides, and its outer half is kept.
     first = max(1, round(sides[0] / size))
     pieces = [graded(-sides[0], sides[0], 2 * first, zone, SIDE_SIZE)[first:]]
     pieces[0][0] = 0.0
@@ -75,38 +87,41 @@ def width_levels(half: Mapping[str, float], across: int, zone: float) -> Floats:
 
 
 def solid_mesh(shoe: Shoe, radius: float, elements: int | LiningDivision, across: int) -> Solid:
-    """Mesh of half a shoe, in its own frame: `elements` along the lining or its division, `across`
-    over half of its width.
+    """The mesh of half a shoe, in the shoe's own frame.
+
+    Parameters
+    ----------
+    shoe : a parametric shoe
+    radius : radius of the drum [m]
+    elements : number of elements along the lining, or its division
+    across : number of elements over half the lining's width
     """
     half = half_widths(shoe)
     levels = width_levels(half, across, shoe.lining.thickness)
-    return extruded(shoe_mesh(shoe, radius, elements), half, levels)
+    return extrude(shoe_mesh(shoe, radius, elements), half, levels)
 
 
-def extruded(section: Any, half: Mapping[str, float], levels: Floats) -> Solid:
-    """A section of quadratic quadrilaterals, extruded: each subdomain over the levels (m + 1,) [m]
-    within its half.
+def extrude(section: Any, half: Mapping[str, float], levels: Floats) -> Solid:
+    """A section of quadratic quadrilaterals, extruded to a solid.
+
+    Parameters
+    ----------
+    section : mesh of the section
+    half : half the width of each subdomain [m], over which it is extruded
+    levels : (m + 1,) ends of the elements over half the width [m]
     """
     cells, outer = section.t, 0.5 * (levels[1:] + levels[:-1])
-    members = {name: np.asarray(elements) for name, elements in section.subdomains.items()}
-    where = np.zeros((len(levels) - 1, cells.shape[1]), dtype=bool)  # layer, cell
-    for name, elements in members.items():
-        where[:, elements] = outer[:, None] < half[name]
-    layer, cell = np.nonzero(where)
-    count = section.p.shape[1]
-    corner, above = CORNERS
-    t = cells[corner][:, cell] + count * (layer + np.array(above)[:, None])
-    used, t = np.unique(t, return_inverse=True)
-    t = t.reshape(8, -1)
-    flat = section.p[:, used % count]
-    straight = skfem.MeshHex1(
-        np.ascontiguousarray(np.vstack([flat, levels[used // count]])), np.ascontiguousarray(t)
-    )
-    mesh = skfem.MeshHex2.from_mesh(straight)
-    # Nodes within straight edges, faces and cells: moved to where the section has them.
-    plane = skfem.MeshQuad2.from_mesh(
-        skfem.MeshQuad1(np.ascontiguousarray(section.p), np.ascontiguousarray(cells))
-    )
+    # `exists` says whether a cell of the section has an element in a layer of elements.
+    exists = np.zeros((len(levels) - 1, cells.shape[1]), dtype=bool)
+    for name, elements in section.subdomains.items():
+        exists[:, elements] = outer[:, None] < half[name]
+    layer, cell = np.nonzero(exists)
+    mesh = skfem.MeshHex2.from_mesh(_straight_hexahedra(section, levels, layer, cell))
+
+    # Nodes within straight edges, faces and cells are moved to where the section has them.
+    corners = np.ascontiguousarray(section.p)
+    straight_section = skfem.MeshQuad1(corners, np.ascontiguousarray(cells))
+    plane = skfem.MeshQuad2.from_mesh(straight_section)
     far, below = cKDTree(plane.doflocs.T).query(mesh.doflocs[:2].T)
     assert far.max() < 1e-9 * np.ptp(section.p)
     z = np.concatenate([np.column_stack([levels[:-1], outer]).ravel(), levels[-1:]])
@@ -114,9 +129,26 @@ def extruded(section: Any, half: Mapping[str, float], levels: Floats) -> Solid:
     doflocs = np.ascontiguousarray(np.vstack([section.doflocs[:, below], z[level]]))
     numbers = np.full((section.doflocs.shape[1], len(z)), -1)
     numbers[below, level] = np.arange(doflocs.shape[1])
-    subdomains = {
-        name: np.flatnonzero(np.isin(cell, elements)) for name, elements in members.items()
-    }
+    subdomains = {}
+    for name, elements in section.subdomains.items():
+        subdomains[name] = np.flatnonzero(np.isin(cell, elements))
     mesh = skfem.MeshHex2(doflocs, mesh.t, _subdomains=subdomains)
     basis = skfem.Basis(mesh, skfem.ElementHex2(), intorder=4)
     return Solid(section, scalar_basis(section), mesh, basis, z, numbers, half)
+
+
+def _straight_hexahedra(section: Any, levels: Floats, layer: Ints, cell: Ints) -> Any:
+    """The mesh of hexahedra with straight edges between the corners of a section's cells.
+
+    Parameters
+    ----------
+    section, levels : as of `extrude`
+    layer, cell : (e,) layer of each hexahedron, and the cell of the section below it
+    """
+    count = section.p.shape[1]
+    corner, above = CORNERS
+    corners = section.t[corner][:, cell] + count * (layer + np.array(above)[:, None])
+    # Corners without a hexahedron are left out.
+    used, t = np.unique(corners, return_inverse=True)
+    points = np.vstack([section.p[:, used % count], levels[used // count]])
+    return skfem.MeshHex1(np.ascontiguousarray(points), np.ascontiguousarray(t.reshape(8, -1)))

@@ -1,4 +1,4 @@
-"""The solid model: brake -> scene of solid bodies -> response, by the contact of the plane model."""
+"""The solid model of a brake, from its file to its response, by the contact of the plane model."""
 
 from functools import partial
 from pathlib import Path
@@ -18,14 +18,15 @@ from drumlin.response.merit import with_merits
 from drumlin.response.response import Response
 
 ELEMENTS = 48
-"""Default number along a lining: a limit of time, as the work goes with its fourth power."""
-STIFFNESS = 2500  # bytes of a row
+"""Default number of elements along a lining. The work grows with its fourth power."""
+STIFFNESS = 2500
+"""Memory of a row of the stiffness of a solid [bytes], approximately."""
 SOFTEST = 0.499
 """Largest Poisson's ratio at which displacements alone describe a solid."""
 
 
 def why_not(brake: Brake) -> str | None:
-    """Why the solid model does not apply to a brake (None: it does)."""
+    """Why the solid model does not apply to a brake; None where it applies."""
     if brake.unmeshable() is not None:
         return brake.unmeshable()
     if brake.ring is not None:
@@ -38,6 +39,7 @@ def why_not(brake: Brake) -> str | None:
 
 
 def _shoe_why_not(shoe: Shoe) -> str | None:
+    """Why the solid model does not apply to a shoe; None where it applies."""
     if shoe.mesh is not None:
         return "a mesh of its own is a section without widths"
     if shoe.body is not None and shoe.body.bending_stiffness is not None:
@@ -45,13 +47,15 @@ def _shoe_why_not(shoe: Shoe) -> str | None:
     for name, part in (("lining", shoe.lining), ("backing", shoe.backing), ("body", shoe.body)):
         material = getattr(part, "material", None)
         if isinstance(material, Material) and material.nu > SOFTEST:
-            return f"{name}.material.nu = {material.nu:g} is all but incompressible; at most {SOFTEST:g}"
+            given = f"{name}.material.nu = {material.nu:g}"
+            return f"{given} is all but incompressible; at most {SOFTEST:g}"
     return None
 
 
-def across_of(shoe: Shoe, elements: int) -> int:
-    """Elements over half the width of a lining with so many along it: the pressure is uneven over
-    about its thickness from the sides, and smooth.
+def elements_across(shoe: Shoe, elements: int) -> int:
+    """Default number of elements over half the width of a lining with `elements` along it.
+
+    The pressure is uneven over about the lining's thickness from its sides, and smooth there.
     """
     slender = shoe.lining.width / (2 * shoe.lining.thickness)
     return max(2, round(elements / ELEMENTS * min(2 + slender, 6)))
@@ -60,10 +64,19 @@ def across_of(shoe: Shoe, elements: int) -> int:
 def prepare(
     brake: Brake, *, elements: int = ELEMENTS, across: int | None = None, cache: Cache | None = None
 ) -> PreparedModel:
-    """Mesh and condense the solid shoes of a brake; shoes of one shape share one body.
+    """The solid shoes of a brake, meshed and condensed; shoes of one shape share one body.
 
-    elements: number along each lining; across: over half its width; cache: bodies of earlier
-    scenes, taken from there and put there. Raises BadInput.
+    Parameters
+    ----------
+    brake : the brake
+    elements : number of elements along each lining
+    across : number of elements over half the width of each lining; by default `elements_across`
+    cache : bodies of earlier models; found ones are taken from it, and new ones put there
+
+    Raises
+    ------
+    BadInput
+        where the solid model does not apply, or for too many elements
     """
     reason = why_not(brake)
     if reason is not None:
@@ -80,11 +93,10 @@ def prepare(
     keys = [shape_of(brake, shoe) for shoe in brake.shoes]
     for key, shoe in zip(keys, brake.shoes, strict=True):
         if key not in made:
-            counts = elements, across or across_of(shoe, elements)
+            counts = elements, across or elements_across(shoe, elements)
             same = ("solid", bare_shoe(shoe), brake.size, brake.friction > 0, *counts)
-            made[key] = cache.get(
-                same, partial(solid_body, brake, shoe, *counts, seconds), _size_of
-            )
+            make = partial(solid_body, brake, shoe, *counts, seconds)
+            made[key] = cache.get(same, make, _size_of)
     left_out = [
         "interior fields: recovered only for a picture",
         "the other half of each shoe: symmetric",
@@ -98,8 +110,9 @@ def prepare(
 
 
 def _size_of(body: ShoeSubstructure) -> int:
-    """What a condensed body keeps, about: its matrices, and the stiffness that fields are recovered
-    with.
+    """The memory [bytes] of a condensed solid body, approximately.
+
+    The body keeps its matrices, and the stiffness with which fields are recovered.
     """
     return size_of(body) + STIFFNESS * body.unknowns
 
@@ -113,8 +126,20 @@ def solve(
     fields: Path | None = None,
     cache: Cache | None = None,
 ) -> Response:
-    """The response of a brake's solid shoes; options as of `prepare`. fields: a .vtu file to write
-    what is inside them to; cache: bodies of earlier solves. Raises BadInput, NoAnswer.
+    """The response of a brake's solid shoes.
+
+    Parameters
+    ----------
+    brake, elements, across, cache : as of `prepare`
+    penalty : factor alpha of the contact stiffness alpha E/t
+    fields : name of a .vtu file for the displacements and stresses inside the shoes
+
+    Raises
+    ------
+    BadInput
+        as `prepare` does, and for a file of another kind
+    NoAnswer
+        where the contact has no answer
     """
     check_penalty(penalty)
     if fields is not None and fields.suffix != ".vtu":
@@ -123,7 +148,8 @@ def solve(
     scene = prepare(brake, elements=elements, across=across, cache=cache)
     response = respond(scene, brake, penalty=penalty)
     if fields is not None:
-        from drumlin.fem.analysis.fields import write_vtu  # noqa: PLC0415  (only where it is asked for)
+        # The fields load only where they are asked for.
+        from drumlin.fem.analysis.fields import write_vtu  # noqa: PLC0415
         from drumlin.fem.solid.fields import recover  # noqa: PLC0415
 
         write_vtu(fields, [recover(scene, brake, response, i) for i in range(len(brake.shoes))])

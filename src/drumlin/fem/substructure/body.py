@@ -19,16 +19,21 @@ from drumlin.base.errors import NoAnswer
 from drumlin.base.lapack import dpotrf, solve_lower
 from drumlin.brake.elasticity import ElasticLayer, has_directions
 from drumlin.fem.mesh.arc import kind_of
-from drumlin.fem.substructure.elasticity import across, split
-from drumlin.fem.substructure.elimination import SINGULAR_BODY, dissection, eliminate, solve
-from drumlin.fem.substructure.loads import LoadColumns, stacked_loads
+from drumlin.fem.substructure.elasticity import split_elasticity, through_layers
+from drumlin.fem.substructure.elimination import (
+    SINGULAR_BODY,
+    dissection,
+    eliminate,
+    solve_by_fronts,
+)
+from drumlin.fem.substructure.loads import LoadColumns, stack_loads
 
 FRAME = 3
 """Number of degrees of freedom of a rigid line: dx, dy and the rotation about the pin."""
 
 
 class Constraints(NamedTuple):
-    """The multi-point constraints of a body: which degrees of freedom remain.
+    """The multi-point constraints of a body: the degrees of freedom that remain.
 
     `matrix` (2 nodes, unknowns) maps the reduced unknowns to the displacements of all nodes.
     `region` is the number of the region in which elimination removes each inner unknown. The
@@ -42,19 +47,26 @@ class Constraints(NamedTuple):
 class InnerSystem(NamedTuple):
     """The whole system of a body on its reduced unknowns.
 
-    `A` is the stiffness, `constraints` are the unknowns, and `loads` (unknowns, l) the unit loads.
+    `A` (unknowns, unknowns) is the sparse stiffness, `constraints` are the reduced unknowns, and
+    `loads` (unknowns, l) the unit loads.
     """
 
     A: Any
     constraints: Constraints
     loads: Floats
 
+    @classmethod
+    def of(cls, K: Any, constraints: Constraints, loads: Floats) -> "InnerSystem":
+        """The whole system of a body, from the stiffness K (2 nodes, 2 nodes) of all nodes."""
+        A = constraints.matrix.T @ K @ constraints.matrix
+        return cls(A.tocsc(), constraints, loads)
+
     def displacements(self, nodal: Floats, frame: Floats, loads: Floats) -> Floats:
         """Displacements (2 nodes, m) of all nodes [m]; see `CondensedBody.displacements`."""
         right = self.loads[:-FRAME] @ loads - self.A[:-FRAME, -FRAME:] @ frame
         # The nodal forces act on the contact nodes, the last unknowns before the frame.
         right[len(right) - len(nodal) :] += nodal
-        free = solve(self.A[:-FRAME, :-FRAME], self.constraints.region, right)
+        free = solve_by_fronts(self.A[:-FRAME, :-FRAME], self.constraints.region, right)
         return np.asarray(self.constraints.matrix @ np.vstack([free, frame]))
 
 
@@ -65,10 +77,10 @@ class CondensedBody:
     Attributes
     ----------
     L_cc : (2n, 2n) lower Cholesky factor of the contact's stiffness with the frame held
-    L_fc : (3, 2n) see the module's first lines
+    L_fc : (3, 2n) = S_fc L_cc^-T; the forces L_fc Y hold the frame, with the half flexibility Y
     load_on_contact, load_on_frame : (2n, l), (3, l) unit loads, condensed to contact and frame
     load_work : (l, l) work of the unit loads with contact and frame held
-    inside : makes the whole system, for those who need it
+    inside : makes the whole system, which only few callers need
     recover : solves the whole system, see `displacements`
     columns : the l load columns by name
     force_imbalance : estimate of the force by which round-off of the elimination puts a unit force
@@ -90,20 +102,20 @@ class CondensedBody:
 
     @property
     def constraints(self) -> Constraints:
-        """The reduced unknowns."""
+        """The multi-point constraints of the body; the call makes the whole system."""
         return self.inside().constraints
 
     @property
     def loads(self) -> Floats:
-        """The unit loads (unknowns, l) on the reduced unknowns."""
+        """The unit loads (unknowns, l) on the reduced unknowns; the call makes the whole system."""
         return self.inside().loads
 
-    def half(self, forces: Floats) -> Floats:
+    def half_flexibility(self, forces: Floats) -> Floats:
         """The half flexibility Y = L_cc^-1 G of nodal forces G (2n, m) on the contact nodes."""
         return solve_lower(self.L_cc, forces)
 
     def displacement(self, nodal: Floats, frame: Floats, loads: Floats) -> Floats:
-        """Displacement (2, nodes) of all nodes [m], with the eliminated ones recovered.
+        """Displacement (2, nodes) of all nodes [m], the eliminated ones included.
 
         Parameters
         ----------
@@ -124,7 +136,7 @@ class CondensedBody:
 
 
 def scalar_basis(mesh: Any) -> Any:
-    """skfem's basis of one component, with quadrature of order 4 (quadratic elements) or 2 (linear)."""
+    """skfem's basis of one component, with quadrature of order 4 (2 for linear elements)."""
     # Only bodies on meshes load scikit-fem.
     import skfem  # noqa: PLC0415
 
@@ -139,9 +151,9 @@ def stiffness(basis: Any, layers: Mapping[str, ElasticLayer], *, precise: bool =
 
         K_ai,bj = b Int lambda psi_a,i psi_b,j + mu psi_a,j psi_b,i + mu delta_ij psi_a,k psi_b,k dA
 
-    and layers with directions add the terms of `hp.element.stiffness`. The gradients of all shape
-    functions meet in one batched matrix product for each element, in place of one evaluation of the
-    form for each pair of shape functions.
+    and layers with directions add the terms of `hp.element.element_stiffness`. The gradients of all
+    shape functions meet in one batched matrix product for each element, in place of one evaluation
+    of the form for each pair of shape functions.
 
     Parameters
     ----------
@@ -155,16 +167,19 @@ def stiffness(basis: Any, layers: Mapping[str, ElasticLayer], *, precise: bool =
         gradients, dx = _precise_gradients(basis)
     else:
         gradients, dx = np.array([psi[0].grad for psi in basis.basis]), basis.dx
-    K = _isotropic(basis, layers, gradients, dx)
+    K = _isotropic_stiffness(basis, layers, gradients, dx)
     dimensions = gradients.shape[1]
     for name, members in basis.mesh.subdomains.items():
         if dimensions == 2 and has_directions(layers[name].elasticity):
-            points = points_of(basis, precise=precise)[:, members]
-            K[members] += _stiffer(layers[name], gradients[:, :, members], dx[members], points)
-    return _assembled_elements(basis, K, dimensions)
+            points = quadrature_points(basis, precise=precise)[:, members]
+            own = gradients[:, :, members]
+            K[members] += _directional_stiffness(layers[name], own, dx[members], points)
+    return sparse_stiffness(K, basis.element_dofs.T, basis.N, dimensions)
 
 
-def _isotropic(basis: Any, layers: Mapping[str, ElasticLayer], gradients: Any, dx: Any) -> Any:
+def _isotropic_stiffness(
+    basis: Any, layers: Mapping[str, ElasticLayer], gradients: Any, dx: Any
+) -> Any:
     """The isotropic part (elements, a, d, a, d) of the element stiffness [N/m].
 
     Parameters
@@ -181,7 +196,7 @@ def _isotropic(basis: Any, layers: Mapping[str, ElasticLayer], gradients: Any, d
         lame[:, members] = np.array([matrix[0, 1], matrix[-1, -1]])[:, None]
     lam, mu = lame[:, :, None, None, None, None]
 
-    # H is the integral of psi_a,i psi_b,j.
+    # H is the integral of psi_a,i psi_b,j over each element.
     G = np.ascontiguousarray(gradients.transpose(2, 0, 1, 3)).reshape(elements, d * a, points)
     H = (G * dx[:, None, :] @ G.transpose(0, 2, 1)).reshape(elements, a, d, a, d)
     K = lam * H + mu * H.transpose(0, 1, 4, 3, 2)
@@ -190,38 +205,42 @@ def _isotropic(basis: Any, layers: Mapping[str, ElasticLayer], gradients: Any, d
     return K
 
 
-def _assembled_elements(basis: Any, K: Any, d: int) -> Any:
-    """The sparse stiffness (d nodes, d nodes) from that of the elements (elements, a, d, a, d)."""
-    # Only bodies on meshes load scipy.sparse.
+def sparse_stiffness(K: Any, nodes: Ints, N: int, d: int = 2) -> Any:
+    """The sparse stiffness (d N, d N) of N nodes, assembled from that of elements.
+
+    Parameters
+    ----------
+    K : (e, a, d, a, d) or (e, d a, d a) stiffness of elements, the components of a node together
+    nodes : (e, a) nodes of the elements
+    N : number of nodes
+    d : number of components
+    """
+    # Only bodies on meshes and whole systems load scipy.sparse.
     import scipy.sparse as sp  # noqa: PLC0415
 
-    elements, a = K.shape[:2]
-    dofs = d * basis.element_dofs.T[:, :, None] + np.arange(d)
-    dofs = dofs.reshape(elements, d * a).astype(np.int32)
-    rows = np.broadcast_to(dofs[:, :, None], (elements, d * a, d * a))
-    columns = np.broadcast_to(dofs[:, None, :], rows.shape)
-    size = d * basis.N
-    entries = K.ravel(), (rows.ravel(), columns.ravel())
-    return sp.coo_matrix(entries, shape=(size, size)).tocsc()
+    dofs = (d * nodes[:, :, None] + np.arange(d)).reshape(len(nodes), -1).astype(np.int32)
+    rows = np.broadcast_to(dofs[:, :, None], (*dofs.shape, dofs.shape[1]))
+    entries = K.ravel(), (rows.ravel(), rows.swapaxes(1, 2).ravel())
+    return sp.coo_matrix(entries, shape=(d * N, d * N)).tocsc()
 
 
-def values_of(basis: Any, *, precise: bool = False) -> Any:
+def shape_values(basis: Any, *, precise: bool = False) -> Any:
     """Values (a, points) of a basis's shape functions at its quadrature points.
 
-    With `precise` they are computed in long double.
+    With `precise` the values are computed in long double.
     """
     at = basis.X.astype(np.longdouble) if precise else basis.X
     return np.array([basis.elem.lbasis(at, i)[0] for i in range(len(basis.element_dofs))])
 
 
-def points_of(basis: Any, *, precise: bool = False) -> Any:
-    """Quadrature points (2, elements, points) of a basis [m]; `precise`: in long double."""
+def quadrature_points(basis: Any, *, precise: bool = False) -> Any:
+    """Quadrature points (2, elements, points) of a basis [m]; with `precise` in long double."""
     nodes = basis.doflocs[:, basis.element_dofs]
-    return np.einsum("cae,aq->ceq", nodes, values_of(basis, precise=precise))
+    return np.einsum("cae,aq->ceq", nodes, shape_values(basis, precise=precise))
 
 
-def _stiffer(layer: ElasticLayer, gradients: Any, dx: Any, points: Any) -> Any:
-    """Stiffness (e, a, 2, a, 2) that a layer's directions add to its isotropic part [N/m].
+def _directional_stiffness(layer: ElasticLayer, gradients: Any, dx: Any, points: Any) -> Any:
+    """Stiffness (e, a, 2, a, 2) that orthotropy adds to the isotropic part of a layer [N/m].
 
     Parameters
     ----------
@@ -234,13 +253,13 @@ def _stiffer(layer: ElasticLayer, gradients: Any, dx: Any, points: Any) -> Any:
     along = layer.directions(points)
 
     def work(direction: Any) -> Any:
-        """Work (e, d a, d a) of the stretches in a direction (2, e, q) by unit displacements."""
+        """The integrals (e, d a, d a) of products of two strains in a direction (2, e, q)."""
         grown = np.einsum("ceq,aceq->aeq", direction, gradients)
         stretch = np.einsum("ceq,aeq->eacq", direction, grown).reshape(elements, d * a, -1)
         return (stretch * dx[:, None]) @ stretch.transpose(0, 2, 1)
 
-    _, _, by_along, by_through = split(layer.stiffness)
-    added = by_along * work(along) + by_through * work(across(along))
+    _, _, by_along, by_through = split_elasticity(layer.stiffness)
+    added = by_along * work(along) + by_through * work(through_layers(along))
     return added.reshape(elements, a, d, a, d)
 
 
@@ -259,6 +278,14 @@ def _precise_gradients(basis: Any) -> tuple[Any, Any]:
     return np.einsum("adq,dcjq->acjq", slopes, inverse), np.abs(det) * basis.W
 
 
+def rigid_body_modes(xy: Floats, pin: Floats) -> Floats:
+    """The rigid-body modes (2n, 3) of nodes xy (2, n): dx, dy and rotation about the pin."""
+    modes = np.zeros((xy.shape[1], 2, FRAME))
+    modes[:, 0, 0] = modes[:, 1, 1] = 1.0
+    modes[:, 0, 2], modes[:, 1, 2] = pin[1] - xy[1], xy[0] - pin[0]
+    return modes.reshape(-1, FRAME)
+
+
 def constrain(
     basis: Any, contact: Ints, rigid: Ints, pin: Floats, alone: Ints | None = None
 ) -> Constraints:
@@ -270,11 +297,9 @@ def constrain(
     contact : (n,) contact nodes by growing angle
     rigid : nodes of the rigid line, which move with u = (dx, dy) + rotation k x (x - pin)
     pin : (2,) point of the pin [m]
-    alone : (3,) unknowns of a body without rigid nodes that stand in the frame's place
+    alone : (3,) unknowns of a body without rigid nodes that take the place of the frame; None for a
+        body with rigid nodes
     """
-    # Only whole systems load scipy.sparse.
-    import scipy.sparse as sp  # noqa: PLC0415
-
     order = dissection(basis.doflocs, basis.element_dofs)
     inner = np.ones(basis.N, dtype=bool)
     inner[contact] = inner[rigid] = False
@@ -285,27 +310,46 @@ def constrain(
 
     if alone is not None:
         others = ~np.isin(dofs, alone)
-        dofs = np.concatenate([dofs[others], alone])
-        entries = np.ones(len(dofs)), (dofs, np.arange(len(dofs)))
-        matrix = sp.csc_matrix(entries, shape=(2 * basis.N, len(dofs)))
-        return Constraints(matrix, region[others[: len(region)]])
+        free = np.concatenate([dofs[others], alone])
+        region = region[others[: len(region)]]
+        return Constraints(constraint_matrix(free, 2 * basis.N), region)
+    arm = basis.doflocs[:, rigid] - pin[:, None]
+    return Constraints(constraint_matrix(dofs, 2 * basis.N, 2 * rigid, arm), region)
 
-    # The entries of the free unknowns, then those of the rigid nodes: dx, rotation, dy, rotation.
-    frame = np.arange(len(dofs), len(dofs) + FRAME)
-    x, y = basis.doflocs[:, rigid] - pin[:, None]
-    ones = np.ones(len(rigid))
-    rows = [dofs, 2 * rigid, 2 * rigid, 2 * rigid + 1, 2 * rigid + 1]
-    columns = [np.arange(len(dofs)), *(np.full(len(rigid), frame[k]) for k in (0, 2, 1, 2))]
-    values = [np.ones(len(dofs)), ones, -y, ones, x]
+
+def constraint_matrix(
+    dofs: Ints, count: int, rigid: Ints | None = None, arm: Floats | None = None
+) -> Any:
+    """The sparse matrix (count, unknowns) from the reduced unknowns to all displacements.
+
+    Parameters
+    ----------
+    dofs : displacements that are unknowns themselves, in the order of the unknowns
+    count : number of all displacements
+    rigid : (n,) displacement x of each node that moves with the frame, before that node's y; None
+        for a body without a frame
+    arm : (2, n) distance of the rigid nodes from the pin [m]
+    """
+    # Only whole systems load scipy.sparse.
+    import scipy.sparse as sp  # noqa: PLC0415
+
+    free = len(dofs)
+    rows, columns, values = [dofs], [np.arange(free)], [np.ones(free)]
+    if rigid is not None and arm is not None:
+        # Each rigid node has four entries: x by dx, x by the rotation, y by dy, y by the rotation.
+        ones = np.ones(len(rigid))
+        rows += [rigid, rigid, rigid + 1, rigid + 1]
+        columns += list(np.repeat([[free], [free + 2], [free + 1], [free + 2]], len(rigid), axis=1))
+        values += [ones, -arm[1], ones, arm[0]]
+    unknowns = free + (0 if rigid is None else FRAME)
     entries = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
-    matrix = sp.csc_matrix(entries, shape=(2 * basis.N, len(dofs) + FRAME))
-    return Constraints(matrix, region)
+    return sp.csc_matrix(entries, shape=(count, unknowns))
 
 
 def condense(
     K: Any, constraints: Constraints, loads: Mapping[str, Floats], contact: int
 ) -> CondensedBody:
-    """The statically condensed body: only contact nodes and frame remain.
+    """The body after static condensation: only contact nodes and frame remain.
 
     Parameters
     ----------
@@ -319,14 +363,12 @@ def condense(
     NoAnswer
         for a singular stiffness
     """
-    A = (constraints.matrix.T @ K @ constraints.matrix).tocsc()
-    all_loads = stacked_loads(loads, A.shape[0])
-    S, condensed_loads, work = eliminate(A, constraints.region, all_loads)
+    system = InnerSystem.of(K, constraints, stack_loads(loads, constraints.matrix.shape[1]))
+    S, condensed_loads, work = eliminate(system.A, constraints.region, system.loads)
     L_cc, info = dpotrf(S[:contact, :contact], lower=1)
     if info:
         raise NoAnswer(SINGULAR_BODY)
     L_fc = solve_lower(L_cc, S[:contact, contact:]).T
-    system = InnerSystem(A, constraints, all_loads)
     return CondensedBody(
         L_cc,
         L_fc,

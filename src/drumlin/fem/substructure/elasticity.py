@@ -48,39 +48,43 @@ def ring_layers(section: Section) -> dict[str, ElasticLayer]:
     return {"drum": ElasticLayer.of(section.material, section.width)}
 
 
-def split(elasticity: Any) -> Any:
-    """The constants lambda, mu, a, b (..., 4) of elasticity matrices (..., 3, 3).
+def split_elasticity(elasticity: Any) -> Any:
+    """The constants lambda, mu, a, b (..., 4) of elasticity matrices D (..., 3, 3).
 
-    They have the unit of the matrices; see the module's first lines.
+    They have the unit of the matrices. lambda = D_12 and mu = D_33 belong to the isotropic part; a
+    and b are the stiffness that is added along and through the layer.
     """
     isotropic = np.stack([elasticity[..., 0, 1], elasticity[..., 2, 2]], axis=-1)
     return np.concatenate([isotropic, stiffer_along_and_through(elasticity)], axis=-1)
 
 
-def stacked(layers: Mapping[str, ElasticLayer], part: Sequence[str]) -> Floats:
+def stack_elasticity(layers: Mapping[str, ElasticLayer], part: Sequence[str]) -> Floats:
     """Elasticity matrices times the width (l, 3, 3) [N/m] of the layers named by `part` (l,)."""
     return np.array([layers[name].stiffness for name in part])
 
 
-def across(along: Any) -> Any:
-    """Unit vectors through layers (2, ...), by those along them."""
+def through_layers(along: Any) -> Any:
+    """Unit vectors (2, ...) through layers, from unit vectors `along` (2, ...) the layers."""
     return np.stack([-along[1], along[0]])
 
 
 def stress(gradient: Floats, elasticity: Floats, along: Floats | None) -> Floats:
-    """Stresses (2, 2, ...) of displacement gradients d u_i / d x_j (2, 2, ...), in the unit of
-    `elasticity`.
+    """Stresses (2, 2, ...) of displacement gradients, in the unit of `elasticity`.
 
-    elasticity (..., 3, 3): of each, or of all; along (2, ...): the unit vectors along the layers,
-    None where all are isotropic.
+    Parameters
+    ----------
+    gradient : (2, 2, ...) derivatives d u_i / d x_j
+    elasticity : (..., 3, 3) elasticity matrix of each point, or one matrix of all points
+    along : (2, ...) unit vectors along the layers; None where all layers are isotropic
     """
-    lam, mu, a, b = np.moveaxis(split(elasticity), -1, 0)
+    lam, mu, a, b = np.moveaxis(split_elasticity(elasticity), -1, 0)
     strain = 0.5 * (gradient + gradient.swapaxes(0, 1))
-    found = 2 * mu * strain
+    stresses = 2 * mu * strain
+    # In plane stress the trace is that of the two strains in the plane.
     for i in range(2):
-        found[i, i] += lam * (gradient[0, 0] + gradient[1, 1])
+        stresses[i, i] += lam * (gradient[0, 0] + gradient[1, 1])
     if along is not None:
-        for stiffer, direction in ((a, along), (b, across(along))):
+        for stiffer, direction in ((a, along), (b, through_layers(along))):
             stretch = np.einsum("i...,ij...,j...->...", direction, strain, direction)
-            found += stiffer * stretch * direction[:, None] * direction
-    return found
+            stresses += stiffer * stretch * direction[:, None] * direction
+    return stresses

@@ -18,23 +18,27 @@ from drumlin.base.errors import NoAnswer
 from drumlin.base.lapack import dpotrf, dtrsm
 
 LEAF_HALVINGS = 5
-"""Number of halvings that the smallest regions go without: they have up to 32 elements. Smaller
-regions cost more calls, larger ones more multiplications with zeros; the answer is the same but for
-round-off.
+"""Number of halvings that the dissection leaves out: the smallest regions have 2^5 elements.
+
+Smaller regions cost more calls, larger regions more multiplications with zeros. The answer is the
+same but for round-off.
 """
 
 _Complements = list[list[tuple[Ints, Floats]]]
-"""For each region the Schur complements of earlier fronts that are to be added to its front: the
-numbers of the unknowns (m,) and the lower triangle (m, m) of each."""
+"""For each region the Schur complements of earlier fronts that its own front will take up.
+
+Each complement has the numbers of its unknowns (m,) and its lower triangle (m, m).
+"""
 
 SINGULAR_BODY = "singular stiffness: a part hangs on nothing, or moduli are too far apart"
+"""Message of the refusal where the stiffness of a body is not positive definite."""
 
 
 class Order(NamedTuple):
-    """The order of elimination.
+    """The order in which elimination removes the nodes of a mesh.
 
-    `nodes` (n,) are the nodes in this order, and `region` (n,) the number of the region of each,
-    which does not decrease.
+    `nodes` (n,) are the nodes in this order, and `region` (n,) the number of the region of each
+    node, which does not decrease.
     """
 
     nodes: Ints
@@ -42,7 +46,7 @@ class Order(NamedTuple):
 
 
 class Eliminated(NamedTuple):
-    """The result of elimination.
+    """The result of eliminating the inner unknowns of a body.
 
     `S` (k, k) is the Schur complement on the k kept unknowns, `loads` (k, l) are the condensed
     loads, and `work` (l, l) is the work of the loads with the kept unknowns held.
@@ -57,7 +61,7 @@ def dissection(xy: Floats, elements: Ints) -> Order:
     """The order of elimination by a nested dissection of a mesh.
 
     The elements are halved across the long direction of their region. A node comes after all nodes
-    of the regions inside its own.
+    of the regions inside the node's own region.
 
     Parameters
     ----------
@@ -72,7 +76,7 @@ def dissection(xy: Floats, elements: Ints) -> Order:
     resolution = 1e-9 * float(np.ptp(centre, axis=1).max()) or 1.0
     for level in range(depth):
         size = np.bincount(path, minlength=1 << level)
-        position = np.round(_along(path, centre - _means(path, centre)) / resolution)
+        position = np.round(_axis_positions(path, centre - _group_means(path, centre)) / resolution)
         order = np.lexsort((position, path))
         rank = np.empty(count, dtype=np.int64)
         rank[order] = np.arange(count) - (np.cumsum(size) - size)[path[order]]
@@ -95,33 +99,38 @@ def dissection(xy: Floats, elements: Ints) -> Order:
     return Order(nodes, np.cumsum(other_end | other_height) - 1)
 
 
-def _along(group: Ints, x: Floats) -> Floats:
+def _axis_positions(group: Ints, x: Floats) -> Floats:
     """Positions (m,) of points along the principal axis of their group.
 
-    `x` (d, m) are the points relative to the middle of their group, and `group` (m,) the groups.
+    `x` (d, m) are the points relative to the middle of their group, and `group` (m,) is the number
+    of the group of each point.
     """
     if len(x) == 2:
-        xy, xx_yy = _means(group, np.array([x[0] * x[1], x[0] * x[0] - x[1] * x[1]]))
+        xy, xx_yy = _group_means(group, np.array([x[0] * x[1], x[0] * x[0] - x[1] * x[1]]))
         along = 0.5 * np.arctan2(2 * xy, xx_yy)
         return np.asarray(x[0] * np.cos(along) + x[1] * np.sin(along))
-    spread = np.array([[np.bincount(group, a * b) for b in x] for a in x]).transpose(2, 0, 1)
+    # The second moments of each group about its middle, (groups, 3, 3).
+    products = (x[:, None] * x).reshape(len(x) ** 2, -1)
+    moments = np.array([np.bincount(group, row) for row in products])
+    spread = moments.reshape(len(x), len(x), -1).transpose(2, 0, 1)
     axis = np.linalg.eigh(spread)[1][:, :, -1]
     return np.einsum("md,dm->m", axis[group], x)
 
 
-def _means(group: Ints, values: Floats) -> Floats:
+def _group_means(group: Ints, values: Floats) -> Floats:
     """The mean (k, m) of each row of `values` (k, m) over the group of each member (m,)."""
-    size = np.bincount(group)
-    return np.array([(np.bincount(group, row) / np.maximum(size, 1))[group] for row in values])
+    size = np.maximum(np.bincount(group), 1)
+    return np.array([(np.bincount(group, row) / size)[group] for row in values])
 
 
 def eliminate(A: Any, region: Ints, loads: Floats) -> Eliminated:
-    """The Schur complement of a sparse matrix, without its first len(region) unknowns.
+    """The Schur complement of a sparse matrix on its last unknowns, and the condensed loads.
 
     Parameters
     ----------
     A : (n, n) symmetric positive definite sparse matrix
-    region : number of the region of each unknown that is eliminated, not decreasing
+    region : number of the region of each eliminated unknown, not decreasing; these unknowns stand
+        first
     loads : (n, l) loads
 
     Raises
@@ -129,27 +138,27 @@ def eliminate(A: Any, region: Ints, loads: Floats) -> Eliminated:
     NoAnswer
         for a matrix that is not positive definite on the eliminated unknowns
     """
-    lower = _lower(A)
-    inner = len(region)
+    lower = _lower_triangle(A)
     complements = _empty_complements(region)
     f = np.array(loads, dtype=float)
     work = np.zeros((f.shape[1], f.shape[1]))
-    for front in _fronts(lower, region, complements):
+    for front in _factorised_fronts(lower, region, complements):
         if f.shape[1]:
             y = dtrsm(1.0, front.L, f[front.own], lower=1)
             f[front.later] -= front.below @ y
             work += y.T @ y
-    S = _kept(lower, inner, complements)
-    return Eliminated(np.tril(S) + np.tril(S, -1).T, f[inner:], work)
+    S = _kept_complement(lower, len(region), complements)
+    return Eliminated(np.tril(S) + np.tril(S, -1).T, f[len(region) :], work)
 
 
-def solve(A: Any, region: Ints, right: Floats) -> Floats:
+def solve_by_fronts(A: Any, region: Ints, right: Floats) -> Floats:
     """The solution (n, m) of A x = right, with the fronts kept for the back substitution.
 
     Parameters
     ----------
     A : (n, n) symmetric positive definite sparse matrix
-    region : as of `eliminate`; the unknowns behind them are solved for together
+    region : number of the region of each unknown that a front eliminates, not decreasing; the
+        unknowns behind the last of these are solved for together
     right : (n, m) right-hand sides
 
     Raises
@@ -157,24 +166,24 @@ def solve(A: Any, region: Ints, right: Floats) -> Floats:
     NoAnswer
         for a matrix that is not positive definite
     """
-    lower = _lower(A)
+    lower = _lower_triangle(A)
     inner = len(region)
     complements = _empty_complements(region)
     x = np.array(right, dtype=float)
 
-    # Forward substitution, front by front.
+    # The forward substitution goes front by front.
     fronts = []
-    for front in _fronts(lower, region, complements):
+    for front in _factorised_fronts(lower, region, complements):
         x[front.own] = dtrsm(1.0, front.L, x[front.own], lower=1)
         x[front.later] -= front.below @ x[front.own]
         fronts.append(front)
 
-    L, info = dpotrf(_kept(lower, inner, complements), lower=1)
+    L, info = dpotrf(_kept_complement(lower, inner, complements), lower=1)
     if info:
         raise NoAnswer(SINGULAR_BODY)
     x[inner:] = dtrsm(1.0, L, dtrsm(1.0, L, x[inner:], lower=1), lower=1, trans_a=1)
 
-    # Back substitution, which frees the memory of each front.
+    # The back substitution frees the memory of each front.
     while fronts:
         front = fronts.pop()
         rest = x[front.own] - front.below.T @ x[front.later]
@@ -183,7 +192,7 @@ def solve(A: Any, region: Ints, right: Floats) -> Floats:
 
 
 class _FrontFactor(NamedTuple):
-    """The Cholesky factor of one front.
+    """The Cholesky factor of a front, the dense matrix of one region.
 
     `own` are the unknowns that the front eliminates, `later` (m,) the unknowns of later regions
     that they touch. `L` (k, k) is the factor of the own part, and `below` (m, k) its rows for the
@@ -202,7 +211,7 @@ def _empty_complements(region: Ints) -> _Complements:
     return [[] for _ in range(regions + 1)]
 
 
-def _lower(A: Any) -> Any:
+def _lower_triangle(A: Any) -> Any:
     """The lower triangle of a sparse matrix, with sorted columns."""
     # Only whole systems load scipy.sparse.
     import scipy.sparse as sp  # noqa: PLC0415
@@ -212,8 +221,19 @@ def _lower(A: Any) -> Any:
     return lower
 
 
-def _fronts(lower: Any, region: Ints, complements: _Complements) -> Iterator[_FrontFactor]:
-    """The factorised fronts of all regions in turn; their Schur complements go to `complements`."""
+def _factorised_fronts(
+    lower: Any, region: Ints, complements: _Complements
+) -> Iterator[_FrontFactor]:
+    """The factorised fronts of all regions in turn.
+
+    The Schur complement of each front goes to `complements`.
+
+    Parameters
+    ----------
+    lower : lower triangle of the sparse matrix
+    region : number of the region of each eliminated unknown, not decreasing
+    complements : Schur complements that wait for each region
+    """
     inner, regions = len(region), len(complements) - 1
     starts = np.searchsorted(region, np.arange(regions + 1))
     indptr, indices, data = lower.indptr, lower.indices, lower.data
@@ -221,14 +241,14 @@ def _fronts(lower: Any, region: Ints, complements: _Complements) -> Iterator[_Fr
         start, end = starts[r], starts[r + 1]
         if start == end:
             continue
-        # The front holds the region's own unknowns first, and those that they touch.
+        # The front holds the region's own unknowns first, then the later unknowns that they touch.
         span = slice(indptr[start], indptr[end])
         rows = indices[span]
         columns = np.repeat(np.arange(end - start), np.diff(indptr[start : end + 1]))
         touched = np.unique(np.concatenate([rows, *(numbers for numbers, _ in complements[r])]))
         F = np.zeros((len(touched), len(touched)), order="F")
         F[np.searchsorted(touched, rows), columns] = data[span]
-        _gather(F, touched, complements, r)
+        _add_complements(F, touched, complements, r)
 
         own = end - start
         later = touched[own:]
@@ -237,26 +257,30 @@ def _fronts(lower: Any, region: Ints, complements: _Complements) -> Iterator[_Fr
             raise NoAnswer(SINGULAR_BODY)
         below = dtrsm(1.0, L, F[own:, :own], side=1, lower=1, trans_a=1)
         if len(later):
+            # The complement goes to the earliest of the later regions that it touches.
             next_region = regions if later[0] >= inner else int(region[later[0]])
             complement = np.subtract(F[own:, own:], below @ below.T, order="F")
             complements[next_region].append((later, complement))
         yield _FrontFactor(slice(start, end), later, L, below)
 
 
-def _kept(lower: Any, inner: int, complements: _Complements) -> Floats:
-    """The lower triangle (k, k) of the Schur complement on the unknowns behind the first `inner`."""
+def _kept_complement(lower: Any, inner: int, complements: _Complements) -> Floats:
+    """The lower triangle (k, k) of the Schur complement on the k unknowns that are kept.
+
+    They stand behind the first `inner` unknowns of `lower`.
+    """
     S: Floats = lower[inner:, inner:].toarray(order="F")
-    _gather(S, np.arange(inner, lower.shape[0]), complements, len(complements) - 1)
+    _add_complements(S, np.arange(inner, lower.shape[0]), complements, len(complements) - 1)
     return S
 
 
-def _gather(F: Floats, touched: Ints, complements: _Complements, region: int) -> None:
+def _add_complements(F: Floats, touched: Ints, complements: _Complements, region: int) -> None:
     """Add the Schur complements of earlier fronts to the lower triangle of a region's front.
 
     `F` (n, n) is the front and `touched` (n,) are its unknowns.
     """
     for unknowns, complement in complements[region]:
         position = np.searchsorted(touched, unknowns)
-        # The transposes have rows that lie together in memory.
+        # The transposes of both matrices have rows that lie together in memory.
         F.T[np.ix_(position, position)] += complement.T
     complements[region] = []

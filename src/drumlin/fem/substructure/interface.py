@@ -4,16 +4,18 @@ The pressure is interpolated with the trace psi_i of the displacement's shape fu
 discrete arc x(xi) = sum_i psi_i(xi) x_i, with the exact radial normal n = sign e_r and tangent
 e_phi at every point, and with the lining's width b:
 
-    M_ij = b Int psi_i psi_j ds,   N_i,jc = b Int psi_i psi_j n_c ds,   T_i,jc = b Int psi_i psi_j e_c ds
+    M_ij   = b Int psi_i psi_j ds
+    N_i,jc = b Int psi_i psi_j n_c ds
+    T_i,jc = b Int psi_i psi_j e_c ds
 
 The nodal forces of a pressure p with the friction mu s p are  -N^T p + mu s T^T p. Their resultants
-are those of the traction on the same arc to round-off, on any mesh.
+equal those of the traction on the same arc to round-off, on any mesh.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -23,7 +25,7 @@ from drumlin.response.response import PressureOverWidth
 from drumlin.response.resultants import GAUSS, WEIGHTS, InnerPart, at_gauss, shape, slopes
 
 Directions = Callable[[Floats], tuple[Floats, Floats]]
-"""From points (2, ...) [m] of a counterface to its unit normals and unit tangents there."""
+"""Gives a counterface's unit normals and unit tangents (2, ...) at points (2, ...) of it [m]."""
 
 
 @dataclass(frozen=True)
@@ -36,7 +38,7 @@ class ContactLine:
     xy : (2, n) points [m]
     phi : (n,) angles [rad]
     pieces : (order + 1, m) positions in `nodes` of the nodes of each edge, by growing angle
-    edge : angle at both ends [rad] in which no peak of the pressure is looked for
+    edge : angle at both ends [rad] within which no peak of the pressure is looked for
     """
 
     nodes: Ints
@@ -51,32 +53,34 @@ class ContactLine:
         return len(self.pieces) - 1
 
     def couple(self, width: float, directions: Directions) -> "Coupling":
-        """The coupling with a counterface of these directions; `width` [m] is the lining's."""
+        """The coupling of this line with a counterface; `width` [m] is the lining's."""
         return couple(self, width, directions)
 
     @cached_property
     def inside(self) -> InnerPart:
-        """The part of the line in which the pressure may peak."""
+        """The part of the contact line in which a peak of the pressure is looked for."""
         return InnerPart(self.along(np.zeros(len(self.phi)))[0], self.order, self.edge)
 
     def along(self, p: Floats) -> tuple[Floats, Floats]:
-        """Angles (n,) [rad] and pressure (n,) [Pa] along the line.
+        """Angles (n,) [rad] of the contact nodes, and the pressure (n,) [Pa] there.
 
         The pressure of a solid's face is its mean over the width.
         """
         return self.phi, p
 
     def surface(self, p: Floats) -> PressureOverWidth | None:
-        """The pressure over arc and width of a solid's face; None of a line."""
+        """The pressure over arc and width on the face of a solid; None on a line."""
         return None
 
 
 @dataclass(frozen=True)
 class Coupling:
-    """The matrices of the weak coupling, see the module's first lines.
+    """The matrices of the weak coupling of a lining's pressure with its displacement.
 
-    `M` is (n, n), `N` and `T` are (n, 2n). `lever` (n,) = b Int psi_i |x| ds [m^3] gives the torque
-    mu lever . p of a drum brake; on a plane it lacks |x| and gives the braking force.
+    M p is the nodal pressure p weighted with the nodes' areas. The nodal forces of p are -N^T p,
+    and mu s T^T p by friction. `M` is (n, n), `N` and `T` are (n, 2n). `lever` (n,) = b Int psi_i
+    |x| ds [m^3] gives the torque mu lever . p of a drum brake; on a plane it lacks |x| and gives
+    the braking force.
     """
 
     M: Floats
@@ -90,13 +94,26 @@ class Coupling:
         return self.M.sum(axis=1)
 
 
-def edge_points(
-    xy: Floats, at: Floats = GAUSS, weights: Floats = WEIGHTS
-) -> tuple[Floats, Floats, Floats]:
-    """Shape functions (order + 1, q), points (2, m, q) [m] and lengths ds (m, q) [m] on edges.
+class EdgePoints(NamedTuple):
+    """The quadrature points on m edges.
 
-    They are found along the edges themselves. skfem's boundary bases invert the map of the element
-    with an absolute tolerance, which small and slender elements do not meet.
+    Attributes
+    ----------
+    functions : (order + 1, q) shape functions at the points
+    xy : (2, m, q) the points [m]
+    ds : (m, q) lengths of the points, their weights times the length of the edge [m]
+    """
+
+    functions: Floats
+    xy: Floats
+    ds: Floats
+
+
+def edge_points(xy: Floats, at: Floats = GAUSS, weights: Floats = WEIGHTS) -> EdgePoints:
+    """The quadrature points on edges, with the shape functions and lengths there.
+
+    The quadrature goes along the edges themselves. skfem's boundary bases invert the map of the
+    element with an absolute tolerance, which small and slender elements do not meet.
 
     Parameters
     ----------
@@ -106,14 +123,19 @@ def edge_points(
     order = xy.shape[1] - 1
     psi, slope = at_gauss(order) if at is GAUSS else (shape(order, at), slopes(order, at))
     xy = xy.transpose(0, 2, 1)
-    return psi, xy @ psi, np.hypot(*(xy @ slope)) * weights
+    return EdgePoints(psi, xy @ psi, np.hypot(*(xy @ slope)) * weights)
 
 
 def end_loads(basis: Any, facets: Ints) -> tuple[Floats, Floats]:
-    """Nodal forces (2 nodes, 3) of unit force x, unit force y and unit couple, and their centre.
+    """Nodal forces (2 nodes, 3) of the unit loads on a loaded end, and its centre (2,) [m].
 
-    They act on the loaded end. The forces are spread evenly. The couple, about the centre (2,) [m]
-    of the end, is a traction that grows linearly from there.
+    The loads are unit force x, unit force y and a unit couple about the centre. The forces are
+    spread evenly; the couple is a traction that grows linearly from the centre.
+
+    Parameters
+    ----------
+    basis : scalar basis of the mesh
+    facets : facets of the loaded end
     """
     nodes = edge_nodes(basis, facets)
     psi, x, ds = edge_points(basis.doflocs[:, nodes])
@@ -149,16 +171,17 @@ def contact_line(
     position = np.empty(basis.N, dtype=np.int64)
     position[nodes] = np.arange(len(nodes))
     pieces = position[dofs]
-    # Each edge by growing angle, and the edges by the angle at which they begin.
+    # The nodes of an edge stand by growing angle, and the edges by the angle at which they begin.
     pieces = np.where(phi[pieces[0]] < phi[pieces[-1]], pieces, pieces[::-1])
     pieces = pieces[:, np.argsort(phi[pieces[0]])]
     return ContactLine(nodes, basis.doflocs[:, nodes], phi, pieces, edge=edge)
 
 
 def radial(sign: int) -> Directions:
-    """Normals sign e_r and tangents e_phi at the points x (2, ...) of a round drum about O."""
+    """Makes the normals sign e_r and tangents e_phi of a round drum about O."""
 
     def directions(x: Floats) -> tuple[Floats, Floats]:
+        """Unit normals and unit tangents (2, ...) of the drum at points x (2, ...)."""
         r = np.hypot(*x)
         return sign * x / r, np.array([-x[1], x[0]]) / r
 
@@ -172,23 +195,26 @@ def straight(x: Floats) -> tuple[Floats, Floats]:
 
 
 def couple(line: ContactLine, width: float, directions: Directions) -> Coupling:
-    """The coupling of a lining of this `width` b [m] with a counterface of these directions."""
+    """The coupling of a lining of this `width` b [m] with a counterface of these directions.
+
+    The torque's lever is the distance from the drum's centre, and 1 on a plane.
+    """
     n, m = len(line.nodes), line.pieces.shape[1]
     psi, x, ds = edge_points(line.xy[:, line.pieces])
     r = np.ones(ds.shape) if directions is straight else np.hypot(*x)
     weight = width * ds
 
-    # The integrals over all edges of M, of both components of N and of both of T, one row each.
+    # One row has the integrals over all edges for M, for each component of N, and for each of T.
     factors = weight * np.concatenate([np.ones((1, *ds.shape)), *directions(x)])
     products = (psi[:, None] * psi).reshape(len(psi) ** 2, -1)
     blocks = (factors @ products.T).reshape(len(factors), -1)
     at = (line.pieces[:, None] * n + line.pieces).reshape(-1, m).T.ravel()
-    M, *parts = (_summed(at, block, n * n).reshape(n, n) for block in blocks)
+    M, *parts = (_sum_by_position(at, block, n * n).reshape(n, n) for block in blocks)
     N, T = (np.array(parts[k : k + 2]).transpose(1, 2, 0).reshape(n, 2 * n) for k in (0, 2))
-    lever = _summed(line.pieces.T.ravel(), (weight * r) @ psi.T, n)
+    lever = _sum_by_position(line.pieces.T.ravel(), (weight * r) @ psi.T, n)
     return Coupling(M, N, T, lever)
 
 
-def _summed(at: Ints, values: Floats, count: int) -> Floats:
-    """Sums (count,) of the values that have the same position `at`."""
+def _sum_by_position(at: Ints, values: Floats, count: int) -> Floats:
+    """Sums (count,) of all values that have the same position `at`."""
     return np.bincount(at, values.ravel(), count).astype(float, copy=False)

@@ -3,7 +3,7 @@
 A body is condensed once for all unit loads that its model needs. Each load has a name and as many
 columns as components. The actuation has three: unit force x, unit force y and unit couple on the
 loaded end, or on the frame of a body whose back is held. A further force, or a thermal strain, adds
-one more name. A caller that combines the columns names the loads that act and receives the factors
+one more name. A caller that combines the columns names the acting loads and receives the factors
 of all columns.
 """
 
@@ -21,28 +21,31 @@ ACTUATION = "actuation"
 
 @dataclass(frozen=True)
 class LoadColumns:
-    """The columns of a body's unit loads: `sizes` has the name and number of columns of each."""
+    """The columns of a body's unit loads.
+
+    `sizes` has the name of each load and the number of its columns.
+    """
 
     sizes: tuple[tuple[str, int], ...] = ()
 
     @classmethod
     def of(cls, loads: Mapping[str, Floats]) -> "LoadColumns":
-        """The columns of loads (unknowns, k) by name."""
+        """The load columns of unit loads (unknowns, k), which are given by name."""
         return cls(tuple((name, forces.shape[1]) for name, forces in loads.items()))
 
     @cached_property
     def places(self) -> dict[str, slice]:
-        """The columns of each load among all columns, by name."""
+        """The places of the columns of each load among all columns, by the name of the load."""
         names = [name for name, _ in self.sizes]
         return dict(zip(names, in_turn(size for _, size in self.sizes), strict=True))
 
     @property
     def count(self) -> int:
-        """Number of all columns."""
+        """Number of columns of all loads together."""
         return sum(size for _, size in self.sizes)
 
     def factors(self, acting: Mapping[str, Floats]) -> Floats:
-        """Factors (l,) of all columns, zero for the loads that do not act.
+        """Factors (l,) by which all columns are multiplied, zero for loads that do not act.
 
         Parameters
         ----------
@@ -59,10 +62,10 @@ class LoadColumns:
         return factors
 
     def part(self, name: str, factors: Floats) -> Floats:
-        """The factors (k, ...) of one load among those of all columns (l, ...)."""
+        """The factors (k, ...) of the load `name`, out of the factors (l, ...) of all columns."""
         return factors[self.places[name]]
 
 
-def stacked_loads(loads: Mapping[str, Floats], unknowns: int) -> Floats:
-    """The columns (unknowns, l) of all loads, one after the other."""
+def stack_loads(loads: Mapping[str, Floats], unknowns: int) -> Floats:
+    """The columns (unknowns, l) of all loads side by side, in the order of the loads."""
     return np.concatenate([np.zeros((unknowns, 0)), *loads.values()], axis=1)

@@ -8,9 +8,9 @@ common refinement of both angle grids,
     T_i,jc = b Int psi_i [phi_j e_c + (r - r_ring) (k x tau)_c d phi_j/ds_ring] ds
 
 with the lining's ds and radius r and the ring's tangent tau. Both discrete arcs are only nearly
-round: the friction acts at r, off the ring's own arc at r_ring. The second term in the bracket moves
-the friction there by a couple that is exact for rigid-body modes. So the forces and torques of both
-sides cancel to round-off.
+round: the friction acts at r, off the ring's own arc at r_ring. The second term in the bracket
+moves the friction to the ring's arc by a couple that is exact for rigid-body modes. So the forces
+and torques of both sides cancel to round-off.
 """
 
 import math
@@ -29,6 +29,7 @@ from drumlin.fem.substructure.body import (
     CondensedBody,
     condense,
     constrain,
+    rigid_body_modes,
     scalar_basis,
     stiffness,
 )
@@ -39,7 +40,7 @@ from drumlin.response.resultants import GAUSS, WEIGHTS, shape, slopes
 
 @dataclass(frozen=True)
 class RingSubstructure:
-    """The ring, condensed to its nodes under the linings, in the brake's frame.
+    """The elastic drum ring, condensed to its nodes under the linings, in the brake's frame.
 
     Attributes
     ----------
@@ -80,9 +81,9 @@ class RingSubstructure:
         if self.free is None:
             return self.condensed.displacement(nodal, frame, np.zeros(0))
         u = self.condensed.displacement(nodal, frame, -self.free.balance @ nodal)
-        # The rigid-body motion that makes the mean motion of the rim zero.
-        x, y = self.basis.doflocs
-        modes = np.array([[1 + 0 * x, 0 * x], [0 * x, 1 + 0 * x], [-y, x]])
+        # A rigid-body motion is taken off, so that the mean motion of the rim is zero.
+        modes_by_node = rigid_body_modes(self.basis.doflocs, np.zeros(2)).reshape(-1, 2, FRAME)
+        modes = np.ascontiguousarray(modes_by_node.transpose(2, 1, 0))
         mean_of_modes = np.einsum("kci,cil->kl", modes, self.free.rim)
         mean = np.einsum("ci,cil->l", u, self.free.rim)
         amounts = np.linalg.solve(mean_of_modes.T, mean)
@@ -101,20 +102,29 @@ def ring_mesh(ring: Section, radius: float, shoes: tuple[Shoe, ...], elements: i
     shoes : shoes whose linings press the ring
     elements : number along each lining
     """
-    sign = shoes[0].sign
     angles = _ring_angles(radius, shoes, elements)
-    layers = lining_layers(elements)
-    depths = graded(0, ring.thickness, layers, ring.thickness / 2, EDGE_SIZE)
-    return closed_mesh(angles, depths, radius, sign, "drum")
+    depths = graded(0, ring.thickness, lining_layers(elements), ring.thickness / 2, EDGE_SIZE)
+    return closed_mesh(angles, depths, radius, shoes[0].sign, "drum")
 
 
 def _ring_angles(radius: float, shoes: tuple[Shoe, ...], elements: int) -> Floats:
-    """Angles [rad] at which elements of a ring meet: as the linings', with equal ones between."""
-    arcs = sorted((s.lining.start % (2 * math.pi), s.lining.end - s.lining.start, s) for s in shoes)
-    step = min(arc for _, arc, _ in arcs) / elements
-    parts = [start + lining_angles(arc, shoe, radius, elements) for start, arc, shoe in arcs]
+    """Angles [rad] at which elements of a ring meet, equally spaced between linings.
+
+    Parameters
+    ----------
+    radius : radius of the friction surface [m]
+    shoes : shoes whose linings press the ring
+    elements : number along each lining
+    """
+    parts, arcs = [], []
+    for shoe in sorted(shoes, key=lambda shoe: shoe.lining.start % (2 * math.pi)):
+        lining = shoe.lining
+        arcs.append(lining.end - lining.start)
+        angles_of_lining = lining_angles(arcs[-1], shoe, radius, elements)
+        parts.append(lining.start % (2 * math.pi) + angles_of_lining)
     angles = np.unique(np.concatenate(parts) % (2 * math.pi))
-    # Linings may overlap: angles that are nearly the same would make slivers.
+    step = min(arcs) / elements
+    # Where linings overlap, angles that are nearly the same would make slivers.
     if len(arcs) > 1:
         angles = angles[np.append(True, np.diff(angles) > 0.01 * step)]
     gaps = np.diff(np.append(angles, angles[0] + 2 * math.pi))
@@ -168,7 +178,7 @@ def closed_mesh(angles: Floats, depths: Floats, radius: float, sign: int, name: 
 
 
 def ring_body(brake: Brake, elements: int, linings: tuple[ContactLine, ...]) -> RingSubstructure:
-    """The meshed and condensed ring under the linings.
+    """The ring of a brake on a mesh, condensed to its nodes under the linings.
 
     Parameters
     ----------
@@ -176,14 +186,16 @@ def ring_body(brake: Brake, elements: int, linings: tuple[ContactLine, ...]) -> 
     elements : number along each lining
     linings : contact line of each lining, in its shoe's frame
     """
+    # The assertion holds of every brake that `scene.why_not` lets pass.
     ring = brake.ring
-    assert ring is not None and ring.section is not None  # scene.why_not
-    section = ring.section
-    mesh = ring_mesh(section, brake.size, brake.shoes, elements)
+    assert ring is not None and ring.section is not None
+    mesh = ring_mesh(ring.section, brake.size, brake.shoes, elements)
     basis = scalar_basis(mesh)
-    K = stiffness(basis, ring_layers(section))
-    angles = [shoe.frame.theta(line.phi) for shoe, line in zip(brake.shoes, linings, strict=True)]
-    arcs = [(float(own.min()), float(own.max())) for own in angles]
+    K = stiffness(basis, ring_layers(ring.section))
+    arcs = []
+    for shoe, lining in zip(brake.shoes, linings, strict=True):
+        angles = shoe.frame.theta(lining.phi)
+        arcs.append((float(angles.min()), float(angles.max())))
     under = _facets_under(mesh, arcs)
     line = contact_line(basis, under, math.pi)
     n = 2 * len(line.nodes)
@@ -194,7 +206,7 @@ def ring_body(brake: Brake, elements: int, linings: tuple[ContactLine, ...]) -> 
         free = None
     else:
         constraints = constrain(
-            basis, line.nodes, support[:0], np.zeros(2), determinate(basis, support)
+            basis, line.nodes, support[:0], np.zeros(2), determinate_unknowns(basis, support)
         )
         rim = rim_loads(basis, mesh.boundaries["support"])
         rim_load = {"rim": constraints.matrix.T @ rim}
@@ -213,7 +225,7 @@ def coupled_ring(
     support: Ints,
     free: "FreeRing | None",
 ) -> RingSubstructure:
-    """A condensed ring, coupled with the linings.
+    """A condensed ring, coupled with the linings that press it.
 
     Parameters
     ----------
@@ -225,10 +237,16 @@ def coupled_ring(
     for shoe, lining in zip(brake.shoes, linings, strict=True):
         in_brake = replace(lining, xy=shoe.frame.to_brake(lining.xy.T).T)
         coupled.append(couple_ring(in_brake, line, shoe.lining.width, shoe.sign))
-    pressed = tuple(_half(condensed, N.T, free) for N, _ in coupled)
-    dragged = tuple(_half(condensed, -T.T, free) for _, T in coupled)
     return RingSubstructure(
-        mesh, basis, line, condensed, pressed, dragged, tuple(coupled), support, free
+        mesh,
+        basis,
+        line,
+        condensed,
+        pressed=tuple(_half_flexibility(condensed, N.T, free) for N, _ in coupled),
+        dragged=tuple(_half_flexibility(condensed, -T.T, free) for _, T in coupled),
+        coupled=tuple(coupled),
+        support=support,
+        free=free,
     )
 
 
@@ -255,9 +273,10 @@ def _within_half_turn(angle: Floats) -> Floats:
 def couple_ring(
     lining: ContactLine, ring: ContactLine, width: float, sign: int
 ) -> tuple[Floats, Floats]:
-    """N and T (n, 2 n_ring) of a lining's pressure on the ring, with the normal sign e_r.
+    """The coupling matrices N and T (n, 2 n_ring) of a lining's pressure with the ring.
 
-    They are integrated on the common refinement of both angle grids.
+    They are integrated on the common refinement of both angle grids, with the normal sign e_r. The
+    nodal forces of a pressure p on the ring are N^T p, and -mu s T^T p by friction.
 
     Parameters
     ----------
@@ -265,18 +284,17 @@ def couple_ring(
     width : of the lining [m]
     sign : 1 where the lining presses outwards, -1 where it presses inwards
     """
-    own = _arcs(lining)
-    other = _arcs(ring)
+    own, other = _edge_arcs(lining), _edge_arcs(ring)
     overlaps = _common_refinement(own, other)
     own_nodes = own.pieces[:, overlaps.lining]
     ring_nodes = other.pieces[:, overlaps.ring]
     own_xy, ring_xy = lining.xy[:, own_nodes], ring.xy[:, ring_nodes]
 
-    # The quadrature points of all overlaps, and both local coordinates there.
+    # Each overlap has quadrature points, with a local coordinate on the edge of either side.
     length = (overlaps.end - overlaps.start)[:, None]
     angle = overlaps.start[:, None] + 0.5 * length * (1 + GAUSS)
-    xi = _local(own_xy, angle)
-    eta = _local(ring_xy, angle)
+    xi = _local_coordinates(own_xy, angle)
+    eta = _local_coordinates(ring_xy, angle)
     psi = shape(lining.order, xi.ravel()).reshape(-1, *xi.shape)
     phi = shape(ring.order, eta.ravel()).reshape(-1, *eta.shape)
     x = np.einsum("cki,kiq->ciq", own_xy, psi)
@@ -285,7 +303,7 @@ def couple_ring(
     angle_per_xi = np.abs(x[0] * dx[1] - x[1] * dx[0]) / r**2
     ds = np.hypot(*dx) / angle_per_xi * 0.5 * length * WEIGHTS * width
 
-    # The couple that moves the friction from the lining's arc to the ring's.
+    # The couple `arm` moves the friction from the lining's arc to the ring's arc.
     r_ring = np.hypot(*np.einsum("cki,kiq->ciq", ring_xy, phi))
     ring_slopes = slopes(ring.order, eta)
     tau = np.einsum("cki,kiq->ciq", ring_xy, ring_slopes)
@@ -304,10 +322,10 @@ def couple_ring(
 
 
 class _Overlaps(NamedTuple):
-    """Where edges of a lining lie over edges of the ring.
+    """The k overlaps of a lining's edges with edges of the ring.
 
-    `lining` (k,) and `ring` (k,) are the numbers of both edges of each overlap, `start` and `end`
-    (k,) its angles [rad].
+    `lining` (k,) and `ring` (k,) are the numbers of both edges of each overlap. The overlap goes
+    from the angle `start` (k,) to the angle `end` (k,) [rad].
     """
 
     lining: Ints
@@ -316,46 +334,50 @@ class _Overlaps(NamedTuple):
     end: Floats
 
 
-def _common_refinement(lining: "_Arcs", ring: "_Arcs") -> _Overlaps:
-    """The overlaps of the edges of a lining with those of the ring, whatever the whole turns."""
+def _common_refinement(lining: "_EdgeArcs", ring: "_EdgeArcs") -> _Overlaps:
+    """The overlaps of a lining's edges with the ring's edges; whole turns do not count."""
     turns = np.subtract.outer(lining.start + lining.end, ring.start + ring.end)
     whole_turns = 2 * math.pi * np.round(0.5 * turns / (2 * math.pi))
     first = np.maximum(lining.start[:, None], ring.start + whole_turns)
     last = np.minimum(lining.end[:, None], ring.end + whole_turns)
-    # Shorter overlaps are round-off.
+    # Overlaps of 1e-13 rad and less are round-off.
     i, j = np.nonzero(first < last - 1e-13)
     return _Overlaps(i, j, first[i, j], last[i, j])
 
 
-class _Arcs(NamedTuple):
-    """The edges of a contact line: nodes `pieces` (order + 1, m) of each, and its angles [rad]."""
+class _EdgeArcs(NamedTuple):
+    """The m edges of a contact line: their nodes, and the angles between which they lie.
+
+    `pieces` (order + 1, m) are the nodes of each edge; it goes from `start` (m,) to `end` (m,)
+    [rad].
+    """
 
     pieces: Ints
     start: Floats
     end: Floats
 
 
-def _arcs(line: ContactLine) -> _Arcs:
-    """The edges of a line, each by growing angle, with the angles (m,) of both ends."""
+def _edge_arcs(line: ContactLine) -> _EdgeArcs:
+    """The edges of a contact line, each by growing angle, with the angles of both ends."""
     z = line.xy[0] + 1j * line.xy[1]
     first, last = z[line.pieces[0]], z[line.pieces[-1]]
     turn = np.angle(last / first)
     pieces = np.where(turn > 0, line.pieces, line.pieces[::-1])
     start = np.angle(np.where(turn > 0, first, last))
-    return _Arcs(pieces, start, start + np.abs(turn))
+    return _EdgeArcs(pieces, start, start + np.abs(turn))
 
 
-def _local(xy: Floats, angle: Floats) -> Floats:
+def _local_coordinates(xy: Floats, angle: Floats) -> Floats:
     """Local coordinates xi (m, points) in [-1, 1] where edges cross rays from the drum's centre.
 
     `xy` (2, k, m) are the nodes of the edges, and `angle` (m, points) the angles of the rays [rad].
     """
     order = xy.shape[1] - 1
-    # On a ray the product with its normal is zero.
+    # A point lies on the ray where its product with the normal of the ray is zero.
     normal = np.array([-np.sin(angle), np.cos(angle)])
     side = np.einsum("cki,ciq->kiq", xy, normal)
     xi = (side[0] + side[-1]) / (side[0] - side[-1])
-    # Newton's iteration from the crossing of the chord, which is exact for straight edges.
+    # Newton's iteration starts where the chord crosses the ray, which is exact on straight edges.
     for _ in range(8 if order > 1 else 0):
         functions = shape(order, xi.ravel()).reshape(-1, *xi.shape)
         value = np.einsum("kiq,kiq->iq", functions, side)
@@ -366,7 +388,8 @@ def _local(xy: Floats, angle: Floats) -> Floats:
 def rim_loads(basis: Any, facets: Ints) -> Floats:
     """Nodal forces (2 nodes, 3) that are spread over the rim like the rigid-body modes.
 
-    Their work on a displacement is the mean motion of the rim.
+    The work of these forces on a displacement is the mean motion of the rim. `facets` are the edges
+    of the rim.
     """
     nodes = edge_nodes(basis, facets)
     psi, x, ds = edge_points(basis.doflocs[:, nodes])
@@ -377,7 +400,7 @@ def rim_loads(basis: Any, facets: Ints) -> Floats:
     return loads.reshape(-1, FRAME)
 
 
-def determinate(basis: Any, support: Ints) -> Ints:
+def determinate_unknowns(basis: Any, support: Ints) -> Ints:
     """Three unknowns (3,) of rim nodes that hold the body against its rigid-body modes.
 
     The support is statically determinate: it takes no force under balanced loads.
@@ -422,26 +445,30 @@ class FreeRing:
         condensed : the condensed ring
         line : its contact line
         """
-        x, y = basis.doflocs
-        modes = np.zeros((basis.N, 2, FRAME))
-        modes[:, 0, 0] = modes[:, 1, 1] = 1.0
-        modes[:, 0, 2], modes[:, 1, 2] = -y, x
-        on_contact = modes[line.nodes].reshape(-1, FRAME).T
-        balance = np.linalg.solve(modes.reshape(-1, FRAME).T @ rim, on_contact)
+        modes = rigid_body_modes(basis.doflocs, np.zeros(2))
+        on_contact = modes.reshape(-1, 2, FRAME)[line.nodes].reshape(-1, FRAME).T
+        balance = np.linalg.solve(modes.T @ rim, on_contact)
         # Only rings load scipy.linalg.
         from scipy.linalg import sqrtm  # noqa: PLC0415
 
         return cls(
             rim=rim.reshape(-1, 2, FRAME).transpose(1, 0, 2),
             balance=np.asarray(balance),
-            half_rim=condensed.half(condensed.load_on_contact),
+            half_rim=condensed.half_flexibility(condensed.load_on_contact),
             root=sqrtm(condensed.load_work).real,
         )
 
 
-def _half(condensed: CondensedBody, forces: Floats, free: FreeRing | None) -> Floats:
-    """The half flexibility W (m, k): W^T W is the work of nodal forces (2n, k)."""
-    Y = condensed.half(forces)
+def _half_flexibility(condensed: CondensedBody, forces: Floats, free: FreeRing | None) -> Floats:
+    """The half flexibility W (m, k) of a ring: W^T W is the work of nodal forces (2n, k).
+
+    Parameters
+    ----------
+    condensed : the condensed ring
+    forces : (2n, k) nodal forces on its contact nodes
+    free : the balance of a free ring; None where the far edge is fixed
+    """
+    Y = condensed.half_flexibility(forces)
     if free is None:
         return Y
     reaction = free.balance @ forces

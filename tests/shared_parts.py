@@ -1,0 +1,39 @@
+"""Parts and cases that tests of many modules give their brakes."""
+
+from collections.abc import Iterable
+from dataclasses import replace
+from typing import Any
+
+from drumlin.brake.brake import Brake
+from drumlin.sweeps.cases import SweepCase
+
+
+def drum_ring(thickness: float, support: str) -> dict[str, Any]:
+    """The change that gives a brake an elastic cast-iron ring 40 mm wide for its drum.
+
+    `thickness` is in metres; `support` is "fixed" or "free".
+    """
+    iron = {"E": 1.2e11, "nu": 0.25}
+    return {
+        "drum.ring": {"thickness": thickness, "width": 0.04, "material": iron, "support": support}
+    }
+
+
+def friction_cases(brake: Brake, frictions: Iterable[float], model: str = "sine") -> list[Any]:
+    """The cases of a sweep over coefficients of friction."""
+    return [SweepCase(brake, {"friction": mu}, model) for mu in frictions]
+
+
+def modulus_slopes(found: Any) -> list[float]:
+    """The slopes of the torque over all moduli of all shoes, as `sensitivity` finds them."""
+    return [slope for shoe in found.shoes for slope in shoe.moduli.values()]
+
+
+def of_shoes(key: str, values: Iterable[Any]) -> dict[str, Any]:
+    """The changes that give one value of a key, such as "actuation.force", to each shoe."""
+    return {f"shoe[{i}].{key}": value for i, value in enumerate(values)}
+
+
+def scaled_pressures(shoes: Iterable[Any], factor: float) -> tuple[Any, ...]:
+    """Answers of shoes whose pressures are multiplied by a factor, all else as it was."""
+    return tuple(replace(shoe, pressure=factor * shoe.pressure) for shoe in shoes)
