@@ -145,7 +145,7 @@ def shoe_mesh(
     mesh = shape.from_mesh(grid)
     depth, phi = mesh.doflocs
     return shape(
-        shoe.at(depth, phi, radius), mesh.t, _subdomains=subdomains, _find_boundaries=boundaries
+        shoe.at(depth, phi, radius), mesh.t, _subdomains=subdomains, _boundaries=boundaries
     )
 
 
