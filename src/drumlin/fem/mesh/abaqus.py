@@ -22,7 +22,7 @@ PLANE_CELLS = {
     }.items()
 } | dict.fromkeys(("S9", "M3D9"), "quad9")
 CELL_OF_TYPE = LINE_CELLS | PLANE_CELLS
-"""meshio's cell of each element type that is read."""
+"""meshio's name of the cell for each Abaqus element type that a mesh file may have."""
 TYPE_OF_CELL = {"triangle": "CPS3", "triangle6": "CPS6", "quad": "CPS4", "quad8": "CPS8"}
 """The plane-stress element type that is written for each of meshio's cells."""
 NODES_PER_CELL = {
@@ -34,9 +34,9 @@ NODES_PER_CELL = {
     "quad8": 8,
     "quad9": 9,
 }
-"""Number of nodes of meshio's cells."""
+"""Number of nodes of a cell, by meshio's name of the cell."""
 NUMBERS_PER_LINE = 12
-"""Number of labels on a line that is written; the formats allow 16."""
+"""Number of labels on a line of a set in a written .inp file; the file format allows 16."""
 
 
 def write_inp(
@@ -47,11 +47,18 @@ def write_inp(
     subdomains: dict[str, Ints],
     nodes: dict[str, Ints],
 ) -> None:
-    """Write one kind of plane-stress elements with element sets and node sets; quad9 loses its
-    centre nodes.
+    """Write a mesh of plane-stress elements with its element sets and node sets as an .inp file.
 
-    points (n, 2) [m]; cells (m, k) in meshio's order.
+    Parameters
+    ----------
+    path : of the file to write
+    points : (n, 2) nodes [m]
+    cell : meshio's name of the elements
+    cells : (m, k) nodes of each element in meshio's order
+    subdomains : elements of each element set, by the set's name
+    nodes : nodes of each node set, by the set's name
     """
+    # Plane-stress elements of Abaqus have eight nodes at most, so that centre nodes are dropped.
     if cell == "quad9":
         cell, cells = "quad8", cells[:, :8]
     used = np.unique(cells)
@@ -59,6 +66,7 @@ def write_inp(
     lines += [f"{i + 1}, {points[i][0]:.16e}, {points[i][1]:.16e}, 0." for i in used]
     lines.append(f"*ELEMENT, TYPE={TYPE_OF_CELL[cell]}")
     lines += [", ".join(map(str, [i, *(row + 1)])) for i, row in enumerate(cells, start=1)]
+    # Labels of nodes and elements count from 1 in the file, and from 0 in the arrays.
     for keyword, sets in (("ELSET", subdomains), ("NSET", nodes)):
         for name, members in sets.items():
             lines.append(f"*{keyword}, {keyword}={name.upper()}")

@@ -25,7 +25,7 @@ from drumlin.fem.mesh.grading import (
 
 
 class MeshKind(NamedTuple):
-    """A kind of mesh: the names of skfem's classes, and meshio's of cells and of their edges."""
+    """A kind of mesh: names of its classes in skfem, and of its cells and edges in meshio."""
 
     mesh_name: str
     element_name: str
@@ -34,17 +34,18 @@ class MeshKind(NamedTuple):
 
     @property
     def mesh(self) -> Any:
-        """skfem's class of meshes."""
-        return _skfem(self.mesh_name)
+        """The class of skfem for meshes of this kind."""
+        return _skfem_class(self.mesh_name)
 
     @property
     def element(self) -> Any:
-        """skfem's class of elements."""
-        return _skfem(self.element_name)
+        """The class of skfem for the elements of this kind."""
+        return _skfem_class(self.element_name)
 
 
-def _skfem(name: str) -> Any:
-    """A class of scikit-fem, which only meshes load."""
+def _skfem_class(name: str) -> Any:
+    """The class of scikit-fem with this name."""
+    # scikit-fem takes long to load, and only meshes use scikit-fem.
     import skfem  # noqa: PLC0415
 
     return getattr(skfem, name)
@@ -62,15 +63,15 @@ DEFAULT_KIND = "quad2"
 
 
 def kind_of(mesh: Any) -> MeshKind:
-    """The kind of a mesh."""
+    """The kind of skfem's `mesh`: quadrilaterals or triangles, of degree 1 or 2."""
     return next(kind for kind in MESH_KINDS.values() if kind.mesh is type(mesh))
 
 
-def _moved_to(angles: Floats, places: tuple[float, ...]) -> Floats:
-    """The angles (n,) with the nearest inner ones moved to the `places`.
+def _move_angles_to(angles: Floats, places: tuple[float, ...]) -> Floats:
+    """Angles (n,) [rad] of which the inner ones nearest to the `places` are moved there.
 
-    Where the nearest angle has moved to another place already, or no inner angle exists, the place
-    is added.
+    A place is added as a new angle where its nearest angle has moved to another place already, or
+    where no inner angle exists.
     """
     inner = angles[1:-1]
     moved: list[int] = []
@@ -81,7 +82,10 @@ def _moved_to(angles: Floats, places: tuple[float, ...]) -> Floats:
 
 
 FACE_SLACK = 1e-9
-"""Distance, in radii or radians, below which a facet counts as lying on a face: round-off alone."""
+"""Distance of a facet's middle from a face below which the facet counts as lying on the face.
+
+The distance is in drum radii for depths and in radians for angles, and covers round-off alone.
+"""
 
 
 class _ArcLayout(NamedTuple):
@@ -129,12 +133,12 @@ def shoe_mesh(
     division = elements if isinstance(elements, LiningDivision) else divide(shoe, radius, elements)
     if isinstance(shoe.body, Beam):
         return beam_mesh(shoe, radius, division, MESH_KINDS[kind].mesh)
-    layout = _layout(shoe, radius, division, kind)
-    grid = _cut_grid(shoe, layout, kind)
+    layout = _layout_of(shoe, radius, division, kind)
+    grid = _cut_arc_grid(shoe, layout, kind)
     depth, _ = grid.p[:, grid.t].mean(axis=1)
     layer = np.searchsorted(layout.bounds, depth)
     subdomains = {name: np.flatnonzero(layer == i) for i, (name, _) in enumerate(layout.layers)}
-    boundaries = _boundaries(shoe, radius, layout, grid)
+    boundaries = _find_boundaries(shoe, radius, layout, grid)
 
     # The grid of depths and angles is mapped to the arcs.
     shape = MESH_KINDS[kind].mesh
@@ -145,19 +149,20 @@ def shoe_mesh(
     )
 
 
-def _layout(shoe: Shoe, radius: float, division: LiningDivision, kind: str) -> _ArcLayout:
-    """The rectangle of depths and angles of a shoe."""
+def _layout_of(shoe: Shoe, radius: float, division: LiningDivision, kind: str) -> _ArcLayout:
+    """The rectangle of depths and angles that the mesh of a shoe on an arc is cut from."""
     phi_1, phi_2 = shoe.arc
     layers = [("lining", shoe.lining.thickness)]
     if shoe.backing is not None:
         layers.append(("backing", shoe.backing.thickness))
+    # The body may end before or beyond the lining, and a grip is marked by two of the angles.
     angles = division.angles
     body = (phi_1, phi_2)
     if isinstance(shoe.body, Bar):
         layers += [(name, plate.thickness) for name, plate in shoe.body.plates.items()]
         ends = shoe.frame.phi(np.array([shoe.body.start, shoe.body.end]))
         body = (float(ends.min()), float(ends.max()))
-        angles = _moved_to(angles, shoe.grip(radius) or ())
+        angles = _move_angles_to(angles, shoe.grip(radius) or ())
         before = overhang(phi_1, body[0], division)[:0:-1]
         after = overhang(phi_2, body[1], division)[1:]
         angles = np.concatenate([before, angles, after])
@@ -172,10 +177,10 @@ def _layout(shoe: Shoe, radius: float, division: LiningDivision, kind: str) -> _
     return _ArcLayout(layers, bounds, np.concatenate(depths), angles, body)
 
 
-def _cut_grid(shoe: Shoe, layout: _ArcLayout, kind: str) -> Any:
+def _cut_arc_grid(shoe: Shoe, layout: _ArcLayout, kind: str) -> Any:
     """The grid of depths and angles, without the parts of the lining's layers beyond the lining."""
     phi_1, phi_2 = shoe.arc
-    grid = _skfem("MeshQuad").init_tensor(layout.depths, layout.angles)
+    grid = _skfem_class("MeshQuad").init_tensor(layout.depths, layout.angles)
     depth, phi = grid.p[:, grid.t].mean(axis=1)
     of_body = depth > layout.lining_depth
     under_lining = (phi > phi_1) & (phi < phi_2)
@@ -183,10 +188,11 @@ def _cut_grid(shoe: Shoe, layout: _ArcLayout, kind: str) -> Any:
     return grid.to_meshtri() if kind.startswith("tri") else grid
 
 
-def _boundaries(shoe: Shoe, radius: float, layout: _ArcLayout, grid: Any) -> dict[str, Ints]:
+def _find_boundaries(shoe: Shoe, radius: float, layout: _ArcLayout, grid: Any) -> dict[str, Ints]:
     """The facets of each named boundary of a grid of depths and angles."""
     depth, phi = grid.p[:, grid.facets].mean(axis=1)
     outer = np.isin(np.arange(grid.nfacets), grid.boundary_facets())
+    # The hinge of a gripped body is the part of its back in the grip; other bodies have end faces.
     on = {"contact": outer & (depth < FACE_SLACK * radius)}
     grip = shoe.grip(radius) if shoe.body is not None else None
     if shoe.body is None:

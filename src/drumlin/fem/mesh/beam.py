@@ -19,8 +19,11 @@ from drumlin.fem.mesh.grading import MOST_LAYERS, MOST_THIN, LiningDivision, lay
 PARTS = ("lining", "backing", "shoe")
 """The subdomains of the mesh from the contact inwards; the backing is the block."""
 BEAM_SLACK = 1e-9
-"""Distance, in layers or along the beam over the lining's back radius, below which a facet counts as
-lying on a face: round-off alone."""
+"""Distance of a facet's middle from a face below which the facet counts as lying on the face.
+
+Depths count in layers, and distances along the beam in radii of the lining's back. The distance
+covers round-off alone.
+"""
 
 
 def why_not(shoe: Shoe, radius: float) -> str | None:
@@ -29,17 +32,21 @@ def why_not(shoe: Shoe, radius: float) -> str | None:
         return None
     section = shoe.body.section
     if section is None:
-        return "its beam has no constant section to mesh: thickness, and width and material or one bending_stiffness"
+        return (
+            "its beam has no constant section to mesh: thickness, "
+            "and width and material or one bending_stiffness"
+        )
     if shoe.backing is None:
         return "nothing fills the space between its straight beam and the lining: no [shoe.backing]"
     if isinstance(shoe.body.offset, tuple) and any(offset for _, offset in shoe.body.offset):
         return "a beam with a curved axis is not meshed"
-    return _no_room(shoe, axis_of(shoe.pin.xy, shoe.actuation.point.xy), section, radius)
+    return _why_no_block_fits(shoe, axis_of(shoe.pin.xy, shoe.actuation.point.xy), section, radius)
 
 
-def _no_room(shoe: Shoe, axis: Axis, section: Section, radius: float) -> str | None:
+def _why_no_block_fits(shoe: Shoe, axis: Axis, section: Section, radius: float) -> str | None:
     """Why no block fits between lining and beam; None where one fits."""
     back = radius + shoe.lining.thickness
+    # The back of the lining comes nearest to the beam at the foot of the axis, or else at one end.
     ends = axis.angle(np.array([shoe.lining.start, shoe.lining.end]))
     x = axis.foot + back * np.sin(ends)
     nearest = back * (1.0 if ends.min() < 0 < ends.max() else float(np.cos(ends).max()))
@@ -81,9 +88,11 @@ class _BeamShape(NamedTuple):
         along the beam over `back`.
         """
         r = self.radius + self.thickness * np.minimum(depth, 1)
+        # In the axes of the beam, x runs along the beam and y towards the drum's centre.
         in_lining = self.axis.foot + r * np.sin(s)
-        x = np.where(depth < 1, in_lining, self._along(s))
+        x = np.where(depth < 1, in_lining, self._distance_along_beam(s))
         y = self.axis.distance - r * np.cos(s)
+        # The block leads from the lining's back straight to the beam's face.
         beam_face = self.axis.distance - self.face
         in_block = y + np.minimum(depth - 1, 1) * (beam_face - y)
         y = np.where(depth > 1, in_block, y)
@@ -91,7 +100,7 @@ class _BeamShape(NamedTuple):
         y = np.where(depth > 2, in_beam, y)
         return self.axis.to_brake(x, y)
 
-    def _along(self, s: Floats) -> Floats:
+    def _distance_along_beam(self, s: Floats) -> Floats:
         """Distances along the beam behind the positions s [m]."""
         start, end = self.start, self.end
         inside = self.axis.foot + self.back * np.sin(np.clip(s, start, end))
@@ -117,12 +126,13 @@ def beam_mesh(shoe: Shoe, radius: float, division: LiningDivision, shape: Any) -
     assert isinstance(shoe.body, Beam) and shoe.body.section is not None  # why_not
     axis = axis_of(shoe.pin.xy, shoe.actuation.point.xy)
     angles = np.sort(axis.angle(shoe.frame.theta(division.angles)))
-    form = _shape_of(shoe, shoe.body.section, axis, radius, angles)
+    form = _beam_shape_of(shoe, shoe.body.section, axis, radius, angles)
     linear = shape in {skfem.MeshQuad1, skfem.MeshTri1}
-    grid = _cut_grid(form, division, angles, linear=linear)
+    grid = _cut_beam_grid(form, division, angles, linear=linear)
     if shape in {skfem.MeshTri1, skfem.MeshTri2}:
         grid = grid.to_meshtri()
 
+    # The depth counts layers, so that its whole part is the number of the subdomain.
     layer = np.floor(grid.p[0, grid.t].mean(axis=0)).astype(int)
     depth, s = grid.p[:, grid.facets].mean(axis=1)
     outer = np.isin(np.arange(grid.nfacets), grid.boundary_facets())
@@ -141,20 +151,23 @@ def beam_mesh(shoe: Shoe, radius: float, division: LiningDivision, shape: Any) -
     )
 
 
-def _shape_of(
+def _beam_shape_of(
     shoe: Shoe, section: Section, axis: Axis, radius: float, angles: Floats
 ) -> _BeamShape:
     """The geometry of a shoe whose lining has elements at these `angles` from the axis's foot."""
     start, end = float(angles[0]), float(angles[-1])
     thickness = shoe.lining.thickness
     back = radius + thickness
+    # The block reaches the beam's face where the ends of the lining's back lie along the beam.
     foot = axis.foot + back * np.sin(np.array([start, end]))
     low = start - foot[0] / back
     high = end + (axis.length - foot[1]) / back
     return _BeamShape(axis, radius, thickness, section.thickness, back, start, end, low, high)
 
 
-def _cut_grid(form: _BeamShape, division: LiningDivision, angles: Floats, *, linear: bool) -> Any:
+def _cut_beam_grid(
+    form: _BeamShape, division: LiningDivision, angles: Floats, *, linear: bool
+) -> Any:
     """The grid of depths in layers and positions s, without lining and block beyond the lining."""
     import skfem  # noqa: PLC0415
 

@@ -1,4 +1,4 @@
-"""The checks of a user's mesh; each fault is one line that names the file and says what is allowed."""
+"""The checks of a user's mesh: a fault is refused in one line that says what is allowed."""
 
 import dataclasses
 import math
@@ -21,31 +21,50 @@ from drumlin.fem.mesh.edges import edge_nodes
 MOST_NAMES = 30
 """Names of groups that a refusal lists at most."""
 ARC_SLACK = math.radians(2)
-"""Largest difference [rad] between the ends of the lining's arc in the brake's file and in the mesh.
-A larger one says that mesh and brake are not the same shoe."""
+"""Largest difference [rad] between the ends of the lining in the brake's file and in the mesh.
+
+A larger difference says that the mesh and the brake's file do not describe the same shoe.
+"""
 SAME_POINT = 1e-7
-"""Distance of two nodes, relative to the mesh's size, below which both stand in one point. The parts
-of such a mesh are not bonded to each other, and it is refused."""
+"""Distance of two nodes, relative to the mesh's size, below which both stand in one point.
+
+A mesh with two nodes in one point is refused, since its parts are not bonded to each other there.
+"""
 MOST_COINCIDENT = 1000
-"""Number of nodes in one point up to which their pairs are counted for the message. More of them
-would make far more pairs than the memory holds."""
+"""Number of coincident nodes up to which their pairs are counted for the message.
+
+More nodes in one point would make far more pairs than the memory holds.
+"""
 LARGEST_REACH = 1e6
-"""Largest coordinate of a mesh in drum radii, or in lengths of a pad. Farther away round-off makes
-even these checks unsure; nearly always the unit of length is wrong."""
+"""Largest coordinate of a mesh, in drum radii or in lengths of a pad.
+
+Round-off makes the checks of a larger mesh unsure. Its unit of length is nearly always wrong.
+"""
 MIDDLE_NODE_OFFSET = 0.5
-"""Largest distance of an edge's middle node from the middle of its chord, relative to the chord. An
-edge that is bent as far is half a circle."""
+"""Largest distance of an edge's middle node from the middle of its chord, relative to the chord.
+
+An edge with a middle node at this distance is half a circle.
+"""
 CONTACT_OFFSET = 0.01
-"""Largest distance of the contact from the drum or the plane, in drum radii or lengths of a pad. The
-pressure is computed where the nodes are, and stated on the drum."""
+"""Largest distance of the contact from the drum or the plane, in drum radii or lengths of a pad.
+
+The pressure is computed at the nodes and stated on the drum, so that both must nearly coincide.
+"""
 CONTACT_DEPTH = 0.1
-"""Largest depth of the contact in the drum or the plane, in thicknesses of the lining. A deeper one
-is an interference fit, which the brake's file must declare."""
+"""Largest depth of the contact in the drum or the plane, in thicknesses of the lining.
+
+A deeper contact is an interference fit, which the brake's file must declare.
+"""
 CONTACT_SLOPE = 0.1
-"""Slope of an edge against the drum or the plane above which the edge is no part of a lining's face."""
+"""Largest slope of a contact edge against the drum or the plane.
+
+A steeper edge is no part of the lining's face.
+"""
 JACOBIAN_RATIO = 1e-6
-"""Smallest Jacobian determinant in an element, relative to the sum over its nodes. Below it the element has no area
-in a corner, or is inverted."""
+"""Smallest Jacobian determinant in an element, relative to the sum over its nodes.
+
+An element with a smaller determinant is inverted or has no area in a corner.
+"""
 
 
 def check(mesh: Any, shoe: Shoe, radius: float, fault: str, names: Sequence[str] = ()) -> Any:
@@ -82,6 +101,7 @@ def check_cells(cells: Ints, corners: int, fault: str) -> None:
     corners : number of corners of a cell
     fault : beginning of each message
     """
+    # meshio's order is the corners, then the middle nodes of the edges, then the centre.
     ends, middles, centres = np.split(cells, [corners, 2 * corners], axis=1)
     edges = np.sort(np.stack([ends, np.roll(ends, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1)
     distinct = [len(np.unique(nodes)) for nodes in (ends, middles, centres)]
@@ -89,7 +109,8 @@ def check_cells(cells: Ints, corners: int, fault: str) -> None:
     of_two_kinds = sum(distinct) > len(np.unique(cells))
     if repeated or of_two_kinds:
         raise BadInput(
-            f"{fault}: has nodes that a cell has twice, or that are a corner here and inside an edge there"
+            f"{fault}: has nodes that a cell has twice, "
+            "or that are a corner here and inside an edge there"
         )
     # Edges, middle nodes and pairs of both are equally many.
     bonds = {len(np.unique(edges, axis=0))}
@@ -97,7 +118,8 @@ def check_cells(cells: Ints, corners: int, fault: str) -> None:
         bonds |= {distinct[1], len(np.unique(np.column_stack([edges, middles.ravel()]), axis=0))}
     if len(bonds) > 1 or distinct[2] not in {0, len(cells)}:
         raise BadInput(
-            f"{fault}: has cells that share an edge but not its middle node, or a middle but not the edge"
+            f"{fault}: has cells that share an edge but not its middle node, "
+            "or a middle but not the edge"
         )
 
 
@@ -117,10 +139,13 @@ def _check_groups(mesh: Any, shoe: Shoe, fault: str, names: Sequence[str]) -> An
             f"{fault}: named groups missing or empty: {', '.join(missing)}; found: {found} "
             f"(names or numbers of its own: groups = {{ {missing[0]} = ... }})"
         )
+    # Elements in no group lower the number of distinct members, and elements in two groups raise
+    # the number of all members.
     named = np.concatenate([subdomains[name] for name in needed])
     if len(np.unique(named)) < mesh.nelements or len(named) > mesh.nelements:
         raise BadInput(
-            f"{fault}: every element must be in exactly one of the groups {', '.join(sorted(needed))}"
+            f"{fault}: every element must be in exactly one of the groups "
+            f"{', '.join(sorted(needed))}"
         )
     lines |= {"actuation"} & set(boundaries)
     return dataclasses.replace(
@@ -140,7 +165,8 @@ def _check_nodes(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
             else f"in a drum of radius {mm(radius)}"
         )
         raise BadInput(
-            f"{fault}: reaches {size:.3g} m far; must be a shoe {where} (coordinates are read in {shoe.mesh_unit})"
+            f"{fault}: reaches {size:.3g} m far; must be a shoe {where} "
+            f"(coordinates are read in {shoe.mesh_unit})"
         )
     # Many nodes in one point would make far more pairs, which are not counted.
     cells = np.unique(np.round(mesh.doflocs / (SAME_POINT * size)), axis=1)
@@ -151,7 +177,8 @@ def _check_nodes(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
     )
     if len(pairs):
         raise BadInput(
-            f"{fault}: {len(pairs)} pairs of nodes stand in one place; merge them, the parts are bonded"
+            f"{fault}: {len(pairs)} pairs of nodes stand in one place; "
+            "merge them, the parts are bonded"
         )
 
 
@@ -165,9 +192,9 @@ def _check_elements(mesh: Any, shoe: Shoe, fault: str) -> None:
             *(last - first)
         )
         if bent.any():
-            where = _some(mesh, mesh.f2t[0, np.flatnonzero(bent)], shoe)
+            where = _count_and_place(mesh, mesh.f2t[0, np.flatnonzero(bent)], shoe)
             raise BadInput(f"{fault}: {where} with the middle node of an edge far off that edge")
-    # Either orientation will do, as long as it is one throughout an element.
+    # The Jacobian determinant of an element may have either sign, but only one of them.
     determinant = mesh.mapping().detDF(kind_of(mesh).element().doflocs.T)
     determinant = np.broadcast_to(determinant, (mesh.nelements, determinant.shape[-1]))
     smallest = np.abs(determinant.sum(axis=1)) * JACOBIAN_RATIO
@@ -175,15 +202,20 @@ def _check_elements(mesh: Any, shoe: Shoe, fault: str) -> None:
     inverted = flat | (np.ptp(np.sign(determinant), axis=1) > 0)
     if inverted.any():
         raise BadInput(
-            f"{fault}: {_some(mesh, np.flatnonzero(inverted), shoe)} inverted or without area in a corner"
+            f"{fault}: {_count_and_place(mesh, np.flatnonzero(inverted), shoe)} "
+            "inverted or without area in a corner"
         )
     if np.bincount(mesh.t2f.ravel()).max() > 2:
         raise BadInput(f"{fault}: more than two elements meet in an edge")
+    # Neighbours lie on opposite sides of their common edge, or else one is folded over the other.
     inner = np.flatnonzero(mesh.f2t[1] >= 0)
-    sides = np.array([_side(mesh, inner, mesh.f2t[i, inner]) for i in (0, 1)])
+    sides = np.array([_side_of_facet(mesh, inner, mesh.f2t[i, inner]) for i in (0, 1)])
     folded = inner[sides[0] * sides[1] > 0]
     if len(folded):
-        raise BadInput(f"{fault}: {_some(mesh, mesh.f2t[1, folded], shoe)} folded over a neighbour")
+        raise BadInput(
+            f"{fault}: {_count_and_place(mesh, mesh.f2t[1, folded], shoe)} folded over a neighbour"
+        )
+    # Elements that share an edge are bonded; a shoe is one bonded part.
     links = sp.coo_array(
         (np.ones(len(inner)), mesh.f2t[:, inner]), shape=(mesh.nelements, mesh.nelements)
     )
@@ -192,15 +224,18 @@ def _check_elements(mesh: Any, shoe: Shoe, fault: str) -> None:
         raise BadInput(f"{fault}: consists of {parts} parts that share no edge; must be one")
 
 
-def _some(mesh: Any, elements: Ints, shoe: Shoe) -> str:
+def _count_and_place(mesh: Any, elements: Ints, shoe: Shoe) -> str:
     """The subject of a sentence about some elements: their number, and where the first lies."""
     ((x,), (y,)) = shoe.points(mesh.p[:, mesh.t[:, elements[0]]].mean(axis=1, keepdims=True)) * 1e3
     count = len(np.unique(elements))
-    return f"{count} element{'s are' if count > 1 else ' is'} (the first at x = {x:.4g} mm, y = {y:.4g} mm)"
+    return (
+        f"{count} element{'s are' if count > 1 else ' is'} "
+        f"(the first at x = {x:.4g} mm, y = {y:.4g} mm)"
+    )
 
 
-def _side(mesh: Any, facets: Ints, elements: Ints) -> Floats:
-    """The side, by its sign, of each facet's straight line on which an element's centre lies."""
+def _side_of_facet(mesh: Any, facets: Ints, elements: Ints) -> Floats:
+    """The sign (n,) of the side of each facet on which the centre of its element lies."""
     a, b = mesh.p[:, mesh.facets[:, facets]].transpose(1, 0, 2)
     to = mesh.p[:, mesh.t[:, elements]].mean(axis=1) - a
     return np.sign((b - a)[0] * to[1] - (b - a)[1] * to[0])
@@ -213,7 +248,8 @@ def _check_boundaries(mesh: Any, fault: str) -> None:
         inside = len(np.setdiff1d(facets, outer))
         if inside:
             raise BadInput(
-                f"{fault}: {inside} of the {len(facets)} edges of the group {name} are not on the boundary"
+                f"{fault}: {inside} of the {len(facets)} edges of the group {name} "
+                "are not on the boundary"
             )
     nodes = {name: np.unique(mesh.facets[:, facets]) for name, facets in mesh.boundaries.items()}
     if len(np.intersect1d(nodes["contact"], nodes["hinge"])):
@@ -233,7 +269,8 @@ def _check_contact(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
         surface = "plane" if shoe.flat else f"drum's radius {mm(radius)}"
         raise BadInput(
             f"{fault}: the group contact lies up to {mm(most)} off the {surface}; "
-            f"must be within {mm(CONTACT_OFFSET * radius)} of it (coordinates are read in {shoe.mesh_unit})"
+            f"must be within {mm(CONTACT_OFFSET * radius)} of it "
+            f"(coordinates are read in {shoe.mesh_unit})"
         )
     behind = shoe.off(mesh.p[:, mesh.t[:, mesh.subdomains["lining"]]].mean(axis=1), radius)
     if behind.mean() < 0 and not shoe.mesh_interference:
@@ -242,16 +279,18 @@ def _check_contact(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
         )
     if deep > CONTACT_DEPTH * shoe.lining.thickness and not shoe.mesh_interference:
         raise BadInput(
-            f"{fault}: the group contact lies up to {mm(deep)} in the {word}, over {CONTACT_DEPTH:g} of the lining's "
-            f"thickness of {mm(shoe.lining.thickness)}; say mesh_interference = true if that is meant"
+            f"{fault}: the group contact lies up to {mm(deep)} in the {word}, "
+            f"over {CONTACT_DEPTH:g} of the lining's thickness of {mm(shoe.lining.thickness)}; "
+            "say mesh_interference = true if that is meant"
         )
     steep = (np.abs(np.diff(off, axis=0)) > CONTACT_SLOPE * np.hypot(*np.diff(line, axis=1))).any(
         axis=0
     )
     if steep.any():
-        where = _some(mesh, mesh.f2t[0, facets[steep]], shoe)
+        where = _count_and_place(mesh, mesh.f2t[0, facets[steep]], shoe)
         raise BadInput(
-            f"{fault}: {where} with an edge of the contact that is steeper than {CONTACT_SLOPE:g} against the {word}"
+            f"{fault}: {where} with an edge of the contact that is steeper than "
+            f"{CONTACT_SLOPE:g} against the {word}"
         )
     nodes, ends = np.unique(mesh.facets[:, facets], return_inverse=True)
     xy = mesh.p[:, nodes]
@@ -260,9 +299,10 @@ def _check_contact(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
     if max(abs(a - b) for a, b in zip(arc, shoe.arc, strict=True)) > ARC_SLACK:
         theta = sorted(shoe.frame.theta(np.array(arc)).tolist())
         raise BadInput(
-            f"{fault}: the group contact runs from {text(theta[0])} to {text(theta[1])}; must be the lining's "
-            f"{'length' if shoe.flat else 'arc'}, "
-            f"{text(shoe.lining.start)} to {text(shoe.lining.end)}, within {text(shoe.frame.unit * ARC_SLACK)} "
+            f"{fault}: the group contact runs from {text(theta[0])} to {text(theta[1])}; "
+            f"must be the lining's {'length' if shoe.flat else 'arc'}, "
+            f"{text(shoe.lining.start)} to {text(shoe.lining.end)}, "
+            f"within {text(shoe.frame.unit * ARC_SLACK)} "
             f"(coordinates are read in the {shoe.mesh_frame}'s frame)"
         )
     # By growing angle each edge leads from one node to the next.
@@ -272,7 +312,8 @@ def _check_contact(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
     to_next = np.array_equal(steps[1], steps[0] + 1)
     if not (from_each and to_next):
         raise BadInput(
-            f"{fault}: the group contact must be one line without gaps or turns, one edge after the other"
+            f"{fault}: the group contact must be one line without gaps or turns, "
+            "one edge after the other"
         )
 
 
@@ -286,6 +327,7 @@ def _check_ends(mesh: Any, shoe: Shoe, fault: str) -> None:
         }
         if away["hinge"] > away["actuation"]:
             raise BadInput(
-                f"{fault}: the group hinge lies {mm(away['hinge'])} from the pin, the group actuation "
-                f"{mm(away['actuation'])}; must be the nearer one (are they swapped?)"
+                f"{fault}: the group hinge lies {mm(away['hinge'])} from the pin, "
+                f"the group actuation {mm(away['actuation'])}; "
+                "must be the nearer one (are they swapped?)"
             )

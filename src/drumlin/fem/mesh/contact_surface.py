@@ -1,9 +1,9 @@
 """The contact line of a mesh file, put on the drum or the plane where only the mesh keeps it off.
 
-A lining is round, a mesh of it is not quite. Coordinates of few digits stand off the circle by up to
-half a digit, and the middle node of a straight side by the height of its arc. Both are often larger
-than the compression p t/E of the lining, so that they would change the pressure. What stands off by
-more than that is the lining's shape: a gap.
+A lining is round, and its mesh is not quite round. Nodes with coordinates of few digits lie off the
+circle by up to half a digit, and the middle node of a straight side by the height of the arc over
+that side. Both offsets are often larger than the compression p t/E of the lining, so that they
+would change the pressure. A larger offset is the lining's own shape and counts as a gap.
 """
 
 from dataclasses import dataclass, replace
@@ -17,23 +17,37 @@ from drumlin.brake.brake import Shoe
 from drumlin.fem.mesh.from_file import ContactOnSurface
 
 STRAIGHT = 0.1
-"""Distance of a side's middle node from the middle of its chord, in heights of the arc over the
-chord, up to which the side is straight. A side that follows the arc has one; the coordinates'
-rounding is added."""
+"""Distance of a side's middle node from its chord up to which the side counts as straight.
+
+The distance is relative to the height of the arc over the chord; a side that follows the arc has
+the distance 1. The rounding of the coordinates is added to the limit.
+"""
 STRAIGHT_SIDES = 0.9
-"""Share of the contact's sides that must be straight for their middle nodes to be moved. Writers of
-meshes make all sides straight or none; a lining with one flat in it has curved sides elsewhere."""
+"""Smallest share of straight sides on the contact at which their middle nodes are moved.
+
+Mesh generators make all sides straight or none of them. A lining with one worn flat has curved
+sides elsewhere, and its flat must stay.
+"""
 WINDOW_NODES = 8
-"""Nodes to each side of a node over which the roundings are averaged. Their mean is then a quarter
-of one of them, so that a shape of less than the rounding itself is seen."""
+"""Number of nodes to each side of a node over which the rounding errors are averaged.
+
+The mean rounding error of the 17 nodes is a quarter of a single one, so that a lining's shape is
+seen even where its height is less than the rounding.
+"""
 SIGNIFICANT = 4.0
-"""Mean offset of the nodes around a node, in standard deviations of the mean of roundings, above
-which the offset is the lining's shape. Chance goes beyond it once in 16 000 nodes."""
+"""Mean offset of the nodes around a node above which the offset is the lining's shape.
+
+The offset is in standard deviations of the mean rounding error. Chance alone exceeds the limit at
+one of 16 000 nodes.
+"""
 MOST_NOISE = 1.5
-"""Scatter of the nodes about their smooth line, in standard deviations of a rounding, above which
-they are left where they are: the line has a step or a corner there."""
+"""Scatter of the nodes about a smooth line above which the nodes stay where they are.
+
+The scatter is in standard deviations of one rounding error. A larger scatter shows a step or a
+corner in the lining, which a smooth line would wipe out.
+"""
 COORDINATE_ROUND_OFF = 1e-12
-"""Offset, in drum radii, up to which a node counts as on the surface, as in the gap."""
+"""Offset of a node from the drum, in drum radii, up to which the offset is round-off alone."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +71,9 @@ class _ContactNodes:
 
 
 def put_on_surface(mesh: Any, rounding: Floats, shoe: Shoe, radius: float) -> ContactOnSurface:
-    """Put the contact's nodes on the surface that the file's rounding or straight sides keep off it.
+    """The mesh with its contact nodes moved onto the drum or the plane, and what was moved.
+
+    Only offsets by the rounding of the file's coordinates and by straight sides are removed.
 
     Parameters
     ----------
@@ -65,11 +81,11 @@ def put_on_surface(mesh: Any, rounding: Floats, shoe: Shoe, radius: float) -> Co
     rounding : (2, nodes), how far x and y of each node may have been rounded [m]
     shoe, radius : whose mesh it is, and the drum's radius [m] or the pad's length
     """
-    line = _line_of(mesh, rounding, shoe, radius)
-    straight = _straight(mesh, line, shoe, radius)
+    line = _contact_nodes_of(mesh, rounding, shoe, radius)
+    straight = _find_straight_middles(mesh, line, shoe, radius)
     target = line.off.copy()
     free = ~(straight & line.middle)
-    target[free] = _without_rounding(line, free, shoe, radius)
+    target[free] = _offsets_without_rounding(line, free, shoe, radius)
     # The middle of a straight side stands on the smooth line through the corners.
     if straight.any():
         corners = ~line.middle
@@ -82,7 +98,7 @@ def put_on_surface(mesh: Any, rounding: Floats, shoe: Shoe, radius: float) -> Co
         return ContactOnSurface(mesh)
     by_rounding = free & (moves != 0)
     return ContactOnSurface(
-        _moved(mesh, line, moves, shoe),
+        _move_contact_nodes(mesh, line, moves, shoe),
         rounded=int(np.count_nonzero(by_rounding)),
         rounded_by=float(np.abs(moves[by_rounding]).max(initial=0.0)),
         straight=int(np.count_nonzero(straight & (moves != 0))),
@@ -90,8 +106,8 @@ def put_on_surface(mesh: Any, rounding: Floats, shoe: Shoe, radius: float) -> Co
     )
 
 
-def _line_of(mesh: Any, rounding: Floats, shoe: Shoe, radius: float) -> _ContactNodes:
-    """The contact line of a mesh."""
+def _contact_nodes_of(mesh: Any, rounding: Floats, shoe: Shoe, radius: float) -> _ContactNodes:
+    """The nodes of a mesh's contact line, sorted by their angle phi, with offsets and roundings."""
     facets = mesh.boundaries["contact"]
     corners = np.unique(mesh.facets[:, facets])
     has_middles = len(mesh.dofs.facet_dofs) > 0 and mesh.doflocs.shape[1] > mesh.nvertices
@@ -101,7 +117,7 @@ def _line_of(mesh: Any, rounding: Floats, shoe: Shoe, radius: float) -> _Contact
     phi = shoe.phi_of(xy, radius)
     order = np.argsort(phi)
     nodes, xy = nodes[order], xy[:, order]
-    normal = np.abs(_normals(xy, shoe))
+    normal = np.abs(_outward_normals(xy, shoe))
     # Coordinates that were turned mix the roundings of x and y, and so does the shoe's own frame.
     slack = np.hypot(*rounding[:, nodes]) if not shoe.flat else (normal * rounding[:, nodes]).sum(0)
     return _ContactNodes(
@@ -113,14 +129,14 @@ def _line_of(mesh: Any, rounding: Floats, shoe: Shoe, radius: float) -> _Contact
     )
 
 
-def _normals(xy: Floats, shoe: Shoe) -> Floats:
-    """Directions (2, n) in which points (2, n) come off the surface."""
+def _outward_normals(xy: Floats, shoe: Shoe) -> Floats:
+    """Unit vectors (2, n) at points (2, n) that point away from the drum or the plane."""
     if shoe.flat:
         return np.array([np.zeros(xy.shape[1]), np.ones(xy.shape[1])])
     return -shoe.sign * xy / np.hypot(*xy)
 
 
-def _straight(mesh: Any, line: _ContactNodes, shoe: Shoe, radius: float) -> Bools:
+def _find_straight_middles(mesh: Any, line: _ContactNodes, shoe: Shoe, radius: float) -> Bools:
     """Which nodes (n,) are middle nodes that straight sides keep off the drum."""
     found = np.zeros(len(line.nodes), dtype=bool)
     at = np.flatnonzero(line.middle)
@@ -140,14 +156,16 @@ def _straight(mesh: Any, line: _ContactNodes, shoe: Shoe, radius: float) -> Bool
     return found
 
 
-def _without_rounding(line: _ContactNodes, free: Bools, shoe: Shoe, radius: float) -> Floats:
+def _offsets_without_rounding(
+    line: _ContactNodes, free: Bools, shoe: Shoe, radius: float
+) -> Floats:
     """Offsets (k,) of the free nodes without the rounding of their coordinates.
 
     They are 0 where the offset is no more than the roundings explain; elsewhere they follow the
     smooth line through the nodes, or stay.
     """
     off, slack, place = line.off[free], line.slack[free], line.phi[free] * radius
-    shape = _shape_of(off, slack, place, radius)
+    shape = _lining_shape_of(off, slack, place, radius)
     found = off.copy()
     on = np.abs(off) <= slack * (1 + 1e-6) + COORDINATE_ROUND_OFF * radius
     found[on & np.isnan(shape)] = 0.0
@@ -158,18 +176,20 @@ def _without_rounding(line: _ContactNodes, free: Bools, shoe: Shoe, radius: floa
     return found
 
 
-def _shape_of(off: Floats, slack: Floats, place: Floats, radius: float) -> Floats:
-    """The smooth line (k,) [m] through offsets that roundings do not explain; nan where they do.
+def _lining_shape_of(off: Floats, slack: Floats, place: Floats, radius: float) -> Floats:
+    """The shape (k,) [m] of the lining at each node; nan where rounding explains the offset.
 
-    Where a smooth line does not describe the nodes it is their own offset.
+    The shape is a parabola through the offsets `off` (k,) [m] of the nodes around a node. Where a
+    parabola does not describe these offsets, the shape is the offset of the node itself.
     """
     shape = np.full(len(off), np.nan)
     if len(off) < 3 or not slack.any():
         shape[np.abs(off) > slack] = off[np.abs(off) > slack]
         return shape
+    # Each node is judged by the mean offset of its neighbours, in which rounding errors cancel.
     step = float(np.median(np.diff(place)))
     for i in range(len(off)):
-        # Nodes that are closer than sqrt(2 R d) are rounded alike where the circle lies along an axis.
+        # Where the circle runs along an axis, nodes closer than sqrt(2 R d) are rounded alike.
         apart = max(step, float(np.sqrt(2 * radius * slack[i])))
         near = np.flatnonzero(np.abs(place - place[i]) <= WINDOW_NODES * apart)
         scatter = float(slack[near].mean()) / np.sqrt(6.0)
@@ -187,13 +207,13 @@ def _shape_of(off: Floats, slack: Floats, place: Floats, radius: float) -> Float
     return shape
 
 
-def _moved(mesh: Any, line: _ContactNodes, moves: Floats, shoe: Shoe) -> Any:
+def _move_contact_nodes(mesh: Any, line: _ContactNodes, moves: Floats, shoe: Shoe) -> Any:
     """The mesh with the nodes of the contact line moved off the surface by `moves` (n,) [m].
 
     The centre of a quadrilateral follows its sides, so that the element keeps its shape.
     """
     doflocs = mesh.doflocs.copy()
-    doflocs[:, line.nodes] += moves * _normals(doflocs[:, line.nodes], shoe)
+    doflocs[:, line.nodes] += moves * _outward_normals(doflocs[:, line.nodes], shoe)
     inner = mesh.dofs.interior_dofs
     if doflocs.shape[1] > mesh.nvertices and len(inner):
         change = doflocs - mesh.doflocs

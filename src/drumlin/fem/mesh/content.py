@@ -8,8 +8,9 @@ from drumlin.base.errors import DrumlinError
 from drumlin.base.files import read_bytes
 
 LARGEST_MESH = 50_000_000
-"""Largest size [bytes] of a mesh file: some 500 000 nodes as text. A larger file is refused unread, so
-that it cannot fill the memory.
+"""Largest size [bytes] of a mesh file: some 500 000 nodes as text.
+
+A larger file is refused before it is read, so that it cannot fill the memory.
 """
 
 
@@ -25,10 +26,12 @@ def mesh_bytes(path: Path) -> bytes:
 
 
 INCLUDED = re.compile(rb"^\s*\*include\s*,\s*input\s*=\s*([^\r\n,]+)", re.IGNORECASE | re.MULTILINE)
-"""The names of files that an Abaqus or CalculiX deck includes."""
+"""Pattern of the lines *INCLUDE in an Abaqus or CalculiX deck, with the name of the file."""
 MOST_NESTED = 8
-"""Depth to which files that include each other are followed. Decks have one or two; a file that
-includes itself would never end."""
+"""Depth to which files that include other files are followed.
+
+Decks have a depth of one or two. Without a limit a file that includes itself would never end.
+"""
 
 
 def content_digest(path: Path, depth: int = 0) -> str:

@@ -1,4 +1,4 @@
-"""What a mesh file holds, whatever its format: nodes, cells, named groups, and what was passed over."""
+"""The content of a mesh file of any format: nodes, cells, named groups and notes of the reader."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -13,7 +13,7 @@ CellGroups = Mapping[str, Mapping[str, Ints]]
 
 @dataclass(frozen=True)
 class FileContent:
-    """What a reader found in a mesh file.
+    """The content of a mesh file, as the reader of its format hands it on.
 
     Parameters
     ----------
@@ -49,48 +49,59 @@ class FileContent:
 
 
 MOST_DECIMALS = 12
-"""Decimals, or significant digits, from which on a coordinate counts as exact. Double precision
-writes 16; the rounding of 12 digits is a billionth of the lining's compression."""
+"""Number of decimals, or of significant digits, from which on a coordinate counts as exact.
+
+Double precision has 16 digits. The rounding of 12 digits is a billionth of the lining's
+compression.
+"""
 DIGIT_SLACK = 1e-3
-"""How far a coordinate may lie off a decimal grid, in steps of the grid, and still count as on it.
-Round-off of the reading is far smaller; full coordinates lie anywhere in the step."""
+"""Distance of a coordinate from a decimal grid, in steps, up to which it counts as rounded to it.
+
+The round-off of reading is far smaller. Coordinates with all digits lie anywhere in a step.
+"""
 
 
 def rounding_of(points: Floats) -> Floats:
-    """How far coordinates (n, k) were rounded when they were written, at most: same shape.
+    """The largest rounding error (n, k) of coordinates (n, k) that were written as text.
 
-    It is half a step of the coarsest decimal grid that all coordinates lie on: with the same
-    number of decimals, or with the same number of significant digits.
+    The rounding error is half a step of the coarsest decimal grid that all coordinates lie on. The
+    grid has one number of decimals, or one number of significant digits.
     """
     size = np.abs(points)
     exponents = np.floor(np.log10(np.where(size > 0, size, 1.0))) + 1
     found = np.zeros(points.shape)
-    for steps in (_decimal_steps(points), _digit_steps(points, exponents)):
+    for steps in (_find_decimal_steps(points), _find_digit_steps(points, exponents)):
         if steps is not None:
             found = np.maximum(found, 0.5 * steps)
     return found
 
 
-def _decimal_steps(points: Floats) -> Floats | None:
-    """The step of the coarsest grid of decimals that all coordinates lie on, as often as those."""
+def _find_decimal_steps(points: Floats) -> Floats | None:
+    """The step of the coarsest grid of decimals that all coordinates lie on; None without a grid.
+
+    The step is repeated for each coordinate (n, k).
+    """
     largest = int(np.floor(np.log10(max(float(np.abs(points).max(initial=0.0)), 1e-300))))
     for decimals in range(-largest, MOST_DECIMALS - largest):
         step = 10.0**-decimals
-        if _on_grid(points, step):
+        if _lie_on_grid(points, step):
             return np.full(points.shape, step)
     return None
 
 
-def _digit_steps(points: Floats, exponents: Floats) -> Floats | None:
-    """The steps of the coarsest grid of significant digits that all coordinates lie on."""
+def _find_digit_steps(points: Floats, exponents: Floats) -> Floats | None:
+    """The steps (n, k) of the coarsest grid of significant digits that all coordinates lie on.
+
+    None without a grid.
+    """
     for digits in range(1, MOST_DECIMALS):
         steps = 10.0 ** (exponents - digits)
-        if _on_grid(points, steps):
+        if _lie_on_grid(points, steps):
             return np.where(points == 0, 0.0, steps)
     return None
 
 
-def _on_grid(points: Floats, step: Floats | float) -> bool:
+def _lie_on_grid(points: Floats, step: Floats | float) -> bool:
     """Whether all coordinates are whole multiples of the step, but for round-off."""
     multiples = points / step
     return bool(np.all(np.abs(multiples - np.round(multiples)) <= DIGIT_SLACK))

@@ -1,9 +1,9 @@
 """A shoe's mesh in a file: Gmsh, Abaqus/CalculiX or VTU, with named groups.
 
-A group is a set of cells or edges with that name (Gmsh's physical names, ELSET, SURFACE), a set of
-nodes (NSET), or cell or point data of that name that is 1 on its members and 0 elsewhere (VTU). A set
-of nodes names the outer edges whose nodes all belong to it. Capital letters do not matter. The key
-`groups` of a shoe names groups that the file calls otherwise, by name or by number.
+A named group is a set of cells or edges (Gmsh's physical names, ELSET, SURFACE), a set of nodes
+(NSET), or an array of cells or points that is 1 on the members and 0 elsewhere (VTU). A set of
+nodes names the outer edges whose nodes all belong to the set. Capital letters do not matter. The
+key `groups` of a shoe names groups that the file calls otherwise, by name or by number.
 """
 
 import contextlib
@@ -39,19 +39,20 @@ from drumlin.fem.mesh.plane_cells import BESIDE, PlaneCells, plane_cells
 from drumlin.fem.mesh.vtu import check_unpacked
 
 FORMATS = (".msh", ".inp", ".vtu")
-"""The suffixes of files that are read and written."""
+"""The suffixes of mesh files that drumlin reads and writes."""
 GROUP_NAMES = ("lining", "backing", "table", "shoe", "contact", "hinge", "actuation")
 """The names of groups that a shoe may need; groups with other names are passed over."""
 MOST_FILE_NODES = 1_000_000
 """Largest number of nodes of a mesh in a file; a file with more is refused to save memory."""
 LARGEST_NUMBER = 10_000_000
-"""Largest number of a node in an .msh file. Its reader makes an array of that length, so that larger
-numbers are refused to save memory.
+"""Largest number of a node in an .msh file; a file with a larger number is refused.
+
+meshio's reader makes an array as long as the largest number, which could fill the memory.
 """
 METRES_PER_UNIT = {"m": 1.0, "mm": 1e-3, "in": 0.0254}
 """Metres per unit of length of a mesh file."""
 LONGEST_REASON = 160
-"""Characters of a reader's own words that a refusal repeats."""
+"""Largest number of characters that a refusal repeats of the error of meshio's reader."""
 
 
 def write_mesh(path: Path, mesh: Any, shoe: Shoe) -> None:
@@ -86,6 +87,8 @@ def _write_msh(
     subdomains: Mapping[str, Ints],
     edges: Mapping[str, Ints],
 ) -> None:
+    """Write a mesh with its groups as a Gmsh file of format 2.2."""
+    # Gmsh wants the ends of an edge first and its middle node last.
     blocks = [(kind.cell, cells[elements]) for elements in subdomains.values()]
     blocks += [(kind.edge, along[[0, -1, *range(1, len(along) - 1)]].T) for along in edges.values()]
     numbers = range(1, len(blocks) + 1)
@@ -98,7 +101,7 @@ def _write_msh(
         for number, block in zip(numbers, blocks, strict=True)
     ]
     data = {"gmsh:physical": tags, "gmsh:geometrical": tags}
-    content = meshio.Mesh(_spatial(xy), blocks, cell_data=data, field_data=names)
+    content = meshio.Mesh(_points_in_space(xy), blocks, cell_data=data, field_data=names)
     meshio.write(path, content, file_format="gmsh22", binary=False)
 
 
@@ -110,12 +113,13 @@ def _write_vtu(
     subdomains: Mapping[str, Ints],
     edges: Mapping[str, Ints],
 ) -> None:
+    """Write a mesh as a .vtu file, whose groups are arrays that are 1 on the members."""
     members = {
         name: np.isin(np.arange(len(cells)), elements) for name, elements in subdomains.items()
     }
     nodes = {name: np.isin(np.arange(len(xy)), along) for name, along in edges.items()}
     content = meshio.Mesh(
-        _spatial(xy),
+        _points_in_space(xy),
         [(cell, cells)],
         cell_data={name: [inside.astype(np.int32)] for name, inside in members.items()},
         point_data={name: inside.astype(np.int32) for name, inside in nodes.items()},
@@ -123,7 +127,8 @@ def _write_vtu(
     meshio.write(path, content, file_format="vtu")
 
 
-def _spatial(xy: Floats) -> Floats:
+def _points_in_space(xy: Floats) -> Floats:
+    """Points (n, 3) in space for points (n, 2) in the plane: z is zero."""
     return np.column_stack([xy, np.zeros(len(xy))])
 
 
@@ -138,7 +143,7 @@ def read_mesh(path: Path, shoe: Shoe, radius: float, key: str = "mesh") -> Any:
 def read_shoe_mesh(path: Path, shoe: Shoe, radius: float, key: str = "mesh") -> ShoeMesh:
     """A user's mesh as `read_mesh`, with what was moved and passed over."""
     fault = f"{key} = '{path}'"
-    content = _content(path, shoe, fault)
+    content = _read_content(path, shoe, fault)
     if len(content.points) > MOST_FILE_NODES:
         raise BadInput(
             f"{fault}: has {len(content.points)} nodes; must have at most {MOST_FILE_NODES}"
@@ -155,9 +160,9 @@ def read_shoe_mesh(path: Path, shoe: Shoe, radius: float, key: str = "mesh") -> 
     # Nodes that were added stand where other nodes put them.
     slack = np.zeros((len(plane.points), 2))
     slack[: len(points)] = rounding * unit
-    mesh, vertex = _mesh(plane.cell, plane.cells, plane.points, fault)
-    nodal, _ = _mesh(plane.cell, plane.cells, slack, fault)
-    mesh = _with_groups(content, shoe, plane, mesh, vertex, fault)
+    mesh, vertex = _mesh_and_vertices(plane.cell, plane.cells, plane.points, fault)
+    nodal, _ = _mesh_and_vertices(plane.cell, plane.cells, slack, fault)
+    mesh = _add_groups(content, shoe, plane, mesh, vertex, fault)
     mesh = check(mesh, shoe, radius, fault, content.group_names)
     contact = put_on_surface(mesh, nodal.doflocs, shoe, radius)
     if contact.mesh is not mesh:
@@ -167,8 +172,8 @@ def read_shoe_mesh(path: Path, shoe: Shoe, radius: float, key: str = "mesh") -> 
     return ShoeMesh(contact.mesh, contact, content.notes + plane.notes)
 
 
-def _content(path: Path, shoe: Shoe, fault: str) -> FileContent:
-    """What a mesh file holds. Raises BadInput, led by `fault`, for one that cannot be read."""
+def _read_content(path: Path, shoe: Shoe, fault: str) -> FileContent:
+    """The content of a mesh file. Raises BadInput, led by `fault`, for an unreadable file."""
     try:
         regular = stat.S_ISREG(path.stat().st_mode)
     except (OSError, ValueError) as error:
@@ -180,7 +185,7 @@ def _content(path: Path, shoe: Shoe, fault: str) -> FileContent:
         )
     data = mesh_bytes(path)
     if suffix == ".msh":
-        _check_numbers(path, fault)
+        _check_node_numbers(path, fault)
     printed = io.StringIO()
     try:
         with (
@@ -188,12 +193,12 @@ def _content(path: Path, shoe: Shoe, fault: str) -> FileContent:
             contextlib.redirect_stderr(printed),
             warnings.catch_warnings(),
         ):
-            # Faults of the mesh are found by our own checks.
+            # Warnings are silenced, since the checks of drumlin find the faults of a mesh.
             warnings.simplefilter("ignore")
             # numpy before 2.3 warns, and newer ones raise, where a file has fewer numbers than its
             # counts promise.
             warnings.filterwarnings("error", "string or file could not be read", DeprecationWarning)
-            return _read(path, suffix, data, shoe)
+            return _read_by_format(path, suffix, data, shoe)
     except MemoryError as error:
         raise BadInput(
             f"{fault}: is not a mesh that can be read (it needs more memory than there is)"
@@ -210,12 +215,15 @@ def _content(path: Path, shoe: Shoe, fault: str) -> FileContent:
         ) from error
 
 
-def _read(path: Path, suffix: str, data: bytes, shoe: Shoe) -> FileContent:
-    """What a file holds; `data` is its content. The content tells the format, not the name alone."""
+def _read_by_format(path: Path, suffix: str, data: bytes, shoe: Shoe) -> FileContent:
+    """The nodes, cells and groups of a mesh file with the bytes `data`.
+
+    Suffix and first bytes together tell the format.
+    """
     start = data.lstrip()[:1]
     # The mesher of CalculiX writes Abaqus text into files named .msh.
     if suffix == ".inp" or (suffix == ".msh" and start == b"*"):
-        return read_inp(data.decode(errors="replace"), path.parent, _element_groups(shoe))
+        return read_inp(data.decode(errors="replace"), path.parent, _names_of_element_groups(shoe))
     if suffix == ".msh" and is_msh4(data):
         return read_msh4(data.decode(errors="replace"))
     if suffix == ".vtu":
@@ -223,15 +231,16 @@ def _read(path: Path, suffix: str, data: bytes, shoe: Shoe) -> FileContent:
     return content_of(meshio.read(path, "vtu" if suffix == ".vtu" else "gmsh"))
 
 
-def _element_groups(shoe: Shoe) -> list[str]:
+def _names_of_element_groups(shoe: Shoe) -> list[str]:
     """The names in the file of the groups of elements that a shoe may have."""
     names = ("lining", "backing", "table", "shoe")
     return list(itertools.chain.from_iterable(shoe.groups.names_of(name) for name in names))
 
 
-def _check_numbers(path: Path, fault: str) -> None:
-    """Refuse node numbers in a text .msh (2.2, 4.1) that would take all memory; what else is wrong
-    is found later.
+def _check_node_numbers(path: Path, fault: str) -> None:
+    """Refuse node numbers in a text .msh file (2.2, 4.1) that would take all memory.
+
+    Other faults of the file are found later, by its reader.
     """
     numbers = np.zeros(0)
     with (
@@ -246,25 +255,29 @@ def _check_numbers(path: Path, fault: str) -> None:
             return
         blocks = int(file.readline().split()[0])
         if version.startswith(b"2"):
-            numbers = _numbers(file, 4 * blocks)[::4]
+            numbers = _next_numbers(file, 4 * blocks)[::4]
         else:
             for _ in range(blocks):
                 count = int(file.readline().split()[3])
-                numbers = np.append(numbers, _numbers(file, count))
-                _numbers(file, 3 * count)
+                numbers = np.append(numbers, _next_numbers(file, count))
+                _next_numbers(file, 3 * count)
     if numbers.size and numbers.max() > LARGEST_NUMBER:
         raise BadInput(
             f"{fault}: numbers a node {numbers.max():.0f}; must be up to {LARGEST_NUMBER}"
         )
 
 
-def _numbers(file: Any, count: int) -> Floats:
-    """The next `count` numbers of a file, or what there is of them."""
+def _next_numbers(file: Any, count: int) -> Floats:
+    """The next `count` numbers of an open text file, or fewer where the file has fewer."""
     return np.fromfile(file, count=max(count, 0), sep=" ")
 
 
 def _plane_points(content: FileContent, fault: str) -> Floats:
-    """x, y of all nodes (n, 2), in the file's unit. Nodes that no plane cell has may lie anywhere."""
+    """Coordinates x, y (n, 2) of all nodes, in the file's unit.
+
+    Raises BadInput, led by `fault`, for a mesh that is not plane. Nodes that belong to no plane
+    cell may lie anywhere.
+    """
     points = content.points
     used = [cells.ravel() for name, cells in content.cells.items() if name not in BESIDE]
     nodes = np.unique(np.concatenate(used)) if used else np.zeros(0, dtype=np.int64)
@@ -281,9 +294,10 @@ def _plane_points(content: FileContent, fault: str) -> Floats:
     return points[:, :2]
 
 
-def _mesh(cell: str, cells: Ints, points: Floats, fault: str) -> tuple[Any, Ints]:
-    """skfem's mesh, and the number there of each node of the file that is a corner of a cell (-1:
-    of none).
+def _mesh_and_vertices(cell: str, cells: Ints, points: Floats, fault: str) -> tuple[Any, Ints]:
+    """skfem's mesh of the cells, and the number (n,) of each of the file's nodes as its vertex.
+
+    The number is -1 for a node that is no corner of a cell.
     """
     kind = next(kind for kind in MESH_KINDS.values() if kind.cell == cell)
     used, numbered = np.unique(cells, return_inverse=True)
@@ -297,13 +311,13 @@ def _mesh(cell: str, cells: Ints, points: Floats, fault: str) -> tuple[Any, Ints
     return mesh, vertex
 
 
-def _with_groups(
+def _add_groups(
     content: FileContent, shoe: Shoe, plane: PlaneCells, mesh: Any, vertex: Ints, fault: str
 ) -> Any:
-    """The mesh with the groups of the file: subdomains from its cells, boundaries from edges or
-    nodes.
+    """The mesh with the groups of the file as its subdomains and boundaries.
 
-    `vertex` (n,): the number in the mesh of each point that is a corner.
+    Subdomains come from cells, boundaries from edges or from nodes. `vertex` (n,) is the number in
+    the mesh of each point that is a corner.
     """
     subdomains, boundaries = {}, {}
     for name in GROUP_NAMES:
@@ -311,18 +325,18 @@ def _with_groups(
         for alias in wanted:
             if alias in content.broken:
                 raise BadInput(f"{fault}: group {name}: {content.broken[alias]}")
-        found = _cells_of(content, plane, wanted)
+        found = _find_cells(content, plane, wanted)
         if len(found):
             subdomains[name] = found
-        facets = _edges_of(content, plane, mesh, vertex, wanted, f"{fault}: group {name}")
+        facets = _find_facets(content, plane, mesh, vertex, wanted, f"{fault}: group {name}")
         if len(facets):
             boundaries[name] = facets
     mesh = dataclasses.replace(mesh, _subdomains=subdomains, _boundaries=boundaries)
-    _check_given(content, shoe, fault)
+    _check_given_names(content, shoe, fault)
     return mesh
 
 
-def _check_given(content: FileContent, shoe: Shoe, fault: str) -> None:
+def _check_given_names(content: FileContent, shoe: Shoe, fault: str) -> None:
     """Refuse names in the key `groups` that the file does not have."""
     for name in shoe.groups.given:
         missing = [
@@ -335,7 +349,7 @@ def _check_given(content: FileContent, shoe: Shoe, fault: str) -> None:
             )
 
 
-def _cells_of(content: FileContent, plane: PlaneCells, names: list[str]) -> Ints:
+def _find_cells(content: FileContent, plane: PlaneCells, names: list[str]) -> Ints:
     """Numbers of the elements in the groups of these names, each once."""
     found = [np.zeros(0, dtype=np.int64)]
     for name in names:
@@ -345,7 +359,7 @@ def _cells_of(content: FileContent, plane: PlaneCells, names: list[str]) -> Ints
     return np.unique(np.concatenate(found))
 
 
-def _edges_of(
+def _find_facets(
     content: FileContent,
     plane: PlaneCells,
     mesh: Any,
@@ -362,8 +376,9 @@ def _edges_of(
                 ends.append(content.cells[cell][rows, :2])
         ends += [content.edge_groups[name]] if name in content.edge_groups else []
         outer_ends += [content.outer_groups[name]] if name in content.outer_groups else []
-    found = _facets(mesh, vertex[np.concatenate(ends)], fault)
-    outlined = _facets(mesh, vertex[np.concatenate(outer_ends)], fault)
+    # A set of nodes counts only where the file has no edges of the same name.
+    found = _facets_between_vertices(mesh, vertex[np.concatenate(ends)], fault)
+    outlined = _facets_between_vertices(mesh, vertex[np.concatenate(outer_ends)], fault)
     outer = mesh.boundary_facets()
     found = np.union1d(found, np.intersect1d(outlined, outer))
     nodes = [content.node_groups[name] for name in names if name in content.node_groups]
@@ -371,10 +386,12 @@ def _edges_of(
         return found
     inside = np.zeros(len(vertex), dtype=bool)
     inside[np.concatenate(nodes)] = True
-    return np.intersect1d(_between(plane, mesh, vertex, inside, fault), outer)
+    return np.intersect1d(_facets_between_nodes(plane, mesh, vertex, inside, fault), outer)
 
 
-def _between(plane: PlaneCells, mesh: Any, vertex: Ints, inside: Bools, fault: str) -> Ints:
+def _facets_between_nodes(
+    plane: PlaneCells, mesh: Any, vertex: Ints, inside: Bools, fault: str
+) -> Ints:
     """The facets whose nodes all belong to a set of nodes, `inside` (n,).
 
     A set without any middle node names the corners of its edges alone.
@@ -386,11 +403,12 @@ def _between(plane: PlaneCells, mesh: Any, vertex: Ints, inside: Bools, fault: s
     middles = plane.cells[:, corners : 2 * corners]
     if middles.size and inside[middles].any():
         whole &= inside[middles] | plane.added[middles]
-    return _facets(mesh, vertex[pairs[whole]], fault)
+    return _facets_between_vertices(mesh, vertex[pairs[whole]], fault)
 
 
-def _facets(mesh: Any, ends: Ints, fault: str) -> Ints:
+def _facets_between_vertices(mesh: Any, ends: Ints, fault: str) -> Ints:
     """Numbers of the facets between the vertices `ends` (n, 2), each once."""
+    # A facet is found by one number that both its vertices make.
     key = mesh.facets[0].astype(np.int64) * mesh.nvertices + mesh.facets[1]
     order = np.argsort(key)
     low, high = np.sort(ends, axis=1).T

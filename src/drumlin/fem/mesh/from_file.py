@@ -1,4 +1,4 @@
-"""A shoe's mesh from a file, what was done to it, and what an answer says about that."""
+"""A shoe's mesh from a file, the changes made to the mesh, and the notes of an answer on them."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -12,18 +12,30 @@ from drumlin.brake.brake import Shoe
 from drumlin.response.response import ShoeResponse
 
 SAID_MOVE = 1e-3
-"""Distance of a node that was moved, or of the contact line from the surface, in mean compressions
-p t/E of the lining, from which on a note says it. It changes the pressure by about as much."""
+"""Distance above which a note tells of a moved node, or of a contact line off the surface.
+
+The distance is relative to the lining's mean compression p t/E. The pressure changes by about the
+same fraction.
+"""
 ZIGZAG = 0.2
-"""Height, in mean compressions p t/E, from which on the contact line's ups and downs count as turns.
-A zigzag of this height makes the pressure go up and down by a tenth of its mean."""
+"""Height above which the ups and downs of a contact line count as turns.
+
+The height is relative to the lining's mean compression p t/E. A zigzag of this height makes the
+pressure go up and down by a tenth of its mean.
+"""
 FEW_TURNS = 5
-"""Turns of the contact line that any lining may have: flats, steps, a groove, a worn end."""
+"""Number of turns that the contact line of any lining may have: flats, steps, a worn end."""
 NODES_PER_TURN = 8
-"""Nodes from one turn to the next that a mesh has at least where it resolves the lining's shape.
-Fewer, more than FEW_TURNS times, are the mesh's own: a zigzag, or straight sides that were split."""
+"""Smallest number of nodes per turn of the contact line on a mesh that resolves a lining's shape.
+
+A line with more than FEW_TURNS turns and fewer nodes per turn is a zigzag of the mesh, or its
+straight sides were split.
+"""
 MOST_TURNS = 12
-"""Turns, of half a compression and more, beyond which even a resolved line is a polygon."""
+"""Number of turns above which a contact line is a polygon, however many nodes resolve each turn.
+
+Turns count here from a height of half the lining's mean compression p t/E on.
+"""
 
 
 @dataclass(frozen=True)
@@ -90,14 +102,14 @@ def mesh_notes(
         if by > SAID_MOVE * compression:
             yield (
                 f"{lead}: {count} {nodes} of the contact line were put on the {surface}, "
-                f"by up to {_size(by, compression)}: {cause}"
+                f"by up to {_distance_in_words(by, compression)}: {cause}"
             )
     off = shoe.off(xy, radius)
     _check_smooth(off, compression, lead, surface)
     most = float(np.abs(off).max())
     if most > SAID_MOVE * compression:
         yield (
-            f"{lead}: the contact line lies up to {_size(most, compression)} off the {surface}; "
+            f"{lead}: the contact line lies up to {_distance_in_words(most, compression)} off the {surface}; "
             "this counts as the lining's shape, a gap"
         )
 
@@ -110,7 +122,7 @@ def mean_compression(shoe: Shoe, response: ShoeResponse) -> float:
     return mean * shoe.lining.thickness / shoe.lining.material.E_through
 
 
-def _size(distance: float, compression: float) -> str:
+def _distance_in_words(distance: float, compression: float) -> str:
     """A distance [m] in words, beside the lining's mean compression [m]."""
     ratio = f"{distance / compression:.2g}"
     return f"{distance * 1e6:.3g} um ({ratio} of the lining's mean compression p t/E)"
@@ -123,8 +135,9 @@ def _check_smooth(off: Floats, compression: float, lead: str, surface: str) -> N
     if unresolved or high > MOST_TURNS:
         raise BadInput(
             f"{lead}: the contact line goes off the {surface} and back {turns} times on "
-            f"{len(off)} nodes, by up to {_size(float(np.abs(off).max()), compression)}: a zigzag or a "
-            f"polygon is no lining; put its nodes on the {surface}, write more digits, or curve its sides"
+            f"{len(off)} nodes, by up to {_distance_in_words(float(np.abs(off).max()), compression)}: "
+            f"a zigzag or a polygon is no lining; put its nodes on the {surface}, "
+            "write more digits, or curve its sides"
         )
 
 

@@ -12,23 +12,29 @@ from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Shoe
 
 EDGE_SIZE = 1 / 32
-"""Size of an element at the lining's sharp edge relative to one in its middle, and of a layer at its
-faces. The pressure is singular at the edge. With four times this size the error of p is a quarter
-larger in the median of 22 random brakes, and up to six times as large; with half of it the error is
-the same.
+"""Size of an element at the lining's sharp edge relative to an element in the lining's middle.
+
+Layers at the lining's faces are as much thinner than in its middle. The pressure is singular at the
+edge. With four times this size the error of p is a quarter larger in the median of 22 random
+brakes, and up to six times as large; with half of this size the error is the same.
 """
 MOST_BEYOND = 200
-"""Largest number of elements along the body on either side of the lining; longer overhangs have
-larger elements. The limit saves memory.
+"""Largest number of elements along the body on either side of the lining, to save memory.
+
+Longer overhangs have larger elements.
 """
 MOST_LAYERS = 8
-"""Largest number of layers through backing and body each. It makes the unknowns grow with the number
-of elements along the lining and not with its square. On 22 random brakes twice as many layers take
-1.4 times the unknowns for the same error of p; half as many make the error up to 2.4 times as large.
+"""Largest number of layers through the backing, and through the body, of quadratic elements.
+
+With a limit the unknowns grow with the number of elements along the lining and not with its square.
+On 22 random brakes twice as many layers take 1.4 times the unknowns for the same error of p. Half
+as many layers make the error up to 2.4 times as large.
 """
 MOST_THIN = 80
-"""The limit of MOST_LAYERS for linear elements, which bend well only in thin layers: the default
-number of elements along a lining. On 22 random brakes 40 and 160 give the same errors.
+"""Largest number of layers through the backing, and through the body, of linear elements.
+
+Linear elements bend well only in thin layers. The limit is the default number of elements along a
+lining. On 22 random brakes 40 and 160 layers give the same errors.
 """
 
 
@@ -74,8 +80,8 @@ def lining_layers(elements: int) -> int:
 def overhang(near: float, far: float, division: LiningDivision) -> Floats:
     """Ends of the elements from `near`, where the lining ends, to `far`, about a step apart.
 
-    Both ends stand once even where they coincide. Where the elements would be more than MOST_BEYOND,
-    their lengths grow by one ratio from a step on.
+    Ends that coincide count once. Where steps would make more than MOST_BEYOND elements, the first
+    element is a step long and the lengths grow by one ratio.
     """
     length, step = abs(far - near), division.step
     if length < 1e-9:
@@ -83,7 +89,7 @@ def overhang(near: float, far: float, division: LiningDivision) -> Floats:
     count = max(1, round(length / step))
     parts = np.linspace(0, 1, min(count, MOST_BEYOND) + 1)
     if count > MOST_BEYOND:
-        growth = _growth(length / step)
+        growth = _find_growth(length / step)
         parts = np.expm1(growth * np.arange(MOST_BEYOND + 1)) / np.expm1(growth * MOST_BEYOND)
     places = near + (far - near) * parts
     places[-1] = far
@@ -113,7 +119,7 @@ def half_geometric(length: float, smallest: float, ratio: float, largest: float)
     return np.array(points) * length / points[-1]
 
 
-def _growth(total: float) -> float:
+def _find_growth(total: float) -> float:
     """The g of MOST_BEYOND steps 1, e^g, e^2g, ... whose sum is `total`, by halving an interval."""
     low, high = 0.0, 1.0
     while high - low > 1e-12:
@@ -138,6 +144,7 @@ def graded(start: float, end: float, count: int, zone: float, smallest: float) -
     zone : length over which the steps shrink at each end
     smallest : smallest step relative to the inner steps h_0
     """
+    # Equal parts of the integral of dd / h give the points, mirrored about the middle.
     half = (end - start) / 2
     total = inner_steps(half, half, zone, smallest)
     part = total * np.minimum(np.arange(count + 1), np.arange(count + 1)[::-1]) / (count / 2)
@@ -145,6 +152,7 @@ def graded(start: float, end: float, count: int, zone: float, smallest: float) -
     inner = inner_steps(reach, half, zone, smallest)
     in_zone = zone * smallest * np.expm1(np.minimum(part, inner) / zone)
     d = np.where(part <= inner, in_zone, reach + part - inner)
+    # Points of the second half count their distance d from the end.
     left = np.arange(count + 1) <= count / 2
     points = np.where(left, start + d, end - d)
     points[0], points[-1] = start, end

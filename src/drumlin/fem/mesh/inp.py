@@ -21,16 +21,18 @@ LOOSE = (
     *("SPRING", "DASHPOT", "MASS", "ROTARYI", "CONN", "GAP", "JOINT", "ITS", "DCOUP", "HEATCAP"),
     *("R2D", "R3D", "RAX", "RB2D", "RB3D", "DIST", "FRAME", "PIPE", "TUBE", "SLIDE"),
 )
-"""Beginnings of the types of elements that are no part of a shoe's mesh: springs, masses, connectors,
-gaps and rigid bodies. They are passed over."""
+"""Beginnings of the types of elements that are passed over, as no part of a shoe's mesh.
+
+They are springs, masses, connectors, gaps and rigid bodies.
+"""
 
 Parsed = TypeVar("Parsed")
 Key = tuple[str, int]
-"""Instance and label of a node or an element."""
+"""Name of the instance, and label, of a node or an element in an Abaqus deck."""
 
 
 class ElementPlace(NamedTuple):
-    """Where an element stands: type of its cell, and row among the cells of that type."""
+    """The place of an element: type of its cell, and its row among the cells of that type."""
 
     cell: str
     row: int
@@ -62,12 +64,12 @@ def _chosen(deck: Deck, wanted: Collection[str]) -> list[DeckInstance]:
     for body in deck.bodies:
         for name in wanted:
             if name in body.part.element_sets:
-                owners |= _owners(deck, body, name)
+                owners |= _find_owners(deck, body, name)
     found = [body for body in bodies if body.name in owners or not body.part.blocks]
     return found if owners else bodies
 
 
-def _owners(deck: Deck, body: DeckInstance, name: str) -> set[str]:
+def _find_owners(deck: Deck, body: DeckInstance, name: str) -> set[str]:
     """The names of the instances whose elements a set holds; of a set that cannot be read none."""
     try:
         return {owner.name for owner, _ in deck.members(body, "element_sets", name)}
@@ -85,12 +87,12 @@ class _Assembled:
         self.cells: dict[str, list[list[int]]] = {}
         self.plane_strain: dict[str, None] = {}
         self.broken: dict[str, str] = {}
-        self.points, self.rounding = self._numbered()
+        self.points, self.rounding = self._number_nodes()
         for body in bodies:
             for block in body.part.blocks:
-                self._add(body, block.kind, block.elements)
+                self._add_block(body, block.kind, block.elements)
 
-    def _numbered(self) -> tuple[Floats, Floats]:
+    def _number_nodes(self) -> tuple[Floats, Floats]:
         """All nodes (n, 3), placed, and how far their x and y were rounded (n, 2)."""
         points, rounding = [np.zeros((0, 3))], [np.zeros((0, 2))]
         for body in self.bodies:
@@ -102,7 +104,7 @@ class _Assembled:
                 rounding.append(rounding_of(np.array(list(part.written.values()))))
         return np.vstack(points), np.vstack(rounding)
 
-    def _add(self, body: DeckInstance, kind: str, elements: dict[int, list[int]]) -> None:
+    def _add_block(self, body: DeckInstance, kind: str, elements: dict[int, list[int]]) -> None:
         """Add the elements of a block, or pass over springs, masses and the like."""
         cell = cell_of(kind)
         if kind.startswith("CPE"):
@@ -114,16 +116,18 @@ class _Assembled:
                 continue
             if len(nodes) != NODES_PER_CELL[cell]:
                 raise ValueError(
-                    f"*ELEMENT, TYPE={kind} needs a label and {NODES_PER_CELL[cell]} nodes on each line"
+                    f"*ELEMENT, TYPE={kind} needs a label "
+                    f"and {NODES_PER_CELL[cell]} nodes on each line"
                 )
             self.place[body.name, label] = ElementPlace(cell, len(rows))
-            found = [self._node(body.name, node, f"element {label}") for node in nodes]
+            found = [self._number_of_node(body.name, node, f"element {label}") for node in nodes]
+            # Abaqus writes the middle node of an edge second, meshio last.
             if cell == "line3":
                 first, middle, last = found
                 found = [first, last, middle]
             rows.append(found)
 
-    def _node(self, owner: str, label: int, where: str) -> int:
+    def _number_of_node(self, owner: str, label: int, where: str) -> int:
         """The number of a node. Raises ValueError, naming where it stands, for an unknown one."""
         found = self.number.get((owner, label))
         if found is None:
@@ -131,26 +135,31 @@ class _Assembled:
         return found
 
     def content(self) -> FileContent:
-        """What the deck holds."""
-        nodes, cells = self._groups("node_sets"), self._groups("element_sets")
-        surfaces = self._surfaces()
+        """The content of the deck: points, cells, groups, rounding and notes."""
+        nodes, cells = self._read_sets("node_sets"), self._read_sets("element_sets")
+        surfaces = self._read_surfaces()
         return FileContent(
             points=self.points,
-            cells={cell: _rows(rows, NODES_PER_CELL[cell]) for cell, rows in self.cells.items()},
-            cell_groups={name: self._by_cell(keys) for name, keys in cells.items()},
+            cells={
+                cell: _array_of_rows(rows, NODES_PER_CELL[cell])
+                for cell, rows in self.cells.items()
+            },
+            cell_groups={name: self._sort_by_cell(keys) for name, keys in cells.items()},
             node_groups={
                 name: np.unique(np.array([self.number[key] for key in keys], dtype=np.int64))
                 for name, keys in (nodes | surfaces.nodes).items()
             },
-            edge_groups={name: _rows(edges, 2) for name, edges in surfaces.edges.items()},
-            outer_groups={name: _rows(edges, 2) for name, edges in surfaces.outlines.items()},
+            edge_groups={name: _array_of_rows(edges, 2) for name, edges in surfaces.edges.items()},
+            outer_groups={
+                name: _array_of_rows(edges, 2) for name, edges in surfaces.outlines.items()
+            },
             rounding=self.rounding,
             turned=any(body.placement.turns or body.part.turned for body in self.bodies),
             broken=self.broken,
-            notes=self._notes(),
+            notes=self._write_notes(),
         )
 
-    def _notes(self) -> tuple[str, ...]:
+    def _write_notes(self) -> tuple[str, ...]:
         """Lines about what was passed over, and about plane strain."""
         notes = []
         if self.deck.unknown:
@@ -166,8 +175,11 @@ class _Assembled:
             notes.append(f"TYPE={kinds} is plane strain; it is solved in plane stress")
         return tuple(notes)
 
-    def _groups(self, which: str) -> dict[str, list[Key]]:
-        """The members of each set; sets of the assembly go before those of parts."""
+    def _read_sets(self, which: str) -> dict[str, list[Key]]:
+        """The members of each node set or element set (`which`), by the set's name.
+
+        A set of the assembly goes before sets of that name in parts.
+        """
         known = self.number if which == "node_sets" else self.place
         what = "node" if which == "node_sets" else "element"
 
@@ -181,20 +193,21 @@ class _Assembled:
                 )
             return [key for key in keys if key in known]
 
-        return self._of_bodies(lambda body: getattr(body.part, which), found)
+        return self._collect_by_name(lambda body: getattr(body.part, which), found)
 
     def _chosen(self, owner: str) -> bool:
         """Whether an instance is one of the bodies that were chosen."""
         return owner == "" or any(body.name == owner for body in self.bodies)
 
-    def _of_bodies(
+    def _collect_by_name(
         self,
         named: Callable[[DeckInstance], Collection[str]],
         found: Callable[[DeckInstance, str], list[Parsed]],
     ) -> dict[str, list[Parsed]]:
-        """What is found under each name: in the assembly, or else in all bodies together.
+        """The members of each named group: of the assembly, or else of all bodies together.
 
-        What cannot be read goes to `broken`.
+        `named` returns the names of a body's groups, and `found` the members of one of them. The
+        reason why a group cannot be read goes to `broken`.
         """
         groups: dict[str, list[Parsed]] = {}
         assembly = self.deck.bodies[-1]
@@ -209,7 +222,7 @@ class _Assembled:
                     self.broken[name] = str(error)
         return groups
 
-    def _by_cell(self, keys: list[Key]) -> dict[str, Ints]:
+    def _sort_by_cell(self, keys: list[Key]) -> dict[str, Ints]:
         """Rows of the elements of a group, by the type of their cells."""
         rows = defaultdict(list)
         for key in keys:
@@ -218,7 +231,7 @@ class _Assembled:
                 rows[place.cell].append(place.row)
         return {cell: np.array(found, dtype=np.int64) for cell, found in rows.items()}
 
-    def _surfaces(self) -> "_Surfaces":
+    def _read_surfaces(self) -> "_Surfaces":
         """The edges and nodes of all surfaces."""
         found = _Surfaces({}, {}, {})
 
@@ -227,22 +240,24 @@ class _Assembled:
                 raise ValueError(f"the surface {name.upper()}: {body.part.refused[name]}")
             kind, rows = body.part.surfaces[name]
             if kind == "NODE":
-                keys = [key for row in rows for key in self._in(body, "node_sets", row[0])]
+                keys = [
+                    key for row in rows for key in self._members_of_word(body, "node_sets", row[0])
+                ]
                 found.nodes.setdefault(name, []).extend(keys)
             elif kind == "ELEMENT":
                 for row in rows:
                     face = row[1].upper() if len(row) > 1 else ""
-                    edges = self._edges(body, row[0], face, name)
+                    edges = self._edges_of_line(body, row[0], face, name)
                     (found.edges if face else found.outlines).setdefault(name, []).extend(edges)
             else:
                 raise ValueError(f"the surface {name.upper()}: TYPE={kind} is not read")
             return []
 
-        self._of_bodies(lambda body: body.part.surfaces, take)
+        self._collect_by_name(lambda body: body.part.surfaces, take)
         return found
 
-    def _in(self, body: DeckInstance, which: str, word: str) -> list[Key]:
-        """The members that a word on a line of *SURFACE means: of a set, or one label."""
+    def _members_of_word(self, body: DeckInstance, which: str, word: str) -> list[Key]:
+        """The nodes or elements that a word on a line of *SURFACE names: a set's, or one label."""
         name = word.lower()
         holder = body
         if "." in name and name not in getattr(body.part, which):
@@ -256,10 +271,16 @@ class _Assembled:
             raise ValueError(f"a surface names {word!r}, which is no label and no set")
         return [(holder.name, int(name))]
 
-    def _edges(self, body: DeckInstance, word: str, face: str, name: str) -> list[list[int]]:
-        """Corner points of the edges that a line of a surface names; without a face of all edges."""
+    def _edges_of_line(
+        self, body: DeckInstance, word: str, face: str, name: str
+    ) -> list[list[int]]:
+        """Corner points of the edges that a line of a *SURFACE names.
+
+        A line without a `face` (S1 to S4) names all edges of its elements.
+        """
         edges = []
-        for key in self._in(body, "element_sets", word):
+        # Elements without a cell are springs and masses, which have no edges.
+        for key in self._members_of_word(body, "element_sets", word):
             place = self.place[key]
             if place is None:
                 continue
@@ -298,15 +319,16 @@ def cell_of(kind: str) -> str | None:
         raise ValueError(
             f"*ELEMENT, TYPE={kind} is axisymmetric, a ring about the axis; a shoe is plane (CPS)"
         )
-    # Reduced, hybrid and other formulations have one shape.
+    # Letters at the end (R: reduced, H: hybrid) change the formulation and not the shape.
     plain = kind[:-2] if kind.endswith("R5") else kind.rstrip("HIRMSTW")
     if plain not in CELL_OF_TYPE:
         raise ValueError(
-            f"*ELEMENT, TYPE={kind} is not an element of a plane mesh; allowed: {', '.join(CELL_OF_TYPE)}"
+            f"*ELEMENT, TYPE={kind} is not an element of a plane mesh; "
+            f"allowed: {', '.join(CELL_OF_TYPE)}"
         )
     return CELL_OF_TYPE[plain]
 
 
-def _rows(rows: list[list[int]], width: int) -> Ints:
+def _array_of_rows(rows: list[list[int]], width: int) -> Ints:
     """Rows of numbers as an array, which may be empty."""
     return np.array(rows, dtype=np.int64).reshape(-1, width)

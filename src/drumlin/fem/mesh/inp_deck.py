@@ -20,8 +20,10 @@ from drumlin.fem.mesh.inp_parts import (
 from drumlin.fem.mesh.inp_text import InputSection, sections
 
 MOST_MEMBERS = 2_000_000
-"""Number of members that all sets of a deck may have together. A set may name other sets and ranges,
-so that it can be far larger than its text."""
+"""Largest number of members of all sets of a deck together; a deck with more is refused.
+
+A set may name other sets and ranges of labels, so that it can be far larger than its text.
+"""
 OTHER_FILE = "reads its data lines from another file; use *INCLUDE, or put them into the deck"
 UNREAD_OPTIONS = {
     "NODE": {"INPUT": OTHER_FILE},
@@ -53,32 +55,32 @@ class Deck:
         self._system = IN_PLACE
         self._room = MOST_MEMBERS
         for section in sections(text, folder):
-            self._take(section)
+            self._add_section(section)
 
     @property
     def bodies(self) -> list[DeckInstance]:
-        """All that holds nodes: the instances, or the parts of a deck that places none."""
+        """The bodies with nodes: the instances, or the parts of a deck without instances."""
         placed = list(self.instances.values()) or [
             DeckInstance(name, part) for name, part in self.parts.items()
         ]
         return [DeckInstance("", self.root), *placed, DeckInstance("", self.assembly)]
 
-    def _take(self, section: InputSection) -> None:
-        """Take up one section."""
+    def _add_section(self, section: InputSection) -> None:
+        """Add the nodes, elements, sets or surfaces of one section to its part."""
         keyword, scope = section.keyword, self._scope
         for option, reason in UNREAD_OPTIONS.get(keyword, {}).items():
             if option in section.options:
                 raise ValueError(f"*{keyword}, {option}= {reason}")
         if keyword == "NODE":
-            self._nodes(section)
+            self._add_nodes(section)
         elif keyword == "ELEMENT":
-            self._elements(section)
+            self._add_elements(section)
         elif keyword == "NSET":
-            self._add_to(scope.node_sets, section, section.options.get("NSET"))
+            self._add_to_set(scope.node_sets, section, section.options.get("NSET"))
         elif keyword == "ELSET":
-            self._add_to(scope.element_sets, section, section.options.get("ELSET"))
+            self._add_to_set(scope.element_sets, section, section.options.get("ELSET"))
         elif keyword == "SURFACE":
-            self._surface(section)
+            self._add_surface(section)
         elif keyword == "SYSTEM":
             self._system = system_of(section.rows)
         elif keyword in SCOPES:
@@ -87,8 +89,8 @@ class Deck:
         elif keyword:
             passed_over(section, self.unknown)
 
-    def _nodes(self, section: InputSection) -> None:
-        """Nodes, in the coordinates of the *SYSTEM before them."""
+    def _add_nodes(self, section: InputSection) -> None:
+        """Add the nodes of a *NODE section, placed by the *SYSTEM before the section."""
         kind, scope = section.option("SYSTEM") or "R", self._scope
         if kind not in ("R", "C"):
             raise ValueError(f"*NODE, SYSTEM={kind} is not read; write rectangular coordinates")
@@ -105,21 +107,24 @@ class Deck:
                 xyz = self._system(np.array(xyz)).tolist()
             scope.add_node(label, xyz, [*written, 0.0, 0.0][:2])
         labels = InputSection("NSET", {}, [[row[0]] for row in section.rows])
-        self._add_to(scope.node_sets, labels, section.options.get("NSET"))
+        self._add_to_set(scope.node_sets, labels, section.options.get("NSET"))
 
-    def _elements(self, section: InputSection) -> None:
-        """Elements with the labels of their nodes; how many nodes there must be is checked later."""
+    def _add_elements(self, section: InputSection) -> None:
+        """Add the elements of an *ELEMENT section with the labels of their nodes.
+
+        The reader of the mesh checks the number of nodes later.
+        """
         kind, found = section.option("TYPE"), dict[int, list[int]]()
         for row in section.rows:
-            label, *nodes = (_own_label(word) for word in row)
+            label, *nodes = (_element_label(word) for word in row)
             if label in found:
                 raise ValueError(f"element {label} is defined twice")
             found[label] = nodes
         self._scope.add_elements(kind, found)
         labels = InputSection("ELSET", {}, [[str(label)] for label in found])
-        self._add_to(self._scope.element_sets, labels, section.options.get("ELSET"))
+        self._add_to_set(self._scope.element_sets, labels, section.options.get("ELSET"))
 
-    def _add_to(
+    def _add_to_set(
         self, sets: dict[str, list[Member]], section: InputSection, name: str | None
     ) -> None:
         """Add the data lines of a section to a set: labels, names of sets, or first, last, step."""
@@ -138,8 +143,8 @@ class Deck:
             else:
                 found += [Member(owner, word.lower()) for word in row]
 
-    def _surface(self, section: InputSection) -> None:
-        """A surface; its name is that of its edges or nodes."""
+    def _add_surface(self, section: InputSection) -> None:
+        """Add a *SURFACE section: its type and data lines under its name."""
         name = section.options.get("NAME", "").lower()
         for option, reason in UNREAD_SET_OPTIONS.items():
             if option in section.options:
@@ -147,16 +152,18 @@ class Deck:
         self._scope.surfaces[name] = (section.option("TYPE") or "ELEMENT", section.rows)
 
     def _begin_part(self, section: InputSection) -> None:
+        """Begin a part, which the sections up to *END PART belong to."""
         name = section.options.get("NAME", "").lower()
         if name in self.parts:
             raise ValueError(f"*PART, NAME={name}: there are two parts of this name")
         self._scope = self.parts[name] = DeckPart(name)
 
     def _begin_assembly(self, section: InputSection) -> None:
+        """Begin the assembly, which the sections outside of its instances belong to."""
         self._scope = self._outer = self.assembly
 
     def _begin_instance(self, section: InputSection) -> None:
-        """An instance of a part, or one with nodes of its own."""
+        """Begin an instance: of a part, or with nodes and elements of its own."""
         name, of = (section.options.get(key, "") for key in ("NAME", "PART"))
         part = self.parts.get(of.lower())
         if of and part is None:
@@ -168,11 +175,11 @@ class Deck:
         placed = DeckInstance(name.lower(), part or self._scope, placement)
         self.instances[placed.name] = placed
 
-    def _end(self, section: InputSection) -> None:
-        """The end of a part, an instance or the assembly."""
+    def _end_scope(self, section: InputSection) -> None:
+        """End a part, an instance or the assembly; later sections belong to what is around it."""
         own = self._scope
         named = self.instances.get(own.name)
-        # What stands between *INSTANCE and its end belongs to the instance alone.
+        # Nodes between *INSTANCE and *END INSTANCE would belong to this instance of the part alone.
         placed = section.keyword == "END INSTANCE" and named is not None and named.part is not own
         if placed and (own.nodes or own.labels):
             raise ValueError(f"*INSTANCE, NAME={own.name} adds nodes or elements to its part")
@@ -187,9 +194,19 @@ class Deck:
         name: str,
         above: tuple[tuple[str, str], ...] = (),
     ) -> Iterator[tuple[DeckInstance, int]]:
-        """Instance and label of each member of a set of a body; sets in it are opened.
+        """Instance and label of each member of a set of a body; sets in the set are opened.
 
-        which: "node_sets" or "element_sets". Raises ValueError for a member that cannot be.
+        Parameters
+        ----------
+        body : the instance, or the part, that the set stands in
+        which : "node_sets" or "element_sets"
+        name : of the set
+        above : body and name of the sets that this set is a member of
+
+        Raises
+        ------
+        ValueError
+            for a member that is neither a label nor a set, and for a set in itself
         """
         if (body.name, name) in above:
             raise ValueError(f"the set {name.upper()} is a member of itself")
@@ -205,7 +222,7 @@ class Deck:
             if isinstance(word, str) and word in getattr(holder.part, which):
                 yield from self.members(holder, which, word, above)
                 continue
-            labels = word if isinstance(word, range) else (_label(word, name),)
+            labels = word if isinstance(word, range) else (_member_label(word, name),)
             # The length of a range may be beyond what len can say.
             if labels[self._room :]:
                 raise ValueError(f"the sets have more than {MOST_MEMBERS} members together")
@@ -225,20 +242,20 @@ SCOPES = {
     "PART": Deck._begin_part,
     "ASSEMBLY": Deck._begin_assembly,
     "INSTANCE": Deck._begin_instance,
-    "END PART": Deck._end,
-    "END ASSEMBLY": Deck._end,
-    "END INSTANCE": Deck._end,
+    "END PART": Deck._end_scope,
+    "END ASSEMBLY": Deck._end_scope,
+    "END INSTANCE": Deck._end_scope,
 }
-"""Keywords that begin or end a part, the assembly or an instance."""
+"""The method of a deck for each keyword that begins or ends a part, the assembly or an instance."""
 
 
-def _own_label(word: str) -> int:
-    """A label on a line of *ELEMENT."""
+def _element_label(word: str) -> int:
+    """The label in a word of an *ELEMENT line. Raises ValueError for a word without a label."""
     return whole(word, "*ELEMENT")
 
 
-def _label(word: str, name: str) -> int:
-    """The label in a word of a set. Raises ValueError for a word that is none."""
+def _member_label(word: str, name: str) -> int:
+    """The label in a word of the set `name`. Raises ValueError for a word that is no label."""
     if not word.isdigit():
         raise ValueError(f"the set {name.upper()} names {word!r}, which is no label and no set")
     return int(word)

@@ -1,4 +1,4 @@
-"""What each keyword of Abaqus and CalculiX means for a mesh: read, refused by name, or passed over.
+"""The Abaqus and CalculiX keywords that a mesh reader refuses by name or passes over.
 
 A keyword that moves nodes, makes nodes or elements, or changes what a group holds is read or
 refused. A keyword that is on no list here is passed over, and a note names it.
@@ -21,11 +21,12 @@ REFUSED = {
     "CYCLIC SYMMETRY MODEL": "repeats the mesh; write the whole shoe",
     "MAP SOLUTION": "moves nodes; write the mesh out as it is then",
 }
-"""Keywords that change coordinates, elements or groups and are not read, with what to do instead."""
+"""Keywords that change nodes, elements or groups and are refused, with what to do instead."""
 
 HARMLESS = frozenset(
-    """|HEADING|PREPRINT|RESTART|STEP|END STEP|STATIC|DYNAMIC|VISCO|FREQUENCY|BUCKLE|MATERIAL|ELASTIC
-    |DENSITY|EXPANSION|PLASTIC|CONDUCTIVITY|SPECIFIC HEAT|HYPERELASTIC|DAMPING|FRICTION|DEPVAR
+    """|HEADING|PREPRINT|RESTART|STEP|END STEP|STATIC|DYNAMIC|VISCO|FREQUENCY|BUCKLE|MATERIAL
+    |ELASTIC|DENSITY|EXPANSION|PLASTIC|CONDUCTIVITY|SPECIFIC HEAT|HYPERELASTIC
+    |DAMPING|FRICTION|DEPVAR
     |USER MATERIAL|SOLID SECTION|SHELL SECTION|SHELL GENERAL SECTION|MEMBRANE SECTION|BEAM SECTION
     |BEAM GENERAL SECTION|CONNECTOR SECTION|CONNECTOR BEHAVIOR|CONNECTOR ELASTICITY|SPRING|DASHPOT
     |MASS|ROTARY INERTIA|GAP|ORIENTATION|DISTRIBUTION|DISTRIBUTION TABLE|AMPLITUDE|TIME POINTS

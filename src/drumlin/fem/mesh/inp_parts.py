@@ -11,8 +11,10 @@ from drumlin.base.arrays import Floats
 
 
 class Member(NamedTuple):
-    """Members of a set: a range of labels, one label, or the name of a set; `owner`: the instance
-    that they belong to, "" for that of the set itself."""
+    """An entry of a set in an Abaqus deck: a range of labels, one label, or the name of a set.
+
+    `owner` is the name of the instance that the labels belong to, "" for the set's own instance.
+    """
 
     owner: str
     word: range | str
@@ -81,12 +83,12 @@ class Placement:
 
     @property
     def moves(self) -> bool:
-        """Whether it moves anything."""
+        """Whether the placement moves a part at all."""
         return bool(np.any(self.turn != np.eye(3)) or np.any(self.shift))
 
     @property
     def turns(self) -> bool:
-        """Whether it turns the axes."""
+        """Whether the placement turns a part's axes."""
         return bool(np.any(self.turn != np.eye(3)))
 
 
@@ -103,9 +105,9 @@ class DeckInstance:
 
 
 def placement_of(rows: list[list[str]], name: str) -> Placement:
-    """The placement that the data lines of an *INSTANCE say: a shift, then a turn about an axis.
+    """The placement of an *INSTANCE from its data lines: a shift, then a turn about an axis.
 
-    The shift comes first. The second line holds two points on the axis and the angle in degrees.
+    The second line holds two points on the axis and the angle in degrees.
     """
     if len(rows) > 2:
         raise ValueError(f"*INSTANCE, NAME={name} has {len(rows)} data lines; must have at most 2")
@@ -123,11 +125,13 @@ def placement_of(rows: list[list[str]], name: str) -> Placement:
         raise ValueError(
             f"*INSTANCE, NAME={name}: its second data line must be two points and an angle"
         )
-    turn = _rotation((second - first) / np.linalg.norm(second - first), math.radians(given[6]))
+    turn = _rotation_matrix(
+        (second - first) / np.linalg.norm(second - first), math.radians(given[6])
+    )
     return Placement(turn, turn @ (shift - first) + first)
 
 
-def _rotation(axis: Floats, angle: float) -> Floats:
+def _rotation_matrix(axis: Floats, angle: float) -> Floats:
     """The matrix (3, 3) that turns by an angle [rad] about a unit vector (3,) (Rodrigues)."""
     x, y, z = axis
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
@@ -135,7 +139,10 @@ def _rotation(axis: Floats, angle: float) -> Floats:
 
 
 def system_of(rows: list[list[str]]) -> Placement:
-    """The placement that a *SYSTEM says: origin, a point on its x-axis, a point in its plane x, y."""
+    """The placement of nodes after a *SYSTEM section, from its data lines.
+
+    They give the origin, a point on the x-axis and a point in the plane x, y.
+    """
     if not rows:
         return IN_PLACE
     given = numbers(rows[0], "*SYSTEM")
@@ -157,7 +164,7 @@ def system_of(rows: list[list[str]]) -> Placement:
 def numbers(words: list[str], where: str) -> list[float]:
     """Numbers in the words of a data line; Fortran's exponents D are read too.
 
-    Raises ValueError for a word that is no number, naming `where` it stands.
+    Raises ValueError for a word that is no number; `where` names its section in the message.
     """
     found = []
     for word in words:
@@ -169,7 +176,7 @@ def numbers(words: list[str], where: str) -> list[float]:
 
 
 def whole(word: str, where: str) -> int:
-    """A label in a word. Raises ValueError for a word that is none, naming `where` it stands."""
+    """The label in a word. Raises ValueError, naming `where`, for a word that is no label."""
     try:
         return int(word)
     except ValueError:

@@ -7,8 +7,10 @@ from typing import NamedTuple
 from drumlin.fem.mesh.content import MOST_NESTED, mesh_bytes
 
 DATA_STARTS = frozenset("*+-.0123456789")
-"""First characters of a line that is no more options of a keyword line before it: a keyword or a
-number."""
+"""First characters of a line that does not continue the options of the keyword line before it.
+
+The line begins with a keyword or a number.
+"""
 
 
 class InputSection(NamedTuple):
@@ -32,9 +34,9 @@ def sections(text: str, folder: Path | None, depth: int = 0) -> Iterator[InputSe
     Raises ValueError for a file that is included and cannot be read.
     """
     section, goes_on = InputSection("", {}, []), False
-    for line in _lines(text):
+    for line in _joined_lines(text):
         if not line.startswith("*"):
-            row = [word for word in map(_plain, line.split(",")) if word]
+            row = [word for word in map(_strip_quotes, line.split(",")) if word]
             if goes_on:
                 section.rows[-1].extend(row)
             else:
@@ -42,14 +44,14 @@ def sections(text: str, folder: Path | None, depth: int = 0) -> Iterator[InputSe
             goes_on = line.endswith(",") and section.keyword == "ELEMENT"
             continue
         yield section
-        section, goes_on = _head(line), False
+        section, goes_on = _section_of_keyword(line), False
         if section.keyword == "INCLUDE":
-            yield from sections(*_included(section, folder, depth), depth + 1)
+            yield from sections(*_read_included(section, folder, depth), depth + 1)
             section = InputSection("", {}, [])
     yield section
 
 
-def _lines(text: str) -> Iterator[str]:
+def _joined_lines(text: str) -> Iterator[str]:
     """The lines that are not empty and no comments; keyword lines that go on are joined."""
     begun = ""
     for raw in text.splitlines():
@@ -70,20 +72,22 @@ def _lines(text: str) -> Iterator[str]:
         yield begun
 
 
-def _plain(word: str) -> str:
+def _strip_quotes(word: str) -> str:
     """A word of a data line or an option without blanks and quotes around it."""
     return word.strip().strip("\"'").strip()
 
 
-def _head(line: str) -> InputSection:
+def _section_of_keyword(line: str) -> InputSection:
     """The section that a keyword line begins."""
     first, *words = line[1:].split(",")
     pairs = [word.partition("=") for word in words if word.strip()]
-    options = {key.strip().upper(): _plain(value) for key, _, value in pairs}
+    options = {key.strip().upper(): _strip_quotes(value) for key, _, value in pairs}
     return InputSection(" ".join(first.upper().split()), options, [])
 
 
-def _included(section: InputSection, folder: Path | None, depth: int) -> tuple[str, Path | None]:
+def _read_included(
+    section: InputSection, folder: Path | None, depth: int
+) -> tuple[str, Path | None]:
     """Text and folder of the file that an *INCLUDE names."""
     name = section.options.get("INPUT", "")
     if not name or folder is None:

@@ -24,10 +24,10 @@ CELL_OF_GMSH = {
     26: ("line4", 4),
     36: ("quad16", 16),
 }
-"""Number of nodes and meshio's name of Gmsh's element types. Others make no shoe."""
+"""meshio's name and number of nodes for each of Gmsh's element types; other types are refused."""
 
 Entity = tuple[int, int]
-"""Dimension and tag of a point, a curve, a surface or a volume."""
+"""Dimension and tag of a point, curve, surface or volume of Gmsh's geometry."""
 
 
 def is_msh4(data: bytes) -> bool:
@@ -43,14 +43,14 @@ def read_msh4(text: str) -> FileContent:
 
     A group has its name and its number as names. Raises ValueError for a text that cannot be read.
     """
-    blocks = _blocks(text)
+    blocks = _split_blocks(text)
     old = blocks["MeshFormat"][0].startswith(("4 ", "4.0"))
-    names = _names(blocks.get("PhysicalNames", []))
-    groups = _entities(blocks.get("Entities", []), old)
-    number, points = _nodes(blocks["Nodes"], old)
+    names = _read_group_names(blocks.get("PhysicalNames", []))
+    groups = _read_entity_groups(blocks.get("Entities", []), old)
+    number, points = _read_nodes(blocks["Nodes"], old)
     rows: dict[str, list[list[int]]] = defaultdict(list)
     members: dict[str, dict[str, list[int]]] = defaultdict(lambda: defaultdict(list))
-    for entity, kind, lines in _elements(blocks["Elements"], old):
+    for entity, kind, lines in _read_elements(blocks["Elements"], old):
         if kind not in CELL_OF_GMSH:
             raise ValueError(f"has elements of Gmsh's type {kind}, which make no plane mesh")
         cell, count = CELL_OF_GMSH[kind]
@@ -69,7 +69,7 @@ def read_msh4(text: str) -> FileContent:
     )
 
 
-def _blocks(text: str) -> dict[str, list[str]]:
+def _split_blocks(text: str) -> dict[str, list[str]]:
     """The lines of each block $Name ... $EndName, by its name."""
     found: dict[str, list[str]] = {}
     name = ""
@@ -88,7 +88,7 @@ def _blocks(text: str) -> dict[str, list[str]]:
     return found
 
 
-def _names(lines: list[str]) -> dict[Entity, str]:
+def _read_group_names(lines: list[str]) -> dict[Entity, str]:
     """Names in lower case of the physical groups, by dimension and tag."""
     found = {}
     for line in lines[1:]:
@@ -97,8 +97,11 @@ def _names(lines: list[str]) -> dict[Entity, str]:
     return found
 
 
-def _entities(lines: list[str], old: bool) -> dict[Entity, list[int]]:
-    """Physical groups of each entity."""
+def _read_entity_groups(lines: list[str], old: bool) -> dict[Entity, list[int]]:
+    """Tags of the physical groups of each entity, from the lines of $Entities.
+
+    `old` says whether the file has format 4.0.
+    """
     found: dict[Entity, list[int]] = {}
     if not lines:
         return found
@@ -107,23 +110,24 @@ def _entities(lines: list[str], old: bool) -> dict[Entity, list[int]]:
         # A point has three coordinates in 4.1; everything else has the six of a box.
         start = 4 if dim == 0 and not old else 7
         for _ in range(int(count)):
-            words = _next(rest, "$Entities").split()
+            words = _next_line(rest, "$Entities").split()
             tags = words[start + 1 : start + 1 + int(words[start])]
             # The sign of a tag is the direction of the entity in its group.
             found[dim, int(words[0])] = [abs(int(tag)) for tag in tags]
     return found
 
 
-def _nodes(lines: list[str], old: bool) -> tuple[dict[int, int], list[list[float]]]:
-    """Number of each node by its tag, and the points."""
+def _read_nodes(lines: list[str], old: bool) -> tuple[dict[int, int], list[list[float]]]:
+    """Number of each node by its tag, and the points [x, y, z], from the lines of $Nodes."""
     number: dict[int, int] = {}
     points: list[list[float]] = []
     rest = iter(lines[1:])
     for _ in range(int(lines[0].split()[0])):
-        count = int(_next(rest, "$Nodes").split()[3])
-        tags = [] if old else [_next(rest, "$Nodes") for _ in range(count)]
+        count = int(_next_line(rest, "$Nodes").split()[3])
+        # Format 4.1 lists the tags of a block first, 4.0 has the tag on the line of each point.
+        tags = [] if old else [_next_line(rest, "$Nodes") for _ in range(count)]
         for i in range(count):
-            words = _next(rest, "$Nodes").split()
+            words = _next_line(rest, "$Nodes").split()
             tag = int(words.pop(0) if old else tags[i])
             if tag in number:
                 raise ValueError(f"node {tag} is defined twice")
@@ -132,16 +136,18 @@ def _nodes(lines: list[str], old: bool) -> tuple[dict[int, int], list[list[float
     return number, points
 
 
-def _elements(lines: list[str], old: bool) -> Iterator[tuple[Entity, int, list[list[int]]]]:
-    """Entity, Gmsh's type, and tag and nodes of the elements of each block."""
+def _read_elements(lines: list[str], old: bool) -> Iterator[tuple[Entity, int, list[list[int]]]]:
+    """Entity, Gmsh's element type, and rows of tag and nodes, for each block of $Elements."""
     rest = iter(lines[1:])
     for _ in range(int(lines[0].split()[0])):
-        first, second, kind, count = map(int, _next(rest, "$Elements").split())
-        found = [[int(word) for word in _next(rest, "$Elements").split()] for _ in range(count)]
+        first, second, kind, count = map(int, _next_line(rest, "$Elements").split())
+        found = [
+            [int(word) for word in _next_line(rest, "$Elements").split()] for _ in range(count)
+        ]
         yield ((second, first) if old else (first, second)), kind, found
 
 
-def _next(lines: Iterator[str], block: str) -> str:
+def _next_line(lines: Iterator[str], block: str) -> str:
     """The next line of a block. Raises ValueError where there are fewer lines than it says."""
     line = next(lines, None)
     if line is None:

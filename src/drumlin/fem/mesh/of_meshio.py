@@ -1,4 +1,4 @@
-"""What meshio read of a mesh file, with its groups by name, by number and by integer data."""
+"""The content of a mesh that meshio read, with groups by name, by number and by integer data."""
 
 from typing import Any
 
@@ -9,8 +9,10 @@ from drumlin.base.arrays import Ints
 from drumlin.fem.mesh.content_of_file import FileContent
 
 MOST_VALUES = 1000
-"""Distinct values of an integer array of cells up to which each value makes a group. Arrays of
-materials have a few; numbers of elements or owners have as many as there are cells."""
+"""Largest number of distinct values of an integer array whose values each make a group of cells.
+
+Arrays of materials have a few values. Arrays of element numbers have as many as there are cells.
+"""
 
 
 def content_of(raw: Any) -> FileContent:
@@ -41,12 +43,12 @@ def _cell_groups(raw: Any) -> dict[str, dict[str, Ints]]:
             for cell, values in by_cell.items():
                 if _is_membership(values):
                     groups.setdefault(name.lower(), {})[cell] = np.flatnonzero(values)
-    for name, numbered in _numbered(raw).items():
+    for name, numbered in _numbered_groups(raw).items():
         groups.setdefault(name, numbered)
     return groups
 
 
-def _numbered(raw: Any) -> dict[str, dict[str, Ints]]:
+def _numbered_groups(raw: Any) -> dict[str, dict[str, Ints]]:
     """Groups by number: Gmsh's physical groups, and the values of an integer array of cells.
 
     The value 3 of an array "material" makes a group "material=3", and a group "3" where it is the
@@ -78,13 +80,13 @@ def _node_groups(raw: Any) -> dict[str, Ints]:
 
 
 def _is_membership(values: Any) -> bool:
-    """Whether an array says of each cell or node that it belongs to a group, 1, or not, 0."""
+    """Whether an array marks the cells or nodes of a group: 1 for members, 0 for all others."""
     values = np.asarray(values)
     return values.ndim == 1 and bool(np.isin(values, (0, 1)).all())
 
 
 def _is_numbering(values: Any) -> bool:
-    """Whether an array has a whole number for each cell, few of them different, not only 0 and 1."""
+    """Whether an array numbers groups of cells: whole numbers, few distinct, not only 0 and 1."""
     values = np.asarray(values)
     if values.ndim != 1 or not np.issubdtype(values.dtype, np.number) or _is_membership(values):
         return False

@@ -1,8 +1,8 @@
 """The cells of a mesh file as one kind of elements that drumlin solves with.
 
-Third order becomes second order on the same curves. Quadrilaterals and triangles in one mesh become
-quadratic triangles: each quadrilateral is halved, and linear cells get middle nodes on their straight
-sides.
+Cells of third order become cells of second order on the same curves. Quadrilaterals and triangles
+in one mesh become quadratic triangles: each quadrilateral is halved, and linear cells get middle
+nodes on their straight sides.
 """
 
 from collections.abc import Mapping
@@ -23,18 +23,18 @@ PLANE_SHAPES = {
     "quad9": 4,
     "quad16": 4,
 }
-"""Corners of the plane cells that are read, by meshio's names."""
+"""Number of corners of each plane cell that a mesh file may have, by meshio's name."""
 LOWER = {"triangle10": "triangle6", "quad16": "quad8"}
-"""Cells of third order, and what they become."""
+"""The second-order cell that replaces each third-order cell, by meshio's names."""
 BESIDE = frozenset(("vertex", "line", "line3", "line4"))
-"""Cells of less than two dimensions: edges that name groups, and points."""
+"""Cells of a mesh file that are no part of the plane mesh: edges, which name groups, and points."""
 CUBIC_MIDDLE = (-1 / 16, 9 / 16, 9 / 16, -1 / 16)
-"""Weights of first end, both inner nodes and second end of a cubic edge in the point at its middle."""
+"""Weights of the four nodes of a cubic edge, from end to end, in the point at its middle."""
 
 
 @dataclass(frozen=True)
 class PlaneCells:
-    """Cells of one kind.
+    """The plane cells of a mesh file, made into cells of one kind.
 
     Parameters
     ----------
@@ -86,11 +86,11 @@ def plane_cells(content: FileContent, points: Floats, fault: str) -> PlaneCells:
     own = len(points)
     notes: list[str] = []
     if set(kinds) & set(LOWER):
-        kinds, points = _second_order(kinds, points)
+        kinds, points = _lower_to_second_order(kinds, points)
         notes.append("its elements of third order are solved as elements of second order")
     if len(kinds) > 1:
         counts = ", ".join(f"{len(cells)} {name}" for name, cells in kinds.items())
-        found = _triangles(kinds, points, own)
+        found = _make_triangles(kinds, points, own)
         notes.append(
             f"its mixed cells ({counts}) are solved as {len(found.cells)} quadratic triangles"
         )
@@ -98,21 +98,23 @@ def plane_cells(content: FileContent, points: Floats, fault: str) -> PlaneCells:
     ((source, cells),) = kinds.items()
     cell = LOWER.get(source, source)
     if cell == "quad8":
-        cell, cells, points = _with_centres(cells, points)
+        cell, cells, points = _add_centres(cells, points)
     whole = np.arange(len(cells)), np.ones(len(cells), dtype=np.int64)
     added = np.arange(len(points)) >= own
     return PlaneCells(cell, cells, points, {source: whole}, added, tuple(notes))
 
 
-def _with_centres(cells: Ints, points: Floats) -> tuple[str, Ints, Floats]:
-    """Quadrilaterals with nine nodes in place of those with eight, of the same shape."""
+def _add_centres(cells: Ints, points: Floats) -> tuple[str, Ints, Floats]:
+    """Kind, cells and points of nine-node quadrilaterals that replace eight-node ones."""
     centres = points[cells[:, 4:8]].sum(axis=1) / 2 - points[cells[:, :4]].sum(axis=1) / 4
     numbers = len(points) + np.arange(len(cells))
     return "quad9", np.column_stack([cells, numbers]), np.vstack([points, centres])
 
 
-def _second_order(kinds: dict[str, Ints], points: Floats) -> tuple[dict[str, Ints], Floats]:
-    """Cells of third order with the nodes of second order, by the names in the file; the points."""
+def _lower_to_second_order(
+    kinds: dict[str, Ints], points: Floats
+) -> tuple[dict[str, Ints], Floats]:
+    """Cells in which second order replaces third order, by the file's names; and all points."""
     middles: dict[tuple[int, int], int] = {}
     new: list[Floats] = []
     found: dict[str, Ints] = {}
@@ -126,6 +128,7 @@ def _second_order(kinds: dict[str, Ints], points: Floats) -> tuple[dict[str, Int
         for side in range(corners):
             first, last = cells[:, side], cells[:, (side + 1) % corners]
             inner = cells[:, corners + 2 * side : corners + 2 * side + 2]
+            # Both cells at an edge share the node that is added in the middle of the edge.
             nodes = points[np.column_stack([first, inner, last])]
             places = np.einsum("i,mix->mx", CUBIC_MIDDLE, nodes)
             for row, place in enumerate(places):
@@ -139,7 +142,7 @@ def _second_order(kinds: dict[str, Ints], points: Floats) -> tuple[dict[str, Int
     return found, np.vstack([points, *new])
 
 
-def _triangles(kinds: dict[str, Ints], points: Floats, own: int) -> PlaneCells:
+def _make_triangles(kinds: dict[str, Ints], points: Floats, own: int) -> PlaneCells:
     """All cells as quadratic triangles; `own`: number of points that the file has."""
     middles: dict[tuple[int, int], int] = {}
     # The middle nodes that the file has serve the linear cells beside them too.
@@ -152,6 +155,7 @@ def _triangles(kinds: dict[str, Ints], points: Floats, own: int) -> PlaneCells:
             )
     new: list[Floats] = []
 
+    # Nodes that are added get the numbers after those of the file.
     def added(place: Floats) -> int:
         new.append(place)
         return len(points) + len(new) - 1
@@ -175,8 +179,8 @@ def _triangles(kinds: dict[str, Ints], points: Floats, own: int) -> PlaneCells:
             if corners == 3:
                 made.append([*cell[:3], *sides])
             else:
-                centre = cell[8] if len(cell) > 8 else added(_centre(points, cell, sides, new))
-                made += _halves(points, cell[:4], sides, centre)
+                centre = cell[8] if len(cell) > 8 else added(_find_centre(points, cell, sides, new))
+                made += _halve_quadrilateral(points, cell[:4], sides, centre)
         parent[source] = (first, np.full(len(cells), 1 if corners == 3 else 2, dtype=np.int64))
     every = np.vstack([points, *new]) if new else points
     return PlaneCells(
@@ -188,13 +192,15 @@ def _triangles(kinds: dict[str, Ints], points: Floats, own: int) -> PlaneCells:
     )
 
 
-def _centre(points: Floats, cell: list[int], sides: list[int], new: list[Floats]) -> Floats:
-    """The centre of a quadrilateral of the same shape as its sides."""
+def _find_centre(points: Floats, cell: list[int], sides: list[int], new: list[Floats]) -> Floats:
+    """The centre (2,) of a quadrilateral whose sides may be curved, from corners and middles."""
     middles = [points[i] if i < len(points) else new[i - len(points)] for i in sides]
     return np.sum(middles, axis=0) / 2 - points[cell[:4]].sum(axis=0) / 4
 
 
-def _halves(points: Floats, corners: list[int], sides: list[int], centre: int) -> list[list[int]]:
+def _halve_quadrilateral(
+    points: Floats, corners: list[int], sides: list[int], centre: int
+) -> list[list[int]]:
     """Two triangles that a quadrilateral is cut into along its shorter diagonal."""
     a, b, c, d = corners
     ab, bc, cd, da = sides

@@ -1,4 +1,4 @@
-"""The check of how much a .vtu file holds when it is unpacked, before anything of it is kept.
+"""The check of a .vtu file's size when it is unpacked, before any of its content is kept.
 
 A compressed array has a header of integers (number of blocks, size of a block, size of the last
 block, packed size of each block) and the blocks. The check does not trust the sizes in the header:
@@ -14,12 +14,15 @@ from typing import Any
 from xml.etree import ElementTree
 
 MOST_UNPACKED = 400_000_000
-"""Largest size [bytes] of all arrays of a file when unpacked: some 2 million nodes with their cells
-and groups. A file that holds more is refused.
+"""Largest size [bytes] of all unpacked arrays of a .vtu file; a larger file is refused.
+
+Some 2 million nodes with their cells and groups have this size.
 """
 MOST_ARRAYS = 200
-"""Largest number of arrays in a file; a file with more is refused, so that the check takes no longer
-than reading."""
+"""Largest number of arrays in a .vtu file; a file with more arrays is refused.
+
+The check of the file's size then takes no longer than reading the file.
+"""
 _HEADER_WIDTHS = {"UInt32": 4, "UInt64": 8}
 """Size [bytes] of an integer in the header of an array, by the header's type."""
 _RAW_APPENDED = re.compile(rb"<AppendedData[^>]*>")
@@ -40,7 +43,7 @@ def check_unpacked(data: bytes) -> None:
         raise ValueError("defines entities of its own")
     if data.count(b"<DataArray") > MOST_ARRAYS:
         raise ValueError(f"has more than {MOST_ARRAYS} arrays")
-    head, raw = _parts(data)
+    head, raw = _split_raw_data(data)
     root = ElementTree.fromstring(head)
     if root.get("compressor") is None:
         return
@@ -50,12 +53,12 @@ def check_unpacked(data: bytes) -> None:
         lzma.LZMADecompressor if "LZMA" in str(root.get("compressor")) else zlib.decompressobj
     )
     room = MOST_UNPACKED
-    for packed in _arrays(root, raw, width, order):
+    for packed in _packed_blocks(root, raw, width, order):
         room -= _unpacked(packed, unpacker, room)
 
 
-def _parts(data: bytes) -> tuple[bytes, bytes | None]:
-    """The XML of a file, and the raw bytes that may stand in its middle (None: it has none)."""
+def _split_raw_data(data: bytes) -> tuple[bytes, bytes | None]:
+    """The XML of a .vtu file, and the raw bytes in its middle or None without raw bytes."""
     found = _RAW_APPENDED.search(data)
     if found is None or b'encoding="raw"' not in found.group():
         return data, None
@@ -63,12 +66,13 @@ def _parts(data: bytes) -> tuple[bytes, bytes | None]:
     return data[: found.end()] + data[end:], data[found.end() : end].split(b"_", 1)[1]
 
 
-def _arrays(root: Any, raw: bytes | None, width: int, order: Any) -> Iterator[bytes]:
+def _packed_blocks(root: Any, raw: bytes | None, width: int, order: Any) -> Iterator[bytes]:
     """The packed blocks of all arrays, one after the other."""
+    # Raw arrays follow each other without a gap; arrays in base64 stand in elements of the XML.
     if raw is not None:
         at = 0
         while at + width <= len(raw):
-            sizes = _sizes(raw[at:], width, order)
+            sizes = _packed_sizes(raw[at:], width, order)
             at += width * (3 + len(sizes))
             for size in sizes:
                 yield raw[at : at + size]
@@ -83,15 +87,17 @@ def _arrays(root: Any, raw: bytes | None, width: int, order: Any) -> Iterator[by
         text = (array.text or "").strip()
         if kind == "appended":
             text = rest[int(array.get("offset", "0")) :]
-        sizes = _sizes(base64.b64decode(text[: _letters(width)])[:width], width, order, text)
-        at = _letters(width * (3 + len(sizes)))
-        content = base64.b64decode(text[at : at + _letters(sum(sizes))])
+        sizes = _packed_sizes(
+            base64.b64decode(text[: _letters_of_base64(width)])[:width], width, order, text
+        )
+        at = _letters_of_base64(width * (3 + len(sizes)))
+        content = base64.b64decode(text[at : at + _letters_of_base64(sum(sizes))])
         for size in sizes:
             yield content[:size]
             content = content[size:]
 
 
-def _sizes(data: bytes, width: int, order: Any, text: str | None = None) -> list[int]:
+def _packed_sizes(data: bytes, width: int, order: Any, text: str | None = None) -> list[int]:
     """The packed sizes of the blocks of an array, from its header.
 
     `data` begins the array. Where the array is in base64, `text` is all of it, of which data is the
@@ -100,21 +106,22 @@ def _sizes(data: bytes, width: int, order: Any, text: str | None = None) -> list
     count = int.from_bytes(data[:width], order)
     length = width * (3 + count)
     if text is not None:
-        if _letters(length) > len(text):
+        if _letters_of_base64(length) > len(text):
             raise ValueError("has an array that is shorter than its head says")
-        data = base64.b64decode(text[: _letters(length)])
+        data = base64.b64decode(text[: _letters_of_base64(length)])
     if length > len(data):
         raise ValueError("has an array that is shorter than its head says")
     return [int.from_bytes(data[i : i + width], order) for i in range(3 * width, length, width)]
 
 
-def _letters(count: int) -> int:
+def _letters_of_base64(count: int) -> int:
     """The number of letters of base64 that `count` bytes take."""
     return -(-count // 3) * 4
 
 
 def _unpacked(packed: bytes, unpacker: Callable[[], Any], room: int) -> int:
-    """The number of bytes that a block unpacks to; ValueError beyond `room`."""
+    """The size [bytes] of a block when unpacked. Raises ValueError beyond `room` bytes."""
+    # Pieces of a megabyte keep the memory small, however much the block unpacks to.
     machine, size = unpacker(), 0
     while True:
         piece = machine.decompress(packed, 1 << 20)

@@ -14,9 +14,10 @@ from drumlin.fem.preparation.bodies import ShoeSubstructure
 from drumlin.fem.substructure.ring import RingSubstructure
 
 CACHE_BYTES = 200_000_000
-"""Size [bytes] of the condensed bodies that a cache keeps for the next prepared models. Beyond it
-the cache drops the body that was used longest ago. The limit was chosen by judgement: some hundred
-bodies of the size that a solve uses.
+"""Largest size [bytes] of the condensed bodies that a cache keeps for the next prepared models.
+
+A fuller cache drops the body that was used longest ago. The limit was chosen by judgement: some
+hundred bodies of the size that a solve uses.
 """
 
 
@@ -77,7 +78,10 @@ class Cache:
         self._values = OrderedDict[Hashable, tuple[int, Any]]()
 
     def get(self, key: Hashable, make: Callable[[], Any], size: Callable[[Any], int]) -> Any:
-        """The value of `key`, from the cache or made by `make` and kept; `size` counts its bytes."""
+        """The value of `key` from the cache, or else made by `make` and kept.
+
+        `size` counts the bytes of a value.
+        """
         kept = self._values.pop(key, None)
         if kept is None:
             value = make()
@@ -93,6 +97,7 @@ class Cache:
 
 def size_of(body: ShoeSubstructure | RingSubstructure) -> int:
     """The memory [bytes] that the matrices of a condensed body take, approximately."""
+    # Six dense (n, n) matrices of doubles, and some 400 bytes for each unknown of the sparse ones.
     n = len(body.line.nodes)
     return 8 * (4 + 2) * n**2 + 400 * 2 * int(body.basis.N)
 

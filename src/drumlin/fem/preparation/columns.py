@@ -29,6 +29,7 @@ from drumlin.fem.substructure.elasticity import layers_of
 
 MOST_CONTACT_NODES = 3000
 """Largest number of contact nodes that are coupled: those of one shoe, or of all shoes on a ring.
+
 The dense matrices of the contact have twice as many rows and take gigabytes beyond the limit, so
 that larger brakes are refused.
 """
@@ -37,10 +38,10 @@ PointsByShape = Mapping[int, Sequence[SingularPoint]]
 
 
 class _DivisionRule(NamedTuple):
-    """How the shoes of one shape are divided.
+    """The rule by which the shoes of one shape are divided into columns of hp elements.
 
-    `shoe` is the first of them. `tip` says whether its loaded end is graded. `powers` are the
-    powers of the pressure at both ends of the lining. `division` follows from all others.
+    `shoe` is the first shoe of the shape. `tip` says whether its loaded end is graded. `powers` are
+    the powers of the pressure at both ends of the lining. `division` follows from all others.
     """
 
     shoe: Shoe
@@ -76,9 +77,9 @@ def in_columns(
         where more than MOST_CONTACT_NODES contact nodes are coupled
     """
     shapes = list(dict.fromkeys(alike))
-    rules = {i: _rule(brake, level, places or {}, alike, i) for i in shapes}
+    rules = {i: _rule_of_shape(brake, level, places or {}, alike, i) for i in shapes}
     _check_size(brake, rules, alike)
-    made = {i: _cached(brake, rule, cache, seconds) for i, rule in rules.items()}
+    made = {i: _body_from_cache(brake, rule, cache, seconds) for i, rule in rules.items()}
     bodies = tuple(made[i] for i in alike)
 
     sharp = min(rule.division.sharp for rule in rules.values())
@@ -91,8 +92,10 @@ def in_columns(
             key = (bare(brake), level, sharp, *divisions)
             ring = cache.get(key, partial(ring_under, lines), size_of)
 
-    nodes_by_shape = {i: partial(_nodes_of, rule, brake.size) for i, rule in rules.items()}
-    nodes_of = partial(_nodes_alike, nodes_by_shape, alike)
+    nodes_by_shape = {
+        i: partial(_nodes_of_other_shoe, rule, brake.size) for i, rule in rules.items()
+    }
+    nodes_of = partial(_nodes_by_shape, nodes_by_shape, alike)
     return DividedBodies(bodies, ring, nodes_of, ring_under)
 
 
@@ -107,29 +110,31 @@ def _check_size(brake: Brake, rules: Mapping[int, _DivisionRule], alike: Sequenc
         )
 
 
-def _rule(
+def _rule_of_shape(
     brake: Brake, level: Level, places: PointsByShape, alike: Sequence[int], i: int
 ) -> _DivisionRule:
-    """How the shoes of the shape whose first shoe is `i` are divided."""
+    """The rule that divides the shoes of one shape, whose first shoe has the index `i`."""
     shoe = brake.shoes[i]
     points = places.get(i, ())
     # A cam holds the loaded end where it touches the end, so that the end's position matters.
     tip = brake.actuation is not None and brake.actuation.is_cam
-    powers = _steepest(brake, alike, i, points)
+    powers = _smallest_powers(brake, alike, i, points)
     division = divide(shoe, brake.size, level, points, tip=tip, powers=powers)
     return _DivisionRule(shoe, level, points, tip, powers, division)
 
 
-def _cached(brake: Brake, rule: _DivisionRule, cache: Cache, seconds: Seconds) -> ShoeSubstructure:
+def _body_from_cache(
+    brake: Brake, rule: _DivisionRule, cache: Cache, seconds: Seconds
+) -> ShoeSubstructure:
     """The body of a shape, from the cache or condensed now."""
     shoe, division = rule.shoe, rule.division
     friction = brake.friction > 0
     key = (bare_shoe(shoe), brake.size, friction, division.key)
-    make = partial(_body, shoe, brake.size, division, friction, seconds)
+    make = partial(_condense_shoe, shoe, brake.size, division, friction, seconds)
     return cache.get(key, make, size_of)
 
 
-def _body(
+def _condense_shoe(
     shoe: Shoe, radius: float, division: ShoeDivision, friction: bool, seconds: Seconds
 ) -> ShoeSubstructure:
     """The condensed body of a parametric shoe with this division, coupled with its counterface."""
@@ -143,7 +148,7 @@ def _body(
         return coupled_shoe(made, shoe, line, inner, found.centre, friction=friction)
 
 
-def _steepest(
+def _smallest_powers(
     brake: Brake, alike: Sequence[int], first: int, points: Sequence[SingularPoint]
 ) -> tuple[float, float]:
     """The smallest powers of p at both ends of the linings of all shoes of one shape.
@@ -164,7 +169,7 @@ def _steepest(
     return at_start, at_end
 
 
-def _nodes_of(rule: _DivisionRule, radius: float, other: Shoe) -> BodyNodes:
+def _nodes_of_other_shoe(rule: _DivisionRule, radius: float, other: Shoe) -> BodyNodes:
     """The nodes of another shoe's body, divided by the rule of its shape.
 
     The singular points keep their distance from the lining's start. The division of a straight
@@ -185,7 +190,7 @@ def _nodes_of(rule: _DivisionRule, radius: float, other: Shoe) -> BodyNodes:
     return BodyNodes(grid.doflocs, load.reshape(-1, 2).T)
 
 
-def _nodes_alike(
+def _nodes_by_shape(
     nodes_by_shape: Mapping[int, Callable[[Shoe], BodyNodes]],
     alike: Sequence[int],
     i: int,

@@ -21,29 +21,34 @@ from drumlin.brake.orthotropic import isotropic_only
 from drumlin.brake.surface import DRUM
 
 PLANE_STRAIN_SHARE = 0.5
-"""Share of plane strain in a lining that is much wider than thick: 0 is plane stress, 1 plane
-strain. The value is that of solid shoes, since the shoe behind the lining contracts as well.
+"""Share of plane strain in a lining much wider than thick: 0 is plane stress, 1 plane strain.
+
+The value is that of solid shoes, where the shoe behind the lining contracts as well.
 """
 LARGEST_CHECKED_NU = 0.45
-"""Poisson's ratio of a lining up to which the correction has been compared with solid shoes. Linings
-with a larger ratio are refused.
+"""Largest Poisson's ratio of a lining that the correction has been compared with solid shoes for.
+
+Linings with a larger ratio are refused.
 """
 TORQUE_DEVIATION = 0.015
-"""Largest relative error of the corrected torque over all brakes of the study plane_stress, against
-solid shoes. The answer's note states it.
+"""Largest relative error of the corrected torque against solid shoes, stated in the answer's note.
+
+The error is the largest over all brakes of the study plane_stress.
 """
 PRESSURE_DEVIATION = 0.08
-"""Largest relative error in L2 of the corrected pressure, averaged over the width, over all brakes of
-the study plane_stress. The answer's note states it.
+"""Largest relative error of the corrected pressure in L2, stated in the answer's note.
+
+The pressure is averaged over the width. The error is the largest over all brakes of the study
+plane_stress.
 """
 
 
 def between(material: Material, share: float) -> Material:
-    """The material of the same nu that is as stiff through a lining with this `share` of plane strain.
+    """The material with the stiffness of a lining that has this `share` of plane strain.
 
-    The stiffness through a lining that is held along the arc is lambda + 2 mu, with the Lame
-    constant lambda between those of plane stress and plane strain. The modulus that has this
-    stiffness in plane stress is E' = (lambda + 2 mu) (1 - nu^2).
+    Poisson's ratio nu stays. The stiffness through a lining that is held along the arc is lambda +
+    2 mu, with the Lame constant lambda between those of plane stress and plane strain. The modulus
+    that has this stiffness in plane stress is E' = (lambda + 2 mu) (1 - nu^2).
     """
     E, nu = material.E, material.nu
     matrix = elasticity_matrix(material)

@@ -31,14 +31,16 @@ from drumlin.fem.substructure.ring import ring_body
 from drumlin.response.response import own_edge_zone
 
 ELEMENTS = 80
-"""Default number of elements along a lining. On most brakes the error of p in L2 is then about 0.2 %
-and that of the torque 0.001 %. Half the number made the median errors of 22 random brakes two times
-(p) and three times (torque) as large. Twice the number made them 0.7 and 0.5 times as large, at four
-times the work.
+"""Default number of elements along a lining.
+
+On most brakes the error of p in L2 is then about 0.2 % and the error of the torque 0.001 %. Half
+the number made the median errors of 22 random brakes two times (p) and three times (torque) as
+large. Twice the number made them 0.7 and 0.5 times as large, at four times the work.
 """
 MOST_LINING_ELEMENTS = 4000
-"""Largest number of elements along a lining. The dense matrices of its contact then fill 2 GB; larger
-numbers are refused.
+"""Largest number of elements along a lining; larger numbers are refused.
+
+The dense matrices of a contact with this number of elements fill 2 GB.
 """
 
 Mesher = Callable[[Shoe, float], Any]
@@ -74,13 +76,14 @@ def on_meshes(
         raise BadInput(f"--elements = {elements}: must be from 1 to {MOST_LINING_ELEMENTS}")
     cache = cache if mesher is None else Cache()
     mesher = mesher or partial(shoe_mesh, elements=elements, kind=kind)
+    # Shoes of one shape share a body within the brake, and equal bodies are shared between brakes.
     setting = (elements, kind)
     made: dict[tuple[object, ...], ShoeSubstructure] = {}
     for shoe in brake.shoes:
         shape = shape_of(brake, shoe)
         if shape not in made:
             key = (bare_shoe(shoe), brake.size, brake.friction > 0, setting, content(shoe))
-            make = partial(_body, brake, shoe, mesher, seconds)
+            make = partial(_condense_meshed_shoe, brake, shoe, mesher, seconds)
             made[shape] = cache.get(key, make, size_of)
     bodies = tuple(made[shape_of(brake, shoe)] for shoe in brake.shoes)
     ring = None
@@ -90,11 +93,11 @@ def on_meshes(
             lines = tuple(body.line for body in bodies)
             ring_key = (bare(brake), setting, *map(content, brake.shoes))
             ring = cache.get(ring_key, partial(ring_under, lines), size_of)
-    nodes_of = partial(_nodes_of, mesher, brake.size, bodies)
+    nodes_of = partial(_nodes_of_other_shoe, mesher, brake.size, bodies)
     return DividedBodies(bodies, ring, nodes_of, ring_under)
 
 
-def _nodes_of(
+def _nodes_of_other_shoe(
     mesher: Mesher, radius: float, bodies: tuple[ShoeSubstructure, ...], i: int, shoe: Shoe
 ) -> BodyNodes:
     """The nodes of the body that shoe `i` would have as another `shoe`; see `PreparedModel`.
@@ -157,7 +160,7 @@ def assemble(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Asse
         for a mesh file that cannot serve
     """
     with clock(seconds, "mesh"):
-        of_file = _mesh_of_file(brake, shoe)
+        of_file = _read_mesh_of_file(brake, shoe)
         mesh = mesher(shoe, brake.size) if of_file is None else of_file.mesh
         basis = scalar_basis(mesh)
     with clock(seconds, "assembly"):
@@ -179,7 +182,7 @@ def assemble(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Asse
     return Assembled(mesh, basis, line, K, constraints, loads, load_centre, of_file)
 
 
-def _mesh_of_file(brake: Brake, shoe: Shoe) -> ShoeMesh | None:
+def _read_mesh_of_file(brake: Brake, shoe: Shoe) -> ShoeMesh | None:
     """The mesh of a shoe from its file, in the shoe's own frame; None for a shoe without a file."""
     if shoe.mesh is None:
         return None
@@ -189,7 +192,9 @@ def _mesh_of_file(brake: Brake, shoe: Shoe) -> ShoeMesh | None:
     return read_shoe_mesh(shoe.mesh, shoe, brake.size, f"shoe {shoe.name!r}: mesh")
 
 
-def _body(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> ShoeSubstructure:
+def _condense_meshed_shoe(
+    brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds
+) -> ShoeSubstructure:
     """The condensed body of a meshed shoe, coupled with its counterface."""
     parts = assemble(brake, shoe, mesher, seconds)
     with clock(seconds, "condensation"):

@@ -58,7 +58,7 @@ def prepare(
         made = on_meshes(brake, elements, kind, mesher, cache, seconds)
     else:
         made = in_columns(brake, level, places, alike, cache, seconds)
-    left_out = _left_out(brake, len(set(alike))) + lacking(brake)
+    left_out = _lines_of_left_out(brake, len(set(alike))) + lacking(brake)
     return PreparedModel(
         brake,
         made.bodies,
@@ -70,8 +70,8 @@ def prepare(
     )
 
 
-def _left_out(brake: Brake, shapes: int) -> list[str]:
-    """Lines that say what is not computed; `shapes` is the number of different shapes of shoes."""
+def _lines_of_left_out(brake: Brake, shapes: int) -> list[str]:
+    """Lines that name quantities that are not computed; `shapes` is the number of shoes' shapes."""
     count = len(brake.shoes)
     lines = ["interior fields: recovered only for a picture"]
     if shapes < count:

@@ -21,7 +21,7 @@ Seconds = dict[str, float]
 
 @contextmanager
 def clock(seconds: Seconds, phase: str) -> Iterator[None]:
-    """Add the time of the block to seconds[phase]."""
+    """Add the time [s] that the block of a with statement takes to seconds[phase]."""
     start = time.perf_counter()
     yield
     seconds[phase] = seconds.get(phase, 0.0) + time.perf_counter() - start
@@ -86,7 +86,10 @@ def why_not(brake: Brake) -> str | None:
     if brake.ring is not None and len({shoe.side for shoe in brake.shoes}) > 1:
         return "shoes inside and outside of one elastic ring are not modelled"
     if brake.ring is not None and brake.ring.section is None:
-        return "its ring has no section to mesh: thickness, and width and material or bending_stiffness"
+        return (
+            "its ring has no section to mesh: thickness, "
+            "and width and material or bending_stiffness"
+        )
     for shoe in brake.shoes:
         reason = beam_mesh.why_not(shoe, brake.size)
         if reason is not None:
