@@ -22,6 +22,7 @@ from drumlin.response.response import NO_CHANGE, ShoeChange, reaction_size
 from drumlin.response.resultants import cross, integrate
 from drumlin.verification.triangles import TriangleLevel, sequence
 from drumlin_studies import stated_true
+from drumlin_studies.calibration import drawn
 from drumlin_studies.random_brake import SHAPE_KINDS, random_brake
 from drumlin_studies.stated_true import (
     JUDGED_QUANTITIES,
@@ -33,6 +34,7 @@ from drumlin_studies.stated_true import (
     row,
     summary,
 )
+from drumlin_studies.stored_truth import by_finer
 from picking import keyed, picked
 from shared_parts import scaled_pressures
 
@@ -495,3 +497,18 @@ def test_a_table_of_clearances_that_ends_with_the_lining_has_no_tip_there(brake)
     table = [(shoe.start, 0.0), (shoe.start + 0.3, 2e-5), (shoe.end, 2e-5)]
     found = solve(vary(brake, {"shoe[0].lining.clearance": table})).shoes[0]
     assert found.pressure[0] > found.peak_pressure and found.error["peak"] < 0.05
+
+
+def test_a_reaction_that_two_levels_share_by_accident_is_not_stated_as_sure():
+    """The reaction moves from the first to the second level by less than it is off.
+
+    Most of its stated error is the fraction `cancelled` of what chance signs would move it by.
+    """
+    _, hinged = drawn(300_259)
+    truth = by_finer(hinged)
+    off = errors(hinged, solve(hinged).shoes, truth.shoes)["reaction"]
+    before, last = (step.response for step in islice(steps(hinged, respond), 2))
+    stated = estimate(hinged, before, last)
+    by_step = estimate(hinged, before, last, FACTORS._replace(cancelled=0.0))
+    assert by_step.brake["reaction"] < 0.5 * off
+    assert stated.brake["reaction"] > off - truth.unsure["reaction"]
