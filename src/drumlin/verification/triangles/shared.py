@@ -1,5 +1,7 @@
-"""Shoes that share forces, on a rigid drum: each solved under forces that are sought by the shoes'
-own answers.
+"""Shoes on a rigid drum that share forces, by a cam or by struts.
+
+The force on a shoe depends on the answers of the other shoes. It is found by solving shoe after
+shoe.
 """
 
 from dataclasses import replace
@@ -15,16 +17,27 @@ from drumlin.verification.triangles.face import Face
 
 
 def shared(brake: Brake, faces: list[Face], first: list[Bools]) -> tuple[list[Shoe], list[Found]]:
-    """The shoes under the forces that they share, and what they do; `faces` are those under 1 N.
+    """The shoes under the forces that they share, and the contact forces of each shoe.
 
-    A strut passes on what the foot of its shoe bears on; the forces of a cam have its sum and move
-    both tips alike. Raises NoAnswer where that has no answer.
+    A strut pushes the next shoe with the force by which the foot of the shoe before bears on it. A
+    cam moves the tips of both shoes by the same length, and its two forces have a given sum.
+
+    Parameters
+    ----------
+    brake : shoes and the cam or the struts between them
+    faces : lining faces of the shoes, each under an actuation of 1 N
+    first : for each shoe the nodes (n,) that are in contact to begin with
+
+    Raises
+    ------
+    NoAnswer
+        If a shoe has no answer under a force.
     """
     names = [shoe.name for shoe in brake.shoes]
     shoes, found = list(brake.shoes), dict[int, Found]()
 
     def under(i: int, force: float) -> float:
-        """Solve shoe i under a force [N]; how far its tip goes [m]."""
+        """Solve shoe i under a force [N]; the displacement of its tip along the force [m]."""
         one, shoe = faces[i], shoes[i].under(force)
         one = replace(one, loaded=force * one.loaded, yields=force**2 * one.yields)
         failure: NoAnswer | None = None
