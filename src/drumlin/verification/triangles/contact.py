@@ -20,7 +20,7 @@ MOST_SETS_TRIED = 600
 """Largest number of contact sets that are tried before a shoe counts as without an answer."""
 SPARE = 8
 """Number of contact sets in a row without fewer wrong nodes, after which only one node at a time is
-changed (Judice & Pires 1994). That rule always ends; changing all wrong nodes is faster."""
+changed (Judice & Pires 1994). Changing all wrong nodes is faster, but may run in circles."""
 NOISE = 1e-13
 """Sum of the pulling forces and the overlaps of all wrong nodes, relative to the normal force,
 below which a contact set is accepted. Wrong nodes below this limit come from round-off."""
@@ -69,7 +69,7 @@ def settle(
 
     Parameters
     ----------
-    A : (n, n) closure of the gaps by nodal forces [m/N]
+    A : (n, n) opening of the gaps by nodal forces [m/N]
     q : (n,) gaps without contact forces [m]
     B : (n, k) change of the gaps by the rigid-body modes
     C : (k, n) work of nodal forces on the test modes
@@ -159,7 +159,7 @@ def contact(
 
 
 def _stands(brake: Brake, one: Face, shoe: Shoe, found: Found, sense: int) -> bool:
-    """Whether a shoe's foot stays on its abutment and friction there opposes the foot's slide."""
+    """Whether the foot of a shoe stays on its abutment with the friction that `sense` assumes."""
     drum = brake.friction * brake.spin * one.tangent - one.normal
     reaction = -(found.force[:, None] * drum).sum(axis=0) - shoe.actuation.vector
     return shoe.stands(reaction, sense, float(found.motions[-1]))

@@ -58,7 +58,7 @@ class Face:
     mass : (n, n) integrals of psi_i psi_j over the face, times the lining's width [m^2]
     compliance : (2n, 2n) displacements of the nodes under forces on them [m/N]
     loaded : (2n,) displacements of the nodes under the actuation [m]
-    yields : work of the actuation on the elastic displacement that it causes itself [N m]
+    yields : work of the actuation on the elastic displacement due to the actuation alone [N m]
     gap : (n,) gap between lining and drum before loading [m]
     degree : degree of the triangles
     unknowns : number of unknowns of the shoe before its condensation
@@ -78,8 +78,7 @@ class Face:
 
 
 def edge_nodes(nodes: Nodes, tri: Ints, edge: Ints, degree: int) -> Ints:
-    """Numbers (k, degree + 1) of the nodes along the edges `edge` (k,) of the triangles `tri` (k,).
-    """
+    """Numbers (k, degree + 1) of the nodes along one `edge` (k,) of each of the triangles `tri`."""
     inner = 3 + edge[:, None] * (degree - 1) + np.arange(degree - 1)
     local = np.concatenate([edge[:, None], inner, ((edge + 1) % 3)[:, None]], axis=1)
     return nodes.of[tri[:, None], local]

@@ -172,8 +172,9 @@ def stiffness(mesh: Triangles, nodes: Nodes, layers: list[TriangleLayer], degree
 def _directed_stiffness(G: Floats, area: Floats, layer: ElasticLayer, points: Floats) -> Floats:
     """Stiffness (m, 2n, 2n) of triangles in a layer with directions of its own [N/m].
 
-    The stiffness is the integral of B^T Q^T D Q B. Q takes strains in x and y to those in the layer's directions (Cook et al., Concepts and
-    Applications of Finite Element Analysis, section 8.2).
+    The stiffness is the integral of B^T Q^T D Q B. The matrix Q takes strains in x and y to strains
+    in the layer's directions (Cook et al., Concepts and Applications of Finite Element Analysis,
+    section 8.2).
 
     Parameters
     ----------

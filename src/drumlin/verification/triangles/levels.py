@@ -1,4 +1,4 @@
-"""Solutions on a sequence of meshes."""
+"""Solutions of a brake on a sequence of ever finer meshes of triangles."""
 
 import math
 from collections.abc import Sequence
@@ -20,30 +20,34 @@ from drumlin.verification.triangles.solution import ShoeSolution, solution
 
 ENDS = 13
 """Largest number of halvings of triangles towards an end of the contact, where p is small, and
-towards a kink of the gap that is no tip."""
+towards a kink of the gap that does not point to the drum."""
 END_SLACK = 1e-9
-"""Part of the lining's length up to which a place counts as an end of the lining."""
+"""Distance from an end of the lining, relative to the lining's length, up to which a place counts
+as this end."""
 NARROWEST = 1e-4
-"""Width of the narrowest contact, in smallest triangles, for which triangles are made."""
+"""Width of a contact, relative to `Outline.least`, below which triangles become no smaller."""
 
 FINDING = TriangleLevel(3, 8, 1.4, 1.0)
-"""The mesh on which the ends of the contact are found."""
+"""The coarse mesh on which the ends of the contact are found."""
 PASSES = 6
-"""Largest number of solutions on that mesh, each divided at the ends that the last one found."""
+"""Largest number of solutions on the mesh FINDING. Each mesh is graded to the ends of the contact
+in the solution before."""
 LESS = (0.0, 0.5)
-"""Parts of the friction that are solved first. The answer that grows from no friction is sought;
-with much friction others may stand beside it."""
+"""Fractions of the coefficient of friction that are solved first. With much friction a brake may
+have several answers. The answer that grows from the frictionless one is the answer sought."""
 SETTLED_ENDS = 2e-3
-"""Movement of the ends of a contact, in parts of its length, below which they count as found."""
+"""Movement of the ends of a contact between two solutions, relative to the contact's length, below
+which the ends count as found."""
 TRIANGLE_LEVELS = (
     TriangleLevel(3, 10, 1.2, 1.0),
     TriangleLevel(4, 13, 0.7, 0.8),
     TriangleLevel(5, 15, 0.7, 0.8),
 )
+"""The meshes of `sequence`, from coarse to fine."""
 
 
 def pressed(brake: Brake) -> list[int]:
-    """Shoes whose actuation turns them towards the drum, and shoes without a hinge."""
+    """Numbers of the shoes without a hinge and of those that the actuation turns to the drum."""
     found = []
     for i, shoe in enumerate(brake.shoes):
         if shoe.held_by != "hinge" or brake.shares:
@@ -59,6 +63,7 @@ def pressed(brake: Brake) -> list[int]:
 
 
 def _wavelength(brake: Brake) -> float:
+    """Shortest wavelength of the drum's out-of-roundness along its circumference [m]."""
     highest = max((part.order for part in brake.lobes if part.amplitude), default=0)
     return 2 * math.pi * brake.size / max(highest, 1)
 
@@ -66,11 +71,21 @@ def _wavelength(brake: Brake) -> float:
 def solve(
     brake: Brake, level: TriangleLevel, before: Sequence[ShoeSolution] | None = None
 ) -> list[ShoeSolution]:
-    """The solution of each shoe on meshes of one level, graded to the contact's ends of an earlier
-    solution.
+    """The solution of each shoe on meshes of one level.
 
-    Raises BadInput for what is not meshed, NoAnswer where a shoe does not touch or no contact
-    settles.
+    Parameters
+    ----------
+    brake : the brake
+    level : degree and grading of the triangles
+    before : an earlier solution of each shoe, to whose contact's ends the triangles are graded;
+        without it the whole lining is taken to be in contact at first
+
+    Raises
+    ------
+    BadInput
+        If triangles cannot mesh the brake.
+    NoAnswer
+        If a shoe does not touch the drum or no contact set solves the equations.
     """
     shoes = list(brake.shoes)
     if len(pressed(brake)) < len(shoes):
@@ -106,8 +121,9 @@ def solve(
 
 
 def _sharp(shoe: Shoe, shape: Outline, before: ShoeSolution | None, level: TriangleLevel) -> Sharp:
-    """Kinks of a lining's gap, and the ends of its contact that are not the lining's, triangles in
-    proportion to it.
+    """Kinks of a lining's gap and ends of its contact inside the lining, with lengths of triangles.
+
+    Triangles at the ends of a contact are the smaller the shorter the contact is.
     """
     lining, tips = shoe.lining, {angle for angle, _ in clearance.tips(shoe.lining)}
     most = min(ENDS, level.halvings)
@@ -126,7 +142,10 @@ def _sharp(shoe: Shoe, shape: Outline, before: ShoeSolution | None, level: Trian
 
 
 def _touching(one: Face, before: ShoeSolution | None) -> Bools:
-    """Nodes of a face in contact at first: all, or those on an earlier solution's arcs."""
+    """Whether each node (n,) of a face is in contact at first.
+
+    All nodes are, or with an earlier solution those on the arcs of its contacts.
+    """
     if before is None:
         return np.ones(len(one.theta), dtype=bool)
     inside = [(one.theta > a - END_SLACK) & (one.theta < b + END_SLACK) for a, b in before.arcs]
@@ -136,12 +155,14 @@ def _touching(one: Face, before: ShoeSolution | None) -> Bools:
 def sequence(
     brake: Brake, levels: Sequence[TriangleLevel] = TRIANGLE_LEVELS
 ) -> list[list[ShoeSolution]]:
-    """The solutions on a sequence of meshes, each graded to the ends of the contact that the one
-    before found; before them coarse ones until these ends settle. The first ones have less
-    friction, from none on: with much of it other answers may stand beside the one that grows from
-    there.
+    """The solutions of all shoes on each of a sequence of meshes.
 
-    Raises as `solve`.
+    Every mesh is graded to the ends of the contact that the mesh before has found. Solutions on the
+    coarse mesh FINDING come first, until these ends settle. They begin with the parts LESS of the
+    coefficient of friction, because with much friction a brake may have several answers and the
+    answer that grows from the frictionless one is sought.
+
+    Raises BadInput and NoAnswer as `solve` does.
     """
     before = None
     for part in LESS:
@@ -162,6 +183,7 @@ def sequence(
 
 
 def _same_arcs(a: Floats, b: Floats) -> bool:
+    """Whether two solutions have the same contacts, up to SETTLED_ENDS."""
     return a.shape == b.shape and bool(
         (np.abs(a - b).max(axis=1) < SETTLED_ENDS * np.diff(b, axis=1)[:, 0]).all()
     )

@@ -1,4 +1,4 @@
-"""The outlines of shoes as layered bodies, and the first lines of their meshes."""
+"""The outlines of shoes as layered bodies, and their meshes of triangles."""
 
 import math
 from collections.abc import Sequence
@@ -23,12 +23,18 @@ from drumlin.verification.triangles.triangulation import (
 )
 
 SLENDER = 12.0
-"""Largest length of triangles far from all corners, over the thickness of the thinnest layer."""
+"""Largest length of triangles far from all corners, relative to the thinnest layer."""
 
 
 class TriangleLevel(NamedTuple):
-    """A mesh: degree of its triangles, `halvings` towards each corner, length of triangles over
-    their distance from it, and factor on all lengths elsewhere.
+    """How fine a mesh is.
+
+    Attributes
+    ----------
+    degree : degree of the triangles
+    halvings : number of halvings of triangles towards each corner
+    steep : largest length of a triangle, relative to its distance from the corner
+    size : factor on the lengths of triangles far from all corners
     """
 
     degree: int
@@ -38,8 +44,12 @@ class TriangleLevel(NamedTuple):
 
 
 class Sharp(NamedTuple):
-    """Places on a face at which p is not smooth: their `s` (k,), and the length of triangles there
-    (k,) [m].
+    """Places on a lining's face where the pressure is not smooth.
+
+    Attributes
+    ----------
+    s : (k,) coordinate of each place along the face
+    smallest : (k,) length of the triangles at each place [m]
     """
 
     s: Floats
@@ -48,10 +58,21 @@ class Sharp(NamedTuple):
 
 @dataclass(frozen=True)
 class Outline:
-    """A layered body in the coordinates s, d: `place` maps them; `s` are the ends of its parts,
-    `thickness` (layers,) [m]; `corners` (k, 2) the s, d of the points to which triangles are
-    graded; `held` s of the end face that is, or None where the back is, all of it or its `grip`;
-    `loaded` s or None; `turn`: theta = origin + turn s; `length` [m] per s.
+    """A layered body in the coordinates s along the body and d across its layers.
+
+    Attributes
+    ----------
+    place : map from s, d to points in the brake's frame
+    layers : the layers, from the lining's face on
+    thickness : (layers,) thickness of each layer [m]
+    s : the ends of all layers, growing
+    corners : (k, 2) s and d of the points to which triangles are graded
+    held : s of the end face that is fixed, or None if the back of the body is fixed
+    loaded : s of the end face that the actuation loads, or None
+    origin, turn : a place s of the face lies at theta = origin + turn s, with turn = 1 or -1
+    length : length along the body per unit of s [m]
+    grip : first and last s of the fixed part of the back, or None if the whole back is fixed
+    plates : number of layers, counted from the back, that form the body behind the lining
     """
 
     place: Map
@@ -69,18 +90,21 @@ class Outline:
 
     @property
     def front(self) -> int:
-        """d where the body begins, which has so many `plates`."""
+        """The d at which the plates behind lining and backing begin."""
         return len(self.layers) - self.plates
 
     @property
     def least(self) -> float:
-        """The length from which halvings towards a corner count [m]."""
+        """Length of a triangle before its first halving towards a corner [m]."""
         arc = (self.layers[0].end - self.layers[0].start) * self.length
         return min(float(self.thickness.min()), arc / 4)
 
 
 def outline(shoe: Shoe, R: float) -> Outline:
-    """The outline of a shoe. Raises BadInput for one without a section, or with its own mesh."""
+    """The outline of a shoe on a drum of radius R [m].
+
+    Raises BadInput for a shoe that has a mesh of its own or a beam without a constant section.
+    """
     lining, backing, body = shoe.lining, shoe.backing, shoe.body
     if shoe.mesh is not None:
         raise BadInput(f"shoe {shoe.name!r} has a mesh of its own")
@@ -132,7 +156,11 @@ def outline(shoe: Shoe, R: float) -> Outline:
 
 
 def _post(shoe: Shoe, R: float) -> Outline:
-    """A straight beam with a square-cut block; s is the beam's angle under the lining's back."""
+    """The outline of a straight beam with a lining on a square-cut block.
+
+    The coordinate s is the angle of a point on the lining's back, seen from the drum's centre.
+    Beside the block s continues linearly along the beam.
+    """
     lining, backing, body = shoe.lining, shoe.backing, shoe.body
     assert isinstance(body, Beam)
     section = body.section
@@ -175,7 +203,7 @@ def _post(shoe: Shoe, R: float) -> Outline:
 
 
 def _distinct(values: Sequence[float]) -> Floats:
-    """Growing values, those that are equal to round-off once."""
+    """The values in growing order, without repetitions up to round-off."""
     grown = np.unique(values)
     return grown[np.append(True, np.diff(grown) > 1e-9)]
 
@@ -183,8 +211,16 @@ def _distinct(values: Sequence[float]) -> Floats:
 def grid(
     shape: Outline, size: float, wavelength: float, points: Sequence[float]
 ) -> tuple[Floats, list[Floats]]:
-    """The first lines of a mesh in s, and in d for each layer: nearly square cells at the corners
-    and at `points` (s) of the face, slender ones elsewhere; wavelength [m] of what the gap does.
+    """Grid lines with which a mesh begins: their s, and for each layer their d.
+
+    The cells are nearly square at the corners and at the places `points`, and slender elsewhere.
+
+    Parameters
+    ----------
+    shape : outline of the body
+    size : factor on the lengths of all cells
+    wavelength : shortest wavelength of the gap [m]
+    points : s of places on the face where the pressure is not smooth
     """
     face = shape.layers[0]
     arc = (face.end - face.start) * shape.length
@@ -217,8 +253,14 @@ def grid(
 
 
 class Draft(NamedTuple):
-    """A body's mesh before it has nodes, with the first lines `s` it began from, and where it is
-    sharp.
+    """A body's mesh of triangles before it has nodes.
+
+    Attributes
+    ----------
+    shape : outline of the body
+    s : grid lines with which the mesh began
+    sharp : places on the face to which the mesh is graded
+    mesh : the triangles
     """
 
     shape: Outline
@@ -228,7 +270,10 @@ class Draft(NamedTuple):
 
 
 def draft(shape: Outline, sharp: Sharp, level: TriangleLevel, wavelength: float) -> Draft:
-    """The mesh of a body, graded to its corners and to the sharp places of its face."""
+    """The mesh of a body, graded to its corners and to the places `sharp` on its face.
+
+    wavelength : shortest wavelength of the gap [m]
+    """
     s, d = grid(shape, level.size, wavelength, sharp.s.tolist())
     points = np.concatenate([shape.corners, np.stack([sharp.s, 0 * sharp.s], axis=1)])
     smallest = np.concatenate(

@@ -1,5 +1,6 @@
-"""The elastic ring: its mesh, whose edges match those of the linings, and its compliance under
-them.
+"""The elastic ring: its mesh, and its compliance under the linings.
+
+The edges of the ring's triangles match those of the linings' triangles in every contact.
 """
 
 import math
@@ -24,15 +25,21 @@ from drumlin.verification.triangles.triangulation import (
     start,
 )
 
-ANGLE_SLACK = 1e-12  # rad, of angles that are the same
+ANGLE_SLACK = 1e-12
+"""Difference [rad] up to which two angles count as equal. Round-off is some 1e-15."""
 ROUNDS = 20
+"""Largest number of rounds in which the edges of ring and linings are halved to match."""
 WHOLE_TURN = 2 * math.pi
+"""The angle of a full circle [rad]."""
 
 
 def with_ring(
     brake: Brake, drafts: list[Draft], level: TriangleLevel
 ) -> tuple[list[Triangles], Shaped]:
-    """The linings' meshes and the ring's, whose edges match."""
+    """The meshes of the linings, and the ring with its mesh; edges in contact match.
+
+    Raises BadInput for a ring without a section and for shoes on both sides of the ring.
+    """
     ring, R = brake.ring, brake.size
     section = None if ring is None else ring.section
     if section is None:
@@ -47,11 +54,12 @@ def with_ring(
     ]
 
     def on_ring(i: int, s: Floats) -> Floats:
-        """Angles on the ring of places on the face of shoe i."""
+        """Angles on the ring [rad] of the places s on the face of shoe i."""
         shape = drafts[i].shape
         return shape.origin + shape.turn * s - turns[i]
 
     def on_face(i: int, theta: Floats) -> Floats:
+        """Places s on the face of shoe i, growing, at angles theta on the ring [rad]."""
         shape = drafts[i].shape
         return np.sort((theta + turns[i] - shape.origin) * shape.turn)
 
@@ -103,7 +111,16 @@ def with_ring(
 def _grid(
     under: list[Floats], section: Section, R: float, least: float, size: float
 ) -> tuple[Floats, Floats]:
-    """The ring's first lines: those of the linings, and what lies between them; and across."""
+    """Grid lines with which the ring's mesh begins: their angles [rad] and their d.
+
+    Parameters
+    ----------
+    under : for each lining the angles of its grid lines [rad]
+    section : section of the ring
+    R : radius of the drum [m]
+    least : length of triangles at the linings' ends before their halving [m]
+    size : factor on the lengths of all cells
+    """
     parts = sorted(under, key=lambda part: float(part[0]))
     t = section.thickness
     lines = []
@@ -119,8 +136,10 @@ def _grid(
 
 
 def rim(brake: Brake, ring: Shaped, faces: list[Face]) -> Rim:
-    """The ring condensed to the nodes opposite to those of the faces. A free ring's rim carries
-    what balances the contact, spread as its rigid motions are, and does not move in the mean.
+    """The ring condensed to the nodes opposite to those of the lining faces.
+
+    A ring is fixed at its rim or free. On a free ring's rim tractions balance the contact forces;
+    they are combinations of the three rigid motions of the rim. The mean motion of the rim is zero.
     """
     nodes = ring.nodes
     chosen, of = _opposite(brake, ring, faces)
@@ -153,7 +172,7 @@ def rim(brake: Brake, ring: Shaped, faces: list[Face]) -> Rim:
 
 
 def _motions(xy: Floats) -> Floats:
-    """The rigid motions (..., 2, 3) of points (..., 2): along x, along y, turn about the origin."""
+    """Rigid motions (..., 2, 3) of points (..., 2): along x, along y, turn about the origin."""
     x, y = xy[..., 0], xy[..., 1]
     one, zero = np.ones_like(x), np.zeros_like(x)
     return np.stack(
@@ -162,7 +181,10 @@ def _motions(xy: Floats) -> Floats:
 
 
 def _opposite(brake: Brake, ring: Shaped, faces: list[Face]) -> tuple[Ints, list[Ints]]:
-    """The ring's nodes opposite to those of all faces, and which of them are those of each face."""
+    """The ring's nodes opposite to those of all faces, and for each face the places of its nodes.
+
+    The places (n,) count in the array of the ring's nodes.
+    """
     xy = ring.nodes.xy[ring.surface]
     chosen, of, count = [], [], 0
     for one in faces:
