@@ -47,8 +47,8 @@ these brakes: six of each kind. The factors are judged on brakes of other seeds,
 `corner_rows.FIRST_JUDGED`."""
 
 QUANTILE = 0.995
-"""Share of the true errors that are at most as large as the stated errors. README promises twice
-the remaining share, because other brakes than those of the fit are solved."""
+"""Share of the true errors that are at most as large as the stated errors. README promises that at
+most twice the remaining share of stated errors is too small."""
 
 FITTED = 5
 """Number of levels that the factors are fitted on. The next level is as fine as the far finer
@@ -65,8 +65,8 @@ would cause, relative to the weight of the actual change. `fit` takes the candid
 smallest median of stated over true error."""
 
 HALF = 0.999
-"""Share of the true errors that are at most twice as large as the stated errors. QUANTILE bounds how
-many stated errors are too small; HALF bounds by how much the worst of them are."""
+"""Share of the true errors that are at most twice as large as the stated errors. QUANTILE bounds
+how many stated errors are too small; HALF bounds by how much a stated error is too small."""
 
 DIGITS = 2
 """Number of significant digits of a factor. Other brakes would give other further digits."""
@@ -201,7 +201,7 @@ class Samples(NamedTuple):
 
 
 def samples(levels: Sequence[Level], quantity: str) -> Samples:
-    """The samples of a quantity from all levels on which the true error of the quantity is known."""
+    """The samples of a quantity from all levels on which the quantity has a true error."""
     rows = [
         [of[quantity] for of in level] for level in levels if not math.isnan(level.true[quantity])
     ]

@@ -47,8 +47,8 @@ errors is too small, the number of too small ones among those judged stays withi
 with this probability. Without such an allowance few judged errors would fail a test by chance."""
 
 NEAR = 0.3
-"""Largest relative difference between the median or the smallest tenth of the ratios and its value in
-FILE. A change of the levels alone can move these numbers by half as much. With twice as much a test
+"""Largest relative difference between the median or the smallest tenth of the ratios and its value
+in FILE. A change of the levels alone can move these numbers by half of NEAR. With twice NEAR a test
 would overlook a factor of two."""
 
 MORE = 0.1
@@ -101,8 +101,7 @@ class Judged(NamedTuple):
 
 
 class Spread(NamedTuple):
-    """Median of the ratios of stated to true error, and the value below which a tenth of them lies.
-    """
+    """Median of the ratios of stated to true error, and the value below which a tenth lies."""
 
     median: float
     tenth: float
