@@ -265,7 +265,7 @@ def by_triangles(brake: Brake) -> Truth:
     Raises BadInput and NoAnswer as `triangles.solve` does.
     """
     begin = time.process_time()
-    return of_last_three(brake, triangles.sequence(brake, TRIANGLES)[-3:], begin)
+    return of_last_three(brake, triangles.solve_sequence(brake, TRIANGLES)[-3:], begin)
 
 
 def by_deep_triangles(brake: Brake) -> Truth:
@@ -279,9 +279,9 @@ def by_deep_triangles(brake: Brake) -> Truth:
     begin = time.process_time()
     try:
         sharp = any(clearance.tips(shoe.lining) for shoe in brake.shoes)
-        meshes = triangles.sequence(brake, DEEPEST if sharp else DEEP)
+        meshes = triangles.solve_sequence(brake, DEEPEST if sharp else DEEP)
     except AssertionError:
-        meshes = triangles.sequence(brake, DEEP)
+        meshes = triangles.solve_sequence(brake, DEEP)
     found = [[_steep(brake, i, one) for i, one in enumerate(each)] for each in meshes]
     true = of_last_three(brake, found, begin)
     left = max(left_at_corners(brake, i, one) for i, one in enumerate(found[-1]))

@@ -10,8 +10,8 @@ full slip. A sequence of meshes of growing degree and grading gives each quantit
 the last meshes shows how well the quantity is known.
 """
 
-from drumlin.verification.triangles.levels import TRIANGLE_LEVELS, sequence, solve
+from drumlin.verification.triangles.levels import TRIANGLE_LEVELS, solve, solve_sequence
 from drumlin.verification.triangles.outline import TriangleLevel
 from drumlin.verification.triangles.solution import ShoeSolution
 
-__all__ = ["TRIANGLE_LEVELS", "ShoeSolution", "TriangleLevel", "sequence", "solve"]
+__all__ = ["TRIANGLE_LEVELS", "ShoeSolution", "TriangleLevel", "solve", "solve_sequence"]

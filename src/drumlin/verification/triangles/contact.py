@@ -58,7 +58,7 @@ class Found(NamedTuple):
     active: Bools
 
 
-def settle(
+def complementarity_solution(
     A: Floats, q: Floats, B: Floats, C: Floats, h: Floats, weight: Floats, first: Bools
 ) -> Found:
     """The solution f, y of w = q + A f + B y >= 0, f >= 0, w f = 0 and C f = h.
@@ -120,7 +120,7 @@ def settle(
     raise NoAnswer(f"no contact set settles: wrong by {least:.1e}")
 
 
-def contact(
+def contact_forces(
     brake: Brake,
     faces: list[Face],
     shoes: list[Shoe],
@@ -149,23 +149,23 @@ def contact(
     failure: NoAnswer | None = None
     for chosen in product(*(shoe.senses for shoe in shoes)) if senses is None else [senses]:
         try:
-            found = _contact(brake, faces, shoes, rim, first, chosen)
+            found = _forces_for_senses(brake, faces, shoes, rim, first, chosen)
         except NoAnswer as error:
             failure = failure or error
             continue
-        if all(_stands(brake, *of) for of in zip(faces, shoes, found, chosen, strict=True)):
+        if all(_foot_stands(brake, *of) for of in zip(faces, shoes, found, chosen, strict=True)):
             return found
     raise failure or NoAnswer("a foot leaves its abutment")
 
 
-def _stands(brake: Brake, one: Face, shoe: Shoe, found: Found, sense: int) -> bool:
+def _foot_stands(brake: Brake, one: Face, shoe: Shoe, found: Found, sense: int) -> bool:
     """Whether the foot of a shoe stays on its abutment with the friction that `sense` assumes."""
     drum = brake.friction * brake.spin * one.tangent - one.normal
     reaction = -(found.force[:, None] * drum).sum(axis=0) - shoe.actuation.vector
     return shoe.stands(reaction, sense, float(found.motions[-1]))
 
 
-def _contact(
+def _forces_for_senses(
     brake: Brake,
     faces: list[Face],
     shoes: list[Shoe],
@@ -206,14 +206,14 @@ def _contact(
             A[begin[i] : begin[i + 1], begin[j] : begin[j + 1]] -= (
                 spread[i][0] @ rim.compliance[np.ix_(on, under)] @ spread[j][1]
             )
-    found = settle(A, q, B, C, h, weight, np.concatenate(first))
+    found = complementarity_solution(A, q, B, C, h, weight, np.concatenate(first))
     return [
         Found(found.force[a:b], found.motions[c:d], found.active[a:b])
         for (a, b), (c, d) in zip(pairwise(begin), pairwise(rows), strict=True)
     ]
 
 
-def tip(brake: Brake, one: Face, shoe: Shoe, found: Found, sense: int) -> float:
+def tip_displacement(brake: Brake, one: Face, shoe: Shoe, found: Found, sense: int) -> float:
     """Displacement of the actuation's point along its force F > 0 [m], from the work of F."""
     drum = brake.friction * brake.spin * one.tangent - one.normal
     elastic = float(one.loaded @ (found.force[:, None] * drum).ravel()) + one.yields

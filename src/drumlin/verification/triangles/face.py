@@ -38,10 +38,10 @@ class Shaped(NamedTuple):
     degree: int
 
 
-def shaped(shape: Outline, mesh: Triangles, degree: int) -> Shaped:
+def meshed_body(shape: Outline, mesh: Triangles, degree: int) -> Shaped:
     """The body `shape` with nodes and stiffnesses of the triangles of `mesh`."""
     nodes = lagrange.nodes_of(mesh, shape.place, degree)
-    K = lagrange.stiffness(mesh, nodes, shape.layers, degree)
+    K = lagrange.triangle_stiffnesses(mesh, nodes, shape.layers, degree)
     surface = np.flatnonzero(nodes.at[:, 1] == 0)
     return Shaped(shape, mesh, nodes, K, surface[np.argsort(nodes.at[surface, 0])], degree)
 
@@ -84,12 +84,12 @@ def edge_nodes(nodes: Nodes, tri: Ints, edge: Ints, degree: int) -> Ints:
     return nodes.of[tri[:, None], local]
 
 
-def trace(degree: int, at: Floats) -> tuple[Floats, Floats]:
+def edge_polynomials(degree: int, at: Floats) -> tuple[Floats, Floats]:
     """Values and slopes (degree + 1, q) of an edge's Lagrange polynomials at `at` (q,) in [0, 1].
 
     The polynomials interpolate on the Gauss-Lobatto nodes of the edge.
     """
-    nodes = lagrange.lobatto(degree)
+    nodes = lagrange.lobatto_points(degree)
     V = np.linalg.inv(legendre.legvander(2 * nodes - 1, degree))
     value = legendre.legvander(2 * at - 1, degree)
     unit = np.eye(degree + 1)
@@ -97,13 +97,13 @@ def trace(degree: int, at: Floats) -> tuple[Floats, Floats]:
     return (value @ V).T, (slope @ V).T
 
 
-def along(xy: Floats, degree: int) -> tuple[Floats, Floats, Floats]:
+def edge_quadrature(xy: Floats, degree: int) -> tuple[Floats, Floats, Floats]:
     """Gauss's rule on curved edges: shape functions (degree + 1, q), points (k, q, 2), ds (k, q).
 
     The nodes of the edges are xy (k, degree + 1, 2) [m]. The lengths ds [m] include the weights of
     the rule.
     """
-    psi, slope = trace(degree, 0.5 + 0.5 * FACE_GAUSS)
+    psi, slope = edge_polynomials(degree, 0.5 + 0.5 * FACE_GAUSS)
     x, dx = (np.einsum("kac,aq->kqc", xy, values) for values in (psi, slope))
     return psi, x, np.hypot(dx[..., 0], dx[..., 1]) * 0.5 * FACE_WEIGHTS
 
@@ -119,7 +119,7 @@ def _end_load(body: Shaped, force: Floats, point: Floats) -> Floats:
     on = (np.abs(at[..., 0] - body.shape.loaded) < 1e-12) & (at[..., 1] >= body.shape.front - 1e-12)
     tri, edge = np.nonzero(on & np.roll(on, -1, axis=1))
     of = edge_nodes(body.nodes, tri, edge, body.degree)
-    psi, x, ds = along(body.nodes.xy[of], body.degree)
+    psi, x, ds = edge_quadrature(body.nodes.xy[of], body.degree)
     centre = np.einsum("kqc,kq->c", x, ds) / ds.sum()
     arm = x - centre
     lever = point - centre
@@ -135,7 +135,7 @@ def _end_load(body: Shaped, force: Floats, point: Floats) -> Floats:
     return loads.ravel()
 
 
-def face(brake: Brake, shoe: Shoe, body: Shaped) -> Face:
+def condensed_face(brake: Brake, shoe: Shoe, body: Shaped) -> Face:
     """The shoe of a meshed body, condensed to the nodes of its lining's face."""
     shape, nodes, kept = body.shape, body.nodes, body.surface
     if shape.held is None:
@@ -156,7 +156,7 @@ def face(brake: Brake, shoe: Shoe, body: Shaped) -> Face:
     place = np.empty(len(nodes.xy), dtype=np.int64)
     place[kept] = np.arange(len(kept))
     of = place[edge_nodes(nodes, *body.mesh.surface, body.degree)]
-    psi, _, ds = along(nodes.xy[kept][of], body.degree)
+    psi, _, ds = edge_quadrature(nodes.xy[kept][of], body.degree)
     mass = np.zeros((len(kept), len(kept)))
     np.add.at(
         mass,

@@ -26,7 +26,7 @@ Smaller parts cost more calls, larger ones more arithmetic."""
 
 
 @cache
-def lobatto(degree: int) -> Floats:
+def lobatto_points(degree: int) -> Floats:
     """The Gauss-Lobatto points (degree + 1,) on [0, 1]."""
     inner = legendre.Legendre.basis(degree).deriv().roots() if degree > 1 else np.zeros(0)
     return 0.5 + 0.5 * np.concatenate([[-1.0], np.sort(np.real(inner)), [1.0]])
@@ -39,14 +39,14 @@ def reference_nodes(degree: int) -> Floats:
     The order is: corners 0, 1, 2; edges 01, 12, 20, each from its first to its second corner; the
     inside.
     """
-    x = lobatto(degree)[1:-1]
+    x = lobatto_points(degree)[1:-1]
     zero = 0 * x
     edges = [
         np.stack([1 - x, x, zero], 1),
         np.stack([zero, 1 - x, x], 1),
         np.stack([x, zero, 1 - x], 1),
     ]
-    full = lobatto(degree)
+    full = lobatto_points(degree)
     inside = [
         (full[i], full[j], full[k])
         for i in range(1, degree)
@@ -57,7 +57,7 @@ def reference_nodes(degree: int) -> Floats:
     return np.concatenate([np.eye(3), *edges, inner / inner.sum(axis=1, keepdims=True)])
 
 
-def _polynomials(degree: int, x: Floats, y: Floats) -> tuple[Floats, Floats, Floats]:
+def _legendre_products(degree: int, x: Floats, y: Floats) -> tuple[Floats, Floats, Floats]:
     """Products of Legendre polynomials in x and y and their slopes in x and in y: (n, points) each.
 
     The products are those whose two degrees have a sum of at most `degree`.
@@ -88,8 +88,8 @@ def shape_functions(degree: int) -> tuple[Floats, Floats, Floats]:
     """
     nodes = reference_nodes(degree)
     X, W = get_quadrature_tri(2 * degree)
-    at_nodes, _, _ = _polynomials(degree, nodes[:, 1], nodes[:, 2])
-    value, dx, dy = _polynomials(degree, X[0], X[1])
+    at_nodes, _, _ = _legendre_products(degree, nodes[:, 1], nodes[:, 2])
+    value, dx, dy = _legendre_products(degree, X[0], X[1])
     inverse = np.linalg.inv(at_nodes)
     return inverse @ value, np.stack([inverse @ dx, inverse @ dy], axis=1), W
 
@@ -132,7 +132,9 @@ def nodes_of(mesh: Triangles, place: Map, degree: int) -> Nodes:
     return Nodes(of, at, place(at[:, 0], at[:, 1]))
 
 
-def stiffness(mesh: Triangles, nodes: Nodes, layers: list[TriangleLayer], degree: int) -> Floats:
+def triangle_stiffnesses(
+    mesh: Triangles, nodes: Nodes, layers: list[TriangleLayer], degree: int
+) -> Floats:
     """Plane-stress stiffness (m, 2n, 2n) of each triangle [N/m].
 
     Unknown 2 i + c of a triangle is component c of the displacement of its node i.
@@ -260,7 +262,7 @@ def condense(K: Floats, nodes: Nodes, held: Bools, kept: Ints, loads: Floats) ->
     loads = np.where(held[:, None], 0.0, loads)
     columns = loads.shape[1]
 
-    def joined(parts: list[Front]) -> Front:
+    def assembled(parts: list[Front]) -> Front:
         """The parts assembled; the unknowns that no other part shares are eliminated."""
         all_dofs, where = np.unique(
             np.concatenate([part.dofs for part in parts]), return_inverse=True
@@ -291,12 +293,12 @@ def condense(K: Floats, nodes: Nodes, held: Bools, kept: Ints, loads: Floats) ->
             work + own.T @ own,
         )
 
-    def front(members: Ints) -> Front:
+    def front_of(members: Ints) -> Front:
         """The Schur complement of the triangles with the numbers `members`."""
         if len(members) <= LEAF_TRIANGLES:
             free = ~held[dofs[members]]
             none = np.zeros((columns, columns))
-            return joined(
+            return assembled(
                 [
                     Front(
                         d[on],
@@ -310,9 +312,9 @@ def condense(K: Floats, nodes: Nodes, held: Bools, kept: Ints, loads: Floats) ->
             )
         x = centres[members]
         order = members[np.argsort(x[:, int(np.argmax(np.ptp(x, axis=0)))], kind="stable")]
-        return joined([front(order[: len(order) // 2]), front(order[len(order) // 2 :])])
+        return assembled([front_of(order[: len(order) // 2]), front_of(order[len(order) // 2 :])])
 
-    whole = front(np.arange(len(centres)))
+    whole = front_of(np.arange(len(centres)))
     order = (2 * kept[:, None] + np.arange(2)).ravel()
     at = np.searchsorted(whole.dofs, order)  # growing, and nothing else is left
     S, f = whole.K[np.ix_(at, at)], whole.loads[at] + loads[order]

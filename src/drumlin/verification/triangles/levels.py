@@ -11,12 +11,18 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
-from drumlin.verification.triangles.contact import contact
-from drumlin.verification.triangles.face import Face, face, shaped
-from drumlin.verification.triangles.outline import Outline, Sharp, TriangleLevel, draft, outline
-from drumlin.verification.triangles.ring import rim, with_ring
-from drumlin.verification.triangles.shared import shared
-from drumlin.verification.triangles.solution import ShoeSolution, solution
+from drumlin.verification.triangles.contact import contact_forces
+from drumlin.verification.triangles.face import Face, condensed_face, meshed_body
+from drumlin.verification.triangles.outline import (
+    Outline,
+    Sharp,
+    TriangleLevel,
+    draft_mesh,
+    outline_of,
+)
+from drumlin.verification.triangles.ring import condensed_rim, meshes_with_ring
+from drumlin.verification.triangles.shared import solve_sharing_shoes
+from drumlin.verification.triangles.solution import ShoeSolution, shoe_solution
 
 ENDS = 13
 """Largest number of halvings of triangles towards an end of the contact, where p is small, and
@@ -43,10 +49,10 @@ TRIANGLE_LEVELS = (
     TriangleLevel(4, 13, 0.7, 0.8),
     TriangleLevel(5, 15, 0.7, 0.8),
 )
-"""The meshes of `sequence`, from coarse to fine."""
+"""The meshes of `solve_sequence`, from coarse to fine."""
 
 
-def pressed(brake: Brake) -> list[int]:
+def pressed_shoes(brake: Brake) -> list[int]:
     """Numbers of the shoes without a hinge and of those that the actuation turns to the drum."""
     found = []
     for i, shoe in enumerate(brake.shoes):
@@ -62,7 +68,7 @@ def pressed(brake: Brake) -> list[int]:
     return found
 
 
-def _wavelength(brake: Brake) -> float:
+def _shortest_wavelength(brake: Brake) -> float:
     """Shortest wavelength of the drum's out-of-roundness along its circumference [m]."""
     highest = max((part.order for part in brake.lobes if part.amplitude), default=0)
     return 2 * math.pi * brake.size / max(highest, 1)
@@ -88,39 +94,49 @@ def solve(
         If a shoe does not touch the drum or no contact set solves the equations.
     """
     shoes = list(brake.shoes)
-    if len(pressed(brake)) < len(shoes):
+    if len(pressed_shoes(brake)) < len(shoes):
         raise NoAnswer("a shoe that is not turned towards the drum")
     earlier = [None] * len(shoes) if before is None else list(before)
     drafts = []
     for shoe, its in zip(shoes, earlier, strict=True):
-        shape = outline(shoe, brake.size)
-        drafts.append(draft(shape, _sharp(shoe, shape, its, level), level, _wavelength(brake)))
+        shape = outline_of(shoe, brake.size)
+        drafts.append(
+            draft_mesh(
+                shape, _sharp_places(shoe, shape, its, level), level, _shortest_wavelength(brake)
+            )
+        )
     meshes, opposite = [one.mesh for one in drafts], None
     if brake.ring is not None:
-        meshes, opposite = with_ring(brake, drafts, level)
+        meshes, opposite = meshes_with_ring(brake, drafts, level)
     faces = [
-        face(
-            brake, shoe.under(1.0) if brake.shares else shoe, shaped(one.shape, mesh, level.degree)
+        condensed_face(
+            brake,
+            shoe.under(1.0) if brake.shares else shoe,
+            meshed_body(one.shape, mesh, level.degree),
         )
         for shoe, one, mesh in zip(shoes, drafts, meshes, strict=True)
     ]
-    firsts = [_touching(one, its) for one, its in zip(faces, earlier, strict=True)]
+    firsts = [_first_contact(one, its) for one, its in zip(faces, earlier, strict=True)]
     if brake.shares:
         if opposite is not None:
             raise BadInput(f"{brake.shares}, on an elastic ring")
-        shoes, found = shared(brake, faces, firsts)
+        shoes, found = solve_sharing_shoes(brake, faces, firsts)
     elif opposite is not None:
-        found = contact(brake, faces, shoes, rim(brake, opposite, faces), firsts)
+        found = contact_forces(brake, faces, shoes, condensed_rim(brake, opposite, faces), firsts)
     else:
         found = [
-            contact(brake, [faces[i]], [shoes[i]], None, [firsts[i]])[0] for i in range(len(shoes))
+            contact_forces(brake, [faces[i]], [shoes[i]], None, [firsts[i]])[0]
+            for i in range(len(shoes))
         ]
     return [
-        solution(brake, shoe, one, its) for shoe, one, its in zip(shoes, faces, found, strict=True)
+        shoe_solution(brake, shoe, one, its)
+        for shoe, one, its in zip(shoes, faces, found, strict=True)
     ]
 
 
-def _sharp(shoe: Shoe, shape: Outline, before: ShoeSolution | None, level: TriangleLevel) -> Sharp:
+def _sharp_places(
+    shoe: Shoe, shape: Outline, before: ShoeSolution | None, level: TriangleLevel
+) -> Sharp:
     """Kinks of a lining's gap and ends of its contact inside the lining, with lengths of triangles.
 
     Triangles at the ends of a contact are the smaller the shorter the contact is.
@@ -141,7 +157,7 @@ def _sharp(shoe: Shoe, shape: Outline, before: ShoeSolution | None, level: Trian
     return Sharp((angle - shape.origin) * shape.turn, length * 0.5**most)
 
 
-def _touching(one: Face, before: ShoeSolution | None) -> Bools:
+def _first_contact(one: Face, before: ShoeSolution | None) -> Bools:
     """Whether each node (n,) of a face is in contact at first.
 
     All nodes are, or with an earlier solution those on the arcs of its contacts.
@@ -152,7 +168,7 @@ def _touching(one: Face, before: ShoeSolution | None) -> Bools:
     return np.any(inside, axis=0)
 
 
-def sequence(
+def solve_sequence(
     brake: Brake, levels: Sequence[TriangleLevel] = TRIANGLE_LEVELS
 ) -> list[list[ShoeSolution]]:
     """The solutions of all shoes on each of a sequence of meshes.

@@ -17,9 +17,9 @@ from drumlin.verification.triangles.triangulation import (
     Map,
     TriangleLayer,
     Triangles,
-    graded,
-    spaced,
-    start,
+    graded_mesh,
+    initial_mesh,
+    spaced_points,
 )
 
 SLENDER = 12.0
@@ -100,7 +100,7 @@ class Outline:
         return min(float(self.thickness.min()), arc / 4)
 
 
-def outline(shoe: Shoe, R: float) -> Outline:
+def outline_of(shoe: Shoe, R: float) -> Outline:
     """The outline of a shoe on a drum of radius R [m].
 
     Raises BadInput for a shoe that has a mesh of its own or a beam without a constant section.
@@ -109,7 +109,7 @@ def outline(shoe: Shoe, R: float) -> Outline:
     if shoe.mesh is not None:
         raise BadInput(f"shoe {shoe.name!r} has a mesh of its own")
     if isinstance(body, Beam):
-        return _post(shoe, R)
+        return _beam_outline(shoe, R)
     parts = [(lining.thickness, lining.material)] + (
         [(backing.thickness, backing.material)] if backing else []
     )
@@ -149,13 +149,13 @@ def outline(shoe: Shoe, R: float) -> Outline:
         r = R - shoe.sign * np.interp(d, np.arange(len(depths)), depths)
         return np.stack([r * np.cos(s), r * np.sin(s)], axis=-1)
 
-    ends, points, plates = _distinct(s), np.unique(corners, axis=0), len(layers) - len(parts)
+    ends, points, plates = _sorted_distinct(s), np.unique(corners, axis=0), len(layers) - len(parts)
     return Outline(
         place, layers, np.array(thickness), ends, points, held, loaded, 0.0, 1, R, grip, plates
     )
 
 
-def _post(shoe: Shoe, R: float) -> Outline:
+def _beam_outline(shoe: Shoe, R: float) -> Outline:
     """The outline of a straight beam with a lining on a square-cut block.
 
     The coordinate s is the angle of a point on the lining's back, seen from the drum's centre.
@@ -196,19 +196,19 @@ def _post(shoe: Shoe, R: float) -> Outline:
     ]
     thickness = np.array([t, block, section.thickness])
     origin = lining.middle - axis.sense * float(axis.angle(np.array(lining.middle)))
-    s = _distinct([low, first, last, high])
+    s = _sorted_distinct([low, first, last, high])
     return Outline(
         place, layers, thickness, s, np.unique(corners, axis=0), low, high, origin, axis.sense, back
     )
 
 
-def _distinct(values: Sequence[float]) -> Floats:
+def _sorted_distinct(values: Sequence[float]) -> Floats:
     """The values in growing order, without repetitions up to round-off."""
     grown = np.unique(values)
     return grown[np.append(True, np.diff(grown) > 1e-9)]
 
 
-def grid(
+def grid_lines(
     shape: Outline, size: float, wavelength: float, points: Sequence[float]
 ) -> tuple[Floats, list[Floats]]:
     """Grid lines with which a mesh begins: their s, and for each layer their d.
@@ -240,7 +240,7 @@ def grid(
             min(most, float((near + 0.5 * shape.length * np.abs(dense - s)).min())) / shape.length
         )
 
-    s = spaced(shape.s, along)
+    s = spaced_points(shape.s, along)
     d = []
     for j, t in enumerate(shape.thickness.tolist()):
         coarsest = t * (1.0 if j == 0 else 0.5) * min(1.0, 1.25 * size)
@@ -248,7 +248,7 @@ def grid(
         def across(x: float, t: float = t, coarsest: float = coarsest) -> float:
             return min(coarsest / t, least / t + min(x, 1 - x))
 
-        d.append(j + spaced(np.array([0.0, 1.0]), across))
+        d.append(j + spaced_points(np.array([0.0, 1.0]), across))
     return s, d
 
 
@@ -269,17 +269,20 @@ class Draft(NamedTuple):
     mesh: Triangles
 
 
-def draft(shape: Outline, sharp: Sharp, level: TriangleLevel, wavelength: float) -> Draft:
+def draft_mesh(shape: Outline, sharp: Sharp, level: TriangleLevel, wavelength: float) -> Draft:
     """The mesh of a body, graded to its corners and to the places `sharp` on its face.
 
     wavelength : shortest wavelength of the gap [m]
     """
-    s, d = grid(shape, level.size, wavelength, sharp.s.tolist())
+    s, d = grid_lines(shape, level.size, wavelength, sharp.s.tolist())
     points = np.concatenate([shape.corners, np.stack([sharp.s, 0 * sharp.s], axis=1)])
     smallest = np.concatenate(
         [np.full(len(shape.corners), shape.least * 0.5**level.halvings), sharp.smallest]
     )
     at = shape.place(points[:, 0], points[:, 1])
     return Draft(
-        shape, s, sharp, graded(start(s, d, shape.layers), shape.place, at, smallest, level.steep)
+        shape,
+        s,
+        sharp,
+        graded_mesh(initial_mesh(s, d, shape.layers), shape.place, at, smallest, level.steep),
     )

@@ -9,7 +9,7 @@ from drumlin.base.arrays import Bools, Floats
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.verification.triangles import lagrange
 from drumlin.verification.triangles.contact import Found
-from drumlin.verification.triangles.face import FACE_GAUSS, FACE_WEIGHTS, Face, trace
+from drumlin.verification.triangles.face import FACE_GAUSS, FACE_WEIGHTS, Face, edge_polynomials
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class ShoeSolution:
     @cached_property
     def _barycentric(self) -> Floats:
         """Weights (order + 1,) of the barycentric formula for Lagrange's interpolation."""
-        x = lagrange.lobatto(self.order)
+        x = lagrange.lobatto_points(self.order)
         return np.array([1 / np.prod([a - b for b in x if b != a]) for a in x])
 
     def pressure_at(self, theta: Floats) -> Floats:
@@ -58,7 +58,7 @@ class ShoeSolution:
         return np.where((at >= ends[0]) & (at <= ends[-1]), value, 0.0)
 
 
-def solution(brake: Brake, shoe: Shoe, one: Face, found: Found) -> ShoeSolution:
+def shoe_solution(brake: Brake, shoe: Shoe, one: Face, found: Found) -> ShoeSolution:
     """The solution of a shoe from its contact forces.
 
     The pressure has the same work as the nodal forces on every shape function of a node in contact.
@@ -76,12 +76,12 @@ def solution(brake: Brake, shoe: Shoe, one: Face, found: Found) -> ShoeSolution:
         torque=brake.friction * brake.size * float(found.force.sum()),
         normal_force=float(np.hypot(*on_normal)),
         hinge_reaction=-(on_normal + on_tangent + shoe.actuation.vector),
-        arcs=_arcs(one.theta, p, found.active, one.degree),
+        arcs=_contact_arcs(one.theta, p, found.active, one.degree),
         unknowns=one.unknowns,
     )
 
 
-def _arcs(theta: Floats, p: Floats, active: Bools, degree: int) -> Floats:
+def _contact_arcs(theta: Floats, p: Floats, active: Bools, degree: int) -> Floats:
     """First and last angle (k, 2) of each contact [rad].
 
     An end of the contact inside the lining is extrapolated. The pressure rises there as the root of
@@ -93,13 +93,16 @@ def _arcs(theta: Floats, p: Floats, active: Bools, degree: int) -> Floats:
     last = len(theta) - 1
     return np.array(
         [
-            (_end(theta, p, i, degree), -_end(-theta[::-1], p[::-1], last - j, degree))
+            (
+                _contact_start(theta, p, i, degree),
+                -_contact_start(-theta[::-1], p[::-1], last - j, degree),
+            )
             for i, j in zip(firsts.tolist(), lasts.tolist(), strict=True)
         ]
     ).reshape(-1, 2)
 
 
-def _end(theta: Floats, p: Floats, node: int, degree: int) -> float:
+def _contact_start(theta: Floats, p: Floats, node: int, degree: int) -> float:
     """The angle [rad] where the contact begins whose first node in contact is `node`."""
     if node == 0:
         return float(theta[0])
@@ -108,7 +111,7 @@ def _end(theta: Floats, p: Floats, node: int, degree: int) -> float:
     far = near + degree
     if far >= len(theta):
         return float(theta[node])
-    psi, _ = trace(degree, 0.5 + 0.5 * FACE_GAUSS)
+    psi, _ = edge_polynomials(degree, 0.5 + 0.5 * FACE_GAUSS)
     weight = psi @ (0.5 * FACE_WEIGHTS)
     F = np.cumsum(
         [

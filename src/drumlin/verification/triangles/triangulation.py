@@ -70,7 +70,7 @@ class Triangles:
         )
 
 
-def start(
+def initial_mesh(
     s: Floats, d: Sequence[Floats], layers: Sequence[TriangleLayer], period: float | None = None
 ) -> Triangles:
     """A mesh of two triangles for each cell of a grid, as far as the layers reach.
@@ -160,7 +160,7 @@ def bisect(mesh: Triangles, marked: Bools) -> Triangles:
     return Triangles(*(np.concatenate([part[k] for part in parts]) for k in range(3)))
 
 
-def graded(
+def graded_mesh(
     mesh: Triangles, place: Map, points: Floats, smallest: Floats, steep: float
 ) -> Triangles:
     """The mesh with its triangles halved until each is short for its distance from the points.
@@ -189,7 +189,7 @@ def graded(
     raise AssertionError("the triangulation does not end")
 
 
-def matched(first: Triangles, breaks: Floats, slack: float) -> Triangles:
+def matched_mesh(first: Triangles, breaks: Floats, slack: float) -> Triangles:
     """The mesh `first` with edges on its surface halved until none has a break inside.
 
     Parameters
@@ -212,7 +212,7 @@ def matched(first: Triangles, breaks: Floats, slack: float) -> Triangles:
     raise AssertionError("the surfaces do not match")
 
 
-def spaced(breaks: Floats, size: Callable[[float], float]) -> Floats:
+def spaced_points(breaks: Floats, size: Callable[[float], float]) -> Floats:
     """Points from the first to the last of the growing `breaks`, with steps of about size(x).
 
     Every break is one of the points.
