@@ -51,7 +51,7 @@ def stored(steps: int) -> dict[str, Any]:
 
 def _by_triangles(steps: int) -> dict[str, Any]:
     brake = brake_of(steps)
-    *_, before, last = triangles.sequence(brake)
+    *_, before, last = triangles.solve_sequence(brake)
     pressure = last[0].pressure_at(angles_of(brake))
     return {
         "torque": last[0].torque,

@@ -23,7 +23,7 @@ from drumlin.fem.substructure.body import scalar_basis, stiffness
 from drumlin.fem.substructure.elasticity import split_elasticity, stress, through_layers
 from drumlin.response.resultants import lobatto
 from drumlin.verification.triangles import lagrange
-from drumlin.verification.triangles.triangulation import TriangleLayer, start
+from drumlin.verification.triangles.triangulation import TriangleLayer, initial_mesh
 from picking import picked
 
 DIRECTED = np.array([[9.0, 0.8, 0.0], [0.8, 3.0, 0.0], [0.0, 0.0, 2.5]]) * 1e8
@@ -260,14 +260,16 @@ def test_split_and_put_together_a_matrix_is_the_same():
 def test_triangles_of_the_second_solver_carry_an_even_strain():
     """A straight layer of triangles under u = H x has the nodal forces of its even stress."""
     layer = LAYERS["straight"]
-    mesh = start(np.linspace(0, 0.2, 4), [np.linspace(0, 1, 3)], [TriangleLayer(-1, 1, layer)])
+    mesh = initial_mesh(
+        np.linspace(0, 0.2, 4), [np.linspace(0, 1, 3)], [TriangleLayer(-1, 1, layer)]
+    )
 
     def place(s, d):
         return np.stack([s, 0.02 * d + 0.1 * s], axis=-1)
 
     degree = 3
     nodes = lagrange.nodes_of(mesh, place, degree)
-    K = lagrange.stiffness(mesh, nodes, [TriangleLayer(-1, 1, layer)], degree)
+    K = lagrange.triangle_stiffnesses(mesh, nodes, [TriangleLayer(-1, 1, layer)], degree)
     H = np.array([[1e-3, 4e-4], [-2e-4, 5e-4]])
     u = nodes.xy @ H.T
     energy = sum(

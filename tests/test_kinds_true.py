@@ -34,7 +34,7 @@ def brake_of(seed: int, kind: str) -> Brake:
 @pytest.mark.parametrize("kind", ["rough abutment", pytest.param("cam", marks=pytest.mark.slow)])
 def test_another_solver_answers_alike(kind: str) -> None:
     brake = brake_of(3, kind)
-    (true,) = triangles.sequence(brake, QUICK)
+    (true,) = triangles.solve_sequence(brake, QUICK)
     found = drumlin.solve(brake)
     assert found.torque == pytest.approx(math.fsum(picked(true, "torque")), rel=1e-4)
     for a, b in zip(found.shoes, true, strict=True):
@@ -50,7 +50,7 @@ def rows_of(kind: str, seeds: range, tolerance: float) -> list[dict[str, Any]]:
     rows = []
     for seed in seeds:
         brake = brake_of(seed, kind)
-        before, last = triangles.sequence(brake, triangles.TRIANGLE_LEVELS[:2])
+        before, last = triangles.solve_sequence(brake, triangles.TRIANGLE_LEVELS[:2])
         moved = errors(brake, before, last)
         true = Truth(
             last, {name: limit(2 * moved[name], moved[name]) for name in JUDGED_QUANTITIES}, 0.0

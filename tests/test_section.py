@@ -21,7 +21,7 @@ from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.solid.mesh import solid_mesh
-from drumlin.verification.triangles.outline import outline
+from drumlin.verification.triangles.outline import outline_of
 from drumlin_studies.reduced import sketcher
 from held_shoes import BODY, brake_of
 
@@ -177,7 +177,7 @@ def test_the_second_solver_has_the_same_plates() -> None:
     hinged = [
         vary(layered("pivot", old=old), {"shoe.pivot": None}).shoes[0] for old in (False, True)
     ]
-    new, old = (outline(shoe, 0.11) for shoe in hinged)
+    new, old = (outline_of(shoe, 0.11) for shoe in hinged)
     assert len(new.layers) == len(old.layers) == 3
     for one, other in zip(new.layers, old.layers, strict=True):
         assert (one.start, one.end, one.elastic.width) == (

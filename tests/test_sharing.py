@@ -68,7 +68,7 @@ def test_a_cam_feels_the_corners_of_the_loaded_ends() -> None:
     brake = cam_brake(
         body=0.02, thickness=0.012, web=0.002, table={"thickness": 0.004, "width": 0.04}
     )
-    (true,) = triangles.sequence(brake, triangles.TRIANGLE_LEVELS[:1])
+    (true,) = triangles.solve_sequence(brake, triangles.TRIANGLE_LEVELS[:1])
     found = respond(prepare(brake, LEVELS[1]), brake, penalty=math.inf)
     for a, b in zip(found.shoes, true, strict=True):
         assert a.hinge_reaction == pytest.approx(

@@ -229,7 +229,7 @@ def test_what_a_refinement_cannot_settle_is_part_of_the_error(monkeypatch):
     brake = random_brake(8326)
     along, (true,) = (
         islice(steps(brake, respond), 2),
-        triangles.sequence(brake, triangles.TRIANGLE_LEVELS[:1]),
+        triangles.solve_sequence(brake, triangles.TRIANGLE_LEVELS[:1]),
     )
     found = adapt(brake, Tolerance(1e-6, 1e-6), respond, must=False, along=along).response
     (shoe,) = found.shoes

@@ -20,7 +20,7 @@ from drumlin.fem.solve import solve
 from drumlin.response.norms import pressure_distance
 from drumlin.response.response import NO_CHANGE, ShoeChange, reaction_size
 from drumlin.response.resultants import cross, integrate
-from drumlin.verification.triangles import TriangleLevel, sequence
+from drumlin.verification.triangles import TriangleLevel, solve_sequence
 from drumlin_studies import stated_true
 from drumlin_studies.calibration import drawn
 from drumlin_studies.random_brake import SHAPE_KINDS, random_brake
@@ -43,7 +43,7 @@ LEVELS = (TriangleLevel(3, 5, 1.4, 1.0), TriangleLevel(4, 7, 1.2, 1.0))
 
 @pytest.fixture(scope="module")
 def truth(brake):
-    before, last = sequence(brake, LEVELS)
+    before, last = solve_sequence(brake, LEVELS)
     return Truth(last, MappingProxyType(errors(brake, before, last)), 0.0)
 
 

@@ -13,15 +13,15 @@ from drumlin.brake.elasticity import ElasticLayer
 from drumlin.brake.fields import Material
 from drumlin.brake.file import brake_from, read_brake, vary
 from drumlin.fem.solve import solve
-from drumlin.verification.triangles import TriangleLevel, contact, lagrange, levels, sequence
-from drumlin.verification.triangles.face import along, edge_nodes, shaped
+from drumlin.verification.triangles import TriangleLevel, contact, lagrange, levels, solve_sequence
+from drumlin.verification.triangles.face import edge_nodes, edge_quadrature, meshed_body
 from drumlin.verification.triangles.outline import Outline
 from drumlin.verification.triangles.triangulation import (
     TriangleLayer,
     bisect,
     edges_of,
-    graded,
-    start,
+    graded_mesh,
+    initial_mesh,
 )
 from drumlin_studies.random_brake import random_brake
 from drumlin_studies.stated_true import pressure_error
@@ -34,7 +34,9 @@ SMALL = (TriangleLevel(3, 5, 1.4, 1.0), TriangleLevel(5, 7, 1.2, 1.0))
 def block(a, b):
     """A grid of a rectangle in a plane in which s and d are lengths."""
     elastic = ElasticLayer.of(Material(E=1.0, nu=0.0), 1.0)
-    return start(np.linspace(0, a, 4), [np.linspace(0, 1, 3)], [TriangleLayer(0.0, a, elastic)])
+    return initial_mesh(
+        np.linspace(0, a, 4), [np.linspace(0, 1, 3)], [TriangleLayer(0.0, a, elastic)]
+    )
 
 
 def area(mesh):
@@ -66,7 +68,7 @@ def test_triangles_are_as_small_as_their_distance_asks():
     def plane(s, d):
         return np.stack([s, d], axis=-1)
 
-    mesh = graded(block(2.0, 1.0), plane, np.array([[2 / 3, 0.0]]), np.array([1e-4]), 0.8)
+    mesh = graded_mesh(block(2.0, 1.0), plane, np.array([[2 / 3, 0.0]]), np.array([1e-4]), 0.8)
     corners = mesh.at
     size = np.hypot(*np.moveaxis(corners - np.roll(corners, -1, axis=1), 2, 0)).max(axis=1)
     away = np.hypot(*(corners.mean(axis=1) - [2 / 3, 0.0]).T)
@@ -107,12 +109,14 @@ def test_ring_under_even_pressure_is_lames():
     shape = Outline(
         place, [layer], np.array([b - a]), np.zeros(2), np.zeros((0, 2)), None, None, 0.0, 1, a
     )
-    mesh = start(np.linspace(0, 2 * math.pi, 25), [np.linspace(0, 1, 3)], [layer], 2 * math.pi)
-    body = shaped(shape, mesh, 4)
+    mesh = initial_mesh(
+        np.linspace(0, 2 * math.pi, 25), [np.linspace(0, 1, 3)], [layer], 2 * math.pi
+    )
+    body = meshed_body(shape, mesh, 4)
     nodes, kept = body.nodes, body.surface
     tri, edge = mesh.surface
     edges = edge_nodes(nodes, tri, edge, 4)
-    psi, x, ds = along(nodes.xy[edges], 4)
+    psi, x, ds = edge_quadrature(nodes.xy[edges], 4)
     loads = np.zeros_like(nodes.xy)
     outwards = x / np.hypot(x[..., 0], x[..., 1])[..., None]
     np.add.at(loads, edges, width * p * np.einsum("aq,kqc,kq->kac", psi, outwards, ds))
@@ -141,7 +145,7 @@ def test_contact_sets_settle_on_the_one_that_fits(seed, skew):
     A = X @ X.T + 0.3 * np.eye(n) + skew * (Y - Y.T)
     B, q = -(0.5 + rng.random((n, 1))), 0.1 * rng.normal(size=n)
     C, h = -B.T, np.array([1.0])
-    found = contact.settle(A, q, B, C, h, np.ones(n), np.ones(n, dtype=bool))
+    found = contact.complementarity_solution(A, q, B, C, h, np.ones(n), np.ones(n, dtype=bool))
     right = []
     for size in range(1, n + 1):
         for members in combinations(range(n), size):
@@ -192,7 +196,7 @@ def test_of_two_answers_triangles_find_the_one_that_grows_from_no_friction():
     A shoe presses with its end; another answer, with the whole lining, has 3.5 times its torque.
     """
     brake = random_brake(5820)
-    *_, (found,) = sequence(brake, SMALL[:1])
+    *_, (found,) = solve_sequence(brake, SMALL[:1])
     assert found.torque == pytest.approx(solve(brake, tolerance=1e-3).torque, rel=1e-3)
     (other,) = levels.solve(brake, levels.FINDING)
     assert other.torque > 3 * found.torque
@@ -203,7 +207,7 @@ def test_a_small_contact_is_hertzs():
 
     a^2 = 4 P'/(pi E (1/r - 1/R)) in plane stress against a rigid drum; a/t = 0.03.
     """
-    *_, (found,) = sequence(pressed_circle(math.radians(0.5)), SMALL)
+    *_, (found,) = solve_sequence(pressed_circle(math.radians(0.5)), SMALL)
     R, r, E = 0.15, 0.1455, 3e8
     load = found.normal_force / 0.04
     a = math.sqrt(4 * load / (math.pi * E * (1 / r - 1 / R)))
@@ -217,7 +221,7 @@ def test_a_small_contact_is_hertzs():
 
 def test_moments_and_forces_of_a_solution_are_in_equilibrium(brake):
     mild = vary(brake, {"shoe.lining.clearance": 5e-5})
-    for shoe, found in zip(mild.shoes, sequence(mild, SMALL[:1])[-1], strict=True):
+    for shoe, found in zip(mild.shoes, solve_sequence(mild, SMALL[:1])[-1], strict=True):
         half = 0.5 * np.diff(found.theta[:: found.order])[:, None]
         gauss, weights = np.polynomial.legendre.leggauss(8)
         theta = found.theta[: -1 : found.order][:, None] + half * (1 + gauss)
@@ -258,7 +262,7 @@ CASES = {
 def test_the_finite_elements_agree(case, brake):
     """Torque, reactions and p of two codes that share no mesh, no element and no contact."""
     changed = vary(brake, CASES[case])
-    theirs = sequence(changed, SMALL)[-1]
+    theirs = solve_sequence(changed, SMALL)[-1]
     mine = solve(changed, tolerance=1e-3)
     for a, b in zip(mine.shoes, theirs, strict=True):
         assert a.torque == pytest.approx(b.torque, rel=5e-5)

@@ -1,15 +1,15 @@
-"""The factors of the error estimate, fitted on random brakes of every kind, and the file that holds
-them.
+"""The factors of the error estimate, fitted on random brakes of every kind, and their file.
 
-Of each brake `observe` takes the levels of a solve one by one and writes down by how much they
-move, and how far each is from a far finer solution. `fit` finds the factors with which the stated
-errors of all brakes and levels are at least the true ones, but for a small share, 1 - QUANTILE.
-`as_text` writes the factors with what they were fitted on. The study `calibration` does all of
-this,
+For each brake `observe` takes the levels of a solve one by one. It records by how much the answer
+changes from level to level and how far each answer is from a far finer solution. `fit` finds the
+factors with which the stated errors are at least the true errors, except for a small share of
+1 - QUANTILE. `as_text` writes the factors together with the brakes that they were fitted on. The
+command
 
     make calibrate
 
-and the same tree always writes the same file.
+runs the study `calibration`, which calls these functions. The same tree always writes the same
+file.
 """
 
 import json
@@ -37,44 +37,51 @@ from drumlin_studies.stated_true import Truth, errors
 from drumlin_studies.stored_truth import CERTAIN, by_deep_triangles, by_finer
 
 FIRST_SEED, BRAKES = 300_000, 260
-"""Seed of the first random brake of the fit, and their number: ten of each kind. The seeds of the
-stored truths (70000 and on) and of the study that judges (700000 and on) are others."""
+"""Seed of the first random brake of the fit, and the number of these brakes: ten of each kind. The
+stored truths (seeds 70000 and on) and the study that judges the factors (seeds 700000 and on) use
+other brakes."""
 
 FIRST_CORNER, CORNER_BRAKES = 310_000, 60
-"""Seed of the first brake of the fit that presses with a corner or under a tip, and their number:
-six of each kind. Other seeds are judged, see `corner_rows.FIRST_JUDGED`."""
+"""Seed of the first brake of the fit that presses with a corner or under a tip, and the number of
+these brakes: six of each kind. The factors are judged on brakes of other seeds, see
+`corner_rows.FIRST_JUDGED`."""
 
 QUANTILE = 0.995
-"""Share of the true errors that the fit covers. Twice as many may be too small as README promises.
-"""
+"""Share of the true errors that are at most as large as the stated errors. README promises that at
+most twice the remaining share of stated errors is too small."""
 
 FITTED = 5
-"""Number of levels that are fitted on. The one after them is as fine as the truth itself."""
+"""Number of levels that the factors are fitted on. The next level is as fine as the far finer
+solution itself."""
 
 RELEVANT = 1e-6
-"""True error below which any stated error counts as large enough. No solve is asked for so small an
-error of p, and there the truth and the arithmetic are in doubt themselves.
-"""
+"""Relative true error below which any stated error counts as large enough. Nobody asks a solve for
+so small an error of p, and errors of this size may be errors of the far finer solution or of the
+arithmetic."""
 
 WEIGHTS = tuple(2.0**-k for k in range(4, 14))
-"""Candidates for the weight of what chance signs would move a force by, over that of the step. The
-one with the sharpest estimate is taken.
-"""
+"""Candidates for the weight of the force change that random signs of the hp elements' contributions
+would cause, relative to the weight of the actual change. `fit` takes the candidate with the
+smallest median of stated over true error."""
 
 HALF = 0.999
-"""Share of the true errors that are at most twice what the factors alone state. A share QUANTILE
-bounds how many stated errors are too small; this bounds by how much.
-"""
+"""Share of the true errors that are at most twice as large as the stated errors. QUANTILE bounds
+how many stated errors are too small; HALF bounds by how much a stated error is too small."""
 
 DIGITS = 2
-"""Significant digits of a factor. More would not be found again on other brakes."""
+"""Number of significant digits of a factor. Other brakes would give other further digits."""
 
 
 class Level(NamedTuple):
-    """What is known of the answer of one level, of each of QUANTITIES.
+    """Errors of the answer of one level and the terms of their estimate, by QUANTITIES.
 
-    `step`, `chance`: the worst shoe's of `Distances`; `beside`: penalty and round-off errors;
-    `true`: the error; `unsure`: the uncertainty of the true error.
+    Attributes
+    ----------
+    step : change since the level before, of the worst shoe
+    chance : change that random signs of the hp elements' contributions would cause
+    beside : penalty and round-off errors
+    true : true error
+    unsure : uncertainty of the true error
     """
 
     step: Mapping[str, float]
@@ -85,9 +92,10 @@ class Level(NamedTuple):
 
 
 def drawn(seed: int) -> tuple[str, Brake]:
-    """The kind and the brake of a seed, one of any kind.
+    """The kind and the random brake of a seed.
 
-    Seeds from FIRST_CORNER on are of brakes that press with a corner or under a tip.
+    Consecutive seeds go through all kinds. Seeds from FIRST_CORNER on give brakes that press with a
+    corner or under a tip.
     """
     if seed >= FIRST_CORNER:
         names = list(CORNER_KINDS)
@@ -98,7 +106,7 @@ def drawn(seed: int) -> tuple[str, Brake]:
 
 
 def observe(seed: int) -> dict[str, Any]:
-    """The levels of the brake of a seed, as plain data; without an answer the reason in words."""
+    """The levels of a seed's brake as plain data, or in words why the brake has no answer."""
     kind = ""
     try:
         kind, brake = drawn(seed)
@@ -116,9 +124,10 @@ def observe(seed: int) -> dict[str, Any]:
 
 
 def observed(brake: Brake, truth: Truth, found: Iterable[Step]) -> list[Level]:
-    """What is known of the levels of a brake, from the second one on.
+    """Errors and estimates of the levels of a brake, from the second level on.
 
-    Quantities are left out of which a solve says that they are not known, as of an unbounded peak.
+    The true error of a quantity is nan where a solve says that the quantity is not known, as for an
+    unbounded peak pressure.
     """
     nothing = Errors.worst(0.0, [dict.fromkeys(QUANTITIES, 0.0)] * len(brake.shoes))
     levels: list[Level] = []
@@ -146,15 +155,16 @@ def observed(brake: Brake, truth: Truth, found: Iterable[Step]) -> list[Level]:
 
 
 def _worst(values: Floats) -> dict[str, float]:
-    """Of values (1 + 4 shoes,), in the order of `Distances`, the brake's torque and the worst
-    shoe's others.
+    """The value for the brake's torque and the largest of all shoes for the other quantities.
+
+    values : (1 + 4 shoes,) in the order of `Distances`, the brake's torque first
     """
     most = values[1:].reshape(-1, len(QUANTITIES)).max(axis=0).tolist()
     return dict(zip(QUANTITIES, most, strict=True)) | {"torque": float(values[0])}
 
 
 class Samples(NamedTuple):
-    """Of one quantity on all brakes and levels: `step`, `chance`, `beside`, `true`, `unsure` (m,)."""
+    """The attributes of `Level` for one quantity, as arrays (m,) over all brakes and levels."""
 
     step: Floats
     chance: Floats
@@ -164,14 +174,17 @@ class Samples(NamedTuple):
 
     @property
     def known(self) -> Bools:
-        """Which true errors (m,) are relevant and known well: others may be errors of the truth."""
+        """Whether each true error (m,) is large enough and certain enough to be fitted.
+
+        Other true errors may be errors of the far finer solution itself.
+        """
         return np.asarray((self.true >= RELEVANT) & (self.true > CERTAIN * self.unsure))
 
     def factor(self, weight: float) -> float:
-        """The smallest factor of step + weight chance that covers what QUANTILE and HALF ask for.
+        """The smallest factor of step + weight chance with which QUANTILE and HALF are satisfied.
 
-        Where the true error is not known well any factor counts as enough, as it does in the
-        promise.
+        Any factor counts as large enough for a true error that is not certain, as it does in the
+        promise of README.
         """
         most = np.where(self.known, self.true - self.unsure - self.beside, 0.0)
         needed = np.maximum(most, 0.0) / np.maximum(
@@ -182,13 +195,13 @@ class Samples(NamedTuple):
         )
 
     def ratios(self, factor: float, weight: float) -> Floats:
-        """Stated over true error, of the true errors that are known well."""
+        """Ratios of stated to true error where the true error is `known`."""
         stated = factor * (self.step + weight * self.chance) + self.beside
         return stated[self.known] / self.true[self.known]
 
 
 def samples(levels: Sequence[Level], quantity: str) -> Samples:
-    """A quantity on all levels that have a true error of it."""
+    """The samples of a quantity from all levels on which the quantity has a true error."""
     rows = [
         [of[quantity] for of in level] for level in levels if not math.isnan(level.true[quantity])
     ]
@@ -196,10 +209,10 @@ def samples(levels: Sequence[Level], quantity: str) -> Samples:
 
 
 def fit(levels: Sequence[Level]) -> Factors:
-    """The smallest factors that state at least QUANTILE of the true errors of each quantity.
+    """The smallest factors with which QUANTILE and HALF are satisfied for each quantity.
 
-    Torque and reaction share theirs, the larger of the two. Of the WEIGHTS of chance that with the
-    smallest median of stated over true error.
+    Torque and reaction share a factor, the larger of the two. The weight of chance is the one of
+    WEIGHTS that gives the smallest median of stated over true error.
     """
     forces = [samples(levels, name) for name in ("torque", "reaction")]
 
@@ -217,27 +230,38 @@ def fit(levels: Sequence[Level]) -> Factors:
 
 
 def _up(value: float) -> float:
-    """The next larger number of DIGITS significant digits."""
+    """The value rounded up to DIGITS significant digits."""
     scale = 10.0 ** (math.floor(math.log10(value)) - DIGITS + 1)
     return float(f"{math.ceil(value / scale - 1e-9) * scale:.{DIGITS}g}")
 
 
 MEANING = {
-    "pressure": "Error of p in L2 over the distance of p on the last two levels. Smaller: stated errors of p are too "
-    "small. Larger: solves go on to a finer level that nobody needed.",
-    "force": "Error of a torque or a reaction over its distance on the last two levels. Smaller and larger as above.",
-    "cancelled": "Fraction of what a force would move by, were the signs of the columns' contributions chance, that is "
-    "added to its error. Smaller: forces that two levels share by accident are stated as sure. Larger: the errors of "
-    "torque and reactions are stated many times too large where p is hardly known, as at a pressed corner.",
-    "peak": "Error of the peak pressure over its distance on the last two levels, or where that is larger over the "
-    "geometric mean of the distances of p in the column of the peak and in L2. Smaller and larger as above.",
+    "pressure": "Error of p in L2 over the distance of p on the last two levels. "
+    "Smaller: stated errors of p are too small. "
+    "Larger: solves go on to a finer level that nobody needed.",
+    "force": "Error of a torque or a reaction over its distance on the last two levels. "
+    "Smaller and larger as above.",
+    "cancelled": "Fraction of what a force would move by, were the signs of the columns' "
+    "contributions chance, that is added to its error. "
+    "Smaller: forces that two levels share by accident are stated as sure. "
+    "Larger: the errors of torque and reactions are stated many times too large where p is hardly "
+    "known, as at a pressed corner.",
+    "peak": "Error of the peak pressure over its distance on the last two levels, or where that is "
+    "larger over the geometric mean of the distances of p in the column of the peak and in L2. "
+    "Smaller and larger as above.",
 }
-"""A sentence on each of the factors, which stands in their file."""
+"""The meaning of each factor, in the words of the factors' file."""
 
 
 class Provenance(NamedTuple):
-    """What factors were fitted on: the `seeds` in words, the number of `brakes` that had an answer,
-    of their `levels`, the `commit` of the code and its `date`.
+    """Where the factors of a fit come from.
+
+    Attributes
+    ----------
+    seeds : seeds of the random brakes, in words
+    brakes : number of brakes that had an answer
+    levels : number of levels of all these brakes
+    commit, date : commit of the code and its date
     """
 
     seeds: str
@@ -248,9 +272,10 @@ class Provenance(NamedTuple):
 
 
 def as_text(factors: Factors, provenance: Provenance) -> str:
-    """The factors' file: what they were fitted on, and each with its meaning."""
+    """The text of the factors' file: the brakes of the fit, and each factor with its meaning."""
     data = {
-        "written by": "make calibrate; read by drumlin.fem.error_control.estimate; not to be edited by hand",
+        "written by": "make calibrate; read by drumlin.fem.error_control.estimate; "
+        "not to be edited by hand",
         "provenance": provenance._asdict() | {"quantile": QUANTILE},
         **{
             name: {"value": value, "meaning": MEANING[name]}

@@ -1,4 +1,4 @@
-"""What the numbers of the levels' rule do to the errors and the times of answers.
+"""Effect of the numbers in the rule of levels on the errors and the times of answers.
 
     make levels                        the rule as it is
     make levels ARGS="fall=6"          the rule as it is, then with this number changed
@@ -45,7 +45,7 @@ class Tried(NamedTuple):
 
     Attributes
     ----------
-    levels : what is known of each level from the second one on
+    levels : errors and estimates of each level from the second one on
     seconds : processor time of each level from the first one on [s]
     """
 
@@ -54,7 +54,7 @@ class Tried(NamedTuple):
 
 
 def true_solution(seed: int) -> Truth | None:
-    """The far finer solution of the brake of a seed; None where it has no answer."""
+    """The far finer solution of the brake of a seed; None where the brake has no answer."""
     try:
         return by_finer(drawn(seed)[1])
     except NoAnswer:
@@ -62,7 +62,7 @@ def true_solution(seed: int) -> Truth | None:
 
 
 def tried(seed: int, truth: Truth | None, rule: LevelRule) -> Tried | None:
-    """The brake of a seed on the levels of a rule; None where it has no answer."""
+    """The brake of a seed on the levels of a rule; None where the brake has no answer."""
     brake = drawn(seed)[1]
     if truth is None:
         return None
@@ -80,14 +80,14 @@ def tried(seed: int, truth: Truth | None, rule: LevelRule) -> Tried | None:
 
 
 class Stop(NamedTuple):
-    """The level where a solve stops, the last one tried where none suffices.
+    """The level where a solve stops, or the last level tried if no level suffices.
 
     Attributes
     ----------
     seconds : processor time up to this level [s]
     reached : whether the stated errors are within the tolerance
     stated : stated errors by quantity
-    level : what is known of the level
+    level : errors and estimates of the level
     """
 
     seconds: float
@@ -97,7 +97,7 @@ class Stop(NamedTuple):
 
 
 def stop(brake: Tried, factors: Factors, pressure: float, torque: float) -> Stop:
-    """Where a solve to these tolerances of p and of the torque stops."""
+    """The level where a solve to given tolerances of p and of the torque stops."""
     for k, level in enumerate(brake.levels, 2):
         stated = _stated(level, factors)
         reached = stated["pressure"] <= pressure and stated["torque"] <= torque
@@ -107,7 +107,7 @@ def stop(brake: Tried, factors: Factors, pressure: float, torque: float) -> Stop
 
 
 def _stated(level: Level, factors: Factors) -> dict[str, float]:
-    """The stated errors of a level by these factors."""
+    """The stated errors of a level by quantity, with given factors of the estimate."""
     factor = {"pressure": factors.pressure, "peak": factors.peak}
     stated = {}
     for name in QUANTITIES:
@@ -118,7 +118,7 @@ def _stated(level: Level, factors: Factors) -> dict[str, float]:
 
 
 def report(brakes: Sequence[Tried]) -> str:
-    """The lines that are printed of a rule."""
+    """The lines that `main` prints for a rule."""
     factors = fit([level for brake in brakes for level in brake.levels])
     lines = [f"  {factors}"]
     for asked, tolerance in ASKED.items():
@@ -131,7 +131,7 @@ def report(brakes: Sequence[Tried]) -> str:
 
 
 def _ratios(stops: Sequence[Stop], quantity: str) -> str:
-    """Of one quantity the median of stated over true error, and how many stated errors are small."""
+    """In words the median of stated over true error and the number of too small stated errors."""
     certain = [
         stop.stated[quantity] / stop.level.true[quantity]
         for stop in stops
@@ -142,7 +142,10 @@ def _ratios(stops: Sequence[Stop], quantity: str) -> str:
 
 
 def changed(words: Sequence[str]) -> LevelRule:
-    """The rule with the numbers of words such as `fall=6`. Raises ValueError for another word."""
+    """The rule RULE with the numbers that words such as `fall=6` give.
+
+    Raises ValueError for a word of another form.
+    """
     numbers: dict[str, Any] = {}
     for word in words:
         name, _, value = word.partition("=")
@@ -151,7 +154,7 @@ def changed(words: Sequence[str]) -> LevelRule:
 
 
 def main(words: Sequence[str]) -> int:
-    """Try the rule as it is and, with words, the changed one; the exit status."""
+    """Try the rule RULE and, if there are words, the changed rule; return the exit status."""
     seeds = range(FIRST_SEED, FIRST_SEED + BRAKES)
     rules = {"as it is": RULE} | ({" ".join(words): changed(words)} if words else {})
     with ProcessPoolExecutor(PROCESSES, mp_context=get_context("spawn")) as pool:

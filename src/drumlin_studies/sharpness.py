@@ -1,16 +1,15 @@
-"""Whether stated errors are large enough, and no larger than they need to be, on the brakes with
-stored truths.
+"""Whether the stated errors of brakes with stored truths are large enough and not needlessly large.
 
-An error that is stated too small is a wrong number; one that is stated ten times too large costs a
-level of hp elements that nobody needed. Both are measured by the ratio of stated to true error.
-`judged` takes one brake through all levels once and reads from them what a solve states by default
-and at two tolerances. `sharpness` reduces the ratios of each quantity to two numbers, and
-`complaints` compares these with those that were written down when the factors of the estimate were
-last fitted,
+A stated error that is too small is a wrong number. A stated error that is ten times too large costs
+a level of hp elements that nobody needed. The ratio of stated to true error shows both. `judged`
+takes one brake through all levels once and reads from the levels which errors a solve states by
+default and at two tolerances. `sharpness` reduces the ratios of each quantity to two numbers. The
+command
 
     python -m drumlin_studies.sharpness FOLDER
 
-so that a test sees a factor that is halved as well as one that is doubled.
+writes these numbers to a file whenever the factors of the estimate are fitted. `complaints`
+compares new numbers with the file, so that a test notices a halved factor as well as a doubled one.
 """
 
 import json
@@ -37,39 +36,44 @@ from drumlin_studies.stated_true import errors, ratio
 from drumlin_studies.stored_truth import CERTAIN, StoredTruth, read
 
 ASKED = {"default": DEFAULT, "1e-3": Tolerance(1e-3, 1e-3), "1e-4": Tolerance(1e-4, 1e-4)}
-"""What a solve is asked for: nothing, and two tolerances."""
+"""The tolerances that a solve is asked for: the default one and two others, by name."""
 
 PROMISED = 0.01
-"""Largest share of stated errors that may be too small, as README promises."""
+"""Largest share of stated errors that are smaller than the true ones, as README promises."""
 
 SURE = 0.95
-"""Of as many stated errors as are judged, the number that may be too small is the one that a share
-PROMISED stays below with this probability: a promise that is kept must not turn a test red because
-few are judged.
-"""
+"""Probability with which a test passes while the promise is kept. If a share PROMISED of all stated
+errors is too small, the number of too small ones among those judged stays within the allowed number
+with this probability. Without such an allowance few judged errors would fail a test by chance."""
 
 NEAR = 0.3
-"""How far the median and the smallest tenth of the ratios may be from the values that were written
-down, relative. Half of it would be within what a change of the levels moves them by; at twice it a
-factor of two would pass unseen.
-"""
+"""Largest relative difference between the median or the smallest tenth of the ratios and its value
+in FILE. A change of the levels alone can move these numbers by half of NEAR. With twice NEAR a test
+would overlook a factor of two."""
 
 MORE = 0.1
-"""Part by which the unknowns of all answers together may grow: the time of a solve grows a little
-faster than they do, and a tenth of it is what a user would just see."""
+"""Fraction by which the number of unknowns of all answers together may grow. The time of a solve
+grows a little faster than its unknowns, and a user would just notice a tenth more time."""
 
 MUCH_MORE = 1.4
-"""How many times as many unknowns one brake may take as it did. An end of the contact that
-round-off moves costs one more pass on a level, of four and more."""
+"""Factor by which the number of unknowns of a single brake may grow. An end of the contact that
+round-off moves costs one further pass on a level, in addition to four or more passes."""
 
 FILE = "sharpness.json"
+"""Name of the file with the numbers of the last fit, in the folder of the stored truths."""
 
 
 class Judged(NamedTuple):
-    """Stated and true errors of one brake at one of ASKED, by QUANTITIES.
+    """Stated and true errors of one brake at one tolerance of ASKED.
 
-    `unsure`: uncertainties of the true errors; `unknowns`: number of unknowns, summed over all
-    divisions that were solved up to the answer.
+    Attributes
+    ----------
+    name : name of the brake
+    asked : name of the tolerance
+    stated : stated errors, by QUANTITIES
+    true : true errors
+    unsure : uncertainties of the true errors
+    unknowns : number of unknowns, summed over all divisions that were solved up to the answer
     """
 
     name: str
@@ -80,35 +84,35 @@ class Judged(NamedTuple):
     unknowns: int = 0
 
     def ratio(self, quantity: str) -> float:
-        """Stated over true error, the true one less its uncertainty; inf where nothing is left, nan
-        if unjudged.
+        """The ratio of the stated error to the true error less its uncertainty.
+
+        The ratio is inf if the uncertainty is as large as the true error, and nan if the quantity
+        is not judged.
         """
         kinds = {"stated": self.stated, "true": self.true, "unsure": self.unsure}
         return ratio({f"{kind}_{quantity}": of[quantity] for kind, of in kinds.items()}, quantity)
 
     def certain(self, quantity: str) -> bool:
-        """Whether the true error is seen well enough to judge by how much the stated one is larger.
+        """Whether the true error is certain enough for the ratio of stated to true error.
 
-        A stated error of 1 says that the quantity is not known, which is no estimate of its size.
+        A stated error of 1 means that the quantity is not known. It is no estimate of an error.
         """
         return self.true[quantity] > CERTAIN * self.unsure[quantity] and self.stated[quantity] < 1.0
 
 
 class Spread(NamedTuple):
-    """Of the ratios of stated to true error of one quantity: their median, and the value a tenth of
-    them is below.
-    """
+    """Median of the ratios of stated to true error, and the value below which a tenth lies."""
 
     median: float
     tenth: float
 
 
 class Worth(NamedTuple):
-    """What a user gets and pays at one of ASKED, over all brakes.
+    """Accuracy and cost of the answers of all brakes at one tolerance of ASKED.
 
     Attributes
     ----------
-    answers : number of brakes that reach what is asked for
+    answers : number of brakes that reach the tolerance
     pressure, torque : median true errors of p and of the torque
     unknowns : number of unknowns of all divisions that were solved, by the brake's name
     """
@@ -120,14 +124,12 @@ class Worth(NamedTuple):
 
 
 def judged(name: str, stored: StoredTruth) -> list[Judged]:
-    """Stated and true errors of the brake of a stored truth, one for each of ASKED that has an
-    answer.
-    """
+    """Stated and true errors of a brake with a stored truth, for each tolerance that it reaches."""
     brake = stored.brake
     solved: list[int] = []
 
     def counted(scene: PreparedModel, brake: Brake, *, start: Response | None = None) -> Response:
-        """The response, counted among those that were solved."""
+        """The response of `respond`; its number of unknowns is added to `solved`."""
         solved.append(sum(body.unknowns for body in scene.bodies))
         return respond(scene, brake, start=start)
 
@@ -143,9 +145,7 @@ def judged(name: str, stored: StoredTruth) -> list[Judged]:
 
 
 def _answer(brake: Brake, tolerance: Tolerance, sequence: Iterable[Step]) -> Response | None:
-    """The answer that a solve would give, or None where it would say that the tolerance is not
-    reached.
-    """
+    """The answer that a solve would give, or None where the solve would miss the tolerance."""
     try:
         return adapt(brake, tolerance, respond, must=tolerance != DEFAULT, along=sequence).response
     except NoAnswer:
@@ -153,17 +153,17 @@ def _answer(brake: Brake, tolerance: Tolerance, sequence: Iterable[Step]) -> Res
 
 
 def judge_folder(folder: Path) -> list[Judged]:
-    """`judged` of all stored truths of a folder."""
+    """Stated and true errors of all brakes with stored truths in a folder."""
     return [one for path in truth_files(folder) for one in judged(path.stem, read(path))]
 
 
 def truth_files(folder: Path) -> list[Path]:
-    """The files of the stored truths of a folder, by name."""
+    """The files of the stored truths of a folder, in the order of their names."""
     return sorted(path for path in folder.glob("*.json") if path.name != FILE)
 
 
 def sharpness(rows: Sequence[Judged]) -> dict[str, Spread]:
-    """How much larger than the true errors the stated ones are, for each quantity."""
+    """Median and smallest tenth of the ratios of stated to true error, for each quantity."""
     found = {}
     for quantity in QUANTITIES:
         seen = [one.stated[quantity] / one.true[quantity] for one in rows if one.certain(quantity)]
@@ -172,7 +172,7 @@ def sharpness(rows: Sequence[Judged]) -> dict[str, Spread]:
 
 
 def worths(rows: Sequence[Judged]) -> dict[str, Worth]:
-    """What a user gets and pays, for each of ASKED."""
+    """Accuracy and cost of the answers, for each tolerance of ASKED."""
     found = {}
     for asked, tolerance in ASKED.items():
         own = [one for one in rows if one.asked == asked]
@@ -186,9 +186,9 @@ def worths(rows: Sequence[Judged]) -> dict[str, Worth]:
 
 
 def losses(rows: Sequence[Judged], written: Mapping[str, Worth]) -> list[str]:
-    """What has become worse for a user, one line for each loss; none where nothing has.
+    """Lines that say what has become worse for a user since the last fit; empty if nothing has.
 
-    written: what was written down when the factors were last fitted.
+    written : accuracy and cost of the answers at the last fit, by ASKED
     """
     found = []
     for asked, now in worths(rows).items():
@@ -211,10 +211,9 @@ def losses(rows: Sequence[Judged], written: Mapping[str, Worth]) -> list[str]:
 
 
 def complaints(rows: Sequence[Judged], written: Mapping[str, Spread]) -> list[str]:
-    """What is wrong with the stated errors of `rows`, one line for each fault; none where all is
-    well.
+    """Lines that say what is wrong with the stated errors of `rows`; empty if nothing is.
 
-    written: the spreads of the last calibration.
+    written : median and smallest tenth of the ratios at the last fit, by quantity
     """
     found = []
     for quantity, spread in sharpness(rows).items():
@@ -223,7 +222,8 @@ def complaints(rows: Sequence[Judged], written: Mapping[str, Spread]) -> list[st
         small = [f"{one.name} at {one.asked} ({value:.2f})" for value, one in known if value < 1]
         if len(small) > binom.ppf(SURE, len(known), PROMISED):
             found.append(
-                f"{quantity}: {len(small)} of {len(known)} stated errors are too small: {', '.join(small)}"
+                f"{quantity}: {len(small)} of {len(known)} stated errors are too small: "
+                f"{', '.join(small)}"
             )
         for which, value, before in zip(Spread._fields, spread, written[quantity], strict=True):
             if abs(value / before - 1) > NEAR:
@@ -234,21 +234,21 @@ def complaints(rows: Sequence[Judged], written: Mapping[str, Spread]) -> list[st
 
 
 def scaled(rows: Iterable[Judged], quantity: str, factor: float) -> list[Judged]:
-    """The rows with the stated errors of one quantity times a factor."""
+    """The rows with the stated errors of one quantity multiplied by a factor."""
     return [
         one._replace(stated={**one.stated, quantity: factor * one.stated[quantity]}) for one in rows
     ]
 
 
 class Written(NamedTuple):
-    """What FILE holds: spreads by quantity, and by each of ASKED what a user gets and pays."""
+    """The contents of FILE: spreads by quantity, and accuracy and cost by tolerance of ASKED."""
 
     spreads: dict[str, Spread]
     worths: dict[str, Worth]
 
 
 def read_sharpness(folder: Path) -> Written:
-    """What was written down in a folder of stored truths."""
+    """The contents of FILE in a folder of stored truths."""
     data = json.loads((folder / FILE).read_text(encoding="utf-8"))
     spreads = {quantity: Spread(**values) for quantity, values in data["sharpness"].items()}
     return Written(spreads, {asked: Worth(**values) for asked, values in data["worth"].items()})

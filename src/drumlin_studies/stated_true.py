@@ -99,7 +99,7 @@ class Truth:
 def by_triangles(brake: Brake) -> Truth:
     """The truth of a brake by curved triangles. Raises as `triangles.solve`."""
     begin = time.process_time()
-    return of_last_three(brake, triangles.sequence(brake), begin)
+    return of_last_three(brake, triangles.solve_sequence(brake), begin)
 
 
 def by_columns(brake: Brake, tolerance: float) -> Truth:

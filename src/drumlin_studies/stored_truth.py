@@ -1,21 +1,20 @@
 """Solutions that are far finer than any answer of drumlin, kept as small files for the tests.
 
-A stated error is worth something only while a test would notice that it is too small, or needlessly
-large. The test needs the true error, and so a solution whose own uncertainty is small beside it.
-Making such a solution takes ten seconds a brake; so the solutions of some forty brakes of every
-kind are made once by this module's command,
+A test must notice a stated error that is too small or needlessly large. The test needs the true
+error for this, and so a solution whose own uncertainty is much smaller than the stated error. Such
+a solution takes ten seconds a brake. Therefore the command
 
     python -m drumlin_studies.stored_truth FOLDER [NAME ...]
 
-and read by the tests. A file holds the brake itself, so that it does not depend on how random
-brakes are drawn.
+makes the solutions of some forty brakes of every kind once, and the tests read its files. A file
+holds the brake itself, so that the file does not depend on how random brakes are drawn.
 
-Brakes on a drum are solved by the curved triangles of `drumlin.verification.triangles`, which share nothing
-with the finite elements that are judged but the brake, on one level more than a study uses
-(`TRIANGLES`). The triangles do not cover brakes on a plane, nor some cylinders; there hp elements
-of a higher degree, smaller at every singular place than any level of a solve and with exact
-contact, stand for the truth (`FINER`). The last three levels of either sequence give the
-uncertainty that is stored with the solution.
+Brakes on a drum are solved by the curved triangles of `drumlin.verification.triangles`, on one
+level more than a study uses (`TRIANGLES`). These triangles share nothing with the judged hp
+elements but the brake. The triangles do not cover brakes on a plane and some wheel cylinders. For
+such brakes hp elements of a higher degree with exact contact are taken as the truth (`FINER`); they
+are smaller at every singular point than the elements of any level of a solve. The last three levels
+of either sequence give the uncertainty that is stored with the solution.
 """
 
 import json
@@ -53,10 +52,9 @@ from drumlin_studies.stated_true import TrueShoe as Solved
 from drumlin_studies.stated_true import Truth, of_last_three, round_off
 
 TRIANGLES = (*TRIANGLE_LEVELS, TriangleLevel(6, 17, 0.7, 0.8))
-"""Meshes of triangles: those of the studies and one of a higher degree, graded more steeply. On
-four brakes the fourth mesh lowered the uncertainty of p from 1e-5 to 2e-6 and that of the torque
-from 1e-10 to 1e-11; a fifth did not.
-"""
+"""Meshes of triangles: the meshes of the studies and one of a higher degree with more halvings. On
+four brakes this fourth mesh lowered the uncertainty of p from 1e-5 to 2e-6 and the uncertainty of
+the torque from 1e-10 to 1e-11. A fifth mesh lowered neither."""
 
 FINER = (
     # degree, zone, edge, end, ratio, opening, largest, back, hinge, through
@@ -64,10 +62,9 @@ FINER = (
     Level(7, 0.006, 0.004, 0.0003, 0.45, 0.27, 13 * DEG, 0.007, 0.004, 0.24),
     Level(8, 0.002, 0.0015, 0.0001, 0.48, 0.3, 11 * DEG, 0.0025, 0.0014, 0.28),
 )
-"""Divisions into hp elements of a degree that no level of a solve has. On 20 brakes that triangles
-answer too their pressures differ by at most 2e-5 (1e-4 where the lining presses with its corner),
-their torques by at most 2e-7.
-"""
+"""Divisions into hp elements of degrees that no level of a solve has. Triangles and these hp
+elements were compared on 20 brakes. The pressures differ by at most 2e-5 (1e-4 where the lining
+presses with its corner) and the torques by at most 2e-7."""
 
 DEEP = (
     TriangleLevel(4, 14, 0.7, 0.8),
@@ -79,26 +76,34 @@ DEEPEST = (
     TriangleLevel(5, 21, 0.7, 0.8),
     TriangleLevel(6, 26, 0.7, 0.8),
 )
-"""Meshes of triangles for brakes that press with a corner, down to 2e-7 of the lining's thickness,
-and under a tip, down to 1e-8. In some brakes rounding turns over triangles so small; then DEEP has
-to do for a tip too, which leaves 1e-4 to 6e-4 of p unsure in place of 1e-5 to 2e-4.
-"""
+"""Meshes of triangles for brakes that press with a corner (DEEP) or under a tip (DEEPEST). The
+smallest triangles have 2e-7 and 1e-8 of the lining's thickness. In some brakes round-off turns over
+the triangles of DEEPEST. Then DEEP is used under a tip too, with an uncertainty of p of 1e-4 to
+6e-4 in place of 1e-5 to 2e-4."""
 
 GIVE_WAY = 2e-3
-"""Part of the contact at a pressed corner in which p gives way to the power of the corner: some ten
-triangles. On two brakes p with 10 and with 14 of them differs by 5e-6 and 4e-5."""
+"""Length, relative to the contact, of the region next to a pressed corner in which the power law of
+the corner replaces the computed p. This length holds some ten triangles. With 14 triangles in place
+of 10, p differed by 5e-6 and 4e-5 on two brakes."""
 
 CERTAIN = 4.0
-"""How many times its own uncertainty an error must be for a stored truth to judge it. Below, what
-is taken for the error of the answer may be that of the truth.
-"""
+"""Smallest ratio of a true error to its uncertainty for which a stored truth judges the stated
+error. At smaller ratios the difference between answer and truth may be an error of the truth."""
 
 DIGITS = 10
-"""Significant digits of a stored pressure: its uncertainty is 1e-7 of the pressure at best."""
+"""Significant digits of a stored pressure. Its uncertainty is 1e-7 of the pressure at best."""
 
 
 class StoredTruth(NamedTuple):
-    """A brake with its far finer solution; `covers`: in words, what the brake stands for."""
+    """A brake with its far finer solution.
+
+    Attributes
+    ----------
+    covers : the kind of brakes that this brake stands for, in words
+    brake : the brake
+    by : the solver of the far finer solution, in words
+    true : the far finer solution
+    """
 
     covers: str
     brake: Brake
@@ -107,8 +112,13 @@ class StoredTruth(NamedTuple):
 
 
 class Drawn(NamedTuple):
-    """How the brake of a stored truth is drawn: kind and seed of a random brake, and the keys that
-    change then.
+    """How the brake of a stored truth is drawn.
+
+    Attributes
+    ----------
+    covers : the kind of brakes that this brake stands for, in words
+    kind, seed : kind and seed of a random brake
+    changes : values of the brake file that replace those of the random brake, by key
     """
 
     covers: str
@@ -117,7 +127,7 @@ class Drawn(NamedTuple):
     changes: Mapping[str, Any] = {}
 
     def brake(self) -> Brake:
-        """The brake as a brake file has it."""
+        """The random brake of kind and seed, with the changes made."""
         drawn = (
             random_brake
             if self.kind in DRAWN_KINDS
@@ -130,15 +140,13 @@ class Drawn(NamedTuple):
 
 
 SEED = 70_000
-"""Seed of the first brake of each kind. The factors of the error estimate are fitted on other
-seeds, those of `calibration.FIRST_SEED` and on, so that no fit has seen these brakes.
-"""
+"""Seed of the first brake of each kind. The factors of the error estimate are fitted on brakes of
+other seeds, from `calibration.FIRST_SEED` on, so that no fit has seen the brakes of these seeds."""
 
 TIP = ((1.756715664026018, 1e-5), (2.3, 0.0), (3.440991216768881, 1.5e-5))
-"""Clearance [m] over theta [rad] that points to the drum with a tip, of the lining of
-`random_kind(SEED + 1, "hinge")`. Its height is that by which the force compresses the lining, so
-that the whole lining presses nearly.
-"""
+"""Angles theta [rad] and clearances [m] of a lining that points to the drum with a tip, for the
+brake `random_kind(SEED + 1, "hinge")`. The tip is as high as the force compresses the lining, so
+that nearly the whole lining presses."""
 
 BRAKES: dict[str, Drawn] = {
     "arc": Drawn("elastic arc on a hinge, partial contact", "arc", SEED + 0),
@@ -232,11 +240,11 @@ BRAKES: dict[str, Drawn] = {
 
 
 def make(name: str) -> StoredTruth:
-    """The truth of a brake of BRAKES: by triangles where these have an answer, else by finer hp
-    elements.
+    """The stored truth of a brake of BRAKES.
 
-    That of a brake which presses with a corner or under a tip by the deep ones. Raises NoAnswer
-    where none has an answer.
+    The meshes DEEP or DEEPEST solve a brake that presses with a corner or under a tip. Other brakes
+    are solved by triangles, or by finer hp elements where the triangles have no answer. Raises
+    NoAnswer where no solver has an answer.
     """
     drawn = BRAKES[name]
     brake = drawn.brake()
@@ -252,24 +260,28 @@ def make(name: str) -> StoredTruth:
 
 
 def by_triangles(brake: Brake) -> Truth:
-    """The truth of a brake on a drum by the meshes TRIANGLES. Raises as `triangles.solve`."""
+    """The far finer solution of a brake on a drum by the meshes TRIANGLES.
+
+    Raises BadInput and NoAnswer as `triangles.solve` does.
+    """
     begin = time.process_time()
-    return of_last_three(brake, triangles.sequence(brake, TRIANGLES)[-3:], begin)
+    return of_last_three(brake, triangles.solve_sequence(brake, TRIANGLES)[-3:], begin)
 
 
 def by_deep_triangles(brake: Brake) -> Truth:
-    """The truth of a brake that presses with a corner or under a tip, by the meshes DEEP.
+    """The far finer solution of a brake that presses with a corner or under a tip.
 
-    p is the power of the corner next to pressed corners, see `corner.power_at_corner`: no triangle
-    is small enough for it. What angles leave of the power counts as uncertainty. Raises as
-    `triangles.solve`.
+    The meshes are DEEPEST under a tip and DEEP at a corner. No triangle is small enough for p next
+    to a pressed corner; there the power law of the corner replaces p, see `corner.power_at_corner`.
+    The error that the smallest pieces of p leave in this power law counts as uncertainty.
+    Raises BadInput and NoAnswer as `triangles.solve` does.
     """
     begin = time.process_time()
     try:
         sharp = any(clearance.tips(shoe.lining) for shoe in brake.shoes)
-        meshes = triangles.sequence(brake, DEEPEST if sharp else DEEP)
+        meshes = triangles.solve_sequence(brake, DEEPEST if sharp else DEEP)
     except AssertionError:
-        meshes = triangles.sequence(brake, DEEP)
+        meshes = triangles.solve_sequence(brake, DEEP)
     found = [[_steep(brake, i, one) for i, one in enumerate(each)] for each in meshes]
     true = of_last_three(brake, found, begin)
     left = max(left_at_corners(brake, i, one) for i, one in enumerate(found[-1]))
@@ -277,6 +289,7 @@ def by_deep_triangles(brake: Brake) -> Truth:
 
 
 def _steep(brake: Brake, index: int, found: ShoeSolution) -> ShoeSolution:
+    """The solution of shoe `index` with the power law of its corners next to pressed corners."""
     for at_start, power in steep_corners(brake, index, found):
         corner = found.theta[0 if at_start else -1]
         arc = next((float(b - a) for a, b in found.arcs if corner in {a, b}), 0.0)
@@ -293,8 +306,9 @@ def _steep(brake: Brake, index: int, found: ShoeSolution) -> ShoeSolution:
 
 
 def by_finer(brake: Brake) -> Truth:
-    """The truth of a brake by the divisions FINER with exact contact. Raises NoAnswer where one has
-    no answer.
+    """The far finer solution of a brake by the divisions FINER with exact contact.
+
+    Raises NoAnswer where one of the divisions has no answer.
     """
     begin = time.process_time()
     answers = steps(brake, partial(respond, penalty=math.inf), levels=FINER)
@@ -305,7 +319,7 @@ def by_finer(brake: Brake) -> Truth:
 
 
 def as_text(stored: StoredTruth) -> str:
-    """A stored truth as JSON: SI, places in rad or m, pressures to DIGITS significant digits."""
+    """A stored truth as JSON in SI units, with pressures of DIGITS significant digits."""
     data = {
         "covers": stored.covers,
         "by": stored.by,
@@ -318,6 +332,7 @@ def as_text(stored: StoredTruth) -> str:
 
 
 def _shoe_data(shoe: Solved) -> dict[str, Any]:
+    """The solution of a shoe as plain data for JSON."""
     return {
         "order": shoe.order,
         "torque": shoe.torque,
@@ -337,6 +352,7 @@ def read(path: Path) -> StoredTruth:
 
 
 def _shoe_from(data: Mapping[str, Any]) -> ShoeSolution:
+    """The solution of a shoe from the data of `_shoe_data`."""
     return ShoeSolution(
         theta=np.array(data["theta"]),
         pressure=np.array(data["pressure"]),
@@ -350,8 +366,9 @@ def _shoe_from(data: Mapping[str, Any]) -> ShoeSolution:
 
 
 def main(folder: str, *names: str) -> None:
-    """Write the stored truths of the brakes `names`, by default of all BRAKES, into a folder, one
-    file each.
+    """Write the stored truths of the brakes `names` into a folder, one file for each brake.
+
+    Without names the stored truths of all BRAKES are written.
     """
     for name in names or BRAKES:
         stored = make(name)

@@ -137,7 +137,7 @@ def _by_triangles(brake: Brake, like: Response, refinement: Refinement) -> Respo
     if not refinement.triangles or brake.surface.straight:
         return None
     try:
-        *_, solutions = triangles.sequence(brake, refinement.triangles)
+        *_, solutions = triangles.solve_sequence(brake, refinement.triangles)
     except BadInput:
         return None
     shoes = []

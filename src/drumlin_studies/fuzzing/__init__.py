@@ -1,5 +1,4 @@
-"""Broken inputs and a judge of how the command line ends on them: brake files, meshes, tables,
-command lines.
+"""Broken brake files, meshes, tables and command lines, and checks of how drumlin ends on them.
 
-Stands above the command line, which it attacks; nothing stands on it.
+These modules attack drumlin's command line and import it. No other package imports these modules.
 """

@@ -32,7 +32,8 @@ cases = {KILLED_CASES}
 elements = 24
 [vary]
 friction = {{ distribution = "uniform", from = 0.2, to = 1.3 }}
-"shoe.lining.clearance" = {{ distribution = "uniform", from = "0 mm", to = "0.2 mm", each_shoe = true }}
+"shoe.lining.clearance" = {{ distribution = "uniform", from = "0 mm", \
+to = "0.2 mm", each_shoe = true }}
 """
 
 

@@ -72,7 +72,8 @@ PROMISES = [
             "test_sweep_stopped.py::test_one_and_two_jobs_and_a_damaged_journal_give_the_same_bytes",
         ),
         (
-            "The number of threads moves torques and forces by less than 1e-10, pressures by 1e-7 of the largest.",
+            "The number of threads moves torques and forces by less than 1e-10, "
+            "pressures by 1e-7 of the largest.",
             "test_determinism.py::test_the_number_of_threads_moves_no_number",
         ),
         (
@@ -80,7 +81,8 @@ PROMISES = [
             "test_determinism.py::test_equal_runs_write_equal_files_but_for_times",
         ),
         (
-            "Stated errors are not too small, nor needlessly large: judged by stored far finer solutions.",
+            "Stated errors are not too small, nor needlessly large: "
+            "judged by stored far finer solutions.",
             "test_stored_truths.py::test_stated_errors_are_large_enough_and_no_larger_than_they_were",
         ),
         (
@@ -88,7 +90,8 @@ PROMISES = [
             "test_stored_truths.py::test_a_quantity_whose_stated_errors_are_halved_or_doubled_is_noticed",
         ),
         (
-            "The second solver shares nothing with the first but the brake; a package imports only those below it.",
+            "The second solver shares nothing with the first but the brake; "
+            "a package imports only those below it.",
             "Makefile::lint-imports",
         ),
         (
@@ -193,7 +196,8 @@ PROMISES = [
             "test_files.py::test_what_is_no_mesh_is_refused_at_once",
         ),
         (
-            "The brake file that the page saves is the same brake, whatever files and folders are called.",
+            "The brake file that the page saves is the same brake, "
+            "whatever files and folders are called.",
             "test_explore_saved.py::test_the_saved_file_is_the_same_brake_whatever_the_file_was_called",
         ),
         (

@@ -1,5 +1,7 @@
-"""Contact node by node: each node of a face is open, or carries a force with Coulomb's friction at
-full slip.
+"""Contact forces at the nodes of lining faces, with Coulomb friction at full slip.
+
+Each node of a face is either open or carries a force. The set of nodes that carry forces is found
+by changing the set until no force pulls and no open node lies inside the drum.
 """
 
 import math
@@ -15,22 +17,26 @@ from drumlin.brake.support import moved
 from drumlin.verification.triangles.face import Face
 
 MOST_SETS_TRIED = 600
-"""Largest number of contact sets that are tried."""
-# Contact sets in a row without fewer wrong nodes, after which one node at a time is changed
-# (Judice & Pires 1994).
+"""Largest number of contact sets that are tried before a shoe counts as without an answer."""
 SPARE = 8
+"""Number of contact sets in a row without fewer wrong nodes, after which only one node at a time is
+changed (Judice & Pires 1994). Changing all wrong nodes is faster, but may run in circles."""
 NOISE = 1e-13
-"""Tractions and overlaps at all wrong nodes, relative to the normal force, that count as round-off.
-"""
+"""Sum of the pulling forces and the overlaps of all wrong nodes, relative to the normal force,
+below which a contact set is accepted. Wrong nodes below this limit come from round-off."""
 ACCEPTED_AFTER = 40
 """Number of contact sets after which NEARLY is enough in place of NOISE."""
 NEARLY = 1e-9
-"""As NOISE, for contact sets that go to and fro by round-off."""
+"""The limit NOISE for contact sets that round-off keeps changing to and fro."""
 
 
 class Rim(NamedTuple):
-    """The ring's side: `compliance` (2m, 2m) of its nodes under the linings, `of` for each face
-    theirs (n,).
+    """An elastic ring condensed to its nodes under the linings.
+
+    Attributes
+    ----------
+    compliance : (2m, 2m) displacements of these m nodes under forces on them [m/N]
+    of : for each lining's face the numbers (n,) of the opposite nodes among the m
     """
 
     compliance: Floats
@@ -38,8 +44,13 @@ class Rim(NamedTuple):
 
 
 class Found(NamedTuple):
-    """Nodal forces (n,) [N] along the normals, the free motions (k,) of the shoes, and what is
-    active.
+    """Contact forces of one shoe or of several shoes together.
+
+    Attributes
+    ----------
+    force : (n,) nodal forces along the normals [N]
+    motions : (k,) amounts of the rigid-body modes of the shoes
+    active : (n,) whether a node is in contact
     """
 
     force: Floats
@@ -47,14 +58,29 @@ class Found(NamedTuple):
     active: Bools
 
 
-def settle(
+def complementarity_solution(
     A: Floats, q: Floats, B: Floats, C: Floats, h: Floats, weight: Floats, first: Bools
 ) -> Found:
-    """w = q + A f + B y >= 0, f >= 0, w f = 0, C f = h: by sets of active nodes, changed all at
-    once or one by one.
+    """The solution f, y of w = q + A f + B y >= 0, f >= 0, w f = 0 and C f = h.
 
-    weight (n,): area of each node, which makes forces comparable. Raises NoAnswer where no set
-    settles.
+    The gaps w and the forces f at the nodes exclude each other; the last equation is the balance of
+    the shoes. The set of active nodes is changed at all wrong nodes at once, or one by one where
+    the number of wrong nodes does not fall.
+
+    Parameters
+    ----------
+    A : (n, n) opening of the gaps by nodal forces [m/N]
+    q : (n,) gaps without contact forces [m]
+    B : (n, k) change of the gaps by the rigid-body modes
+    C : (k, n) work of nodal forces on the test modes
+    h : (k,) work of the actuation on the test modes, with opposite sign
+    weight : (n,) area of each node [m^2], which makes gaps and forces comparable
+    first : (n,) active nodes to begin with
+
+    Raises
+    ------
+    NoAnswer
+        If no set of active nodes satisfies the inequalities, or if a set is singular.
     """
     n, k = len(q), len(h)
     active = first.copy()
@@ -94,7 +120,7 @@ def settle(
     raise NoAnswer(f"no contact set settles: wrong by {least:.1e}")
 
 
-def contact(
+def contact_forces(
     brake: Brake,
     faces: list[Face],
     shoes: list[Shoe],
@@ -102,31 +128,44 @@ def contact(
     first: list[Bools],
     senses: tuple[int, ...] | None = None,
 ) -> list[Found]:
-    """The forces on the nodes of the faces of shoes that meet the drum together.
+    """The contact forces of shoes that are solved together, one `Found` for each shoe.
 
-    senses: of the friction at their abutments, by default those that stand. Raises NoAnswer also
-    where a foot would leave its abutment, and where its friction neither opposes its slide nor
-    holds it.
+    Parameters
+    ----------
+    brake : friction, sense of rotation and drum
+    faces : lining faces of the shoes
+    shoes : hinges or abutments and actuation of the shoes
+    rim : the elastic ring, or None for a rigid drum
+    first : for each shoe the nodes (n,) that are in contact to begin with
+    senses : senses of the friction at the abutments, one for each shoe; by default those for which
+        every foot stands on its abutment
+
+    Raises
+    ------
+    NoAnswer
+        If no contact set solves the equations, if a foot would leave its abutment, or if the
+        friction at an abutment neither opposes the slide of the foot nor holds the foot.
     """
     failure: NoAnswer | None = None
     for chosen in product(*(shoe.senses for shoe in shoes)) if senses is None else [senses]:
         try:
-            found = _contact(brake, faces, shoes, rim, first, chosen)
+            found = _forces_for_senses(brake, faces, shoes, rim, first, chosen)
         except NoAnswer as error:
             failure = failure or error
             continue
-        if all(_stands(brake, *of) for of in zip(faces, shoes, found, chosen, strict=True)):
+        if all(_foot_stands(brake, *of) for of in zip(faces, shoes, found, chosen, strict=True)):
             return found
     raise failure or NoAnswer("a foot leaves its abutment")
 
 
-def _stands(brake: Brake, one: Face, shoe: Shoe, found: Found, sense: int) -> bool:
+def _foot_stands(brake: Brake, one: Face, shoe: Shoe, found: Found, sense: int) -> bool:
+    """Whether the foot of a shoe stays on its abutment with the friction that `sense` assumes."""
     drum = brake.friction * brake.spin * one.tangent - one.normal
     reaction = -(found.force[:, None] * drum).sum(axis=0) - shoe.actuation.vector
     return shoe.stands(reaction, sense, float(found.motions[-1]))
 
 
-def _contact(
+def _forces_for_senses(
     brake: Brake,
     faces: list[Face],
     shoes: list[Shoe],
@@ -134,6 +173,7 @@ def _contact(
     first: list[Bools],
     senses: tuple[int, ...],
 ) -> list[Found]:
+    """The contact forces of shoes for given senses of the friction at the abutments."""
     drag = brake.friction * brake.spin
     free = [shoe.freedoms(sense) for shoe, sense in zip(shoes, senses, strict=True)]
     begin = np.concatenate([[0], np.cumsum([len(face.theta) for face in faces])])
@@ -166,15 +206,15 @@ def _contact(
             A[begin[i] : begin[i + 1], begin[j] : begin[j + 1]] -= (
                 spread[i][0] @ rim.compliance[np.ix_(on, under)] @ spread[j][1]
             )
-    found = settle(A, q, B, C, h, weight, np.concatenate(first))
+    found = complementarity_solution(A, q, B, C, h, weight, np.concatenate(first))
     return [
         Found(found.force[a:b], found.motions[c:d], found.active[a:b])
         for (a, b), (c, d) in zip(pairwise(begin), pairwise(rows), strict=True)
     ]
 
 
-def tip(brake: Brake, one: Face, shoe: Shoe, found: Found, sense: int) -> float:
-    """How far the actuation's point goes along its force F > 0 [m], by the work that F does."""
+def tip_displacement(brake: Brake, one: Face, shoe: Shoe, found: Found, sense: int) -> float:
+    """Displacement of the actuation's point along its force F > 0 [m], from the work of F."""
     drum = brake.friction * brake.spin * one.tangent - one.normal
     elastic = float(one.loaded @ (found.force[:, None] * drum).ravel()) + one.yields
     return elastic / shoe.actuation.force + float(shoe.freedoms(sense).tip @ found.motions)

@@ -18,8 +18,16 @@ FACE_GAUSS, FACE_WEIGHTS = legendre.leggauss(8)
 
 
 class Shaped(NamedTuple):
-    """A meshed body: triangles, nodes, stiffness of each triangle, and the nodes on its surface by
-    growing s.
+    """A meshed body before its condensation.
+
+    Attributes
+    ----------
+    shape : outline of the body
+    mesh : its triangles
+    nodes : the nodes of these triangles
+    K : (m, 2n, 2n) stiffness of each triangle [N/m]
+    surface : numbers of the nodes on the surface d = 0, by growing s
+    degree : degree of the triangles
     """
 
     shape: Outline
@@ -30,19 +38,30 @@ class Shaped(NamedTuple):
     degree: int
 
 
-def shaped(shape: Outline, mesh: Triangles, degree: int) -> Shaped:
-    """The body on a triangulation."""
+def meshed_body(shape: Outline, mesh: Triangles, degree: int) -> Shaped:
+    """The body `shape` with nodes and stiffnesses of the triangles of `mesh`."""
     nodes = lagrange.nodes_of(mesh, shape.place, degree)
-    K = lagrange.stiffness(mesh, nodes, shape.layers, degree)
+    K = lagrange.triangle_stiffnesses(mesh, nodes, shape.layers, degree)
     surface = np.flatnonzero(nodes.at[:, 1] == 0)
     return Shaped(shape, mesh, nodes, K, surface[np.argsort(nodes.at[surface, 0])], degree)
 
 
 @dataclass(frozen=True)
 class Face:
-    """A lining's face: angles `theta` (n,) [rad] of its nodes, growing, normals and tangents (n,
-    2), `mass` (n, n) = b Int psi_i psi_j ds [m^2]; forces on its nodes move it by `compliance` (2n,
-    2n), its actuation by `loaded` (2n,), which works `yields` [N m] on itself.
+    """A shoe condensed to the n nodes of its lining's face.
+
+    Attributes
+    ----------
+    theta : (n,) angles of the nodes, growing [rad]
+    xy : (n, 2) the nodes [m]
+    normal, tangent : (n, 2) unit normals into the drum and unit tangents along growing theta
+    mass : (n, n) integrals of psi_i psi_j over the face, times the lining's width [m^2]
+    compliance : (2n, 2n) displacements of the nodes under forces on them [m/N]
+    loaded : (2n,) displacements of the nodes under the actuation [m]
+    yields : work of the actuation on the elastic displacement due to the actuation alone [N m]
+    gap : (n,) gap between lining and drum before loading [m]
+    degree : degree of the triangles
+    unknowns : number of unknowns of the shoe before its condensation
     """
 
     theta: Floats
@@ -59,17 +78,18 @@ class Face:
 
 
 def edge_nodes(nodes: Nodes, tri: Ints, edge: Ints, degree: int) -> Ints:
-    """Node numbers (k, degree + 1) along edges of triangles."""
+    """Numbers (k, degree + 1) of the nodes along one `edge` (k,) of each of the triangles `tri`."""
     inner = 3 + edge[:, None] * (degree - 1) + np.arange(degree - 1)
     local = np.concatenate([edge[:, None], inner, ((edge + 1) % 3)[:, None]], axis=1)
     return nodes.of[tri[:, None], local]
 
 
-def trace(degree: int, at: Floats) -> tuple[Floats, Floats]:
-    """Lagrange's polynomials on the nodes of an edge and their slopes at `at` (q,) in [0, 1]:
-    (degree + 1, q).
+def edge_polynomials(degree: int, at: Floats) -> tuple[Floats, Floats]:
+    """Values and slopes (degree + 1, q) of an edge's Lagrange polynomials at `at` (q,) in [0, 1].
+
+    The polynomials interpolate on the Gauss-Lobatto nodes of the edge.
     """
-    nodes = lagrange.lobatto(degree)
+    nodes = lagrange.lobatto_points(degree)
     V = np.linalg.inv(legendre.legvander(2 * nodes - 1, degree))
     value = legendre.legvander(2 * at - 1, degree)
     unit = np.eye(degree + 1)
@@ -77,25 +97,29 @@ def trace(degree: int, at: Floats) -> tuple[Floats, Floats]:
     return (value @ V).T, (slope @ V).T
 
 
-def along(xy: Floats, degree: int) -> tuple[Floats, Floats, Floats]:
-    """Shape functions (degree + 1, q), points (k, q, 2) and ds (k, q) of Gauss's rule on edges with
-    nodes xy (k, degree + 1, 2).
+def edge_quadrature(xy: Floats, degree: int) -> tuple[Floats, Floats, Floats]:
+    """Gauss's rule on curved edges: shape functions (degree + 1, q), points (k, q, 2), ds (k, q).
+
+    The nodes of the edges are xy (k, degree + 1, 2) [m]. The lengths ds [m] include the weights of
+    the rule.
     """
-    psi, slope = trace(degree, 0.5 + 0.5 * FACE_GAUSS)
+    psi, slope = edge_polynomials(degree, 0.5 + 0.5 * FACE_GAUSS)
     x, dx = (np.einsum("kac,aq->kqc", xy, values) for values in (psi, slope))
     return psi, x, np.hypot(dx[..., 0], dx[..., 1]) * 0.5 * FACE_WEIGHTS
 
 
 def _end_load(body: Shaped, force: Floats, point: Floats) -> Floats:
-    """Nodal forces (2N,) of a force (2,) whose line passes through `point` (2,): evenly spread over
-    the loaded end, and a couple that grows linearly from its centre.
+    """Nodal forces (2N,) [N] that load a body's end as a force (2,) [N] through a point (2,) [m].
+
+    The force is spread evenly over the loaded end. Tractions that grow linearly from the centre of
+    the end add the couple of the force about this centre.
     """
     at = body.mesh.at
     assert body.shape.loaded is not None
     on = (np.abs(at[..., 0] - body.shape.loaded) < 1e-12) & (at[..., 1] >= body.shape.front - 1e-12)
     tri, edge = np.nonzero(on & np.roll(on, -1, axis=1))
     of = edge_nodes(body.nodes, tri, edge, body.degree)
-    psi, x, ds = along(body.nodes.xy[of], body.degree)
+    psi, x, ds = edge_quadrature(body.nodes.xy[of], body.degree)
     centre = np.einsum("kqc,kq->c", x, ds) / ds.sum()
     arm = x - centre
     lever = point - centre
@@ -111,8 +135,8 @@ def _end_load(body: Shaped, force: Floats, point: Floats) -> Floats:
     return loads.ravel()
 
 
-def face(brake: Brake, shoe: Shoe, body: Shaped) -> Face:
-    """A shoe condensed to its lining's face."""
+def condensed_face(brake: Brake, shoe: Shoe, body: Shaped) -> Face:
+    """The shoe of a meshed body, condensed to the nodes of its lining's face."""
     shape, nodes, kept = body.shape, body.nodes, body.surface
     if shape.held is None:
         fixed = nodes.at[:, 1] > len(shape.layers) - 1e-12
@@ -132,7 +156,7 @@ def face(brake: Brake, shoe: Shoe, body: Shaped) -> Face:
     place = np.empty(len(nodes.xy), dtype=np.int64)
     place[kept] = np.arange(len(kept))
     of = place[edge_nodes(nodes, *body.mesh.surface, body.degree)]
-    psi, _, ds = along(nodes.xy[kept][of], body.degree)
+    psi, _, ds = edge_quadrature(nodes.xy[kept][of], body.degree)
     mass = np.zeros((len(kept), len(kept)))
     np.add.at(
         mass,

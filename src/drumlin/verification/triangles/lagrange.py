@@ -1,8 +1,8 @@
-"""Curved triangles of any degree in plane stress, and their condensation to the displacements of
-some nodes.
+"""Curved triangles of any degree in plane stress, and their static condensation to some nodes.
 
-Shape functions are Lagrange's on nodes that are those of Gauss and Lobatto on each edge; the map is
-interpolated on the same nodes. What is inside is eliminated once, by dense fronts.
+The shape functions are Lagrange polynomials on nodes that are Gauss-Lobatto points on each edge.
+The shape of a triangle is interpolated on the same nodes. All other unknowns are eliminated by
+dense Cholesky factors, part of the mesh by part (multifrontal elimination).
 """
 
 from dataclasses import dataclass
@@ -21,29 +21,32 @@ from drumlin.brake.elasticity import ElasticLayer, has_directions
 from drumlin.verification.triangles.triangulation import Map, TriangleLayer, Triangles, edges_of
 
 LEAF_TRIANGLES = 8
-"""Number of triangles up to which a part of the mesh is not halved any more."""
+"""Number of triangles up to which the elimination does not halve a part of the mesh any more.
+Smaller parts cost more calls, larger ones more arithmetic."""
 
 
 @cache
-def lobatto(degree: int) -> Floats:
-    """Nodes of Gauss and Lobatto on [0, 1]: (degree + 1,)."""
+def lobatto_points(degree: int) -> Floats:
+    """The Gauss-Lobatto points (degree + 1,) on [0, 1]."""
     inner = legendre.Legendre.basis(degree).deriv().roots() if degree > 1 else np.zeros(0)
     return 0.5 + 0.5 * np.concatenate([[-1.0], np.sort(np.real(inner)), [1.0]])
 
 
 @cache
 def reference_nodes(degree: int) -> Floats:
-    """Barycentric coordinates (n, 3) of a triangle's nodes: corners, edges 01, 12, 20 from end to
-    end, the inside.
+    """Barycentric coordinates (n, 3) of the nodes of a triangle.
+
+    The order is: corners 0, 1, 2; edges 01, 12, 20, each from its first to its second corner; the
+    inside.
     """
-    x = lobatto(degree)[1:-1]
+    x = lobatto_points(degree)[1:-1]
     zero = 0 * x
     edges = [
         np.stack([1 - x, x, zero], 1),
         np.stack([zero, 1 - x, x], 1),
         np.stack([x, zero, 1 - x], 1),
     ]
-    full = lobatto(degree)
+    full = lobatto_points(degree)
     inside = [
         (full[i], full[j], full[k])
         for i in range(1, degree)
@@ -54,9 +57,10 @@ def reference_nodes(degree: int) -> Floats:
     return np.concatenate([np.eye(3), *edges, inner / inner.sum(axis=1, keepdims=True)])
 
 
-def _polynomials(degree: int, x: Floats, y: Floats) -> tuple[Floats, Floats, Floats]:
-    """Products of Legendre polynomials in x and y up to the degree in all, and their slopes: (n,
-    points).
+def _legendre_products(degree: int, x: Floats, y: Floats) -> tuple[Floats, Floats, Floats]:
+    """Products of Legendre polynomials in x and y and their slopes in x and in y: (n, points) each.
+
+    The products are those whose two degrees have a sum of at most `degree`.
     """
     V = (
         legendre.legvander(2 * np.asarray(x) - 1, degree).T,
@@ -78,21 +82,27 @@ def _polynomials(degree: int, x: Floats, y: Floats) -> tuple[Floats, Floats, Flo
 
 @cache
 def shape_functions(degree: int) -> tuple[Floats, Floats, Floats]:
-    """Shape functions (n, q) and slopes (n, 2, q) at the points of a rule of twice the degree, and
-    its weights (q,).
+    """Shape functions (n, q), their slopes (n, 2, q) and weights (q,) at points of quadrature.
+
+    The rule on the reference triangle is exact up to twice the degree.
     """
     nodes = reference_nodes(degree)
     X, W = get_quadrature_tri(2 * degree)
-    at_nodes, _, _ = _polynomials(degree, nodes[:, 1], nodes[:, 2])
-    value, dx, dy = _polynomials(degree, X[0], X[1])
+    at_nodes, _, _ = _legendre_products(degree, nodes[:, 1], nodes[:, 2])
+    value, dx, dy = _legendre_products(degree, X[0], X[1])
     inverse = np.linalg.inv(at_nodes)
     return inverse @ value, np.stack([inverse @ dx, inverse @ dy], axis=1), W
 
 
 @dataclass(frozen=True)
 class Nodes:
-    """`of` (m, n): the node numbers of each triangle; `at` (N, 2): s, d of a node (of one of its
-    triangles); `xy` (N, 2) [m].
+    """The nodes of a mesh.
+
+    Attributes
+    ----------
+    of : (m, n) node numbers of each triangle
+    at : (N, 2) s and d of each node, as one of its triangles has them
+    xy : (N, 2) the nodes [m]
     """
 
     of: Ints
@@ -101,7 +111,7 @@ class Nodes:
 
 
 def nodes_of(mesh: Triangles, place: Map, degree: int) -> Nodes:
-    """The nodes of all triangles: corners, edges, insides."""
+    """The nodes of a mesh of triangles: corners, edges, insides."""
     edges, of_edge = edges_of(mesh)
     corners = int(mesh.vertices.max()) + 1
     inner = degree - 1
@@ -122,9 +132,12 @@ def nodes_of(mesh: Triangles, place: Map, degree: int) -> Nodes:
     return Nodes(of, at, place(at[:, 0], at[:, 1]))
 
 
-def stiffness(mesh: Triangles, nodes: Nodes, layers: list[TriangleLayer], degree: int) -> Floats:
-    """Plane-stress stiffness (m, 2n, 2n) of each triangle, unknown 2 i + c for component c of its
-    node i [N/m].
+def triangle_stiffnesses(
+    mesh: Triangles, nodes: Nodes, layers: list[TriangleLayer], degree: int
+) -> Floats:
+    """Plane-stress stiffness (m, 2n, 2n) of each triangle [N/m].
+
+    Unknown 2 i + c of a triangle is component c of the displacement of its node i.
     """
     values, slopes, weights = shape_functions(degree)
     matrices = np.array([layer.elastic.stiffness for layer in layers])
@@ -159,11 +172,11 @@ def stiffness(mesh: Triangles, nodes: Nodes, layers: list[TriangleLayer], degree
 
 
 def _directed_stiffness(G: Floats, area: Floats, layer: ElasticLayer, points: Floats) -> Floats:
-    """Stiffness (m, 2n, 2n) of triangles in a layer with directions of its own, by B^T Q^T D Q B at
-    every point.
+    """Stiffness (m, 2n, 2n) of triangles in a layer with directions of its own [N/m].
 
-    Q takes strains in x and y to those in the layer's directions (Cook et al., Concepts and
-    Applications of Finite Element Analysis, section 8.2).
+    The stiffness is the integral of B^T Q^T D Q B. The matrix Q takes strains in x and y to strains
+    in the layer's directions (Cook et al., Concepts and Applications of Finite Element Analysis,
+    section 8.2).
 
     Parameters
     ----------
@@ -188,8 +201,13 @@ def _directed_stiffness(G: Floats, area: Floats, layer: ElasticLayer, points: Fl
 
 @dataclass(frozen=True)
 class Compliance:
-    """`of` (2n, 2n): displacements of the kept nodes under forces on them; `loaded` (2n, l) under l
-    further loads, whose work with themselves is `work` (l, l).
+    """A body condensed to n kept nodes.
+
+    Attributes
+    ----------
+    of : (2n, 2n) displacements of the kept nodes under forces on them [m/N]
+    loaded : (2n, l) displacements of the kept nodes under l further loads on the body [m]
+    work : (l, l) work of each of these loads on the displacements due to each of them [N m]
     """
 
     of: Floats
@@ -198,9 +216,15 @@ class Compliance:
 
 
 class Front(NamedTuple):
-    """What is left of a part of a body: unknowns `dofs` (k,) that others share or that are kept,
-    growing, each with the number of `triangles` here; stiffness (k, k) and loads (k, l) on them,
-    and the loads' work (l, l) on those gone.
+    """The Schur complement of a part of a body, on the unknowns that are not eliminated yet.
+
+    Attributes
+    ----------
+    dofs : (k,) numbers of these unknowns, growing; other parts share them or they are kept
+    triangles : (k,) number of triangles of the part at each of these unknowns
+    K : (k, k) stiffness [N/m]
+    loads : (k, l) loads [N]
+    work : (l, l) work of the loads on the eliminated unknowns [N m]
     """
 
     dofs: Ints
@@ -211,12 +235,24 @@ class Front(NamedTuple):
 
 
 def condense(K: Floats, nodes: Nodes, held: Bools, kept: Ints, loads: Floats) -> Compliance:
-    """The compliance of the `kept` nodes where the unknowns `held` (2N,) are held, and
-    displacements under `loads` (2N, l).
+    """The body condensed to the nodes `kept`: their compliance, and displacements under loads.
 
-    K (m, 2n, 2n): stiffness of each triangle. The triangles are halved by number, again and again,
-    across the longer side; parts are joined in the reverse order, and what no other triangle shares
-    is eliminated by dense Cholesky factors as soon as that is so.
+    The set of triangles is halved across its longer side, again and again. The parts are assembled
+    in the reverse order. An unknown is eliminated, by dense Cholesky factors, as soon as all of its
+    triangles are assembled.
+
+    Parameters
+    ----------
+    K : (m, 2n, 2n) stiffness of each triangle [N/m]
+    nodes : nodes of the triangles
+    held : (2N,) whether an unknown is fixed
+    kept : numbers of the nodes that remain
+    loads : (2N, l) nodal forces of l loads [N]
+
+    Raises
+    ------
+    NoAnswer
+        If the stiffness of a part is singular.
     """
     dofs = (2 * nodes.of[:, :, None] + np.arange(2)).reshape(len(nodes.of), -1)
     triangles = np.bincount(dofs.ravel(), minlength=2 * len(nodes.xy))
@@ -226,8 +262,8 @@ def condense(K: Floats, nodes: Nodes, held: Bools, kept: Ints, loads: Floats) ->
     loads = np.where(held[:, None], 0.0, loads)
     columns = loads.shape[1]
 
-    def joined(parts: list[Front]) -> Front:
-        """Parts joined; what is whole now eliminated."""
+    def assembled(parts: list[Front]) -> Front:
+        """The parts assembled; the unknowns that no other part shares are eliminated."""
         all_dofs, where = np.unique(
             np.concatenate([part.dofs for part in parts]), return_inverse=True
         )
@@ -257,12 +293,12 @@ def condense(K: Floats, nodes: Nodes, held: Bools, kept: Ints, loads: Floats) ->
             work + own.T @ own,
         )
 
-    def front(members: Ints) -> Front:
-        """The front of these triangles."""
+    def front_of(members: Ints) -> Front:
+        """The Schur complement of the triangles with the numbers `members`."""
         if len(members) <= LEAF_TRIANGLES:
             free = ~held[dofs[members]]
             none = np.zeros((columns, columns))
-            return joined(
+            return assembled(
                 [
                     Front(
                         d[on],
@@ -276,9 +312,9 @@ def condense(K: Floats, nodes: Nodes, held: Bools, kept: Ints, loads: Floats) ->
             )
         x = centres[members]
         order = members[np.argsort(x[:, int(np.argmax(np.ptp(x, axis=0)))], kind="stable")]
-        return joined([front(order[: len(order) // 2]), front(order[len(order) // 2 :])])
+        return assembled([front_of(order[: len(order) // 2]), front_of(order[len(order) // 2 :])])
 
-    whole = front(np.arange(len(centres)))
+    whole = front_of(np.arange(len(centres)))
     order = (2 * kept[:, None] + np.arange(2)).ravel()
     at = np.searchsorted(whole.dofs, order)  # growing, and nothing else is left
     S, f = whole.K[np.ix_(at, at)], whole.loads[at] + loads[order]

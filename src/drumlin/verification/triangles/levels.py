@@ -1,4 +1,4 @@
-"""Solutions on a sequence of meshes."""
+"""Solutions of a brake on a sequence of ever finer meshes of triangles."""
 
 import math
 from collections.abc import Sequence
@@ -11,39 +11,49 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
-from drumlin.verification.triangles.contact import contact
-from drumlin.verification.triangles.face import Face, face, shaped
-from drumlin.verification.triangles.outline import Outline, Sharp, TriangleLevel, draft, outline
-from drumlin.verification.triangles.ring import rim, with_ring
-from drumlin.verification.triangles.shared import shared
-from drumlin.verification.triangles.solution import ShoeSolution, solution
+from drumlin.verification.triangles.contact import contact_forces
+from drumlin.verification.triangles.face import Face, condensed_face, meshed_body
+from drumlin.verification.triangles.outline import (
+    Outline,
+    Sharp,
+    TriangleLevel,
+    draft_mesh,
+    outline_of,
+)
+from drumlin.verification.triangles.ring import condensed_rim, meshes_with_ring
+from drumlin.verification.triangles.shared import solve_sharing_shoes
+from drumlin.verification.triangles.solution import ShoeSolution, shoe_solution
 
 ENDS = 13
 """Largest number of halvings of triangles towards an end of the contact, where p is small, and
-towards a kink of the gap that is no tip."""
+towards a kink of the gap that does not point to the drum."""
 END_SLACK = 1e-9
-"""Part of the lining's length up to which a place counts as an end of the lining."""
+"""Distance from an end of the lining, relative to the lining's length, up to which a place counts
+as this end."""
 NARROWEST = 1e-4
-"""Width of the narrowest contact, in smallest triangles, for which triangles are made."""
+"""Width of a contact, relative to `Outline.least`, below which triangles become no smaller."""
 
 FINDING = TriangleLevel(3, 8, 1.4, 1.0)
-"""The mesh on which the ends of the contact are found."""
+"""The coarse mesh on which the ends of the contact are found."""
 PASSES = 6
-"""Largest number of solutions on that mesh, each divided at the ends that the last one found."""
+"""Largest number of solutions on the mesh FINDING. Each mesh is graded to the ends of the contact
+in the solution before."""
 LESS = (0.0, 0.5)
-"""Parts of the friction that are solved first. The answer that grows from no friction is sought;
-with much friction others may stand beside it."""
+"""Fractions of the coefficient of friction that are solved first. With much friction a brake may
+have several answers. The answer that grows from the frictionless one is the answer sought."""
 SETTLED_ENDS = 2e-3
-"""Movement of the ends of a contact, in parts of its length, below which they count as found."""
+"""Movement of the ends of a contact between two solutions, relative to the contact's length, below
+which the ends count as found."""
 TRIANGLE_LEVELS = (
     TriangleLevel(3, 10, 1.2, 1.0),
     TriangleLevel(4, 13, 0.7, 0.8),
     TriangleLevel(5, 15, 0.7, 0.8),
 )
+"""The meshes of `solve_sequence`, from coarse to fine."""
 
 
-def pressed(brake: Brake) -> list[int]:
-    """Shoes whose actuation turns them towards the drum, and shoes without a hinge."""
+def pressed_shoes(brake: Brake) -> list[int]:
+    """Numbers of the shoes without a hinge and of those that the actuation turns to the drum."""
     found = []
     for i, shoe in enumerate(brake.shoes):
         if shoe.held_by != "hinge" or brake.shares:
@@ -58,7 +68,8 @@ def pressed(brake: Brake) -> list[int]:
     return found
 
 
-def _wavelength(brake: Brake) -> float:
+def _shortest_wavelength(brake: Brake) -> float:
+    """Shortest wavelength of the drum's out-of-roundness along its circumference [m]."""
     highest = max((part.order for part in brake.lobes if part.amplitude), default=0)
     return 2 * math.pi * brake.size / max(highest, 1)
 
@@ -66,48 +77,69 @@ def _wavelength(brake: Brake) -> float:
 def solve(
     brake: Brake, level: TriangleLevel, before: Sequence[ShoeSolution] | None = None
 ) -> list[ShoeSolution]:
-    """The solution of each shoe on meshes of one level, graded to the contact's ends of an earlier
-    solution.
+    """The solution of each shoe on meshes of one level.
 
-    Raises BadInput for what is not meshed, NoAnswer where a shoe does not touch or no contact
-    settles.
+    Parameters
+    ----------
+    brake : the brake
+    level : degree and grading of the triangles
+    before : an earlier solution of each shoe, to whose contact's ends the triangles are graded;
+        without it the whole lining is taken to be in contact at first
+
+    Raises
+    ------
+    BadInput
+        If triangles cannot mesh the brake.
+    NoAnswer
+        If a shoe does not touch the drum or no contact set solves the equations.
     """
     shoes = list(brake.shoes)
-    if len(pressed(brake)) < len(shoes):
+    if len(pressed_shoes(brake)) < len(shoes):
         raise NoAnswer("a shoe that is not turned towards the drum")
     earlier = [None] * len(shoes) if before is None else list(before)
     drafts = []
     for shoe, its in zip(shoes, earlier, strict=True):
-        shape = outline(shoe, brake.size)
-        drafts.append(draft(shape, _sharp(shoe, shape, its, level), level, _wavelength(brake)))
+        shape = outline_of(shoe, brake.size)
+        drafts.append(
+            draft_mesh(
+                shape, _sharp_places(shoe, shape, its, level), level, _shortest_wavelength(brake)
+            )
+        )
     meshes, opposite = [one.mesh for one in drafts], None
     if brake.ring is not None:
-        meshes, opposite = with_ring(brake, drafts, level)
+        meshes, opposite = meshes_with_ring(brake, drafts, level)
     faces = [
-        face(
-            brake, shoe.under(1.0) if brake.shares else shoe, shaped(one.shape, mesh, level.degree)
+        condensed_face(
+            brake,
+            shoe.under(1.0) if brake.shares else shoe,
+            meshed_body(one.shape, mesh, level.degree),
         )
         for shoe, one, mesh in zip(shoes, drafts, meshes, strict=True)
     ]
-    firsts = [_touching(one, its) for one, its in zip(faces, earlier, strict=True)]
+    firsts = [_first_contact(one, its) for one, its in zip(faces, earlier, strict=True)]
     if brake.shares:
         if opposite is not None:
             raise BadInput(f"{brake.shares}, on an elastic ring")
-        shoes, found = shared(brake, faces, firsts)
+        shoes, found = solve_sharing_shoes(brake, faces, firsts)
     elif opposite is not None:
-        found = contact(brake, faces, shoes, rim(brake, opposite, faces), firsts)
+        found = contact_forces(brake, faces, shoes, condensed_rim(brake, opposite, faces), firsts)
     else:
         found = [
-            contact(brake, [faces[i]], [shoes[i]], None, [firsts[i]])[0] for i in range(len(shoes))
+            contact_forces(brake, [faces[i]], [shoes[i]], None, [firsts[i]])[0]
+            for i in range(len(shoes))
         ]
     return [
-        solution(brake, shoe, one, its) for shoe, one, its in zip(shoes, faces, found, strict=True)
+        shoe_solution(brake, shoe, one, its)
+        for shoe, one, its in zip(shoes, faces, found, strict=True)
     ]
 
 
-def _sharp(shoe: Shoe, shape: Outline, before: ShoeSolution | None, level: TriangleLevel) -> Sharp:
-    """Kinks of a lining's gap, and the ends of its contact that are not the lining's, triangles in
-    proportion to it.
+def _sharp_places(
+    shoe: Shoe, shape: Outline, before: ShoeSolution | None, level: TriangleLevel
+) -> Sharp:
+    """Kinks of a lining's gap and ends of its contact inside the lining, with lengths of triangles.
+
+    Triangles at the ends of a contact are the smaller the shorter the contact is.
     """
     lining, tips = shoe.lining, {angle for angle, _ in clearance.tips(shoe.lining)}
     most = min(ENDS, level.halvings)
@@ -125,23 +157,28 @@ def _sharp(shoe: Shoe, shape: Outline, before: ShoeSolution | None, level: Trian
     return Sharp((angle - shape.origin) * shape.turn, length * 0.5**most)
 
 
-def _touching(one: Face, before: ShoeSolution | None) -> Bools:
-    """Nodes of a face in contact at first: all, or those on an earlier solution's arcs."""
+def _first_contact(one: Face, before: ShoeSolution | None) -> Bools:
+    """Whether each node (n,) of a face is in contact at first.
+
+    All nodes are, or with an earlier solution those on the arcs of its contacts.
+    """
     if before is None:
         return np.ones(len(one.theta), dtype=bool)
     inside = [(one.theta > a - END_SLACK) & (one.theta < b + END_SLACK) for a, b in before.arcs]
     return np.any(inside, axis=0)
 
 
-def sequence(
+def solve_sequence(
     brake: Brake, levels: Sequence[TriangleLevel] = TRIANGLE_LEVELS
 ) -> list[list[ShoeSolution]]:
-    """The solutions on a sequence of meshes, each graded to the ends of the contact that the one
-    before found; before them coarse ones until these ends settle. The first ones have less
-    friction, from none on: with much of it other answers may stand beside the one that grows from
-    there.
+    """The solutions of all shoes on each of a sequence of meshes.
 
-    Raises as `solve`.
+    Every mesh is graded to the ends of the contact that the mesh before has found. Solutions on the
+    coarse mesh FINDING come first, until these ends settle. They begin with the parts LESS of the
+    coefficient of friction, because with much friction a brake may have several answers and the
+    answer that grows from the frictionless one is sought.
+
+    Raises BadInput and NoAnswer as `solve` does.
     """
     before = None
     for part in LESS:
@@ -162,6 +199,7 @@ def sequence(
 
 
 def _same_arcs(a: Floats, b: Floats) -> bool:
+    """Whether two solutions have the same contacts, up to SETTLED_ENDS."""
     return a.shape == b.shape and bool(
         (np.abs(a - b).max(axis=1) < SETTLED_ENDS * np.diff(b, axis=1)[:, 0]).all()
     )

@@ -1,4 +1,4 @@
-"""The outlines of shoes as layered bodies, and the first lines of their meshes."""
+"""The outlines of shoes as layered bodies, and their meshes of triangles."""
 
 import math
 from collections.abc import Sequence
@@ -17,18 +17,24 @@ from drumlin.verification.triangles.triangulation import (
     Map,
     TriangleLayer,
     Triangles,
-    graded,
-    spaced,
-    start,
+    graded_mesh,
+    initial_mesh,
+    spaced_points,
 )
 
 SLENDER = 12.0
-"""Largest length of triangles far from all corners, over the thickness of the thinnest layer."""
+"""Largest length of triangles far from all corners, relative to the thinnest layer."""
 
 
 class TriangleLevel(NamedTuple):
-    """A mesh: degree of its triangles, `halvings` towards each corner, length of triangles over
-    their distance from it, and factor on all lengths elsewhere.
+    """How fine a mesh is.
+
+    Attributes
+    ----------
+    degree : degree of the triangles
+    halvings : number of halvings of triangles towards each corner
+    steep : largest length of a triangle, relative to its distance from the corner
+    size : factor on the lengths of triangles far from all corners
     """
 
     degree: int
@@ -38,8 +44,12 @@ class TriangleLevel(NamedTuple):
 
 
 class Sharp(NamedTuple):
-    """Places on a face at which p is not smooth: their `s` (k,), and the length of triangles there
-    (k,) [m].
+    """Places on a lining's face where the pressure is not smooth.
+
+    Attributes
+    ----------
+    s : (k,) coordinate of each place along the face
+    smallest : (k,) length of the triangles at each place [m]
     """
 
     s: Floats
@@ -48,10 +58,21 @@ class Sharp(NamedTuple):
 
 @dataclass(frozen=True)
 class Outline:
-    """A layered body in the coordinates s, d: `place` maps them; `s` are the ends of its parts,
-    `thickness` (layers,) [m]; `corners` (k, 2) the s, d of the points to which triangles are
-    graded; `held` s of the end face that is, or None where the back is, all of it or its `grip`;
-    `loaded` s or None; `turn`: theta = origin + turn s; `length` [m] per s.
+    """A layered body in the coordinates s along the body and d across its layers.
+
+    Attributes
+    ----------
+    place : map from s, d to points in the brake's frame
+    layers : the layers, from the lining's face on
+    thickness : (layers,) thickness of each layer [m]
+    s : the ends of all layers, growing
+    corners : (k, 2) s and d of the points to which triangles are graded
+    held : s of the end face that is fixed, or None if the back of the body is fixed
+    loaded : s of the end face that the actuation loads, or None
+    origin, turn : a place s of the face lies at theta = origin + turn s, with turn = 1 or -1
+    length : length along the body per unit of s [m]
+    grip : first and last s of the fixed part of the back, or None if the whole back is fixed
+    plates : number of layers, counted from the back, that form the body behind the lining
     """
 
     place: Map
@@ -69,23 +90,26 @@ class Outline:
 
     @property
     def front(self) -> int:
-        """d where the body begins, which has so many `plates`."""
+        """The d at which the plates behind lining and backing begin."""
         return len(self.layers) - self.plates
 
     @property
     def least(self) -> float:
-        """The length from which halvings towards a corner count [m]."""
+        """Length of a triangle before its first halving towards a corner [m]."""
         arc = (self.layers[0].end - self.layers[0].start) * self.length
         return min(float(self.thickness.min()), arc / 4)
 
 
-def outline(shoe: Shoe, R: float) -> Outline:
-    """The outline of a shoe. Raises BadInput for one without a section, or with its own mesh."""
+def outline_of(shoe: Shoe, R: float) -> Outline:
+    """The outline of a shoe on a drum of radius R [m].
+
+    Raises BadInput for a shoe that has a mesh of its own or a beam without a constant section.
+    """
     lining, backing, body = shoe.lining, shoe.backing, shoe.body
     if shoe.mesh is not None:
         raise BadInput(f"shoe {shoe.name!r} has a mesh of its own")
     if isinstance(body, Beam):
-        return _post(shoe, R)
+        return _beam_outline(shoe, R)
     parts = [(lining.thickness, lining.material)] + (
         [(backing.thickness, backing.material)] if backing else []
     )
@@ -125,14 +149,18 @@ def outline(shoe: Shoe, R: float) -> Outline:
         r = R - shoe.sign * np.interp(d, np.arange(len(depths)), depths)
         return np.stack([r * np.cos(s), r * np.sin(s)], axis=-1)
 
-    ends, points, plates = _distinct(s), np.unique(corners, axis=0), len(layers) - len(parts)
+    ends, points, plates = _sorted_distinct(s), np.unique(corners, axis=0), len(layers) - len(parts)
     return Outline(
         place, layers, np.array(thickness), ends, points, held, loaded, 0.0, 1, R, grip, plates
     )
 
 
-def _post(shoe: Shoe, R: float) -> Outline:
-    """A straight beam with a square-cut block; s is the beam's angle under the lining's back."""
+def _beam_outline(shoe: Shoe, R: float) -> Outline:
+    """The outline of a straight beam with a lining on a square-cut block.
+
+    The coordinate s is the angle of a point on the lining's back, seen from the drum's centre.
+    Beside the block s continues linearly along the beam.
+    """
     lining, backing, body = shoe.lining, shoe.backing, shoe.body
     assert isinstance(body, Beam)
     section = body.section
@@ -168,23 +196,31 @@ def _post(shoe: Shoe, R: float) -> Outline:
     ]
     thickness = np.array([t, block, section.thickness])
     origin = lining.middle - axis.sense * float(axis.angle(np.array(lining.middle)))
-    s = _distinct([low, first, last, high])
+    s = _sorted_distinct([low, first, last, high])
     return Outline(
         place, layers, thickness, s, np.unique(corners, axis=0), low, high, origin, axis.sense, back
     )
 
 
-def _distinct(values: Sequence[float]) -> Floats:
-    """Growing values, those that are equal to round-off once."""
+def _sorted_distinct(values: Sequence[float]) -> Floats:
+    """The values in growing order, without repetitions up to round-off."""
     grown = np.unique(values)
     return grown[np.append(True, np.diff(grown) > 1e-9)]
 
 
-def grid(
+def grid_lines(
     shape: Outline, size: float, wavelength: float, points: Sequence[float]
 ) -> tuple[Floats, list[Floats]]:
-    """The first lines of a mesh in s, and in d for each layer: nearly square cells at the corners
-    and at `points` (s) of the face, slender ones elsewhere; wavelength [m] of what the gap does.
+    """Grid lines with which a mesh begins: their s, and for each layer their d.
+
+    The cells are nearly square at the corners and at the places `points`, and slender elsewhere.
+
+    Parameters
+    ----------
+    shape : outline of the body
+    size : factor on the lengths of all cells
+    wavelength : shortest wavelength of the gap [m]
+    points : s of places on the face where the pressure is not smooth
     """
     face = shape.layers[0]
     arc = (face.end - face.start) * shape.length
@@ -204,7 +240,7 @@ def grid(
             min(most, float((near + 0.5 * shape.length * np.abs(dense - s)).min())) / shape.length
         )
 
-    s = spaced(shape.s, along)
+    s = spaced_points(shape.s, along)
     d = []
     for j, t in enumerate(shape.thickness.tolist()):
         coarsest = t * (1.0 if j == 0 else 0.5) * min(1.0, 1.25 * size)
@@ -212,13 +248,19 @@ def grid(
         def across(x: float, t: float = t, coarsest: float = coarsest) -> float:
             return min(coarsest / t, least / t + min(x, 1 - x))
 
-        d.append(j + spaced(np.array([0.0, 1.0]), across))
+        d.append(j + spaced_points(np.array([0.0, 1.0]), across))
     return s, d
 
 
 class Draft(NamedTuple):
-    """A body's mesh before it has nodes, with the first lines `s` it began from, and where it is
-    sharp.
+    """A body's mesh of triangles before it has nodes.
+
+    Attributes
+    ----------
+    shape : outline of the body
+    s : grid lines with which the mesh began
+    sharp : places on the face to which the mesh is graded
+    mesh : the triangles
     """
 
     shape: Outline
@@ -227,14 +269,20 @@ class Draft(NamedTuple):
     mesh: Triangles
 
 
-def draft(shape: Outline, sharp: Sharp, level: TriangleLevel, wavelength: float) -> Draft:
-    """The mesh of a body, graded to its corners and to the sharp places of its face."""
-    s, d = grid(shape, level.size, wavelength, sharp.s.tolist())
+def draft_mesh(shape: Outline, sharp: Sharp, level: TriangleLevel, wavelength: float) -> Draft:
+    """The mesh of a body, graded to its corners and to the places `sharp` on its face.
+
+    wavelength : shortest wavelength of the gap [m]
+    """
+    s, d = grid_lines(shape, level.size, wavelength, sharp.s.tolist())
     points = np.concatenate([shape.corners, np.stack([sharp.s, 0 * sharp.s], axis=1)])
     smallest = np.concatenate(
         [np.full(len(shape.corners), shape.least * 0.5**level.halvings), sharp.smallest]
     )
     at = shape.place(points[:, 0], points[:, 1])
     return Draft(
-        shape, s, sharp, graded(start(s, d, shape.layers), shape.place, at, smallest, level.steep)
+        shape,
+        s,
+        sharp,
+        graded_mesh(initial_mesh(s, d, shape.layers), shape.place, at, smallest, level.steep),
     )

@@ -1,5 +1,6 @@
-"""The elastic ring: its mesh, whose edges match those of the linings, and its compliance under
-them.
+"""The elastic ring: its mesh, and its compliance under the linings.
+
+The edges of the ring's triangles match those of the linings' triangles in every contact.
 """
 
 import math
@@ -13,26 +14,38 @@ from drumlin.brake.components import Section
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.verification.triangles import lagrange
 from drumlin.verification.triangles.contact import Rim
-from drumlin.verification.triangles.face import Face, Shaped, along, edge_nodes, shaped
+from drumlin.verification.triangles.face import (
+    Face,
+    Shaped,
+    edge_nodes,
+    edge_quadrature,
+    meshed_body,
+)
 from drumlin.verification.triangles.outline import Draft, Outline, TriangleLevel
 from drumlin.verification.triangles.triangulation import (
     TriangleLayer,
     Triangles,
-    graded,
-    matched,
-    spaced,
-    start,
+    graded_mesh,
+    initial_mesh,
+    matched_mesh,
+    spaced_points,
 )
 
-ANGLE_SLACK = 1e-12  # rad, of angles that are the same
+ANGLE_SLACK = 1e-12
+"""Difference [rad] up to which two angles count as equal. Round-off is some 1e-15."""
 ROUNDS = 20
+"""Largest number of rounds in which the edges of ring and linings are halved to match."""
 WHOLE_TURN = 2 * math.pi
+"""The angle of a full circle [rad]."""
 
 
-def with_ring(
+def meshes_with_ring(
     brake: Brake, drafts: list[Draft], level: TriangleLevel
 ) -> tuple[list[Triangles], Shaped]:
-    """The linings' meshes and the ring's, whose edges match."""
+    """The meshes of the linings, and the ring with its mesh; edges in contact match.
+
+    Raises BadInput for a ring without a section and for shoes on both sides of the ring.
+    """
     ring, R = brake.ring, brake.size
     section = None if ring is None else ring.section
     if section is None:
@@ -46,12 +59,13 @@ def with_ring(
         for shoe in brake.shoes
     ]
 
-    def on_ring(i: int, s: Floats) -> Floats:
-        """Angles on the ring of places on the face of shoe i."""
+    def ring_angles(i: int, s: Floats) -> Floats:
+        """Angles on the ring [rad] of the places s on the face of shoe i."""
         shape = drafts[i].shape
         return shape.origin + shape.turn * s - turns[i]
 
-    def on_face(i: int, theta: Floats) -> Floats:
+    def face_places(i: int, theta: Floats) -> Floats:
+        """Places s on the face of shoe i, growing, at angles theta on the ring [rad]."""
         shape = drafts[i].shape
         return np.sort((theta + turns[i] - shape.origin) * shape.turn)
 
@@ -63,9 +77,9 @@ def with_ring(
     for i, one in enumerate(drafts):
         face = one.shape.layers[0]
         within = (one.s > face.start - ANGLE_SLACK) & (one.s < face.end + ANGLE_SLACK)
-        under.append(np.sort(on_ring(i, one.s[within])))
+        under.append(np.sort(ring_angles(i, one.s[within])))
     least = min(*(one.shape.least for one in drafts), section.thickness)
-    s, d = _grid(under, section, R, least, level.size)
+    s, d = _ring_grid_lines(under, section, R, least, level.size)
     layer = TriangleLayer(-math.inf, math.inf, ElasticLayer.of(section.material, section.width))
     shape = Outline(
         place,
@@ -80,30 +94,41 @@ def with_ring(
         R,
     )
     ends = np.concatenate([part[[0, -1]] for part in under])
-    sharp = np.concatenate([on_ring(i, one.sharp.s) for i, one in enumerate(drafts)])
+    sharp = np.concatenate([ring_angles(i, one.sharp.s) for i, one in enumerate(drafts)])
     smallest = np.concatenate(
         [np.full(len(ends), least * 0.5**level.halvings), *(one.sharp.smallest for one in drafts)]
     )
     at = np.concatenate([ends, sharp])
-    mesh = graded(
-        start(s, [d], [layer], WHOLE_TURN), place, place(at, 0 * at), smallest, level.steep
+    mesh = graded_mesh(
+        initial_mesh(s, [d], [layer], WHOLE_TURN), place, place(at, 0 * at), smallest, level.steep
     )
     meshes = [one.mesh for one in drafts]
     for _ in range(ROUNDS):
         before = len(mesh.layer), [len(one.layer) for one in meshes]
-        above = [on_ring(i, np.unique(one.surface_spans())) for i, one in enumerate(meshes)]
-        mesh = matched(mesh, np.unique(np.concatenate(above)), ANGLE_SLACK)
+        above = [ring_angles(i, np.unique(one.surface_spans())) for i, one in enumerate(meshes)]
+        mesh = matched_mesh(mesh, np.unique(np.concatenate(above)), ANGLE_SLACK)
         breaks = np.unique(mesh.surface_spans())
-        meshes = [matched(one, on_face(i, breaks), ANGLE_SLACK) for i, one in enumerate(meshes)]
+        meshes = [
+            matched_mesh(one, face_places(i, breaks), ANGLE_SLACK) for i, one in enumerate(meshes)
+        ]
         if before == (len(mesh.layer), [len(one.layer) for one in meshes]):
-            return meshes, shaped(shape, mesh, level.degree)
+            return meshes, meshed_body(shape, mesh, level.degree)
     raise AssertionError("ring and linings do not match")
 
 
-def _grid(
+def _ring_grid_lines(
     under: list[Floats], section: Section, R: float, least: float, size: float
 ) -> tuple[Floats, Floats]:
-    """The ring's first lines: those of the linings, and what lies between them; and across."""
+    """Grid lines with which the ring's mesh begins: their angles [rad] and their d.
+
+    Parameters
+    ----------
+    under : for each lining the angles of its grid lines [rad]
+    section : section of the ring
+    R : radius of the drum [m]
+    least : length of triangles at the linings' ends before their halving [m]
+    size : factor on the lengths of all cells
+    """
     parts = sorted(under, key=lambda part: float(part[0]))
     t = section.thickness
     lines = []
@@ -113,17 +138,21 @@ def _grid(
         def between(x: float, gap: Floats = gap) -> float:
             return min(2.5 * t * size / R, least * size / R + 0.5 * float(np.abs(gap - x).min()))
 
-        lines += [part, spaced(gap, between)[1:-1]]
-    across = spaced(np.array([0.0, 1.0]), lambda x: min(0.5, least * size / t + min(x, 1 - x)))
+        lines += [part, spaced_points(gap, between)[1:-1]]
+    across = spaced_points(
+        np.array([0.0, 1.0]), lambda x: min(0.5, least * size / t + min(x, 1 - x))
+    )
     return np.concatenate([*lines, [parts[0][0] + WHOLE_TURN]]), across
 
 
-def rim(brake: Brake, ring: Shaped, faces: list[Face]) -> Rim:
-    """The ring condensed to the nodes opposite to those of the faces. A free ring's rim carries
-    what balances the contact, spread as its rigid motions are, and does not move in the mean.
+def condensed_rim(brake: Brake, ring: Shaped, faces: list[Face]) -> Rim:
+    """The ring condensed to the nodes opposite to those of the lining faces.
+
+    A ring is fixed at its rim or free. On a free ring's rim tractions balance the contact forces;
+    they are combinations of the three rigid motions of the rim. The mean motion of the rim is zero.
     """
     nodes = ring.nodes
-    chosen, of = _opposite(brake, ring, faces)
+    chosen, of = _opposite_nodes(brake, ring, faces)
     outer = np.flatnonzero(nodes.at[:, 1] > 1 - ANGLE_SLACK)
     held = np.zeros((len(nodes.xy), 2), dtype=bool)
     assert brake.ring is not None
@@ -135,11 +164,11 @@ def rim(brake: Brake, ring: Shaped, faces: list[Face]) -> Rim:
     on = ring.mesh.at[..., 1] > 1 - ANGLE_SLACK
     tri, edge = np.nonzero(on & np.roll(on, -1, axis=1))
     edges = edge_nodes(nodes, tri, edge, ring.degree)
-    psi, x, ds = along(nodes.xy[edges], ring.degree)
+    psi, x, ds = edge_quadrature(nodes.xy[edges], ring.degree)
     spread = np.zeros((len(nodes.xy), 2, 3))
-    np.add.at(spread, edges, np.einsum("aq,kqcl,kq->kacl", psi, _motions(x), ds / ds.sum()))
+    np.add.at(spread, edges, np.einsum("aq,kqcl,kq->kacl", psi, _rigid_motions(x), ds / ds.sum()))
     loads = spread.reshape(-1, 3)
-    rigid = _motions(nodes.xy).reshape(-1, 3)
+    rigid = _rigid_motions(nodes.xy).reshape(-1, 3)
     right, left = (outer[which(nodes.xy[outer, 0])] for which in (np.argmax, np.argmin))
     held[right] = held[left, 1] = True
     found = lagrange.condense(ring.K, nodes, held.ravel(), chosen, loads)
@@ -152,8 +181,8 @@ def rim(brake: Brake, ring: Shaped, faces: list[Face]) -> Rim:
     return Rim(moved - own @ np.linalg.solve(loads.T @ rigid, mean), of)
 
 
-def _motions(xy: Floats) -> Floats:
-    """The rigid motions (..., 2, 3) of points (..., 2): along x, along y, turn about the origin."""
+def _rigid_motions(xy: Floats) -> Floats:
+    """Rigid motions (..., 2, 3) of points (..., 2): along x, along y, turn about the origin."""
     x, y = xy[..., 0], xy[..., 1]
     one, zero = np.ones_like(x), np.zeros_like(x)
     return np.stack(
@@ -161,8 +190,11 @@ def _motions(xy: Floats) -> Floats:
     )
 
 
-def _opposite(brake: Brake, ring: Shaped, faces: list[Face]) -> tuple[Ints, list[Ints]]:
-    """The ring's nodes opposite to those of all faces, and which of them are those of each face."""
+def _opposite_nodes(brake: Brake, ring: Shaped, faces: list[Face]) -> tuple[Ints, list[Ints]]:
+    """The ring's nodes opposite to those of all faces, and for each face the places of its nodes.
+
+    The places (n,) count in the array of the ring's nodes.
+    """
     xy = ring.nodes.xy[ring.surface]
     chosen, of, count = [], [], 0
     for one in faces:

@@ -1,4 +1,4 @@
-"""What a shoe does, from the forces on the nodes of its lining's face."""
+"""Pressure, torque and reaction of a shoe, from the contact forces at its face's nodes."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -9,14 +9,23 @@ from drumlin.base.arrays import Bools, Floats
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.verification.triangles import lagrange
 from drumlin.verification.triangles.contact import Found
-from drumlin.verification.triangles.face import FACE_GAUSS, FACE_WEIGHTS, Face, trace
+from drumlin.verification.triangles.face import FACE_GAUSS, FACE_WEIGHTS, Face, edge_polynomials
 
 
 @dataclass(frozen=True)
 class ShoeSolution:
-    """What one shoe does: `theta` (n,) [rad], growing, `pressure` (n,) [Pa] at the nodes of Gauss
-    and Lobatto of pieces of degree `order`, 0 where it is open; `torque` [N m]; `hinge_reaction`
-    (2,) [N] of the pin on the shoe; `arcs` (k, 2) [rad] in contact; `unknowns` of its mesh.
+    """The solution of one shoe.
+
+    Attributes
+    ----------
+    theta : (n,) angles of the nodes of p, growing [rad]; the Gauss-Lobatto points of its pieces
+    pressure : (n,) p at these angles, 0 where the lining is open [Pa]
+    order : degree of the pieces of p
+    torque : brake torque of the shoe [N m]
+    normal_force : magnitude of the resultant of the pressure [N]
+    hinge_reaction : (2,) force of the pin on the shoe [N]
+    arcs : (k, 2) first and last angle of each contact [rad]
+    unknowns : number of unknowns of the shoe's mesh
     """
 
     theta: Floats
@@ -30,11 +39,12 @@ class ShoeSolution:
 
     @cached_property
     def _barycentric(self) -> Floats:
-        x = lagrange.lobatto(self.order)
+        """Weights (order + 1,) of the barycentric formula for Lagrange's interpolation."""
+        x = lagrange.lobatto_points(self.order)
         return np.array([1 / np.prod([a - b for b in x if b != a]) for a in x])
 
     def pressure_at(self, theta: Floats) -> Floats:
-        """Pressure [Pa] at the angles `theta` [rad], same shape; 0 beyond the lining."""
+        """Pressure [Pa] at the angles `theta` [rad], with their shape; 0 beyond the lining."""
         at = np.asarray(theta, dtype=float)
         ends = self.theta[:: self.order]
         piece = np.clip(np.searchsorted(ends, at, side="right") - 1, 0, len(ends) - 2)
@@ -48,9 +58,10 @@ class ShoeSolution:
         return np.where((at >= ends[0]) & (at <= ends[-1]), value, 0.0)
 
 
-def solution(brake: Brake, shoe: Shoe, one: Face, found: Found) -> ShoeSolution:
-    """The solution of a shoe: its pressure has the forces of the nodes in contact as its moments
-    there.
+def shoe_solution(brake: Brake, shoe: Shoe, one: Face, found: Found) -> ShoeSolution:
+    """The solution of a shoe from its contact forces.
+
+    The pressure has the same work as the nodal forces on every shape function of a node in contact.
     """
     a = np.flatnonzero(found.active)
     p = np.zeros(len(one.theta))
@@ -65,27 +76,34 @@ def solution(brake: Brake, shoe: Shoe, one: Face, found: Found) -> ShoeSolution:
         torque=brake.friction * brake.size * float(found.force.sum()),
         normal_force=float(np.hypot(*on_normal)),
         hinge_reaction=-(on_normal + on_tangent + shoe.actuation.vector),
-        arcs=_arcs(one.theta, p, found.active, one.degree),
+        arcs=_contact_arcs(one.theta, p, found.active, one.degree),
         unknowns=one.unknowns,
     )
 
 
-def _arcs(theta: Floats, p: Floats, active: Bools, degree: int) -> Floats:
-    """Arcs [rad] of contact (k, 2). An end inside the lining is where F^(2/3) vanishes, F the force
-    between it and the next two ends of pieces: p rises there as the root of the distance.
+def _contact_arcs(theta: Floats, p: Floats, active: Bools, degree: int) -> Floats:
+    """First and last angle (k, 2) of each contact [rad].
+
+    An end of the contact inside the lining is extrapolated. The pressure rises there as the root of
+    the distance from the end, so that the force F between the end and a point grows as the power
+    3/2 of the distance. The end lies where F^(2/3), taken at the next two ends of pieces, vanishes.
     """
     steps = np.diff(np.concatenate([[0], active.astype(int), [0]]))
     firsts, lasts = np.flatnonzero(steps == 1), np.flatnonzero(steps == -1) - 1
     last = len(theta) - 1
     return np.array(
         [
-            (_end(theta, p, i, degree), -_end(-theta[::-1], p[::-1], last - j, degree))
+            (
+                _contact_start(theta, p, i, degree),
+                -_contact_start(-theta[::-1], p[::-1], last - j, degree),
+            )
             for i, j in zip(firsts.tolist(), lasts.tolist(), strict=True)
         ]
     ).reshape(-1, 2)
 
 
-def _end(theta: Floats, p: Floats, node: int, degree: int) -> float:
+def _contact_start(theta: Floats, p: Floats, node: int, degree: int) -> float:
+    """The angle [rad] where the contact begins whose first node in contact is `node`."""
     if node == 0:
         return float(theta[0])
     # The last node of the piece of p in which the contact begins.
@@ -93,7 +111,7 @@ def _end(theta: Floats, p: Floats, node: int, degree: int) -> float:
     far = near + degree
     if far >= len(theta):
         return float(theta[node])
-    psi, _ = trace(degree, 0.5 + 0.5 * FACE_GAUSS)
+    psi, _ = edge_polynomials(degree, 0.5 + 0.5 * FACE_GAUSS)
     weight = psi @ (0.5 * FACE_WEIGHTS)
     F = np.cumsum(
         [

@@ -1,9 +1,9 @@
 """Triangulations graded geometrically to given points, in the coordinates (s, d) of a layered body.
 
-s runs along the body, d counts its layers: layer j fills j <= d <= j + 1. Triangles are halved by
-newest-vertex bisection, which keeps their shapes (Mitchell 1989, the closure after Funken,
-Praetorius & Wissgott 2011), until each is no longer than its distance from the nearest of the
-points asks.
+The coordinate s runs along the body and d counts its layers: layer j fills j <= d <= j + 1.
+Triangles are halved by newest-vertex bisection, which keeps their shapes (Mitchell 1989; the
+closure after Funken, Praetorius & Wissgott 2011), until each triangle is short enough for its
+distance from the nearest of the given points.
 """
 
 from collections.abc import Callable, Sequence
@@ -15,14 +15,21 @@ import numpy as np
 from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.brake.elasticity import ElasticLayer
 
-Map = Callable[[Floats, Floats], Floats]  # s, d (...) -> points (..., 2) [m]
-MOST_ROUNDS = 200  # of bisection
+Map = Callable[[Floats, Floats], Floats]
+"""A function from s, d (...) to points (..., 2) [m]."""
+MOST_ROUNDS = 200
+"""Largest number of rounds of bisection. Two rounds halve the triangles' lengths, and the finest
+meshes ask for 26 halvings; so more rounds mean an endless loop."""
 
 
 @dataclass(frozen=True)
 class TriangleLayer:
-    """A layer of a body: from s = `start` to `end`, and its elasticity, with directions in the
-    brake's frame.
+    """A layer of a body.
+
+    Attributes
+    ----------
+    start, end : first and last s of the layer
+    elastic : elasticity of the layer, with directions in the brake's frame
     """
 
     start: float
@@ -32,8 +39,13 @@ class TriangleLayer:
 
 @dataclass(frozen=True)
 class Triangles:
-    """`vertices` (m, 3): numbers of the corners, the edge that is halved next between the first
-    two; `at` (m, 3, 2): their s, d; `layer` (m,).
+    """A mesh of triangles.
+
+    Attributes
+    ----------
+    vertices : (m, 3) numbers of the corners; the edge between the first two is halved next
+    at : (m, 3, 2) s and d of the corners
+    layer : (m,) number of the layer in which each triangle lies
     """
 
     vertices: Ints
@@ -42,26 +54,34 @@ class Triangles:
 
     @property
     def surface(self) -> tuple[Ints, Ints]:
-        """Triangles and their edges (0: first to second corner, 1, 2) on d = 0."""
+        """Numbers of the triangles with an edge on d = 0, and which edge lies there.
+
+        Edge 0 goes from corner 0 to 1, edge 1 from 1 to 2, edge 2 from 2 to 0.
+        """
         on = self.at[:, :, 1] == 0
         tri, edge = np.nonzero(on & np.roll(on, -1, axis=1))
         return tri, edge
 
     def surface_spans(self) -> Floats:
-        """(k, 2): s at both ends of each edge on d = 0, the smaller first."""
+        """The s (k, 2) at both ends of each edge on d = 0, the smaller first."""
         tri, edge = self.surface
         return np.sort(
             np.stack([self.at[tri, edge, 0], self.at[tri, (edge + 1) % 3, 0]], axis=1), axis=1
         )
 
 
-def start(
+def initial_mesh(
     s: Floats, d: Sequence[Floats], layers: Sequence[TriangleLayer], period: float | None = None
 ) -> Triangles:
-    """Two triangles for each cell of the grid of `s` (n,) and the `d` of each layer, where the
-    layer is.
+    """A mesh of two triangles for each cell of a grid, as far as the layers reach.
 
-    period: where a closed body begins again; then s ends there.
+    Parameters
+    ----------
+    s : (n,) grid lines along the body, growing
+    d : for each layer its grid lines across, growing
+    layers : the layers
+    period : the s at which a closed body begins again, equal to the last of `s`; None if the body
+        has two ends
     """
     depths = np.unique(np.concatenate(d))
     count = len(s) - (period is not None)
@@ -94,8 +114,9 @@ def start(
 
 
 def edges_of(mesh: Triangles) -> tuple[Ints, Ints]:
-    """The edges (k, 2) by the numbers of their ends, the smaller first, and those (m, 3) of each
-    triangle.
+    """The edges (k, 2) of a mesh, and for each triangle the numbers (m, 3) of its edges.
+
+    An edge is given by the numbers of its two ends, the smaller first.
     """
     pairs = np.sort(np.stack([mesh.vertices, np.roll(mesh.vertices, -1, axis=1)], axis=2), axis=2)
     flat = pairs.reshape(-1, 2)
@@ -107,7 +128,10 @@ def edges_of(mesh: Triangles) -> tuple[Ints, Ints]:
 
 
 def bisect(mesh: Triangles, marked: Bools) -> Triangles:
-    """The marked (m,) triangles halved, and others as far as they must be."""
+    """The mesh with the marked (m,) triangles halved.
+
+    Other triangles are halved where a mesh without hanging nodes needs it.
+    """
     edges, of = edges_of(mesh)
     halved = np.zeros(len(edges), dtype=bool)
     halved[of[marked, 0]] = True
@@ -136,13 +160,18 @@ def bisect(mesh: Triangles, marked: Bools) -> Triangles:
     return Triangles(*(np.concatenate([part[k] for part in parts]) for k in range(3)))
 
 
-def graded(
+def graded_mesh(
     mesh: Triangles, place: Map, points: Floats, smallest: Floats, steep: float
 ) -> Triangles:
-    """Halved until no triangle is longer than `steep` times its centre's distance from each of the
-    points (k, 2) [m].
+    """The mesh with its triangles halved until each is short for its distance from the points.
 
-    Those nearer to a point than `smallest` (k,) [m] may be as long as that.
+    Parameters
+    ----------
+    mesh : the triangles to begin with
+    place : map from s, d to points in the brake's frame
+    points : (k, 2) points to which the mesh is graded [m]
+    smallest : (k,) length up to which a triangle is never halved for the sake of a point [m]
+    steep : largest length of a triangle, relative to the distance of its centre from a point
     """
     for _ in range(MOST_ROUNDS):
         corners = place(mesh.at[..., 0], mesh.at[..., 1])
@@ -160,9 +189,14 @@ def graded(
     raise AssertionError("the triangulation does not end")
 
 
-def matched(first: Triangles, breaks: Floats, slack: float) -> Triangles:
-    """`first` with each edge on its surface halved that has one of the growing `breaks` (k,) of s
-    within it.
+def matched_mesh(first: Triangles, breaks: Floats, slack: float) -> Triangles:
+    """The mesh `first` with edges on its surface halved until none has a break inside.
+
+    Parameters
+    ----------
+    first : the triangles to begin with
+    breaks : (k,) s of the breaks, growing
+    slack : distance in s from an end of an edge up to which a break counts as this end
     """
     for _ in range(MOST_ROUNDS):
         tri, _ = first.surface
@@ -178,9 +212,10 @@ def matched(first: Triangles, breaks: Floats, slack: float) -> Triangles:
     raise AssertionError("the surfaces do not match")
 
 
-def spaced(breaks: Floats, size: Callable[[float], float]) -> Floats:
-    """Points from the first to the last of the growing `breaks`, all of them among them, with steps
-    of about size(x).
+def spaced_points(breaks: Floats, size: Callable[[float], float]) -> Floats:
+    """Points from the first to the last of the growing `breaks`, with steps of about size(x).
+
+    Every break is one of the points.
     """
     points = [np.array(breaks[:1])]
     for a, b in pairwise(breaks.tolist()):
