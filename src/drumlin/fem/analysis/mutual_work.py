@@ -225,7 +225,7 @@ def _direction_strains(H: Floats, constants: Floats, along: Floats) -> _Directio
 
 
 def _element_constants(basis: Any, layers: Mapping[str, ElasticLayer]) -> Floats:
-    """The elastic constants (elements, 4) [N/m] of `elasticity.split_elasticity` of each element."""
+    """The elastic constants (elements, 4) [N/m] of each element, by `split_elasticity`."""
     constants = np.zeros((basis.element_dofs.shape[1], 4))
     for name, elements in _mesh_of(basis).subdomains.items():
         constants[elements] = split_elasticity(layers[name].stiffness)

@@ -22,8 +22,8 @@ from drumlin.response.resultants import edge_left_out, largest
 
 SHORTEST = 1000 * FINEST
 """Length of a contact, relative to the lining's thickness, below which the response says that its
-pressure is not known. No hp element is smaller than FINEST, and the elements at the ends of a contact
-are a thousandth of it on a level that states an error of 1e-4.
+pressure is not known. No hp element is smaller than FINEST, and the elements at the ends of a
+contact are a thousandth of it on a level that states an error of 1e-4.
 """
 NEAR = 0.5
 """Fraction of the peak up to which p may rise in the hp element at an end of the lining. Above it
@@ -198,7 +198,7 @@ def _final(progress: _Progress) -> Response:
 
 
 def seen(error: Errors, brake: Brake, response: Response) -> tuple[Errors, str]:
-    """The errors with those at singular points added, and the words on a pressure that is not known.
+    """The errors with those at singular points added, and the words on an unknown pressure.
 
     The difference of two levels does not contain what p and its peak lack at corners of the lining
     and under tips of the gap. An error of 1 means unknown: a peak that is at an end of the lining
@@ -217,8 +217,8 @@ def seen(error: Errors, brake: Brake, response: Response) -> tuple[Errors, str]:
         length = _shortest_contact(brake, shoe, answer)
         if length < SHORTEST * shoe.lining.thickness:
             words = (
-                f"shoe {shoe.name!r}: its contact is {1e6 * length:.1g} um long, too short to know its pressure; "
-                "torque and forces do not need it"
+                f"shoe {shoe.name!r}: its contact is {1e6 * length:.1g} um long, too short to know "
+                "its pressure; torque and forces do not need it"
             )
             errors = _pressure_unknown(errors)
         shoes.append(errors)
@@ -271,12 +271,12 @@ def _lacking_under_tips(
 ) -> float:
     """The fraction that the peak of p may lack because p grows without bound under tips of the gap.
 
-    A wedge whose slope changes by s has the pressure E s/(2 pi) ln(1/x) on a half-plane of modulus E
-    (Johnson, Contact Mechanics, ch. 5). As the elements beside a tip become smaller, down to FINEST,
-    p there grows by that. It matters where p would then be above the peak. If hp elements end at the
-    tip, the peak is unknown: the fraction is 1. At a tip that p hardly feels no elements end, see
-    `places_of`, and the peak lacks at most what p there could be above it. In the zone at the
-    lining's ends `_peak_at_corner` judges.
+    A wedge whose slope changes by s has the pressure E s/(2 pi) ln(1/x) on a half-plane of modulus
+    E (Johnson, Contact Mechanics, ch. 5). As the elements beside a tip become smaller, down to
+    FINEST, p at the tip grows by this law. The growth matters where p at the tip would then be
+    above the peak. If hp elements end at the tip, the peak is unknown: the fraction is 1. At a tip
+    that p hardly feels no elements end, see `places_of`; the peak lacks at most the part by which p
+    at the tip could exceed it. In the zone at the lining's ends `_peak_at_corner` judges.
     """
     start, end, order = shoe.lining.start, shoe.lining.end, answer.order
     theta, p = answer.theta, answer.pressure
@@ -308,5 +308,6 @@ def check_tolerance(brake: Brake, tolerance: float) -> None:
     for shoe in brake.shoes:
         if shoe.mesh is not None:
             raise BadInput(
-                f"--tolerance = {tolerance:g}: shoe {shoe.name!r} has a mesh file, which is not refined"
+                f"--tolerance = {tolerance:g}: shoe {shoe.name!r} has a mesh file, "
+                "which is not refined"
             )

@@ -81,10 +81,9 @@ changes is at most twice that while the lining penetrates less than it is compre
 
 
 class Errors(NamedTuple):
-    """Relative errors of each of the `shoes`, and of the `brake`: of its torque, and the worst
-    shoe's others.
+    """Relative errors of a brake and of each of its shoes, by the names of QUANTITIES.
 
-    By QUANTITIES.
+    `brake` has the error of the brake's torque, and of each other quantity that of the worst shoe.
     """
 
     brake: Mapping[str, float]
@@ -129,8 +128,9 @@ def _of_quantities(shoes: Sequence[ShoeResponse], name: str) -> Floats:
 
 
 def distances(brake: Brake, a: Response, b: Response) -> Distances:
-    """Relative distances of a from b, and by how much chance signs of the columns would move
-    forces.
+    """Relative distances of response a from b, and what chance would move the forces by.
+
+    Chance means that the contributions of the columns had signs by chance.
     """
     total = b.torque or a.torque or 1.0
     pairs = list(zip(a.shoes, b.shoes, strict=True))
@@ -146,8 +146,10 @@ def distances(brake: Brake, a: Response, b: Response) -> Distances:
 def _of(
     zone: float, unit: float, a: ShoeResponse, b: ShoeResponse
 ) -> tuple[tuple[float, ...], ...]:
-    """Those of a shoe (2, 4), whose peak is not looked for in this zone at the lining's ends; unit:
-    see `Frame`.
+    """The distances of one shoe and what chance would move its forces by, (2, 4) by QUANTITIES.
+
+    zone : at the lining's ends, in which no peak is looked for
+    unit : see `Frame`
     """
     held = reaction_size(b.hinge_reaction, b.normal_force)
     torque = abs(a.torque - b.torque) / (b.torque or a.torque or 1.0)

@@ -1,5 +1,6 @@
-"""A brake on finer and finer divisions, each moved to the ends of the contact that the one before
-it found.
+"""A brake on finer and finer divisions, the levels of a solve.
+
+Each division is moved to the ends of the contact that the division before it found.
 """
 
 import math
@@ -142,9 +143,9 @@ def steps(
 
     A division is coarse where the contact of the level before does not lie. But what the answer is
     followed through as friction grows lies there too, and a short contact on nodes far apart may
-    find no way. So a refusal is asked for once more on an even division of the same level, of as many
-    columns as a mesh has elements, and all levels from there on are so. Lost digits are not: no
-    division of a level brings them back.
+    find no way. So a refusal is asked for once more on an even division of the same level, of as
+    many columns as a mesh has elements, and all levels from there on are so. Lost digits are not:
+    no division of a level brings them back.
 
     Raises NoAnswer where neither division of the first level has an answer, or two later levels
     have none.
@@ -190,16 +191,20 @@ def _moved(
     meant: Mapping[int, Sequence[SingularPoint]],
     now: Mapping[int, Sequence[SingularPoint]],
 ) -> bool:
-    """Whether an end of the contact of any shape of shoe is away from where columns end, or a kink
-    is no place yet."""
+    """Whether a singular point of any shape of shoe lies where no columns end yet.
+
+    It is an end of the contact that moved by more than SETTLED, or a kink of the gap.
+    """
     return any(_off(brake.shoes[i].arc, meant[i], places) for i, places in now.items())
 
 
 def _off(
     arc: tuple[float, float], places: Sequence[SingularPoint], now: Sequence[SingularPoint]
 ) -> bool:
-    """Whether an end of the contact is away from where columns end, over the length that it bounds,
-    or a kink is."""
+    """Whether a singular point `now` of one shoe lies where no columns ended on the last pass.
+
+    An end of the contact may move by SETTLED of the length that it bounds.
+    """
     meant = [*arc, *(place[0] for place in places)]
     if any(kind in {Singularity.KINK, Singularity.TIP} and x not in meant for x, _, kind in now):
         return True

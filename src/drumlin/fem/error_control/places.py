@@ -24,8 +24,9 @@ from drumlin.response.response import Response, ShoeResponse
 from drumlin.response.resultants import gauss_points
 
 UNFELT = 0.1
-"""Error of p in L2, relative to `Level.error`, up to which the kinks of a table of clearances may be
-left out of its singular points.
+"""Error of p in L2, relative to `Level.error`, by which kinks of a gap may be left out.
+
+Kinks that change p by less together are no singular points.
 
 A level has an error of p of about a tenth of its `error`. The kinks that are left out, the weakest,
 therefore stay below the error of the level itself, on finer levels too. A table of many rows, such
@@ -34,7 +35,7 @@ kinks as singular points such a table takes hp elements by the hundred. With non
 real kink is short of the tolerance on all levels.
 """
 KEPT_BITS = 20
-"""Binary digits that an end of the contact keeps, relative to the length of the contact: a millionth.
+"""Binary digits of an end of the contact, relative to the length of the contact: a millionth.
 
 With 36 digits all answers of the stored truths are the same. With 10 digits p is up to six times
 less exact at 1e-4, since columns then end beside the contact.

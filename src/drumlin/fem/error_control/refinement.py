@@ -221,7 +221,7 @@ def _all_blocks(
 
 
 def _right_side(group: ShoeGroup, shoe_blocks: list[_ShoeBlock], layout: _Layout) -> Any:
-    """The right side of the full system: the loads, and the weighted gaps of the unloaded linings."""
+    """The right side of the full system: loads, and weighted gaps of the unloaded linings."""
     right = np.zeros(int(layout.firsts[-1]), dtype=LONG_DOUBLE)
     for k, shoe_block in enumerate(shoe_blocks):
         right[layout.starts[k] : layout.starts[k + 1]] = shoe_block.load
@@ -301,7 +301,7 @@ def _ring_block(scene: PreparedModel, brake: Brake) -> _RingBlock:
 
 
 def _spread(values: Floats, dofs: Any, count: int) -> Any:
-    """A sparse matrix with `count` columns, of which those of `dofs` are the columns of `values`."""
+    """A sparse matrix of `count` columns: at `dofs` the columns of `values`, 0 elsewhere."""
     entries = sp.coo_matrix(values.astype(LONG_DOUBLE))
     places = (entries.row, dofs[entries.col])
     return sp.csr_matrix((entries.data, places), shape=(entries.shape[0], count))
@@ -353,7 +353,7 @@ def _scale(matrix: Any, first: int) -> Floats:
 
 
 def refine(system: FullSystem, active: Bools, order: str = "COLAMD") -> Refined:
-    """The refined solution of a full system, from a contact set that is corrected where it is wrong.
+    """The refined solution of a full system, from a contact set that it corrects.
 
     Parameters
     ----------

@@ -23,7 +23,7 @@ from drumlin.fem.hp.corner import tip_size
 from drumlin.response.response import EDGE_ZONE
 
 FINEST = 1e-7
-"""Smallest size of a column or layer, relative to the lining's thickness: a limit of the arithmetic.
+"""Smallest size of a column or layer, relative to the lining's thickness: set by arithmetic.
 
 Columns of a size w through layers of the thickness t lose about 1e-16 (t/w)^2 of p in the column
 itself, and so some 1e-6 of p in L2 at w = 2e-7 t. Smaller columns would lose all digits of p.
@@ -91,18 +91,25 @@ class GradingPoint(NamedTuple):
 
 @dataclass(frozen=True)
 class Level:
-    """How finely a body is divided. Sizes next to singular points, as parts of the length that
-    rules there:
+    """How finely a body is divided into columns and layers.
 
-    `zone`: columns and layers at the lining's ends at its face, of EDGE_ZONE, columns where this is
-    less than `edge`, `edge`: columns at the lining's ends, of its thickness or half its length, and
-    of half the length of a contact that reaches one; `end`: columns at ends of the contact and
-    kinks, of the contact's length, or of its geometric mean with the thickness where this is less:
-    p rises from an end over the thickness, and the longer the contact, the less of p is there;
-    `back`: layers at the ends of layers, of the thinner layer; `hinge`: columns and layers at the
-    face that the hinge holds, of the body's thickness. Sizes grow along by 1/`ratio`, from ends of
-    a contact shorter than the lining is thick by 1/`opening`, and through the layers by
-    1/`through`; `largest` [rad]: of a column.
+    Attributes
+    ----------
+    degree : of the hp elements
+    zone : size of columns and layers at the lining's ends at its face, as a part of EDGE_ZONE;
+        of columns where this is less than by `edge`
+    edge : size of columns at the lining's ends, as a part of its thickness or of half its length,
+        and of half the length of a contact that reaches the lining's end
+    end : size of columns at ends of the contact and at kinks, as a part of the contact's length, or
+        of the geometric mean of length and thickness where this is less: p rises from an end over
+        the thickness, and the longer the contact, the less of p is there
+    ratio : sizes grow by 1/ratio from column to column
+    opening : the same from ends of a contact that is shorter than the lining is thick
+    largest : size of a column that is not exceeded [rad]
+    back : size of layers at the ends of layers, as a part of the thinner layer
+    hinge : size of columns and layers at the face that the hinge holds, as a part of the body's
+        thickness
+    through : sizes grow by 1/through from layer to layer
     """
 
     degree: int
@@ -118,9 +125,7 @@ class Level:
 
     @property
     def error(self) -> float:
-        """What the growth of sizes by 1/`ratio` leaves of p in L2, relative: see
-        `levels.LevelRule`.
-        """
+        """The relative error of p in L2 that growth by 1/`ratio` leaves, see `levels.LevelRule`."""
         root = math.sqrt(self.ratio)
         return ((1 - root) / (1 + root)) ** self.degree
 
@@ -142,7 +147,8 @@ class ShoeDivision:
     degree : of the elements
     angles : (m + 1,) phi of the ends of the columns under the lining [rad]
     before, after : the same of the columns of the body beyond the lining, starting at the lining
-    depths : (l + 1,) ends of the layers from the contact inwards, of an arc [m], of a beam in layers
+    depths : (l + 1,) ends of the layers from the contact inwards; of an arc [m],
+        of a beam in layers
     part : (l,) the part that each layer belongs to
     sharp : size [m] of the layer at the face where an unbounded p, at a corner or under a tip, asks
         for a thin one; inf elsewhere
@@ -418,7 +424,7 @@ def _grading_points(
     contact: _PressedArc,
     end_sizes: tuple[float, float],
 ) -> list[GradingPoint]:
-    """The grading points along the lining: its ends, the singular points, and the ends of a grip."""
+    """The grading points along the lining: its ends, singular points, and ends of a grip."""
     start, end = shoe.arc
     first = GradingPoint(start, end_sizes[0], level.ratio)
     last = GradingPoint(end, end_sizes[1], level.ratio)
@@ -448,7 +454,7 @@ def _overhangs(
     *,
     tip: bool,
 ) -> tuple[Floats, Floats]:
-    """Ends of the columns of the body before and behind the lining [rad], starting at the lining."""
+    """Ends of the columns of the body before and behind the lining [rad], from the lining on."""
     start, end = shoe.arc
     near, far = _beyond(shoe, radius, start, end)
     before, after = np.array([start]), np.array([end])
@@ -501,7 +507,7 @@ def _mark(level: Level, t: float, place: SingularPoint, gap: float) -> GradingPo
 
 
 def _column_at_end(level: Level, t: float, length: float) -> float:
-    """Size of the columns at an end of a contact of this length [rad], under a lining of thickness t.
+    """Size of the columns at an end of a contact of this length [rad]; t: the lining's thickness.
 
     An open gap beside the contact that is shorter than such a column is not resolved on this level.
     """

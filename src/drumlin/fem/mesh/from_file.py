@@ -109,8 +109,8 @@ def mesh_notes(
     most = float(np.abs(off).max())
     if most > SAID_MOVE * compression:
         yield (
-            f"{lead}: the contact line lies up to {_distance_in_words(most, compression)} off the {surface}; "
-            "this counts as the lining's shape, a gap"
+            f"{lead}: the contact line lies up to {_distance_in_words(most, compression)} off the "
+            f"{surface}; this counts as the lining's shape, a gap"
         )
 
 
@@ -135,7 +135,8 @@ def _check_smooth(off: Floats, compression: float, lead: str, surface: str) -> N
     if unresolved or high > MOST_TURNS:
         raise BadInput(
             f"{lead}: the contact line goes off the {surface} and back {turns} times on "
-            f"{len(off)} nodes, by up to {_distance_in_words(float(np.abs(off).max()), compression)}: "
+            f"{len(off)} nodes, by up to "
+            f"{_distance_in_words(float(np.abs(off).max()), compression)}: "
             f"a zigzag or a polygon is no lining; put its nodes on the {surface}, "
             "write more digits, or curve its sides"
         )
