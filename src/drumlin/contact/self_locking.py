@@ -345,7 +345,8 @@ def _settle_like_coarse(
         like = answer(coarse.at, friction, None, halved_sums(areas), law=law, brake="")
         first = spread_to_all_nodes(like.p > 0, len(problem.q)) if start is None else start
         found = settle(problem, first)
-    except NoAnswer:
+    except (NoAnswer, np.linalg.LinAlgError):
+        # The coarse contact may have no answer, or be singular where the fine one is not.
         return None
     # The work of the difference tells two meshes of one answer from two answers.
     off = interpolated(like.p, len(found.p)) - found.p
