@@ -41,6 +41,13 @@ def test_the_limit_of_one_node_on_a_hinge_is_that_of_its_lever(lever):
     assert end.friction == pytest.approx(1 / lever, rel=1e-12)
 
 
+def test_a_path_that_stands_on_the_singular_friction_ends_there():
+    """A step of the path may meet 1/lever exactly, where the equations have no solution."""
+    below = active_set.solve(one_node().at(1.0))
+    end = self_locking.limit(one_node(), known=(2.0, below))
+    assert end.friction == 2.0 and not end.bounded
+
+
 def test_an_answer_that_turns_back_at_finite_pressure_ends_where_the_set_changes():
     """An answer that turns back at finite pressure ends where its contact set changes.
 

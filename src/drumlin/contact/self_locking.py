@@ -164,7 +164,11 @@ def limit(
             continue
         # The step fails: the contact set may hold up to an eigenvalue, which is then the limit.
         if not np.array_equal(critical_set, found.active):
-            critical = next_eigenvalue(sliding, mu, found.active)
+            try:
+                critical = next_eigenvalue(sliding, mu, found.active)
+            except np.linalg.LinAlgError:
+                # The last step has met the singular friction itself.
+                critical = mu
             critical_set = found.active
             if _holds_up_to(sliding, mu, critical, found.active):
                 return Limit(critical, False, found, mu, steps)
@@ -345,8 +349,7 @@ def _settle_like_coarse(
         like = answer(coarse.at, friction, None, halved_sums(areas), law=law, brake="")
         first = spread_to_all_nodes(like.p > 0, len(problem.q)) if start is None else start
         found = settle(problem, first)
-    except (NoAnswer, np.linalg.LinAlgError):
-        # The coarse contact may have no answer, or be singular where the fine one is not.
+    except NoAnswer:
         return None
     # The work of the difference tells two meshes of one answer from two answers.
     off = interpolated(like.p, len(found.p)) - found.p
@@ -383,7 +386,8 @@ def _areas_or_ones(problem: Problem, areas: Floats | None) -> Floats:
 def next_eigenvalue(sliding: Sliding, friction: float, active: Bools) -> float:
     """The smallest mu above `friction` at which K0 + mu K1 of a contact set is singular, or inf.
 
-    With K(mu) G = K1, each eigenvalue gamma of G gives the singular friction mu - 1/gamma.
+    With K(mu) G = K1, each eigenvalue gamma of G gives the singular friction mu - 1/gamma. Raises
+    numpy's LinAlgError where K is singular at `friction` itself.
     """
     system = equilibrated(sliding.at(friction))
     nodes = np.flatnonzero(active)

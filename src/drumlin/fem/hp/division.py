@@ -34,9 +34,8 @@ SETTLED = 0.02
 """Length along the contact, relative to the contact's length, that columns do not resolve.
 
 An end of the contact that moved by less is where it was, and an opening that is shorter counts as
-closed. With a larger value columns end where p
-does not, and the error of p is that of a coarser level. With a smaller value a level takes more
-passes for an end that it knows.
+closed. With a larger value columns end where p does not, and the error of p is that of a coarser
+level. With a smaller value a level takes more passes for an end that it knows.
 """
 CORNER_SIZE = 1e-4
 """Size of columns and layers at a pressed corner where p is unbounded, relative to the contact.
