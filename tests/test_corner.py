@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.special import betainc
 
 from drumlin.fem.error_control.levels import steps
 from drumlin.fem.hp.corner import (
@@ -20,6 +21,7 @@ from drumlin.fem.hp.corner import (
     tip_size,
     with_powers,
 )
+from drumlin.fem.hp.division import HALF_THE_FORCE
 from drumlin.fem.model import respond
 from drumlin.response.resultants import gauss_points, lobatto
 from drumlin_studies.stated_true import errors
@@ -116,6 +118,11 @@ def test_what_gives_way_to_a_power_keeps_force_and_moment_and_finds_the_power_ag
     assert (weight * q).sum() == pytest.approx((own * r).sum(), rel=1e-12)
     assert (weight * q * at).sum() == pytest.approx((own * r * before).sum(), rel=1e-12)
     assert (np.diff(new) > 0).all() and new[0] == theta[0] and new[-1] == theta[-1]
+
+
+def test_half_the_force_of_the_steepest_pressure_lies_where_it_is_said():
+    """The force of p = x^(-1/2) (1 - x)^(1/2) up to x is the incomplete beta function."""
+    assert betainc(0.5, 1.5, HALF_THE_FORCE) == pytest.approx(0.5, abs=1e-4)
 
 
 def test_p_between_the_nodes_near_a_corner_is_its_power_to_a_ten_thousandth():
