@@ -236,7 +236,7 @@ class _ColumnKinds(NamedTuple):
     which: Ints
 
 
-def _column_kinds(shoe: Shoe, div: ShoeDivision, *, directed: bool) -> _ColumnKinds:
+def column_kinds(shoe: Shoe, div: ShoeDivision, *, directed: bool) -> _ColumnKinds:
     """The kinds of element columns of a shoe; on an arc equally wide columns are of one kind.
 
     Parameters
@@ -264,7 +264,7 @@ def _condensed_columns(
     p = div.degree
     elasticity = stack_elasticity(layers, div.part)
     directed = bool(has_directions(elasticity).any())
-    kinds_of_columns = _column_kinds(shoe, div, directed=directed)
+    kinds_of_columns = column_kinds(shoe, div, directed=directed)
     plane = radius if shoe.flat else None
 
     def columns_of(row: Ints, layer: int, *, contact: bool, held: bool) -> list[ColumnSubstructure]:
@@ -317,7 +317,7 @@ def side_angles(ends: Floats, p: int) -> Floats:
     return angles
 
 
-def _axis_angle(shoe: Shoe, phi: Floats) -> Floats:
+def axis_angle(shoe: Shoe, phi: Floats) -> Floats:
     """The angles [rad] of the axes along which displacements at positions phi are measured.
 
     On an arc displacements are measured along the radius, on a pad along the plane's normal, and in
@@ -328,9 +328,9 @@ def _axis_angle(shoe: Shoe, phi: Floats) -> Floats:
     return np.full_like(phi, -0.5 * np.pi) if shoe.flat else phi
 
 
-def _angles_back_to_frame(shoe: Shoe, div: ShoeDivision) -> Floats:
+def angles_back_to_frame(shoe: Shoe, div: ShoeDivision) -> Floats:
     """Angles (n,) [rad] that rotate components at the contact nodes back to the shoe's frame."""
-    return -_axis_angle(shoe, side_angles(div.angles, div.degree))
+    return -axis_angle(shoe, side_angles(div.angles, div.degree))
 
 
 def condense_shoe(
@@ -362,17 +362,17 @@ def condense_shoe(
     if div.first < div.layers and not any(row.grip):
         return _hinged_shoe(shoe, radius, div, row, end_loads, R)
     S = _gripped_stiffness(row) if any(row.grip) else _lining_stiffness(row.under)
-    return _back_held_shoe(shoe, rotate_components(S, _angles_back_to_frame(shoe, div)), R)
+    return back_held_shoe(shoe, rotate_components(S, angles_back_to_frame(shoe, div)), R)
 
 
-def _back_held_shoe(shoe: Shoe, S: Floats, R: Floats) -> CondensedShoe:
+def back_held_shoe(shoe: Shoe, S: Floats, R: Floats) -> CondensedShoe:
     """A condensed shoe whose back is held by a grip or by a rigid shoe, as is the force.
 
     `S` (2n, 2n) is the stiffness of the contact nodes, and `R` (2n, 3) their rigid-body modes.
     """
     zeros = np.zeros((len(R), FRAME))
     return CondensedShoe(
-        S=_stiffness_with_frame(S, R),
+        S=stiffness_with_frame(S, R),
         loads=np.vstack([np.eye(FRAME), zeros]),
         work=np.zeros((FRAME, FRAME)),
         centre=shoe.own_pin,
@@ -399,17 +399,17 @@ def _hinged_shoe(
     R : (2n, 3) rigid-body modes of the contact nodes
     """
     p, place, pin = div.degree, point_map(shoe, radius), shoe.own_pin
-    back = _angles_back_to_frame(shoe, div)
+    back = angles_back_to_frame(shoe, div)
     depths = nodes_between(div.depths[div.first :], p)
     near, far = div.before[-1], div.after[-1]
     hinge_modes = rigid_body_modes(place(depths, near), pin)
-    hinge_modes = _rotate_all(hinge_modes, _axis_angle(shoe, near))
+    hinge_modes = rotate_all(hinge_modes, axis_angle(shoe, near))
     end = end_loads(place(depths, far), depths, p)
-    end_forces = _rotate_all(end.forces, _axis_angle(shoe, far))
+    end_forces = rotate_all(end.forces, axis_angle(shoe, far))
     # The assembled columns have the unknowns [frame | contact nodes | loads].
     columns = row.under.copy()
     columns[0] = _first_column_on_hinge(columns[0], row.before, hinge_modes)
-    loaded = _loaded_body_stiffness(row.after, end_forces)
+    loaded = loaded_body_stiffness(row.after, end_forces)
     columns[-1] = eliminate_line(columns[-1], loaded, len(end_forces), right=True)
     A = assemble_row(columns, 2).K
     extra = end.columns.count
@@ -421,10 +421,10 @@ def _hinged_shoe(
     # Round-off has put the condensed loads out of balance: the contact nodes take the difference.
     imbalance = end.resultants(pin) - on_frame - R.T @ load
     load += R @ np.linalg.solve(R.T @ R, imbalance)
-    corrected = _correct_rigid_modes(S, R, rotate_row_components(A[frame, contact], back).T)
+    corrected = correct_rigid_modes(S, R, rotate_row_components(A[frame, contact], back).T)
     actuation = end.columns.places[ACTUATION]
     return CondensedShoe(
-        S=_stiffness_with_frame(corrected.S, R),
+        S=stiffness_with_frame(corrected.S, R),
         loads=np.concatenate([on_frame, load]),
         work=-A[loads, loads],
         centre=end.centre,
@@ -490,7 +490,7 @@ def _first_column_on_hinge(
     return eliminate_line(first, body.K, len(held))
 
 
-def _loaded_body_stiffness(after: list[ColumnSubstructure], load: Floats) -> Floats:
+def loaded_body_stiffness(after: list[ColumnSubstructure], load: Floats) -> Floats:
     """Stiffness of the body behind the lining on [line at the lining's end | loads].
 
     `load` (n, l) are the unit loads on the line at the body's end.
@@ -534,7 +534,7 @@ class _CorrectedStiffness(NamedTuple):
     round_off_forces: Floats
 
 
-def _correct_rigid_modes(S: Floats, R: Floats, held: Floats) -> _CorrectedStiffness:
+def correct_rigid_modes(S: Floats, R: Floats, held: Floats) -> _CorrectedStiffness:
     """The stiffness of the contact nodes, corrected so that rigid-body modes strain nothing.
 
     If the contact moves with the frame by R, then S R = -held. The forces `held` are small beside
@@ -561,7 +561,7 @@ def _correct_rigid_modes(S: Floats, R: Floats, held: Floats) -> _CorrectedStiffn
     return _CorrectedStiffness(corrected, before)
 
 
-def _stiffness_with_frame(S: Floats, R: Floats) -> Floats:
+def stiffness_with_frame(S: Floats, R: Floats) -> Floats:
     """Stiffness on [frame | contact nodes] from the stiffness S (2n, 2n) of the contact nodes.
 
     The rigid-body modes R (2n, 3) strain nothing.
@@ -575,6 +575,6 @@ def _stiffness_with_frame(S: Floats, R: Floats) -> Floats:
     return whole
 
 
-def _rotate_all(V: Floats, angle: Floats) -> Floats:
+def rotate_all(V: Floats, angle: Floats) -> Floats:
     """Vectors V (2n, m) with the components of all nodes in axes turned by one angle [rad]."""
     return rotate_row_components(V.T, np.reshape(angle, 1)).T
