@@ -26,6 +26,7 @@ class FemOptions(ContactOptions):
     kind: Literal["quad2", "quad1", "tri2", "tri1"] | None = None
     tolerance: Annotated[float, Field(gt=0, lt=1)] | None = None
     finite_width: bool | None = None
+    model_error: bool | None = None
 
     @model_validator(mode="after")
     def _divided_one_way(self) -> Self:

@@ -112,7 +112,9 @@ class Stack(NamedTuple):
             found += [(1, f) for f in range(odd) if self.odd[f] == piece]
         return found
 
-    def row_of(self, row: int, along: tuple[tuple[int, ...], tuple[int, ...]]) -> list[WidthUnknown]:
+    def row_of(
+        self, row: int, along: tuple[tuple[int, ...], tuple[int, ...]]
+    ) -> list[WidthUnknown]:
         """The unknowns of a row with the numbers `along` it, without those of the contact."""
         found = []
         for z, function in self.unknowns_of_row(row):
@@ -195,8 +197,10 @@ def column_plan(stack: Stack, along: AlongRow) -> ColumnPlan:
         for row in rows[1:-1]:
             own = [u for u in stack.row_of(row, along.inside) if _in_layer(u, rows, counts)]
             within += own
-        at = [_positions(first, second, along, counts, p, k * p) for first, second in
-              ((mine, mine), (within, mine), (within, within))]
+        at = [
+            _positions(first, second, along, counts, p, k * p)
+            for first, second in ((mine, mine), (within, mine), (within, within))
+        ]
         layers.append(LayerPlan(*at, _runs(mine, kept), _runs(mine, rest)))
     return ColumnPlan(tuple(layers), len(stays), len(goes), len(left))
 
@@ -245,7 +249,9 @@ def _positions(
     # The block of z by the plane is the transpose of that of the plane by z.
     swapped = (r[..., 0] == 1) & (c[..., 0] == 0)
     r, c = np.where(swapped[..., None], c, r), np.where(swapped[..., None], r, c)
-    starts = np.cumsum([0, (sizes[0] * n * counts[0]) ** 2, sizes[0] * sizes[1] * n**2 * counts[0] * counts[1]])
+    starts = np.cumsum(
+        [0, (sizes[0] * n * counts[0]) ** 2, sizes[0] * sizes[1] * n**2 * counts[0] * counts[1]]
+    )
     start = starts[r[..., 0] + c[..., 0]]
     size, count = np.array(sizes), np.array(counts)
     to, number = c[..., 0], ((r[..., 1] * size[c[..., 0]] + c[..., 1]) * n + r[..., 2] - first)
@@ -302,7 +308,9 @@ def _condensed(
         values = _element_values(part, width)
         own = values.take(layer.outer, axis=1)
         if layer.inner.size:
-            schur_complements(own, values.take(layer.mixed, axis=1), values.take(layer.inner, axis=1))
+            schur_complements(
+                own, values.take(layer.mixed, axis=1), values.take(layer.inner, axis=1)
+            )
         _add_runs(own, layer.kept, layer.kept, K)
         _add_runs(own, layer.rest, layer.kept, C)
         _add_runs(own, layer.rest, layer.rest, inner)
@@ -403,8 +411,9 @@ def _unfold_contact(halves: list[Floats], stack: Stack, mirror: Floats, whole: F
     place = line + place.ravel()
     signs = [np.repeat(sign.reshape(-1, 1, 2), count, axis=1).ravel() for sign in functions.sign]
     middle = slice(line, line + len(place))
-    by_contact = [half.take(place, axis=1) * sign[:, None] for half, sign in
-                  zip(halves, signs, strict=True)]
+    by_contact = [
+        half.take(place, axis=1) * sign[:, None] for half, sign in zip(halves, signs, strict=True)
+    ]
     S, A = by_contact
     whole[:, middle, :line] = S[:, :, :line] + A[:, :, :line]
     whole[:, middle, line + len(place) :] = mirror * (S[:, :, :line] - A[:, :, :line])
@@ -437,5 +446,3 @@ def restrict_back(piece: ColumnSubstructure, stack: Stack, *, right: bool) -> Co
         piece.left - (0 if right else gone),
         piece.right - (gone if right else 0),
     )
-
-

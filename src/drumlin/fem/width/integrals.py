@@ -100,9 +100,7 @@ def fold_z(p: int, symmetry: int) -> Floats:
     return fold
 
 
-def angular_factors(
-    angles: Floats, p: int, symmetry: int, *, flat: bool = False
-) -> AngularFactors:
+def angular_factors(angles: Floats, p: int, symmetry: int, *, flat: bool = False) -> AngularFactors:
     """The factors of the angles of columns on an arc or a plane.
 
     Displacements on a side are measured along its radius and across it.

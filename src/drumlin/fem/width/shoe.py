@@ -207,9 +207,7 @@ def _width_columns(
     ends = shoe.grip(radius)
     a, b = (0, 0) if ends is None else (int(np.abs(div.angles - x).argmin()) for x in ends)
     back = BackEdge.BONDED if div.first == div.layers else BackEdge.FREE
-    free = columns_of(
-        np.concatenate([which[:a], which[b:under]]), 0, contact=True, back=back
-    )
+    free = columns_of(np.concatenate([which[:a], which[b:under]]), 0, contact=True, back=back)
     gripped = columns_of(which[a:b], 0, contact=True, back=BackEdge.GRIPPED)
     rest = columns_of(which[under:], div.first, contact=False, back=BackEdge.FREE)
     row = [*free[:a], *gripped, *free[a:]]
