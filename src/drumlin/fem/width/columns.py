@@ -9,7 +9,7 @@ node by node; u_z, on which nothing acts there, belongs to the lines.
 
 from collections.abc import Sequence
 from enum import IntEnum
-from functools import cache
+from functools import cache, partial
 from typing import NamedTuple
 
 import numpy as np
@@ -23,7 +23,7 @@ from drumlin.fem.width.integrals import SYMMETRIES, SectionIntegrals, fold_z
 
 
 class BackEdge(IntEnum):
-    """How the innermost edge of a column moves: freely, along z alone (in a grip), or not at all."""
+    """How the innermost edge of a column moves: freely, only along z (in a grip), or not."""
 
     FREE = 0
     GRIPPED = 1
@@ -197,11 +197,16 @@ def column_plan(stack: Stack, along: AlongRow) -> ColumnPlan:
         for row in rows[1:-1]:
             own = [u for u in stack.row_of(row, along.inside) if _in_layer(u, rows, counts)]
             within += own
-        at = [
-            _positions(first, second, along, counts, p, k * p)
-            for first, second in ((mine, mine), (within, mine), (within, within))
-        ]
-        layers.append(LayerPlan(*at, _runs(mine, kept), _runs(mine, rest)))
+        place = partial(_positions, along=along, counts=counts, p=p, first=k * p)
+        layers.append(
+            LayerPlan(
+                outer=place(mine, mine),
+                mixed=place(within, mine),
+                inner=place(within, within),
+                kept=_runs(mine, kept),
+                rest=_runs(mine, rest),
+            )
+        )
     return ColumnPlan(tuple(layers), len(stays), len(goes), len(left))
 
 
@@ -373,7 +378,7 @@ def mirrored_columns(
     own = [half[:, :line] for half in halves]
     mirror = np.array([_mirror(unknown) for unknown in stack.line(half_row(stack.p, 0).left)])
     n = 2 * (stack.p + 1) * stack.counts[0][0] if stack.contact else 0
-    left, middle, right = slice(line), slice(line, line + n), slice(line + n, None)
+    left, right = slice(line), slice(line + n, None)
     (S, A), count = own, len(halves[0])
     whole = np.empty((count, 2 * line + n, 2 * line + n))
     np.add(S[:, :, :line], A[:, :, :line], out=whole[:, left, left])

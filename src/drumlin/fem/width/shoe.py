@@ -87,9 +87,8 @@ class WidthLayers(NamedTuple):
         """The line of the layers that continue beyond the lining."""
         stack = self.stack(div.degree, div.first, contact=False, back=BackEdge.FREE)
         line = stack.line(half_row(div.degree, 0).left)
-        columns = np.array(line, dtype=int).reshape(-1, 4).T
-        half = self.halves[div.first]
-        return BodyLine(*columns, half)
+        z, component, row, function = np.array(line, dtype=int).reshape(-1, 4).T
+        return BodyLine(z, component, row, function, self.halves[div.first])
 
 
 class BodyLine(NamedTuple):
@@ -288,7 +287,7 @@ class _FaceAxes(NamedTuple):
         own = functions.even[: functions.counts(half)[0]]
         values, _ = functions.values_and_slopes(own, functions.face_nodes(half))
         angles = np.repeat(angles_back_to_frame(shoe, div), len(own))
-        return cls(angles, np.linalg.inv(values.T))
+        return cls(angles, np.asarray(np.linalg.inv(values.T), dtype=float))
 
     def rows(self, V: Floats) -> Floats:
         """Forces (m, 2 n functions) on nodes in the frame, from those on functions."""
