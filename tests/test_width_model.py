@@ -14,7 +14,7 @@ from drumlin.fem.model import respond
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solid import model as hexahedra
 from drumlin.fem.substructure.body import rigid_body_modes
-from drumlin.fem.width.error import COARSE_LEVEL
+from drumlin.fem.width.error import WIDTH_LEVEL
 from drumlin.fem.width.prepare import prepare_width, width_why_not
 from drumlin.response.norms import pressure_distance, relative
 from drumlin_studies.random_kinds import brake_of_kind
@@ -189,7 +189,7 @@ def test_on_a_t_section_it_is_the_solid_shoes_within_their_error(brake):
 def test_on_random_brakes_degree_zero_is_plane_stress(kind, seed):
     brake = brake_of_kind(seed, kind)
     assert_same(wide(brake, 0), plane(brake), 1e-11)
-    balance = wide(brake, 2, COARSE_LEVEL).balance
+    balance = wide(brake, 2, WIDTH_LEVEL).balance
     assert max(balance.force, balance.moment) < 1e-9
 
 

@@ -199,7 +199,8 @@ SWEEP: tuple[Table, ...] = (
         "elements": "along each lining", "kind": "of the elements",
         "penalty": "contact stiffness over E/t",
         "tolerance": "of p and torque, in place of `elements`",
-        "finite_width": "whether the lining's modulus is corrected for the widths"}),
+        "finite_width": "whether the lining's modulus is corrected for the widths",
+        "model_error": "whether the error of plane stress itself is stated"}),
     ("`[model.solid]`", SolidOptions, {
         "elements": "along each lining", "across": "over half a lining's width",
         "penalty": "contact stiffness over E/t"}),

@@ -7,13 +7,12 @@ since u_x and u_y then vary in no part of one width.
 """
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
-from drumlin.fem.error_control.levels import DEG, RULE
+from drumlin.fem.error_control.levels import RULE
 from drumlin.fem.error_control.places import places_of
 from drumlin.fem.model import PENALTY, respond
 from drumlin.fem.preparation.cache import Cache
@@ -29,8 +28,10 @@ from drumlin.response.response import (
     singular_zone,
 )
 
-COARSE_LEVEL = replace(RULE.level(0), largest=30.0 * DEG)
-"""Division of the section on which the error of plane stress is estimated."""
+WIDTH_LEVEL = RULE.level(0)
+"""Division of the section on which the error of plane stress is estimated: one level coarser, by
+the rule of the levels, than the first level of a solve.
+"""
 WIDTH_DEGREE = 2
 """Degree across the width of the answer from which the error of plane stress is estimated."""
 
@@ -51,11 +52,11 @@ def plane_stress_error(
     if reason is not None:
         return ModelError({}, unknown=reason)
     alike = equal_shapes(brake)
-    places = places_of(brake, response, alike, COARSE_LEVEL.error)
+    places = places_of(brake, response, alike, WIDTH_LEVEL.error)
     try:
-        scene = prepare(brake, COARSE_LEVEL, places, alike=alike, cache=cache)
+        scene = prepare(brake, WIDTH_LEVEL, places, alike=alike, cache=cache)
         plane = respond(scene, brake, penalty=penalty, start=response)
-        wide_scene = prepare_width(brake, COARSE_LEVEL, WIDTH_DEGREE, places, cache=cache)
+        wide_scene = prepare_width(brake, WIDTH_LEVEL, WIDTH_DEGREE, places, cache=cache)
         wide = respond(wide_scene, brake, penalty=penalty, start=response)
     except (NoAnswer, np.linalg.LinAlgError) as error:
         return ModelError({}, unknown=f"on a coarse section, with its width: {error}")
