@@ -201,7 +201,7 @@ def test_what_is_not_covered_is_refused_in_a_line(brake, root):
     with pytest.raises(BadInput, match="its bending_stiffness is not that of a section"):
         prepare_width(vary(ring, {"drum.ring": None}), LEVELS[0], 1)
     full = vary(brake, {"shoe.lining.material.nu": 0.4995})
-    with pytest.raises(BadInput, match="nu = 0.4995 is all but incompressible; at most 0.499"):
+    with pytest.raises(BadInput, match=r"nu = 0\.4995 is all but incompressible; at most 0\.499"):
         prepare_width(full, LEVELS[0], 1)
     with pytest.raises(BadInput, match="--across = 10: must be from 0 to 9"):
         prepare_width(brake, LEVELS[0], 10)
