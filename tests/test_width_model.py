@@ -9,7 +9,7 @@ from conftest import partly
 from drumlin.base.errors import BadInput
 from drumlin.brake.file import read_brake, vary
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.error_control.places import places_of
+from drumlin.fem.error_control.singular_points import singular_points_of
 from drumlin.fem.model import respond
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solid import model as hexahedra
@@ -158,7 +158,7 @@ def test_as_the_width_goes_to_zero_the_difference_falls_in_proportion(brake):
 @pytest.mark.slow
 def test_on_the_main_brake_it_is_the_solid_shoes_to_which_hexahedra_converge(brake):
     start = plane(brake, LEVELS[1])
-    places = places_of(brake, start)
+    places = singular_points_of(brake, start)
     mine = wide(brake, 4, LEVELS[1], places)
     # 448.7310 N m is the limit of hexahedra, 80 of them along each lining.
     assert mine.torque == pytest.approx(448.7310, rel=1e-4)
@@ -171,7 +171,7 @@ def test_on_the_main_brake_it_is_the_solid_shoes_to_which_hexahedra_converge(bra
 @pytest.mark.slow
 def test_on_a_t_section_it_is_the_solid_shoes_within_their_error(brake):
     section = t_section(brake)
-    mine = wide(section, 4, LEVELS[0], places_of(section, plane(section)))
+    mine = wide(section, 4, LEVELS[0], singular_points_of(section, plane(section)))
     others = [
         respond(hexahedra.prepare(section, elements=elements), section) for elements in (14, 28)
     ]

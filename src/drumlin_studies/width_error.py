@@ -17,7 +17,7 @@ import numpy as np
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.error_control.places import places_of
+from drumlin.fem.error_control.singular_points import singular_points_of
 from drumlin.fem.model import respond
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
@@ -61,9 +61,9 @@ def judged(brake: Brake, degree: int = TRUE_WIDTH_DEGREE) -> WidthErrorRow | str
         return reason
     try:
         response = solve(brake, model_error=True)
-        places = places_of(brake, response, error=LEVELS[0].error)
-        plane = respond(prepare(brake, LEVELS[0], places), brake, start=response)
-        scene = prepare_width(brake, LEVELS[0], degree, places)
+        points = singular_points_of(brake, response, error=LEVELS[0].error)
+        plane = respond(prepare(brake, LEVELS[0], points), brake, start=response)
+        scene = prepare_width(brake, LEVELS[0], degree, points)
         true = model_distance(brake, plane, respond(scene, brake, start=response))
     except NoAnswer as error:
         return str(error)

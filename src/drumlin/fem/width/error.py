@@ -13,7 +13,7 @@ import numpy as np
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.fem.error_control.levels import RULE
-from drumlin.fem.error_control.places import places_of
+from drumlin.fem.error_control.singular_points import singular_points_of
 from drumlin.fem.model import PENALTY, respond
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.preparation.cache import alike as equal_shapes
@@ -52,11 +52,11 @@ def plane_stress_error(
     if reason is not None:
         return ModelError({}, unknown=reason)
     alike = equal_shapes(brake)
-    places = places_of(brake, response, alike, WIDTH_LEVEL.error)
+    points = singular_points_of(brake, response, alike, WIDTH_LEVEL.error)
     try:
-        scene = prepare(brake, WIDTH_LEVEL, places, alike=alike, cache=cache)
+        scene = prepare(brake, WIDTH_LEVEL, points, alike=alike, cache=cache)
         plane = respond(scene, brake, penalty=penalty, start=response)
-        wide_scene = prepare_width(brake, WIDTH_LEVEL, WIDTH_DEGREE, places, cache=cache)
+        wide_scene = prepare_width(brake, WIDTH_LEVEL, WIDTH_DEGREE, points, cache=cache)
         wide = respond(wide_scene, brake, penalty=penalty, start=response)
     except (NoAnswer, np.linalg.LinAlgError) as error:
         return ModelError({}, unknown=f"on a coarse section, with its width: {error}")

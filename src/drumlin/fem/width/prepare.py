@@ -13,11 +13,11 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.fields import Material
 from drumlin.brake.orthotropic import isotropic_only
 from drumlin.fem.hp.body import shoe_contact_line
-from drumlin.fem.hp.division import Level, ShoeDivision, divide
+from drumlin.fem.hp.division import Level, ShoeDivision, divide_shoe
 from drumlin.fem.preparation.bodies import ShoeSubstructure, coupled_shoe
 from drumlin.fem.preparation.cache import Cache, bare_shoe
 from drumlin.fem.preparation.cache import alike as equal_shapes
-from drumlin.fem.preparation.columns import PointsByShape
+from drumlin.fem.preparation.columns import MOST_CONTACT_NODES, PointsByShape
 from drumlin.fem.preparation.scene import PreparedModel, Seconds, clock
 from drumlin.fem.preparation.scene import why_not as plane_why_not
 from drumlin.fem.substructure.body import FRAME, CondensedBody, InnerSystem
@@ -79,7 +79,7 @@ def prepare_width(
     brake: Brake,
     level: Level,
     degree: int | MakeFunctions,
-    places: PointsByShape | None = None,
+    points: PointsByShape | None = None,
     *,
     cache: Cache | None = None,
 ) -> PreparedModel:
@@ -90,7 +90,7 @@ def prepare_width(
     brake : the brake
     level : degree and grading of the section
     degree : degree across the width, or what makes the functions of each shoe; 0 is plane stress
-    places : singular points of the pressure, by shape
+    points : singular points of the pressure, by shape
     cache : keeps condensed bodies; found ones are taken from it, and new ones put there
 
     Raises
@@ -98,7 +98,7 @@ def prepare_width(
     BadInput
         where the model does not apply, and for a degree out of range
     NoAnswer
-        for a singular stiffness
+        for a singular stiffness, and for more than MOST_CONTACT_NODES nodes of a face
     """
     reason = width_why_not(brake)
     if reason is not None:
@@ -114,7 +114,14 @@ def prepare_width(
     for i in dict.fromkeys(alike):
         shoe = brake.shoes[i]
         functions = make(shoe)
-        division = divide(shoe, brake.size, level, (places or {}).get(i, ()), tip=tip)
+        division = divide_shoe(
+            shoe, brake.size, level, (points or {}).get(i, ()), grades_loaded_end=tip
+        )
+        nodes = division.contact_nodes * len(functions.face_nodes(shoe.lining.width / 2))
+        if nodes > MOST_CONTACT_NODES:
+            raise NoAnswer(
+                f"its {nodes} contact nodes are more than the {MOST_CONTACT_NODES} that are allowed"
+            )
         friction = brake.friction > 0
         key = ("width", bare_shoe(shoe), brake.size, friction, division.key, functions)
         body = partial(width_body, shoe, brake.size, division, functions, friction, seconds)
