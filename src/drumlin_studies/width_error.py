@@ -2,10 +2,11 @@
 
     python -m drumlin_studies.width_error FIRST LAST [DEGREE]
 
-prints a line for each brake that random_brake draws from the seeds FIRST to LAST - 1, and the table
-of estimated over true errors: by one width and by several, of brakes that plane stress misses by
-more than LEAST. The truth is the model of the width of the degree DEGREE (5) on the first level of
-the section; plane stress on the same section is judged, so that the section's error cancels.
+prints a line for each brake on a rigid drum that random_brake draws from the seeds FIRST to
+LAST - 1, and the table of estimated over true errors: by one width and by several, of brakes that
+plane stress misses by more than LEAST_JUDGED. The truth is the model of the width of the degree
+DEGREE (5) on the first level of the section. Plane stress on the same section is judged, so that
+the section's error cancels.
 """
 
 import sys
@@ -21,15 +22,17 @@ from drumlin.fem.error_control.singular_points import singular_points_of
 from drumlin.fem.model import respond
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
-from drumlin.fem.width.error import model_distance, plane_stress_error
+from drumlin.fem.width.error import model_distance
 from drumlin.fem.width.functions import breaks_of
 from drumlin.fem.width.prepare import prepare_width, width_why_not
-from drumlin_studies.random_brake import random_brake
+from drumlin_studies.random_brake import SHAPE_KINDS, random_brake
 
 LEAST_JUDGED = 1e-3
 """True relative error from which on an estimate is judged; smaller ones concern nobody."""
 TRUE_WIDTH_DEGREE = 5
 """Degree across the width of the truth, by default."""
+KINDS_WITH_WIDTHS = tuple(kind for kind in SHAPE_KINDS if not kind.endswith("on ring"))
+"""Kinds of random brakes that have an estimate: those on a rigid drum."""
 JUDGED = ("torque", "pressure", "reaction")
 """The errors that are judged, by their names in `ModelError`."""
 
@@ -67,7 +70,8 @@ def judged(brake: Brake, degree: int = TRUE_WIDTH_DEGREE) -> WidthErrorRow | str
         true = model_distance(brake, plane, respond(scene, brake, start=response))
     except NoAnswer as error:
         return str(error)
-    found = plane_stress_error(brake, response)
+    found = response.plane_stress_error
+    assert found is not None
     if found.unknown or true.unknown:
         return f"estimate: {found.unknown or 'known'}; truth: {true.unknown or 'known'}"
     widths = max(len(breaks_of(shoe)) - 1 for shoe in brake.shoes)
@@ -78,7 +82,7 @@ def rows_of_seeds(first: int, last: int, degree: int) -> Iterator[WidthErrorRow 
     """The rows of the brakes of the seeds from `first` to `last` - 1, or why one has none."""
     for seed in range(first, last):
         try:
-            brake = random_brake(seed)
+            brake = random_brake(seed, KINDS_WITH_WIDTHS[seed % len(KINDS_WITH_WIDTHS)])
         except NoAnswer as error:
             yield str(error)
             continue
