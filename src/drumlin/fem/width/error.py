@@ -73,7 +73,7 @@ def model_distance(brake: Brake, plane: Response, wide: Response) -> ModelError:
     wide : the answer with the widths, to which errors are relative
     """
     pairs = zip(plane.shoes, wide.shoes, strict=True)
-    shoes = [_shoe_distance(brake.unit, *pair) for pair in pairs]
+    shoes = [shoe_distance(brake.unit, *pair) for pair in pairs]
     for shoe, answer in zip(shoes, plane.shoes, strict=True):
         if not all(map(math.isfinite, shoe.values())):
             name = answer.name
@@ -84,7 +84,7 @@ def model_distance(brake: Brake, plane: Response, wide: Response) -> ModelError:
     return ModelError({"torque": torque, **worst}, tuple(shoes))
 
 
-def _shoe_distance(unit: float, plane: ShoeResponse, wide: ShoeResponse) -> dict[str, float]:
+def shoe_distance(unit: float, plane: ShoeResponse, wide: ShoeResponse) -> dict[str, float]:
     """The relative distances of torque, mean pressure (L2) and reaction of one shoe.
 
     unit: of the surface's coordinate per radian, see `Frame`
