@@ -7,6 +7,7 @@ since u_x and u_y then vary in no part of one width.
 """
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -28,9 +29,11 @@ from drumlin.response.response import (
     singular_zone,
 )
 
-WIDTH_LEVEL = RULE.level(0)
-"""Division of the section on which the error of plane stress is estimated: one level coarser, by
-the rule of the levels, than the first level of a solve.
+WIDTH_LEVEL = replace(RULE.level(0), zone=1.0, edge=1.0, back=1.0, hinge=1.0)
+"""Division of the section on which the error of plane stress is estimated.
+
+It is one level coarser, by the rule of the levels, than the first level of a solve. The rule would
+let sizes at corners exceed the thickness of the parts; they are the thickness.
 """
 WIDTH_DEGREE = 2
 """Degree across the width of the answer from which the error of plane stress is estimated."""
