@@ -5,6 +5,7 @@ import pytest
 from drumlin import foundation
 from drumlin.base.errors import BadInput
 from drumlin.brake import read_brake, vary
+from drumlin.brake.drum_brake import DrumBrake
 from drumlin.brake.ring_support import plain_ring_only
 from drumlin.verification.triangles.levels import TRIANGLE_LEVELS
 from drumlin.verification.triangles.levels import solve as solve_by_triangles
@@ -19,6 +20,7 @@ def strange(root, request):
     """A brake whose ring has a support that no brake file can name."""
     brake = read_brake(root / "studies" / request.param / "brake.toml")
     brake = vary(brake, {"drum.ring": SECTION})
+    assert isinstance(brake, DrumBrake) and brake.ring is not None
     ring = brake.ring.model_copy(update={"support": "magnets"})
     return brake.model_copy(update={"drum": brake.drum.model_copy(update={"ring": ring})})
 
