@@ -23,10 +23,10 @@ import numpy as np
 from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
-from drumlin.fem.error_control.adapt import seen
+from drumlin.fem.error_control.adapt import errors_with_singularities
 from drumlin.fem.error_control.estimate import QUANTITIES, Errors, Factors, beside, distances
 from drumlin.fem.error_control.levels import Step, steps
-from drumlin.fem.hp.corner import with_powers
+from drumlin.fem.hp.corner import response_with_power_laws
 from drumlin.fem.model import respond
 from drumlin_studies.random_brake import SHAPE_KINDS as KINDS
 from drumlin_studies.random_brake import random_brake
@@ -133,9 +133,9 @@ def observed(brake: Brake, truth: Truth, found: Iterable[Step]) -> list[LevelRec
     levels: list[LevelRecord] = []
     before = None
     for _, raw in found:
-        response = with_powers(brake, raw)
+        response = response_with_power_laws(brake, raw)
         if before is not None:
-            unknown, _ = seen(nothing, brake, response)
+            unknown, _ = errors_with_singularities(nothing, brake, response)
             true = {
                 name: math.nan if unknown.brake[name] > 0 else value
                 for name, value in errors(brake, response.shoes, truth.shoes).items()
