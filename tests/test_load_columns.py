@@ -4,7 +4,10 @@ import numpy as np
 import pytest
 
 from drumlin.brake import read_any, read_brake, vary
+from drumlin.fem.equilibrium.group import groups_of
 from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.refinement import full_system, refine
+from drumlin.fem.model import respond
 from drumlin.fem.preparation.bodies import DividedBody, ShoeSubstructure, acting_loads, coupled_shoe
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.substructure.body import condense, constrain, stiffness
@@ -168,3 +171,34 @@ def test_a_shoe_is_coupled_with_all_its_columns(brake, level):
     assert closed == pytest.approx(coupled.coupling.N @ u, abs=1e-8 * np.abs(closed).max())
     assert acting_loads(coupled, shoe, 10.0)[3] == 0.0
     assert acting_loads(coupled, shoe, 10.0)[:3] == pytest.approx(acting_loads(body, shoe, 10.0))
+
+
+@DIVISIONS
+def test_a_free_strain_in_the_linings_is_solved_and_refined_alike(brake, level, monkeypatch):
+    """The whole path of a load that no force scales, as a key of a material would take it.
+
+    The refinement holds all unknowns and solves in long double by another elimination.
+    """
+
+    def with_free_strain(kind, shoe, division, condensed, centre, *, friction):
+        forces = expansion_forces(division.basis, layers_of(shoe), {"lining": EVEN})
+        loaded = condensed.with_loads({HEAT: forces[:, None]})
+        return coupled_shoe(kind, shoe, division, loaded, centre, friction=friction)
+
+    def with_heat(body, shoe, force):
+        return acting_loads(body, shoe, force) + body.columns.factors({HEAT: np.ones(1)})
+
+    cold = respond(prepare(brake, level, elements=24), brake)
+    for module in ("columns", "meshes"):
+        monkeypatch.setattr(f"drumlin.fem.preparation.{module}.coupled_shoe", with_free_strain)
+    for module in ("equilibrium.state", "model", "error_control.refinement"):
+        monkeypatch.setattr(f"drumlin.fem.{module}.acting_loads", with_heat)
+    scene = prepare(brake, level, elements=24)
+    warm = respond(scene, brake)
+    assert abs(warm.torque - cold.torque) > 1e-3 * cold.torque
+    assert max(warm.balance.force, warm.balance.moment) < 1e-8
+    torque = 0.0
+    for group in groups_of(scene, brake):
+        refined = refine(full_system(group), group.answer().active)
+        torque += group.unit_force * refined.torque
+    assert warm.torque == pytest.approx(torque, rel=1e-7)
