@@ -127,7 +127,7 @@ def solve(
     elements : finite elements along each lining ("fem", "solid"); None: as the error needs
     kind : "quad2", "quad1", "tri2" or "tri1", elements of the parametric mesh ("fem")
     penalty : contact stiffness as a multiple of E/t of the lining, up to inf ("fem", "solid")
-    tolerance : relative error of p (L2) and of the torque that is to be reached ("fem")
+    tolerance : relative error of p (L2) and of the torque that is to be reached ("fem", "solid")
     finite_width : whether the linings' moduli are corrected for the widths of the shoes ("fem")
     worn_in : whether the linings are worn until their pressure no longer changes ("fem")
     model_error : whether the error of plane stress itself is estimated; not for worn-in linings

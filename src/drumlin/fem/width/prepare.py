@@ -14,14 +14,14 @@ from drumlin.brake.fields import Material
 from drumlin.brake.orthotropic import isotropic_only
 from drumlin.fem.hp.body import shoe_contact_line
 from drumlin.fem.hp.division import Level, ShoeDivision, divide_shoe
-from drumlin.fem.preparation.bodies import ShoeSubstructure, coupled_shoe
+from drumlin.fem.preparation.bodies import DividedBody, ShoeSubstructure, coupled_shoe
 from drumlin.fem.preparation.cache import Cache, bare_shoe
 from drumlin.fem.preparation.cache import alike as equal_shapes
 from drumlin.fem.preparation.columns import MOST_CONTACT_NODES, PointsByShape
 from drumlin.fem.preparation.scene import PreparedModel, Seconds, clock
 from drumlin.fem.preparation.scene import why_not as plane_why_not
-from drumlin.fem.substructure.body import FRAME, CondensedBody, InnerSystem
-from drumlin.fem.substructure.elimination import SINGULAR_BODY
+from drumlin.fem.substructure.body import FRAME, CondensedBody, InnerSystem, InnerUnknowns
+from drumlin.fem.substructure.elimination import SINGULAR_BODY, Eliminated
 from drumlin.fem.width.face import WidthFace
 from drumlin.fem.width.functions import WidthFunctions, functions_of
 from drumlin.fem.width.shoe import condense_width, width_layers
@@ -46,6 +46,29 @@ class NodesOverWidth:
     """
 
     N: int
+
+
+class NotRecovered:
+    """The unknowns of a body with a width that condensation has eliminated; none is recovered.
+
+    Each method raises NotImplementedError.
+    """
+
+    def system(self) -> InnerSystem:
+        """The whole system of the body."""
+        raise NotImplementedError(INTERIOR)
+
+    def eliminate_loads(self) -> Eliminated:
+        """The unit loads condensed to contact and frame."""
+        raise NotImplementedError(INTERIOR)
+
+    def with_forces(self, forces: Floats) -> InnerUnknowns:
+        """The same unknowns with further unit loads."""
+        raise NotImplementedError(INTERIOR)
+
+    def displacements(self, nodal: Floats, frame: Floats, loads: Floats) -> Floats:
+        """Displacements of all nodes."""
+        raise NotImplementedError(INTERIOR)
 
 
 def width_why_not(brake: Brake) -> str | None:
@@ -180,8 +203,7 @@ def width_body(
             load_on_contact=found.loads[FRAME:],
             load_on_frame=found.loads[:FRAME],
             load_work=found.work,
-            inside=_no_inside,
-            recover=_not_recovered,
+            inner=NotRecovered(),
             columns=found.columns,
             force_imbalance=found.force_imbalance,
             rigid_mode_error=dtrtrs(L, half_error, lower=1, trans=1)[0],
@@ -189,8 +211,10 @@ def width_body(
     with clock(seconds, "coupling"):
         face = face_of(shoe, radius, division, functions)
         basis = NodesOverWidth(unknowns_of(shoe, division, functions) // 2)
-        made = partial(ShoeSubstructure, basis, basis, face)
-        return coupled_shoe(made, shoe, face, condensed, found.centre, friction=friction)
+        divided = DividedBody(basis, basis, face)
+        return coupled_shoe(
+            ShoeSubstructure, shoe, divided, condensed, found.centre, friction=friction
+        )
 
 
 def face_of(
@@ -224,13 +248,3 @@ def unknowns_of(shoe: Shoe, division: ShoeDivision, functions: WidthFunctions) -
         nodes = division.contact_nodes + (beyond * p if k >= division.first else 0)
         count += (2 * even + odd) * nodes * (p + (k == 0))
     return count
-
-
-def _no_inside() -> InnerSystem:
-    """Refuse to make the whole system of a body with a width, which no caller needs."""
-    raise NotImplementedError(INTERIOR)
-
-
-def _not_recovered(nodal: Floats, frame: Floats, loads: Floats) -> Floats:
-    """Refuse to recover displacements inside a body with a width."""
-    raise NotImplementedError(INTERIOR)
