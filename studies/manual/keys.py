@@ -218,6 +218,7 @@ SWEEP: tuple[Table, ...] = (
     ("`[model.solid]`", SolidOptions, {
         "elements": "number of elements along each lining",
         "across": "number of elements over half a lining's width",
+        "tolerance": "largest error of p (mean over the width) and of the torque, in place of both",
         "penalty": "contact stiffness over E/t of the lining"}),
     ("`[model.foundation]`", FoundationOptions, {
         "sections": "number of sections of each beam",
