@@ -12,7 +12,7 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.fem.substructure.interface import ContactLine, Coupling, Directions, couple
-from drumlin.fem.width.functions import WidthFunctions, width_integrals
+from drumlin.fem.width.functions import WidthFunctions, nodes_to_functions, width_integrals
 from drumlin.response.response import PressureOverWidth
 
 FACE_STEPS = 8
@@ -46,17 +46,12 @@ class WidthFace(ContactLine):
         """Distances (m,) of the nodes from the mid-plane [m]."""
         return self.functions.face_nodes(self.half)
 
-    def _values(self, z: Floats) -> Floats:
-        """Values (m, points) of the even functions of the lining at distances z [m]."""
-        own = self.functions.even[: self.functions.counts(self.half)[0]]
-        return self.functions.values_and_slopes(own, z)[0]
-
     @cached_property
     def across(self) -> Floats:
         """The matrix Int zeta_k zeta_l dz (m, m) [m] over the whole width."""
-        to_functions = np.linalg.inv(self._values(self.z))
+        to_functions = nodes_to_functions(self.functions, self.half)
         even = width_integrals(self.functions, self.half).even
-        return np.asarray(to_functions @ even @ to_functions.T)
+        return np.asarray(to_functions.T @ even @ to_functions)
 
     @property
     def shares(self) -> Floats:
@@ -89,7 +84,9 @@ class WidthFace(ContactLine):
             ends = np.array([0.0, self.half])
         steps = np.arange(FACE_STEPS) / FACE_STEPS
         z = np.append((ends[:-1, None] + np.diff(ends)[:, None] * steps).ravel(), ends[-1])
-        to_functions = np.linalg.inv(self._values(self.z))
-        half = p.reshape(-1, len(self.z)) @ (to_functions @ self._values(z))
+        own = self.functions.even[: self.functions.counts(self.half)[0]]
+        values, _ = self.functions.values_and_slopes(own, z)
+        to_functions = nodes_to_functions(self.functions, self.half)
+        half = p.reshape(-1, len(self.z)) @ to_functions.T @ values
         both = np.concatenate([-z[:0:-1], z])
         return PressureOverWidth(both, np.hstack([half[:, :0:-1], half]))

@@ -179,6 +179,17 @@ def width_integrals(functions: WidthFunctions, half: float) -> WidthIntegrals:
     )
 
 
+@cache
+def nodes_to_functions(functions: WidthFunctions, half: float) -> Floats:
+    """The matrix (functions, nodes) from values at `face_nodes` to the even functions of a part.
+
+    half: half the width of the part [m]
+    """
+    own = functions.even[: functions.counts(half)[0]]
+    values, _ = functions.values_and_slopes(own, functions.face_nodes(half))
+    return np.asarray(np.linalg.inv(values.T), dtype=float)
+
+
 def _bubble(degree: int, x: Floats) -> tuple[Floats, Floats]:
     """The function N_n of a degree n >= 2 and its slope, at x (points,) on [-1, 1]."""
     P = legendre.legvander(x, degree).T

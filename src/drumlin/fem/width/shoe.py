@@ -49,6 +49,7 @@ from drumlin.fem.width.functions import (
     WidthFunctions,
     WidthIntegrals,
     half_widths_of,
+    nodes_to_functions,
     width_integrals,
 )
 from drumlin.fem.width.integrals import (
@@ -283,11 +284,9 @@ class _FaceAxes(NamedTuple):
     @classmethod
     def of(cls, shoe: Shoe, div: ShoeDivision, layers: WidthLayers) -> "_FaceAxes":
         """The axes of the face of a divided shoe."""
-        functions, half = layers.functions, layers.halves[0]
-        own = functions.even[: functions.counts(half)[0]]
-        values, _ = functions.values_and_slopes(own, functions.face_nodes(half))
-        angles = np.repeat(angles_back_to_frame(shoe, div), len(own))
-        return cls(angles, np.asarray(np.linalg.inv(values.T), dtype=float))
+        inverse = nodes_to_functions(layers.functions, layers.halves[0])
+        angles = np.repeat(angles_back_to_frame(shoe, div), len(inverse))
+        return cls(angles, inverse)
 
     def rows(self, V: Floats) -> Floats:
         """Forces (m, 2 n functions) on nodes in the frame, from those on functions."""
