@@ -51,6 +51,7 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "PRESSURE_DEVIATION": "measured error that is said",
     },
     "fem/width/error.py": {
+        "COARSE_ENOUGH": "any number between 0.05 and 0.45 tells sections that miss the contact",
         "WIDTH_LEVEL": "level 0 of the rule that the levels of a solve follow",
         "WIDTH_DEGREE": "the least degree that varies in a part of one width",
     },

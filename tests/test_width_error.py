@@ -17,6 +17,7 @@ from drumlin.fem.solve import solve
 from drumlin.fem.width.error import model_distance, plane_stress_error
 from drumlin.fem.width.prepare import prepare_width
 from drumlin.sweeps.cases import row_of
+from drumlin_studies.random_brake import random_brake
 from sections import t_section
 
 LINE = "error of plane stress itself: "
@@ -161,3 +162,13 @@ def test_a_sweep_file_asks_for_it(root, tmp_path):
     assert all(1e-4 < row["plane_stress_error_torque"] < 1e-2 for row in rows)
     (tmp_path / "p.toml").write_text(text)
     assert "plane_stress_error_torque" not in package.sweep(tmp_path / "p.toml")[0]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [102, 158])
+def test_a_contact_that_a_coarse_section_misses_is_seen_on_the_first_level(seed):
+    brake = random_brake(seed, "small contact")
+    true, found = true_error(brake), plane_stress_error(brake, solve(brake)).brake
+    assert true["pressure"] > 0.05
+    for name in ("torque", "pressure"):
+        assert 2 / 3 < found[name] / true[name] < 1.5, name

@@ -25,8 +25,7 @@ from drumlin.fem.error_control.singular_points import singular_points_of
 from drumlin.fem.hp.division import Level
 from drumlin.fem.model import PENALTY, respond
 from drumlin.fem.preparation.cache import Cache
-from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.width.error import WIDTH_DEGREE, WIDTH_LEVEL, shoe_distance
+from drumlin.fem.width.error import WIDTH_DEGREE, coarse_section, shoe_distance
 from drumlin.fem.width.prepare import LARGEST_WIDTH_DEGREE, prepare_width
 from drumlin.response.response import Response
 
@@ -113,7 +112,7 @@ def solve_with_widths(
         where the model does not apply
     """
     half = Tolerance(0.5 * tolerance.pressure, 0.5 * tolerance.torque)
-    answer = partial(respond, penalty=penalty)
+    answer, cache = partial(respond, penalty=penalty), cache or Cache()
     sections = _sections(brake, half, answer, cache)
     plane = sections[-1].response
     width = chosen_degree(brake, plane, half, penalty=penalty, cache=cache)
@@ -159,10 +158,10 @@ def _sections(
     stated = SolidErrors(
         (last.error or {})["torque"], tuple(dict(s.error or {}) for s in last.shoes)
     )
-    points = singular_points_of(brake, last, error=WIDTH_LEVEL.error)
-    coarse = answer(prepare(brake, WIDTH_LEVEL, points, cache=cache), brake, start=last)
+    coarse = coarse_section(brake, last, cache=cache)
     degrees = {level.degree: level for level in LEVELS}
-    found = [_Section(WIDTH_LEVEL, coarse, _errors_from(brake, coarse, last).plus(stated))]
+    error = _errors_from(brake, coarse.plane, last).plus(stated)
+    found = [_Section(coarse.level, coarse.plane, error)]
     for step in climbed[:-1]:
         level = degrees[step.scene.bodies[0].line.order]
         error = _errors_from(brake, step.response, last).plus(stated)
@@ -198,13 +197,13 @@ def chosen_degree(
     penalty : factor alpha of the contact stiffness alpha E/t
     cache : substructures of earlier solves
     """
-    points = singular_points_of(brake, plane, error=WIDTH_LEVEL.error)
+    section = coarse_section(brake, plane, penalty=penalty, cache=cache)
     answers: dict[int, Response] = {}
 
     def coarse(degree: int) -> Response:
         """The answer of a degree on the coarse section."""
         if degree not in answers:
-            scene = prepare_width(brake, WIDTH_LEVEL, degree, points, cache=cache)
+            scene = prepare_width(brake, section.level, degree, section.points, cache=cache)
             answers[degree] = respond(scene, brake, penalty=penalty, start=plane)
         return answers[degree]
 
