@@ -249,7 +249,7 @@ def test_what_the_manual_and_the_notebooks_import_is_public(root):
     [
         ("drumlin.errors", "drumlin.base.errors", "BadInput"),
         ("drumlin.fem.assembly", "drumlin.fem.preparation.prepare", "prepare"),
-        ("drumlin.fem.group", "drumlin.fem.equilibrium.group", "groups_of"),
+        ("drumlin.fem.group", "drumlin.fem.equilibrium.group", "divide_pressed_shoes_into_groups"),
         ("drumlin.fem.self_locking", "drumlin.fem.analysis.self_locking", "limits"),
         ("drumlin.fem.sensitivity", "drumlin.fem.analysis.sensitivity", "sensitivity"),
     ],

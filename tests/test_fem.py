@@ -82,7 +82,7 @@ def test_forces_and_moments_balance_and_contact_is_complementary(penalty, brake)
     assert max(response.balance.force, response.balance.moment) < 1e-9
     for index, (body, shoe) in enumerate(zip(SCENE.bodies, BRAKE.shoes, strict=True)):
         problem = ShoeGroup(SCENE, BRAKE, (index,), penalty).problem
-        found = active_set.solve(problem)
+        found = active_set.solve_contact_problem(problem)
         w = problem.q + problem.A @ found.p + problem.B @ found.y
         area = body.coupling.area
         compression = found.p.max() * shoe.lining.thickness / shoe.lining.material.E
@@ -328,7 +328,7 @@ def test_starts_agree(index):
     n = len(problem.q)
     rng = np.random.default_rng(5)
     starts = [None, np.zeros(n, bool), rng.random(n) < 0.5, rng.random(n) < 0.1]
-    answers = [active_set.solve(problem, start) for start in starts]
+    answers = [active_set.solve_contact_problem(problem, start) for start in starts]
     for found in answers[1:]:
         assert found.p == pytest.approx(answers[0].p, rel=1e-9, abs=1e-9 * answers[0].p.max())
 

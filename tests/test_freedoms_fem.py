@@ -10,7 +10,7 @@ import drumlin
 from drumlin.base.errors import BadInput
 from drumlin.brake.file import brake_from, vary
 from drumlin.fem.analysis.fields import fields
-from drumlin.fem.equilibrium.group import groups_of
+from drumlin.fem.equilibrium.group import divide_pressed_shoes_into_groups
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import refined_group
 from drumlin.fem.preparation.prepare import prepare
@@ -95,8 +95,8 @@ def test_a_foot_that_friction_holds_is_a_pin_also_where_the_lining_stands_off() 
 def test_the_whole_system_refined_is_the_same_answer() -> None:
     for kind in KINDS:
         brake = brake_of(kind, 1, body=BODY)
-        (group,) = groups_of(prepare(brake, LEVELS[1]), brake, 1e6)
-        group, found = group.settled()
+        (group,) = divide_pressed_shoes_into_groups(prepare(brake, LEVELS[1]), brake, 1e6)
+        group, found = group.solve_contact()
         for order in ("COLAMD", "MMD_AT_PLUS_A"):
             refined = refined_group(group, found.active, order)
             np.testing.assert_allclose(refined.p[0], found.p, atol=1e-8 * found.p.max())

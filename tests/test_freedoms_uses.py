@@ -8,7 +8,7 @@ from drumlin.brake.file import vary
 from drumlin.contact import stick_slip
 from drumlin.fem.analysis.at_rest import Feet, holding_problem
 from drumlin.fem.analysis.holding import full_slip_rotation, hold
-from drumlin.fem.equilibrium.group import grouped
+from drumlin.fem.equilibrium.group import divide_shoes_into_groups
 from drumlin.fem.model import respond
 from drumlin.fem.preparation.prepare import prepare
 from held_shoes import BODY, brake_of
@@ -55,20 +55,20 @@ def test_a_foot_on_a_rough_face_sticks_and_slips_as_the_linings_do(spin: int) ->
     """
     brake = vary(brake_of("rough abutment", spin, body=BODY), {"shoe.lining.thickness": 0.005})
     scene = prepare(brake, elements=12)
-    (group,) = grouped(scene, brake, [0], 1e6)
+    (group,) = divide_shoes_into_groups(scene, brake, [0], 1e6)
     problem, lever = holding_problem(group)
     mu = Feet.of(group).node_friction()
     assert mu[-1] == 0.2
     assert lever[-1] == 0
     end, n = full_slip_rotation(scene, brake), len(lever)
     nothing, seen = np.zeros(n), set()
-    before = stick_slip.History(nothing, nothing)
-    at = stick_slip.solve(problem, mu, before, np.full(n, stick_slip.STICK))
+    before = stick_slip.SlipHistory(nothing, nothing)
+    at = stick_slip.solve_load_increment(problem, mu, before, np.full(n, stick_slip.STICK))
     for rotation in end * np.array([0.0, 0.2, 1.0, 0.5, -0.5]):
         q_s = problem.q_s + lever * (brake.spin / group.unit_force) * rotation
         before, at = (
             at.history,
-            stick_slip.solve(problem._replace(q_s=q_s), mu, at.history, at.state),
+            stick_slip.solve_load_increment(problem._replace(q_s=q_s), mu, at.history, at.state),
         )
         p, t = at.p[-1], at.t[-1]
         s = (

@@ -15,7 +15,7 @@ from drumlin.contact.stick_slip import OPEN, STICK
 from drumlin.fem.analysis.at_rest import holding_problem
 from drumlin.fem.analysis.holding import full_slip_rotation, hold
 from drumlin.fem.analysis.self_locking import limits
-from drumlin.fem.equilibrium.group import grouped
+from drumlin.fem.equilibrium.group import divide_shoes_into_groups
 from drumlin.fem.model import respond
 from drumlin.fem.preparation.prepare import prepare
 from drumlin_studies.random_brake import random_brake
@@ -115,19 +115,21 @@ def test_every_increment_obeys_contact_and_friction():
     kinds = set()
     for seed in range(6):
         brake, scene = any_brake(seed)
-        problem, lever = holding_problem(grouped(scene, brake, [0], 1e6)[0])
+        problem, lever = holding_problem(divide_shoes_into_groups(scene, brake, [0], 1e6)[0])
         end, mu = full_slip_rotation(scene, brake), brake.friction
         turn = lever * (brake.spin / brake.shoes[0].actuation.force)
         nothing = np.zeros(len(lever))
-        at = stick_slip.solve(
-            problem, mu, stick_slip.History(nothing, nothing), np.full(len(lever), STICK)
+        at = stick_slip.solve_load_increment(
+            problem, mu, stick_slip.SlipHistory(nothing, nothing), np.full(len(lever), STICK)
         )
-        before = stick_slip.History(nothing, nothing)
+        before = stick_slip.SlipHistory(nothing, nothing)
         for rotation in end * np.array([0.1, 0.5, 1.0, 0.6, -0.4]):
             q_s = problem.q_s + turn * rotation
             before, at = (
                 at.history,
-                stick_slip.solve(problem._replace(q_s=q_s), mu, at.history, at.state),
+                stick_slip.solve_load_increment(
+                    problem._replace(q_s=q_s), mu, at.history, at.state
+                ),
             )
             kinds |= set(at.state.tolist())
             # Gaps w and slides s follow from the equations of the shoe.
@@ -152,7 +154,8 @@ def test_every_increment_obeys_contact_and_friction():
 
 @pytest.mark.parametrize("seed", range(2))
 @pytest.mark.parametrize(
-    "left", [("_solve_by_newton",), ("_solve_by_newton", "_follow_from_states")]
+    "left",
+    [("_find_states_by_newton",), ("_find_states_by_newton", "_find_states_by_path_from_states")],
 )
 def test_both_paths_lead_to_the_answer_of_newtons_method(seed, monkeypatch, left):
     """From the states at hand, and from wide gaps."""

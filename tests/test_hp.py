@@ -18,7 +18,7 @@ from drumlin.brake.file import brake_from, read_brake, vary
 from drumlin.fem.analysis.fields import fields, ring_fields
 from drumlin.fem.analysis.holding import full_slip_rotation, hold
 from drumlin.fem.analysis.sensitivity import sensitivity
-from drumlin.fem.equilibrium.group import groups_of
+from drumlin.fem.equilibrium.group import divide_pressed_shoes_into_groups
 from drumlin.fem.error_control.adapt import DEFAULT, adapt
 from drumlin.fem.error_control.estimate import FACTORS, estimate
 from drumlin.fem.error_control.levels import LEVELS, steps
@@ -296,8 +296,8 @@ def test_what_round_off_took_from_the_answer_is_little_and_seen(flexible, which,
     brake = flexible if which == "flexible" else random_brake(which)
     brake = vary(brake, {"shoe.body.material.E": softer * brake.shoes[0].body.material.E})
     made, response = list(steps(brake, respond, levels=LEVELS[: level + 1]))[-1]
-    (group, *_) = groups_of(made, brake, PENALTY)
-    group, found = group.settled(None)
+    (group, *_) = divide_pressed_shoes_into_groups(made, brake, PENALTY)
+    group, found = group.solve_contact(None)
     refined = refined_group(group, found.active)
     p, error = found.p[group.node_ranges[0]], refined.p[0] - found.p[group.node_ranges[0]]
     lost, lever = response.shoes[0].lost, group.bodies[0].coupling.lever
@@ -887,8 +887,8 @@ def test_a_brake_that_locks_is_divided_too(brake):
 @pytest.mark.parametrize("support", ["fixed", "free"])
 def test_columns_with_a_ring_are_refined_to_the_answer_of_their_condensed_bodies(brake, support):
     whole = vary(brake, drum_ring(0.02, support))
-    (group,) = groups_of(prepare(whole, LEVELS[0]), whole)
-    found = group.answer()
+    (group,) = divide_pressed_shoes_into_groups(prepare(whole, LEVELS[0]), whole)
+    found = group.solve_with_known_senses()
     refined = refined_group(group, found.active)
     assert refined.correction < 1e-10
     for part, p in zip(group.node_ranges, refined.p, strict=True):

@@ -64,7 +64,7 @@ def test_hertz(hertz):
     P = hertz_load(rho, E)
     s = R * hertz.angle
     problem = hertz.normal(s**2 / (2 * rho), [P])
-    found = active_set.solve(problem, nested_start(problem))
+    found = active_set.solve_contact_problem(problem, nested_start(problem))
     p0 = math.sqrt(P * E / (math.pi * rho))
     exact = p0 * np.sqrt(np.maximum(1 - (s / A) ** 2, 0))
     assert found.steps <= 15
@@ -87,17 +87,19 @@ def test_cattaneo_mindlin(hertz, half_planes, share):
     P = hertz_load(rho, E)
     s = R * hertz.angle
     problem = hertz.normal(s**2 / (2 * rho), [P])
-    touching = active_set.solve(problem, nested_start(problem)).active
+    touching = active_set.solve_contact_problem(problem, nested_start(problem)).active
     hertz = BodyPair.of(*half_planes, motions="xy")
-    rest = stick_slip.History(np.zeros(len(s)), np.zeros(len(s)))
+    rest = stick_slip.SlipHistory(np.zeros(len(s)), np.zeros(len(s)))
     start = np.where(touching, stick_slip.STICK, stick_slip.OPEN)
-    first = stick_slip.solve(hertz.frictional(s**2 / (2 * rho), [P, 0.0]), mu, rest, start)
+    first = stick_slip.solve_load_increment(
+        hertz.frictional(s**2 / (2 * rho), [P, 0.0]), mu, rest, start
+    )
     inner = np.abs(s) < 0.8 * A
     # Equal bodies have no traction from pressing alone.
     assert np.abs(first.t[inner]).max() < 5e-3 * first.p.max()
     increment = first
     for step in np.linspace(0, share, 5)[1:]:
-        increment = stick_slip.solve(
+        increment = stick_slip.solve_load_increment(
             hertz.frictional(s**2 / (2 * rho), [P, step * mu * P]),
             mu,
             increment.history,
@@ -149,7 +151,7 @@ def test_disc_in_a_hole_of_the_same_material(half_angle):
     theta = pair.angle
     gap = closed_forms.persson_clearance(b) * Q / LADDER_STEEL.E * (1 - np.cos(theta))
     problem = pair.normal(gap, [Q])
-    found = active_set.solve(problem, nested_start(problem))
+    found = active_set.solve_contact_problem(problem, nested_start(problem))
     exact = closed_forms.persson_pressure(b, theta) * Q / R
     middle = np.argmin(np.abs(theta))
     assert found.p[middle] == pytest.approx(exact[middle], rel=5e-3)
@@ -183,8 +185,8 @@ def test_swapping_sides_changes_nothing_beyond_discretisation():
     def gap(angle):
         return 1e-4 * (np.cos(angle) - 0.3)
 
-    a = active_set.solve(one.normal(gap(one.angle)))
-    b = active_set.solve(two.normal(gap(two.angle)))
+    a = active_set.solve_contact_problem(one.normal(gap(one.angle)))
+    b = active_set.solve_contact_problem(two.normal(gap(two.angle)))
     assert 0.2 < (a.p > 0).mean() < 0.8
     # The touching side of the disc is where the cosine is -1, at pi.
     theta = np.linspace(2.2, 4.0, 50) - math.pi
@@ -211,7 +213,7 @@ def wavy(mean_share, m=40):
     amplitude = 1e-6
     p_star = math.pi * (LADDER_STEEL.E / 2) * amplitude * m / (2 * math.pi * R) * 1.0
     gap = amplitude * (1 - np.cos(m * pair.angle)) - mean_share * p_star * soft - amplitude
-    return pair, active_set.solve(pair.normal(gap)), p_star
+    return pair, active_set.solve_contact_problem(pair.normal(gap)), p_star
 
 
 def test_westergaard_full_contact():

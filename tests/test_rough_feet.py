@@ -13,11 +13,11 @@ from command_line import drumlin
 from drumlin import Brake, NoAnswer, vary
 from drumlin.brake.plane_brake import FlatBrake, read_any
 from drumlin.contact import stick_slip
-from drumlin.contact.stick_slip import BACKWARD, FORWARD, STICK, History
+from drumlin.contact.stick_slip import BACKWARD, FORWARD, STICK, SlipHistory
 from drumlin.fem.analysis.at_rest import Feet, holding_problem
 from drumlin.fem.analysis.holding import full_slip_rotation, hold
 from drumlin.fem.analysis.self_locking import limits, torques
-from drumlin.fem.equilibrium.group import groups_of
+from drumlin.fem.equilibrium.group import divide_pressed_shoes_into_groups
 from drumlin.fem.model import PENALTY, respond
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.laws import rigid
@@ -197,17 +197,21 @@ def test_solve_is_the_drum_that_slides_already_as_the_force_comes_on(count: int)
     """
     for brake in rough_brakes(count):
         scene = prepare(brake, elements=ELEMENTS)
-        for group in groups_of(scene, brake, PENALTY):
+        for group in divide_pressed_shoes_into_groups(scene, brake, PENALTY):
             problem, lever = holding_problem(group)
             feet = Feet.of(group)
             slid = problem._replace(q_s=problem.q_s + lever * 0.01 * brake.spin / group.unit_force)
             nothing, n = np.zeros(len(lever)), group.node_ranges[-1].stop
             slips = np.full(n, FORWARD if brake.spin > 0 else BACKWARD)
             start = np.append(slips, np.full(len(feet.on), STICK))
-            at = stick_slip.solve(slid, feet.node_friction(), History(nothing, nothing), start)
+            at = stick_slip.solve_load_increment(
+                slid, feet.node_friction(), SlipHistory(nothing, nothing), start
+            )
             assert STICK not in at.state[:n]
-            _, found = group.settled()
-            assert group.levers.T @ at.p[:n] == pytest.approx(group.levers.T @ found.p, rel=1e-6)
+            _, found = group.solve_contact()
+            assert group.torque_per_pressure.T @ at.p[:n] == pytest.approx(
+                group.torque_per_pressure.T @ found.p, rel=1e-6
+            )
 
 
 @pytest.mark.parametrize("seed", [115, 219, pytest.param(61, marks=pytest.mark.slow)])
@@ -230,10 +234,10 @@ def test_of_random_brakes_of_all_kinds_none_ends_elsewhere_without_a_line() -> N
 
 def test_the_problem_of_a_rough_foot_is_not_there_before_its_friction_is_known() -> None:
     brake = rough_brakes(1)[0]
-    (group,) = groups_of(prepare(brake, elements=ELEMENTS), brake, PENALTY)
+    (group,) = divide_pressed_shoes_into_groups(prepare(brake, elements=ELEMENTS), brake, PENALTY)
     with pytest.raises(RuntimeError, match="no sense yet, ask for `settled`"):
         _ = group.problem
-    at, found = group.settled()
+    at, found = group.solve_contact()
     assert at.problem.C @ found.p == pytest.approx(at.problem.h)
 
 

@@ -8,7 +8,7 @@ import pytest
 
 import drumlin
 from drumlin import NoAnswer, vary
-from drumlin.fem.equilibrium.group import groups_of
+from drumlin.fem.equilibrium.group import divide_pressed_shoes_into_groups
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import respond
 from drumlin.fem.preparation.bodies import actuation
@@ -46,10 +46,14 @@ def test_under_a_cam_the_tips_of_elastic_shoes_go_the_same_way() -> None:
     assert abs(both.shoes[0].force / both.shoes[1].force - 1) > 0.1
     alone = vary(loaded(brake, both), {"actuation": None})
     tips = []
-    for i, group in enumerate(groups_of(scene, alone, 1e6)):
-        found = group.answer()
-        own = group.force_effects(group.brake.friction)[0]
-        tip = group.unit_force * (own.tip @ found.p + own.yields + own.moves @ found.y)
+    for i, group in enumerate(divide_pressed_shoes_into_groups(scene, alone, 1e6)):
+        found = group.solve_with_known_senses()
+        own = group.effects_of_forces(group.brake.friction)[0]
+        tip = group.unit_force * (
+            own.tip_travel_by_pressure @ found.p
+            + own.tip_travel_by_force
+            + own.tip_travel_by_modes @ found.y
+        )
         tips.append(tip)
         shoe = respond(scene, alone).shoes[i]
         assert shoe.torque == pytest.approx(both.shoes[i].torque, rel=1e-8)
@@ -88,9 +92,13 @@ def test_the_tip_moves_as_the_energy_says() -> None:
         {"actuation": None, "shoe.actuation.force": 1000.0},
     )
     scene = prepare(brake, elements=30)
-    (group, _) = groups_of(scene, brake, math.inf)
-    found, own = group.answer(), group.force_effects(group.brake.friction)[0]
-    tip = own.tip @ found.p + own.yields + own.moves @ found.y
+    (group, _) = divide_pressed_shoes_into_groups(scene, brake, math.inf)
+    found, own = group.solve_with_known_senses(), group.effects_of_forces(group.brake.friction)[0]
+    tip = (
+        own.tip_travel_by_pressure @ found.p
+        + own.tip_travel_by_force
+        + own.tip_travel_by_modes @ found.y
+    )
     body, part = group.bodies[0], group.node_ranges[0]
     nodal = -body.coupling.N.T @ found.p[part]
     u = body.condensed.displacement(nodal, np.array([0.0, 0.0, found.y[0]]), _load(group))

@@ -393,7 +393,7 @@ def test_a_large_face_is_answered_on_every_other_node_and_settles_once_on_all(
     brake = t_section(flexible)
     scene = model.prepare(brake, elements=10, across=5)
     wanted = respond(scene, brake)
-    monkeypatch.setattr(self_locking, "HALVED_ABOVE", 60)
+    monkeypatch.setattr(self_locking, "COARSE_PATH_ABOVE_NODES", 60)
     sizes = settled_sizes(monkeypatch)
     found = respond(scene, brake)
     nodes = list(map(len, picked(scene.bodies, "line.nodes")))

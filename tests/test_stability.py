@@ -11,7 +11,7 @@ import pytest
 from drumlin.base.errors import NoAnswer
 from drumlin.base.journal import Journal
 from drumlin.contact import active_set
-from drumlin.contact.equations import Problem, condition
+from drumlin.contact.equations import ContactProblem, condition_number
 from drumlin.fem import model
 from drumlin.fem.equilibrium.group import ShoeGroup
 from drumlin.fem.error_control.adapt import Tolerance, adapt
@@ -256,14 +256,14 @@ def test_wide_gaps_on_tiny_compressions_keep_their_digits():
 
 def test_a_contact_set_of_one_node_carries_the_moment_exactly():
     A = np.diag([1e-16, 2e-16, 1e-16])
-    problem = Problem(
+    problem = ContactProblem(
         A,
         np.array([5e-5, 4.9e-5, 6e-5]),
         -np.array([[1e-6], [1e-6], [1e-6]]),
         np.full((1, 3), 0.7e-6),
         np.array([3e-5]),
     )
-    found = active_set.solve(problem)
+    found = active_set.solve_contact_problem(problem)
     assert found.active.tolist() == [False, True, False]
     assert 0.7e-6 * found.p[1] == pytest.approx(3e-5, rel=1e-15)
 
@@ -278,7 +278,7 @@ def test_condition_of_the_contact_equations_is_that_of_the_equilibrated_matrix()
         [[d[:, None] * A * d, d[:, None] * B * column], [row * C * d, np.zeros((1, 1))]]
     )
     exact = np.linalg.cond(matrix, 1)
-    assert condition(problem, everywhere(scene)) == pytest.approx(exact, rel=0.5)
+    assert condition_number(problem, everywhere(scene)) == pytest.approx(exact, rel=0.5)
 
 
 def test_a_stiff_penalty_costs_nothing_and_a_soft_one_errs_in_proportion():

@@ -534,7 +534,9 @@ def self_locking(
         penalty,
     )
     return tuple(
-        LockingLimit(tuple(whole.shoes[i].name for i in members), end.friction, end.bounded)
+        LockingLimit(
+            tuple(whole.shoes[i].name for i in members), end.friction, end.pressure_stays_finite
+        )
         for members, end in found.items()
     )
 

@@ -12,7 +12,7 @@ from drumlin.base.arrays import Floats
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.brake.fields import Material
 from drumlin.contact import active_set
-from drumlin.contact.equations import Problem
+from drumlin.contact.equations import ContactProblem
 from drumlin.fem.substructure.body import scalar_basis, stiffness
 from drumlin.fem.substructure.interface import contact_line, couple, radial
 from drumlin.foundation.ring import two_forces
@@ -235,7 +235,11 @@ def _murty() -> float:
     """
     A = np.array([[1.0, 2, 0], [0, 1, 2], [2, 0, 1]])
     none = np.zeros((3, 0))
-    return float(active_set.solve(Problem(A, -np.ones(3), none, none.T, np.zeros(0))).p.max())
+    return float(
+        active_set.solve_contact_problem(
+            ContactProblem(A, -np.ones(3), none, none.T, np.zeros(0))
+        ).p.max()
+    )
 
 
 def _lever() -> float:
@@ -244,8 +248,8 @@ def _lever() -> float:
     Two equal springs support the lever at 1 m and 2 m from the hinge.
     """
     B = -np.array([[1.0], [2.0]])
-    problem = Problem(np.eye(2), np.zeros(2), B, B.T.copy(), np.array([-6.0]))
-    return float(active_set.solve(problem).p[1])
+    problem = ContactProblem(np.eye(2), np.zeros(2), B, B.T.copy(), np.array([-6.0]))
+    return float(active_set.solve_contact_problem(problem).p[1])
 
 
 LAME_EDGES = closed_forms.lame(0.1, 0.2, 60e6, 200e9, 0.3)

@@ -9,7 +9,7 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.brake.fields import Material
 from drumlin.contact import active_set
-from drumlin.contact.equations import Problem
+from drumlin.contact.equations import ContactProblem
 from drumlin.fem.mesh.grading import graded
 from drumlin.response.resultants import integrate
 from drumlin_studies import closed_forms
@@ -56,9 +56,9 @@ def half_plane(sign: int, per_half: int, material: Material = LADDER_STEEL) -> C
     return body(sector(angles, towards(HALF_WIDTH / per_half, 1.3, 0.5), 1.0, sign), material)
 
 
-def answer(problem: Problem) -> Floats:
+def answer(problem: ContactProblem) -> Floats:
     """The pressures (n,) [Pa] that solve a contact problem."""
-    return active_set.solve(problem, nested_start(problem)).p
+    return active_set.solve_contact_problem(problem, nested_start(problem)).p
 
 
 def _hertz() -> float:
@@ -153,7 +153,7 @@ def _wavy(share: float) -> float:
     # A uniform pressure moves both rings apart by this distance per pressure.
     E, nu = LADDER_STEEL.E, LADDER_STEEL.nu
     soft = sum(abs(closed_forms.ring_yield(0, 1.0, held, E, nu)) for held in (0.5, 1.5))
-    p = active_set.solve(
+    p = active_set.solve_contact_problem(
         pair.normal(-height * np.cos(RING_WAVES * pair.angle) - share * full * soft)
     ).p
     # Westergaard's pressure is that at the mean pressure which the rings really have.
@@ -192,7 +192,9 @@ def _pressed_rings(n: int) -> Harmonics:
         return inner - closed_forms.ring_yield(k, 1.0, 1.4, E, nu)
 
     soft = [apart(0), apart(n)]
-    p = active_set.solve(pair.normal(3e6 * soft[0] + 1e6 * soft[1] * np.cos(n * angle))).p
+    p = active_set.solve_contact_problem(
+        pair.normal(3e6 * soft[0] + 1e6 * soft[1] * np.cos(n * angle))
+    ).p
     # A least-squares fit of mean, cosine and sine finds the harmonics.
     columns = np.column_stack([np.ones_like(angle), np.cos(n * angle), np.sin(n * angle)])
     fit = np.linalg.lstsq(columns, p, rcond=None)[0]
@@ -206,7 +208,7 @@ def _bonded_layer() -> float:
     pair = BodyPair.of(
         body(sector(angles, np.linspace(0, thickness, 4), 1.0, -1), CONTACT_LINING), None
     )
-    p = active_set.solve(pair.normal(np.full(len(pair.angle), -depth))).p
+    p = active_set.solve_contact_problem(pair.normal(np.full(len(pair.angle), -depth))).p
     return float(p[len(p) // 2] / depth)
 
 
@@ -229,7 +231,9 @@ def _edge_exponent(mu: float, nu: float) -> float:
     matrix = pair.pressed.T @ (pair.pressed + mu * pair.dragged)
     n = len(pair.angle)
     q = pair.coupling.M @ np.full(n, -1e-4 * thickness)
-    p = active_set.solve(Problem(matrix, q, np.zeros((n, 0)), np.zeros((0, n)), np.zeros(0))).p
+    p = active_set.solve_contact_problem(
+        ContactProblem(matrix, q, np.zeros((n, 0)), np.zeros((0, n)), np.zeros(0))
+    ).p
     r = pair.angle - pair.angle[0]
     # The exponent is the slope of log p over log r, away from the smallest elements.
     near = (r > 1e-5 * thickness) & (r < 3e-3 * thickness)

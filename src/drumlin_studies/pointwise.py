@@ -22,7 +22,7 @@ from scipy.sparse.linalg import splu
 from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.fem.equilibrium.state import gap_at
+from drumlin.fem.equilibrium.state import unloaded_gaps_at
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
 from drumlin.fem.preparation.bodies import actuation, contact_stiffness
 from drumlin.fem.preparation.meshes import ELEMENTS, Assembled, Mesher, assemble
@@ -216,7 +216,7 @@ def _points(parts: Assembled, brake: Brake, shoe: Shoe, drag: float) -> _Points:
         weight=(shoe.lining.width * ds).ravel(),
         phi=phi.ravel(),
         radius=radius.ravel(),
-        gap=gap_at(x, phi, brake, shoe).ravel(),
+        gap=unloaded_gaps_at(x, phi, brake, shoe).ravel(),
         closing=spread(normal),
         pushing=spread(drag * tangent - normal),
     )

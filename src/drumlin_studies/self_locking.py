@@ -9,7 +9,12 @@ from drumlin.base.arrays import Bools
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
-from drumlin.contact.self_locking import Sliding, agreement, first_singular, limit
+from drumlin.contact.self_locking import (
+    FrictionDependentProblem,
+    compare_answers_from_start_sets,
+    find_friction_limit,
+    smallest_singular_friction_of_all_sets,
+)
 from drumlin.fem.analysis.self_locking import limits, torques
 from drumlin.fem.analysis.sensitivity import against_differences
 from drumlin.fem.equilibrium.group import ShoeGroup
@@ -38,7 +43,7 @@ ALL_SETS_ELEMENTS = 4
 START_SEED = 7
 """Seed of the random contact sets, together with the seed of the brake."""
 AGREEMENT_COUNTS = ("starts", "same", "others", "unstable", "lost")
-"""Counts of `agreement` that are summed over the fractions of the limit."""
+"""Counts of `compare_answers_from_start_sets` that are summed over the fractions of the limit."""
 
 Row = dict[str, Any]
 
@@ -57,7 +62,7 @@ def limit_row(brake: Brake, elements: int) -> Row:
         "mu_lock": mu,
         "law": law,
         "difference": off,
-        "bounded": found.bounded,
+        "bounded": found.pressure_stays_finite,
         "elements": elements,
         "t_over_R": t_over_R,
     }
@@ -126,8 +131,8 @@ def uniqueness_row(seed: int, way: str) -> Row:
     """
     brake = random_brake(seed, way)
     scene = prepare(brake, elements=LOCKING_ELEMENTS)
-    problems = ShoeGroup(scene, brake, (0,)).sliding
-    end, n = limit(problems, FARTHEST_RANDOM_FRICTION), len(problems.still.q)
+    problems = ShoeGroup(scene, brake, (0,)).friction_dependent_problem
+    end, n = find_friction_limit(problems, FARTHEST_RANDOM_FRICTION), len(problems.frictionless.q)
     rng = np.random.default_rng([START_SEED, seed])
     starts = [np.ones(n, bool), np.zeros(n, bool)]
     starts += [rng.random(n) < 0.5 for _ in range(RANDOM_STARTS)]
@@ -137,17 +142,24 @@ def uniqueness_row(seed: int, way: str) -> Row:
     beyond = answered = None
     if end.friction <= 10:
         mu_beyond = [end.friction * x for x in BEYOND_LIMIT]
-        beyond = sum(agreement(problems.at(mu), end.last, starts, 0.0).others for mu in mu_beyond)
+        beyond = sum(
+            compare_answers_from_start_sets(
+                problems.problem_at(mu), end.last_contact, starts, 0.0
+            ).others
+            for mu in mu_beyond
+        )
         answered = sum(_answers(scene, vary(brake, {"friction": mu})) for mu in mu_beyond)
     # On a coarse mesh all contact sets can be tried: the first that becomes singular.
     coarse = prepare(brake, elements=ALL_SETS_ELEMENTS)
-    any_set = first_singular(ShoeGroup(coarse, brake, (0,)).sliding)
+    any_set = smallest_singular_friction_of_all_sets(
+        ShoeGroup(coarse, brake, (0,)).friction_dependent_problem
+    )
     shoe = brake.shoes[0]
     return {
         "brake": seed,
         "way": way,
         "mu_lock": None if math.isinf(end.friction) else end.friction,
-        "bounded": end.bounded,
+        "bounded": end.pressure_stays_finite,
         "law": locking_friction(brake, shoe),
         "top": top,
         "disagreeing": disagreeing,
@@ -161,7 +173,9 @@ def uniqueness_row(seed: int, way: str) -> Row:
     }
 
 
-def _agreement_below(problems: Sliding, top: float, starts: list[Bools]) -> tuple[Row, list[float]]:
+def _agreement_below(
+    problems: FrictionDependentProblem, top: float, starts: list[Bools]
+) -> tuple[Row, list[float]]:
     """Counts of the answers below a friction, and the fractions of it at which answers disagree.
 
     Parameters
@@ -177,7 +191,9 @@ def _agreement_below(problems: Sliding, top: float, starts: list[Bools]) -> tupl
     disagreeing = []
     for fraction in LIMIT_FRACTIONS:
         mu = fraction * top
-        found = agreement(problems.at(mu), limit(problems, mu).last, starts)
+        found = compare_answers_from_start_sets(
+            problems.problem_at(mu), find_friction_limit(problems, mu).last_contact, starts
+        )
         for key in AGREEMENT_COUNTS:
             counts[key] += getattr(found, key)
         counts["difference"] = max(counts["difference"], found.difference)

@@ -15,7 +15,7 @@ from drumlin.base.arrays import Floats
 from drumlin.brake.elasticity import ElasticLayer, solid_elasticity_matrix
 from drumlin.brake.fields import Material
 from drumlin.contact import active_set
-from drumlin.contact.equations import Problem
+from drumlin.contact.equations import ContactProblem
 from drumlin.fem.mesh.edges import edge_nodes
 from drumlin.fem.mesh.grading import half_geometric
 from drumlin.fem.solid.body import HALVES, constrain_solid
@@ -195,14 +195,14 @@ def point_contact(
     half = body.half_flexibility(coupling.N.T)
     r = np.hypot(face.xy[0], np.tile(face.z, len(face.line.nodes)))
     load, area = 4 / 3 / (1 - nu**2), coupling.area
-    problem = Problem(
+    problem = ContactProblem(
         A=half.T @ half,
         q=coupling.M @ (r**2 / 2),
         B=-area[:, None],
         C=area[None],
         h=np.array([load]),
     )
-    p = active_set.solve(problem, r < 1.05).p
+    p = active_set.solve_contact_problem(problem, r < 1.05).p
     exact = 1.5 * load / math.pi * np.sqrt(np.maximum(1 - r**2, 0.0))
     off, size_ = p - exact, exact @ coupling.M @ exact
     return PointContact(

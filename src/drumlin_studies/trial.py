@@ -17,8 +17,8 @@ import numpy as np
 
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
-from drumlin.contact.equations import condition
-from drumlin.fem.equilibrium.group import ShoeGroup, groups_of
+from drumlin.contact.equations import condition_number
+from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_groups
 from drumlin.fem.error_control.refinement import EPSILON
 from drumlin.fem.model import REFINED, refined_group, respond
 from drumlin.fem.preparation.prepare import prepare
@@ -149,7 +149,9 @@ def worth(scene: PreparedModel, brake: Brake, response: Response, penalty: float
     itself is known, which limit `digits`; `pressure_error`, the relative error of p in the maximum
     norm; `sets`, the contact sets of the refinement; `seconds_whole`, its time.
     """
-    rows = [_worth(response, group) for group in groups_of(scene, brake, penalty)]
+    rows = [
+        _worth(response, group) for group in divide_pressed_shoes_into_groups(scene, brake, penalty)
+    ]
     worst: dict[str, Any] = {
         key: max(row[key] for row in rows) for key in ("condition", "seconds_whole")
     }
@@ -177,7 +179,7 @@ def _worth(response: Response, group: ShoeGroup) -> dict[str, Any]:
     pairs = zip(shoes, group.shoes, strict=True)
     p = np.concatenate([found.pressure[:: shoe.frame.sense] for found, shoe in pairs]) / size
     active = p > 0
-    row: dict[str, Any] = {"condition": condition(group.problem, active)}
+    row: dict[str, Any] = {"condition": condition_number(group.problem, active)}
     row |= {"digits": None, "whole": ""}
     start = time.perf_counter()
     try:

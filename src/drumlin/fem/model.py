@@ -18,8 +18,8 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Bar
 from drumlin.brake.units import mm
 from drumlin.contact.active_set import Contact
-from drumlin.fem.equilibrium.group import ShoeGroup, groups_of
-from drumlin.fem.equilibrium.sharing import NO_PUSH, WOULD_PULL
+from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_groups
+from drumlin.fem.equilibrium.sharing import LARGEST_FORCE_THAT_DOES_NOT_PUSH, WOULD_PULL_TEXT
 from drumlin.fem.mesh.from_file import mesh_notes
 from drumlin.fem.preparation.bodies import held
 from drumlin.fem.preparation.cache import shape_of
@@ -118,7 +118,7 @@ def respond(
     seconds = dict(scene.seconds)
     with clock(seconds, "contact"):
         answers: dict[int, _ShoeAnswer] = {}
-        for group in groups_of(scene, brake, penalty):
+        for group in divide_pressed_shoes_into_groups(scene, brake, penalty):
             answers |= _group_answers(group, start)
         for i in set(range(len(brake.shoes))) - set(answers):
             answers[i] = _untouched_answer(brake.shoes[i])
@@ -293,13 +293,13 @@ def _group_answers(group: ShoeGroup, start: Response | None) -> dict[int, _ShoeA
     if start is not None:
         parts = [_nodes_touching(group, k, start) for k in range(len(group.members))]
         first = np.concatenate(parts)
-    settled = group.settled(first)
+    settled = group.solve_contact(first)
     solution = _condensed_solution(*settled)
     answers = _shoe_answers(solution)
-    if settled.group.sharing is not None:
+    if settled.group.force_sharing is not None:
         if not _imbalance(answers) < LARGEST_ANSWER_IMBALANCE:
             balance = f"it balances only to {_imbalance(answers):.1e}"
-            raise LostDigits(f"{settled.group.names}: lost digits, {balance}; {TOO_FAR}")
+            raise LostDigits(f"{settled.group.shoe_names}: lost digits, {balance}; {TOO_FAR}")
         return answers
     refinable = _refinable(settled.group)
     # On a solid the full system is never assembled.
@@ -311,19 +311,19 @@ def _group_answers(group: ShoeGroup, start: Response | None) -> dict[int, _ShoeA
     if not refinable:
         balance = f"it balances only to {_imbalance(answers):.1e}"
         why = f"its pressure is certain only to {lost:.1e}" if lost >= most else balance
-        raise LostDigits(f"{settled.group.names}: lost digits, {why}; {TOO_FAR}")
+        raise LostDigits(f"{settled.group.shoe_names}: lost digits, {why}; {TOO_FAR}")
     return _refined_answers(solution, settled.contact)
 
 
 def _condensed_solution(group: ShoeGroup, contact: Contact) -> _GroupSolution:
     """The solution of a group by its substructures."""
     size = group.unit_force
-    coordinates = group.coordinates(contact)
+    coordinates = group.generalised_coordinates(contact)
     return _GroupSolution(
         group=group,
         pressures=[size * contact.p[part] for part in group.node_ranges],
         coordinates=[size * y for y in coordinates],
-        forces=size * group.forces(contact.p),
+        forces=size * group.actuation_forces(contact.p),
         changes=size * _pressure_changes(group, contact, coordinates),
         steps=contact.steps,
         refined=False,
@@ -348,7 +348,7 @@ def _refined_answers(solution: _GroupSolution, contact: Contact) -> dict[int, _S
     try:
         refined = refined_group(group, contact.active)
     except NoAnswer as error:
-        raise LostDigits(f"{group.names}: lost digits, {TOO_FAR}; refined: {error}") from error
+        raise LostDigits(f"{group.shoe_names}: lost digits, {TOO_FAR}; refined: {error}") from error
     by_penalty = solution.changes[0]
     last_correction = size * np.concatenate(refined.last)
     answers = _shoe_answers(
@@ -368,7 +368,7 @@ def _refined_answers(solution: _GroupSolution, contact: Contact) -> dict[int, _S
         lost, most = _largest_loss(answers), MOST_LOSS
     if lost >= most or not imbalance < LARGEST_ANSWER_IMBALANCE:
         raise LostDigits(
-            f"{group.names}: lost digits, even refined its pressure is certain only to "
+            f"{group.shoe_names}: lost digits, even refined its pressure is certain only to "
             f"{lost:.1e} and balances to {imbalance:.1e}; {TOO_FAR}"
         )
     return answers
@@ -437,8 +437,11 @@ def _shoe_answer(solution: _ShoeSolution, steps: int) -> _ShoeAnswer:
     Raises NoAnswer where the shoe's cam or strut would have to pull it.
     """
     group, shoe = solution.group, solution.group.shoes[solution.k]
-    if group.sharing is not None and solution.force < NO_PUSH * group.unit_force:
-        raise NoAnswer(f"shoe {shoe.name!r}: {WOULD_PULL}")
+    if (
+        group.force_sharing is not None
+        and solution.force < LARGEST_FORCE_THAT_DOES_NOT_PUSH * group.unit_force
+    ):
+        raise NoAnswer(f"shoe {shoe.name!r}: {WOULD_PULL_TEXT}")
     acting = _acting_forces(solution)
     errors = _arithmetic_errors(solution, acting)
     return _ShoeAnswer(
@@ -474,8 +477,11 @@ def _acting_forces(solution: _ShoeSolution) -> _ActingForces:
     """The forces on a shoe under its pressure."""
     group, k, p = solution.group, solution.k, solution.p
     shoe, body = group.shoes[k], group.bodies[k]
-    unit = group.loads[k]
-    load, moment = abs(solution.force) * unit.factors, abs(solution.force) * unit.moment
+    unit = group.unit_loads[k]
+    load, moment = (
+        abs(solution.force) * unit.load_factors,
+        abs(solution.force) * unit.moment_about_pin,
+    )
     push = body.columns.part(ACTUATION, load)[:2]
     drag = group.brake.drag_on(shoe)
     normal, dragged = body.forces @ p
@@ -515,10 +521,10 @@ def _shoe_balance(solution: _ShoeSolution, acting: _ActingForces) -> Balance:
 def _virtual_work_imbalance(solution: _ShoeSolution) -> float:
     """The largest relative residual of virtual work on a shoe's test modes."""
     group, k, p = solution.group, solution.k, solution.p
-    coupling, modes = group.bodies[k].coupling, group.modes[k]
+    coupling, modes = group.bodies[k].coupling, group.rigid_body_modes[k]
     drag = group.brake.drag_on(group.shoes[k])
     nodal = drag * (coupling.T.T @ p) - coupling.N.T @ p
-    by_actuation = abs(solution.force) * modes.work
+    by_actuation = abs(solution.force) * modes.actuation_work
     by_contact = nodal[:, None] * modes.test_modes
     residual = np.abs(by_contact.sum(axis=0) + by_actuation)
     scale = np.maximum(np.abs(by_actuation), np.abs(by_contact).sum(axis=0))
@@ -550,7 +556,7 @@ def _shoe_note(solution: _ShoeSolution, errors: _ArithmeticErrors) -> str:
     if not math.isinf(group.penalty):
         pressed = float(lever @ p)
         softer = float(lever @ solution.changes[0]) / pressed if pressed else 0.0
-        penetration = p.max() / group.stiffnesses[k]
+        penetration = p.max() / group.contact_stiffnesses[k]
         contact = (
             f"penalty {group.penalty:g} E/t: the lining penetrates by {penetration:.1e} m at most, "
             f"which changes its {shoe.surface.effect} by {softer:+.1e} of it"
@@ -574,12 +580,17 @@ def _shoe_response(
     errors : relative errors by the penalty and by round-off
     """
     group, k, p = solution.group, solution.k, solution.p
-    brake, shoe, body, modes = group.brake, group.shoes[k], group.bodies[k], group.modes[k]
+    brake, shoe, body, modes = (
+        group.brake,
+        group.shoes[k],
+        group.bodies[k],
+        group.rigid_body_modes[k],
+    )
     frame, line, drag = shoe.frame, body.line, brake.drag_on(shoe)
     # The work of the pressures and of the friction on the first test mode, per unit of the mode.
-    closures = group.test_closures[k]
+    closures = group.gap_closures_of_test_modes[k]
     closed, rubbed = float(closures.normal[:, 0] @ p), float(closures.tangential[:, 0] @ p)
-    helped = math.copysign(1.0, modes.work[0]) * drag * rubbed
+    helped = math.copysign(1.0, modes.actuation_work[0]) * drag * rubbed
     phi, mean = line.along(p)
     pin_motion = modes.pin_motion @ solution.coordinates
     return pressed_shoe(
@@ -594,7 +605,7 @@ def _shoe_response(
         self_energising=helped > NEITHER * abs(closed),
         hinge_reaction=frame.to_brake(acting.reaction),
         turn=frame.sense * float(modes.pin_motion[2] @ solution.coordinates),
-        force=None if group.sharing is None else solution.force,
+        force=None if group.force_sharing is None else solution.force,
         pivot_reaction=None if shoe.pivot is None else -frame.to_brake(acting.contact[:2]),
         reaction_moment=frame.sense * acting.twist,
         motion=None if shoe.held_by == "hinge" else tuple(pin_motion.tolist()),
@@ -623,14 +634,14 @@ def _pressure_changes(group: ShoeGroup, contact: Contact, coordinates: Sequence[
     opened, strayed = [], []
     for k, (body, part) in enumerate(zip(group.bodies, group.node_ranges, strict=True)):
         squeezed = (1 + 1 / group.penalty) * (body.coupling.M @ contact.p[part])
-        opened.append(squeezed / group.stiffnesses[k])
+        opened.append(squeezed / group.contact_stiffnesses[k])
         strains = body.condensed.rigid_mode_error
         if strains is None:
             strayed.append(np.zeros(len(opened[k])))
         else:
-            frame = group.modes[k].pin_motion @ coordinates[k]
+            frame = group.rigid_body_modes[k].pin_motion @ coordinates[k]
             strayed.append(body.coupling.N @ (strains @ frame))
-    return np.array([contact.tangent(np.concatenate(gaps)) for gaps in (opened, strayed)])
+    return np.array([contact.pressure_change(np.concatenate(gaps)) for gaps in (opened, strayed)])
 
 
 def _relative_changes(solution: _ShoeSolution, reaction: float) -> list[ShoeChange]:

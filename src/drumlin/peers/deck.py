@@ -18,7 +18,7 @@ from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake
 from drumlin.brake.fields import Material, Orthotropic
-from drumlin.fem.equilibrium.state import gap_at
+from drumlin.fem.equilibrium.state import unloaded_gaps_at
 from drumlin.fem.mesh.abaqus import TYPE_OF_CELL
 from drumlin.fem.mesh.arc import kind_of
 from drumlin.fem.mesh.edges import edge_nodes
@@ -153,7 +153,7 @@ def deck(brake: Brake, loaded: Loaded, setting: DeckSetting, name: str = "shoe")
 def check_fit(brake: Brake, loaded: Loaded) -> None:
     """Raise BadInput for a lining that does not fit the drum."""
     shoe, line = loaded.shoe, loaded.parts.line
-    if np.any(gap_at(line.xy, line.phi, brake, shoe)):
+    if np.any(unloaded_gaps_at(line.xy, line.phi, brake, shoe)):
         raise BadInput(
             f"shoe {shoe.name!r}: lining.clearance: "
             "CalculiX gets linings that fit the drum; must be 0"

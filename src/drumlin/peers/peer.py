@@ -15,7 +15,7 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.fem.equilibrium.modes import at_pin
+from drumlin.fem.equilibrium.modes import motions_at_pin
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
 from drumlin.fem.preparation.bodies import actuation
 from drumlin.fem.preparation.cache import shape_of
@@ -182,8 +182,8 @@ def under_force(brake: Brake, shoe: Shoe, meshed: MeshedShoe, sense: int = 1) ->
         couple=size * float(load[2]),
         drag=brake.drag_on(shoe),
         approaches=approaches,
-        motions=at_pin(shoe, free.motions).T,
-        tests=at_pin(shoe, free.tests).T,
+        motions=motions_at_pin(shoe, free.motions).T,
+        tests=motions_at_pin(shoe, free.tests).T,
         work=free.work,
         tip=free.tip,
     )

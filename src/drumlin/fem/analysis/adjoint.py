@@ -16,7 +16,7 @@ import numpy as np
 from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.fem.equilibrium.group import ShoeGroup
-from drumlin.fem.equilibrium.sharing import full_equations
+from drumlin.fem.equilibrium.sharing import matrix_with_force_unknowns
 
 
 class ShoeAdjoint(NamedTuple):
@@ -64,13 +64,18 @@ class GroupAdjoint(NamedTuple):
 def group_adjoint(group: ShoeGroup) -> GroupAdjoint:
     """Solve for the adjoint of the sum of a group's torques.
 
-    Raises NoAnswer as `ShoeGroup.settled` does.
+    Raises NoAnswer as `ShoeGroup.solve_contact` does.
     """
-    group, contact = group.settled()
-    size, mu, lever, n = group.unit_force, group.brake.friction, group.levers, len(contact.p)
+    group, contact = group.solve_contact()
+    size, mu, lever, n = (
+        group.unit_force,
+        group.brake.friction,
+        group.torque_per_pressure,
+        len(contact.p),
+    )
     without_friction = _equation_matrix(group, 0.0)
     per_friction = _equation_matrix(group, 1.0) - without_friction
-    y, F = group.coordinates(contact), np.abs(group.forces(contact.p))
+    y, F = group.generalised_coordinates(contact), np.abs(group.actuation_forces(contact.p))
     coordinates = sum(map(len, y))
     # The last unknown is the travel of a cam's tips. No equation multiplies the travel by mu, so
     # that its value does not matter here.
@@ -95,31 +100,31 @@ def group_adjoint(group: ShoeGroup) -> GroupAdjoint:
         torque=size * mu * (lever.T @ contact.p),
         friction=size * by_friction,
         ring=_slope_by_ring(group, a, contact.p),
-        drive=size * group.total * float(c[-1]) if group.cam else given,
+        drive=size * group.cam_force_sum * float(c[-1]) if group.cam_shoes else given,
     )
 
 
 def _slope_by_ring(group: ShoeGroup, a: Floats, p: Floats) -> float:
     """The change of the torque by the logarithm of the ring's modulus [N m]; 0 for a rigid drum."""
-    if group.ring is None:
+    if group.ring_flexibility_roots is None:
         return 0.0
-    pressed, dragged = group.ring
+    pressed, dragged = group.ring_flexibility_roots
     return group.unit_force * float((pressed @ a) @ ((pressed + group.brake.drag * dragged) @ p))
 
 
 def _slope_by_given_forces(group: ShoeGroup, shoes: list[ShoeAdjoint]) -> float:
     """The change of the torque by the logarithm of all forces but the forces of struts [N m]."""
-    pushed_by_struts = [to for _, to in group.links]
+    pushed_by_struts = [to for _, to in group.struts]
     return float(sum(own.c * own.F for k, own in enumerate(shoes) if k not in pushed_by_struts))
 
 
 def _equation_matrix(group: ShoeGroup, friction: float) -> Floats:
     """The matrix of all equations of a group, which is linear in the friction coefficient.
 
-    The actuation forces are among the unknowns, see `full_equations`.
+    The actuation forces are among the unknowns, see `matrix_with_force_unknowns`.
     """
-    blocks, effects = group.blocks(friction), group.force_effects(friction)
-    return full_equations(blocks, effects, group.links, group.cam)
+    blocks, effects = group.problem_with_own_forces(friction), group.effects_of_forces(friction)
+    return matrix_with_force_unknowns(blocks, effects, group.struts, group.cam_shoes)
 
 
 def _solve_transposed(matrix: Floats, on: Bools, weights: Floats) -> Floats:

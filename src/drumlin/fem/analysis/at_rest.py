@@ -17,7 +17,7 @@ from drumlin.brake.support import UNHELD
 from drumlin.contact import equations
 from drumlin.contact.stick_slip import FrictionalProblem
 from drumlin.fem.equilibrium.group import ShoeGroup
-from drumlin.fem.equilibrium.sharing import ForceEffects, share_forces
+from drumlin.fem.equilibrium.sharing import ForceEffects, make_problem_with_shared_forces
 from drumlin.fem.model import PENALTY
 from drumlin.fem.preparation.bodies import actuation, contact_stiffness
 
@@ -30,10 +30,10 @@ def holding_problem(group: ShoeGroup) -> tuple[FrictionalProblem, Floats]:
     each foot on a rough abutment follows the nodes of the linings, see `Feet`.
     """
     feet = Feet.of(group)
-    still = replace(group, brake=feet.without_abutment_friction(0.0), senses=feet.senses)
+    still = replace(group, brake=feet.without_abutment_friction(0.0), friction_senses=feet.senses)
     shoes = [_shoe_tractions(still, k) for k in range(len(group.members))]
     problem = feet.add_nodes(_free_feet_problem(still, shoes), still)
-    if group.links or group.cam:
+    if group.struts or group.cam_shoes:
         problem = _share_forces(still, problem, shoes)
     lever = np.concatenate([body.coupling.lever for body in group.bodies])
     return problem, np.append(lever, np.zeros(len(feet.on)))
@@ -65,7 +65,7 @@ class _ShoeTractions(NamedTuple):
 
 def _shoe_tractions(group: ShoeGroup, k: int) -> _ShoeTractions:
     """The matrices of tractions on shoe `k` of a group without friction."""
-    body, shoe, modes = group.bodies[k], group.shoes[k], group.modes[k]
+    body, shoe, modes = group.bodies[k], group.shoes[k], group.rigid_body_modes[k]
     coupling, condensed = body.coupling, body.condensed
     n = len(body.line.nodes)
     # Tractions count along e_theta of the brake, whichever way the shoe's own frame turns.
@@ -80,7 +80,7 @@ def _shoe_tractions(group: ShoeGroup, k: int) -> _ShoeTractions:
     if shoe.abutment is not None:
         nodal = T.reshape(n, -1, 2).sum(axis=1)
         bearing = -shoe.frame.to_brake(nodal) @ shoe.bearing
-    effects = group.force_effects(0.0)[k]
+    effects = group.effects_of_forces(0.0)[k]
     return _ShoeTractions(
         # The gaps close by N u as the tractions T^T t act.
         A_wt=pressed.T @ dragged,
@@ -88,9 +88,11 @@ def _shoe_tractions(group: ShoeGroup, k: int) -> _ShoeTractions:
         A_st=-dragged.T @ dragged,
         B_s=-(T @ modes.contact_modes),
         C_t=(T @ modes.test_modes).T,
-        compliance=coupling.M / group.stiffnesses[k],
+        compliance=coupling.M / group.contact_stiffnesses[k],
         q_s=-force * tip,
-        effects=effects._replace(opened=-tip, tip=tip, bearing=bearing),
+        effects=effects._replace(
+            gap_by_force=-tip, tip_travel_by_pressure=tip, foot_force_by_pressure=bearing
+        ),
     )
 
 
@@ -102,16 +104,16 @@ def _free_feet_problem(still: ShoeGroup, shoes: list[_ShoeTractions]) -> Frictio
     still : the group without friction
     shoes : the matrices of tractions on each shoe
     """
-    normal = still.blocks(0.0)
+    normal = still.problem_with_own_forces(0.0)
 
     def diagonal(name: str) -> Floats:
         """The matrices of this name of all shoes as the blocks of one matrix."""
         return block_diag(*(getattr(shoe, name) for shoe in shoes))
 
     A_wt, A_sp, A_st = diagonal("A_wt"), diagonal("A_sp"), diagonal("A_st")
-    if still.ring is not None:
+    if still.ring_flexibility_roots is not None:
         # The ring under one shoe moves by the pressures and tractions on all shoes.
-        pressed, dragged = still.ring
+        pressed, dragged = still.ring_flexibility_roots
         A_wt = A_wt + pressed.T @ dragged
         A_sp = A_sp - dragged.T @ pressed
         A_st = A_st - dragged.T @ dragged
@@ -229,8 +231,9 @@ def _share_forces(
     shoes : the matrices of tractions on each shoe
     """
     n = len(problem.q_w)
-    # `share_forces` takes the n pressures and n tractions as the unknowns of one contact problem.
-    whole = equations.Problem(
+    # For `make_problem_with_shared_forces` the n pressures and n tractions are the unknowns of one
+    # contact problem.
+    whole = equations.ContactProblem(
         A=np.block([[problem.A_wp, problem.A_wt], [problem.A_sp, problem.A_st]]),
         q=np.concatenate([problem.q_w, problem.q_s]),
         B=np.vstack([problem.B_w, problem.B_s]),
@@ -238,16 +241,22 @@ def _share_forces(
         h=problem.h,
     )
     effects = []
-    for normal, shoe in zip(still.force_effects(0.0), shoes, strict=True):
+    for normal, shoe in zip(still.effects_of_forces(0.0), shoes, strict=True):
         nodes, tangential = np.arange(n)[normal.nodes], shoe.effects
         both = normal._replace(
             nodes=np.concatenate([nodes, n + nodes]),
-            opened=np.concatenate([normal.opened, tangential.opened]),
-            tip=np.concatenate([normal.tip, tangential.tip]),
-            bearing=np.concatenate([normal.bearing, tangential.bearing]),
+            gap_by_force=np.concatenate([normal.gap_by_force, tangential.gap_by_force]),
+            tip_travel_by_pressure=np.concatenate(
+                [normal.tip_travel_by_pressure, tangential.tip_travel_by_pressure]
+            ),
+            foot_force_by_pressure=np.concatenate(
+                [normal.foot_force_by_pressure, tangential.foot_force_by_pressure]
+            ),
         )
         effects.append(both)
-    sharing = share_forces(whole, effects, still.own_forces, still.links, still.cam, still.total)
+    sharing = make_problem_with_shared_forces(
+        whole, effects, still.own_forces, still.struts, still.cam_shoes, still.cam_force_sum
+    )
     A, q, B, C, h = sharing.problem
     return FrictionalProblem(
         A_wp=A[:n, :n],

@@ -26,11 +26,11 @@ from drumlin.contact.stick_slip import (
     OPEN,
     STICK,
     FrictionalProblem,
-    History,
     Increment,
+    SlipHistory,
 )
 from drumlin.fem.analysis.at_rest import Feet, holding_problem
-from drumlin.fem.equilibrium.group import ShoeGroup, grouped, pressed_shoes
+from drumlin.fem.equilibrium.group import ShoeGroup, divide_shoes_into_groups, find_pressed_shoes
 from drumlin.fem.model import PENALTY, respond
 from drumlin.fem.preparation.scene import PreparedModel
 
@@ -233,7 +233,7 @@ def hold(
     """
     paths = []
     for held in _held_groups(scene, brake, len(rotations), penalty):
-        say(f"holding: {held.group.names}")
+        say(f"holding: {held.group.shoe_names}")
         paths.append(_follow_rotations(held, rotations))
     return [_brake_state(brake, paths, k, float(rotation)) for k, rotation in enumerate(rotations)]
 
@@ -247,13 +247,13 @@ def _held_groups(
     """Put the force on each group of shoes while the drum is at rest. Raises as `hold` does."""
     if brake.friction == 0 or scene.brake.friction == 0:
         raise BadInput(f"friction = {brake.friction:g}: must be greater than 0 for a holding brake")
-    touching = pressed_shoes(scene, brake)
+    touching = find_pressed_shoes(scene, brake)
     for i, shoe in enumerate(brake.shoes):
         if i not in touching:
             raise NoAnswer(
                 f"shoe {shoe.name!r}: does not touch the drum, so that it cannot hold it"
             )
-    for group in grouped(scene, brake, list(range(len(brake.shoes))), penalty):
+    for group in divide_shoes_into_groups(scene, brake, list(range(len(brake.shoes))), penalty):
         yield _held_group(group, increments)
 
 
@@ -263,17 +263,21 @@ def _held_group(group: ShoeGroup, increments: int) -> _HeldGroup:
     feet = Feet.of(group)
     count = len(feet.on)
     # The first guess: nodes that touch without friction stick, and so do all feet.
-    touches = replace(group, brake=feet.without_abutment_friction(0.0), senses=()).answer().active
+    touches = (
+        replace(group, brake=feet.without_abutment_friction(0.0), friction_senses=())
+        .solve_with_known_senses()
+        .active
+    )
     start = np.append(np.where(touches, STICK, OPEN), np.full(count, STICK))
-    unit_gaps = np.concatenate(group.gaps) / group.unit_force
-    gap = np.append(group.masses @ unit_gaps, np.zeros(count))
+    unit_gaps = np.concatenate(group.initial_gaps) / group.unit_force
+    gap = np.append(group.gap_mass_matrix @ unit_gaps, np.zeros(count))
     friction = feet.node_friction()
     try:
         rest, spent = _put_force_on(problem, gap, friction, start, increments)
     except NoAnswer as error:
         # A brake that locks itself is refused by the line below, with its limit.
-        group.settled()
-        raise NoAnswer(f"{group.names}: {error}, the drum at rest") from error
+        group.solve_contact()
+        raise NoAnswer(f"{group.shoe_names}: {error}, the drum at rest") from error
     per_rotation = lever * (group.brake.spin / group.unit_force)
     return _HeldGroup(group, problem, per_rotation, friction, rest, spent)
 
@@ -305,13 +309,13 @@ def _put_force_on(
     NoAnswer
         where the last increment does not settle
     """
-    history, energy = History(np.zeros(len(gap)), np.zeros(len(gap))), 0.0
+    history, energy = SlipHistory(np.zeros(len(gap)), np.zeros(len(gap))), 0.0
     shares = np.linspace(0, 1, max(increments, 1) + 1)[1:] ** 3 if gap.any() else np.ones(1)
     for share in shares:
         q_w = gap + share * (problem.q_w - gap)
         part = problem._replace(q_w=q_w, q_s=share * problem.q_s, h=share * problem.h)
         try:
-            increment = stick_slip.solve(part, friction, history, state)
+            increment = stick_slip.solve_load_increment(part, friction, history, state)
         except NoAnswer:
             if share == 1:
                 raise
@@ -336,8 +340,8 @@ def _follow_rotations(held: _HeldGroup, rotations: Floats) -> _HeldPath:
                 increment = step
         except NoAnswer as error:
             # A brake that locks itself is refused by the line below, with its limit.
-            _on_brake(group, brake if rotation > reached else brake.reversed()).settled()
-            raise NoAnswer(f"{group.names}: {error}, turned by {rotation:.3g} rad") from error
+            _on_brake(group, brake if rotation > reached else brake.reversed()).solve_contact()
+            raise NoAnswer(f"{group.shoe_names}: {error}, turned by {rotation:.3g} rad") from error
         reached = float(rotation)
         increments.append(increment)
         spent.append(energy * group.unit_force**2)
@@ -376,7 +380,9 @@ def turn_drum(
         step = end if pieces == 1 else reached + (end - reached) / pieces
         moved = problem._replace(q_s=problem.q_s + lever * step)
         try:
-            increment = stick_slip.solve(moved, friction, increment.history, increment.state)
+            increment = stick_slip.solve_load_increment(
+                moved, friction, increment.history, increment.state
+            )
         except NoAnswer:
             if pieces >= 2**HALVINGS:
                 raise
@@ -393,10 +399,14 @@ def _on_brake(group: ShoeGroup, brake: Brake) -> ShoeGroup:
 
     The senses of friction at rough abutments become unknown, since feet may slide the other way.
     """
-    return replace(group, brake=brake, senses=() if group.rough else group.senses)
+    return replace(
+        group,
+        brake=brake,
+        friction_senses=() if group.has_rough_abutment else group.friction_senses,
+    )
 
 
-def _slip_work(problem: FrictionalProblem, after: Increment, before: History) -> float:
+def _slip_work(problem: FrictionalProblem, after: Increment, before: SlipHistory) -> float:
     """The energy [J/N^2] that slip dissipates in an increment, by the tractions at its end."""
     # The elastic slip of the penalty dissipates nothing.
     slip = after.s - before.s - problem.Q @ (after.t - before.t)
@@ -414,7 +424,7 @@ def _brake_state(brake: Brake, paths: list[_HeldPath], k: int, rotation: float) 
         linings |= _lining_states(path.held.group, path.increments[k])
     order = sorted(linings)
     theta, pressure, traction, state = zip(*(linings[i] for i in order), strict=True)
-    arcs = list(map(stick_slip.zones, theta, state))
+    arcs = list(map(stick_slip.stick_and_slip_arcs, theta, state))
     return Hold(
         rotation=rotation,
         torque=torque,
@@ -454,10 +464,12 @@ def _sliding_answer(held: _HeldGroup, sense: int) -> _SlidingAnswer:
     brake = held.group.brake
     group = _on_brake(held.group, brake if sense == brake.spin else brake.reversed())
     try:
-        group, contact = group.settled()
+        group, contact = group.solve_contact()
     except NoAnswer as error:
         return _SlidingAnswer(group, None, math.nan, str(error))
-    torque = brake.friction * group.unit_force * float(group.levers.sum(axis=1) @ contact.p)
+    torque = (
+        brake.friction * group.unit_force * float(group.torque_per_pressure.sum(axis=1) @ contact.p)
+    )
     return _SlidingAnswer(group, contact, sense * brake.spin * torque, "")
 
 
@@ -475,7 +487,7 @@ def _other_moment_notes(path: _HeldPath, k: int) -> list[str]:
         return []
     surface = held.group.brake.surface
     unit, moving = surface.effect_unit, surface.moving
-    text = f"{held.group.names}: at full slip the {surface.effect} is {torque:.6g} {unit}"
+    text = f"{held.group.shoe_names}: at full slip the {surface.effect} is {torque:.6g} {unit}"
     if sliding.contact is None:
         return [f"{text}; solve has none: {sliding.why}"]
     text += f", by solve {sliding.torque:.6g} {unit}"
@@ -509,12 +521,16 @@ def _differing_feet(
     """
     size, feet = held.group.unit_force, []
     for node, k in enumerate(Feet.of(held.group).on, start=held.lining_nodes):
-        shoe, (x, y) = group.shoes[k], group.reaction(contact, k)
+        shoe, (x, y) = group.shoes[k], group.force_on_foot(contact, k)
         bearing, along = float(shoe.bearing @ (x, y)), float(shoe.bearing @ (y, -x))
         presses = at.p[node] > 0
         if presses and abs(at.t[node] / at.p[node] - along / bearing) <= OTHER_FRICTION:
             continue
-        slide = float(group.coordinates(contact)[k][-1]) if group.each_sense[k] else 0.0
+        slide = (
+            float(group.generalised_coordinates(contact)[k][-1])
+            if group.known_friction_senses[k]
+            else 0.0
+        )
         # The slip counts against the slide. Subtraction from 0.0 never prints -0.
         came_to = f"{1e6 * size * (0.0 - at.s[node]):.6g} µm"
         by_solve = f"{1e6 * size * slide:.6g} µm"
@@ -548,7 +564,7 @@ def full_slip_rotation(
         try:
             ends.append(_find_full_slip(held, target, FORWARD if brake.spin > 0 else BACKWARD))
         except NoAnswer as error:
-            raise NoAnswer(f"{held.group.names}: {error}") from error
+            raise NoAnswer(f"{held.group.shoe_names}: {error}") from error
     return (1 + LATER) * max(ends)
 
 

@@ -35,8 +35,8 @@ from drumlin.brake.support import SupportChange, wrench
 from drumlin.fem.analysis.adjoint import GroupAdjoint, ShoeAdjoint, group_adjoint
 from drumlin.fem.analysis.moving import Moves, node_motions, shifted_lines
 from drumlin.fem.analysis.mutual_work import change_by_nodes, work_by_part
-from drumlin.fem.equilibrium.group import ShoeGroup, groups_of
-from drumlin.fem.equilibrium.state import gap_at
+from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_groups
+from drumlin.fem.equilibrium.state import unloaded_gaps_at
 from drumlin.fem.model import PENALTY, check_penalty
 from drumlin.fem.preparation.bodies import ShoeSubstructure, coupling_of
 from drumlin.fem.preparation.prepare import prepare
@@ -162,7 +162,7 @@ def sensitivity(scene: PreparedModel, brake: Brake, *, penalty: float = PENALTY)
         )
     pressed: dict[int, ShoeSensitivity] = {}
     ring, drive = 0.0, 0.0
-    for group in groups_of(scene, brake, penalty):
+    for group in divide_pressed_shoes_into_groups(scene, brake, penalty):
         adjoint = group_adjoint(group)
         for k, i in enumerate(group.members):
             pressed[i] = _ShoeSlopes(adjoint, k).sensitivity()
@@ -242,9 +242,9 @@ class _ShoeSlopes:
         self.body, self.shoe = self.group.bodies[k], self.group.shoes[k]
         self.drag = self.group.brake.drag_on(self.shoe)
         # Under a cam the travel of the shoe's tip enters the equation that gives its force.
-        self.under_cam = k in self.group.cam
+        self.under_cam = k in self.group.cam_shoes
         self.tip_multiplier = self.own.c if self.under_cam else 0.0
-        names = np.array(self.shoe.freedoms(self.group.senses[k]).names)
+        names = np.array(self.shoe.freedoms(self.group.friction_senses[k]).names)
         # The sign of each rigid-body mode in the frame of the shoe against the frame of the brake.
         self.mode_signs = np.where(names == "turn", float(self.shoe.frame.sense), 1.0)
         # The actuation does no work on the tilt of a shoe on a lever.
@@ -256,10 +256,10 @@ class _ShoeSlopes:
         shoe, coupling = self.shoe, self.body.coupling
         torque = float(self.adjoint.torque[k])
         friction = float(self.adjoint.friction[k])
-        by_penalty = float(own.a @ (coupling.M @ own.p)) / group.stiffnesses[k]
+        by_penalty = float(own.a @ (coupling.M @ own.p)) / group.contact_stiffnesses[k]
         moduli, bending_stiffness = self._moduli_slopes(by_penalty)
         # The force of a shoe under a cam or behind a strut is no datum of the brake file.
-        shares_force = k in [*group.cam, *(to for _, to in group.links)]
+        shares_force = k in [*group.cam_shoes, *(to for _, to in group.struts)]
         sign_of_force = math.copysign(1.0, shoe.actuation.force)
         forward = slice(None, None, shoe.frame.sense)
         return ShoeSensitivity(
@@ -279,14 +279,14 @@ class _ShoeSlopes:
 
     def _pushed_shoes(self) -> list[int]:
         """The numbers, within the group, of the shoes that struts from this shoe push."""
-        return [to for source, to in self.group.links if source == self.k]
+        return [to for source, to in self.group.struts if source == self.k]
 
     # Moduli
 
     @cached_property
     def displacements(self) -> _Displacements:
         """The displacements of the shoe under its loads and under the adjoint loads."""
-        own, load = self.own, self.group.loads[self.k].factors
+        own, load = self.own, self.group.unit_loads[self.k].load_factors
         N, T = self.body.coupling.N, self.body.coupling.T
         nodal = np.column_stack([self.drag * (T.T @ own.p) - N.T @ own.p, N.T @ own.a])
         adjoint_force = -own.c if self.under_cam else 0.0
@@ -321,7 +321,7 @@ class _ShoeSlopes:
         """
         group, k = self.group, self.k
         effects = {}
-        for key, changes in self.shoe.changes(group.senses[k]).items():
+        for key, changes in self.shoe.changes(group.friction_senses[k]).items():
             effects[key] = np.array(list(map(self._slope_by_modes, changes)))
             moves = node_motions(group.scene, group.members[k], self.shoe, key)
             if moves:
@@ -390,16 +390,16 @@ class _ShoeSlopes:
         move : motion of the nodes per motion of the point
         """
         own, group, brake, shoe, k = self.own, self.group, self.group.brake, self.shoe, self.k
-        modes, nodes = group.modes[k], self.body.line.nodes
+        modes, nodes = group.rigid_body_modes[k], self.body.line.nodes
         contact = np.column_stack([2 * nodes, 2 * nodes + 1]).ravel()
-        squeezed, turns = own.p / group.stiffnesses[k], modes.pin_motion[2]
+        squeezed, turns = own.p / group.contact_stiffnesses[k], modes.pin_motion[2]
         u = self.displacements.u[contact] + modes.contact_modes @ own.y
         v = self.displacements.v[contact] - modes.test_modes @ own.b
         coupling = coupling_of(line, shoe)
         nodal = self.drag * (coupling.T.T @ own.p) - coupling.N.T @ own.p
         # Nodes that have moved by `step` travel aside as well when the shoe turns.
         aside = step * np.array([-move.line[1], move.line[0]]).T.ravel()
-        gap = gap_at(line.xy, line.phi, brake, shoe)
+        gap = unloaded_gaps_at(line.xy, line.phi, brake, shoe)
         value = brake.friction * float(coupling.lever @ own.p)
         closing = coupling.N @ (u + aside * (turns @ own.y))
         value += float(own.a @ (closing - coupling.M @ (gap + squeezed)))
@@ -441,7 +441,7 @@ class _ShoeSlopes:
         """
         own, shoe, body = self.own, self.shoe, self.body
         centre = shoe.points(body.load_centre[:, None])[:, 0]
-        free = shoe.freedoms(self.group.senses[self.k])
+        free = shoe.freedoms(self.group.friction_senses[self.k])
         couple = 0.0 if carried else shoe.frame.sense * (moment - float(cross(centre, force)))
         pushing = np.array([*shoe.frame.to_shoe(force), couple])
         load = body.columns.factors({ACTUATION: pushing})
