@@ -22,7 +22,7 @@ from drumlin.fem.hp.corner import (
     with_powers,
 )
 from drumlin.fem.hp.division import HALF_THE_FORCE
-from drumlin.fem.model import respond
+from drumlin.fem.model import solve_prepared_model
 from drumlin.response.resultants import gauss_points, lobatto
 from drumlin_studies.stated_true import errors
 from drumlin_studies.stored_truth import read
@@ -84,7 +84,7 @@ def test_a_solved_contact_has_the_power_of_its_corner_over_decades():
     lining matter.
     """
     stored = read(TRUTHS / "corner_dragged_inwards.json")
-    *_, last = islice(steps(stored.brake, respond), 5)
+    *_, last = islice(steps(stored.brake, solve_prepared_model), 5)
     (found,) = last.response.shoes
     ((at_start, power),) = steep_corners(stored.brake, 0, found)
     assert power == pytest.approx(min(powers_of(stored.brake, 0))) and power < -0.2
@@ -153,7 +153,7 @@ def test_p_between_the_nodes_near_a_corner_is_its_power_to_a_ten_thousandth():
 )
 def test_the_power_of_a_corner_makes_p_many_times_more_exact(name, level, most, gain):
     stored = read(TRUTHS / f"{name}.json")
-    *_, last = islice(steps(stored.brake, respond), level)
+    *_, last = islice(steps(stored.brake, solve_prepared_model), level)
     raw = errors(stored.brake, last.response.shoes, stored.true.shoes)["pressure"]
     found = with_powers(stored.brake, last.response)
     error = errors(stored.brake, found.shoes, stored.true.shoes)["pressure"]
@@ -166,14 +166,14 @@ def test_what_is_left_of_p_is_known_where_it_has_no_bound():
     At a corner far smaller columns leave little error.
     """
     stored = read(TRUTHS / "tip_short.json")
-    *_, last = islice(steps(stored.brake, respond), 4)
+    *_, last = islice(steps(stored.brake, solve_prepared_model), 4)
     (shoe,), (found,) = stored.brake.shoes, last.response.shoes
     left = left_under_tips(shoe, stored.brake.size, found)
     assert left == pytest.approx(
         errors(stored.brake, [found], stored.true.shoes)["pressure"], rel=0.3
     )
     corner = read(TRUTHS / "corner_dragged_inwards.json").brake
-    *_, last = islice(steps(corner, respond), 2)
+    *_, last = islice(steps(corner, solve_prepared_model), 2)
     (found,) = last.response.shoes
     assert left_at_corners(corner, 0, found) > 2e-3
     (better,) = with_powers(corner, last.response).shoes

@@ -9,7 +9,7 @@ from scipy.sparse.linalg import spsolve
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.brake.fields import Material
 from drumlin.contact import active_set, stick_slip
-from drumlin.fem.mesh.grading import graded
+from drumlin.fem.mesh.grading import points_graded_to_both_ends
 from drumlin.fem.substructure.body import scalar_basis, stiffness
 from drumlin.fem.substructure.interface import contact_line, couple, radial
 from drumlin.response.resultants import integrate
@@ -134,8 +134,8 @@ def disc_in_hole(eps, count=50):
     """
 
     def angles(count):
-        inner = graded(-eps, eps, count, eps / 2, 1 / 40)
-        rest = graded(eps, 2 * math.pi - eps, count, 0.4, eps / 200)
+        inner = points_graded_to_both_ends(-eps, eps, count, eps / 2, 1 / 40)
+        rest = points_graded_to_both_ends(eps, 2 * math.pi - eps, count, 0.4, eps / 200)
         return np.concatenate([inner, rest[1:-1]])
 
     disc = body(closed(angles(count), towards(0.01, 1.18, 0.985), R, -1), LADDER_STEEL)

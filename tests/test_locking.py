@@ -12,10 +12,10 @@ from drumlin import NoAnswer, vary
 from drumlin.contact import active_set, self_locking
 from drumlin.contact.equations import ContactProblem
 from drumlin.contact.self_locking import FrictionDependentProblem, find_friction_limit
-from drumlin.fem.analysis.self_locking import limits, torques
+from drumlin.fem.analysis.self_locking import friction_limits_of_groups, torques_at_frictions
 from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_groups
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.model import respond
+from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin.laws import locking_friction, rigid
@@ -83,7 +83,9 @@ def test_the_eigenvalue_is_exact_where_halving_was_not(changes, brake):
     """Just below the limit the answer is of order 1/distance; just beyond is none: to 1e-9."""
     changed = vary(brake, changes)
     scene = prepare(changed, elements=20)
-    group, end = min(limits(scene, changed, 3.0).items(), key=lambda item: item[1].friction)
+    group, end = min(
+        friction_limits_of_groups(scene, changed, 3.0).items(), key=lambda item: item[1].friction
+    )
     problems = ShoeGroup(scene, changed, group).friction_dependent_problem
     near = [
         active_set.solve_contact_problem(
@@ -97,21 +99,26 @@ def test_the_eigenvalue_is_exact_where_halving_was_not(changes, brake):
         with pytest.raises(NoAnswer):
             active_set.solve_contact_problem(problems.problem_at(end.friction * (1 + 1e-9)), start)
     with pytest.raises(NoAnswer, match=rf"mu_lock = {end.friction:.4g} .rigid-shoe law: 0.8231"):
-        respond(scene, vary(changed, {"friction": end.friction * 1.01}))
+        solve_prepared_model(scene, vary(changed, {"friction": end.friction * 1.01}))
 
 
 def test_both_hands_lock_alike_and_the_other_shoe_never(brake):
     found = []
     for rotation in ("counter-clockwise", "clockwise"):
         turning = vary(brake, {"rotation": rotation})
-        found.append(picked(limits(prepare(turning, elements=20), turning).values(), "friction"))
+        found.append(
+            picked(
+                friction_limits_of_groups(prepare(turning, elements=20), turning).values(),
+                "friction",
+            )
+        )
     assert found[0][0] == found[1][1] == math.inf
     assert found[0][1] == pytest.approx(found[1][0], rel=1e-12)
 
 
 def test_the_limit_knows_neither_force_nor_clearance(brake):
     plain, other = (
-        limits(prepare(changed, elements=20), changed, 3.0)[(1,)].friction
+        friction_limits_of_groups(prepare(changed, elements=20), changed, 3.0)[(1,)].friction
         for changed in (
             brake,
             vary(brake, {"shoe.actuation.force": 50.0, "shoe.lining.clearance": 2e-4}),
@@ -125,7 +132,10 @@ def test_rigid_shoes_tend_to_the_law_as_their_linings_become_thin(brake):
     off = []
     for t in (8e-3, 4e-3, 2e-3):
         rigid = vary(brake, {"shoe.body": None, "shoe.lining.thickness": t})
-        off.append(limits(prepare(rigid, elements=60), rigid, 3.0)[(1,)].friction / law - 1)
+        off.append(
+            friction_limits_of_groups(prepare(rigid, elements=60), rigid, 3.0)[(1,)].friction / law
+            - 1
+        )
     assert abs(off[2]) < 5e-3
     # The difference is linear in t/R by the lining's own shear.
     assert off[0] / off[1] == pytest.approx(2, rel=0.05)
@@ -134,9 +144,9 @@ def test_rigid_shoes_tend_to_the_law_as_their_linings_become_thin(brake):
 
 def test_torque_has_a_simple_pole_at_the_limit(brake):
     scene = prepare(brake, elements=20)
-    end = limits(scene, brake, 3.0)[(1,)].friction
+    end = friction_limits_of_groups(scene, brake, 3.0)[(1,)].friction
     gaps = np.array([1e-4, 1e-6])
-    T = torques(scene, brake, list(end * (1 - gaps)))[:, 1]
+    T = torques_at_frictions(scene, brake, list(end * (1 - gaps)))[:, 1]
     assert T[1] * gaps[1] == pytest.approx(T[0] * gaps[0], rel=1e-3)
 
 
@@ -159,7 +169,9 @@ def test_below_half_the_limit_all_starts_agree_and_beyond_it_none_is_answered(se
     assert (end.friction < 5) == (way == "locking")
     for beyond in (1.0001, 1.05, 2, 3) if way == "locking" else ():
         with pytest.raises(NoAnswer, match="self-locking"):
-            respond(scene, vary(brake, {"friction": beyond * end.friction}), penalty=math.inf)
+            solve_prepared_model(
+                scene, vary(brake, {"friction": beyond * end.friction}), penalty=math.inf
+            )
 
 
 def test_where_the_answer_turns_back_those_beyond_stand_apart_and_are_refused():

@@ -13,7 +13,7 @@ from drumlin.brake.components import Ring
 from drumlin.brake.file import read_brake, vary
 from drumlin.fem.equilibrium.group import ShoeGroup
 from drumlin.fem.error_control.adapt import Tolerance, adapt
-from drumlin.fem.model import respond
+from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin.response.norms import pressure_distance
@@ -105,7 +105,7 @@ def test_the_sketched_ring_is_the_thick_walled_ring_and_the_thin_one_of_theory(s
     ids=["shoe", "ring", "backing and two shoes", "post"],
 )
 def test_a_sketch_of_closed_forms_answers_as_the_finite_elements_of_its_mesh(brake):
-    sketch, full = respond(sketcher(24)(brake), brake), solve(brake, elements=24)
+    sketch, full = solve_prepared_model(sketcher(24)(brake), brake), solve(brake, elements=24)
     assert sketch.torque == pytest.approx(full.torque, rel=4e-3)
     assert max(starmap(pressure_distance, zip(sketch.shoes, full.shoes, strict=True))) < 0.05
 
@@ -142,8 +142,11 @@ def test_predictions_are_within_a_factor_two_of_the_truth(case):
     def make(spec):
         return prepare(spec, elements=48)
 
-    predicted = predict(brake, [part], respond)
-    true = change(respond(*scene_without(brake, [part], make)), respond(make(brake), brake))
+    predicted = predict(brake, [part], solve_prepared_model)
+    true = change(
+        solve_prepared_model(*scene_without(brake, [part], make)),
+        solve_prepared_model(make(brake), brake),
+    )
     judged = [
         (a, b)
         for a, b in ((predicted.pressure, true.pressure), (predicted.shoes, true.shoes))
@@ -178,7 +181,7 @@ WITHIN = {
 @pytest.mark.parametrize("case", partly(WITHIN, {"ring fixed", "shoe", "shoe stiffest, ring"}))
 def test_a_tolerance_leaves_neither_ring_nor_shoe_out_and_holds(case):
     brake = WITHIN[case]
-    truth = adapt(brake, Tolerance(2e-4, 5e-6), respond).response
+    truth = adapt(brake, Tolerance(2e-4, 5e-6), solve_prepared_model).response
     for tolerance in (1e-1, 1e-2, 1e-3):
         response = solve(brake, tolerance=tolerance, penalty=math.inf)
         true = change(response, truth)
@@ -229,7 +232,7 @@ def test_without_drag_the_contact_is_symmetric_and_forces_still_balance():
         ),
     ).problem.A
     assert np.abs(A - A.T).max() < 1e-12 * np.abs(A).max()
-    response = respond(scene, simple)
+    response = solve_prepared_model(scene, simple)
     assert max(response.balance.force, response.balance.moment) < 1e-9
     assert response.torque != pytest.approx(solve(brake, elements=16).torque, rel=1e-3)
 

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.file import brake_from
 from drumlin.fem.equilibrium.group import ShoeGroup
-from drumlin.fem.model import respond
+from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import prepare
 
 # Friction up to which any start must lead to the same answer.
@@ -96,7 +96,7 @@ def test_random_brakes_end_converged_or_refused_with_a_reason(count):
         try:
             brake = brake_from(data)
             scene = prepare(brake, elements=24)
-            response = respond(scene, brake, penalty=penalty)
+            response = solve_prepared_model(scene, brake, penalty=penalty)
         except (BadInput, NoAnswer) as refusal:
             assert "\n" not in str(refusal)
             assert any(

@@ -10,8 +10,8 @@ import drumlin
 from drumlin import NoAnswer, vary
 from drumlin.fem.equilibrium.group import divide_pressed_shoes_into_groups
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.model import respond
-from drumlin.fem.preparation.bodies import actuation
+from drumlin.fem.model import solve_prepared_model
+from drumlin.fem.preparation.bodies import actuation_load_factors
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.substructure.body import stiffness
 from drumlin.fem.substructure.elasticity import layers_of
@@ -41,7 +41,7 @@ def test_under_a_cam_the_tips_of_elastic_shoes_go_the_same_way() -> None:
     """
     brake = cam_brake(body=0.012, thickness=0.006)
     scene = prepare(brake, elements=40)
-    both = respond(scene, brake)
+    both = solve_prepared_model(scene, brake)
     assert sum(picked(both.shoes, "force")) == pytest.approx(2000.0, rel=1e-9)
     assert abs(both.shoes[0].force / both.shoes[1].force - 1) > 0.1
     alone = vary(loaded(brake, both), {"actuation": None})
@@ -55,7 +55,7 @@ def test_under_a_cam_the_tips_of_elastic_shoes_go_the_same_way() -> None:
             + own.tip_travel_by_modes @ found.y
         )
         tips.append(tip)
-        shoe = respond(scene, alone).shoes[i]
+        shoe = solve_prepared_model(scene, alone).shoes[i]
         assert shoe.torque == pytest.approx(both.shoes[i].torque, rel=1e-8)
         np.testing.assert_allclose(
             shoe.pressure, both.shoes[i].pressure, atol=1e-7 * shoe.peak_pressure
@@ -73,7 +73,7 @@ def test_a_cam_feels_the_corners_of_the_loaded_ends() -> None:
         body=0.02, thickness=0.012, web=0.002, table={"thickness": 0.004, "width": 0.04}
     )
     (true,) = triangles.solve_sequence(brake, triangles.TRIANGLE_LEVELS[:1])
-    found = respond(prepare(brake, LEVELS[1]), brake, penalty=math.inf)
+    found = solve_prepared_model(prepare(brake, LEVELS[1]), brake, penalty=math.inf)
     for a, b in zip(found.shoes, true, strict=True):
         assert a.hinge_reaction == pytest.approx(
             b.hinge_reaction, abs=1e-5 * np.linalg.norm(b.hinge_reaction)
@@ -109,7 +109,7 @@ def test_the_tip_moves_as_the_energy_says() -> None:
 
 
 def _load(group: Any) -> Any:
-    return actuation(group.bodies[0], group.shoes[0])[0]
+    return actuation_load_factors(group.bodies[0], group.shoes[0])[0]
 
 
 @pytest.mark.parametrize("make", [cam_brake, servo])

@@ -8,7 +8,7 @@ from drumlin.base.errors import LostDigits, NoAnswer
 from drumlin.brake.file import brake_from, vary
 from drumlin.contact import active_set
 from drumlin.contact.equations import ContactProblem
-from drumlin.fem.analysis.self_locking import limits
+from drumlin.fem.analysis.self_locking import friction_limits_of_groups
 from drumlin.fem.error_control.levels import LEVELS, steps
 from drumlin.fem.preparation.meshes import ELEMENTS
 from drumlin.fem.preparation.prepare import prepare
@@ -111,7 +111,9 @@ def test_a_shoe_that_another_one_pushes_touches_where_this_push_presses_it():
 def test_true_self_locking_is_still_refused_with_its_limit(seed):
     """mu_lock as followed on a mesh of 160 elements: one of 80 is 2 % off on seed 4."""
     brake = random_brake(seed, "locking")
-    end = min(picked(limits(prepare(brake, elements=160), brake).values(), "friction"))
+    end = min(
+        picked(friction_limits_of_groups(prepare(brake, elements=160), brake).values(), "friction")
+    )
     with pytest.raises(NoAnswer, match="mu_lock = ") as refusal:
         solve(vary(brake, {"friction": 1.1 * end}))
     said = float(str(refusal.value).split("mu_lock = ")[1].split()[0])

@@ -22,10 +22,15 @@ from drumlin.contact.stick_slip import (
     FrictionalProblem,
     SlipHistory,
 )
-from drumlin.fem.analysis.at_rest import holding_problem
-from drumlin.fem.analysis.holding import as_dict, full_slip_rotation, hold, turn_drum
+from drumlin.fem.analysis.at_rest import make_stick_slip_problem
+from drumlin.fem.analysis.holding import (
+    find_full_slip_rotation,
+    hold_drum_through_rotations,
+    states_as_plain_data,
+    turn_drum_in_increments,
+)
 from drumlin.fem.equilibrium.group import ShoeGroup
-from drumlin.fem.model import respond
+from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.substructure.body import condense, constrain, scalar_basis, stiffness
 from drumlin.fem.substructure.interface import ContactLine, contact_line, couple
@@ -146,14 +151,14 @@ def test_the_equations_of_the_found_states_hold_and_their_tangent_agrees_with_di
     Open, sticking and slipping nodes together: residuals vanish, and p, t move with the load by
     their linear equations.
     """
-    problem, lever = holding_problem(ShoeGroup(SCENE, BRAKE, (seed % 2,), 1e4))
+    problem, lever = make_stick_slip_problem(ShoeGroup(SCENE, BRAKE, (seed % 2,), 1e4))
     rng = np.random.default_rng(seed)
     rotation = 10 ** rng.uniform(-5.5, -3.5)
     n = len(lever)
     rest = SlipHistory(np.zeros(n), np.zeros(n))
     mu = 0.3
     found = stick_slip.solve_load_increment(problem, mu, rest, np.full(n, STICK))
-    for found_next in turn_drum(problem, lever / 2000.0, mu, found, 0.0, rotation):
+    for found_next in turn_drum_in_increments(problem, lever / 2000.0, mu, found, 0.0, rotation):
         before, state, found = found.history, found.state, found_next
     moved = problem._replace(q_s=problem.q_s + lever * rotation / 2000.0)
     assert (np.abs(found.t) <= mu * found.p + 1e-8 * found.p.max()).all()
@@ -257,7 +262,9 @@ def test_flat_patch_whole_and_inclined(turned):
 
 
 def test_a_holding_brake_saturates_at_its_full_slip_torque():
-    states = hold(SCENE, BRAKE, np.linspace(0, full_slip_rotation(SCENE, BRAKE), 13))
+    states = hold_drum_through_rotations(
+        SCENE, BRAKE, np.linspace(0, find_full_slip_rotation(SCENE, BRAKE), 13)
+    )
     torques = np.array(picked(states, "torque"))
     # At rest both shoes balance each other by symmetry.
     assert abs(torques[0]) < 1e-9 * torques[-1]
@@ -267,30 +274,30 @@ def test_a_holding_brake_saturates_at_its_full_slip_torque():
     assert states[0].sticking > 0.1
     assert 0 < states[6].sticking < states[1].sticking
     assert states[-1].sticking == 0
-    full = respond(SCENE, BRAKE)
+    full = solve_prepared_model(SCENE, BRAKE)
     assert torques[-1] == pytest.approx(full.torque, rel=1e-9)
     for mine, theirs in zip(states[-1].pressure, full.shoes, strict=True):
         assert mine == pytest.approx(theirs.pressure, rel=1e-6, abs=1e-7 * theirs.pressure.max())
     middle = states[6]
     assert any(middle.stick) and all(middle.slip)
     assert np.diff(picked(states, "dissipated")).min() > 0
-    assert {"stick", "slip"} <= set(as_dict(states)[6]["shoes"][1]["state"])
+    assert {"stick", "slip"} <= set(states_as_plain_data(states)[6]["shoes"][1]["state"])
 
 
 def test_more_increments_change_little_and_turning_on_changes_nothing_more():
-    end = full_slip_rotation(SCENE, BRAKE)
-    coarse = hold(SCENE, BRAKE, np.linspace(0, 0.5 * end, 5))[-1].torque
-    fine = hold(SCENE, BRAKE, np.linspace(0, 0.5 * end, 33))[-1].torque
+    end = find_full_slip_rotation(SCENE, BRAKE)
+    coarse = hold_drum_through_rotations(SCENE, BRAKE, np.linspace(0, 0.5 * end, 5))[-1].torque
+    fine = hold_drum_through_rotations(SCENE, BRAKE, np.linspace(0, 0.5 * end, 33))[-1].torque
     assert coarse == pytest.approx(fine, rel=0.02)
-    beyond = hold(SCENE, BRAKE, np.array([0.0, end, 2 * end]))
+    beyond = hold_drum_through_rotations(SCENE, BRAKE, np.array([0.0, end, 2 * end]))
     assert beyond[2].torque == pytest.approx(beyond[1].torque, rel=1e-9)
 
 
 def test_the_work_of_the_drum_and_of_the_force_is_dissipated_or_stored():
     """Forth to full slip and back: over a closed cycle of the drum what goes in is dissipated."""
-    end = full_slip_rotation(SCENE, BRAKE)
+    end = find_full_slip_rotation(SCENE, BRAKE)
     there, back = np.linspace(0, 2 * end, 25), np.linspace(2 * end, -2 * end, 97)[1:]
-    states = hold(
+    states = hold_drum_through_rotations(
         SCENE, BRAKE, np.concatenate([there, back, np.linspace(-2 * end, 2 * end, 97)[1:]])
     )
     loop = states[24:]
@@ -305,17 +312,21 @@ def test_the_work_of_the_drum_and_of_the_force_is_dissipated_or_stored():
 
 def test_refusals():
     with pytest.raises(BadInput, match="friction = 0"):
-        hold(SCENE, vary(BRAKE, {"friction": 0.0}), np.array([0.0]))
+        hold_drum_through_rotations(SCENE, vary(BRAKE, {"friction": 0.0}), np.array([0.0]))
     with pytest.raises(NoAnswer, match="does not touch"):
-        hold(SCENE, vary(BRAKE, {"shoe[1].actuation.force": -1.0}), np.array([0.0]))
+        hold_drum_through_rotations(
+            SCENE, vary(BRAKE, {"shoe[1].actuation.force": -1.0}), np.array([0.0])
+        )
 
 
 def test_a_ring_takes_part_in_holding():
     spec = vary(BRAKE, drum_ring(0.015, "fixed"))
     scene = prepare(spec, elements=20)
     # At full slip holding and sliding brakes have the same torque.
-    states = hold(scene, spec, np.linspace(0, full_slip_rotation(scene, spec), 4))
-    assert states[-1].torque == pytest.approx(respond(scene, spec).torque, rel=1e-9)
+    states = hold_drum_through_rotations(
+        scene, spec, np.linspace(0, find_full_slip_rotation(scene, spec), 4)
+    )
+    assert states[-1].torque == pytest.approx(solve_prepared_model(scene, spec).torque, rel=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -364,7 +375,10 @@ def test_a_path_ends_at_an_answer_also_where_it_turns_back(way, monkeypatch):
 def test_a_vanishing_gap_changes_nothing():
     """A force that closes the gap in increments ends where one increment ends without a gap."""
     gap = vary(BRAKE, {"shoe.lining.clearance": 1e-13})
-    with_gap, without = hold(SCENE, gap, np.zeros(8))[0], hold(SCENE, BRAKE, np.zeros(8))[0]
+    with_gap, without = (
+        hold_drum_through_rotations(SCENE, gap, np.zeros(8))[0],
+        hold_drum_through_rotations(SCENE, BRAKE, np.zeros(8))[0],
+    )
     for mine, theirs in zip(with_gap.traction, without.traction, strict=True):
         assert mine == pytest.approx(theirs, rel=1e-3, abs=1e-4 * np.abs(theirs).max())
 

@@ -250,7 +250,7 @@ def test_a_failed_case_is_a_row_with_its_reason(brake, monkeypatch):
 
 def test_bodies_are_condensed_once_for_all_loads(brake, monkeypatch):
     made = []
-    assemble = meshes.assemble
+    assemble = meshes.assemble_shoe
     monkeypatch.setattr(meshes, "assemble", lambda *a: made.append(1) or assemble(*a))
     loads = [
         {"friction": 0.2},

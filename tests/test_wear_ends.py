@@ -9,9 +9,9 @@ import drumlin
 from conftest import ROOT, partly
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake, vary
-from drumlin.fem.model import respond
+from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.solve import scene_of
+from drumlin.fem.solve import prepare_finest_division
 from drumlin.laws import law
 from drumlin.lining_wear.archard import WearLaw, run, run_on, steady
 from drumlin.lining_wear.linings import fem_setup
@@ -122,7 +122,7 @@ def test_wear_begins_where_the_feet_slide_as_they_do(elements: int) -> None:
     brake = read_brake(ROOT / "studies" / "brakes" / "simplex_abutted.toml")
     scene = prepare(brake, elements=elements)
     (first,) = run_on(fem_setup(scene, brake).interfaces, ARCHARD, [])
-    assert first.torque == pytest.approx(respond(scene, brake).torque, rel=1e-7)
+    assert first.torque == pytest.approx(solve_prepared_model(scene, brake).torque, rel=1e-7)
     assert first.torque == pytest.approx(262.42, rel=1e-3)
 
 
@@ -130,7 +130,7 @@ def test_wear_begins_where_the_feet_slide_as_they_do(elements: int) -> None:
 def test_wear_begins_where_only_a_soft_lining_shows_the_contact() -> None:
     """`solve` begins each level with the contact of the one before; here there is none before."""
     brake = drawn("cam", 30564)
-    (first,) = run_on(fem_setup(scene_of(brake), brake).interfaces, ARCHARD, [])
+    (first,) = run_on(fem_setup(prepare_finest_division(brake), brake).interfaces, ARCHARD, [])
     by_meshes = [drumlin.solve(brake, elements=40).torque, drumlin.solve(brake, elements=80).torque]
     assert first.torque == pytest.approx(by_meshes[1], rel=2e-5)
     assert by_meshes[0] == pytest.approx(by_meshes[1], rel=2e-5)
@@ -142,7 +142,7 @@ def test_wear_begins_where_the_answer_is_followed_from_no_friction() -> None:
     brake = drawn("strut", 60412)
     (first,) = run_on(fem_setup(prepare(brake, elements=40), brake).interfaces, ARCHARD, [])
     assert first.torque == pytest.approx(2820.99, rel=1e-4)
-    (first,) = run_on(fem_setup(scene_of(brake), brake).interfaces, ARCHARD, [])
+    (first,) = run_on(fem_setup(prepare_finest_division(brake), brake).interfaces, ARCHARD, [])
     assert first.torque == pytest.approx(2820.99, rel=1e-5)
 
 
@@ -176,7 +176,9 @@ def test_feet_slide_otherwise_as_the_linings_wear_and_each_state_is_an_answer() 
     footings = [interface.settle(state.depth)[0] for state in states[::10]]
     assert len(set(footings)) > 1
     for state in states[::20]:
-        assert state.torque == pytest.approx(respond(scene, worn(setup, state)).torque, rel=1e-7)
+        assert state.torque == pytest.approx(
+            solve_prepared_model(scene, worn(setup, state)).torque, rel=1e-7
+        )
 
 
 def test_a_held_torque_finds_the_feet_too() -> None:
@@ -192,7 +194,7 @@ def test_a_held_torque_finds_the_feet_too() -> None:
         }
         alone = vary(brake.model_copy(update={"actuation": None}), force)
         loaded = worn(setup._replace(brake=alone), state)
-        assert respond(scene, loaded).torque == pytest.approx(200.0, rel=1e-7)
+        assert solve_prepared_model(scene, loaded).torque == pytest.approx(200.0, rel=1e-7)
 
 
 @pytest.mark.parametrize("seed", partly([17, 28], [28]))

@@ -27,7 +27,7 @@ from drumlin.fem.error_control.adapt import seen
 from drumlin.fem.error_control.estimate import QUANTITIES, Errors, Factors, beside, distances
 from drumlin.fem.error_control.levels import Step, steps
 from drumlin.fem.hp.corner import with_powers
-from drumlin.fem.model import respond
+from drumlin.fem.model import solve_prepared_model
 from drumlin_studies.random_brake import SHAPE_KINDS as KINDS
 from drumlin_studies.random_brake import random_brake
 from drumlin_studies.random_corners import CORNER_KINDS, random_corner
@@ -111,7 +111,7 @@ def observe(seed: int) -> dict[str, Any]:
     try:
         kind, brake = drawn(seed)
         truth = (by_deep_triangles if seed >= FIRST_CORNER else by_finer)(brake)
-        levels = observed(brake, truth, islice(steps(brake, respond), FITTED))
+        levels = observed(brake, truth, islice(steps(brake, solve_prepared_model), FITTED))
     except (NoAnswer, AssertionError) as error:
         # Rounding turns over triangles that are too small.
         return {"seed": seed, "kind": kind, "reason": str(error), "levels": []}

@@ -13,7 +13,7 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
 from drumlin.fem.error_control.adapt import DEFAULT, adapt
-from drumlin.fem.model import respond
+from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.solve import solve
 from drumlin.response.response import Response, ShoeResponse
 from drumlin_studies import random_brake, random_kinds
@@ -142,7 +142,7 @@ def stated_and_true(brake: Brake) -> StatedAndTrue:
 
     Raises NoAnswer where the solve or the truth has no answer.
     """
-    response = adapt(brake, DEFAULT, respond, must=False).response
+    response = adapt(brake, DEFAULT, solve_prepared_model, must=False).response
     true = by_columns(brake, BLOCKS_TRUTH_TOLERANCE)
     return StatedAndTrue(response, true, errors(brake, response.shoes, true.shoes))
 

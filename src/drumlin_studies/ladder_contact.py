@@ -10,7 +10,7 @@ from drumlin.base.arrays import Floats
 from drumlin.brake.fields import Material
 from drumlin.contact import active_set
 from drumlin.contact.equations import ContactProblem
-from drumlin.fem.mesh.grading import graded
+from drumlin.fem.mesh.grading import points_graded_to_both_ends
 from drumlin.response.resultants import integrate
 from drumlin_studies import closed_forms
 from drumlin_studies.ladder_case import DISCRETE, MODEL, KnownAnswer
@@ -121,8 +121,10 @@ def _disc(half_angle: float) -> DiscInHole:
     eps, load = math.radians(half_angle), 1e6
 
     def angles(count: int) -> Floats:
-        inner = graded(-eps, eps, count, eps / 2, 1 / 40)
-        return np.concatenate([inner, graded(eps, 2 * math.pi - eps, count, 0.4, eps / 200)[1:-1]])
+        inner = points_graded_to_both_ends(-eps, eps, count, eps / 2, 1 / 40)
+        return np.concatenate(
+            [inner, points_graded_to_both_ends(eps, 2 * math.pi - eps, count, 0.4, eps / 200)[1:-1]]
+        )
 
     # The disc and the edge of the hole have different meshes, fine at the ends of the contact.
     disc = body(closed(angles(30), towards(0.01, 1.3, 0.985), 1.0, -1), LADDER_STEEL)

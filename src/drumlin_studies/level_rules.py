@@ -28,7 +28,7 @@ import numpy as np
 from drumlin.base.errors import NoAnswer
 from drumlin.fem.error_control.estimate import QUANTITIES, Factors
 from drumlin.fem.error_control.levels import RULE, LevelRule, Step, steps
-from drumlin.fem.model import respond
+from drumlin.fem.model import solve_prepared_model
 from drumlin_studies.calibration import BRAKES, FIRST_SEED, Level, drawn, fit, observed
 from drumlin_studies.sharpness import ASKED
 from drumlin_studies.side_by_side import PROCESSES
@@ -70,7 +70,9 @@ def tried(seed: int, truth: Truth | None, rule: LevelRule) -> Tried | None:
     seconds: list[float] = []
     begin = time.process_time()
     try:
-        for step in steps(brake, respond, levels=[rule.level(k + 1) for k in range(LEVELS_TRIED)]):
+        for step in steps(
+            brake, solve_prepared_model, levels=[rule.level(k + 1) for k in range(LEVELS_TRIED)]
+        ):
             seconds.append(time.process_time() - begin)
             found.append(step)
             begin = time.process_time()

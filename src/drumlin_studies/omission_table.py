@@ -15,10 +15,10 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
-from drumlin.fem.analysis.fields import fields
-from drumlin.fem.mesh.grading import divide
-from drumlin.fem.model import respond
-from drumlin.fem.preparation.cache import shape_of
+from drumlin.fem.analysis.fields import recover_shoe_fields
+from drumlin.fem.mesh.grading import divide_lining
+from drumlin.fem.model import solve_prepared_model
+from drumlin.fem.preparation.cache import shape_key_of_shoe
 from drumlin.fem.preparation.meshes import ELEMENTS
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.preparation.scene import PreparedModel
@@ -198,7 +198,8 @@ def _pair(brake: Brake, names: list[str], elements: int) -> WholeAndSimple:
     whole = partial(prepare, elements=elements)
     make = partial(prepare_straight, elements=elements) if "curvature" in names else whole
     return WholeAndSimple(
-        lambda: respond(whole(brake), brake), lambda: respond(*scene_without(brake, names, make))
+        lambda: solve_prepared_model(whole(brake), brake),
+        lambda: solve_prepared_model(*scene_without(brake, names, make)),
     )
 
 
@@ -207,28 +208,28 @@ def _exact_pair(brake: Brake, part: str, elements: int) -> WholeAndSimple | None
     make = partial(prepare, elements=elements)
 
     def simple() -> Response:
-        return respond(make(brake), brake)
+        return solve_prepared_model(make(brake), brake)
 
     if part == "interior fields":
 
         def with_fields() -> Response:
             scene = make(brake)
-            response = respond(scene, brake)
+            response = solve_prepared_model(scene, brake)
             for i in range(len(brake.shoes)):
-                fields(scene, brake, response, i)
+                recover_shoe_fields(scene, brake, response, i)
             return response
 
         return WholeAndSimple(with_fields, simple)
     if part == "second of equal shoes":
-        shapes = {shape_of(brake, shoe) for shoe in brake.shoes}
+        shapes = {shape_key_of_shoe(brake, shoe) for shoe in brake.shoes}
         # A model without its other shoes would lack their share of the ring.
         if len(shapes) == len(brake.shoes) or brake.ring is not None:
             return None
-        return WholeAndSimple(lambda: respond(_each_alone(brake, make), brake), simple)
+        return WholeAndSimple(lambda: solve_prepared_model(_each_alone(brake, make), brake), simple)
     if brake.friction > 0:
         return None
     rubbing = vary(brake, {"friction": 0.3})
-    return WholeAndSimple(lambda: respond(make(rubbing), brake), simple)
+    return WholeAndSimple(lambda: solve_prepared_model(make(rubbing), brake), simple)
 
 
 def _each_alone(brake: Brake, make: Callable[[Brake], PreparedModel]) -> PreparedModel:
@@ -247,15 +248,15 @@ def _predicted(brake: Brake, names: Iterable[str], elements: int) -> OmissionCha
     """
     names = list(names)
     if "curvature" not in names:
-        return predict(brake, names, respond)
+        return predict(brake, names, solve_prepared_model)
     sketch = sketcher()
-    whole = respond(sketch(brake), brake)
+    whole = solve_prepared_model(sketch(brake), brake)
     # The other omissions are predicted on a sketch whose linings have the mean gap of the chords.
     scene, simple = scene_without(brake, set(names) - {"curvature"}, sketch)
-    rest = respond(scene, simple)
+    rest = solve_prepared_model(scene, simple)
     straightened = tuple(_straightened(brake, shoe, elements) for shoe in simple.shoes)
     straight = simple.model_copy(update={"shoes": straightened})
-    found = change(respond(scene, straight), whole)
+    found = change(solve_prepared_model(scene, straight), whole)
     # The sketch does not see the waves of p within an element: a closed form adds them.
     waves = []
     for shoe, answer in zip(brake.shoes, rest.shoes, strict=True):
@@ -266,7 +267,7 @@ def _predicted(brake: Brake, names: Iterable[str], elements: int) -> OmissionCha
 
 def _sagittas(brake: Brake, shoe: Shoe, elements: int) -> tuple[Floats, Floats]:
     """Ends (m + 1,) [rad] of the elements along a lining, and sagittas (m,) [m] of their chords."""
-    angles = divide(shoe, brake.size, elements).angles
+    angles = divide_lining(shoe, brake.size, elements).angles
     return angles, brake.size * (1 - np.cos(np.diff(angles) / 2))
 
 

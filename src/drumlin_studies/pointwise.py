@@ -24,9 +24,9 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.fem.equilibrium.state import unloaded_gaps_at
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
-from drumlin.fem.preparation.bodies import actuation, contact_stiffness
-from drumlin.fem.preparation.meshes import ELEMENTS, Assembled, Mesher, assemble
-from drumlin.fem.preparation.scene import Seconds, clock
+from drumlin.fem.preparation.bodies import actuation_load_factors, contact_stiffness
+from drumlin.fem.preparation.meshes import ELEMENTS, AssembledShoe, Mesher, assemble_shoe
+from drumlin.fem.preparation.scene import Seconds, add_elapsed_time
 from drumlin.fem.substructure.body import FRAME
 from drumlin.fem.substructure.interface import edge_points, radial
 from drumlin.fem.substructure.loads import ACTUATION
@@ -146,11 +146,11 @@ def _solve_shoe(
     seconds : dict
         The times of the steps [s] are added to these.
     """
-    parts = assemble(brake, shoe, mesher, seconds)
+    parts = assemble_shoe(brake, shoe, mesher, seconds)
     drag = brake.drag_on(shoe)
-    unit, moment = actuation(parts, shoe)
+    unit, moment = actuation_load_factors(parts, shoe)
     force = abs(shoe.actuation.force)
-    with clock(seconds, "contact"):
+    with add_elapsed_time(seconds, "contact"):
         A = (parts.constraints.matrix.T @ parts.K @ parts.constraints.matrix).tocsc()
         points = _points(parts, brake, shoe, drag)
         # Displacements of all unknowns as the shoe turns about its pin by 1 rad.
@@ -188,7 +188,7 @@ def _solve_shoe(
     return PointwiseAnswer(response, balance, contact_state.steps)
 
 
-def _points(parts: Assembled, brake: Brake, shoe: Shoe, drag: float) -> _Points:
+def _points(parts: AssembledShoe, brake: Brake, shoe: Shoe, drag: float) -> _Points:
     """The quadrature points of a shoe, with the drag of friction along growing angles."""
     line = parts.line
     at, weights = np.polynomial.legendre.leggauss(line.order + 1)
@@ -222,7 +222,7 @@ def _points(parts: Assembled, brake: Brake, shoe: Shoe, drag: float) -> _Points:
     )
 
 
-def _turn(parts: Assembled, shoe: Shoe) -> Floats:
+def _turn(parts: AssembledShoe, shoe: Shoe) -> Floats:
     """Displacement (2n,) of the contact nodes per angle of turn about the pin [m/rad]."""
     x, y = parts.line.xy - shoe.own_pin[:, None]
     return np.column_stack([-y, x]).ravel()

@@ -31,9 +31,9 @@ from drumlin.brake.fields import Material
 from drumlin.brake.orthotropic import isotropic_only
 from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.preparation.bodies import ShoeSubstructure
-from drumlin.fem.preparation.cache import shape_of
+from drumlin.fem.preparation.cache import shape_key_of_shoe
 from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.preparation.scene import PreparedModel, why_not
+from drumlin.fem.preparation.scene import PreparedModel, reason_why_not_modelled
 from drumlin.fem.substructure.interface import edge_points
 from drumlin.fem.substructure.ring import RingSubstructure
 
@@ -72,7 +72,7 @@ def sketcher(elements: int = SKETCH_ELEMENTS) -> Callable[[Brake], PreparedModel
     meshed: dict[Brake, PreparedModel] = {}
 
     def sketch(brake: Brake) -> PreparedModel:
-        reason = why_not(brake) or isotropic_only(brake, "a sketch")
+        reason = reason_why_not_modelled(brake) or isotropic_only(brake, "a sketch")
         if reason is not None:
             raise BadInput(f"fem does not apply to this brake: {reason}")
         bare = _rigid(brake)
@@ -105,7 +105,7 @@ def _with_closed_forms(scene: PreparedModel, brake: Brake, shortest: float) -> P
     made: dict[tuple[object, ...], ShoeSubstructure] = {}
     bodies = []
     for body, shoe, bare in zip(scene.bodies, brake.shoes, scene.brake.shoes, strict=True):
-        key = shape_of(brake, shoe)
+        key = shape_key_of_shoe(brake, shoe)
         if key not in made:
             made[key] = body if shoe.body == bare.body else _flexible(body, shoe, brake.size)
         bodies.append(made[key])

@@ -15,10 +15,10 @@ from drumlin.contact.self_locking import (
     find_friction_limit,
     smallest_singular_friction_of_all_sets,
 )
-from drumlin.fem.analysis.self_locking import limits, torques
-from drumlin.fem.analysis.sensitivity import against_differences
+from drumlin.fem.analysis.self_locking import friction_limits_of_groups, torques_at_frictions
+from drumlin.fem.analysis.sensitivity import compare_with_differences_of_solves
 from drumlin.fem.equilibrium.group import ShoeGroup
-from drumlin.fem.model import respond
+from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.laws import locking_friction, sine
@@ -54,7 +54,10 @@ def limit_row(brake: Brake, elements: int) -> Row:
     It is that of the first group of shoes to lock. elements : elements along a lining.
     """
     scene = prepare(brake, elements=elements)
-    found = min(limits(scene, brake, FARTHEST_FRICTION).values(), key=lambda end: end.friction)
+    found = min(
+        friction_limits_of_groups(scene, brake, FARTHEST_FRICTION).values(),
+        key=lambda end: end.friction,
+    )
     law = _locking_by_law(brake)
     mu, t_over_R = found.friction, brake.shoes[0].lining.thickness / brake.size
     off = mu / law - 1
@@ -81,7 +84,10 @@ def torque_row(brake: Brake, name: str, elements: int) -> Row:
         Elements along a lining.
     """
     scene = prepare(brake, elements=elements)
-    end = min(found.friction for found in limits(scene, brake, FARTHEST_FRICTION).values())
+    end = min(
+        found.friction
+        for found in friction_limits_of_groups(scene, brake, FARTHEST_FRICTION).values()
+    )
     law = _locking_by_law(brake)
     # The fractions of the limit are even up to 0.9 and then approach 1 in even ratios.
     fractions = (*np.linspace(0.02, 0.9, 45), *(1 - np.logspace(-1, -6, 26)[1:]))
@@ -93,7 +99,7 @@ def torque_row(brake: Brake, name: str, elements: int) -> Row:
         "law_mu": of_law,
         "mu_lock": end,
         "law": law,
-        "torque": torques(scene, brake, mu).sum(axis=1).tolist(),
+        "torque": torques_at_frictions(scene, brake, mu).sum(axis=1).tolist(),
         "law_torque": [sine(vary(brake, {"friction": m})).torque for m in of_law],
     }
 
@@ -205,7 +211,7 @@ def _agreement_below(
 def _answers(scene: PreparedModel, brake: Brake) -> bool:
     """Whether drumlin itself has an answer, with the exact contact whose limit was followed."""
     try:
-        respond(scene, brake, penalty=math.inf)
+        solve_prepared_model(scene, brake, penalty=math.inf)
     except NoAnswer:
         return False
     return True
@@ -231,7 +237,7 @@ def slope_rows(brake: Brake, name: str, penalty: float) -> list[Row]:
     penalty : float
         Penalty factor of the contact.
     """
-    found, table = against_differences(brake, 1, elements=20, penalty=penalty)
+    found, table = compare_with_differences_of_solves(brake, 1, elements=20, penalty=penalty)
     rows = [row | {"brake": name} for row in table]
     rows[0] |= {"S": found.S, "law": (found.law or (None,))[-1]}
     return rows

@@ -28,7 +28,7 @@ from drumlin.base.files import write_text
 from drumlin.brake.brake import Brake
 from drumlin.fem.error_control.adapt import DEFAULT, Tolerance, adapt
 from drumlin.fem.error_control.levels import Step, steps
-from drumlin.fem.model import respond
+from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.response.response import Response
 from drumlin_studies.stated_true import JUDGED_QUANTITIES as QUANTITIES
@@ -129,9 +129,9 @@ def judged(name: str, stored: StoredTruth) -> list[Judged]:
     solved: list[int] = []
 
     def counted(scene: PreparedModel, brake: Brake, *, start: Response | None = None) -> Response:
-        """The response of `respond`; its number of unknowns is added to `solved`."""
+        """The response of `solve_prepared_model`; its number of unknowns is added to `solved`."""
         solved.append(sum(body.unknowns for body in scene.bodies))
-        return respond(scene, brake, start=start)
+        return solve_prepared_model(scene, brake, start=start)
 
     sequences: tuple[Iterable[Step], ...] = tee(steps(brake, counted), len(ASKED))
     found = []
@@ -147,7 +147,9 @@ def judged(name: str, stored: StoredTruth) -> list[Judged]:
 def _answer(brake: Brake, tolerance: Tolerance, sequence: Iterable[Step]) -> Response | None:
     """The answer that a solve would give, or None where the solve would miss the tolerance."""
     try:
-        return adapt(brake, tolerance, respond, must=tolerance != DEFAULT, along=sequence).response
+        return adapt(
+            brake, tolerance, solve_prepared_model, must=tolerance != DEFAULT, along=sequence
+        ).response
     except NoAnswer:
         return None
 

@@ -38,7 +38,7 @@ from drumlin.brake.plane_brake import any_from
 from drumlin.fem.error_control.levels import DEG, steps
 from drumlin.fem.hp.corner import left_at_corners, power_at_corner, steep_corners
 from drumlin.fem.hp.division import Level
-from drumlin.fem.model import respond
+from drumlin.fem.model import solve_prepared_model
 from drumlin.verification import triangles
 from drumlin.verification.triangles.levels import TRIANGLE_LEVELS
 from drumlin.verification.triangles.outline import TriangleLevel
@@ -311,7 +311,7 @@ def by_finer(brake: Brake) -> Truth:
     Raises NoAnswer where one of the divisions has no answer.
     """
     begin = time.process_time()
-    answers = steps(brake, partial(respond, penalty=math.inf), levels=FINER)
+    answers = steps(brake, partial(solve_prepared_model, penalty=math.inf), levels=FINER)
     found = [step.response.shoes for step in answers]
     if len(found) < len(FINER):
         raise NoAnswer(f"only {len(found)} of {len(FINER)} divisions have an answer")

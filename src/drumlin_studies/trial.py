@@ -20,7 +20,7 @@ from drumlin.brake.brake import Brake
 from drumlin.contact.equations import condition_number
 from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_groups
 from drumlin.fem.error_control.refinement import EPSILON
-from drumlin.fem.model import REFINED, refined_group, respond
+from drumlin.fem.model import REFINED_REMARK, refine_group_solution, solve_prepared_model
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.response.response import Response
@@ -78,7 +78,7 @@ def trial(case: KnobCase) -> dict[str, Any]:
             warnings.simplefilter("error")
             brake = case.brake()
             scene = prepare(brake, elements=case.elements, kind=case.kind, mesher=case.mesher())
-            response = respond(scene, brake, penalty=case.penalty)
+            response = solve_prepared_model(scene, brake, penalty=case.penalty)
         touches = any(shoe.contact_arcs for shoe in response.shoes)
         row["outcome"] = "answer" if touches else "no contact"
     # Any exception becomes a row, because an unexpected one is what a trial looks for.
@@ -113,7 +113,7 @@ def _judged(
         "torque": response.torque,
         "steps": response.iterations,
         "balance": max(response.balance.force, response.balance.moment),
-        "refined": any(REFINED in note for note in response.notes),
+        "refined": any(REFINED_REMARK in note for note in response.notes),
     }
     if row["outcome"] == "answer":
         row |= worth(scene, brake, response, penalty)
@@ -183,7 +183,7 @@ def _worth(response: Response, group: ShoeGroup) -> dict[str, Any]:
     row |= {"digits": None, "whole": ""}
     start = time.perf_counter()
     try:
-        refined = refined_group(group, active, OTHER_ORDER)
+        refined = refine_group_solution(group, active, OTHER_ORDER)
     except NoAnswer as error:
         return row | {"whole": str(error), "seconds_whole": time.perf_counter() - start}
     row["seconds_whole"] = time.perf_counter() - start

@@ -19,27 +19,27 @@ from drumlin.contact.stick_slip import FrictionalProblem
 from drumlin.fem.equilibrium.group import ShoeGroup
 from drumlin.fem.equilibrium.sharing import ForceEffects, make_problem_with_shared_forces
 from drumlin.fem.model import PENALTY
-from drumlin.fem.preparation.bodies import actuation, contact_stiffness
+from drumlin.fem.preparation.bodies import actuation_load_factors, contact_stiffness
 
 
-def holding_problem(group: ShoeGroup) -> tuple[FrictionalProblem, Floats]:
+def make_stick_slip_problem(group: ShoeGroup) -> tuple[FrictionalProblem, Floats]:
     """The stick-slip problem of a group of shoes on a resting drum, per newton, and its lever.
 
     The lever (n,) [m^3] is the weighted slip per rotation of the drum: a rotation by Omega adds
     lever Omega to the slips q_s. Tractions and slips count along e_theta of the brake. One node for
-    each foot on a rough abutment follows the nodes of the linings, see `Feet`.
+    each foot on a rough abutment follows the nodes of the linings, see `RoughFeet`.
     """
-    feet = Feet.of(group)
-    still = replace(group, brake=feet.without_abutment_friction(0.0), friction_senses=feet.senses)
-    shoes = [_shoe_tractions(still, k) for k in range(len(group.members))]
-    problem = feet.add_nodes(_free_feet_problem(still, shoes), still)
+    feet = RoughFeet.of_group(group)
+    still = replace(group, brake=feet.brake_with_smooth_abutments(0.0), friction_senses=feet.senses)
+    shoes = [_traction_matrices_of_shoe(still, k) for k in range(len(group.members))]
+    problem = feet.add_foot_nodes(_problem_with_free_feet(still, shoes), still)
     if group.struts or group.cam_shoes:
-        problem = _share_forces(still, problem, shoes)
+        problem = _add_shared_forces(still, problem, shoes)
     lever = np.concatenate([body.coupling.lever for body in group.bodies])
-    return problem, np.append(lever, np.zeros(len(feet.on)))
+    return problem, np.append(lever, np.zeros(len(feet.shoe_numbers)))
 
 
-class _ShoeTractions(NamedTuple):
+class _TractionMatrices(NamedTuple):
     """The matrices that tractions t and slips s add to the contact problem of one shoe.
 
     Attributes
@@ -63,7 +63,7 @@ class _ShoeTractions(NamedTuple):
     effects: ForceEffects
 
 
-def _shoe_tractions(group: ShoeGroup, k: int) -> _ShoeTractions:
+def _traction_matrices_of_shoe(group: ShoeGroup, k: int) -> _TractionMatrices:
     """The matrices of tractions on shoe `k` of a group without friction."""
     body, shoe, modes = group.bodies[k], group.shoes[k], group.rigid_body_modes[k]
     coupling, condensed = body.coupling, body.condensed
@@ -73,7 +73,7 @@ def _shoe_tractions(group: ShoeGroup, k: int) -> _ShoeTractions:
     # Products of two halves are entries of the flexibility by pressures, tractions and loads.
     Y = condensed.half_flexibility(np.hstack([-coupling.N.T, T.T, condensed.load_on_contact]))
     pressed, dragged, loaded = np.split(Y, [n, 2 * n], axis=1)
-    load, _ = actuation(body, shoe)
+    load, _ = actuation_load_factors(body, shoe)
     force = abs(shoe.actuation.force) / group.unit_force
     tip = dragged.T @ (loaded @ load)
     bearing = np.zeros(n)
@@ -81,7 +81,7 @@ def _shoe_tractions(group: ShoeGroup, k: int) -> _ShoeTractions:
         nodal = T.reshape(n, -1, 2).sum(axis=1)
         bearing = -shoe.frame.to_brake(nodal) @ shoe.bearing
     effects = group.effects_of_forces(0.0)[k]
-    return _ShoeTractions(
+    return _TractionMatrices(
         # The gaps close by N u as the tractions T^T t act.
         A_wt=pressed.T @ dragged,
         A_sp=-dragged.T @ pressed,
@@ -96,7 +96,7 @@ def _shoe_tractions(group: ShoeGroup, k: int) -> _ShoeTractions:
     )
 
 
-def _free_feet_problem(still: ShoeGroup, shoes: list[_ShoeTractions]) -> FrictionalProblem:
+def _problem_with_free_feet(still: ShoeGroup, shoes: list[_TractionMatrices]) -> FrictionalProblem:
     """The stick-slip problem of a group whose feet are free in the plane.
 
     Parameters
@@ -133,7 +133,7 @@ def _free_feet_problem(still: ShoeGroup, shoes: list[_ShoeTractions]) -> Frictio
     )
 
 
-class Feet(NamedTuple):
+class RoughFeet(NamedTuple):
     """The feet of a group's shoes on rough abutments, each a node of the stick-slip problem.
 
     The node of a foot bears a force p [N] along the normal of the abutment's face and a force
@@ -142,20 +142,20 @@ class Feet(NamedTuple):
     Attributes
     ----------
     group : the group of shoes
-    on : numbers, within the group, of the shoes whose feet stand on rough abutments
+    shoe_numbers : numbers, within the group, of the shoes whose feet stand on rough abutments
     senses : sense of friction at each abutment of the group, UNHELD where the foot is a node
-    yielding : compliance (feet,) [m/N] of each foot across and along the face, in the place of a
-        lining's penalty
+    foot_compliance : compliance (feet,) [m/N] of each foot across and along the face, in the place
+        of a lining's penalty
     """
 
     group: ShoeGroup
-    on: list[int]
+    shoe_numbers: list[int]
     senses: tuple[int, ...]
-    yielding: Floats
+    foot_compliance: Floats
 
     @classmethod
-    def of(cls, group: ShoeGroup) -> "Feet":
-        """The feet of a group on rough abutments."""
+    def of_group(cls, group: ShoeGroup) -> "RoughFeet":
+        """Collect the feet of a group on rough abutments."""
         # Exact contact of linings has no compliance, but a sticking foot needs one.
         penalty = PENALTY if math.isinf(group.penalty) else group.penalty
         on, stiffness, senses = [], [], [1] * len(group.shoes)
@@ -168,7 +168,7 @@ class Feet(NamedTuple):
             stiffness.append(contact_stiffness(shoe, penalty) * area)
         return cls(group, on, tuple(senses), 1 / np.array(stiffness))
 
-    def without_abutment_friction(self, friction: float) -> Brake:
+    def brake_with_smooth_abutments(self, friction: float) -> Brake:
         """The brake at a friction coefficient of the drum, with frictionless abutments."""
         shoes = []
         for shoe in self.group.brake.shoes:
@@ -176,14 +176,14 @@ class Feet(NamedTuple):
             shoes.append(shoe.model_copy(update={"abutment": abutment}))
         return self.group.brake.model_copy(update={"friction": friction, "shoes": tuple(shoes)})
 
-    def node_friction(self) -> Floats:
+    def friction_of_all_nodes(self) -> Floats:
         """The friction coefficient (n,) of every node, of linings first and then of feet."""
         n = self.group.node_ranges[-1].stop
-        abutments = [self.group.shoes[k].abutment for k in self.on]
+        abutments = [self.group.shoes[k].abutment for k in self.shoe_numbers]
         of_feet = [abutment.friction for abutment in abutments if abutment is not None]
         return np.array([self.group.brake.friction] * n + of_feet)
 
-    def add_nodes(self, problem: FrictionalProblem, still: ShoeGroup) -> FrictionalProblem:
+    def add_foot_nodes(self, problem: FrictionalProblem, still: ShoeGroup) -> FrictionalProblem:
         """Add a node for each foot to a stick-slip problem.
 
         Parameters
@@ -191,18 +191,18 @@ class Feet(NamedTuple):
         problem : the stick-slip problem of the linings
         still : the group of this problem, whose feet are free in the plane
         """
-        if not self.on:
+        if not self.shoe_numbers:
             return problem
-        count = len(self.on)
+        count = len(self.shoe_numbers)
         off = np.zeros((count, problem.B_w.shape[1]))
         slid = np.zeros((count, problem.B_w.shape[1]))
         # Only the two slides of a shoe move its foot: the shoe turns about the foot.
-        for row, k in enumerate(self.on):
+        for row, k in enumerate(self.shoe_numbers):
             names = still.shoes[k].freedoms(UNHELD).names
             first = still.mode_ranges[k].start
             off[row, first + names.index("off")] = 1.0
             slid[row, first + names.index("slide")] = 1.0
-        yielding, nothing = np.diag(self.yielding), np.zeros((count, count))
+        yielding, nothing = np.diag(self.foot_compliance), np.zeros((count, count))
         no_gap = np.zeros(count)
         return problem._replace(
             A_wp=block_diag(problem.A_wp, yielding),
@@ -219,8 +219,8 @@ class Feet(NamedTuple):
         )
 
 
-def _share_forces(
-    still: ShoeGroup, problem: FrictionalProblem, shoes: list[_ShoeTractions]
+def _add_shared_forces(
+    still: ShoeGroup, problem: FrictionalProblem, shoes: list[_TractionMatrices]
 ) -> FrictionalProblem:
     """Let the shoes of a stick-slip problem share forces by struts and a cam.
 

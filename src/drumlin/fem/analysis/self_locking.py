@@ -12,7 +12,7 @@ from drumlin.fem.equilibrium.group import divide_pressed_shoes_into_groups
 from drumlin.fem.preparation.scene import PreparedModel
 
 
-def limits(
+def friction_limits_of_groups(
     scene: PreparedModel,
     brake: Brake,
     most: float = LARGEST_SOUGHT_FRICTION,
@@ -41,7 +41,7 @@ def limits(
     }
 
 
-def torques(
+def torques_at_frictions(
     scene: PreparedModel, brake: Brake, frictions: Sequence[float], penalty: float = math.inf
 ) -> Floats:
     """The torque (m, shoes) [N m] of each shoe at m growing friction coefficients.

@@ -20,7 +20,7 @@ from drumlin.contact import active_set, self_locking
 from drumlin.fem.equilibrium import reach
 from drumlin.fem.equilibrium.problems import GroupProblems
 from drumlin.fem.equilibrium.sharing import LARGEST_FORCE_THAT_DOES_NOT_PUSH, WOULD_PULL_TEXT
-from drumlin.fem.preparation.bodies import ShoeSubstructure, actuation
+from drumlin.fem.preparation.bodies import ShoeSubstructure, actuation_load_factors
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.laws import rigid
 
@@ -403,8 +403,8 @@ def is_pressed_on_drum(body: ShoeSubstructure, brake: Brake, shoe: Shoe) -> bool
         return False
     if shoe.held_by != "hinge":
         return rigid.bears(brake, shoe) >= 0
-    _, moment = actuation(body, shoe)
-    approach, _ = body.rotation_closure
+    _, moment = actuation_load_factors(body, shoe)
+    approach, _ = body.gap_closure_by_rotation
     # A lever arm below 1e-14 of the lining's distance from the centre is round-off.
     turns = abs(moment) > 1e-14 * np.abs(body.line.xy).max()
     return bool(turns and (moment * approach > 0).any())

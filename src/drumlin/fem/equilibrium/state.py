@@ -16,7 +16,11 @@ from drumlin.base.lapack import block_diag
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.fem.equilibrium.modes import RigidBodyModes, make_rigid_body_modes
-from drumlin.fem.preparation.bodies import ShoeSubstructure, actuation, contact_stiffness
+from drumlin.fem.preparation.bodies import (
+    ShoeSubstructure,
+    actuation_load_factors,
+    contact_stiffness,
+)
 from drumlin.fem.preparation.scene import PreparedModel
 
 
@@ -141,7 +145,9 @@ class GroupState:
     @cached_property
     def unit_loads(self) -> tuple[UnitLoad, ...]:
         """The actuation of each shoe per newton of its force."""
-        return tuple(UnitLoad(*each) for each in map(actuation, self.bodies, self.shoes))
+        return tuple(
+            UnitLoad(*each) for each in map(actuation_load_factors, self.bodies, self.shoes)
+        )
 
     @cached_property
     def rigid_body_modes(self) -> tuple[RigidBodyModes, ...]:
@@ -171,7 +177,7 @@ class GroupState:
         closures = []
         for body, shoe, modes in zip(self.bodies, self.shoes, self.rigid_body_modes, strict=True):
             if shoe.held_by == "hinge":
-                found = ModeClosures(*body.rotation_closure)
+                found = ModeClosures(*body.gap_closure_by_rotation)
             else:
                 coupling, u = body.coupling, modes.test_modes
                 found = ModeClosures(coupling.N @ u, coupling.T @ u)

@@ -35,7 +35,7 @@ from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.contact.active_set import SET_ROUND_OFF
 from drumlin.fem.equilibrium.group import ShoeGroup
-from drumlin.fem.preparation.bodies import actuation
+from drumlin.fem.preparation.bodies import actuation_load_factors
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.substructure.body import FRAME, stiffness
 from drumlin.fem.substructure.elasticity import layers_of, ring_layers
@@ -247,7 +247,7 @@ def _shoe_block(group: ShoeGroup, k: int, carried: bool) -> _ShoeBlock:
     K = stiffness(body.basis, layers_of(shoe), precise=True)
     constrained = (constraints.T @ K @ constraints).tocsr()
     inside, n = constrained.shape[0] - FRAME, len(body.line.nodes)
-    unit, _ = actuation(body, shoe)
+    unit, _ = actuation_load_factors(body, shoe)
     share = LONG_DOUBLE(abs(shoe.actuation.force)) / group.unit_force
     load = share * (body.condensed.loads.astype(LONG_DOUBLE) @ unit.astype(LONG_DOUBLE))
     N, T = body.coupling.N.astype(LONG_DOUBLE), body.coupling.T.astype(LONG_DOUBLE)
