@@ -23,10 +23,10 @@ import numpy as np
 from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
-from drumlin.fem.error_control.adapt import seen
+from drumlin.fem.error_control.adapt import errors_with_singularities
 from drumlin.fem.error_control.estimate import QUANTITIES, Errors, Factors, beside, distances
 from drumlin.fem.error_control.levels import Step, steps
-from drumlin.fem.hp.corner import with_powers
+from drumlin.fem.hp.corner import response_with_power_laws
 from drumlin.fem.model import solve_prepared_model
 from drumlin_studies.random_brake import SHAPE_KINDS as KINDS
 from drumlin_studies.random_brake import random_brake
@@ -36,7 +36,7 @@ from drumlin_studies.random_kinds import random_kind
 from drumlin_studies.stated_true import Truth, errors
 from drumlin_studies.stored_truth import CERTAIN, by_deep_triangles, by_finer
 
-FIRST_SEED, BRAKES = 300_000, 260
+FIRST_SEED, FITTED_BRAKES = 300_000, 260
 """Seed of the first random brake of the fit, and the number of these brakes: ten of each kind. The
 stored truths (seeds 70000 and on) and the study that judges the factors (seeds 700000 and on) use
 other brakes."""
@@ -59,7 +59,7 @@ RELEVANT = 1e-6
 so small an error of p, and errors of this size may be errors of the far finer solution or of the
 arithmetic."""
 
-WEIGHTS = tuple(2.0**-k for k in range(4, 14))
+CHANCE_WEIGHTS = tuple(2.0**-k for k in range(4, 14))
 """Candidates for the weight of the force change that random signs of the hp elements' contributions
 would cause, relative to the weight of the actual change. `fit` takes the candidate with the
 smallest median of stated over true error."""
@@ -68,11 +68,11 @@ HALF = 0.999
 """Share of the true errors that are at most twice as large as the stated errors. QUANTILE bounds
 how many stated errors are too small; HALF bounds by how much a stated error is too small."""
 
-DIGITS = 2
+SIGNIFICANT_DIGITS = 2
 """Number of significant digits of a factor. Other brakes would give other further digits."""
 
 
-class Level(NamedTuple):
+class LevelRecord(NamedTuple):
     """Errors of the answer of one level and the terms of their estimate, by QUANTITIES.
 
     Attributes
@@ -123,26 +123,26 @@ def observe(seed: int) -> dict[str, Any]:
     }
 
 
-def observed(brake: Brake, truth: Truth, found: Iterable[Step]) -> list[Level]:
+def observed(brake: Brake, truth: Truth, found: Iterable[Step]) -> list[LevelRecord]:
     """Errors and estimates of the levels of a brake, from the second level on.
 
     The true error of a quantity is nan where a solve says that the quantity is not known, as for an
     unbounded peak pressure.
     """
     nothing = Errors.worst(0.0, [dict.fromkeys(QUANTITIES, 0.0)] * len(brake.shoes))
-    levels: list[Level] = []
+    levels: list[LevelRecord] = []
     before = None
     for _, raw in found:
-        response = with_powers(brake, raw)
+        response = response_with_power_laws(brake, raw)
         if before is not None:
-            unknown, _ = seen(nothing, brake, response)
+            unknown, _ = errors_with_singularities(nothing, brake, response)
             true = {
                 name: math.nan if unknown.brake[name] > 0 else value
                 for name, value in errors(brake, response.shoes, truth.shoes).items()
             }
             moved = distances(brake, before, response)
             levels.append(
-                Level(
+                LevelRecord(
                     step=_worst(moved.steps),
                     chance=_worst(moved.chance),
                     beside=_worst(beside(response.shoes)),
@@ -164,7 +164,7 @@ def _worst(values: Floats) -> dict[str, float]:
 
 
 class Samples(NamedTuple):
-    """The attributes of `Level` for one quantity, as arrays (m,) over all brakes and levels."""
+    """The attributes of `LevelRecord` for one quantity, as arrays (m,) over brakes and levels."""
 
     step: Floats
     chance: Floats
@@ -200,19 +200,19 @@ class Samples(NamedTuple):
         return stated[self.known] / self.true[self.known]
 
 
-def samples(levels: Sequence[Level], quantity: str) -> Samples:
+def samples(levels: Sequence[LevelRecord], quantity: str) -> Samples:
     """The samples of a quantity from all levels on which the quantity has a true error."""
     rows = [
         [of[quantity] for of in level] for level in levels if not math.isnan(level.true[quantity])
     ]
-    return Samples(*np.array(rows).reshape(-1, len(Level._fields)).T)
+    return Samples(*np.array(rows).reshape(-1, len(LevelRecord._fields)).T)
 
 
-def fit(levels: Sequence[Level]) -> Factors:
+def fit(levels: Sequence[LevelRecord]) -> Factors:
     """The smallest factors with which QUANTILE and HALF are satisfied for each quantity.
 
     Torque and reaction share a factor, the larger of the two. The weight of chance is the one of
-    WEIGHTS that gives the smallest median of stated over true error.
+    CHANCE_WEIGHTS that gives the smallest median of stated over true error.
     """
     forces = [samples(levels, name) for name in ("torque", "reaction")]
 
@@ -224,31 +224,32 @@ def fit(levels: Sequence[Level]) -> Factors:
             np.median(np.concatenate([of.ratios(factor(weight), weight) for of in forces]))
         )
 
-    weight = min(WEIGHTS, key=sharpness)
+    weight = min(CHANCE_WEIGHTS, key=sharpness)
     pressure, peak = (samples(levels, name).factor(0.0) for name in ("pressure", "peak"))
     return Factors(pressure, factor(weight), _up(factor(weight) * weight), peak)
 
 
 def _up(value: float) -> float:
-    """The value rounded up to DIGITS significant digits."""
-    scale = 10.0 ** (math.floor(math.log10(value)) - DIGITS + 1)
-    return float(f"{math.ceil(value / scale - 1e-9) * scale:.{DIGITS}g}")
+    """The value rounded up to SIGNIFICANT_DIGITS significant digits."""
+    scale = 10.0 ** (math.floor(math.log10(value)) - SIGNIFICANT_DIGITS + 1)
+    return float(f"{math.ceil(value / scale - 1e-9) * scale:.{SIGNIFICANT_DIGITS}g}")
 
 
 MEANING = {
-    "pressure": "Error of p in L2 over the distance of p on the last two levels. "
-    "Smaller: stated errors of p are too small. "
-    "Larger: solves go on to a finer level that nobody needed.",
-    "force": "Error of a torque or a reaction over its distance on the last two levels. "
-    "Smaller and larger as above.",
-    "cancelled": "Fraction of what a force would move by, were the signs of the columns' "
-    "contributions chance, that is added to its error. "
-    "Smaller: forces that two levels share by accident are stated as sure. "
-    "Larger: the errors of torque and reactions are stated many times too large where p is hardly "
-    "known, as at a pressed corner.",
-    "peak": "Error of the peak pressure over its distance on the last two levels, or where that is "
-    "larger over the geometric mean of the distances of p in the column of the peak and in L2. "
-    "Smaller and larger as above.",
+    "pressure": "Error of p in the L2 norm over the distance between the last two levels. "
+    "If the factor is too small, stated errors of p are too small. "
+    "If it is too large, solves go on to a finer level that nobody needs.",
+    "force": "Error of a torque or a reaction over its distance between the last two levels. "
+    "A factor that is too small or too large has the same effects as that of the pressure.",
+    "cancelled": "Fraction of a force change that is added to the error of the force: the change "
+    "that the last change of p would cause if its columns contributed with random signs. "
+    "If the fraction is too small, a force that agrees on two levels by accident has too small a "
+    "stated error. If it is too large, the stated errors of torque and reactions are many times "
+    "too large wherever p is hardly known, as at a pressed corner.",
+    "peak": "Error of the peak pressure over the larger of two distances between the last two "
+    "levels: the distance of the peak, and the geometric mean of the distances of p in the column "
+    "of the peak and in the L2 norm. "
+    "A factor that is too small or too large has the same effects as that of the pressure.",
 }
 """The meaning of each factor, in the words of the factors' file."""
 

@@ -29,7 +29,7 @@ from drumlin.base.errors import NoAnswer
 from drumlin.fem.error_control.estimate import QUANTITIES, Factors
 from drumlin.fem.error_control.levels import RULE, LevelRule, Step, steps
 from drumlin.fem.model import solve_prepared_model
-from drumlin_studies.calibration import BRAKES, FIRST_SEED, Level, drawn, fit, observed
+from drumlin_studies.calibration import FIRST_SEED, FITTED_BRAKES, LevelRecord, drawn, fit, observed
 from drumlin_studies.sharpness import ASKED
 from drumlin_studies.side_by_side import PROCESSES
 from drumlin_studies.stated_true import Truth
@@ -49,7 +49,7 @@ class Tried(NamedTuple):
     seconds : processor time of each level from the first one on [s]
     """
 
-    levels: list[Level]
+    levels: list[LevelRecord]
     seconds: list[float]
 
 
@@ -95,7 +95,7 @@ class Stop(NamedTuple):
     seconds: float
     reached: bool
     stated: Mapping[str, float]
-    level: Level
+    level: LevelRecord
 
 
 def stop(brake: Tried, factors: Factors, pressure: float, torque: float) -> Stop:
@@ -108,7 +108,7 @@ def stop(brake: Tried, factors: Factors, pressure: float, torque: float) -> Stop
     raise ValueError("a brake that was tried on one level alone")
 
 
-def _stated(level: Level, factors: Factors) -> dict[str, float]:
+def _stated(level: LevelRecord, factors: Factors) -> dict[str, float]:
     """The stated errors of a level by quantity, with given factors of the estimate."""
     factor = {"pressure": factors.pressure, "peak": factors.peak}
     stated = {}
@@ -157,7 +157,7 @@ def changed(words: Sequence[str]) -> LevelRule:
 
 def main(words: Sequence[str]) -> int:
     """Try the rule RULE and, if there are words, the changed rule; return the exit status."""
-    seeds = range(FIRST_SEED, FIRST_SEED + BRAKES)
+    seeds = range(FIRST_SEED, FIRST_SEED + FITTED_BRAKES)
     rules = {"as it is": RULE} | ({" ".join(words): changed(words)} if words else {})
     with ProcessPoolExecutor(PROCESSES, mp_context=get_context("spawn")) as pool:
         truths = list(pool.map(true_solution, seeds))

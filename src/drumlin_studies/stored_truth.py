@@ -36,7 +36,11 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.brake.plane_brake import any_from
 from drumlin.fem.error_control.levels import DEG, steps
-from drumlin.fem.hp.corner import left_at_corners, power_at_corner, steep_corners
+from drumlin.fem.hp.corner import (
+    pressure_error_at_corners,
+    pressure_with_power_law,
+    unbounded_corners,
+)
 from drumlin.fem.hp.division import Level
 from drumlin.fem.model import solve_prepared_model
 from drumlin.verification import triangles
@@ -90,7 +94,7 @@ CERTAIN = 4.0
 """Smallest ratio of a true error to its uncertainty for which a stored truth judges the stated
 error. At smaller ratios the difference between answer and truth may be an error of the truth."""
 
-DIGITS = 10
+STORED_DIGITS = 10
 """Significant digits of a stored pressure. Its uncertainty is 1e-7 of the pressure at best."""
 
 
@@ -148,7 +152,7 @@ TIP = ((1.756715664026018, 1e-5), (2.3, 0.0), (3.440991216768881, 1.5e-5))
 brake `random_kind(SEED + 1, "hinge")`. The tip is as high as the force compresses the lining, so
 that nearly the whole lining presses."""
 
-BRAKES: dict[str, Drawn] = {
+STORED_BRAKES: dict[str, Drawn] = {
     "arc": Drawn("elastic arc on a hinge, partial contact", "arc", SEED + 0),
     "arc_second": Drawn("elastic arc on a hinge", "arc", SEED + 1),
     "arc_incompressible": Drawn(
@@ -240,13 +244,13 @@ BRAKES: dict[str, Drawn] = {
 
 
 def make(name: str) -> StoredTruth:
-    """The stored truth of a brake of BRAKES.
+    """The stored truth of a brake of STORED_BRAKES.
 
     The meshes DEEP or DEEPEST solve a brake that presses with a corner or under a tip. Other brakes
     are solved by triangles, or by finer hp elements where the triangles have no answer. Raises
     NoAnswer where no solver has an answer.
     """
-    drawn = BRAKES[name]
+    drawn = STORED_BRAKES[name]
     brake = drawn.brake()
     if drawn.kind in CORNERS:
         return StoredTruth(drawn.covers, brake, "deep triangles", by_deep_triangles(brake))
@@ -272,9 +276,9 @@ def by_deep_triangles(brake: Brake) -> Truth:
     """The far finer solution of a brake that presses with a corner or under a tip.
 
     The meshes are DEEPEST under a tip and DEEP at a corner. No triangle is small enough for p next
-    to a pressed corner; there the power law of the corner replaces p, see `corner.power_at_corner`.
-    The error that the smallest pieces of p leave in this power law counts as uncertainty.
-    Raises BadInput and NoAnswer as `triangles.solve` does.
+    to a pressed corner; there the power law of the corner replaces p, see
+    `corner.pressure_with_power_law`. The error that the smallest pieces of p leave in this power
+    law counts as uncertainty. Raises BadInput and NoAnswer as `triangles.solve` does.
     """
     begin = time.process_time()
     try:
@@ -284,22 +288,21 @@ def by_deep_triangles(brake: Brake) -> Truth:
         meshes = triangles.solve_sequence(brake, DEEP)
     found = [[_steep(brake, i, one) for i, one in enumerate(each)] for each in meshes]
     true = of_last_three(brake, found, begin)
-    left = max(left_at_corners(brake, i, one) for i, one in enumerate(found[-1]))
+    left = max(pressure_error_at_corners(brake, i, one) for i, one in enumerate(found[-1]))
     return replace(true, unsure={**true.unsure, "pressure": true.unsure["pressure"] + left})
 
 
 def _steep(brake: Brake, index: int, found: ShoeSolution) -> ShoeSolution:
     """The solution of shoe `index` with the power law of its corners next to pressed corners."""
-    for at_start, power in steep_corners(brake, index, found):
-        corner = found.theta[0 if at_start else -1]
-        arc = next((float(b - a) for a, b in found.arcs if corner in {a, b}), 0.0)
-        theta, pressure = power_at_corner(
+    for corner in unbounded_corners(brake, index, found):
+        at_corner = found.theta[0 if corner.at_start else -1]
+        arc = next((float(b - a) for a, b in found.arcs if at_corner in {a, b}), 0.0)
+        theta, pressure = pressure_with_power_law(
             found.theta,
             found.pressure,
             found.order,
-            power,
+            corner,
             reach=GIVE_WAY * arc,
-            at_start=at_start,
         )
         found = replace(found, theta=theta, pressure=pressure)
     return found
@@ -319,7 +322,7 @@ def by_finer(brake: Brake) -> Truth:
 
 
 def as_text(stored: StoredTruth) -> str:
-    """A stored truth as JSON in SI units, with pressures of DIGITS significant digits."""
+    """A stored truth as JSON in SI units, with pressures of STORED_DIGITS significant digits."""
     data = {
         "covers": stored.covers,
         "by": stored.by,
@@ -339,7 +342,7 @@ def _shoe_data(shoe: Solved) -> dict[str, Any]:
         "normal_force": shoe.normal_force,
         "hinge_reaction": [float(part) for part in shoe.hinge_reaction],
         "theta": [float(f"{angle:.17g}") for angle in shoe.theta],
-        "pressure": [float(f"{p:.{DIGITS}g}") for p in shoe.pressure],
+        "pressure": [float(f"{p:.{STORED_DIGITS}g}") for p in shoe.pressure],
     }
 
 
@@ -368,9 +371,9 @@ def _shoe_from(data: Mapping[str, Any]) -> ShoeSolution:
 def main(folder: str, *names: str) -> None:
     """Write the stored truths of the brakes `names` into a folder, one file for each brake.
 
-    Without names the stored truths of all BRAKES are written.
+    Without names the stored truths of all brakes in STORED_BRAKES are written.
     """
-    for name in names or BRAKES:
+    for name in names or STORED_BRAKES:
         stored = make(name)
         write_text(Path(folder) / f"{name}.json", as_text(stored))
         unsure = ", ".join(

@@ -155,7 +155,7 @@ def compute_torque_sensitivity(
 ) -> Sensitivity:
     """Compute the sensitivities of the torque of a brake on a prepared model.
 
-    Raises NoAnswer and BadInput as `respond` does, and NoAnswer for a brake without friction, which
+    Raises NoAnswer and BadInput as `solve_prepared_model` does, and NoAnswer for a brake without friction, which
     has no torque.
     """
     check_penalty(penalty)
