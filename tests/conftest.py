@@ -74,13 +74,13 @@ def result(module: Any) -> Any:
 def settled_sizes(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     """The nodes of each contact problem that self_locking settles from now on, as it goes."""
     sizes: list[int] = []
-    settle = self_locking.settle
+    settle = self_locking.solve_by_block_pivoting
 
     def counted(problem: ContactProblem, *rest: Any, **more: Any) -> Contact:
         sizes.append(len(problem.q))
         return settle(problem, *rest, **more)
 
-    monkeypatch.setattr(self_locking, "settle", counted)
+    monkeypatch.setattr(self_locking, "solve_by_block_pivoting", counted)
     return sizes
 
 

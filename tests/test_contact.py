@@ -341,7 +341,11 @@ def test_nodes_that_the_actuation_closes_first():
     assert first(q, B, C, h).tolist() == [True, True, False]
     # The third node closes at once with the others.
     assert first(np.array([0.5, 0.2, 0.5]), B, C, h).tolist() == [True, True, True]
-    assert first(np.array([0.5, 0.2, 0.5]), B, C, h, alone=True).tolist() == [True, True, False]
+    assert first(np.array([0.5, 0.2, 0.5]), B, C, h, one_node_per_mode=True).tolist() == [
+        True,
+        True,
+        False,
+    ]
     # The third node closes more slowly than the others.
     assert first(np.array([0.5, 0.2, 0.4]), B * [[1], [1], [0.5]], C, h).tolist() == [
         True,

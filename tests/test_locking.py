@@ -346,7 +346,7 @@ def test_from_a_quiet_answer_at_half_of_the_friction_the_others_are_followed(
         known.append(given[2])
         return follow(*given)
 
-    monkeypatch.setattr(self_locking, "limit", noted)
+    monkeypatch.setattr(self_locking, "find_friction_limit", noted)
     try:
         found = self_locking.solve_on_path_from_zero_friction(
             problems.problem_at, mu, rigid_law_limit=math.inf, brake_words="now"

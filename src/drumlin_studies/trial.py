@@ -173,7 +173,7 @@ def worth(scene: PreparedModel, brake: Brake, response: Response, penalty: float
 
 def _worth(response: Response, group: ShoeGroup) -> dict[str, Any]:
     """As `worth`, for one group of shoes; `whole` tells why its refined solution failed."""
-    group, _ = group.settled()
+    group, _ = group.solve_contact()
     size, shoes = group.unit_force, [response.shoes[i] for i in group.members]
     # The reported pressures per unit force, in the order of the group's unknowns.
     pairs = zip(shoes, group.shoes, strict=True)

@@ -41,7 +41,7 @@ from drumlin.contact.active_set import GOLDEN_RATIO, MOST_STEPS_WITHOUT_PROGRESS
 OPEN, STICK, FORWARD, BACKWARD = 0, 1, 2, 3
 """The states of a contact node: open, sticking, slipping forward and slipping backward."""
 
-MOST_NEWTON_STEPS = 60
+MOST_STATE_NEWTON_STEPS = 60
 """Limit of the steps of Newton's method. An increment of a brake needs some five steps."""
 
 MOST_STATE_CHANGES = 6
@@ -278,7 +278,7 @@ An open node becomes FORWARD or BACKWARD by the sign of its slip. The table give
 def _find_states_by_newton(system: _FrictionalSystem, start: Ints) -> _SettledStates:
     """Solve by Newton's method, in which all nodes change at once. Raises NoAnswer on a cycle."""
     state, fewest, patience = start, 3 * len(start), MOST_STEPS_WITHOUT_PROGRESS
-    for step in range(1, MOST_NEWTON_STEPS + 1):
+    for step in range(1, MOST_STATE_NEWTON_STEPS + 1):
         piece = _StateEquations(system, state)
         point = piece.solve_under_loads(system.q, system.h)
         outside = piece.distances_to_state_changes(point) < -STATE_ROUND_OFF * _scales_of_distances(

@@ -83,7 +83,7 @@ LARGEST_REFINED_SYSTEM = 240_000
 The iterative refinement of a group of this size takes seconds. The sparse factors of larger groups
 of high degree fill in.
 """
-CONVERGED_CORRECTION = 1e-10
+LARGEST_CONVERGED_CORRECTION = 1e-10
 """Relative correction of the pressures below which a refinement is taken as converged.
 
 Above it the other form of the full system is tried as well, and the better answer is taken.
@@ -413,7 +413,7 @@ def refine_group_solution(group: ShoeGroup, active: Bools, order: str = "COLAMD"
     from drumlin.fem.error_control.refinement import full_system, refine  # noqa: PLC0415
 
     refined = refine(full_system(group), active, order)
-    if refined.correction < CONVERGED_CORRECTION:
+    if refined.correction < LARGEST_CONVERGED_CORRECTION:
         return refined
     other = refine(full_system(group, carried=False), active, order)
     return min(refined, other, key=lambda each: each.correction)

@@ -772,7 +772,7 @@ class _Stepper:
         return _WornContact(
             p=_concatenated(bearings, "p"),
             rate=_concatenated(bearings, "rate"),
-            tangents=list(map(attrgetter("contact.tangent"), bearings)),
+            tangents=list(map(attrgetter("contact.pressure_change"), bearings)),
         )
 
     def _force(self, i: int, p: Floats) -> float:

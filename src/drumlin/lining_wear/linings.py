@@ -148,13 +148,13 @@ def _settle(ways: Sequence[ShoeGroup], depth: Floats) -> tuple[int, Bools]:
     """
     worn = replace(ways[0], brake=_group_brake_worn_by(ways[0], depth))
     try:
-        settled, contact = worn.settled()
+        settled, contact = worn.solve_contact()
     except NoAnswer:
         # A search without a first guess may miss an equilibrium. Softer linings lead to a guess.
         active = from_soft(worn.problem, worn.gap_mass_matrix)
         if active is None:
             raise
-        settled, contact = worn.settled(active)
+        settled, contact = worn.solve_contact(active)
     # The senses of friction tell which footing has been found.
     senses = list(map(attrgetter("known_friction_senses"), ways))
     return senses.index(settled.known_friction_senses), contact.active

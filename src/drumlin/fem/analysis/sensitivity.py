@@ -155,8 +155,8 @@ def compute_torque_sensitivity(
 ) -> Sensitivity:
     """Compute the sensitivities of the torque of a brake on a prepared model.
 
-    Raises NoAnswer and BadInput as `solve_prepared_model` does, and NoAnswer for a brake without friction, which
-    has no torque.
+    Raises NoAnswer and BadInput as `solve_prepared_model` does, and NoAnswer for a brake without
+    friction, which has no torque.
     """
     check_penalty(penalty)
     if brake.friction == 0:
@@ -500,7 +500,9 @@ class _TorqueSlopesOfShoe:
         # In a chain the shoe passes its force on to a further shoe.
         for to in self._shoes_pushed_by_struts():
             slope -= (
-                self.adjoint.shoes[to].force_multiplier * self.own.F * float(shoe.bearing @ turned)
+                self.adjoint.shoes[to].force_multiplier
+                * self.own.force
+                * float(shoe.bearing @ turned)
             )
         return slope
 

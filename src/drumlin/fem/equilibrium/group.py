@@ -188,7 +188,7 @@ class ShoeGroup(GroupProblems):
             others = [sense for sense in shoe.senses if sense != own]
             choices.append((own, *others))
         for senses in product(*choices):
-            yield self if senses == self.friction_senses else replace(self, senses=senses)
+            yield self if senses == self.friction_senses else replace(self, friction_senses=senses)
 
     def is_foot_as_assumed(self, contact: active_set.Contact, k: int) -> bool:
         """Whether the foot of shoe `k` stands or slides as an answer assumes; see `Held.stands`."""
