@@ -21,7 +21,7 @@ from drumlin.contact.active_set import Contact
 from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_groups
 from drumlin.fem.equilibrium.sharing import LARGEST_FORCE_THAT_DOES_NOT_PUSH, WOULD_PULL_TEXT
 from drumlin.fem.mesh.from_file import notes_on_mesh_file
-from drumlin.fem.preparation.bodies import support_reaction
+from drumlin.fem.preparation.bodies import acting_loads, support_reaction
 from drumlin.fem.preparation.cache import shape_key_of_shoe
 from drumlin.fem.preparation.scene import PreparedModel, add_elapsed_time
 from drumlin.fem.substructure.loads import ACTUATION
@@ -487,11 +487,8 @@ def _forces_on_shoe(solution: _ShoeSolution) -> _ForcesOnShoe:
     """The forces on a shoe under its pressure."""
     group, k, p = solution.group, solution.shoe_number, solution.pressures
     shoe, body = group.shoes[k], group.bodies[k]
-    unit = group.unit_loads[k]
-    load, moment = (
-        abs(solution.force) * unit.load_factors,
-        abs(solution.force) * unit.moment_about_pin,
-    )
+    load = acting_loads(body, shoe, solution.force)
+    moment = abs(solution.force) * group.unit_loads[k].moment_about_pin
     push = body.columns.part(ACTUATION, load)[:2]
     drag = group.brake.drag_on(shoe)
     normal, dragged = body.forces @ p

@@ -18,6 +18,7 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.fem.equilibrium.modes import RigidBodyModes, make_rigid_body_modes
 from drumlin.fem.preparation.bodies import (
     ShoeSubstructure,
+    acting_loads,
     actuation_load_factors,
     contact_stiffness,
 )
@@ -192,9 +193,11 @@ class GroupState:
     def _frictionless_terms_of(self, k: int) -> FrictionlessTerms:
         """The parts of the contact problem of shoe `k` that friction does not change."""
         body, modes = self.bodies[k], self.rigid_body_modes[k]
-        force = abs(self.shoes[k].actuation.force) / self.unit_force
+        own_force = self.shoes[k].actuation.force
+        force = abs(own_force) / self.unit_force
         gap = body.coupling.M @ (self.initial_gaps[k] / self.unit_force)
-        q = gap - force * (body.closure_by_load @ self.unit_loads[k].load_factors)
+        acting = acting_loads(body, self.shoes[k], own_force) / self.unit_force
+        q = gap - body.closure_by_load @ acting
         # Without friction at an abutment the closures of the test modes serve for both.
         if modes.contact_modes is modes.test_modes:
             closure = self.gap_closures_of_test_modes[k].normal

@@ -24,6 +24,7 @@ from drumlin.fem.hp.ring import ring_body
 from drumlin.fem.hp.shoe import condense_shoe
 from drumlin.fem.preparation.bodies import (
     BodyNodes,
+    DividedBody,
     ShoeSubstructure,
     actuation_about_centre,
     make_shoe_substructure,
@@ -156,8 +157,10 @@ def _condense_shoe(
         grid = shoe_grid(shoe, radius, division)
         inner = condensed_body(shoe, division, found, grid)
     with add_elapsed_time(seconds, "coupling"):
-        made = partial(ShoeSubstructure, grid, grid, line)
-        return make_shoe_substructure(made, shoe, line, inner, found.centre, friction=friction)
+        divided = DividedBody(grid, grid, line)
+        return make_shoe_substructure(
+            ShoeSubstructure, shoe, divided, inner, found.centre, friction=friction
+        )
 
 
 def _smallest_pressure_powers_at_ends(

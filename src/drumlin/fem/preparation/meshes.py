@@ -15,6 +15,7 @@ from drumlin.fem.mesh.arc import shoe_mesh
 from drumlin.fem.mesh.from_file import ShoeMesh
 from drumlin.fem.preparation.bodies import (
     BodyNodes,
+    DividedBody,
     ShoeSubstructure,
     actuation_about_centre,
     make_shoe_substructure,
@@ -218,11 +219,11 @@ def _condense_meshed_shoe(
     with add_elapsed_time(seconds, "condensation"):
         contact_unknowns = 2 * len(parts.line.nodes)
         condensed = condense(parts.K, parts.constraints, parts.loads, contact_unknowns)
-    made = partial(ShoeSubstructure, parts.mesh, parts.basis, parts.line, of_file=parts.of_file)
+    divided = DividedBody(parts.mesh, parts.basis, parts.line, parts.of_file)
     friction = brake.friction > 0
     with add_elapsed_time(seconds, "coupling"):
         return make_shoe_substructure(
-            made, shoe, parts.line, condensed, parts.load_centre, friction=friction
+            ShoeSubstructure, shoe, divided, condensed, parts.load_centre, friction=friction
         )
 
 

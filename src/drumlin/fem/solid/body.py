@@ -6,8 +6,6 @@ whole shoe. Nothing is pressed or dragged across the width. So displacements alo
 unknowns, on the friction surface too.
 """
 
-from functools import partial
-
 import numpy as np
 
 from drumlin.base.arrays import Floats, Ints
@@ -15,7 +13,7 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.elasticity import ElasticLayer, solid_elasticity_matrix
 from drumlin.brake.fields import Material
 from drumlin.fem.mesh.edges import nodes_along_edges
-from drumlin.fem.preparation.bodies import ShoeSubstructure, make_shoe_substructure
+from drumlin.fem.preparation.bodies import DividedBody, ShoeSubstructure, make_shoe_substructure
 from drumlin.fem.preparation.meshes import contact_line_of_mesh, materials_of_parts
 from drumlin.fem.preparation.scene import Seconds, add_elapsed_time
 from drumlin.fem.solid.face import ContactFace, contact_face, width_matrix
@@ -163,6 +161,8 @@ def solid_body(
     with add_elapsed_time(seconds, "condensation"):
         condensed = condense(K, constraints, {ACTUATION: loads}, 2 * len(face.nodes))
     with add_elapsed_time(seconds, "coupling"):
-        made = partial(SolidBody, solid.mesh, solid.basis, face)
+        divided = DividedBody(solid.mesh, solid.basis, face)
         friction = brake.friction > 0
-        return make_shoe_substructure(made, shoe, face, condensed, centre, friction=friction)
+        return make_shoe_substructure(
+            SolidBody, shoe, divided, condensed, centre, friction=friction
+        )
