@@ -6,9 +6,10 @@ the same prepared model.
 """
 
 import math
+import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -722,3 +723,12 @@ def _nodes_in_earlier_contact(group: ShoeGroup, k: int, start: Response) -> Bool
     for first, last in start.shoes[group.members[k]].contact_arcs:
         touching |= (theta > first - 1e-9) & (theta < last + 1e-9)
     return touching
+
+
+def __getattr__(name: str) -> Any:
+    """Return `solve_prepared_model` by its old name `respond`, with a warning."""
+    if name != "respond":
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    message = "drumlin.fem.model.respond is now solve_prepared_model"
+    warnings.warn(message, DeprecationWarning, stacklevel=2)
+    return solve_prepared_model
