@@ -5,7 +5,7 @@ from itertools import chain
 import pytest
 
 from drumlin.studies import load
-from drumlin_studies.consistency import Check, counted
+from drumlin_studies.consistency import Check, count_outcomes
 from picking import having, picked
 
 WAYS = load("stability")[0].ways.WAYS
@@ -38,5 +38,5 @@ def test_a_difference_beyond_what_is_allowed_counts_unless_it_is_said():
         "refused",
         "agrees",
     ]
-    (count,) = counted([row, said, refused, near, near])
+    (count,) = count_outcomes([row, said, refused, near, near])
     assert count == ("holding", 4, 2, 1, 1, 1, 0.5)

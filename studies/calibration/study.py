@@ -14,7 +14,7 @@ from drumlin.base.files import write_text
 from drumlin.base.journal import Journal
 from drumlin.fem.error_control.estimate import QUANTITIES, Factors
 from drumlin.report import figures
-from drumlin.report.page import fill
+from drumlin.report.page import write_page
 from drumlin_studies.calibration import (
     BRAKES,
     CORNER_BRAKES,
@@ -25,13 +25,13 @@ from drumlin_studies.calibration import (
     RELEVANT,
     Level,
     Provenance,
-    as_text,
-    fit,
-    observe,
-    samples,
+    factors_as_text,
+    fit_safety_factors,
+    observe_levels,
+    samples_of_quantity,
 )
-from drumlin_studies.side_by_side import PROCESSES, Case, kept
-from drumlin_studies.stated_true_figure import shares
+from drumlin_studies.side_by_side import PROCESSES, Case, compute_and_keep_cases
+from drumlin_studies.stated_true_figure import draw_ratio_shares
 
 HERE = Path(__file__).parent
 FEW = 4
@@ -67,16 +67,18 @@ def study(
     seeds = range(FIRST_SEED, FIRST_SEED + (FEW if short else BRAKES))
     corners = range(FIRST_CORNER, FIRST_CORNER + (1 if short else CORNER_BRAKES))
     cases = [{"seed": seed} for seed in (*seeds, *corners)]
-    rows = kept(cases, _observed, journal, say, 0 if short else PROCESSES)
+    rows = compute_and_keep_cases(cases, _observed, journal, say, 0 if short else PROCESSES)
     levels = levels_of(rows)
     commit, date = last_commit()
     brakes = sum(bool(row["levels"]) for row in rows)
     words = f"{seeds[0]} to {seeds[-1]}, {corners[0]} to {corners[-1]}"
-    return Result(rows, fit(levels), Provenance(words, brakes, len(levels), commit, date))
+    return Result(
+        rows, fit_safety_factors(levels), Provenance(words, brakes, len(levels), commit, date)
+    )
 
 
 def _observed(case: Case) -> dict[str, Any]:
-    return observe(case["seed"])
+    return observe_levels(case["seed"])
 
 
 def levels_of(rows: list[dict[str, Any]]) -> list[Level]:
@@ -100,7 +102,7 @@ def last_commit() -> tuple[str, str]:
 
 def report(result: Result, folder: Path) -> Path:
     """Write the file of the factors, figure and page, and return the path of the page."""
-    write_text(folder / "factors.json", as_text(result.factors, result.provenance))
+    write_text(folder / "factors.json", factors_as_text(result.factors, result.provenance))
     levels = levels_of(result.rows)
     force = result.factors.force
     factors = {
@@ -109,8 +111,8 @@ def report(result: Result, folder: Path) -> Path:
         "reaction": (force, result.factors.cancelled / force),
         "peak": (result.factors.peak, 0.0),
     }
-    ratios = {name: samples(levels, name).ratios(*factors[name]) for name in QUANTITIES}
-    figures.save(shares(ratios), folder / "factors.svg")
+    ratios = {name: samples_of_quantity(levels, name).ratios(*factors[name]) for name in QUANTITIES}
+    figures.save_figure(draw_ratio_shares(ratios), folder / "factors.svg")
     spread = [
         {
             "quantity": name,
@@ -123,7 +125,7 @@ def report(result: Result, folder: Path) -> Path:
         }
         for name, found in ratios.items()
     ]
-    return fill(
+    return write_page(
         HERE / "page.html",
         folder / "index.html",
         result=result,

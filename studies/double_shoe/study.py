@@ -13,11 +13,11 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake, vary
 from drumlin.comparison import COLUMNS, Comparison, Convergence, as_csv, compare, converge
 from drumlin.report import figures
-from drumlin.report.comparison import draw_fields, panels, results_json
-from drumlin.report.page import fill
+from drumlin.report.comparison import draw_fields, pressure_panels, results_as_json
+from drumlin.report.page import write_page
 from drumlin.response.norms import relative
-from drumlin.verification.cost import Cost, cost
-from drumlin_studies.orders import convergence_rows, largest_residual, rigid_limit
+from drumlin.verification.cost import Cost, measure_fem_cost
+from drumlin_studies.orders import convergence_rows, largest_residual, rigid_limit_rows
 
 HERE = Path(__file__).parent
 ROTATIONS = ("counter-clockwise", "clockwise")
@@ -53,7 +53,7 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     say("limit of a rigid shoe")
     limit: list[dict[str, Any]] = []
     for rotation in ROTATIONS:
-        limit += rigid_limit(vary(brake, {"rotation": rotation}), elements)
+        limit += rigid_limit_rows(vary(brake, {"rotation": rotation}), elements)
     say("convergence")
     convergence = converge(brake, (10, 20, 40) if short else (20, 40, 80, 160, 320))
     say("cost")
@@ -61,7 +61,7 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
         comparisons,
         limit,
         convergence,
-        cost(brake, repeats=1 if short else 7),
+        measure_fem_cost(brake, repeats=1 if short else 7),
         elements,
         time.perf_counter() - start,
     )
@@ -79,13 +79,13 @@ def report(result: Result, folder: Path) -> Path:
         "torque_limit": limit._asdict(),
         "cost": result.cost._asdict(),
     }
-    write_text(folder / "results.json", results_json(result.comparisons, **extra))
+    write_text(folder / "results.json", results_as_json(result.comparisons, **extra))
     draw(result, folder)
     main = result.comparisons[0]
     not_drawn = draw_fields(
         main.brake, main.responses["fem"], folder, "fields", elements=result.elements
     )
-    return fill(
+    return write_page(
         HERE / "page.html",
         folder / "index.html",
         result=result,
@@ -111,12 +111,12 @@ def report(result: Result, folder: Path) -> Path:
 def draw(result: Result, folder: Path) -> None:
     """Write the figures, which are of kinds that several reports share."""
     stiff, flexible = (
-        [p for c in result.comparisons if c.case == case for p in panels(c)]
+        [p for c in result.comparisons if c.case == case for p in pressure_panels(c)]
         for case in FILES.values()
     )
     for ending in ("svg", "png"):
-        figures.save(figures.pressures(stiff), folder / f"pressure.{ending}")
-    figures.save(figures.pressures(flexible), folder / "pressure_flexible.svg")
+        figures.save_figure(figures.draw_pressure_panels(stiff), folder / f"pressure.{ending}")
+    figures.save_figure(figures.draw_pressure_panels(flexible), folder / "pressure_flexible.svg")
     convergence = result.convergence
     steps = {
         f"p, {shoe.name} shoe (L2, to the next finer mesh)": list(
@@ -128,4 +128,6 @@ def draw(result: Result, folder: Path) -> None:
         (n, abs(relative(r.torque, convergence.torque.value)))
         for n, r in zip(convergence.elements, convergence.responses, strict=True)
     ]
-    figures.save(figures.convergence(steps, "relative distance"), folder / "convergence.svg")
+    figures.save_figure(
+        figures.draw_convergence(steps, "relative distance"), folder / "convergence.svg"
+    )

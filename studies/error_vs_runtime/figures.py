@@ -21,7 +21,7 @@ from drumlin.report.palette import (
     SHADE,
     SKY,
 )
-from drumlin_studies.work_precision import series
+from drumlin_studies.work_precision import rows_by_series
 
 COLORS = {
     "law": FAINT,
@@ -85,7 +85,7 @@ def work_precision(
             )
             for family in _families(rows)
         ]
-        marks = {series_.split(",")[0] for (_, series_) in series(rows)}
+        marks = {series_.split(",")[0] for (_, series_) in rows_by_series(rows)}
         handles += [
             mpl.lines.Line2D([], [], color=FAINT, marker=marker, ls="", ms=6, label=name)
             for name, marker in MARKERS.items()
@@ -115,7 +115,7 @@ def _style(family: str, name: str) -> str:
 def _panel(axes: Any, rows: Sequence[Mapping[str, Any]], key: str, floor: float) -> None:
     lowest = max(100 * floor, 1e-8)
     smallest = lowest / 3
-    for (family, name), members in series(rows).items():
+    for (family, name), members in rows_by_series(rows).items():
         seconds = np.array([row["seconds"] for row in members]) * 1e3
         error = np.maximum(np.array([row[key] for row in members]) * 100, smallest)
         spread = (

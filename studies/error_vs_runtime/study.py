@@ -20,41 +20,41 @@ from drumlin.comparison import as_csv
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.preparation.meshes import ELEMENTS
 from drumlin.fem.solve import solve
-from drumlin.report.figures import save
-from drumlin.report.page import fill, versions
+from drumlin.report.figures import save_figure
+from drumlin.report.page import software_versions, write_page
 from drumlin.verification import triangles
 from drumlin.verification.reference import (
     FINE,
+    ReferenceResponses,
     Refinement,
-    Trio,
-    reference,
-    responses,
+    compute_reference,
+    solve_reference_responses,
 )
-from drumlin.verification.reference_file import as_dict, summary_rows, write_values
-from drumlin_studies.methods import methods
+from drumlin.verification.reference_file import reference_data, summary_rows, write_reference
+from drumlin_studies.methods import all_methods
 from drumlin_studies.omission_table import (
-    omissions,
+    omission_rows,
     prediction_ratios,
-    time_saved,
-    worst_straight,
+    row_of_worst_straight_edges,
+    saved_time_range,
 )
 from drumlin_studies.recommendation import (
-    against_peers,
-    best_rows,
+    compare_with_peers,
+    fastest_rows,
     fastest_seconds,
-    matrices,
-    of_brake,
+    recommendation_matrices,
+    rows_of_brake,
 )
 from drumlin_studies.work_precision import (
     PEER_FAMILIES,
     TIMED_REPEATS,
     Method,
-    floor,
-    measure,
-    peer_row,
-    process_seconds,
-    spread,
-    unit_seconds,
+    measure_method,
+    measure_peer,
+    median_unit_seconds,
+    reference_uncertainty,
+    solve_process_seconds,
+    timing_scatter,
 )
 
 HERE = Path(__file__).parent
@@ -120,14 +120,14 @@ def study(
     rows, floors, references = [], {}, {}
     for name, path in paths.items():
         brake = read_brake(path)
-        trio = cache(partial(responses, read_brake(path), QUICK if short else FINE))
+        trio = cache(partial(solve_reference_responses, read_brake(path), QUICK if short else FINE))
         say(f"{name}: reference")
         known = journal.once(
             {"brake": name, "reference": True}, partial(_reference, name, path, brake, trio)
         )
         floors[name], references[name] = known["floor"], known["values"]
         peers = name in WITH_PEERS and not short
-        for method in methods(brake, peers=peers, short=short):
+        for method in all_methods(brake, peers=peers, short=short):
             say(f"{name}: {method.family}, {method.name}")
             row = journal.once(
                 {"brake": name, **method.case}, partial(_row, brake, method, trio, unit)
@@ -139,30 +139,38 @@ def study(
             rows.append({"brake": name, **row})
     left = _left_out(journal, short, say)
     return Result(
-        rows, floors, references, refused, left, unit_seconds(rows), time.perf_counter() - start
+        rows,
+        floors,
+        references,
+        refused,
+        left,
+        median_unit_seconds(rows),
+        time.perf_counter() - start,
     )
 
 
-def _reference(name: str, path: Path, brake: Brake, trio: Callable[[], Trio]) -> Row:
+def _reference(name: str, path: Path, brake: Brake, trio: Callable[[], ReferenceResponses]) -> Row:
     """The reference of a brake: its floor and its values."""
     command = f"drumlin reference studies/{name}.toml"
     return {
-        "floor": floor(brake, trio()),
-        "values": as_dict(reference(brake, path.read_text(), command, trio())),
+        "floor": reference_uncertainty(brake, trio()),
+        "values": reference_data(compute_reference(brake, path.read_text(), command, trio())),
     }
 
 
-def _row(brake: Brake, method: Method, trio: Callable[[], Trio], unit: Callable[[], object]) -> Row:
+def _row(
+    brake: Brake, method: Method, trio: Callable[[], ReferenceResponses], unit: Callable[[], object]
+) -> Row:
     """The row of a method on a brake. CalculiX takes long and runs only once."""
     if method.family in PEER_FAMILIES:
         repeats = 1 if method.family == "CalculiX" else TIMED_REPEATS
-        return peer_row(brake, method, trio().value, unit, repeats)
-    return measure(brake, method, trio().value, unit)
+        return measure_peer(brake, method, trio().value, unit, repeats)
+    return measure_method(brake, method, trio().value, unit)
 
 
 def _process(path: Path, tolerance: float) -> Row:
     """Time of a whole `drumlin solve` of a brake file to a tolerance."""
-    return {"process": process_seconds(path, "--tolerance", str(tolerance))}
+    return {"process": solve_process_seconds(path, "--tolerance", str(tolerance))}
 
 
 def _left_out(journal: Journal, short: bool, say: Callable[[str], None]) -> list[Row]:
@@ -176,7 +184,7 @@ def _left_out(journal: Journal, short: bool, say: Callable[[str], None]) -> list
         rows += journal.once(
             {"left out": name, "short": short},
             lambda b=brake, n=name, e=elements, r=repeats: {
-                "rows": omissions(b, n, elements=e, repeats=r)
+                "rows": omission_rows(b, n, elements=e, repeats=r)
             },  # type: ignore[misc]
         )["rows"]
     return rows
@@ -185,44 +193,46 @@ def _left_out(journal: Journal, short: bool, say: Callable[[str], None]) -> list
 def report(result: Result, folder: Path) -> Path:
     """Write page, figures, tables and reference values, and return the path of the page."""
     rows, floors, left_out = result.rows, result.floors, result.left_out
-    best = best_rows(rows, floors)
+    best = fastest_rows(rows, floors)
     write_text(folder / "results.csv", as_csv(rows))
     write_text(folder / "recommended.csv", as_csv(best))
     write_text(folder / "left_out.csv", as_csv(left_out))
     stems = {name: name.replace("/", "_") for name in floors}
     for name, stem in stems.items():
         picture = work_precision(
-            result.references[name]["title"], of_brake(rows, name), floors[name]
+            result.references[name]["title"], rows_of_brake(rows, name), floors[name]
         )
         for ending in ("png", "svg"):
-            save(picture, folder / f"work_precision_{stem}.{ending}")
-        write_values(result.references[name], folder / "values" / f"{stem}.json")
-    save(predictions(left_out), folder / "left_out.svg")
+            save_figure(picture, folder / f"work_precision_{stem}.{ending}")
+        write_reference(result.references[name], folder / "values" / f"{stem}.json")
+    save_figure(predictions(left_out), folder / "left_out.svg")
     times = fastest_seconds(rows, floors, 0.01)
     converged = [row for row in rows if row["status"] == "converged"]
     values: list[Row] = []
     for name, of_brake_ in result.references.items():
         values += summary_rows(of_brake_, name)
-    return fill(
+    return write_page(
         HERE / "page.html",
         folder / "index.html",
         result=result,
         laws=[row["torque_error"] for row in converged if row.get("model") == "sine"],
         times=times,
-        matrices=matrices(best),
+        matrices=recommendation_matrices(best),
         figures={name: f"work_precision_{stem}.svg" for name, stem in stems.items()},
         first=next(iter(floors)),
-        first_rows=of_brake(rows, next(iter(floors))),
+        first_rows=rows_of_brake(rows, next(iter(floors))),
         failed=[row for row in rows if row["status"] != "converged"],
         peer_rows=[row for row in rows if row["family"] in PEER_FAMILIES],
-        peers=against_peers(rows, floors),
+        peers=compare_with_peers(rows, floors),
         timed=[row for row in left_out if "seconds" in row or row["status"] != "converged"],
         ratios={key: prediction_ratios(left_out, key) for key in ("pressure", "shoes", "torque")},
-        saved=time_saved(left_out, 0.2),
-        straight=worst_straight(left_out),
+        saved=saved_time_range(left_out, 0.2),
+        straight=row_of_worst_straight_edges(left_out),
         values=values,
-        spread=spread(rows),
+        spread=timing_scatter(rows),
         repeats=TIMED_REPEATS,
         unit_elements=UNIT_ELEMENTS,
-        versions_text="\n".join(f"{name}: {version}" for name, version in versions().items()),
+        versions_text="\n".join(
+            f"{name}: {version}" for name, version in software_versions().items()
+        ),
     )

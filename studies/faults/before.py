@@ -109,7 +109,7 @@ class Earlier:
         """The ending of an input."""
         assert self._process.stdin is not None and self._process.stdout is not None
         with tempfile.TemporaryDirectory() as name, tempfile.TemporaryDirectory() as beside:
-            endings.lay_out(given, Path(name))
+            endings.write_input_files(given, Path(name))
             said = {stream: f"{beside}/{stream}" for stream in ("out", "err")}
             self._process.stdin.write(
                 json.dumps({"folder": name, "words": given.words, **said}) + "\n"
@@ -121,7 +121,7 @@ class Earlier:
                 for stream in ("out", "err")
             )
             return endings.Ending(
-                int(status), out, err, endings.written(Path(name), given), float(seconds)
+                int(status), out, err, endings.read_written_files(Path(name), given), float(seconds)
             )
 
 
@@ -141,7 +141,9 @@ def main(checkout: Path, share: float = 1.0) -> dict[str, Any]:
     share : fraction of the inputs of each generator that are run.
     """
     earlier = Earlier(checkout)
-    end = earlier.end(BrokenInput("sweep", broken_sweeps.sound_files(), broken_sweeps.SWEEP_WORDS))
+    end = earlier.end(
+        BrokenInput("sweep", broken_sweeps.sound_sweep_files(), broken_sweeps.SWEEP_WORDS)
+    )
     if end.status:
         sys.exit(end.err or end.out)
     table, kept = end.written[broken_sweeps.SWEEP_TABLE], end.written[broken_sweeps.SWEEP_JOURNAL]
@@ -150,12 +152,12 @@ def main(checkout: Path, share: float = 1.0) -> dict[str, Any]:
         count = round(share * whole)
         found: Counter[str] = Counter()
         for number in range(count):
-            given = trials.made(name, number)
+            given = trials.make_input(name, number)
             if name == "journals":
                 rng = random.Random(f"{name} {number}")
-                given = broken_sweeps.damaged(rng, table, kept)
+                given = broken_sweeps.damage_journal(rng, table, kept)
             end = earlier.end(given)
-            if fault := endings.fault_of(given, end):
+            if fault := endings.find_fault(given, end):
                 later = name == "command lines" and any(word in end.err for word in LATER)
                 found[UNKNOWN if later else kind_of(fault, end.status)] += 1
         print(name, dict(found), file=sys.stderr, flush=True)  # noqa: T201  (goes on for half an hour)

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from drumlin.base.journal import Journal
-from drumlin.report.page import fill
+from drumlin.report.page import write_page
 from drumlin_studies.fuzzing import kills, promises, trials
 
 HERE = Path(__file__).parent
@@ -71,24 +71,24 @@ def study(
     apart = {"words": 1} if short else dict.fromkeys(INPUTS, APART)
     processes = 0 if short else WORKERS
     return Result(
-        trials.try_all(within, journal, processes=processes, say=say),
-        trials.try_all(apart, journal, apart=True, processes=processes, say=say),
-        [] if short else kills.kill_all(SWEEPS, KILLS, journal, say),
+        trials.try_generators(within, journal, processes=processes, say=say),
+        trials.try_generators(apart, journal, apart=True, processes=processes, say=say),
+        [] if short else kills.kill_sweeps(SWEEPS, KILLS, journal, say),
     )
 
 
 def report(result: Result, folder: Path) -> Path:
     """Write the page and return its path."""
-    within, apart = trials.table(result.within), trials.table(result.apart)
+    within, apart = trials.verdict_table(result.within), trials.verdict_table(result.apart)
     before = json.loads((HERE / "before.json").read_text(encoding="utf-8"))
-    return fill(
+    return write_page(
         HERE / "page.html",
         folder / "index.html",
         within=within,
         apart=apart,
         before=before
         | {"rows": [_before(row, result.within[row["generator"]]) for row in before["rows"]]},
-        killed=kills.table(result.killed),
+        killed=kills.kill_table(result.killed),
         refusal_lines=trials.refusal_lines(result.within),
         faults=_faults(result),
         promises=promises.PROMISES,

@@ -14,8 +14,8 @@ from drumlin.brake.brake import Brake
 from drumlin.laws.shapes import SHORT_LAW, Layout, equivalent_friction
 from drumlin.laws.simscape import DoubleShoe
 from drumlin.report.drawing import draw_brake
-from drumlin.report.figures import STYLE, key, name_of
-from drumlin.report.palette import BLUE, FAINT, GREEN, GREY, PURPLE, RED, look_of
+from drumlin.report.figures import STYLE, draw_legend, model_title
+from drumlin.report.palette import BLUE, FAINT, GREEN, GREY, PURPLE, RED, line_style_of_model
 from drumlin.response.response import ShoeResponse
 
 HIGHEST = 4.0  # of eta and S in a figure; both grow without bound towards locking
@@ -63,7 +63,7 @@ def short_shoe_merits(angles: Sequence[float], a_over_r: float, arc: float = 0.0
             axes.set_xlabel("friction coefficient μ")
             axes.set_ylim(0, HIGHEST)
             axes.set_xlim(0, mu[-1])
-        key(figure, panels[0])
+        draw_legend(figure, panels[0])
     return figure
 
 
@@ -76,14 +76,14 @@ def friction_over_arc() -> Figure:
         axes.plot(
             np.degrees(2 * half),
             equivalent_friction(half),
-            **look_of("cosine"),
+            **line_style_of_model("cosine"),
             lw=1.8,
             label=r"$p = p_0\,\cos\theta$",
         )
         axes.plot(
             np.degrees(2 * half),
             half / np.sin(half),
-            **look_of("uniform"),
+            **line_style_of_model("uniform"),
             lw=1.8,
             label="uniform pressure",
         )
@@ -91,7 +91,7 @@ def friction_over_arc() -> Figure:
         axes.set_ylabel(r"friction force $T/R$ over $\mu N$:  $\mu'/\mu$ [–]")
         axes.set_xlim(0, 180)
         axes.set_ylim(1, None)
-        key(figure, axes)
+        draw_legend(figure, axes)
     return figure
 
 
@@ -114,7 +114,7 @@ def torque_over_speed(block: DoubleShoe, forces: Sequence[float], viscous: float
             axes.axvline(side * block.omega_threshold, color=FAINT, lw=0.8, ls=":")
         axes.set_xlabel("speed ω [rad/s]; dotted: ± threshold")
         axes.set_ylabel("torque T [N m]")
-        key(figure, axes, title=rf"dashed: $\mu_\mathrm{{visc}}$ = {viscous:g} N m s/rad")
+        draw_legend(figure, axes, title=rf"dashed: $\mu_\mathrm{{visc}}$ = {viscous:g} N m s/rad")
     return figure
 
 
@@ -127,7 +127,7 @@ def pressures(shoes: Mapping[str, ShoeResponse]) -> Figure:
         figure = Figure(figsize=(10.4, 4.2), layout="constrained")
         left, right = figure.subplots(1, 2)
         for law, shoe in shoes.items():
-            look = {**look_of(law), "lw": 1.8, "label": name_of(law)}
+            look = {**line_style_of_model(law), "lw": 1.8, "label": model_title(law)}
             theta, p = shoe.curve()
             if law != "linear":
                 left.plot(np.degrees(theta), p * 1e-6, **look)
@@ -141,5 +141,5 @@ def pressures(shoes: Mapping[str, ShoeResponse]) -> Figure:
         right.set_ylabel("p / mean [–]")
         for axes in (left, right):
             axes.set_ylim(0, None)
-        key(figure, right)
+        draw_legend(figure, right)
     return figure

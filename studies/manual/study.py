@@ -18,7 +18,7 @@ from studies.manual import history, listing
 from studies.manual.values import filled, values
 
 from drumlin.base.errors import NoAnswer
-from drumlin.report.figures import save
+from drumlin.report.figures import save_figure
 from drumlin_studies.benchmarks import read_history
 
 HERE = Path(__file__).parent
@@ -59,7 +59,7 @@ def report(result: Mapping[str, str], folder: Path) -> Path:
             page.write_text(
                 page.read_text(encoding="utf-8") + text if page.exists() else text, encoding="utf-8"
             )
-        save(history.picture(read_history()), source / "researcher" / "benchmarks.png")
+        save_figure(history.picture(read_history()), source / "researcher" / "benchmarks.png")
         site = Path(place) / "site"
         build(source, site)
         if folder.exists():

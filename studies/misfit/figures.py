@@ -8,10 +8,10 @@ from matplotlib import patheffects
 from matplotlib.figure import Figure
 
 from drumlin.base.arrays import Floats
-from drumlin.report.figures import STYLE, key, mark_cut, smooth
+from drumlin.report.figures import STYLE, draw_legend, mark_cut_off_curve, smooth_pressure_curve
 from drumlin.report.palette import BLUE, FAINT, GREEN, INK, OCHRE, PURPLE, RED
 from drumlin.response.response import Response
-from drumlin.sweeps.tolerances import Shares, spread
+from drumlin.sweeps.tolerances import SobolIndices, sample_spread
 from drumlin_studies.misfit_rows import DRAWN_QUANTITIES, STATES, DrawnBrakes
 
 NEW, WORN, LAW = BLUE, GREEN, RED
@@ -54,7 +54,7 @@ def pressures(law: Response, family: Mapping[float, Response]) -> Figure:
         shade = mpl.colors.TwoSlopeNorm(0.0, 1.15 * min(family), 1.15 * max(family))
         for i, (axes, shoe) in enumerate(zip(grid, law.shoes, strict=True)):
             for value, response in family.items():
-                theta, p = smooth(response.shoes[i], 600)
+                theta, p = smooth_pressure_curve(response.shoes[i], 600)
                 color = INK if value == 0 else mpl.colormaps["coolwarm"](shade(value))
                 axes.plot(
                     np.degrees(theta),
@@ -64,7 +64,7 @@ def pressures(law: Response, family: Mapping[float, Response]) -> Figure:
                     label=f"{value:+.0f} µm" if value else "fits",
                 )
                 axes.set_ylim(0, highest * 1e-6)
-                mark_cut(axes, np.degrees(theta), p * 1e-6, color)
+                mark_cut_off_curve(axes, np.degrees(theta), p * 1e-6, color)
             axes.plot(
                 np.degrees(shoe.theta),
                 shoe.pressure * 1e-6,
@@ -76,7 +76,7 @@ def pressures(law: Response, family: Mapping[float, Response]) -> Figure:
             axes.set_title(f"{'Leading' if shoe.self_energising else 'Trailing'} shoe")
             axes.set_xlabel("angle on the drum θ [deg]")
         grid[0].set_ylabel("pressure p [MPa]")
-        key(figure, grid[-1], title="radius of lining − radius of drum")
+        draw_legend(figure, grid[-1], title="radius of lining − radius of drum")
     return figure
 
 
@@ -118,7 +118,7 @@ def maps(sides: tuple[Floats, Floats], ratios: Mapping[str, Floats]) -> Figure:
             bar = figure.colorbar(filled, ax=axes, shrink=0.9, ticks=lines, format="%+.0f")
             bar.set_label("from the sine law [%]")
         grid[0].set_ylabel("linings moved along the pin's radius [µm]")
-        key(figure, grid[0])
+        draw_legend(figure, grid[0])
     return figure
 
 
@@ -147,7 +147,7 @@ def turns(angles: Floats, states: Mapping[str, Mapping[str, Floats]], law: float
             axes.set_xlim(0, 360)
             axes.set_xticks(range(0, 361, 60))
         grid[0].set_ylabel("torque of the brake [N m]")
-        key(figure, grid[-1])
+        draw_legend(figure, grid[-1])
     return figure
 
 
@@ -182,11 +182,11 @@ def histograms(drawn: DrawnBrakes, nominal: Mapping[str, float]) -> Figure:
             [], [], "|-", color=FAINT, ms=10, mew=2, lw=2, label="5th, 50th and 95th percentile"
         )
         grid[0].set_ylabel("density, linear from 0")
-        key(figure, grid[-1])
+        draw_legend(figure, grid[-1])
     return figure
 
 
-def shares(found: Mapping[str, Mapping[str, Sequence[Shares]]]) -> Figure:
+def shares(found: Mapping[str, Mapping[str, Sequence[SobolIndices]]]) -> Figure:
     """Sobol indices as bars with confidence intervals, sorted by the totals of the first panel.
 
     found : indices by state and quantity.
@@ -232,7 +232,7 @@ def shares(found: Mapping[str, Mapping[str, Sequence[Shares]]]) -> Figure:
             capsize=2,
             label="confidence interval",
         )
-        key(figure, axes)
+        draw_legend(figure, axes)
     return figure
 
 
@@ -258,7 +258,7 @@ def narrowing(
         figure = Figure(figsize=(5.6 * len(panels), 3.7), layout="constrained")
         grid = figure.subplots(1, len(panels), squeeze=False)[0]
         for axes, (label, values, law) in zip(grid, panels, strict=True):
-            rows = np.array([spread(column).percentiles for column in values.T]).T
+            rows = np.array([sample_spread(column).percentiles for column in values.T]).T
             axes.fill_between(
                 distances,
                 rows[0],
@@ -283,5 +283,5 @@ def narrowing(
             axes.set_xlim(0, distances[-1])
             axes.set_xlabel("sliding distance · k K [–]")
             axes.set_ylabel(label)
-        key(figure, grid[0])
+        draw_legend(figure, grid[0])
     return figure

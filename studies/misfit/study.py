@@ -22,23 +22,23 @@ from drumlin.fem.model import respond
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.laws import sine
 from drumlin.lining_wear.run_in import COEFFICIENT
-from drumlin.lining_wear.worn_in import worn_in
+from drumlin.lining_wear.worn_in import worn_in_brake
 from drumlin.report import figures as drawing
-from drumlin.report.page import fill
+from drumlin.report.page import write_page
 from drumlin.response.response import Response
 from drumlin.sweeps import cases as sweep
 from drumlin.sweeps.cases import Row, SweepCase
-from drumlin.sweeps.table import table, write_table
+from drumlin.sweeps.table import make_case_table, write_table
 from drumlin.sweeps.tolerances import (
     ManufacturingTolerance,
-    Shares,
-    cases,
-    draw,
-    healing,
-    numbers,
-    shares,
+    SobolIndices,
+    draw_deviates,
+    sobol_indices_of_tolerances,
+    tolerance_cases,
+    torque_and_peak_during_run_in,
+    values_of_rows,
 )
-from drumlin.sweeps.workers import executor
+from drumlin.sweeps.workers import provide_workers
 from drumlin_studies import misfit_rows
 from drumlin_studies.misfit_rows import DRAWN_QUANTITIES, STATES, DrawnBrakes
 
@@ -119,7 +119,7 @@ class Result:
     tolerances: tuple[ManufacturingTolerance, ...]
     deviates: Floats
     rows: dict[str, list[Row]]
-    shares: dict[str, dict[str, list[Shares]]]
+    shares: dict[str, dict[str, list[SobolIndices]]]
     healed: dict[str, Floats]
     unit: float
     seconds: float
@@ -152,17 +152,17 @@ def study(
     family = {dr: respond(scene, vary(brake, ground_to(brake, dr * 1e-6))) for dr in FAMILY}
     angles = np.linspace(0, 2 * math.pi, setting.angles, endpoint=False)
     turns = {
-        state: misfit_rows.turn_torques(
+        state: misfit_rows.torques_over_turn(
             stood, lambda turned: respond(scene, turned), AMPLITUDE, angles.tolist()
         )
-        for state, stood in (("new", brake), ("worn in", worn_in(scene, brake)))
+        for state, stood in (("new", brake), ("worn in", worn_in_brake(scene, brake)))
     }
     tolerances = assumed(brake)
-    deviates = draw(tolerances, n, SEED)
-    with executor(setting.jobs) as (pool, workers):
+    deviates = draw_deviates(tolerances, n, SEED)
+    with provide_workers(setting.jobs) as (pool, workers):
 
         def solve(what: str, several: Sequence[SweepCase]) -> list[Row]:
-            return sweep.run(
+            return sweep.solve_cases(
                 several,
                 executor=pool,
                 workers=workers,
@@ -180,21 +180,23 @@ def study(
             [SweepCase(brake, changes, options={"elements": elements}) for changes in grid],
         )
         rows = {
-            "new": solve("new brakes", cases(brake, tolerances, deviates, elements=elements)),
+            "new": solve(
+                "new brakes", tolerance_cases(brake, tolerances, deviates, elements=elements)
+            ),
             "worn in": solve(
                 "worn-in brakes",
-                cases(brake, tolerances, deviates, elements=elements, worn_in=True),
+                tolerance_cases(brake, tolerances, deviates, elements=elements, worn_in=True),
             ),
-            "law": solve("sine law", cases(brake, tolerances, deviates[:2], "sine")),
+            "law": solve("sine law", tolerance_cases(brake, tolerances, deviates[:2], "sine")),
         }
     lining = brake.shoes[0].lining
     unit = 1 / (COEFFICIENT * (lining.material.E_through / lining.thickness))
     healing_rows = []
-    for i, case in enumerate(cases(brake, tolerances, deviates[0, : setting.healed])):
+    for i, case in enumerate(tolerance_cases(brake, tolerances, deviates[0, : setting.healed])):
         say(f"run-in: {i} of {setting.healed}")
 
         def wear(case: SweepCase = case) -> dict[str, Any]:
-            return healing(
+            return torque_and_peak_during_run_in(
                 vary(brake, case.changes), [s * unit for s in DISTANCES], elements=elements
             )
 
@@ -207,7 +209,7 @@ def study(
         single=single,
         family=family,
         sides=sides,
-        ratios=misfit_rows.over_law(found, brake, law, (setting.high, setting.wide)),
+        ratios=misfit_rows.error_maps_of_law(found, brake, law, (setting.high, setting.wide)),
         angles=angles,
         turns=turns,
         tolerances=tolerances,
@@ -215,7 +217,9 @@ def study(
         rows=rows,
         shares={
             state: {
-                name: shares(tolerances, numbers(rows[state], name).reshape(-1, n), seed=SEED)
+                name: sobol_indices_of_tolerances(
+                    tolerances, values_of_rows(rows[state], name).reshape(-1, n), seed=SEED
+                )
                 for name in DRAWN_QUANTITIES
             }
             for state in STATES
@@ -231,7 +235,7 @@ def study(
 
 def report(result: Result, folder: Path) -> Path:
     """Write page, figures and tables, and return the path of the page."""
-    drawn, nominal_values = result.drawn, misfit_rows.nominal(result.brake, result.law)
+    drawn, nominal_values = result.drawn, misfit_rows.nominal_quantities(result.brake, result.law)
     made = {
         "pressure": figures.pressures(result.law, result.family),
         "map": figures.maps(result.sides, result.ratios),
@@ -242,26 +246,31 @@ def report(result: Result, folder: Path) -> Path:
     }
     for name, figure in made.items():
         for ending in ("svg", "png") if name in {"distribution", "map"} else ("svg",):
-            drawing.save(figure, folder / f"{name}.{ending}")
+            drawing.save_figure(figure, folder / f"{name}.{ending}")
     spreads = misfit_rows.spread_rows(drawn)
     ranked = misfit_rows.share_rows(result.tolerances, result.shares)
     for name, lines in (("single", result.single), ("spread", spreads), ("shares", ranked)):
         write_text(folder / f"{name}.csv", as_csv(lines))
     for state, rows in result.rows.items():
-        several = cases(result.brake, result.tolerances, result.deviates[: len(rows) // drawn.n])
-        write_table(table(several, rows), folder / f"cases_{state.replace(' ', '_')}.csv")
-    return fill(
+        several = tolerance_cases(
+            result.brake, result.tolerances, result.deviates[: len(rows) // drawn.n]
+        )
+        write_table(make_case_table(several, rows), folder / f"cases_{state.replace(' ', '_')}.csv")
+    return write_page(
         HERE / "page.html",
         folder / "index.html",
         result=result,
         drawn=drawn,
         peaks=drawn.peaks_over(nominal_values["peak_pressure"]),
-        healed_after=misfit_rows.healed_after(DISTANCES, result.healed["torque"], HEALED),
+        healed_after=misfit_rows.torque_settling_distance(
+            DISTANCES, result.healed["torque"], HEALED
+        ),
         healed_within=HEALED,
         spreads=spreads,
         ranked=ranked,
         valleys={
-            state: misfit_rows.peak_to_valley(series) for state, series in result.turns.items()
+            state: misfit_rows.relative_torque_ranges(series)
+            for state, series in result.turns.items()
         },
         amplitude=AMPLITUDE,
     )

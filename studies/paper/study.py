@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from drumlin.base.errors import BadInput
-from drumlin.report.page import fill
+from drumlin.report.page import write_page
 from drumlin_studies.work_precision import PEER_FAMILIES
 
 HERE = Path(__file__).parent
@@ -138,4 +138,4 @@ def _others() -> Row:
 
 def report(result: Mapping[str, Any], folder: Path) -> Path:
     """Write the page and return its path."""
-    return fill(HERE / "page.html", folder / "index.html", **result)
+    return write_page(HERE / "page.html", folder / "index.html", **result)

@@ -11,9 +11,15 @@ from matplotlib.figure import Figure
 from drumlin.base.arrays import Floats
 from drumlin.base.texts import formatted
 from drumlin.report.figures import STYLE
-from drumlin.report.palette import BLUE, BROWN, FAINT, GREEN, INK, RED, color_of
+from drumlin.report.palette import BLUE, BROWN, FAINT, GREEN, INK, RED, color_of_model
 from drumlin.response.response import ShoeResponse, edge_zone
-from drumlin_studies.plane_stress import Map, Rung, Three, WornSolid, worst
+from drumlin_studies.plane_stress import (
+    PlaneErrorMap,
+    SolidAndPlane,
+    TimeAndErrors,
+    WornSolid,
+    largest_of_shoes,
+)
 
 PANELS = {
     "torque": "torque",
@@ -23,7 +29,7 @@ PANELS = {
 }
 
 
-def maps(charts: Sequence[Map]) -> Figure:
+def maps(charts: Sequence[PlaneErrorMap]) -> Figure:
     """Maps of errors, a row for each map and a panel for each error of the worst shoe."""
     with mpl.rc_context(STYLE | {"axes.grid": False}):
         figure = Figure(figsize=(15.5, 3.9 * len(charts)), layout="constrained")
@@ -34,7 +40,7 @@ def maps(charts: Sequence[Map]) -> Figure:
     return figure
 
 
-def _panel(axes: Axes, chart: Map, key: str, title: str) -> None:
+def _panel(axes: Axes, chart: PlaneErrorMap, key: str, title: str) -> None:
     error = 100 * chart.errors[key]
     axes.imshow(
         np.log10(np.maximum(np.abs(error), 0.03)),
@@ -57,7 +63,7 @@ def _panel(axes: Axes, chart: Map, key: str, title: str) -> None:
     axes.set_title(f"{title} [%]", fontsize=9.5)
 
 
-def faces(three: Three, worn: WornSolid) -> Figure:
+def faces(three: SolidAndPlane, worn: WornSolid) -> Figure:
     """Pressure on the faces of the linings, new and worn in, with one scale."""
     with mpl.rc_context(STYLE | {"axes.grid": False}):
         new = three.solid.shoes
@@ -105,7 +111,7 @@ def curves(found: Mapping[str, Sequence[tuple[float, list[dict[str, Any]]]]]) ->
                 ("reaction", "hinge reaction", "D"),
                 ("corrected_torque", "torque, corrected", "^"),
             ):
-                y = [100 * abs(worst(table, key)) for _, table in points]
+                y = [100 * abs(largest_of_shoes(table, key)) for _, table in points]
                 axes.semilogy(x, y, marker=marker, lw=1.5, label=label)
             if max(x) > 10 * max(min(x), 0.1):
                 axes.set_xscale("log")
@@ -162,7 +168,7 @@ WAYS = {
 COLORS = {"plane stress": BLUE, "plane stress, corrected": BROWN}
 
 
-def ladder(found: Mapping[str, Sequence[Rung]]) -> Figure:
+def ladder(found: Mapping[str, Sequence[TimeAndErrors]]) -> Figure:
     """Error over processor time, a row for each brake.
 
     Full marks are errors against the solid truth, hollow marks against the truth in plane stress.
@@ -193,11 +199,11 @@ def ladder(found: Mapping[str, Sequence[Rung]]) -> Figure:
     return figure
 
 
-def _way(axes: Axes, own: Sequence[Rung], key: str, name: str) -> None:
+def _way(axes: Axes, own: Sequence[TimeAndErrors], key: str, name: str) -> None:
     if not own:
         return
     method, x = own[0].method, [1e3 * rung.seconds for rung in own]
-    color = COLORS.get(method) or color_of(method)
+    color = COLORS.get(method) or color_of_model(method)
     if method not in {
         "solid",
         "plane stress, corrected",

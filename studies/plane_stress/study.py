@@ -22,10 +22,16 @@ from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solid import model as solid
 from drumlin.fem.solid.fields import recover
 from drumlin.report import figures as drawing
-from drumlin.report.page import fill
-from drumlin.report.solid_picture import render
+from drumlin.report.page import write_page
+from drumlin.report.solid_picture import render_solid_shoes
 from drumlin_studies import plane_stress as rows
-from drumlin_studies.plane_stress import Certain, Map, Rung, Three, WornSolid
+from drumlin_studies.plane_stress import (
+    PlaneErrorMap,
+    SolidAndPlane,
+    TimeAndErrors,
+    TorqueOnThreeMeshes,
+    WornSolid,
+)
 from drumlin_studies.uncertainty import Validation
 
 HERE = Path(__file__).parent
@@ -89,15 +95,15 @@ SHORT = Setting(10, 12, (6, 12, 24), 4, 20, (8, 16), (6, 12))
 class Result:
     """Everything that the report shows."""
 
-    three: Three
+    three: SolidAndPlane
     scene: Any
     table: list[dict[str, Any]]
-    certain: tuple[Certain, Certain]
+    certain: tuple[TorqueOnThreeMeshes, TorqueOnThreeMeshes]
     validation: Validation
-    maps: tuple[Map, Map]
+    maps: tuple[PlaneErrorMap, PlaneErrorMap]
     curves: dict[str, list[tuple[float, list[dict[str, Any]]]]]
     worn: WornSolid
-    ladder: dict[str, list[Rung]]
+    ladder: dict[str, list[TimeAndErrors]]
     seconds: float
 
 
@@ -111,28 +117,28 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     brake = read_brake(HERE / "brake.toml")
     say("the brake itself")
     scene = solid.prepare(brake, elements=setting.fine)
-    three = rows.solve(brake, setting.fine)
+    three = rows.solve_by_three_models(brake, setting.fine)
     say("meshes that double")
-    true = rows.certain(
+    true = rows.torque_on_three_meshes(
         lambda n: respond(solid.prepare(brake, elements=n), brake).torque, setting.doubled
     )
-    plane = rows.certain(
+    plane = rows.torque_on_three_meshes(
         lambda n: respond(prepare(brake, elements=n), brake).torque, setting.doubled
     )
     t = brake.shoes[0].lining.thickness
     b = brake.shoes[0].lining.width
     n = setting.every
     maps = (
-        rows.chart(
+        rows.map_plane_errors(
             "one width",
             ("lining width / thickness", "lining modulus [MPa]"),
-            lambda x, y: rows.plain(brake, x * t, y * 1e6),
+            lambda x, y: rows.plain_brake(brake, x * t, y * 1e6),
             WIDTHS[::n],
             MODULI[::n],
             setting.elements,
             say,
         ),
-        rows.chart(
+        rows.map_plane_errors(
             "table and web",
             ("web width / lining width", "table thickness [mm]"),
             lambda x, y: vary(
@@ -153,22 +159,31 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     ):
         say(name)
         found = [
-            (value, rows.rows(rows.solve(vary(brake, {key: unit * value}), setting.elements)))
+            (
+                value,
+                rows.plane_error_rows(
+                    rows.solve_by_three_models(vary(brake, {key: unit * value}), setting.elements)
+                ),
+            )
             for value in values[::n]
         ]
         curves[name] = found
     say("wear")
-    worn = rows.wear(brake, setting.elements, DISTANCES if not short else DISTANCES[::3])
+    worn = rows.wear_solid_linings(
+        brake, setting.elements, DISTANCES if not short else DISTANCES[::3]
+    )
     ladder = {}
     for each in (brake, post()):
         say(f"the ladder: {each.title}")
-        ladder[each.title] = rows.ladder(each, setting.truth, setting.meshes, setting.solids)
+        ladder[each.title] = rows.time_and_errors_of_models(
+            each, setting.truth, setting.meshes, setting.solids
+        )
     return Result(
         three=three,
         scene=scene,
-        table=rows.rows(three, "T-section"),
+        table=rows.plane_error_rows(three, "T-section"),
         certain=(plane, true),
-        validation=rows.validation(plane, true),
+        validation=rows.validate_plane_stress(plane, true),
         maps=maps,
         curves=curves,
         worn=worn,
@@ -208,13 +223,13 @@ def report(result: Result, folder: Path) -> Path:
     }
     for name, figure in made.items():
         for ending in ENDINGS.get(name, ("svg",)):
-            drawing.save(figure, folder / f"{name}.{ending}")
+            drawing.save_figure(figure, folder / f"{name}.{ending}")
     brake, response = result.three.brake, result.three.solid
     write_vtu(
         folder / "solid.vtu",
         [recover(result.scene, brake, response, i) for i in range(len(brake.shoes))],
     )
-    not_drawn = render(folder / "solid.vtu", folder / "solid.png", brake.title)
+    not_drawn = render_solid_shoes(folder / "solid.vtu", folder / "solid.png", brake.title)
     write_text(folder / "errors.csv", as_csv(result.table))
     rungs = [
         {"brake": name} | rung._asdict()
@@ -234,7 +249,7 @@ def report(result: Result, folder: Path) -> Path:
         for i, x in enumerate(chart.x)
     ]
     write_text(folder / "maps.csv", as_csv(points))
-    return fill(
+    return write_page(
         HERE / "page.html",
         folder / "index.html",
         result=result,
@@ -245,12 +260,12 @@ def report(result: Result, folder: Path) -> Path:
             for key in rows.WIDTH_QUANTITIES
         },
         stated=(finite_width.TORQUE_DEVIATION, finite_width.PRESSURE_DEVIATION),
-        shares=rows.shares(result.maps),
-        sentence=rows.sentence(result.maps),
-        along=rows.along(result.curves),
+        shares=rows.share_rows(result.maps),
+        sentence=rows.sentences_on_maps(result.maps),
+        along=rows.sentences_on_curves(result.curves),
     )
 
 
-def _within(maps: tuple[Map, Map], limit: float, key: str) -> float:
+def _within(maps: tuple[PlaneErrorMap, PlaneErrorMap], limit: float, key: str) -> float:
     """Fraction of all brakes of the maps whose error is within a limit."""
     return float(np.mean([np.mean(np.abs(chart.errors[key]) <= limit) for chart in maps]))

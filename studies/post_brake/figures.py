@@ -11,8 +11,8 @@ from drumlin.base.arrays import Floats
 from drumlin.base.texts import formatted
 from drumlin.brake.beam_axis import axis_of
 from drumlin.brake.brake import Brake
-from drumlin.report.figures import STYLE, key, name_of
-from drumlin.report.palette import FAINT, GRADES, INK, look_of
+from drumlin.report.figures import STYLE, draw_legend, model_title
+from drumlin.report.palette import FAINT, GRADES, INK, line_style_of_model
 from drumlin_studies.post_brake_rows import Curve, ErrorMap, Merits, Offsets
 
 BOUNDS = (0.0, 0.01, 0.05, 0.20, np.inf)
@@ -104,8 +104,8 @@ def curves(
                     marker="o" if points else None,
                     ms=4,
                     lw=0 if points else 1.8,
-                    **(look_of(model) | ({"ls": ":"} if rest else {})),
-                    label=f"{name_of(model)} {rest}".strip(),
+                    **(line_style_of_model(model) | ({"ls": ":"} if rest else {})),
+                    label=f"{model_title(model)} {rest}".strip(),
                 )
             axes.set_title(title)
             axes.set_xlabel(xlabel)
@@ -115,7 +115,7 @@ def curves(
             axes.set_ylabel(ylabel)
         for axes in grid.flat[len(panels) :]:
             axes.set_visible(False)
-        key(figure, grid.flat[0])
+        draw_legend(figure, grid.flat[0])
     return figure
 
 
@@ -149,8 +149,8 @@ def rim(own: Mapping[str, Curve], one: Mapping[str, Curve]) -> Figure:
                     theta,
                     -z,
                     lw=1.8,
-                    **(look_of(model) | {"ls": style}),
-                    label=f"{name_of(model)}, {rest}",
+                    **(line_style_of_model(model) | {"ls": style}),
+                    label=f"{model_title(model)}, {rest}",
                 )
             axes.set_ylim(-3 * largest, 1.3 * largest)
             axes.set_yticks(

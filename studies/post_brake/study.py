@@ -22,8 +22,8 @@ from drumlin.comparison import COLUMNS, Comparison, as_csv, run
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin.report import figures as drawing
-from drumlin.report.comparison import draw_fields, panels, results_json
-from drumlin.report.page import fill
+from drumlin.report.comparison import draw_fields, pressure_panels, results_as_json
+from drumlin.report.page import write_page
 from drumlin.response.norms import relative
 from drumlin_studies import post_brake_rows as post
 from drumlin_studies.post_brake_rows import ALL_LIFTS, POST_MODELS, Curve, ErrorMap, Merits, Offsets
@@ -73,7 +73,9 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     lifts = post.lift_rows(brake, responses["fem"])
     say("clearance")
     clearances = post.clearance_rows(brake, scene)
-    offsets = post.radius_errors(brake, scene, np.linspace(-3e-3, 3e-3, 5 if short else 13))
+    offsets = post.torque_over_radius_error(
+        brake, scene, np.linspace(-3e-3, 3e-3, 5 if short else 13)
+    )
     say("friction")
     merits = post.merits_over_friction(brake, scene, np.linspace(0.05, 0.6, 4 if short else 12))
     say("where the assumptions end")
@@ -83,8 +85,8 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     say("grids")
     grids = post.grid_rows(brake, repeats)
     beams, rims = (
-        post.beam_curves(scene, brake, responses),
-        post.rim_curves(scene, brake, responses),
+        post.beam_deflections(scene, brake, responses),
+        post.rim_displacements(scene, brake, responses),
     )
     return Result(
         comparison,
@@ -112,10 +114,10 @@ def report(result: Result, folder: Path) -> Path:
     write_text(folder / "results.csv", as_csv(comparison.rows))
     write_text(
         folder / "results.json",
-        results_json([comparison], **numbers(result)).replace("NaN", "null"),
+        results_as_json([comparison], **numbers(result)).replace("NaN", "null"),
     )
     error = {row["lift"]: row["error"] for row in result.lifts}
-    return fill(
+    return write_page(
         HERE / "page.html",
         folder / "index.html",
         result=result,
@@ -136,7 +138,7 @@ def draw(result: Result, folder: Path) -> None:
     """Write the figures."""
     brake = result.comparison.brake
     made = {
-        "pressure": drawing.pressures(panels(result.comparison)),
+        "pressure": drawing.draw_pressure_panels(pressure_panels(result.comparison)),
         "map": figures.maps(result.maps, result.place),
         "beams": figures.beams(brake, result.beams),
         "rim": figures.rim(*result.rims),
@@ -145,7 +147,7 @@ def draw(result: Result, folder: Path) -> None:
     }
     for name, figure in made.items():
         for ending in ("svg", "png") if name in {"pressure", "map"} else ("svg",):
-            drawing.save(figure, folder / f"{name}.{ending}")
+            drawing.save_figure(figure, folder / f"{name}.{ending}")
 
 
 def numbers(result: Result) -> dict[str, Any]:

@@ -10,12 +10,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from drumlin.lining_wear.archard import at
+from drumlin.lining_wear.archard import interpolate_state
 from drumlin.lining_wear.linings import WornLining
-from drumlin.lining_wear.run_in import peak
-from drumlin.report.figures import STYLE, key, mark_cut
+from drumlin.lining_wear.run_in import peak_nodal_pressure
+from drumlin.report.figures import STYLE, draw_legend, mark_cut_off_curve
 from drumlin.report.palette import BLUE, INK, RED
-from drumlin_studies.run_in_limits import Board, Reversals, Run
+from drumlin_studies.run_in_limits import EqualStepsEnd, Reversals, Run
 
 NEW, LATE, LAW = BLUE, INK, RED
 DISTANCE = "sliding distance s k K"
@@ -40,17 +40,17 @@ def pressures(one: Run, curves: Sequence[float]) -> Figure:
         rows = len(setup.surfaces)
         figure = Figure(figsize=(10.6, 3.5 * rows), layout="constrained")
         grid = figure.subplots(rows, 2, squeeze=False, width_ratios=(1.0, 1.0))
-        top = 1.15 * peak(setup, states[0])
+        top = 1.15 * peak_nodal_pressure(setup, states[0])
         shades = mpl.colormaps["viridis_r"](np.linspace(0.12, 1.0, len(curves)))
         for (left, right), surface in zip(grid, setup.surfaces, strict=True):
             theta = np.degrees(surface.angles)
             for s, shade in zip(curves, shades, strict=True):
-                p = surface.along(at(states, s * one.unit).pressure)
+                p = surface.along(interpolate_state(states, s * one.unit).pressure)
                 left.plot(
                     theta, p * 1e-6, color=shade, lw=1.6, label=f"s k K = {s:g}" if s else "new"
                 )
                 left.set_ylim(0, top * 1e-6)
-                mark_cut(left, theta, p * 1e-6, shade)
+                mark_cut_off_curve(left, theta, p * 1e-6, shade)
             left.plot(
                 theta,
                 surface.along(one.goal.pressure) * 1e-6,
@@ -65,7 +65,7 @@ def pressures(one: Run, curves: Sequence[float]) -> Figure:
             right.set_title(f"{surface.name} shoe, over the distance; white: no contact")
         for axes in grid[-1]:
             axes.set_xlabel("angle on the drum θ [deg]")
-        key(figure, grid[0, 0])
+        draw_legend(figure, grid[0, 0])
         bar = mpl.cm.ScalarMappable(mpl.colors.Normalize(0, top * 1e-6), "viridis")
         figure.colorbar(bar, ax=grid[:, 1].tolist(), label="pressure p [MPa]", shrink=0.8)
     return figure
@@ -75,7 +75,9 @@ def _over_distance(axes: Axes, one: Run, surface: WornLining, top: float) -> Non
     """Draw p over angle and logarithm of the distance. Places without contact are white."""
     end = one.states[-1].s / one.unit
     levels = np.geomspace(end * 1e-4, end, 240)
-    p = np.array([surface.along(at(one.states, s * one.unit).pressure) for s in levels])
+    p = np.array(
+        [surface.along(interpolate_state(one.states, s * one.unit).pressure) for s in levels]
+    )
     axes.pcolormesh(
         np.degrees(surface.angles),
         levels,
@@ -154,7 +156,7 @@ def lines(
             axes.set_xlim(0, 1.1 * max(max(one.x) for one in series))
         axes.set_xlabel(f"{DISTANCE} (0: new)" if log else DISTANCE)
         axes.set_ylabel(ylabel)
-        key(figure, axes)
+        draw_legend(figure, axes)
     return figure
 
 
@@ -173,11 +175,13 @@ def profiles(one: Run, curves: Sequence[float]) -> Figure:
         for column, surface in zip(grid.T, setup.surfaces, strict=True):
             theta = np.degrees(surface.angles)
             for s, shade in zip(curves, shades, strict=True):
-                depth = surface.along(at(states, s * unit).depth)
+                depth = surface.along(interpolate_state(states, s * unit).depth)
                 column[0].plot(theta, depth * 1e6, color=shade, lw=1.6, label=f"s k K = {s:g}")
             column[0].set_yscale("symlog", linthresh=1)
             column[0].set_title(f"{surface.name} shoe")
-            touching = np.array([surface.along(at(states, s * unit).pressure) > 0 for s in levels])
+            touching = np.array(
+                [surface.along(interpolate_state(states, s * unit).pressure) > 0 for s in levels]
+            )
             column[1].contourf(
                 theta, levels, touching, levels=[0.5, 1.5], colors=[BLUE], alpha=0.35
             )
@@ -185,11 +189,11 @@ def profiles(one: Run, curves: Sequence[float]) -> Figure:
             column[1].set_xlabel("angle on the drum θ [deg]")
         grid[0, 0].set_ylabel("worn depth [µm]")
         grid[1, 0].set_ylabel(f"{DISTANCE}, in contact: filled")
-        key(figure, grid[0, -1])
+        draw_legend(figure, grid[0, -1])
     return figure
 
 
-def checkerboard(surface: WornLining, boards: Sequence[Board]) -> Figure:
+def checkerboard(surface: WornLining, boards: Sequence[EqualStepsEnd]) -> Figure:
     """Nodal pressures of the most loaded third of a lining, a panel for each way to step.
 
     Titles tell the checkerboard of the pressure.

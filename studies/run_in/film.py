@@ -16,7 +16,7 @@ from studies.run_in.figures import DISTANCE, LATE, LAW, NEW
 
 from drumlin.base.files import replacing
 from drumlin.lining_wear.linings import WearSetup
-from drumlin.lining_wear.run_in import peak
+from drumlin.lining_wear.run_in import peak_nodal_pressure
 from drumlin.report.figures import STYLE
 from drumlin_studies.run_in_limits import Run, RunFrame
 
@@ -26,7 +26,7 @@ def film(one: Run, frames: Sequence[RunFrame], path: Path) -> Path:
 
     It shows the deformed shoes with their stress, and the pressure on the drum and over the angle.
     """
-    top = 1.15 * peak(one.setup, frames[0].state)
+    top = 1.15 * peak_nodal_pressure(one.setup, frames[0].state)
     stresses = np.concatenate([f.von_mises for f in frames[0].fields])
     stress = float(np.percentile(stresses, 99)) * 1e-6
     move = max(float(np.abs(f.displacement).max()) for f in frames[0].fields)

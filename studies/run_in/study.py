@@ -16,12 +16,12 @@ from drumlin.brake.file import read_brake
 from drumlin.brake.plane_brake import read_any
 from drumlin.comparison import as_csv
 from drumlin.fem.preparation.prepare import prepare
-from drumlin.lining_wear.linings import fem_setup
-from drumlin.lining_wear.run_in import distance
+from drumlin.lining_wear.linings import fem_wear_setup
+from drumlin.lining_wear.run_in import distance_from_target
 from drumlin.report import figures as drawing
-from drumlin.report.page import fill
+from drumlin.report.page import write_page
 from drumlin_studies import run_in_limits as limits
-from drumlin_studies.run_in_limits import Board, Reversals, Run, RunFrame
+from drumlin_studies.run_in_limits import EqualStepsEnd, Reversals, Run, RunFrame
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
@@ -62,7 +62,7 @@ class Result:
     held: Run
     reversals: list[Reversals]
     steps: list[dict[str, Any]]
-    boards: list[Board]
+    boards: list[EqualStepsEnd]
     frames: list[RunFrame]
     skipped: list[str]
     seconds: float
@@ -85,10 +85,12 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     say("the main brake")
     brake = read_brake(MAIN)
     scene = prepare(brake, elements=elements)
-    setup = fem_setup(scene, brake)
-    main = limits.settle("stiff shoes", setup)
+    setup = fem_wear_setup(scene, brake)
+    main = limits.run_until_settled("stiff shoes", setup)
     soft = read_brake(FLEXIBLE)
-    flexible = limits.settle("flexible shoes", fem_setup(prepare(soft, elements=elements), soft))
+    flexible = limits.run_until_settled(
+        "flexible shoes", fem_wear_setup(prepare(soft, elements=elements), soft)
+    )
     say("linings from soft to stiff")
     ratios = [
         limits.ratio_row(brake, ratio, elements) for ratio in (RATIOS[1::2] if short else RATIOS)
@@ -98,15 +100,15 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     say("exponents")
     exponents = [limits.exponent_row(setup, m) for m in ((2.0,) if short else EXPONENTS)]
     say("held torque")
-    held = limits.settle("held torque", setup, torque=main.goal.torque)
+    held = limits.run_until_settled("held torque", setup, torque=main.goal.torque)
     reversals = []
     for every in REVERSALS[:1] if short else REVERSALS:
         say(f"reversed every {every:g}")
-        reversals.append(limits.reversed_run(scene, brake, every, 3 if short else 8))
+        reversals.append(limits.run_with_reversals(scene, brake, every, 3 if short else 8))
     say("steps")
     steps, boards = limits.step_rows(main, END, STEPS)
     say("film")
-    frames = limits.frames(scene, main, 6 if short else 40)
+    frames = limits.run_frames(scene, main, 6 if short else 40)
     return Result(
         main,
         flexible,
@@ -140,7 +142,7 @@ def cases(*, short: bool) -> tuple[list[tuple[str, str, Brake]], list[str]]:
         if brake.surface.straight:
             skipped.append(f"{name}: shoes on a plane are not modelled elastically")
             continue
-        ways, reason = limits.ways(brake)
+        ways, reason = limits.wearing_models_of(brake)
         found += [(name + how, model, varied) for how, model, varied in ways]
         skipped += [f"{name}: {reason}"] if reason else []
     return found, skipped
@@ -157,10 +159,10 @@ def report(result: Result, folder: Path) -> Path:
     }.items():
         write_text(folder / f"{name}.csv", as_csv(rows))
     reversal = result.reversals[min(1, len(result.reversals) - 1)]
-    least = limits.least_touching([result.main, *result.runs])
+    least = limits.run_of_smallest_contact([result.main, *result.runs])
     draw(result, least, reversal, folder)
     lives = [row for row in result.brakes if "life" in row]
-    return fill(
+    return write_page(
         HERE / "page.html",
         folder / "index.html",
         result=result,
@@ -193,10 +195,14 @@ def draw(result: Result, least: Run, reversal: Reversals, folder: Path) -> None:
     main = result.main
     for key, one in (("stiff", main), ("flexible", result.flexible)):
         for ending in ("svg", "png"):
-            drawing.save(figures.pressures(one, CURVES[key]), folder / f"pressure_{key}.{ending}")
+            drawing.save_figure(
+                figures.pressures(one, CURVES[key]), folder / f"pressure_{key}.{ending}"
+            )
     marks = [float(f"{least.distances()[-1] * part:.1g}") for part in OPEN_CURVES]
     far = [
-        one for one in result.runs if abs(distance(one.setup, one.states[0], one.goal).torque) > FAR
+        one
+        for one in result.runs
+        if abs(distance_from_target(one.setup, one.states[0], one.goal).torque) > FAR
     ]
     made = {
         "profiles": figures.profiles(least, marks),
@@ -207,5 +213,5 @@ def draw(result: Result, least: Run, reversal: Reversals, folder: Path) -> None:
         "checkerboard": figures.checkerboard(main.setup.surfaces[0], result.boards),
     }
     for name, figure in made.items():
-        drawing.save(figure, folder / f"{name}.svg")
+        drawing.save_figure(figure, folder / f"{name}.svg")
     film(main, result.frames, folder / "film.gif")

@@ -10,8 +10,19 @@ from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
-from drumlin.report.figures import STYLE, key
-from drumlin.report.palette import BLUE, BROWN, GREEN, GREY, INK, OCHRE, PURPLE, RED, SKY, color_of
+from drumlin.report.figures import STYLE, draw_legend
+from drumlin.report.palette import (
+    BLUE,
+    BROWN,
+    GREEN,
+    GREY,
+    INK,
+    OCHRE,
+    PURPLE,
+    RED,
+    SKY,
+    color_of_model,
+)
 
 COLORS = {
     "answer": BLUE,
@@ -138,7 +149,7 @@ def condition(rows: Sequence[Row]) -> Figure:
         axes.set_ylim(0, 16.5)
         axes.set_xlabel("condition of the torque relative to each entry of the whole system [–]")
         axes.set_ylabel("digits of the torque that survive")
-        key(figure, axes, ncols=1)
+        draw_legend(figure, axes, ncols=1)
     return figure
 
 
@@ -160,7 +171,7 @@ def softening(series: Mapping[str, Sequence[tuple[float, float]]]) -> Figure:
         axes.axvline(1e6, color=GREY, lw=0.8, ls=":")
         axes.set_xlabel("penalty, multiple of E/t of the lining [–]")
         axes.set_ylabel("|torque / torque of exact contact − 1| [–]")
-        key(figure, axes)
+        draw_legend(figure, axes)
     return figure
 
 
@@ -181,10 +192,10 @@ def limits(panels: Sequence[tuple[str, Mapping[str, Sequence[Row]]]], law: float
             for (name, rows), color in zip(curves.items(), SHADES, strict=False):
                 x, y = ([row[which] for row in rows] for which in ("factor", "mu_lock"))
                 axes.semilogx(x, y, marker="o", ms=3, lw=1.6, color=color, label=name)
-            axes.axhline(law, color=color_of("sine"), ls="--", lw=1.4, label="sine law")
+            axes.axhline(law, color=color_of_model("sine"), ls="--", lw=1.4, label="sine law")
             axes.set_title(f"Stiffness of the {part}")
             axes.set_xlabel(f"modulus of the {part}, times its own [–]")
-        key(figure, grid[0, 0])
+        draw_legend(figure, grid[0, 0])
         grid[0, 0].set_ylabel("limit of self-locking μ [–]")
     return figure
 
@@ -207,18 +218,18 @@ def poles(rows: Sequence[Row]) -> Figure:
         left.plot(
             row["law_mu"],
             np.array(row["law_torque"]) * 1e-3,
-            color=color_of("sine"),
+            color=color_of_model("sine"),
             ls="--",
             lw=1.6,
             label="sine law",
         )
-        left.axvline(row["law"], color=color_of("sine"), lw=1, ls=":")
+        left.axvline(row["law"], color=color_of_model("sine"), lw=1, ls=":")
         left.set_ylim(0, highest * 1e-3)
         left.set_xlim(0, 1.08 * max(row["mu_lock"] for row in rows))
         left.set_title("Torque towards the limits (dotted)")
         left.set_xlabel("friction coefficient μ [–]")
         left.set_ylabel("torque T [kN m]")
-        key(figure, left)
+        draw_legend(figure, left)
         right.invert_xaxis()
         right.set_title("Torque times distance from its limit")
         right.set_xlabel("distance from the limit $1 - \\mu/\\mu_\\mathrm{lock}$ [–]")

@@ -8,7 +8,12 @@ from typing import Any, NamedTuple
 from drumlin.base.journal import Journal
 from drumlin.brake.file import read_brake, vary
 from drumlin.fem.model import PENALTY
-from drumlin_studies.self_locking import limit_row, slope_rows, torque_row, uniqueness_row
+from drumlin_studies.self_locking import (
+    locking_limit_row,
+    slope_rows,
+    torque_over_friction_row,
+    uniqueness_row,
+)
 
 FILE = Path(__file__).parents[1] / "double_shoe" / "brake.toml"
 THICKNESSES = (8e-3, 3e-3, 1e-3)
@@ -67,7 +72,7 @@ def study(
         changes = {key: case[key] for key in case if "." in key}
         return journal.once(
             {"of": "limit", **case},
-            lambda: limit_row(vary(brake, changes), case.get("n", elements)) | case,
+            lambda: locking_limit_row(vary(brake, changes), case.get("n", elements)) | case,
         )
 
     say("limits of self-locking")
@@ -96,7 +101,7 @@ def study(
     torque = [
         journal.once(
             {"of": "torque", "ring": name != "rigid drum", "n": elements},
-            partial(torque_row, drum, name, elements),
+            partial(torque_over_friction_row, drum, name, elements),
         )
         for name, drum in drums.items()
     ]

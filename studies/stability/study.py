@@ -17,19 +17,19 @@ from studies.stability import figures, locking, ways
 from drumlin.base.files import write_text
 from drumlin.base.journal import Journal
 from drumlin.comparison import as_csv
-from drumlin.report.figures import save
-from drumlin.report.page import fill
+from drumlin.report.figures import save_figure
+from drumlin.report.page import write_page
 from drumlin_studies import consistency, self_locking
-from drumlin_studies.extreme_cases import cases
+from drumlin_studies.extreme_cases import designed_cases
 from drumlin_studies.outcomes import (
     POINTWISE_OUTCOMES,
-    counted,
-    faults,
+    count_values_by_knob,
+    fault_rows,
+    penalty_error_slope,
     penalty_rows,
-    slope,
-    softening,
-    timings,
-    worst,
+    rows_of_fewest_digits,
+    time_rows_by_knob,
+    torque_change_by_penalty,
 )
 from drumlin_studies.trial import (
     ANSWERS,
@@ -37,7 +37,7 @@ from drumlin_studies.trial import (
     REFUSALS,
     TORQUE_DIGITS,
     TRIAL_OUTCOMES,
-    trial,
+    try_case,
 )
 
 HERE = Path(__file__).parent
@@ -93,14 +93,14 @@ def study(
     """
     start = time.perf_counter()
     journal = journal or Journal()
-    keys = {case: {"case": repr(case)} for case in cases(short=short)}
+    keys = {case: {"case": repr(case)} for case in designed_cases(short=short)}
     left = [case for case, key in keys.items() if key not in journal]
     if short:
         for case in left:
-            journal.add(keys[case], trial(case))
+            journal.add(keys[case], try_case(case))
     else:
         with ProcessPoolExecutor(WORKERS, mp_context=get_context("spawn")) as pool:
-            for done, (case, row) in enumerate(zip(left, pool.map(trial, left), strict=True), 1):
+            for done, (case, row) in enumerate(zip(left, pool.map(try_case, left), strict=True), 1):
                 journal.add(keys[case], row)
                 if done % 10 == 0:
                     say(f"{done} of {len(left)} cases")
@@ -124,11 +124,11 @@ def report(result: Result, folder: Path) -> Path:
         as_csv([{k: v for k, v in row.items() if k != "knobs"} for row in rows]),
     )
     known = [row for row in rows if row.get("digits") is not None]
-    softened = softening(rows)
+    softened = torque_change_by_penalty(rows)
     swept = softened if softened and all(len(values) >= 4 for values in softened.values()) else {}
     draw(result, known, swept, folder)
     locked, table = result.locked, unique_rows(result.locked.unique)
-    return fill(
+    return write_page(
         HERE / "page.html",
         folder / "index.html",
         result=result,
@@ -136,24 +136,24 @@ def report(result: Result, folder: Path) -> Path:
         answers=[row for row in rows if row["outcome"] in ANSWERS],
         refused=[row for row in rows if row["outcome"] in (*REFUSALS.values(), "bad input")],
         unanswered=[row for row in rows if row["outcome"] not in ANSWERS],
-        faults=faults(rows),
+        faults=fault_rows(rows),
         residual=LARGEST_RESIDUAL,
         required=TORQUE_DIGITS,
         grids={knob: _file(knob) for knob in GRIDS},
         outcome_names=TRIAL_OUTCOMES,
-        outcomes=counted(rows, "outcome", TRIAL_OUTCOMES),
+        outcomes=count_values_by_knob(rows, "outcome", TRIAL_OUTCOMES),
         known=known,
         median_digits=statistics.median(row["digits"] for row in known),
         below=[row for row in known if row["digits"] < min(TORQUE_DIGITS, row["allowed"])],
-        worst=worst(rows),
+        worst=rows_of_fewest_digits(rows),
         pointwise_names=POINTWISE_OUTCOMES,
-        pointwise=counted(rows, "pointwise", POINTWISE_OUTCOMES),
+        pointwise=count_values_by_knob(rows, "pointwise", POINTWISE_OUTCOMES),
         penalties=penalty_rows(rows) if swept else [],
         stiff=max(
             (change for values in swept.values() for a, change in values if a >= 1e6), default=None
         ),
-        slopes=[slope(values) for values in swept.values()],
-        timings=timings(rows),
+        slopes=[penalty_error_slope(values) for values in swept.values()],
+        timings=time_rows_by_knob(rows),
         locked=locked,
         law=locked.mesh[0]["law"],
         stiffest=[
@@ -166,11 +166,11 @@ def report(result: Result, folder: Path) -> Path:
         own_ring=next(
             row for row in locked.ring if row["support"] == "free" and row["factor"] == 1
         ),
-        poles={row["name"]: self_locking.pole(row) for row in locked.torque},
+        poles={row["name"]: self_locking.torque_pole(row) for row in locked.torque},
         agreeing=[row for row in table if not row["disagreeing"]],
         disagreeing=[row for row in table if row["disagreeing"]],
         limits=self_locking,
-        ways_counted=[count._asdict() for count in consistency.counted(result.compared)],
+        ways_counted=[count._asdict() for count in consistency.count_outcomes(result.compared)],
         ways_differing=[row for row in compared if row["outcome"] == "differs"],
     )
 
@@ -197,23 +197,23 @@ def draw(
         for knob in dict.fromkeys(row["knob"] for row in rows)
         if " × " not in knob and knob != "hypercube"
     ]
-    save(figures.strips(rows, knobs), folder / "sweeps.svg")
+    save_figure(figures.strips(rows, knobs), folder / "sweeps.svg")
     for knob, (x, y, labels) in GRIDS.items():
-        save(
+        save_figure(
             figures.grids([row for row in rows if row["knob"] == knob], x, y, labels),
             folder / _file(knob),
         )
-    save(figures.condition(known), folder / "condition.svg")
+    save_figure(figures.condition(known), folder / "condition.svg")
     if swept:
-        save(figures.softening(swept), folder / "penalty.svg")
+        save_figure(figures.softening(swept), folder / "penalty.svg")
     shoes = {f"lining {t * 1e3:g} mm": of for t, of in locking.by_thickness(locked.shoe).items()}
     rings = {
         f"{support} rim": [r for r in locked.ring if r["support"] == support]
         for support in ("free", "fixed")
     }
     panels = [("shoe", shoes), ("drum ring", rings)]
-    save(figures.limits(panels, locked.mesh[0]["law"]), folder / "locking.svg")
-    save(figures.poles(locked.torque), folder / "locking_torque.svg")
+    save_figure(figures.limits(panels, locked.mesh[0]["law"]), folder / "locking.svg")
+    save_figure(figures.poles(locked.torque), folder / "locking_torque.svg")
 
 
 def _file(knob: str) -> str:

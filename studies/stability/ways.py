@@ -31,17 +31,25 @@ class Ways(NamedTuple):
 
 
 WAYS = {
-    "refusals": Ways("Refused by levels, and by three meshes", consistency_refused.checks, 2000),
+    "refusals": Ways(
+        "Refused by levels, and by three meshes", consistency_refused.refusal_rows, 2000
+    ),
     "holding": Ways(
-        "The holding brake at full slip, and the sliding brake", consistency_hold.checks, 600
+        "The holding brake at full slip, and the sliding brake",
+        consistency_hold.hold_against_solve_rows,
+        600,
     ),
     "wear": Ways(
-        "Wear at its start and end, the sliding and the worn-in brake", consistency_wear.checks, 600
+        "Wear at its start and end, the sliding and the worn-in brake",
+        consistency_wear.wear_rows,
+        600,
     ),
-    "slopes": Ways("Printed slopes, and central differences", consistency_slopes.checks, 600),
+    "slopes": Ways(
+        "Printed slopes, and central differences", consistency_slopes.slope_rows_of_seed, 600
+    ),
     "blocks": Ways(
         "True errors of linings with 7 to 30 blocks, and stated ones",
-        consistency_blocks.checks,
+        consistency_blocks.block_error_rows,
         100,
     ),
 }

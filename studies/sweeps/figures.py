@@ -6,9 +6,9 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
-from drumlin.report.figures import STYLE, key
+from drumlin.report.figures import STYLE, draw_legend
 from drumlin.report.palette import BLUE, GREEN, INK, OCHRE
-from drumlin_studies.throughput import Throughput, torques
+from drumlin_studies.throughput import Throughput, solved_torques
 
 COLORS = {"processes": BLUE, "Dask workers": OCHRE, "Dask workers that keep memory": GREEN}
 
@@ -40,7 +40,7 @@ def throughput(measured: Mapping[str, Sequence[Throughput]]) -> Figure:
             axes.set_ylabel("throughput [cases/s]")
             axes.set_ylim(0, 1.25 * max(one.rate for one in those))
             axes.grid(visible=False, axis="x")
-        key(figure, figure.axes[0])
+        draw_legend(figure, figure.axes[0])
     return figure
 
 
@@ -53,7 +53,7 @@ def torque(measured: Mapping[str, Sequence[Throughput]]) -> Figure:
         figure = Figure(figsize=(9.6, 3.2), layout="constrained")
         panels = figure.subplots(1, 2, sharex=True)
         for axes, (name, those), color in zip(panels, measured.items(), (BLUE, GREEN), strict=True):
-            drawn = torques(those[0].rows)
+            drawn = solved_torques(those[0].rows)
             axes.hist(drawn, bins="auto", color=color, alpha=0.75)
             for percent in (2.5, 50, 97.5):
                 axes.axvline(

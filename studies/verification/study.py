@@ -15,15 +15,27 @@ from drumlin.comparison import as_csv
 from drumlin.fem.mesh.arc import MESH_KINDS
 from drumlin.fem.solve import solve
 from drumlin.report import figures
-from drumlin.report.page import fill
+from drumlin.report.page import write_page
 from drumlin_studies import corner_rows, ladder, stated_true_figure
-from drumlin_studies.orders import distance, estimate_row, level_rows, line, order_rows
+from drumlin_studies.orders import (
+    estimate_row,
+    fit_error_line,
+    largest_pressure_distance,
+    level_rows,
+    order_rows,
+)
 from drumlin_studies.random_brake import random_brake
 from drumlin_studies.random_kinds import HOLDING_KINDS as KINDS_OF_HOLDING
-from drumlin_studies.random_kinds import random_kind
-from drumlin_studies.side_by_side import PROCESSES, Case, kept
-from drumlin_studies.stated_true import JUDGED_TOLERANCES, by_columns, by_triangles, row, summary
-from drumlin_studies.stated_true_figure import cloud
+from drumlin_studies.random_kinds import draw_brake_of_holding_kind
+from drumlin_studies.side_by_side import PROCESSES, Case, compute_and_keep_cases
+from drumlin_studies.stated_true import (
+    JUDGED_TOLERANCES,
+    stated_and_true_row,
+    summary_rows,
+    truth_by_hp_elements,
+    truth_by_triangles,
+)
+from drumlin_studies.stated_true_figure import draw_error_cloud
 
 HERE = Path(__file__).parent
 BRAKE = HERE.parent / "double_shoe" / "brake.toml"
@@ -95,7 +107,7 @@ def study(
         reference = solve(brake, elements=fine, penalty=math.inf)
         # A mesh of another kind gives a second reference. No error below their distance is claimed.
         second = solve(brake, elements=other, kind="tri2", penalty=math.inf)
-        floor[case] = distance(second, reference)
+        floor[case] = largest_pressure_distance(second, reference)
         for kind in MESH_KINDS:
             say(f"{case}: {kind}")
             orders += order_rows(brake, case, kind, sizes, reference)
@@ -111,16 +123,16 @@ def study(
     ]
     say("random brakes")
     judged: list[dict[str, Any]] = []
-    for found in kept(cases, _judged, journal, say, processes):
+    for found in compute_and_keep_cases(cases, _judged, journal, say, processes):
         judged += found["rows"]
     count = 1 if short else CORNERS
     cases = [{"corner": corner_rows.FIRST_JUDGED + k} for k in range(count)]
     say("random corners and tips")
     corners: list[dict[str, Any]] = []
-    for found in kept(cases, _cornered, journal, say, processes):
+    for found in compute_and_keep_cases(cases, _cornered, journal, say, processes):
         corners += found["rows"]
     say("benchmark ladder")
-    known = [ladder.row(case) for case in ladder.LADDER_CASES]
+    known = [ladder.case_row(case) for case in ladder.LADDER_CASES]
     return Result(
         orders, levels, estimates, judged, corners, floor, known, time.perf_counter() - start
     )
@@ -138,13 +150,17 @@ def _tolerances(seed: int, *, short: bool) -> list[float]:
 
 
 def _cornered(case: Case) -> dict[str, Any]:
-    return {"rows": corner_rows.rows(case["corner"])}
+    return {"rows": corner_rows.error_rows_of_seed(case["corner"])}
 
 
 def _drawn(seed: int) -> Brake:
     """The brake of a seed: even seeds draw any shape, odd seeds any support of a drum brake."""
     ways = [way for way in KINDS_OF_HOLDING if not way.startswith("pad")]
-    brake = random_kind(seed, ways[seed // 2 % len(ways)]) if seed % 2 else random_brake(seed)
+    brake = (
+        draw_brake_of_holding_kind(seed, ways[seed // 2 % len(ways)])
+        if seed % 2
+        else random_brake(seed)
+    )
     return brake
 
 
@@ -154,12 +170,17 @@ def _judged(case: Case) -> dict[str, Any]:
     brake, failure, true = _drawn(seed), "", None
     triangular = seed // 2 % TENTH == 0
     try:
-        true = by_triangles(brake) if triangular else by_columns(brake, tolerances[-1])
+        true = (
+            truth_by_triangles(brake) if triangular else truth_by_hp_elements(brake, tolerances[-1])
+        )
     except NoAnswer as error:
         failure = str(error)
     base = {"seed": seed, "truth": "triangles" if triangular else "columns"}
     return {
-        "rows": [base | row(brake, tolerance, solve, true, failure) for tolerance in tolerances]
+        "rows": [
+            base | stated_and_true_row(brake, tolerance, solve, true, failure)
+            for tolerance in tolerances
+        ]
     }
 
 
@@ -170,25 +191,25 @@ def report(result: Result, folder: Path) -> Path:
         for kind in MESH_KINDS:
             rows = [r for r in result.orders if (r["case"], r["kind"]) == (case, kind)]
             series[kind] = [(r["elements"], r["pressure"]) for r in rows]
-        figure = figures.convergence(series, "error of p in L2")
-        figures.save(figure, folder / f"orders_{i + 1}.svg")
-    figures.save(cloud(result.judged), folder / "stated_true.svg")
+        figure = figures.draw_convergence(series, "error of p in L2")
+        figures.save_figure(figure, folder / f"orders_{i + 1}.svg")
+    figures.save_figure(draw_error_cloud(result.judged), folder / "stated_true.svg")
     write_text(folder / "stated_true.csv", as_csv(result.judged))
     write_text(folder / "corners.csv", as_csv(result.corners))
-    figures.save(stated_true_figure.levels(result.levels), folder / "levels.svg")
+    figures.save_figure(stated_true_figure.draw_level_errors(result.levels), folder / "levels.svg")
     write_text(folder / "levels.csv", as_csv(result.levels))
     write_text(folder / "orders.csv", as_csv(result.orders))
     write_text(folder / "estimates.csv", as_csv(result.estimates))
     write_text(folder / "ladder.csv", as_csv(result.ladder))
-    return fill(
+    return write_page(
         HERE / "page.html",
         folder / "index.html",
         result=result,
         cases=list(CASES),
-        judged=summary(result.judged),
-        corners=corner_rows.by_kind(result.corners),
+        judged=summary_rows(result.judged),
+        corners=corner_rows.summary_by_kind(result.corners),
         steep=corner_rows.STEEPEST_JUDGED,
-        independent=summary([one for one in result.judged if one["truth"] == "triangles"]),
-        families=len(ladder.families()),
-        line=line(result.levels),
+        independent=summary_rows([one for one in result.judged if one["truth"] == "triangles"]),
+        families=len(ladder.case_families()),
+        line=fit_error_line(result.levels),
     )

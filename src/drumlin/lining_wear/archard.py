@@ -24,8 +24,8 @@ the equations above, differentiated by s, are
     w' = B y' + G rate(p),   p >= 0,  w' >= 0,  p w' = 0,   C x = h_load
 
 They contain neither stiffness nor gap: they are those of a rigid shoe on a bed of springs. Their
-answer (`steady`) is the end of wear on the given mesh. As the mesh is refined it becomes the
-rigid-shoe law.
+answer (`solve_steady_wear`) is the end of wear on the given mesh. As the mesh is refined it becomes
+the rigid-shoe law.
 
 The module knows nothing of brakes: `linings` makes its problems from them.
 """
@@ -101,7 +101,7 @@ SOFTENINGS = 20
 The last compliance is 4e-9 of the brake's own: without it the contact set hardly changes."""
 
 
-def always(_: Contact) -> bool:
+def is_always_allowed(_: Contact) -> bool:
     """Whether an answer allows the friction: always where no abutment is rough."""
     return True
 
@@ -117,7 +117,7 @@ class Footing(NamedTuple):
     """
 
     problem: Problem
-    stands: Callable[[Contact], bool] = always
+    stands: Callable[[Contact], bool] = is_always_allowed
 
 
 class WearInterface(NamedTuple):
@@ -144,7 +144,7 @@ class WearInterface(NamedTuple):
     pressure: Floats
     area: Floats
     torque: Floats
-    stands: Callable[[Contact], bool] = always
+    stands: Callable[[Contact], bool] = is_always_allowed
     others: tuple[Footing, ...] = ()
     settle: Callable[[Floats], tuple[int, Bools]] | None = None
 
@@ -219,7 +219,7 @@ WearInterfaces = Sequence[WearInterface]
 """The interfaces of a brake, each in equilibrium by itself."""
 
 
-def run(
+def wear_linings(
     forward: WearInterfaces,
     law: WearLaw,
     *,
@@ -256,9 +256,9 @@ def run(
     held = 1.0 if torque is None else torque
     _check_positive({"distance": distance, "reverse": reverse, "torque": held})
     _check_law(law, tolerance, distance)
-    course = _Course(
-        forward=_Stepper(forward, law, torque),
-        backward=_Stepper(backward or forward, law, torque),
+    course = _WearRunInProgress(
+        forward=_WearStepper(forward, law, torque),
+        backward=_WearStepper(backward or forward, law, torque),
         reverse=reverse,
         distance=distance,
         tolerance=tolerance,
@@ -289,7 +289,7 @@ def _check_law(law: WearLaw, tolerance: float, distance: float) -> None:
         raise BadInput("coefficient = 0: nothing wears, so that a distance in m must be given")
 
 
-class _Course:
+class _WearRunInProgress:
     """A wear run in progress: its states so far, and the length of its next step.
 
     Parameters
@@ -302,8 +302,8 @@ class _Course:
 
     def __init__(
         self,
-        forward: "_Stepper",
-        backward: "_Stepper",
+        forward: "_WearStepper",
+        backward: "_WearStepper",
         reverse: float,
         distance: float,
         tolerance: float,
@@ -375,9 +375,11 @@ class _Course:
         self._step, self._just_turned = self._opening_step, True
 
 
-def run_on(interfaces: WearInterfaces, law: WearLaw, stations: Sequence[float]) -> list[WearState]:
+def wear_linings_in_given_steps(
+    interfaces: WearInterfaces, law: WearLaw, stations: Sequence[float]
+) -> list[WearState]:
     """Wear linings in steps that end at the distances `stations` [m], without error control."""
-    stepper = _Stepper(interfaces, law, None)
+    stepper = _WearStepper(interfaces, law, None)
     states = [stepper.start()]
     for s in stations:
         after, _ = stepper.step(states[-1], s - states[-1].s)
@@ -385,42 +387,42 @@ def run_on(interfaces: WearInterfaces, law: WearLaw, stations: Sequence[float]) 
     return states
 
 
-def together(interfaces: WearInterfaces) -> WearInterface:
+def join_interfaces(interfaces: WearInterfaces) -> WearInterface:
     """Join several interfaces into one, with every combination of their footings."""
     combinations = product(*(interface.footings for interface in interfaces))
-    first, *others = map(_joined, combinations)
+    first, *others = map(_joint_footing, combinations)
     all_settle = all(map(attrgetter("settle"), interfaces))
     return WearInterface(
         problem=first.problem,
         weight=block_diag(*map(attrgetter("weight"), interfaces)),
-        loaded=_concatenated(interfaces, "loaded"),
-        pressure=_concatenated(interfaces, "pressure"),
-        area=_concatenated(interfaces, "area"),
-        torque=_concatenated(interfaces, "torque"),
+        loaded=_concatenate_attribute(interfaces, "loaded"),
+        pressure=_concatenate_attribute(interfaces, "pressure"),
+        area=_concatenate_attribute(interfaces, "area"),
+        torque=_concatenate_attribute(interfaces, "torque"),
         stands=first.stands,
         others=tuple(others),
-        settle=partial(_all_settled, interfaces) if all_settle else None,
+        settle=partial(_settle_all_interfaces, interfaces) if all_settle else None,
     )
 
 
-def _concatenated(owners: Iterable[Any], name: str) -> Floats:
+def _concatenate_attribute(owners: Iterable[Any], name: str) -> Floats:
     """The arrays (n,) that some objects have as their attribute `name`, one after the other."""
     return np.concatenate(list(map(attrgetter(name), owners)))
 
 
-def _joined(footings: Sequence[Footing]) -> Footing:
+def _joint_footing(footings: Sequence[Footing]) -> Footing:
     """The footing that holds where each of several interfaces has its own of these footings."""
     problem = Problem(
         A=block_diag(*map(attrgetter("problem.A"), footings)),
-        q=_concatenated(footings, "problem.q"),
+        q=_concatenate_attribute(footings, "problem.q"),
         B=block_diag(*map(attrgetter("problem.B"), footings)),
         C=block_diag(*map(attrgetter("problem.C"), footings)),
-        h=_concatenated(footings, "problem.h"),
+        h=_concatenate_attribute(footings, "problem.h"),
     )
-    return Footing(problem, partial(_all_stand, footings))
+    return Footing(problem, partial(_allows_all_footings, footings))
 
 
-def _all_stand(footings: Sequence[Footing], contact: Contact) -> bool:
+def _allows_all_footings(footings: Sequence[Footing], contact: Contact) -> bool:
     """Whether the common answer of several interfaces allows the footing of each of them."""
     unknowns = in_turn(len(footing.problem.q) for footing in footings)
     motions = in_turn(len(footing.problem.h) for footing in footings)
@@ -430,7 +432,7 @@ def _all_stand(footings: Sequence[Footing], contact: Contact) -> bool:
     return True
 
 
-def _all_settled(interfaces: WearInterfaces, depth: Floats) -> tuple[int, Bools]:
+def _settle_all_interfaces(interfaces: WearInterfaces, depth: Floats) -> tuple[int, Bools]:
     """The number of the combination of footings, and the contact set (n,) of all interfaces.
 
     The linings are worn by a depth (n,) [m].
@@ -447,7 +449,7 @@ def _all_settled(interfaces: WearInterfaces, depth: Floats) -> tuple[int, Bools]
     return number, np.concatenate(active_sets)
 
 
-class Steady(NamedTuple):
+class SteadyWear(NamedTuple):
     """Steady wear, the end of wear; see the head of this module.
 
     Attributes
@@ -460,7 +462,7 @@ class Steady(NamedTuple):
     contact: Contact
 
 
-def steady(interface: WearInterface, law: WearLaw) -> Steady:
+def solve_steady_wear(interface: WearInterface, law: WearLaw) -> SteadyWear:
     """The steady wear that the wear of an interface ends with.
 
     Steady wear depends on the exponent of the wear law, not on the coefficient. NoAnswer is raised
@@ -471,7 +473,7 @@ def steady(interface: WearInterface, law: WearLaw) -> Steady:
     compliance_of_wear = np.diagonal(interface.weight) * interface.pressure
     for number, footing in enumerate(interface.footings):
         try:
-            contact = _steady_as(interface, footing, law)
+            contact = _solve_steady_wear_with_footing(interface, footing, law)
         except NoAnswer as error:
             failure = failure or error
             continue
@@ -479,11 +481,13 @@ def steady(interface: WearInterface, law: WearLaw) -> Steady:
         elastic = float(np.abs(np.diagonal(footing.problem.A)).max())
         scale = STEADY_MOTION_RATIO * float(elastic / np.abs(compliance_of_wear).max())
         if footing.stands(replace(contact, y=scale * contact.y)):
-            return Steady(number, contact)
+            return SteadyWear(number, contact)
     raise failure or NoAnswer("worn in, a foot would leave its abutment")
 
 
-def _steady_as(interface: WearInterface, footing: Footing, law: WearLaw) -> Contact:
+def _solve_steady_wear_with_footing(
+    interface: WearInterface, footing: Footing, law: WearLaw
+) -> Contact:
     """The steady wear with one footing. Raises NoAnswer.
 
     For the exponent 1, steady wear is the answer of one contact problem with the compliance of
@@ -496,10 +500,10 @@ def _steady_as(interface: WearInterface, footing: Footing, law: WearLaw) -> Cont
         raise NoAnswer("worn in, a rigid shoe would lock itself")
     if law.exponent == 1:
         return linear
-    return _steady_power(interface, footing.problem, law.exponent, linear)
+    return _solve_steady_power_law_wear(interface, footing.problem, law.exponent, linear)
 
 
-def _steady_power(
+def _solve_steady_power_law_wear(
     interface: WearInterface, problem: Problem, exponent: float, linear: Contact
 ) -> Contact:
     """The steady wear under the rate p^m. Raises NoAnswer.
@@ -544,7 +548,7 @@ def _steady_power(
     return replace(contact, p=unknowns(contact.p), y=root.x * size * top**exponent)
 
 
-def from_soft(problem: Problem, weight: Floats) -> Bools | None:
+def contact_set_from_soft_linings(problem: Problem, weight: Floats) -> Bools | None:
     """The contact set (n,) of a problem, followed from that of far softer linings.
 
     A soft lining lies on the drum as under a rigid shoe, and its contact set is found from any
@@ -563,7 +567,9 @@ def from_soft(problem: Problem, weight: Floats) -> Bools | None:
         return None
 
 
-def at_torque(interface: WearInterface, torque: float, problem: Problem | None = None) -> Problem:
+def problem_at_given_torque(
+    interface: WearInterface, torque: float, problem: Problem | None = None
+) -> Problem:
     """The contact problem with the torque [N m] given in place of the size f of the actuation.
 
     The gap is q + (f - 1) loaded, and C x = f h balances the loads. The first row of C gives f =
@@ -636,7 +642,7 @@ class _InterfaceContact(NamedTuple):
     contact: Contact
 
 
-class _Stepper:
+class _WearStepper:
     """A solver that wears the linings of some interfaces step by step, for one sense of rotation.
 
     The last contact sets are first guesses, and the last footings are kept while they stand.
@@ -651,12 +657,12 @@ class _Stepper:
     def __init__(self, interfaces: WearInterfaces, law: WearLaw, torque: float | None) -> None:
         self.law, self.held = law, torque
         # A held torque is the sum of all linings, so that they have one common problem.
-        self.interfaces = list(interfaces) if torque is None else [together(interfaces)]
+        self.interfaces = list(interfaces) if torque is None else [join_interfaces(interfaces)]
         self.parts = in_turn(len(interface.area) for interface in self.interfaces)
         self.problems = list(map(self._problems_of, self.interfaces))
         self.footing = [0] * len(self.interfaces)
-        self.area = _concatenated(self.interfaces, "area")
-        self.lever = _concatenated(self.interfaces, "torque")
+        self.area = _concatenate_attribute(self.interfaces, "area")
+        self.lever = _concatenate_attribute(self.interfaces, "torque")
         self.sets: list[Bools | None] = [None] * len(self.interfaces)
         self.forward = True
 
@@ -665,7 +671,7 @@ class _Stepper:
         problems: list[Problem] = list(map(attrgetter("problem"), interface.footings))
         if self.held is None:
             return problems
-        return list(map(partial(at_torque, interface, self.held), problems))
+        return list(map(partial(problem_at_given_torque, interface, self.held), problems))
 
     def start(self) -> WearState:
         """The state of the unworn linings in contact. Raises NoAnswer."""
@@ -762,8 +768,8 @@ class _Stepper:
         """The linings in contact after a further wear of ds rate(p) on top of `depth` (n,) [m]."""
         bearings = [self._bear_one(i, depth[part], ds) for i, part in enumerate(self.parts)]
         return _WornContact(
-            p=_concatenated(bearings, "p"),
-            rate=_concatenated(bearings, "rate"),
+            p=_concatenate_attribute(bearings, "p"),
+            rate=_concatenate_attribute(bearings, "rate"),
             tangents=list(map(attrgetter("contact.tangent"), bearings)),
         )
 
@@ -839,7 +845,9 @@ class _Stepper:
         return self.interfaces[i].pressure * contact.p
 
 
-def explicit(interfaces: WearInterfaces, law: WearLaw, ds: float, steps: int) -> list[WearState]:
+def wear_linings_by_explicit_euler(
+    interfaces: WearInterfaces, law: WearLaw, ds: float, steps: int
+) -> list[WearState]:
     """Wear linings by explicit Euler steps on the nodal pressures.
 
     This common method makes a checkerboard or very short steps; it stands here for comparison.
@@ -851,7 +859,7 @@ def explicit(interfaces: WearInterfaces, law: WearLaw, ds: float, steps: int) ->
     ds : length of a step [m]
     steps : their number
     """
-    stepper = _Stepper(interfaces, law, None)
+    stepper = _WearStepper(interfaces, law, None)
     states = [stepper.start()]
     for _ in range(steps):
         before = states[-1]
@@ -868,7 +876,7 @@ def explicit(interfaces: WearInterfaces, law: WearLaw, ds: float, steps: int) ->
     return states
 
 
-def ripple(p: Floats, margin: int = 5) -> float:
+def checkerboard_amplitude(p: Floats, margin: int = 5) -> float:
     """Size of the checkerboard in nodal pressures p (n,): the part that alternates between nodes.
 
     The fourth difference (1, -4, 6, -4, 1)/16 turns an alternation of size 1 into 1 and a smooth
@@ -877,15 +885,15 @@ def ripple(p: Floats, margin: int = 5) -> float:
     other node is left.
     """
     # A single node out of contact is the work of a checkerboard: it does not end the contact.
-    open_stretches = _eroded(p <= 0, 1, beyond=True)
-    use = _eroded(~open_stretches, margin, beyond=False)
+    open_stretches = _erode_mask(p <= 0, 1, beyond=True)
+    use = _erode_mask(~open_stretches, margin, beyond=False)
     if not use.any():
         return math.nan
     fourth = np.convolve(p, np.array([1.0, -4.0, 6.0, -4.0, 1.0]) / 16, mode="same")
     return float(np.linalg.norm(fourth[use]) / np.linalg.norm(p[use]))
 
 
-def _eroded(where: Bools, margin: int, *, beyond: bool) -> Bools:
+def _erode_mask(where: Bools, margin: int, *, beyond: bool) -> Bools:
     """Places (n,) around which `where` is true up to `margin` places to either side.
 
     Places past the ends of the array count as `beyond`.
@@ -895,7 +903,7 @@ def _eroded(where: Bools, margin: int, *, beyond: bool) -> Bools:
     return eroded
 
 
-def at(states: Sequence[WearState], s: float) -> WearState:
+def interpolate_state(states: Sequence[WearState], s: float) -> WearState:
     """The state at the sliding distance s [m], interpolated between two computed states."""
     # After a reversal the same distance is there twice; the state before the reversal counts.
     after = min(bisect_left(states, s, key=attrgetter("s")), len(states) - 1)
@@ -922,7 +930,7 @@ def at(states: Sequence[WearState], s: float) -> WearState:
     )
 
 
-def last_beyond(s: Sequence[float], values: Sequence[float], limit: float) -> float:
+def settling_distance(s: Sequence[float], values: Sequence[float], limit: float) -> float:
     """The distance from which on |values| stay at or below a limit; inf where the last is above it.
 
     Parameters

@@ -14,7 +14,7 @@ from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Beam
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.verification.triangles.triangulation import (
-    Map,
+    PointMap,
     TriangleLayer,
     Triangles,
     graded_mesh,
@@ -43,7 +43,7 @@ class TriangleLevel(NamedTuple):
     size: float
 
 
-class Sharp(NamedTuple):
+class SingularPlaces(NamedTuple):
     """Places on a lining's face where the pressure is not smooth.
 
     Attributes
@@ -75,7 +75,7 @@ class Outline:
     plates : number of layers, counted from the back, that form the body behind the lining
     """
 
-    place: Map
+    place: PointMap
     layers: list[TriangleLayer]
     thickness: Floats
     s: Floats
@@ -100,7 +100,7 @@ class Outline:
         return min(float(self.thickness.min()), arc / 4)
 
 
-def outline_of(shoe: Shoe, R: float) -> Outline:
+def make_outline(shoe: Shoe, R: float) -> Outline:
     """The outline of a shoe on a drum of radius R [m].
 
     Raises BadInput for a shoe that has a mesh of its own or a beam without a constant section.
@@ -265,11 +265,13 @@ class Draft(NamedTuple):
 
     shape: Outline
     s: Floats
-    sharp: Sharp
+    sharp: SingularPlaces
     mesh: Triangles
 
 
-def draft_mesh(shape: Outline, sharp: Sharp, level: TriangleLevel, wavelength: float) -> Draft:
+def draft_mesh(
+    shape: Outline, sharp: SingularPlaces, level: TriangleLevel, wavelength: float
+) -> Draft:
     """The mesh of a body, graded to its corners and to the places `sharp` on its face.
 
     wavelength : shortest wavelength of the gap [m]

@@ -15,7 +15,7 @@ import numpy as np
 from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.brake.elasticity import ElasticLayer
 
-Map = Callable[[Floats, Floats], Floats]
+PointMap = Callable[[Floats, Floats], Floats]
 """A function from s, d (...) to points (..., 2) [m]."""
 MOST_ROUNDS = 200
 """Largest number of rounds of bisection. Two rounds halve the triangles' lengths, and the finest
@@ -113,7 +113,7 @@ def initial_mesh(
     )
 
 
-def edges_of(mesh: Triangles) -> tuple[Ints, Ints]:
+def mesh_edges(mesh: Triangles) -> tuple[Ints, Ints]:
     """The edges (k, 2) of a mesh, and for each triangle the numbers (m, 3) of its edges.
 
     An edge is given by the numbers of its two ends, the smaller first.
@@ -127,12 +127,12 @@ def edges_of(mesh: Triangles) -> tuple[Ints, Ints]:
     return flat[first], number.reshape(-1, 3)
 
 
-def bisect(mesh: Triangles, marked: Bools) -> Triangles:
+def bisect_triangles(mesh: Triangles, marked: Bools) -> Triangles:
     """The mesh with the marked (m,) triangles halved.
 
     Other triangles are halved where a mesh without hanging nodes needs it.
     """
-    edges, of = edges_of(mesh)
+    edges, of = mesh_edges(mesh)
     halved = np.zeros(len(edges), dtype=bool)
     halved[of[marked, 0]] = True
     while True:
@@ -161,7 +161,7 @@ def bisect(mesh: Triangles, marked: Bools) -> Triangles:
 
 
 def graded_mesh(
-    mesh: Triangles, place: Map, points: Floats, smallest: Floats, steep: float
+    mesh: Triangles, place: PointMap, points: Floats, smallest: Floats, steep: float
 ) -> Triangles:
     """The mesh with its triangles halved until each is short for its distance from the points.
 
@@ -185,7 +185,7 @@ def graded_mesh(
         marked = size > allowed
         if not marked.any():
             return mesh
-        mesh = bisect(mesh, marked)
+        mesh = bisect_triangles(mesh, marked)
     raise AssertionError("the triangulation does not end")
 
 
@@ -208,7 +208,7 @@ def matched_mesh(first: Triangles, breaks: Floats, slack: float) -> Triangles:
             return first
         marked = np.zeros(len(first.layer), dtype=bool)
         marked[tri[within]] = True
-        first = bisect(first, marked)
+        first = bisect_triangles(first, marked)
     raise AssertionError("the surfaces do not match")
 
 
