@@ -163,7 +163,7 @@ NOT_TUNED: dict[str, dict[str, str]] = {
     "fem/solid/fields.py": dict.fromkeys(("_BOTTOM", "_CORNERS", "_EDGES", "_TURNED"), FORMAT),
     "fem/solid/mesh.py": {"SIDE_SIZE": "mesh of a model without stated errors", "CORNERS": FORMAT},
     "fem/solid/model.py": {
-        "ELEMENTS": "default of an option: a minute of work",
+        "SOLID_LINING_ELEMENTS": "default of an option: a minute of work",
         "STIFFNESS": MEMORY,
         "SOFTEST": SAID,
     },

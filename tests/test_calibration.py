@@ -16,7 +16,7 @@ from drumlin.studies import load
 from drumlin_studies.calibration import (
     QUANTILE,
     RELEVANT,
-    Level,
+    LevelRecord,
     Provenance,
     draw_calibration_brake,
     factors_as_text,
@@ -41,7 +41,7 @@ def made_up(count, part, beside=1e-9, seed=0):
         step = dict.fromkeys(QUANTITIES, 10 ** rng.uniform(-4, -2))
         true = {name: part[name] * share * step[name] + beside for name in QUANTITIES}
         levels.append(
-            Level(
+            LevelRecord(
                 step,
                 dict.fromkeys(QUANTITIES, 0.0),
                 dict.fromkeys(QUANTITIES, beside),
@@ -75,7 +75,7 @@ def test_errors_that_steps_miss_by_accident_are_covered_by_what_does_not_cancel(
         step = size * (1e-3 if rng.random() < 0.1 else 1.0)
         true = dict.fromkeys(QUANTITIES, 0.2 * size)
         levels.append(
-            Level(
+            LevelRecord(
                 step=dict.fromkeys(QUANTITIES, step),
                 chance=dict.fromkeys(QUANTITIES, 100 * size),
                 beside=dict.fromkeys(QUANTITIES, 0.0),

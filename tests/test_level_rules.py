@@ -6,7 +6,7 @@ import pytest
 
 from drumlin.fem.error_control.estimate import QUANTITIES, Factors
 from drumlin.fem.error_control.levels import RULE
-from drumlin_studies.calibration import Level
+from drumlin_studies.calibration import LevelRecord
 from drumlin_studies.level_rules import (
     LevelsOfRule,
     changed_rule,
@@ -19,7 +19,7 @@ FACTORS = Factors(pressure=0.5, force=0.5, cancelled=0.1, peak=1.0)
 
 def level(step, chance=0.0, true=1e-9):
     """A level that moved every quantity by `step`."""
-    return Level(
+    return LevelRecord(
         step=dict.fromkeys(QUANTITIES, step),
         chance=dict.fromkeys(QUANTITIES, chance),
         beside=dict.fromkeys(QUANTITIES, 1e-6),

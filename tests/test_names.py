@@ -13,15 +13,7 @@ MOST_ALLOWED = 10
 ALLOWED: dict[str, str] = {}
 """Names that stand for two things on purpose, each with the reason why no better name exists."""
 
-STILL_DOUBLE: set[str] = {
-    "ACTUATION",
-    "BRAKES",
-    "DIGITS",
-    "ELEMENTS",
-    "Level",
-    "NEAR",
-    "WEIGHTS",
-}
+STILL_DOUBLE: set[str] = set()
 """Names that await a better one. A name leaves this list with its second meaning."""
 
 

@@ -18,7 +18,7 @@ from drumlin_studies.sharpness import (
     truth_files,
 )
 from drumlin_studies.stated_true import JUDGED_QUANTITIES
-from drumlin_studies.stored_truth import BRAKES, FINER, make_stored_truth, read_stored_truth
+from drumlin_studies.stored_truth import FINER, STORED_BRAKES, make_stored_truth, read_stored_truth
 
 FOLDER = Path(__file__).parent / "truths"
 
@@ -103,8 +103,8 @@ def test_every_kind_of_brake_has_a_stored_truth():
     """Files and list agree; all ways to hold and push shoes, rings of both supports, soft, hard,
     short and partial.
     """
-    assert [path.stem for path in truth_files(FOLDER)] == sorted(BRAKES)
-    assert {drawn.kind for drawn in BRAKES.values()} >= {
+    assert [path.stem for path in truth_files(FOLDER)] == sorted(STORED_BRAKES)
+    assert {drawn.kind for drawn in STORED_BRAKES.values()} >= {
         *(
             "arc",
             "backed",

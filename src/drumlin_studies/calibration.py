@@ -36,7 +36,7 @@ from drumlin_studies.random_kinds import draw_brake_of_holding_kind
 from drumlin_studies.stated_true import Truth, true_errors
 from drumlin_studies.stored_truth import CERTAIN, solve_by_deep_triangles, solve_by_finer_divisions
 
-FIRST_SEED, BRAKES = 300_000, 260
+FIRST_SEED, FITTED_BRAKES = 300_000, 260
 """Seed of the first random brake of the fit, and the number of these brakes: ten of each kind. The
 stored truths (seeds 70000 and on) and the study that judges the factors (seeds 700000 and on) use
 other brakes."""
@@ -59,7 +59,7 @@ RELEVANT = 1e-6
 so small an error of p, and errors of this size may be errors of the far finer solution or of the
 arithmetic."""
 
-WEIGHTS = tuple(2.0**-k for k in range(4, 14))
+CHANCE_WEIGHTS = tuple(2.0**-k for k in range(4, 14))
 """Candidates for the weight of the force change that random signs of the hp elements' contributions
 would cause, relative to the weight of the actual change. `fit_safety_factors` takes the candidate
 with the smallest median of stated over true error."""
@@ -68,11 +68,11 @@ HALF = 0.999
 """Share of the true errors that are at most twice as large as the stated errors. QUANTILE bounds
 how many stated errors are too small; HALF bounds by how much a stated error is too small."""
 
-DIGITS = 2
+SIGNIFICANT_DIGITS = 2
 """Number of significant digits of a factor. Other brakes would give other further digits."""
 
 
-class Level(NamedTuple):
+class LevelRecord(NamedTuple):
     """Errors of the answer of one level and the terms of their estimate, by QUANTITIES.
 
     Attributes
@@ -125,14 +125,14 @@ def observe_levels(seed: int) -> dict[str, Any]:
     }
 
 
-def level_errors(brake: Brake, truth: Truth, found: Iterable[Step]) -> list[Level]:
+def level_errors(brake: Brake, truth: Truth, found: Iterable[Step]) -> list[LevelRecord]:
     """Errors and estimates of the levels of a brake, from the second level on.
 
     The true error of a quantity is nan where a solve says that the quantity is not known, as for an
     unbounded peak pressure.
     """
     nothing = Errors.worst(0.0, [dict.fromkeys(QUANTITIES, 0.0)] * len(brake.shoes))
-    levels: list[Level] = []
+    levels: list[LevelRecord] = []
     before = None
     for _, raw in found:
         response = with_powers(brake, raw)
@@ -144,7 +144,7 @@ def level_errors(brake: Brake, truth: Truth, found: Iterable[Step]) -> list[Leve
             }
             moved = distances(brake, before, response)
             levels.append(
-                Level(
+                LevelRecord(
                     step=_largest_of_shoes(moved.steps),
                     chance=_largest_of_shoes(moved.chance),
                     beside=_largest_of_shoes(beside(response.shoes)),
@@ -166,7 +166,7 @@ def _largest_of_shoes(values: Floats) -> dict[str, float]:
 
 
 class Samples(NamedTuple):
-    """The attributes of `Level` for one quantity, as arrays (m,) over all brakes and levels."""
+    """The attributes of `LevelRecord` for one quantity, as arrays (m,) over brakes and levels."""
 
     step: Floats
     chance: Floats
@@ -202,19 +202,19 @@ class Samples(NamedTuple):
         return stated[self.known] / self.true[self.known]
 
 
-def samples_of_quantity(levels: Sequence[Level], quantity: str) -> Samples:
+def samples_of_quantity(levels: Sequence[LevelRecord], quantity: str) -> Samples:
     """The samples of a quantity from all levels on which the quantity has a true error."""
     rows = [
         [of[quantity] for of in level] for level in levels if not math.isnan(level.true[quantity])
     ]
-    return Samples(*np.array(rows).reshape(-1, len(Level._fields)).T)
+    return Samples(*np.array(rows).reshape(-1, len(LevelRecord._fields)).T)
 
 
-def fit_safety_factors(levels: Sequence[Level]) -> Factors:
+def fit_safety_factors(levels: Sequence[LevelRecord]) -> Factors:
     """The smallest factors with which QUANTILE and HALF are satisfied for each quantity.
 
     Torque and reaction share a factor, the larger of the two. The weight of chance is the one of
-    WEIGHTS that gives the smallest median of stated over true error.
+    CHANCE_WEIGHTS that gives the smallest median of stated over true error.
     """
     forces = [samples_of_quantity(levels, name) for name in ("torque", "reaction")]
 
@@ -226,7 +226,7 @@ def fit_safety_factors(levels: Sequence[Level]) -> Factors:
             np.median(np.concatenate([of.ratios(factor(weight), weight) for of in forces]))
         )
 
-    weight = min(WEIGHTS, key=sharpness)
+    weight = min(CHANCE_WEIGHTS, key=sharpness)
     pressure, peak = (
         samples_of_quantity(levels, name).factor(0.0) for name in ("pressure", "peak")
     )
@@ -234,9 +234,9 @@ def fit_safety_factors(levels: Sequence[Level]) -> Factors:
 
 
 def _round_up(value: float) -> float:
-    """The value rounded up to DIGITS significant digits."""
-    scale = 10.0 ** (math.floor(math.log10(value)) - DIGITS + 1)
-    return float(f"{math.ceil(value / scale - 1e-9) * scale:.{DIGITS}g}")
+    """The value rounded up to SIGNIFICANT_DIGITS significant digits."""
+    scale = 10.0 ** (math.floor(math.log10(value)) - SIGNIFICANT_DIGITS + 1)
+    return float(f"{math.ceil(value / scale - 1e-9) * scale:.{SIGNIFICANT_DIGITS}g}")
 
 
 MEANING = {

@@ -30,9 +30,9 @@ from drumlin.fem.error_control.estimate import QUANTITIES, Factors
 from drumlin.fem.error_control.levels import RULE, LevelRule, Step, steps
 from drumlin.fem.model import respond
 from drumlin_studies.calibration import (
-    BRAKES,
     FIRST_SEED,
-    Level,
+    FITTED_BRAKES,
+    LevelRecord,
     draw_calibration_brake,
     fit_safety_factors,
     level_errors,
@@ -56,7 +56,7 @@ class LevelsOfRule(NamedTuple):
     seconds : processor time of each level from the first one on [s]
     """
 
-    levels: list[Level]
+    levels: list[LevelRecord]
     seconds: list[float]
 
 
@@ -100,7 +100,7 @@ class StoppingLevel(NamedTuple):
     seconds: float
     reached: bool
     stated: Mapping[str, float]
-    level: Level
+    level: LevelRecord
 
 
 def find_stopping_level(
@@ -115,7 +115,7 @@ def find_stopping_level(
     raise ValueError("a brake that was tried on one level alone")
 
 
-def _stated_errors(level: Level, factors: Factors) -> dict[str, float]:
+def _stated_errors(level: LevelRecord, factors: Factors) -> dict[str, float]:
     """The stated errors of a level by quantity, with given factors of the estimate."""
     factor = {"pressure": factors.pressure, "peak": factors.peak}
     stated = {}
@@ -164,7 +164,7 @@ def changed_rule(words: Sequence[str]) -> LevelRule:
 
 def main(words: Sequence[str]) -> int:
     """Try the rule RULE and, if there are words, the changed rule; return the exit status."""
-    seeds = range(FIRST_SEED, FIRST_SEED + BRAKES)
+    seeds = range(FIRST_SEED, FIRST_SEED + FITTED_BRAKES)
     rules = {"as it is": RULE} | ({" ".join(words): changed_rule(words)} if words else {})
     with ProcessPoolExecutor(PROCESSES, mp_context=get_context("spawn")) as pool:
         truths = list(pool.map(solve_true_solution, seeds))

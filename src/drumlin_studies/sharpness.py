@@ -47,10 +47,10 @@ SURE = 0.95
 errors is too small, the number of too small ones among those judged stays within the allowed number
 with this probability. Without such an allowance few judged errors would fail a test by chance."""
 
-NEAR = 0.3
+ALLOWED_DRIFT = 0.3
 """Largest relative difference between the median or the smallest tenth of the ratios and its value
-in FILE. A change of the levels alone can move these numbers by half of NEAR. With twice NEAR a test
-would overlook a factor of two."""
+in FILE. A change of the levels alone can move these numbers by half of ALLOWED_DRIFT. With twice
+ALLOWED_DRIFT a test would overlook a factor of two."""
 
 MORE = 0.1
 """Fraction by which the number of unknowns of all answers together may grow. The time of a solve
@@ -210,7 +210,7 @@ def lines_on_losses(
             found.append(f"{asked}: {now.answers} brakes reach it, {before.answers} did")
         for quantity in ("pressure", "torque"):
             error, known = getattr(now, quantity), getattr(before, quantity)
-            if error > (1 + NEAR) * known:
+            if error > (1 + ALLOWED_DRIFT) * known:
                 found.append(f"{asked}: true error of {quantity} {error:.1e}, was {known:.1e}")
         both = now.unknowns.keys() & before.unknowns.keys()
         more, most = (sum(of.unknowns[name] for name in both) for of in (now, before))
@@ -241,7 +241,7 @@ def lines_on_stated_errors(
                 f"{', '.join(small)}"
             )
         for which, value, before in zip(Spread._fields, spread, written[quantity], strict=True):
-            if abs(value / before - 1) > NEAR:
+            if abs(value / before - 1) > ALLOWED_DRIFT:
                 found.append(
                     f"{quantity}: {which} of stated over true error {value:.2f}, was {before:.2f}"
                 )

@@ -90,7 +90,7 @@ CERTAIN = 4.0
 """Smallest ratio of a true error to its uncertainty for which a stored truth judges the stated
 error. At smaller ratios the difference between answer and truth may be an error of the truth."""
 
-DIGITS = 10
+STORED_DIGITS = 10
 """Significant digits of a stored pressure. Its uncertainty is 1e-7 of the pressure at best."""
 
 
@@ -148,7 +148,7 @@ TIP = ((1.756715664026018, 1e-5), (2.3, 0.0), (3.440991216768881, 1.5e-5))
 brake `draw_brake_of_holding_kind(SEED + 1, "hinge")`. The tip is as high as the force compresses
 the lining, so that nearly the whole lining presses."""
 
-BRAKES: dict[str, DrawnBrake] = {
+STORED_BRAKES: dict[str, DrawnBrake] = {
     "arc": DrawnBrake("elastic arc on a hinge, partial contact", "arc", SEED + 0),
     "arc_second": DrawnBrake("elastic arc on a hinge", "arc", SEED + 1),
     "arc_incompressible": DrawnBrake(
@@ -248,13 +248,13 @@ BRAKES: dict[str, DrawnBrake] = {
 
 
 def make_stored_truth(name: str) -> StoredTruth:
-    """The stored truth of a brake of BRAKES.
+    """The stored truth of a brake of STORED_BRAKES.
 
     The meshes DEEP or DEEPEST solve a brake that presses with a corner or under a tip. Other brakes
     are solved by triangles, or by finer hp elements where the triangles have no answer. Raises
     NoAnswer where no solver has an answer.
     """
-    drawn = BRAKES[name]
+    drawn = STORED_BRAKES[name]
     brake = drawn.brake()
     if drawn.kind in CORNERS:
         return StoredTruth(drawn.covers, brake, "deep triangles", solve_by_deep_triangles(brake))
@@ -329,7 +329,7 @@ def solve_by_finer_divisions(brake: Brake) -> Truth:
 
 
 def stored_truth_as_text(stored: StoredTruth) -> str:
-    """A stored truth as JSON in SI units, with pressures of DIGITS significant digits."""
+    """A stored truth as JSON in SI units, with pressures of STORED_DIGITS significant digits."""
     data = {
         "covers": stored.covers,
         "by": stored.by,
@@ -349,7 +349,7 @@ def _shoe_data(shoe: Solved) -> dict[str, Any]:
         "normal_force": shoe.normal_force,
         "hinge_reaction": [float(part) for part in shoe.hinge_reaction],
         "theta": [float(f"{angle:.17g}") for angle in shoe.theta],
-        "pressure": [float(f"{p:.{DIGITS}g}") for p in shoe.pressure],
+        "pressure": [float(f"{p:.{STORED_DIGITS}g}") for p in shoe.pressure],
     }
 
 
@@ -378,9 +378,9 @@ def _shoe_from_data(data: Mapping[str, Any]) -> ShoeSolution:
 def main(folder: str, *names: str) -> None:
     """Write the stored truths of the brakes `names` into a folder, one file for each brake.
 
-    Without names the stored truths of all BRAKES are written.
+    Without names the stored truths of all brakes in STORED_BRAKES are written.
     """
-    for name in names or BRAKES:
+    for name in names or STORED_BRAKES:
         stored = make_stored_truth(name)
         write_text(Path(folder) / f"{name}.json", stored_truth_as_text(stored))
         unsure = ", ".join(

@@ -16,14 +16,14 @@ from drumlin.fem.error_control.estimate import QUANTITIES, Factors
 from drumlin.report import figures
 from drumlin.report.page import write_page
 from drumlin_studies.calibration import (
-    BRAKES,
     CORNER_BRAKES,
     FIRST_CORNER,
     FIRST_SEED,
+    FITTED_BRAKES,
     MEANING,
     QUANTILE,
     RELEVANT,
-    Level,
+    LevelRecord,
     Provenance,
     factors_as_text,
     fit_safety_factors,
@@ -64,7 +64,7 @@ def study(
     short : whether few brakes are enough; their factors mean nothing.
     """
     journal = journal or Journal()
-    seeds = range(FIRST_SEED, FIRST_SEED + (FEW if short else BRAKES))
+    seeds = range(FIRST_SEED, FIRST_SEED + (FEW if short else FITTED_BRAKES))
     corners = range(FIRST_CORNER, FIRST_CORNER + (1 if short else CORNER_BRAKES))
     cases = [{"seed": seed} for seed in (*seeds, *corners)]
     rows = compute_and_keep_cases(cases, _observed, journal, say, 0 if short else PROCESSES)
@@ -81,9 +81,9 @@ def _observed(case: Case) -> dict[str, Any]:
     return observe_levels(case["seed"])
 
 
-def levels_of(rows: list[dict[str, Any]]) -> list[Level]:
+def levels_of(rows: list[dict[str, Any]]) -> list[LevelRecord]:
     """The levels of all brakes."""
-    return [Level(**level) for row in rows for level in row["levels"]]
+    return [LevelRecord(**level) for row in rows for level in row["levels"]]
 
 
 def last_commit() -> tuple[str, str]:

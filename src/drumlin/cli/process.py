@@ -80,9 +80,7 @@ def run(words: Sequence[str]) -> int:
     # No shell can pass such a word. Python code can, and some versions of typer fall over it.
     for word in words:
         if "\0" in word:
-            raise BadInput(
-                f"argument {word!r}: holds a NUL character; a word without one is allowed"
-            )
+            raise BadInput(f"argument {word!r}: it holds a NUL character, which is not allowed")
     command = typer.main.get_command(app)
     # A shell asks for the words that may come next; click answers and ends the process.
     if COMPLETING in os.environ:

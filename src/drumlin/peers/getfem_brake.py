@@ -29,10 +29,10 @@ from typing import Any, NamedTuple
 import getfem as gf  # type: ignore[import-not-found]
 import numpy as np
 
-CONTACT, HINGE, ACTUATION = 1, 2, 3
+CONTACT_REGION, HINGE_REGION, ACTUATION_REGION = 1, 2, 3
 """GetFEM's numbers of the boundaries: friction surface, held edge, loaded end."""
 
-REGIONS = {CONTACT: "contact", HINGE: "hinge", ACTUATION: "actuation"}
+REGIONS = {CONTACT_REGION: "contact", HINGE_REGION: "hinge", ACTUATION_REGION: "actuation"}
 """The names of the boundaries in the problem file, by their numbers in GetFEM's mesh."""
 
 SLIDE = 1e-2
@@ -138,7 +138,7 @@ class PeerBody:
         self.loaded = shoe["on_body"]
         self.amounts = [f"amount{k}" for k in range(len(shoe["motions"]))]
         for region, name in REGIONS.items():
-            if region != ACTUATION or self.loaded:
+            if region != ACTUATION_REGION or self.loaded:
                 self._set_region(region, points[problem[f"{name}{number}"]])
         self.displacement = self.space(self.kind.element, 2)
         self.scalar = self.space(self.kind.element)
@@ -148,7 +148,7 @@ class PeerBody:
         self._elasticity(problem[f"constants{number}"], problem[f"straight{number}"], numbers)
         self._held(shoe)
         self._load(shoe)
-        self.nodes = self.scalar.basic_dof_on_region(CONTACT)
+        self.nodes = self.scalar.basic_dof_on_region(CONTACT_REGION)
         self.xy = self.scalar.basic_dof_nodes(self.nodes)
         self._contact(shoe)
 
@@ -207,21 +207,21 @@ class PeerBody:
         The unknown traction `hold` holds the edge. Its work on the test modes is that of the loads
         on the holder.
         """
-        dofs = self.displacement.basic_dof_on_region(HINGE)
+        dofs = self.displacement.basic_dof_on_region(HINGE_REGION)
         self.model.add_fem_variable("hold", gf.MeshFem("partial", self.displacement, dofs))
         self.model.add_initialized_data("pin", shoe["pin"])
         self.model.add_macro(
             "moved(m)", "[m(1) + m(3)*(pin(2) - X(2)); m(2) + m(3)*(X(1) - pin(1))]"
         )
-        self.model.add_linear_term(self.inside, "-hold.Test_u - u.Test_hold", HINGE)
-        length = self.integral("1", HINGE)
+        self.model.add_linear_term(self.inside, "-hold.Test_u - u.Test_hold", HINGE_REGION)
+        length = self.integral("1", HINGE_REGION)
         for k, amount in enumerate(self.amounts):
             self.model.add_variable(amount, 1)
             for name, size in (("motion", 3), ("test", 3), ("work", 1)):
                 self.model.add_initialized_data(f"{name}{k}", np.zeros(size))
             motion = f"{amount}*(moved(motion{k}).Test_hold)"
             balance = f"(hold.moved(test{k}) - work{k}/{length!r})*Test_{amount}"
-            self.model.add_linear_term(self.inside, f"{motion} + {balance}", HINGE)
+            self.model.add_linear_term(self.inside, f"{motion} + {balance}", HINGE_REGION)
 
     def _load(self, shoe: dict[str, Any]) -> None:
         """Add a force and a couple about `centre` as tractions on the loaded end.
@@ -233,9 +233,10 @@ class PeerBody:
         self.model.add_initialized_data("centre", shoe["centre"])
         self.model.add_macro("arm", "[centre(2) - X(2); X(1) - centre(1)]")
         if self.loaded:
-            length, polar = self.integral("1", ACTUATION), self.integral("arm.arm", ACTUATION)
+            length = self.integral("1", ACTUATION_REGION)
+            polar = self.integral("arm.arm", ACTUATION_REGION)
             self.push = f"(force/{length!r} + couple/{polar!r}*arm)"
-            self.model.add_linear_term(self.inside, f"-{self.push}.Test_u", ACTUATION)
+            self.model.add_linear_term(self.inside, f"-{self.push}.Test_u", ACTUATION_REGION)
 
     def _contact(self, shoe: dict[str, Any]) -> None:
         """Add the contact with the drum or the plane to the model."""
@@ -258,12 +259,12 @@ class PeerBody:
         self.model.add_fem_data("gap", pressure)
         work = "p*((normal - drag*along).Test_u)"
         law = "(p - pos_part(p + augment*(u.normal - gap)))/augment*Test_p"
-        self.model.add_nonlinear_term(self.surface, f"{work} + {law}", CONTACT)
+        self.model.add_nonlinear_term(self.surface, f"{work} + {law}", CONTACT_REGION)
 
     def _coulomb(self, shoe: dict[str, Any]) -> None:
         """Add GetFEM's own contact with Coulomb friction on an obstacle that slides past."""
         md = self.model
-        dofs = self.displacement.basic_dof_on_region(CONTACT)
+        dofs = self.displacement.basic_dof_on_region(CONTACT_REGION)
         traction = gf.MeshFem("partial", self.displacement, dofs)
         self.obstacle = self.space(self.kind.obstacle)
         md.add_fem_variable("p", traction)
@@ -272,14 +273,14 @@ class PeerBody:
         md.add_initialized_data("mu", [0.0])
         md.add_initialized_data("alpha", [1.0])
         md.add_integral_contact_with_rigid_obstacle_brick(
-            self.surface, "u", "p", "obstacle", "augment", "mu", CONTACT, 1, "alpha", "slid"
+            self.surface, "u", "p", "obstacle", "augment", "mu", CONTACT_REGION, 1, "alpha", "slid"
         )
         x, y = normals(self.displacement.basic_dof_nodes()[:, ::2], shoe) * shoe["side"]
         self.sliding = np.array([-y, x])
 
     def integral(self, expression: str, region: int) -> float:
         """The integral of an expression of the model over a region."""
-        mim = self.surface if region == CONTACT else self.inside
+        mim = self.surface if region == CONTACT_REGION else self.inside
         return float(gf.asm_generic(mim, 0, expression, region, self.model))
 
     def integrals(self, expression: str, region: int) -> list[float]:
@@ -356,10 +357,10 @@ class PeerBody:
         if self.formulation == "coulomb":
             pressure, shear = "(-p.normal)", "(p.along)"
             p = -(p[::2] * self.normals[0] + p[1::2] * self.normals[1])
-        torque = self.integral(f"{shear}*lever", CONTACT)
-        full = self.integral(f"drag*{pressure}*lever", CONTACT)
+        torque = self.integral(f"{shear}*lever", CONTACT_REGION)
+        full = self.integral(f"drag*{pressure}*lever", CONTACT_REGION)
         traction = f"({shear}*along - {pressure}*normal)"
-        turning = self.integral("hold.[pin(2) - X(2); X(1) - pin(1)]", HINGE)
+        turning = self.integral("hold.[pin(2) - X(2); X(1) - pin(1)]", HINGE_REGION)
         return {
             "converged": converged and bool(np.isfinite(p).all()),
             "steps": steps,
@@ -367,12 +368,12 @@ class PeerBody:
             "xy": self.xy.tolist(),
             "pressure": p.tolist(),
             "amounts": [float(md.variable(name)[0]) for name in self.amounts],
-            "load_work": self.integral(f"{self.push}.u", ACTUATION) if self.loaded else 0.0,
+            "load_work": self.integral(f"{self.push}.u", ACTUATION_REGION) if self.loaded else 0.0,
             "torque": torque,
-            "normal": self.integrals(f"-{pressure}*normal", CONTACT),
-            "tangential": self.integrals(f"{shear}*along", CONTACT),
-            "moment": self.integral(f"X(1)*{traction}(2) - X(2)*{traction}(1)", CONTACT),
-            "hold": [*self.integrals("hold", HINGE), turning],
+            "normal": self.integrals(f"-{pressure}*normal", CONTACT_REGION),
+            "tangential": self.integrals(f"{shear}*along", CONTACT_REGION),
+            "moment": self.integral(f"X(1)*{traction}(2) - X(2)*{traction}(1)", CONTACT_REGION),
+            "hold": [*self.integrals("hold", HINGE_REGION), turning],
         }
 
 

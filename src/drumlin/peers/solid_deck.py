@@ -21,7 +21,7 @@ from drumlin.fem.preparation.meshes import materials_of
 from drumlin.fem.solid.body import end_forces, friction_face, hinge_nodes
 from drumlin.fem.solid.fields import orient_cells, serendipity_cells
 from drumlin.fem.solid.mesh import Solid, solid_mesh
-from drumlin.fem.solid.model import ELEMENTS, elements_across, why_not
+from drumlin.fem.solid.model import SOLID_LINING_ELEMENTS, elements_across, why_not
 from drumlin.peers import calculix
 from drumlin.peers.deck import (
     DRUM_LAYER,
@@ -67,7 +67,12 @@ class _SolidShoe(NamedTuple):
 
 
 def export(
-    brake: Brake, folder: Path, stem: str, *, elements: int = ELEMENTS, across: int | None = None
+    brake: Brake,
+    folder: Path,
+    stem: str,
+    *,
+    elements: int = SOLID_LINING_ELEMENTS,
+    across: int | None = None,
 ) -> tuple[list[Path], list[str]]:
     """Write a CalculiX deck for each solid shoe of a brake.
 
@@ -93,7 +98,7 @@ def export(
 def solve(
     brake: Brake,
     *,
-    elements: int = ELEMENTS,
+    elements: int = SOLID_LINING_ELEMENTS,
     across: int | None = None,
     setting: DeckSetting | None = None,
 ) -> Peer:

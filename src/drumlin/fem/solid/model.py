@@ -17,7 +17,7 @@ from drumlin.fem.solid.body import solid_body
 from drumlin.response.merit import with_merits
 from drumlin.response.response import Response
 
-ELEMENTS = 48
+SOLID_LINING_ELEMENTS = 48
 """Default number of elements along a lining. The work grows with its fourth power."""
 STIFFNESS = 2500
 """Memory of a row of the stiffness of a solid [bytes], approximately."""
@@ -58,11 +58,15 @@ def elements_across(shoe: Shoe, elements: int) -> int:
     The pressure is uneven over about the lining's thickness from its sides, and smooth there.
     """
     slender = shoe.lining.width / (2 * shoe.lining.thickness)
-    return max(2, round(elements / ELEMENTS * min(2 + slender, 6)))
+    return max(2, round(elements / SOLID_LINING_ELEMENTS * min(2 + slender, 6)))
 
 
 def prepare(
-    brake: Brake, *, elements: int = ELEMENTS, across: int | None = None, cache: Cache | None = None
+    brake: Brake,
+    *,
+    elements: int = SOLID_LINING_ELEMENTS,
+    across: int | None = None,
+    cache: Cache | None = None,
 ) -> PreparedModel:
     """The solid shoes of a brake, meshed and condensed; shoes of one shape share one body.
 
@@ -120,7 +124,7 @@ def _size_of(body: ShoeSubstructure) -> int:
 def solve(
     brake: Brake,
     *,
-    elements: int = ELEMENTS,
+    elements: int = SOLID_LINING_ELEMENTS,
     across: int | None = None,
     penalty: float = PENALTY,
     fields: Path | None = None,
