@@ -76,8 +76,8 @@ def test_every_figure_is_in_the_table_and_in_one_panel():
     kept = benchmarks.read_history()
     other = kept[-1]._replace(commit="abcdef0", figures={**kept[-1].figures, "hold": 1.0})
     rows = [*kept, other]
-    table = history.table(rows)
-    panels = history.picture(rows).axes
+    table = history.history_table(rows)
+    panels = history.draw_history(rows).axes
     labels = [str(line.get_label()) for axes in panels for line in axes.get_lines()]
     assert sorted(labels) == sorted(other.figures)
     for name in other.figures:

@@ -42,7 +42,9 @@ def test_every_kind_of_fault_has_a_name():
     load("faults")
     from studies.faults import before
 
-    kinds = {case: before.kind_of(find_fault(GIVEN, end), end.status) for case, end in BAD.items()}
+    kinds = {
+        case: before.fault_kind(find_fault(GIVEN, end), end.status) for case, end in BAD.items()
+    }
     assert "other" not in kinds.values()
     assert kinds["traceback"] == "traceback" and kinds["nan"] == kinds["CSV"] == "not finite"
-    assert before.kind_of("status -24: ", -24) == "hang"
+    assert before.fault_kind("status -24: ", -24) == "hang"

@@ -8,7 +8,7 @@ from drumlin.studies import load
 from drumlin_studies.consistency import Check, count_outcomes
 from picking import having, picked
 
-WAYS = load("stability")[0].ways.WAYS
+WAYS = load("stability")[0].ways.PATH_CHECKS
 # Seeds of brakes on which nothing was mended, nor shown by the study.
 FIRST_SEED = 300_000
 SHARE = {"refusals": 30, "holding": 12, "wear": 10, "slopes": 10, "blocks": 2}

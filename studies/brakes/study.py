@@ -66,6 +66,7 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     for path in sorted(HERE.glob("*.toml")):
         if short and path.stem not in SHORT:
             continue
+        # Both senses of motion of the brake.
         own = []
         for brake in brake_and_reversed_brake(read_any(path)):
             say(f"{path.stem}: {brake.sense}")
@@ -89,6 +90,7 @@ def report(result: Result, folder: Path) -> Path:
     for found in result.cases:
         drawn.setdefault(found.file, found.brake)
     for file, brake in drawn.items():
+        # One panel for each shoe and sense: new, worn in, and by the law.
         panels = []
         for found in result.cases:
             if found.file != file:
@@ -106,14 +108,28 @@ def report(result: Result, folder: Path) -> Path:
         figure = Figure(figsize=(4.5, 4.5), layout="constrained")
         draw_brake(figure.subplots(), brake)
         figures.save_figure(figure, folder / f"{file}_drawing.svg")
-    errors = {key: [abs(row[key]) for row in result.rows] for key in ("new", "worn", "p")}
-    rough = {row["file"] for row in result.rows if abs(row["new"]) > TRUSTED}
+    errors = {}
+    for key in ("new", "worn", "p"):
+        errors[key] = [abs(row[key]) for row in result.rows]
+    rough = set()
+    for row in result.rows:
+        if abs(row["new"]) > TRUSTED:
+            rough.add(row["file"])
+    titles = {}
+    for f, b in drawn.items():
+        titles[f] = b.title
+    worst = {}
+    for key, values in errors.items():
+        worst[key] = max(values)
+    least = {}
+    for key, values in errors.items():
+        least[key] = min(values)
     return write_page(
         HERE / "page.html",
         folder / "index.html",
         result=result,
-        titles={f: b.title for f, b in drawn.items()},
-        worst={key: max(values) for key, values in errors.items()},
-        least={key: min(values) for key, values in errors.items()},
+        titles=titles,
+        worst=worst,
+        least=least,
         trusted=sorted(set(result.verdicts) - rough),
     )

@@ -64,10 +64,13 @@ def study(
     short : whether few brakes are enough; their factors mean nothing.
     """
     journal = journal or Journal()
+    # Random brakes of all kinds, and brakes that press with corners.
     seeds = range(FIRST_SEED, FIRST_SEED + (FEW if short else FITTED_BRAKES))
     corners = range(FIRST_CORNER, FIRST_CORNER + (1 if short else CORNER_BRAKES))
-    cases = [{"seed": seed} for seed in (*seeds, *corners)]
-    rows = compute_and_keep_cases(cases, _observed, journal, say, 0 if short else PROCESSES)
+    cases = []
+    for seed in (*seeds, *corners):
+        cases.append({"seed": seed})
+    rows = compute_and_keep_cases(cases, _observe_case, journal, say, 0 if short else PROCESSES)
     levels = levels_of(rows)
     commit, date = last_commit()
     brakes = sum(bool(row["levels"]) for row in rows)
@@ -77,13 +80,17 @@ def study(
     )
 
 
-def _observed(case: Case) -> dict[str, Any]:
+def _observe_case(case: Case) -> dict[str, Any]:
     return observe_levels(case["seed"])
 
 
 def levels_of(rows: list[dict[str, Any]]) -> list[LevelRecord]:
     """The levels of all brakes."""
-    return [LevelRecord(**level) for row in rows for level in row["levels"]]
+    levels: list[LevelRecord] = []
+    for row in rows:
+        for level in row["levels"]:
+            levels.append(LevelRecord(**level))
+    return levels
 
 
 def last_commit() -> tuple[str, str]:
@@ -104,6 +111,7 @@ def report(result: Result, folder: Path) -> Path:
     """Write the file of the factors, figure and page, and return the path of the page."""
     write_text(folder / "factors.json", factors_as_text(result.factors, result.provenance))
     levels = levels_of(result.rows)
+    # Factor of each quantity, and weight of the change by random signs.
     force = result.factors.force
     factors = {
         "pressure": (result.factors.pressure, 0.0),
@@ -111,20 +119,27 @@ def report(result: Result, folder: Path) -> Path:
         "reaction": (force, result.factors.cancelled / force),
         "peak": (result.factors.peak, 0.0),
     }
-    ratios = {name: samples_of_quantity(levels, name).ratios(*factors[name]) for name in QUANTITIES}
+    ratios = {}
+    for name in QUANTITIES:
+        ratios[name] = samples_of_quantity(levels, name).ratios(*factors[name])
     figures.save_figure(draw_ratio_shares(ratios), folder / "factors.svg")
-    spread = [
-        {
-            "quantity": name,
-            "factor": factors[name][0],
-            "levels": len(found),
-            "below": float(np.mean(found < 1)),
-            "smallest": float(found.min()),
-            "tenth": float(np.quantile(found, 0.1)),
-            "median": float(np.median(found)),
-        }
-        for name, found in ratios.items()
-    ]
+    spread = []
+    for name, found in ratios.items():
+        spread.append(
+            {
+                "quantity": name,
+                "factor": factors[name][0],
+                "levels": len(found),
+                "below": float(np.mean(found < 1)),
+                "smallest": float(found.min()),
+                "tenth": float(np.quantile(found, 0.1)),
+                "median": float(np.median(found)),
+            }
+        )
+    failed = []
+    for row in result.rows:
+        if not row["levels"]:
+            failed.append(row)
     return write_page(
         HERE / "page.html",
         folder / "index.html",
@@ -133,5 +148,5 @@ def report(result: Result, folder: Path) -> Path:
         meaning=MEANING,
         quantile=QUANTILE,
         relevant=RELEVANT,
-        failed=[row for row in result.rows if not row["levels"]],
+        failed=failed,
     )

@@ -9,8 +9,13 @@ from functools import cache, partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from studies.error_vs_runtime.brakes import MAIN, covered, simplified, stiff_to_soft
-from studies.error_vs_runtime.figures import predictions, work_precision
+from studies.error_vs_runtime.brakes import (
+    MAIN,
+    brakes_from_stiff_to_soft,
+    brakes_with_elements,
+    brakes_with_omissions,
+)
+from studies.error_vs_runtime.figures import draw_error_over_time, draw_predicted_changes
 
 from drumlin.base.files import write_text
 from drumlin.base.journal import Journal
@@ -45,6 +50,7 @@ from drumlin_studies.recommendation import (
     recommendation_matrices,
     rows_of_brake,
 )
+from drumlin_studies.tables import matching_rows, values_of_key
 from drumlin_studies.work_precision import (
     PEER_FAMILIES,
     TIMED_REPEATS,
@@ -110,34 +116,36 @@ def study(
     """
     start = time.perf_counter()
     journal = journal or Journal()
-    paths, refused = covered()
+    paths, refused = brakes_with_elements()
     paths = {name: path for name, path in paths.items() if not short or name in SHORT}
     # The brakes with peers take longest and come first.
     order = sorted(paths, key=lambda name: name not in WITH_PEERS)
     paths = {name: paths[name] for name in order}
+    # The unit is solved once before, so that loading of code is not timed.
     unit = partial(solve, read_brake(MAIN), elements=UNIT_ELEMENTS)
     unit()
     rows, floors, references = [], {}, {}
     for name, path in paths.items():
         brake = read_brake(path)
+        # The reference is computed when a method first needs it.
         trio = cache(partial(solve_reference_responses, read_brake(path), QUICK if short else FINE))
         say(f"{name}: reference")
         known = journal.once(
-            {"brake": name, "reference": True}, partial(_reference, name, path, brake, trio)
+            {"brake": name, "reference": True}, partial(_reference_row, name, path, brake, trio)
         )
         floors[name], references[name] = known["floor"], known["values"]
         peers = name in WITH_PEERS and not short
         for method in all_methods(brake, peers=peers, short=short):
             say(f"{name}: {method.family}, {method.name}")
             row = journal.once(
-                {"brake": name, **method.case}, partial(_row, brake, method, trio, unit)
+                {"brake": name, **method.case}, partial(_method_row, brake, method, trio, unit)
             )
             # Beside the processes of the peers stands the process of a whole `drumlin solve`.
             if peers and method.family == "columns, error stated":
                 case = {"brake": name, "process": row["tolerance"]}
-                row = row | journal.once(case, partial(_process, path, row["tolerance"]))
+                row = row | journal.once(case, partial(_process_row, path, row["tolerance"]))
             rows.append({"brake": name, **row})
-    left = _left_out(journal, short, say)
+    left = _omission_rows(journal, short, say)
     return Result(
         rows,
         floors,
@@ -149,7 +157,9 @@ def study(
     )
 
 
-def _reference(name: str, path: Path, brake: Brake, trio: Callable[[], ReferenceResponses]) -> Row:
+def _reference_row(
+    name: str, path: Path, brake: Brake, trio: Callable[[], ReferenceResponses]
+) -> Row:
     """The reference of a brake: its floor and its values."""
     command = f"drumlin reference studies/{name}.toml"
     return {
@@ -158,7 +168,7 @@ def _reference(name: str, path: Path, brake: Brake, trio: Callable[[], Reference
     }
 
 
-def _row(
+def _method_row(
     brake: Brake, method: Method, trio: Callable[[], ReferenceResponses], unit: Callable[[], object]
 ) -> Row:
     """The row of a method on a brake. CalculiX takes long and runs only once."""
@@ -168,15 +178,18 @@ def _row(
     return measure_method(brake, method, trio().value, unit)
 
 
-def _process(path: Path, tolerance: float) -> Row:
+def _process_row(path: Path, tolerance: float) -> Row:
     """Time of a whole `drumlin solve` of a brake file to a tolerance."""
     return {"process": solve_process_seconds(path, "--tolerance", str(tolerance))}
 
 
-def _left_out(journal: Journal, short: bool, say: Callable[[str], None]) -> list[Row]:
+def _omission_rows(journal: Journal, short: bool, say: Callable[[str], None]) -> list[Row]:
     """The rows of omissions, each brake a case. Brakes from stiff to soft are not timed."""
-    cases = [(name, brake, 1 if short else 5) for name, brake in simplified(short=short).items()]
-    cases += [(name, brake, 0) for name, brake in stiff_to_soft(short=short).items()]
+    cases = [
+        (name, brake, 1 if short else 5)
+        for name, brake in brakes_with_omissions(short=short).items()
+    ]
+    cases += [(name, brake, 0) for name, brake in brakes_from_stiff_to_soft(short=short).items()]
     rows: list[Row] = []
     for name, brake, repeats in cases:
         say(f"left out: {name}")
@@ -190,6 +203,18 @@ def _left_out(journal: Journal, short: bool, say: Callable[[str], None]) -> list
     return rows
 
 
+def _write_brake_files(result: Result, name: str, folder: Path) -> str:
+    """Write figure and reference values of a brake; returns the name of the figure's file."""
+    stem = name.replace("/", "_")
+    title = result.references[name]["title"]
+    own_rows = rows_of_brake(result.rows, name)
+    picture = draw_error_over_time(title, own_rows, result.floors[name])
+    for ending in ("png", "svg"):
+        save_figure(picture, folder / f"work_precision_{stem}.{ending}")
+    write_reference(result.references[name], folder / "values" / f"{stem}.json")
+    return f"work_precision_{stem}.svg"
+
+
 def report(result: Result, folder: Path) -> Path:
     """Write page, figures, tables and reference values, and return the path of the page."""
     rows, floors, left_out = result.rows, result.floors, result.left_out
@@ -197,35 +222,45 @@ def report(result: Result, folder: Path) -> Path:
     write_text(folder / "results.csv", as_csv(rows))
     write_text(folder / "recommended.csv", as_csv(best))
     write_text(folder / "left_out.csv", as_csv(left_out))
-    stems = {name: name.replace("/", "_") for name in floors}
-    for name, stem in stems.items():
-        picture = work_precision(
-            result.references[name]["title"], rows_of_brake(rows, name), floors[name]
-        )
-        for ending in ("png", "svg"):
-            save_figure(picture, folder / f"work_precision_{stem}.{ending}")
-        write_reference(result.references[name], folder / "values" / f"{stem}.json")
-    save_figure(predictions(left_out), folder / "left_out.svg")
+    pictures = {}
+    for name in floors:
+        pictures[name] = _write_brake_files(result, name, folder)
+    save_figure(draw_predicted_changes(left_out), folder / "left_out.svg")
     times = fastest_seconds(rows, floors, 0.01)
-    converged = [row for row in rows if row["status"] == "converged"]
     values: list[Row] = []
     for name, of_brake_ in result.references.items():
         values += summary_rows(of_brake_, name)
+    by_law = matching_rows(rows, status="converged", model="sine")
+    ratios = {}
+    for key in ("pressure", "shoes", "torque"):
+        ratios[key] = prediction_ratios(left_out, key)
+    failed = []
+    for row in rows:
+        if row["status"] != "converged":
+            failed.append(row)
+    peer_rows = []
+    for row in rows:
+        if row["family"] in PEER_FAMILIES:
+            peer_rows.append(row)
+    timed = []
+    for row in left_out:
+        if "seconds" in row or row["status"] != "converged":
+            timed.append(row)
     return write_page(
         HERE / "page.html",
         folder / "index.html",
         result=result,
-        laws=[row["torque_error"] for row in converged if row.get("model") == "sine"],
+        laws=values_of_key(by_law, "torque_error"),
         times=times,
         matrices=recommendation_matrices(best),
-        figures={name: f"work_precision_{stem}.svg" for name, stem in stems.items()},
+        figures=pictures,
         first=next(iter(floors)),
         first_rows=rows_of_brake(rows, next(iter(floors))),
-        failed=[row for row in rows if row["status"] != "converged"],
-        peer_rows=[row for row in rows if row["family"] in PEER_FAMILIES],
+        failed=failed,
+        peer_rows=peer_rows,
         peers=compare_with_peers(rows, floors),
-        timed=[row for row in left_out if "seconds" in row or row["status"] != "converged"],
-        ratios={key: prediction_ratios(left_out, key) for key in ("pressure", "shoes", "torque")},
+        timed=timed,
+        ratios=ratios,
         saved=saved_time_range(left_out, 0.2),
         straight=row_of_worst_straight_edges(left_out),
         values=values,

@@ -67,6 +67,7 @@ def study(
     short : whether five inputs of each generator and no kills are enough.
     """
     journal = journal or Journal()
+    # Most inputs run in this process, which is faster; some run in their own.
     within = dict.fromkeys(INPUTS, 5) if short else INPUTS
     apart = {"words": 1} if short else dict.fromkeys(INPUTS, APART)
     processes = 0 if short else WORKERS
@@ -87,24 +88,31 @@ def report(result: Result, folder: Path) -> Path:
         within=within,
         apart=apart,
         before=before
-        | {"rows": [_before(row, result.within[row["generator"]]) for row in before["rows"]]},
+        | {
+            "rows": [
+                _earlier_and_present_row(row, result.within[row["generator"]])
+                for row in before["rows"]
+            ]
+        },
         killed=kills.kill_table(result.killed),
         refusal_lines=trials.refusal_lines(result.within),
-        faults=_faults(result),
+        faults=_fault_lines(result),
         promises=promises.PROMISES,
         statuses=promises.STATUS_MEANINGS,
     )
 
 
-def _faults(result: Result) -> list[str]:
+def _fault_lines(result: Result) -> list[str]:
     """All faults, in words."""
     faults = []
     for verdicts in (*result.within.values(), *result.apart.values()):
-        faults += [verdict.fault for verdict in verdicts if verdict.fault]
+        for verdict in verdicts:
+            if verdict.fault:
+                faults.append(verdict.fault)
     return faults + [f"{row['way']}: {row['fault']}" for row in result.killed if row["fault"]]
 
 
-def _before(row: dict[str, Any], now: list[trials.InputVerdict]) -> dict[str, Any]:
+def _earlier_and_present_row(row: dict[str, Any], now: list[trials.InputVerdict]) -> dict[str, Any]:
     """The faults of an earlier drumlin beside those of the present one on the same inputs."""
     counts: dict[str, int] = row["faults"]
     later = counts.pop(UNKNOWN, 0)

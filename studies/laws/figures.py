@@ -21,7 +21,7 @@ from drumlin.response.response import ShoeResponse
 HIGHEST = 4.0  # of eta and S in a figure; both grow without bound towards locking
 
 
-def drawing(brakes: Sequence[tuple[str, Brake]]) -> Figure:
+def draw_brakes_side_by_side(brakes: Sequence[tuple[str, Brake]]) -> Figure:
     """Brakes side by side, each under its title."""
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(5.2 * len(brakes), 4.8), layout="constrained")
@@ -33,7 +33,7 @@ def drawing(brakes: Sequence[tuple[str, Brake]]) -> Figure:
     return figure
 
 
-def short_shoe_merits(angles: Sequence[float], a_over_r: float, arc: float = 0.02) -> Figure:
+def draw_short_shoe_merits(angles: Sequence[float], a_over_r: float, arc: float = 0.02) -> Figure:
     """eta and S of short shoes over mu, for self-energising shoes (dD = +1) and others (dD = -1).
 
     Each angle theta_m [rad] from the hinge has a line.
@@ -43,6 +43,7 @@ def short_shoe_merits(angles: Sequence[float], a_over_r: float, arc: float = 0.0
         figure = Figure(figsize=(10.4, 4.2), layout="constrained")
         panels = figure.subplots(1, 2)
         for angle, color in zip(angles, (BLUE, RED, GREEN, PURPLE), strict=False):
+            # Full lines are self-energising shoes, dashed lines the others.
             for dD, style in ((1, "-"), (-1, "--")):
                 shoe = Layout(angle - arc, angle + arc, 1.0, a_over_r, dD)
                 label = (
@@ -52,6 +53,7 @@ def short_shoe_merits(angles: Sequence[float], a_over_r: float, arc: float = 0.0
                     panels, (SHORT_LAW.mechanical_advantage, SHORT_LAW.sensitivity), strict=True
                 ):
                     axes.plot(mu, merit(mu, shoe), style, color=color, lw=1.8, label=label)
+                # A dotted line marks the friction at which the shoe locks itself.
                 mu_lock = float(SHORT_LAW.locking_friction(shoe))
                 if mu_lock < mu[-1]:
                     for axes in panels:
@@ -67,7 +69,7 @@ def short_shoe_merits(angles: Sequence[float], a_over_r: float, arc: float = 0.0
     return figure
 
 
-def friction_over_arc() -> Figure:
+def draw_friction_over_arc() -> Figure:
     """mu'/mu over the arc of a block, for p = p_0 cos and for a uniform pressure."""
     half = np.radians(np.linspace(0.5, 90, 180))
     with mpl.rc_context(STYLE):
@@ -95,12 +97,13 @@ def friction_over_arc() -> Figure:
     return figure
 
 
-def torque_over_speed(block: DoubleShoe, forces: Sequence[float], viscous: float) -> Figure:
+def draw_torque_over_speed(block: DoubleShoe, forces: Sequence[float], viscous: float) -> Figure:
     """Torque of the double-shoe block over the speed, through zero.
 
     The dashed line has another coefficient of viscous friction.
     """
     omega = np.linspace(-4, 4, 801) * block.omega_threshold
+    # The same block with another coefficient of viscous friction.
     sticky = DoubleShoe(**{**vars(block), "mu_visc": viscous})
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(6.2, 3.8), layout="constrained")
@@ -110,6 +113,7 @@ def torque_over_speed(block: DoubleShoe, forces: Sequence[float], viscous: float
                 omega, block.torque(force, omega), color=color, lw=1.8, label=f"F = {force:g} N"
             )
             axes.plot(omega, sticky.torque(force, omega), "--", color=color, lw=1.2)
+        # Below the threshold of the speed the torque changes linearly.
         for side in (-1, 1):
             axes.axvline(side * block.omega_threshold, color=FAINT, lw=0.8, ls=":")
         axes.set_xlabel("speed ω [rad/s]; dotted: ± threshold")
@@ -118,7 +122,7 @@ def torque_over_speed(block: DoubleShoe, forces: Sequence[float], viscous: float
     return figure
 
 
-def pressures(shoes: Mapping[str, ShoeResponse]) -> Figure:
+def draw_pressures_by_law(shoes: Mapping[str, ShoeResponse]) -> Figure:
     """Pressure by several laws over the angle, and its shape over the place along the lining.
 
     `shoes`: {law: response of one shoe}; the law "linear" of a plane is drawn only as a shape.
@@ -129,8 +133,10 @@ def pressures(shoes: Mapping[str, ShoeResponse]) -> Figure:
         for law, shoe in shoes.items():
             look = {**line_style_of_model(law), "lw": 1.8, "label": model_title(law)}
             theta, p = shoe.curve()
+            # A plane has no angle, so that its law is drawn only as a shape.
             if law != "linear":
                 left.plot(np.degrees(theta), p * 1e-6, **look)
+            # The shape: p over its mean, against the place along the lining from 0 to 1.
             place = (theta - theta[0]) / np.ptp(theta)
             right.plot(place, p / np.trapezoid(p, place), **look)
         left.set_title("under the same force")

@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from studies.laws.figures import (
-    drawing,
-    friction_over_arc,
-    pressures,
-    short_shoe_merits,
-    torque_over_speed,
+    draw_brakes_side_by_side,
+    draw_friction_over_arc,
+    draw_pressures_by_law,
+    draw_short_shoe_merits,
+    draw_torque_over_speed,
 )
 
 from drumlin.base.files import write_text
@@ -80,12 +80,14 @@ class Result(NamedTuple):
 
 def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -> Result:
     """Compute all tables. The study is fast, so that `short` changes nothing."""
+    # Printed numbers of textbooks against the laws.
     say("worked examples")
     given = tomllib.loads((HERE / "examples.toml").read_text())["example"]
     examples: list[dict[str, Any]] = []
     for example in given:
         examples += example_rows(example, HERE)
     examples += simscape_double_shoe_rows() + equivalent_friction_rows()
+    # Each brake file by each law that applies to it.
     say("brake files")
     applies: list[dict[str, Any]] = []
     for file in FILES:
@@ -105,19 +107,30 @@ def report(result: Result, folder: Path) -> Path:
         "words": result.words,
     }
     write_text(folder / "results.json", json.dumps(data, indent=1) + "\n")
+    # Drawings of the brakes, several brakes side by side.
     for name, files in DRAWINGS.items():
         save_figure(
-            drawing([(title, read_any(HERE.parent / file)) for title, file in files]),
+            draw_brakes_side_by_side(
+                [(title, read_any(HERE.parent / file)) for title, file in files]
+            ),
             folder / f"{name}.svg",
         )
-    angles = [math.radians(angle) for angle in (60, 90, 120)]
-    save_figure(short_shoe_merits(angles, a_over_r=1.2), folder / "merits.svg")
-    save_figure(friction_over_arc(), folder / "friction.svg")
-    save_figure(torque_over_speed(DoubleShoe(), (0, 250, 500, 1000), 1000.0), folder / "speed.svg")
-    save_figure(pressures(result.pressures), folder / "pressures.svg")
+    # Angles from the hinge to the middle of the short shoes.
+    angles = []
+    for angle in (60, 90, 120):
+        angles.append(math.radians(angle))
+    save_figure(draw_short_shoe_merits(angles, a_over_r=1.2), folder / "merits.svg")
+    save_figure(draw_friction_over_arc(), folder / "friction.svg")
+    save_figure(
+        draw_torque_over_speed(DoubleShoe(), (0, 250, 500, 1000), 1000.0), folder / "speed.svg"
+    )
+    save_figure(draw_pressures_by_law(result.pressures), folder / "pressures.svg")
 
     def examples_of(law: str, source: str, but: str | None) -> list[dict[str, Any]]:
-        rows = [r for r in result.examples if r["law"] == law and source in r["source"]]
+        rows = []
+        for r in result.examples:
+            if r["law"] == law and source in r["source"]:
+                rows.append(r)
         rows = [r for r in rows if but is None or but not in r["source"]]
         assert rows, f"no worked example of {law} from {source!r}"
         return rows

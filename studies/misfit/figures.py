@@ -41,7 +41,7 @@ LEVELS = (
 TINTS = {NEW: "#a9d3e5", WORN: "#b5dfc6"}
 
 
-def pressures(law: Response, family: Mapping[float, Response]) -> Figure:
+def draw_pressures_of_radii(law: Response, family: Mapping[float, Response]) -> Figure:
     """Pressures of linings of other radii, and by the law, a panel for each shoe.
 
     They are cut at 2.2 times the peak of the lining that fits. family : responses by the radius of
@@ -80,7 +80,7 @@ def pressures(law: Response, family: Mapping[float, Response]) -> Figure:
     return figure
 
 
-def maps(sides: tuple[Floats, Floats], ratios: Mapping[str, Floats]) -> Figure:
+def draw_ratio_maps(sides: tuple[Floats, Floats], ratios: Mapping[str, Floats]) -> Figure:
     """Maps of torque and peak pressure over those of the law.
 
     A thick line shows the value of the law.
@@ -100,14 +100,22 @@ def maps(sides: tuple[Floats, Floats], ratios: Mapping[str, Floats]) -> Figure:
         for axes, (title, ratio) in zip(grid, both.items(), strict=True):
             percent = 100 * ratio
             most = float(np.abs(percent).max())
-            lines = [level for level in LEVELS if percent.min() < level < percent.max()]
+            lines = []
+            for level in LEVELS:
+                if percent.min() < level < percent.max():
+                    lines.append(level)
             levels = [float(percent.min()), *lines, float(percent.max())]
+            # Colours are linear up to 20 %, logarithmic beyond, and white on the law.
             scale = mpl.colors.SymLogNorm(linthresh=20, linscale=1, vmin=-most, vmax=most)
             filled = axes.contourf(x, y, percent, levels=levels, cmap="RdBu_r", norm=scale)
-            others = [level for level in lines if level]
+            others = []
+            for level in lines:
+                if level:
+                    others.append(level)
             drawn = axes.contour(
                 x, y, percent, levels=others, colors="#46525e", linewidths=0.6, linestyles="solid"
             )
+            # A white outline makes the numbers on the lines legible.
             for text in axes.clabel(drawn, fmt="%+.0f %%", fontsize=7.5):
                 text.set_path_effects([patheffects.withStroke(linewidth=2, foreground="white")])
             axes.contour(x, y, percent, levels=[0.0], colors=LAW, linewidths=2.6)
@@ -122,7 +130,9 @@ def maps(sides: tuple[Floats, Floats], ratios: Mapping[str, Floats]) -> Figure:
     return figure
 
 
-def turns(angles: Floats, states: Mapping[str, Mapping[str, Floats]], law: float) -> Figure:
+def draw_torque_over_turn(
+    angles: Floats, states: Mapping[str, Mapping[str, Floats]], law: float
+) -> Figure:
     """Torque over the angles [rad] of one turn of the drum, and the torque by the law [N m].
 
     There is a line for each state of the linings and each name of lobes.
@@ -151,7 +161,7 @@ def turns(angles: Floats, states: Mapping[str, Mapping[str, Floats]], law: float
     return figure
 
 
-def histograms(drawn: DrawnBrakes, nominal: Mapping[str, float]) -> Figure:
+def draw_histograms(drawn: DrawnBrakes, nominal: Mapping[str, float]) -> Figure:
     """Distributions of each quantity over new and worn-in brakes, a panel for each quantity.
 
     Above them stand the 5th, 50th and 95th percentile, and the law's value of the nominal brake.
@@ -162,6 +172,7 @@ def histograms(drawn: DrawnBrakes, nominal: Mapping[str, float]) -> Figure:
         for axes, (name, label) in zip(grid, DRAWN_QUANTITIES.items(), strict=True):
             new, worn = (drawn.sample(state, name) for state in STATES)
             every = np.concatenate([new, worn])
+            # The longest tail, 0.2 % of the brakes, is left out of the bins.
             bins = np.linspace(every.min(), np.quantile(every, 0.998), 36)
             counts = []
             for values, color, said in ((new, NEW, "new"), (worn, WORN, "worn in")):
@@ -170,6 +181,7 @@ def histograms(drawn: DrawnBrakes, nominal: Mapping[str, float]) -> Figure:
                 )
                 counts.append(float(count.max()))
             top = max(counts)
+            # Above the histograms: 5th, 50th and 95th percentile.
             for values, color, height in ((new, NEW, 1.08), (worn, WORN, 1.17)):
                 low, middle, high = np.percentile(values, (5, 50, 95))
                 axes.plot([low, high], [height * top] * 2, color=color, lw=2)
@@ -186,7 +198,7 @@ def histograms(drawn: DrawnBrakes, nominal: Mapping[str, float]) -> Figure:
     return figure
 
 
-def shares(found: Mapping[str, Mapping[str, Sequence[SobolIndices]]]) -> Figure:
+def draw_sobol_indices(found: Mapping[str, Mapping[str, Sequence[SobolIndices]]]) -> Figure:
     """Sobol indices as bars with confidence intervals, sorted by the totals of the first panel.
 
     found : indices by state and quantity.
@@ -205,8 +217,11 @@ def shares(found: Mapping[str, Mapping[str, Sequence[SobolIndices]]]) -> Figure:
         at = np.arange(len(order))
         for axes, (title, several) in zip(grid, panels, strict=True):
             color = WORN if "worn" in title else NEW
+            # The total index above, the first-order index below.
             for kind, shift, fill in (("total", 0.19, TINTS[color]), ("first", -0.19, color)):
-                index = [getattr(several[i], kind) for i in order]
+                index = []
+                for i in order:
+                    index.append(getattr(several[i], kind))
                 value = np.array([one.value for one in index])
                 error = np.abs(
                     np.array([[one.value - one.low, one.high - one.value] for one in index]).T
@@ -236,7 +251,7 @@ def shares(found: Mapping[str, Mapping[str, Sequence[SobolIndices]]]) -> Figure:
     return figure
 
 
-def narrowing(
+def draw_percentiles_over_distance(
     distances: Floats, healed: Mapping[str, Floats], nominal: Mapping[str, float]
 ) -> Figure:
     """Percentiles of torque and peak pressure over the sliding distance.

@@ -13,7 +13,7 @@ from drumlin.sweeps.tolerances import (
 )
 
 
-def nominal(brake: Brake) -> Brake:
+def nominal_brake(brake: Brake) -> Brake:
     """The brake with the keys that tolerances change.
 
     They are a radius of the lining that equals the drum's, and an oval of amplitude zero.
@@ -22,7 +22,7 @@ def nominal(brake: Brake) -> Brake:
     return vary(brake, {"shoe.lining.misfit.radius": brake.size, "drum.out_of_round": oval})
 
 
-def assumed(brake: Brake) -> tuple[ManufacturingTolerance, ...]:
+def assumed_tolerances(brake: Brake) -> tuple[ManufacturingTolerance, ...]:
     """The tolerances: normal distributions that are cut at their limits, two standard deviations.
 
     The radii of drums and linings are made to some hundredths of a millimetre, pins and lines of

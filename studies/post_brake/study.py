@@ -66,11 +66,14 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     say("side by side")
     scene = prepare(brake, elements=elements)
     outcomes = [run("fem", partial(solve, brake, elements=elements), 1 if short else 3)]
-    outcomes += [run(name, partial(model, brake), repeats) for name, model in POST_MODELS.items()]
+    for name, model in POST_MODELS.items():
+        outcomes.append(run(name, partial(model, brake), repeats))
     comparison = Comparison("fits", brake, tuple(outcomes))
     responses = comparison.responses
+    # One simplification after the other is removed from the foundation model.
     say("what each simplification is worth")
     lifts = post.lift_rows(brake, responses["fem"])
+    # Linings that fit, of another radius, displaced, and worn in.
     say("clearance")
     clearances = post.clearance_rows(brake, scene)
     offsets = post.torque_over_radius_error(
@@ -78,10 +81,12 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     )
     say("friction")
     merits = post.merits_over_friction(brake, scene, np.linspace(0.05, 0.6, 4 if short else 12))
+    # Brakes that violate one assumption of the model each.
     say("where the assumptions end")
     assumptions = post.assumption_rows(brake, 16 if short else 40)
     say("map")
     maps, place = post.error_maps(brake, 3 if short else 7, 12 if short else 30)
+    # Steps of the foundation model along beam and ring.
     say("grids")
     grids = post.grid_rows(brake, repeats)
     beams, rims = (
@@ -109,14 +114,16 @@ def report(result: Result, folder: Path) -> Path:
     """Write page, figures, fields, CSV and JSON, and return the path of the page."""
     comparison = result.comparison
     brake, responses = comparison.brake, comparison.responses
-    draw(result, folder)
+    draw_figures(result, folder)
     not_drawn = draw_fields(brake, responses["fem"], folder, "fields", elements=result.elements)
     write_text(folder / "results.csv", as_csv(comparison.rows))
     write_text(
         folder / "results.json",
-        results_as_json([comparison], **numbers(result)).replace("NaN", "null"),
+        results_as_json([comparison], **results_data(result)).replace("NaN", "null"),
     )
-    error = {row["lift"]: row["error"] for row in result.lifts}
+    error = {}
+    for row in result.lifts:
+        error[row["lift"]] = row["error"]
     return write_page(
         HERE / "page.html",
         folder / "index.html",
@@ -134,23 +141,26 @@ def report(result: Result, folder: Path) -> Path:
     )
 
 
-def draw(result: Result, folder: Path) -> None:
+def draw_figures(result: Result, folder: Path) -> None:
     """Write the figures."""
     brake = result.comparison.brake
     made = {
         "pressure": drawing.draw_pressure_panels(pressure_panels(result.comparison)),
-        "map": figures.maps(result.maps, result.place),
-        "beams": figures.beams(brake, result.beams),
-        "rim": figures.rim(*result.rims),
-        "clearance": figures.clearance(result.offsets),
-        **{key: figures.merits(brake, result.merits, key, label) for key, label in MERITS.items()},
+        "map": figures.draw_error_maps(result.maps, result.place),
+        "beams": figures.draw_beam_deflections(brake, result.beams),
+        "rim": figures.draw_rim_displacements(*result.rims),
+        "clearance": figures.draw_torque_over_radius_error(result.offsets),
+        **{
+            key: figures.draw_merit_over_friction(brake, result.merits, key, label)
+            for key, label in MERITS.items()
+        },
     }
     for name, figure in made.items():
         for ending in ("svg", "png") if name in {"pressure", "map"} else ("svg",):
             drawing.save_figure(figure, folder / f"{name}.{ending}")
 
 
-def numbers(result: Result) -> dict[str, Any]:
+def results_data(result: Result) -> dict[str, Any]:
     """The content of results.json beside the comparison, as plain data."""
     return {
         "lifts": result.lifts,

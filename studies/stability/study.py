@@ -31,6 +31,7 @@ from drumlin_studies.outcomes import (
     time_rows_by_knob,
     torque_change_by_penalty,
 )
+from drumlin_studies.tables import matching_rows, rows_with_value, values_of_key
 from drumlin_studies.trial import (
     ANSWERS,
     LARGEST_RESIDUAL,
@@ -93,6 +94,7 @@ def study(
     """
     start = time.perf_counter()
     journal = journal or Journal()
+    # Cases that the journal has are not tried again.
     keys = {case: {"case": repr(case)} for case in designed_cases(short=short)}
     left = [case for case, key in keys.items() if key not in journal]
     if short:
@@ -117,65 +119,109 @@ def study(
 def report(result: Result, folder: Path) -> Path:
     """Write page, figures and tables, and return the path of the page."""
     rows = result.rows
-    compared = [row._asdict() | {"outcome": row.outcome} for row in result.compared]
+    compared = []
+    for row in result.compared:
+        compared.append(row._asdict() | {"outcome": row.outcome})
     write_text(folder / "ways.csv", as_csv(compared))
     write_text(
         folder / "cases.csv",
         as_csv([{k: v for k, v in row.items() if k != "knobs"} for row in rows]),
     )
-    known = [row for row in rows if row.get("digits") is not None]
+    known = rows_with_value(rows, "digits")
     softened = torque_change_by_penalty(rows)
     swept = softened if softened and all(len(values) >= 4 for values in softened.values()) else {}
-    draw(result, known, swept, folder)
-    locked, table = result.locked, unique_rows(result.locked.unique)
+    draw_figures(result, known, swept, folder)
+    locked = result.locked
+    grids = {}
+    for knob in GRIDS:
+        grids[knob] = _figure_file(knob)
+    # The slopes of the penalty error, and its largest value at the default penalty or above.
+    slopes = []
+    for values in swept.values():
+        slopes.append(penalty_error_slope(values))
+    changes = []
+    for values in swept.values():
+        for penalty, change in values:
+            if penalty >= 1e6:
+                changes.append(change)
+    ways_counted = []
+    for count in consistency.count_outcomes(result.compared):
+        ways_counted.append(count._asdict())
+    below = []
+    for row in known:
+        if row["digits"] < min(TORQUE_DIGITS, row["allowed"]):
+            below.append(row)
     return write_page(
         HERE / "page.html",
         folder / "index.html",
         result=result,
         rows=rows,
-        answers=[row for row in rows if row["outcome"] in ANSWERS],
-        refused=[row for row in rows if row["outcome"] in (*REFUSALS.values(), "bad input")],
-        unanswered=[row for row in rows if row["outcome"] not in ANSWERS],
+        **_rows_by_ending(rows),
         faults=fault_rows(rows),
         residual=LARGEST_RESIDUAL,
         required=TORQUE_DIGITS,
-        grids={knob: _file(knob) for knob in GRIDS},
+        grids=grids,
         outcome_names=TRIAL_OUTCOMES,
         outcomes=count_values_by_knob(rows, "outcome", TRIAL_OUTCOMES),
         known=known,
-        median_digits=statistics.median(row["digits"] for row in known),
-        below=[row for row in known if row["digits"] < min(TORQUE_DIGITS, row["allowed"])],
+        median_digits=statistics.median(values_of_key(known, "digits")),
+        below=below,
         worst=rows_of_fewest_digits(rows),
         pointwise_names=POINTWISE_OUTCOMES,
         pointwise=count_values_by_knob(rows, "pointwise", POINTWISE_OUTCOMES),
         penalties=penalty_rows(rows) if swept else [],
-        stiff=max(
-            (change for values in swept.values() for a, change in values if a >= 1e6), default=None
-        ),
-        slopes=[penalty_error_slope(values) for values in swept.values()],
+        stiff=max(changes, default=None),
+        slopes=slopes,
         timings=time_rows_by_knob(rows),
-        locked=locked,
-        law=locked.mesh[0]["law"],
-        stiffest=[
-            max(of, key=lambda row: row["factor"])
-            for of in locking.by_thickness(locked.shoe).values()
-        ],
-        rigid=[
-            row | {"per_thickness": row["difference"] / row["t_over_R"]} for row in locked.rigid
-        ],
-        own_ring=next(
-            row for row in locked.ring if row["support"] == "free" and row["factor"] == 1
-        ),
-        poles={row["name"]: self_locking.torque_pole(row) for row in locked.torque},
-        agreeing=[row for row in table if not row["disagreeing"]],
-        disagreeing=[row for row in table if row["disagreeing"]],
+        **_locking_values(locked),
         limits=self_locking,
-        ways_counted=[count._asdict() for count in consistency.count_outcomes(result.compared)],
-        ways_differing=[row for row in compared if row["outcome"] == "differs"],
+        ways_counted=ways_counted,
+        ways_differing=matching_rows(compared, outcome="differs"),
     )
 
 
-def draw(
+def _rows_by_ending(rows: list[Row]) -> dict[str, list[Row]]:
+    """The rows with an answer, those refused for a stated reason, and all without an answer."""
+    endings: dict[str, list[Row]] = {"answers": [], "refused": [], "unanswered": []}
+    for row in rows:
+        has_answer = row["outcome"] in ANSWERS
+        endings["answers" if has_answer else "unanswered"].append(row)
+        if row["outcome"] in (*REFUSALS.values(), "bad input"):
+            endings["refused"].append(row)
+    return endings
+
+
+def _locking_values(locked: locking.Result) -> dict[str, Any]:
+    """The values on self-locking that the page quotes, by their names on the page."""
+    # The limit of the stiffest shoe, for each thickness of the lining.
+    stiffest = []
+    for of_thickness in locking.rows_by_thickness(locked.shoe).values():
+        stiffest.append(max(of_thickness, key=lambda row: row["factor"]))
+    # Difference from the law's limit over the relative thickness of the lining.
+    rigid = []
+    for row in locked.rigid:
+        rigid.append(row | {"per_thickness": row["difference"] / row["t_over_R"]})
+    poles = {}
+    for row in locked.torque:
+        poles[row["name"]] = self_locking.torque_pole(row)
+    # Random brakes whose answers agree, and those with several answers below the limit.
+    table = uniqueness_page_rows(locked.unique)
+    agreeing, disagreeing = [], []
+    for row in table:
+        (disagreeing if row["disagreeing"] else agreeing).append(row)
+    return {
+        "locked": locked,
+        "law": locked.mesh[0]["law"],
+        "stiffest": stiffest,
+        "rigid": rigid,
+        "own_ring": matching_rows(locked.ring, support="free", factor=1)[0],
+        "poles": poles,
+        "agreeing": agreeing,
+        "disagreeing": disagreeing,
+    }
+
+
+def draw_figures(
     result: Result, known: list[Row], swept: dict[str, list[tuple[float, float]]], folder: Path
 ) -> None:
     """Write the figures.
@@ -194,33 +240,34 @@ def draw(
     rows, locked = result.rows, result.locked
     knobs = [
         knob
-        for knob in dict.fromkeys(row["knob"] for row in rows)
+        for knob in dict.fromkeys(values_of_key(rows, "knob"))
         if " × " not in knob and knob != "hypercube"
     ]
-    save_figure(figures.strips(rows, knobs), folder / "sweeps.svg")
+    save_figure(figures.draw_outcome_strips(rows, knobs), folder / "sweeps.svg")
     for knob, (x, y, labels) in GRIDS.items():
         save_figure(
-            figures.grids([row for row in rows if row["knob"] == knob], x, y, labels),
-            folder / _file(knob),
+            figures.draw_outcome_grids(matching_rows(rows, knob=knob), x, y, labels),
+            folder / _figure_file(knob),
         )
-    save_figure(figures.condition(known), folder / "condition.svg")
+    save_figure(figures.draw_digits_over_condition(known), folder / "condition.svg")
     if swept:
-        save_figure(figures.softening(swept), folder / "penalty.svg")
-    shoes = {f"lining {t * 1e3:g} mm": of for t, of in locking.by_thickness(locked.shoe).items()}
-    rings = {
-        f"{support} rim": [r for r in locked.ring if r["support"] == support]
-        for support in ("free", "fixed")
-    }
+        save_figure(figures.draw_change_by_penalty(swept), folder / "penalty.svg")
+    shoes = {}
+    for t, of in locking.rows_by_thickness(locked.shoe).items():
+        shoes[f"lining {t * 1e3:g} mm"] = of
+    rings = {}
+    for support in ("free", "fixed"):
+        rings[f"{support} rim"] = matching_rows(locked.ring, support=support)
     panels = [("shoe", shoes), ("drum ring", rings)]
-    save_figure(figures.limits(panels, locked.mesh[0]["law"]), folder / "locking.svg")
-    save_figure(figures.poles(locked.torque), folder / "locking_torque.svg")
+    save_figure(figures.draw_locking_limits(panels, locked.mesh[0]["law"]), folder / "locking.svg")
+    save_figure(figures.draw_torque_poles(locked.torque), folder / "locking_torque.svg")
 
 
-def _file(knob: str) -> str:
+def _figure_file(knob: str) -> str:
     return knob.replace(" × ", "_") + ".svg"
 
 
-def unique_rows(rows: list[Row]) -> list[Row]:
+def uniqueness_page_rows(rows: list[Row]) -> list[Row]:
     """Rows of the random brakes for the page: kind of the limit, and where answers disagree."""
     return [
         row

@@ -75,6 +75,7 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
             for workers in WORKERS:
                 say(f"{name}, {way.__name__}, {workers}")
                 measured[name].append(way(sweep.cases[: counts[name]], workers))
+    # Rows do not depend on who solved the cases.
     same = all(one.rows == those[0].rows for those in measured.values() for one in those)
     say("coarser meshes")
     meshes = coarser_mesh_rows(
@@ -82,6 +83,7 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
         (20, 40, None) if short else (20, 40, 80, None),
         FINE,
     )
+    # A run that is killed several times must end with the same rows.
     cases = sweeps[SHARED].cases[: 100 if short else 1000]
     with tempfile.TemporaryDirectory() as folder:
         kills, rows = kill_and_finish_sweep(
@@ -102,8 +104,8 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
 
 def report(result: Result, folder: Path) -> Path:
     """Write page, figures and tables, and return the path of the page."""
-    drawing.save_figure(figures.throughput(result.measured), folder / "throughput.svg")
-    drawing.save_figure(figures.torque(result.measured), folder / "torque.svg")
+    drawing.save_figure(figures.draw_throughput(result.measured), folder / "throughput.svg")
+    drawing.save_figure(figures.draw_torque_distributions(result.measured), folder / "torque.svg")
     for name, those in result.measured.items():
         cases = result.sweeps[name].cases[: those[0].cases]
         write_table(make_case_table(cases, those[0].rows), folder / f"{name.partition(':')[0]}.csv")
@@ -114,6 +116,12 @@ def report(result: Result, folder: Path) -> Path:
         folder / "results.json",
         json.dumps({"throughput": rows, "meshes": result.meshes}, indent=1) + "\n",
     )
+    kills = []
+    for i, kill in enumerate(result.kills):
+        kills.append({"run": i + 1} | kill._asdict())
+    files = {}
+    for file in FILES.values():
+        files[file] = (HERE / file).read_text()
     return write_page(
         HERE / "page.html",
         folder / "index.html",
@@ -124,10 +132,10 @@ def report(result: Result, folder: Path) -> Path:
             {"sweep": name} | torque_spread(those[0].rows)
             for name, those in result.measured.items()
         ],
-        kills=[{"run": i + 1} | kill._asdict() for i, kill in enumerate(result.kills)],
+        kills=kills,
         with_dask=any(one.by != "processes" for those in result.measured.values() for one in those),
         keep=" and ".join(f"{name}={value}" for name, value in KEEP.items()),
         signal=int(signal.SIGKILL),
         fine=FINE,
-        files={file: (HERE / file).read_text() for file in FILES.values()},
+        files=files,
     )

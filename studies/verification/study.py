@@ -36,6 +36,7 @@ from drumlin_studies.stated_true import (
     truth_by_triangles,
 )
 from drumlin_studies.stated_true_figure import draw_error_cloud
+from drumlin_studies.tables import matching_rows
 
 HERE = Path(__file__).parent
 BRAKE = HERE.parent / "double_shoe" / "brake.toml"
@@ -114,48 +115,56 @@ def study(
         for tolerance in tolerances:
             say(f"{case}: tolerance {tolerance:g}")
             estimates.append(estimate_row(brake, case, tolerance, reference, floor[case]))
+    # Errors of hp elements over the number of unknowns.
     say("columns, level by level")
     levels = level_rows(read_brake(BRAKE))
+    # Random brakes: each is solved to its tolerances and compared with its truth.
     processes = 0 if short else PROCESSES
-    cases = [
-        {"seed": seed, "tolerances": _tolerances(seed, short=short)}
-        for seed in _seeds(JUDGED, BRAKES, short)
-    ]
+    cases = []
+    for seed in _seeds_of_setting(JUDGED, BRAKES, short):
+        cases.append({"seed": seed, "tolerances": _tolerances_of_seed(seed, short=short)})
     say("random brakes")
     judged: list[dict[str, Any]] = []
-    for found in compute_and_keep_cases(cases, _judged, journal, say, processes):
+    for found in compute_and_keep_cases(cases, _stated_and_true_rows, journal, say, processes):
         judged += found["rows"]
+    # Brakes that press with a corner or under a tip, where p may be unbounded.
     count = 1 if short else CORNERS
-    cases = [{"corner": corner_rows.FIRST_JUDGED + k} for k in range(count)]
+    cases = []
+    for k in range(count):
+        cases.append({"corner": corner_rows.FIRST_JUDGED + k})
     say("random corners and tips")
     corners: list[dict[str, Any]] = []
-    for found in compute_and_keep_cases(cases, _cornered, journal, say, processes):
+    for found in compute_and_keep_cases(cases, _corner_case_rows, journal, say, processes):
         corners += found["rows"]
+    # Problems whose answer is known from a formula or a source.
     say("benchmark ladder")
-    known = [ladder.case_row(case) for case in ladder.LADDER_CASES]
+    known = list(map(ladder.case_row, ladder.LADDER_CASES))
     return Result(
         orders, levels, estimates, judged, corners, floor, known, time.perf_counter() - start
     )
 
 
-def _seeds(first: int, count: int, short: bool) -> range:
+def _seeds_of_setting(first: int, count: int, short: bool) -> range:
     return range(first, first + (FEW if short else count))
 
 
-def _tolerances(seed: int, *, short: bool) -> list[float]:
+def _tolerances_of_seed(seed: int, *, short: bool) -> list[float]:
     """The tolerances to which the brake of a seed is solved."""
     if short:
         return list(JUDGED_TOLERANCES[:1])
     return list(JUDGED_TOLERANCES if seed % THIRD == 0 else JUDGED_TOLERANCES[:-1])
 
 
-def _cornered(case: Case) -> dict[str, Any]:
+def _corner_case_rows(case: Case) -> dict[str, Any]:
     return {"rows": corner_rows.error_rows_of_seed(case["corner"])}
 
 
-def _drawn(seed: int) -> Brake:
+def _draw_brake(seed: int) -> Brake:
     """The brake of a seed: even seeds draw any shape, odd seeds any support of a drum brake."""
-    ways = [way for way in KINDS_OF_HOLDING if not way.startswith("pad")]
+    ways = []
+    for way in KINDS_OF_HOLDING:
+        if not way.startswith("pad"):
+            ways.append(way)
     brake = (
         draw_brake_of_holding_kind(seed, ways[seed // 2 % len(ways)])
         if seed % 2
@@ -164,10 +173,11 @@ def _drawn(seed: int) -> Brake:
     return brake
 
 
-def _judged(case: Case) -> dict[str, Any]:
+def _stated_and_true_rows(case: Case) -> dict[str, Any]:
     """Stated and true errors of a random brake, a row for each tolerance."""
     seed, tolerances = case["seed"], case["tolerances"]
-    brake, failure, true = _drawn(seed), "", None
+    brake, failure, true = _draw_brake(seed), "", None
+    # Triangles are independent of hp elements, but slow: they judge every TENTH brake.
     triangular = seed // 2 % TENTH == 0
     try:
         true = (
@@ -186,10 +196,14 @@ def _judged(case: Case) -> dict[str, Any]:
 
 def report(result: Result, folder: Path) -> Path:
     """Write page, figures and tables, and return the path of the page."""
+    # One figure for each contact, with a curve for each kind of mesh.
     for i, case in enumerate(CASES):
         series = {}
         for kind in MESH_KINDS:
-            rows = [r for r in result.orders if (r["case"], r["kind"]) == (case, kind)]
+            rows = []
+            for r in result.orders:
+                if (r["case"], r["kind"]) == (case, kind):
+                    rows.append(r)
             series[kind] = [(r["elements"], r["pressure"]) for r in rows]
         figure = figures.draw_convergence(series, "error of p in L2")
         figures.save_figure(figure, folder / f"orders_{i + 1}.svg")
@@ -209,7 +223,7 @@ def report(result: Result, folder: Path) -> Path:
         judged=summary_rows(result.judged),
         corners=corner_rows.summary_by_kind(result.corners),
         steep=corner_rows.STEEPEST_JUDGED,
-        independent=summary_rows([one for one in result.judged if one["truth"] == "triangles"]),
+        independent=summary_rows(matching_rows(result.judged, truth="triangles")),
         families=len(ladder.case_families()),
         line=fit_error_line(result.levels),
     )
