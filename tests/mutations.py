@@ -87,18 +87,20 @@ TUNED: dict[str, dict[str, Guard]] = {
         )
     },
     "fem/hp/division.py": {
-        "SETTLED": Guard("up", (TRUTHS,)),
-        "CORNER_SIZE": Guard("both", (POWER_OF_CORNER,)),
+        "UNRESOLVED_LENGTH": Guard("up", (TRUTHS,)),
+        "CORNER_COLUMN": Guard("both", (POWER_OF_CORNER,)),
     },
     "fem/hp/corner.py": {
-        "NEAR_CORNER": Guard("down", (POWER_OF_CORNER,)),
+        "POWER_LAW_PART": Guard("down", (POWER_OF_CORNER,)),
         "PIECE_RATIO": Guard(
             "down",
             (f"{CORNER}::test_p_between_the_nodes_near_a_corner_is_its_power_to_a_ten_thousandth",),
         ),
     },
-    "fem/error_control/places.py": {
-        "UNFELT": Guard("down", (f"{ON_COLUMNS}::test_a_table_of_many_clearances_is_a_curve",)),
+    "fem/error_control/singular_points.py": {
+        "NEGLIGIBLE_KINKS": Guard(
+            "down", (f"{ON_COLUMNS}::test_a_table_of_many_clearances_is_a_curve",)
+        ),
     },
     "fem/preparation/meshes.py": {
         "ELEMENTS": Guard("down", ("tests/test_mesh.py::test_a_mesh_is_as_exact_as_is_said",)),

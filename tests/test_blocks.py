@@ -12,8 +12,8 @@ from drumlin import Brake, NoAnswer, Response, solve, vary
 from drumlin.fem.error_control import levels
 from drumlin.fem.error_control.adapt import DEFAULT
 from drumlin.fem.error_control.levels import LEVELS, steps
-from drumlin.fem.error_control.places import places_of, strengths
-from drumlin.fem.hp.division import Singularity, divide
+from drumlin.fem.error_control.singular_points import pressure_changes_by_kinks, singular_points_of
+from drumlin.fem.hp.division import Singularity, SingularPoint, divide_shoe
 from drumlin.fem.model import respond
 from drumlin_studies.consistency_blocks import (
     BLOCK_KINDS,
@@ -58,11 +58,11 @@ def test_columns_at_steps_shrink_with_the_levels_where_the_lining_presses_and_no
     middle = 0.5 * (start + end)
     counts = {}
     for kind in (Singularity.STEP, Singularity.OPEN_STEP):
-        places = [(middle - step / 2, step, kind), (middle + step / 2, step, kind)]
-        angles = [divide(shoe, R, level, places).angles for level in LEVELS[:4]]
+        places = [SingularPoint(middle + side * step / 2, step, kind) for side in (-1, 1)]
+        angles = [divide_shoe(shoe, R, level, places).angles for level in LEVELS[:4]]
         for own in angles:
-            for x, *_ in places:
-                assert np.abs(own - x).min() < 1e-12
+            for point in places:
+                assert np.abs(own - point.at).min() < 1e-12
         counts[kind] = [np.count_nonzero(np.abs(own - middle) < 0.49 * step) for own in angles]
     assert set(counts[Singularity.OPEN_STEP]) == {1}
     assert (
@@ -83,10 +83,10 @@ def test_an_end_of_the_contact_beside_a_step_ends_a_column() -> None:
     for level in LEVELS[1:]:
         contact = middle + 0.1 * step
         places = [
-            (middle, step, Singularity.STEP),
-            (contact, contact - shoe.arc[0], Singularity.END),
+            SingularPoint(middle, step, Singularity.STEP),
+            SingularPoint(contact, contact - shoe.arc[0], Singularity.END),
         ]
-        angles = divide(shoe, R, level, places).angles
+        angles = divide_shoe(shoe, R, level, places).angles
         assert np.abs(angles - contact).min() < 0.06 * step
 
 
@@ -101,7 +101,7 @@ def curved(brake: Brake, rows: int) -> Brake:
 def solved(brake: Brake, monkeypatch: pytest.MonkeyPatch) -> tuple[Response, Response]:
     """The default response, and that on the second level with all kinks as places."""
     found = solve(brake)
-    monkeypatch.setattr("drumlin.fem.error_control.places.UNFELT", 0.0)
+    monkeypatch.setattr("drumlin.fem.error_control.singular_points.NEGLIGIBLE_KINKS", 0.0)
     (*_, true) = islice(steps(brake, respond), 2)
     return found, true.response
 
@@ -143,7 +143,7 @@ def test_what_the_chords_of_a_table_change_in_p_is_foretold() -> None:
     spread = (
         lining.material.E / thin.thickness * np.std(strays) * math.sqrt(lining.end - lining.start)
     )
-    inner = strengths(thin, R)[1:-1]
+    inner = pressure_changes_by_kinks(thin, R)[1:-1]
     assert math.sqrt(float(np.sum(inner**2))) == pytest.approx(spread, rel=0.01)
 
 
@@ -156,7 +156,10 @@ def test_kinks_that_p_does_not_feel_are_no_places(brake: Brake) -> None:
     response = solve(many)
     assert len(response.shoes[0].theta) < 3 * len(solve(brake).shoes[0].theta)
     kinks = [
-        sum(kind == 1 for _, _, kind in places_of(many, response, error=error)[0])
+        sum(
+            point.kind == Singularity.KINK
+            for point in singular_points_of(many, response, error=error)[0]
+        )
         for error in (1e-2, 1e-6, 0.0)
     ]
     assert kinks[0] == 0 < kinks[1] < kinks[2]
@@ -166,14 +169,15 @@ def test_ends_of_the_contact_that_go_to_and_fro_are_left(
     monkeypatch: pytest.MonkeyPatch, brake: Brake
 ) -> None:
     """Places of two passes in turn: a third pass would have the columns of the first."""
-    turns = [{0: [(0.2, 1.0, 0), (1.2, 1.0, 0)]}, {0: [(0.3, 1.0, 0), (1.2, 1.0, 0)]}]
+    last = SingularPoint(1.2, 1.0, Singularity.END)
+    turns = [{0: [SingularPoint(first, 1.0, Singularity.END), last]} for first in (0.2, 0.3)]
     seen: list[Any] = []
 
     def in_turn(*_: Any) -> Any:
         seen.append(turns[len(seen) % 2])
         return seen[-1]
 
-    monkeypatch.setattr(levels, "places_of", in_turn)
+    monkeypatch.setattr(levels, "singular_points_of", in_turn)
     passes: list[Any] = []
 
     def counted(scene: Any, brake: Brake, *, start: Response | None = None) -> Response:

@@ -10,18 +10,19 @@ from scipy.special import betainc
 
 from drumlin.fem.error_control.levels import steps
 from drumlin.fem.hp.corner import (
-    NEAR_CORNER,
-    corner_power,
-    left_at_corners,
-    left_by_power,
-    left_under_tips,
-    power_at_corner,
-    powers_of,
-    steep_corners,
-    tip_size,
-    with_powers,
+    POWER_LAW_PART,
+    UnboundedCorner,
+    column_size_at_tip,
+    corner_exponent,
+    corner_exponents_of,
+    polynomial_error_of_power,
+    pressure_error_at_corners,
+    pressure_error_under_tips,
+    pressure_with_power_law,
+    response_with_power_laws,
+    unbounded_corners,
 )
-from drumlin.fem.hp.division import HALF_THE_FORCE
+from drumlin.fem.hp.division import HALF_FORCE_PART
 from drumlin.fem.model import respond
 from drumlin.response.resultants import gauss_points, lobatto
 from drumlin_studies.stated_true import true_errors
@@ -32,21 +33,21 @@ TRUTHS = Path(__file__).parent / "truths"
 
 @pytest.mark.parametrize("nu", [0.0, 0.3, 0.49])
 def test_without_friction_on_a_rigid_drum_the_pressure_is_bounded_by_symmetry(nu):
-    assert corner_power(0.0, nu) == 0.0
+    assert corner_exponent(0.0, nu) == 0.0
 
 
 @pytest.mark.parametrize("nu", [0.0, 0.3, 0.49])
 def test_a_little_friction_makes_the_power_4_over_pi_of_it(nu):
-    assert corner_power(2e-3, nu) == pytest.approx(-8e-3 / math.pi, rel=1e-2)
+    assert corner_exponent(2e-3, nu) == pytest.approx(-8e-3 / math.pi, rel=1e-2)
 
 
 def test_a_square_block_on_a_half_plane_of_its_own_material_has_the_power_of_dundurs_and_lee():
-    assert corner_power(0.0, 0.3, 1.0, 0.3) == pytest.approx(-0.226, abs=5e-4)
+    assert corner_exponent(0.0, 0.3, 1.0, 0.3) == pytest.approx(-0.226, abs=5e-4)
 
 
 def test_friction_towards_the_corner_bounds_the_pressure_and_away_from_it_makes_it_steeper():
-    assert corner_power(-0.3, 0.2) == 0.0
-    powers = [corner_power(f, 0.2) for f in (0.0, 0.1, 0.2, 0.4, 0.6)]
+    assert corner_exponent(-0.3, 0.2) == 0.0
+    powers = [corner_exponent(f, 0.2) for f in (0.0, 0.1, 0.2, 0.4, 0.6)]
     for a, b in pairwise(powers):
         assert a > b > -1
 
@@ -59,7 +60,7 @@ def test_what_a_polynomial_leaves_of_a_power_is_its_distance_by_gauss_and_jacobi
         for n in range(degree + 1)
     ]
     inside = sum((2 * n + 1) * c**2 for n, c in enumerate(coefficients))
-    assert left_by_power(power, degree) == pytest.approx(
+    assert polynomial_error_of_power(power, degree) == pytest.approx(
         math.sqrt(1 - inside * (2 * power + 1)), rel=1e-6
     )
 
@@ -67,7 +68,7 @@ def test_what_a_polynomial_leaves_of_a_power_is_its_distance_by_gauss_and_jacobi
 def test_columns_at_a_tip_leave_the_error_that_they_are_made_for():
     """Of ln x on both sides, by least squares on many points."""
     degree, error, length = 4, 1e-2, 3.0
-    size = tip_size(length, degree, error)
+    size = column_size_at_tip(length, degree, error)
     x, weight = np.polynomial.legendre.leggauss(400)
     x, weight = 0.5 + 0.5 * x, 0.5 * weight
     basis = np.polynomial.legendre.legvander(2 * x - 1, degree) * np.sqrt(weight)[:, None]
@@ -86,8 +87,8 @@ def test_a_solved_contact_has_the_power_of_its_corner_over_decades():
     stored = read_stored_truth(TRUTHS / "corner_dragged_inwards.json")
     *_, last = islice(steps(stored.brake, respond), 5)
     (found,) = last.response.shoes
-    ((at_start, power),) = steep_corners(stored.brake, 0, found)
-    assert power == pytest.approx(min(powers_of(stored.brake, 0))) and power < -0.2
+    ((at_start, power),) = unbounded_corners(stored.brake, 0, found)
+    assert power == pytest.approx(min(corner_exponents_of(stored.brake, 0))) and power < -0.2
     x = found.theta - found.theta[0] if at_start else found.theta[-1] - found.theta
     length = np.diff(found.contact_arcs).sum()
     near = (x > 3e-4 * length) & (x < 1e-2 * length)
@@ -112,7 +113,9 @@ def test_what_gives_way_to_a_power_keeps_force_and_moment_and_finds_the_power_ag
         exact = x**power + 2 - x
     exact[0] = exact[1]
     theta, p = (1.0 + x, exact) if at_start else ((1.0 + ends[-1] - x)[::-1], exact[::-1])
-    new, value = power_at_corner(theta, p, order, power, reach=NEAR_CORNER, at_start=at_start)
+    new, value = pressure_with_power_law(
+        theta, p, order, UnboundedCorner(at_start=at_start, exponent=power), reach=POWER_LAW_PART
+    )
     at, q, weight = gauss_points(new, value, order)
     before, r, own = gauss_points(theta, p, order)
     assert (weight * q).sum() == pytest.approx((own * r).sum(), rel=1e-12)
@@ -122,7 +125,7 @@ def test_what_gives_way_to_a_power_keeps_force_and_moment_and_finds_the_power_ag
 
 def test_half_the_force_of_the_steepest_pressure_lies_where_it_is_said():
     """The force of p = x^(-1/2) (1 - x)^(1/2) up to x is the incomplete beta function."""
-    assert betainc(0.5, 1.5, HALF_THE_FORCE) == pytest.approx(0.5, abs=1e-4)
+    assert betainc(0.5, 1.5, HALF_FORCE_PART) == pytest.approx(0.5, abs=1e-4)
 
 
 def test_p_between_the_nodes_near_a_corner_is_its_power_to_a_ten_thousandth():
@@ -132,10 +135,12 @@ def test_p_between_the_nodes_near_a_corner_is_its_power_to_a_ten_thousandth():
     inner = np.diff(ends)[:, None] * 0.5 * (1 + lobatto(order)[:-1])
     x = np.append((ends[:-1, None] + inner).ravel(), ends[-1])
     p = np.append(x[1] ** power, x[1:] ** power)
-    new, value = power_at_corner(x, p, order, power, reach=NEAR_CORNER, at_start=True)
+    new, value = pressure_with_power_law(
+        x, p, order, UnboundedCorner(at_start=True, exponent=power), reach=POWER_LAW_PART
+    )
     at, q, weight = (part.ravel() for part in gauss_points(new, value, order))
     # Gauss points within the pieces that were made, but for the last one at the corner.
-    near = (at > 1e-10) & (at < 0.5 * NEAR_CORNER)
+    near = (at > 1e-10) & (at < 0.5 * POWER_LAW_PART)
     terms = np.stack([at[near] ** power, np.ones(near.sum()), at[near]], axis=1)
     own = np.sqrt(weight[near])
     parts = np.linalg.lstsq(own[:, None] * terms, own * q[near], rcond=None)[0]
@@ -155,7 +160,7 @@ def test_the_power_of_a_corner_makes_p_many_times_more_exact(name, level, most, 
     stored = read_stored_truth(TRUTHS / f"{name}.json")
     *_, last = islice(steps(stored.brake, respond), level)
     raw = true_errors(stored.brake, last.response.shoes, stored.true.shoes)["pressure"]
-    found = with_powers(stored.brake, last.response)
+    found = response_with_power_laws(stored.brake, last.response)
     error = true_errors(stored.brake, found.shoes, stored.true.shoes)["pressure"]
     assert error < most and error < raw / gain
 
@@ -168,13 +173,13 @@ def test_what_is_left_of_p_is_known_where_it_has_no_bound():
     stored = read_stored_truth(TRUTHS / "tip_short.json")
     *_, last = islice(steps(stored.brake, respond), 4)
     (shoe,), (found,) = stored.brake.shoes, last.response.shoes
-    left = left_under_tips(shoe, stored.brake.size, found)
+    left = pressure_error_under_tips(shoe, stored.brake.size, found)
     assert left == pytest.approx(
         true_errors(stored.brake, [found], stored.true.shoes)["pressure"], rel=0.3
     )
     corner = read_stored_truth(TRUTHS / "corner_dragged_inwards.json").brake
     *_, last = islice(steps(corner, respond), 2)
     (found,) = last.response.shoes
-    assert left_at_corners(corner, 0, found) > 2e-3
-    (better,) = with_powers(corner, last.response).shoes
-    assert left_at_corners(corner, 0, better) < 3e-4
+    assert pressure_error_at_corners(corner, 0, found) > 2e-3
+    (better,) = response_with_power_laws(corner, last.response).shoes
+    assert pressure_error_at_corners(corner, 0, better) < 3e-4

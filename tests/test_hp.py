@@ -22,7 +22,7 @@ from drumlin.fem.equilibrium.group import groups_of
 from drumlin.fem.error_control.adapt import DEFAULT, adapt
 from drumlin.fem.error_control.estimate import FACTORS, estimate
 from drumlin.fem.error_control.levels import LEVELS, steps
-from drumlin.fem.error_control.places import places_of
+from drumlin.fem.error_control.singular_points import singular_points_of
 from drumlin.fem.hp import division
 from drumlin.fem.hp.arc import angular_integrals, arc_column_stiffness, condensed_arc_elements
 from drumlin.fem.hp.columns import (
@@ -34,7 +34,7 @@ from drumlin.fem.hp.columns import (
     eliminate_line,
     rotate_components,
 )
-from drumlin.fem.hp.division import Singularity, divide, graded
+from drumlin.fem.hp.division import Singularity, SingularPoint, divide_shoe, graded_sizes
 from drumlin.fem.hp.element import (
     condensed_elements,
     element_stiffness,
@@ -67,6 +67,11 @@ POST = {
         "material": {"E": 2.1e11, "nu": 0.3},
     },
 }
+
+
+def contact_end(at, length):
+    """An end of a contact of this length as a singular point."""
+    return SingularPoint(at, length, Singularity.END)
 
 
 def curved(p):
@@ -353,7 +358,7 @@ def test_a_ring_under_even_pressure_grows_as_lame_says(brake, support):
 def test_rings_of_columns_and_of_a_mesh_answer_alike(brake, support):
     ringed = vary(brake, drum_ring(0.012, support))
     theirs = respond(prepare(ringed, elements=120), ringed)
-    mine = respond(prepare(ringed, LEVELS[2], places_of(ringed, theirs)), ringed)
+    mine = respond(prepare(ringed, LEVELS[2], singular_points_of(ringed, theirs)), ringed)
     assert mine.torque == pytest.approx(theirs.torque, rel=2e-5)
     assert pressure_distance(mine.shoes[0], theirs.shoes[0]) < 5e-3
 
@@ -493,9 +498,9 @@ def test_corners_beyond_a_short_contact_cost_little_and_change_nothing(monkeypat
     brake, found = random_brake(seed, "small contact"), []
     (_, before), (_, true) = islice(steps(brake, respond), 1, 3)
     # The ends of the contact are kept: their rounding changes p by more.
-    places = places_of(brake, true)
-    for rule in (division.faded, lambda part, distance, *, fades: part):
-        monkeypatch.setattr(division, "faded", rule)
+    places = singular_points_of(brake, true)
+    for rule in (division.size_far_from_contact, lambda size, distance, *, coarsens: size):
+        monkeypatch.setattr(division, "size_far_from_contact", rule)
         made = prepare(brake, LEVELS[2], places)
         found.append((made.bodies[0].unknowns, respond(made, brake)))
     (unknowns, last), (more, fine) = found
@@ -533,7 +538,7 @@ def test_a_short_contact_is_graded_faster():
     """
     brake = random_brake(2, "small contact")
     true = picked(steps(brake, respond), "response")[-1]
-    places = places_of(brake, true)
+    places = singular_points_of(brake, true)
 
     def solved(level):
         made = prepare(brake, level, places)
@@ -561,24 +566,24 @@ def test_what_a_level_cannot_reach_is_said(brake):
 
 
 def test_divisions_grow_from_their_ends_and_contain_what_they_must(brake):
-    sizes = graded(1.0, 1e-4, 1e-3, 0.4, 0.2)
+    sizes = graded_sizes(1.0, 1e-4, 1e-3, 0.4, 0.2)
     assert math.fsum(sizes) == pytest.approx(1.0)
     # Neighbours differ in size by at most a factor of 2.6.
     assert np.abs(np.diff(np.log(sizes))).max() < np.log(2.6)
     assert sizes[0] == 1e-4 and sizes[-1] == pytest.approx(1e-3)
-    apart = graded(1.0, 1e-4, 1e-3, 0.4, 0.2, 0.25)
+    apart = graded_sizes(1.0, 1e-4, 1e-3, 0.4, 0.2, 0.25)
     assert apart[1] / apart[0] == pytest.approx(2.5) and apart[-2] / apart[-1] == pytest.approx(4.0)
     shoe = brake.shoes[0]
     (start, _), t = shoe.arc, shoe.lining.thickness / brake.drum.radius
-    beside = divide(
+    beside = divide_shoe(
         shoe,
         brake.drum.radius,
         LEVELS[2],
-        [(start + 2e-10, 1e-7, False), (start + 1e-7, 1e-7, False)],
+        [contact_end(start + 2e-10, 1e-7), contact_end(start + 1e-7, 1e-7)],
     )
     # The bound holds however near to its end a lining is open; sizes are powers of two.
-    assert np.diff(beside.angles).min() >= 0.5 * division.FINEST * t
-    div = divide(shoe, brake.drum.radius, LEVELS[2], [(1.0, 0.5, False)])
+    assert np.diff(beside.angles).min() >= 0.5 * division.SMALLEST_COLUMN * t
+    div = divide_shoe(shoe, brake.drum.radius, LEVELS[2], [contact_end(1.0, 0.5)])
     assert 1.0 in div.angles
     at = int(np.flatnonzero(div.angles == 1.0)[0])
     assert (
@@ -587,9 +592,11 @@ def test_divisions_grow_from_their_ends_and_contain_what_they_must(brake):
     assert div.depths[-1] == pytest.approx(shoe.lining.thickness + shoe.body.thickness)
     end = shoe.arc[1]
     borne = np.diff(
-        divide(shoe, brake.drum.radius, LEVELS[2], [(1.0, 0.5, False), (end, 0.5, False)]).angles
+        divide_shoe(
+            shoe, brake.drum.radius, LEVELS[2], [contact_end(1.0, 0.5), contact_end(end, 0.5)]
+        ).angles
     )
-    everywhere = np.diff(divide(shoe, brake.drum.radius, LEVELS[2]).angles)
+    everywhere = np.diff(divide_shoe(shoe, brake.drum.radius, LEVELS[2]).angles)
     assert borne[-1] == pytest.approx(everywhere[-1])
     assert borne[0] > 3 * everywhere[0], "no pressure there: not graded to its spike"
     values, which = distinct_sizes(np.array([0.1, 0.2, 0.1 * (1 + 1e-15)]))
@@ -615,8 +622,8 @@ def test_the_column_at_an_end_of_the_lining_is_as_narrow_as_the_contact_that_rea
     (start, end), t = shoe.arc, shoe.lining.thickness / R
 
     def first(*contact):
-        angles = divide(
-            shoe, R, level, [(x, contact[1] - contact[0], False) for x in contact]
+        angles = divide_shoe(
+            shoe, R, level, [contact_end(x, contact[1] - contact[0]) for x in contact]
         ).angles
         return angles[1] - angles[0]
 
@@ -644,7 +651,7 @@ def test_what_is_open_beside_an_end_of_the_lining_is_columns_of_its_own(brake, a
     fine = [level for level in LEVELS if level.end * length < gap]
     assert 2 < len(fine) < len(LEVELS)
     for level in fine:
-        angles = divide(shoe, R, level, [(x, length, False) for x in contact]).angles
+        angles = divide_shoe(shoe, R, level, [contact_end(x, length) for x in contact]).angles
         off = np.abs(angles - contact[0 if at_start else -1])
         assert off.min() < 0.15 * gap and np.count_nonzero(off < 1.5 * gap) >= 3
 
@@ -662,15 +669,13 @@ def test_a_contact_that_ends_all_but_at_an_end_of_the_lining_converges():
 
 def test_places_are_the_ends_of_the_contact_and_kinks(brake):
     kinked = vary(brake, {"shoe[0].lining.clearance": [(-0.5, 5e-5), (0.1, 0.0), (0.6, 5e-5)]})
-    places = places_of(kinked, solve(kinked, elements=40))
-    kinks = sorted(
-        x for found in places.values() for x, _, kind in found if kind == Singularity.KINK
-    )
+    places = singular_points_of(kinked, solve(kinked, elements=40))
+    kinks = sorted(point.at for point in chain(*places.values()) if point.kind == Singularity.KINK)
     assert kinks == pytest.approx(
         sorted(brake.shoes[0].frame.phi(np.array([-0.5, 0.1, 0.6])).tolist())
     )
-    (tip,) = (x for found in places.values() for x, _, kind in found if kind == Singularity.TIP)
-    assert tip == pytest.approx(float(brake.shoes[0].frame.phi(np.array(0.1))))
+    (tip,) = (point for point in chain(*places.values()) if point.kind == Singularity.TIP)
+    assert tip.at == pytest.approx(float(brake.shoes[0].frame.phi(np.array(0.1))))
     theta = solve(kinked).shoes[0].theta
     for angle in (-0.5, 0.1, 0.6):
         assert np.abs(theta - angle).min() < 1e-12
@@ -683,12 +688,12 @@ def test_an_open_node_between_two_that_press_is_a_place(brake):
     # One node in the middle is opened by hand.
     opened = shoe.pressure.copy()
     opened[i] = 0.0
-    places = places_of(
+    places = singular_points_of(
         brake, replace(response, shoes=(replace(shoe, pressure=opened), *response.shoes[1:]))
     )
-    before = places_of(brake, response)
+    before = singular_points_of(brake, response)
     (found,) = set(chain.from_iterable(places.values())) - set(chain.from_iterable(before.values()))
-    assert found[:2] == pytest.approx(
+    assert (found.at, found.length) == pytest.approx(
         (brake.shoes[0].frame.phi(shoe.theta[i]), shoe.theta[i + 1] - shoe.theta[i - 1]), rel=1e-5
     )
 
@@ -707,13 +712,16 @@ def test_an_opening_that_is_nothing_beside_its_contact_is_no_place(brake):
     narrow = replace(
         response, shoes=(replace(shoe, pressure=opened, theta=theta), *response.shoes[1:])
     )
-    assert places_of(brake, narrow) == places_of(brake, response)
+    assert singular_points_of(brake, narrow) == singular_points_of(brake, response)
     ((a, b),) = shoe.contact_arcs
     # Two further ends are those of an opening that two nodes show.
     for gap, seen in ((1e-6, 0), (0.1, 2)):
         arcs = (a, theta[i] - gap / 2), (theta[i] + gap / 2, b)
         split = replace(response, shoes=(replace(shoe, contact_arcs=arcs), *response.shoes[1:]))
-        assert len(places_of(brake, split)[0]) == len(places_of(brake, response)[0]) + seen
+        assert (
+            len(singular_points_of(brake, split)[0])
+            == len(singular_points_of(brake, response)[0]) + seen
+        )
 
 
 def test_a_level_with_more_contact_nodes_than_memory_can_take_is_said_to_miss_the_tolerance(
@@ -738,7 +746,7 @@ def test_nodes_that_meet_through_a_ring_are_counted_together(brake, monkeypatch)
 
 
 def test_shoes_of_either_hand_are_divided_alike(brake):
-    one, other = (divide(shoe, brake.drum.radius, LEVELS[1]) for shoe in brake.shoes)
+    one, other = (divide_shoe(shoe, brake.drum.radius, LEVELS[1]) for shoe in brake.shoes)
     assert one.part == other.part and len(one.before) > 1 and len(one.after) > 1
     for name in ("angles", "before", "after", "depths"):
         np.testing.assert_allclose(getattr(one, name), getattr(other, name), rtol=0, atol=1e-12)
@@ -758,7 +766,7 @@ def test_fields_recovered_on_a_grid_are_in_balance(brake):
 
     The assembled stiffness times the displacements of all nodes gives these forces back.
     """
-    made = prepare(brake, LEVELS[1], places_of(brake, solve(brake)))
+    made = prepare(brake, LEVELS[1], singular_points_of(brake, solve(brake)))
     found = respond(made, brake)
     shoe, body = brake.shoes[0], made.bodies[0]
     p = found.shoes[0].pressure[:: shoe.frame.sense]
@@ -854,7 +862,7 @@ def test_what_is_kept_is_never_that_of_another_brake_or_division(brake):
         ({"friction": 0.0}, {}),
         ({}, {}),
         ({"drum.radius": 0.151}, {}),
-        ({}, {0: [(1.0, 0.5, False)]}),
+        ({}, {0: [contact_end(1.0, 0.5)]}),
         (guide | {"shoe[0].actuation.point": {"x": 0.1, "y": 0.0}}, {}),
         (guide | {"shoe[0].actuation.point": {"x": 0.05, "y": 0.0}}, {}),
     ]

@@ -24,7 +24,7 @@ from drumlin.explore.knobs import knobs_of
 from drumlin.fem.analysis.fields import fields
 from drumlin.fem.analysis.sensitivity import as_text, sensitivity
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.hp.corner import corner_power, orthotropic_corner_power, powers_of
+from drumlin.fem.hp.corner import corner_exponent, corner_exponents_of, orthotropic_corner_exponent
 from drumlin.fem.model import respond
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.preparation.prepare import prepare
@@ -633,13 +633,13 @@ def nearly(material):
 @pytest.mark.parametrize("nu", [0.0, 0.45])
 def test_the_power_of_p_at_a_corner_tends_to_that_of_isotropic_materials(inward, nu):
     lining = nearly(Material(E=1.0, nu=nu))
-    assert orthotropic_corner_power(inward, lining) == pytest.approx(
-        corner_power(inward, nu), abs=1e-4
+    assert orthotropic_corner_exponent(inward, lining) == pytest.approx(
+        corner_exponent(inward, nu), abs=1e-4
     )
     drum = Material(E=4.0, nu=0.3)
-    found = orthotropic_corner_power(inward, lining, drum, 2.0)
-    assert found == pytest.approx(corner_power(inward, nu, 2.0 / 4.0, 0.3), abs=1e-4)
-    assert orthotropic_corner_power(inward, lining, nearly(drum), 2.0) == pytest.approx(
+    found = orthotropic_corner_exponent(inward, lining, drum, 2.0)
+    assert found == pytest.approx(corner_exponent(inward, nu, 2.0 / 4.0, 0.3), abs=1e-4)
+    assert orthotropic_corner_exponent(inward, lining, nearly(drum), 2.0) == pytest.approx(
         found, abs=1e-4
     )
 
@@ -654,8 +654,8 @@ def test_a_pressed_corner_has_the_power_of_p_of_its_material(stiffer):
     changes = {"shoe.lining.material.E_along": 3e8 * stiffer, "friction": 0.3}
     brake = vary(pad(0.02, LINING), changes)
     (found,) = respond(prepare(brake, LEVELS[5]), brake).shoes
-    (lower, _) = sorted(powers_of(brake, 0))
+    (lower, _) = sorted(corner_exponents_of(brake, 0))
     r = np.geomspace(2e-6, 4e-5, 12)
     power = np.polyfit(np.log(r), np.log(found.pressure_at(r)), 1)[0]
     assert power == pytest.approx(lower, abs=5e-3)
-    assert abs(lower - corner_power(0.3, 0.35)) > 0.01
+    assert abs(lower - corner_exponent(0.3, 0.35)) > 0.01

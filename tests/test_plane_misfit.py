@@ -15,7 +15,7 @@ from drumlin.brake.fields import Point
 from drumlin.brake.file import validated, vary
 from drumlin.brake.plane_brake import FlatBrake
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.error_control.places import places_of
+from drumlin.fem.error_control.singular_points import singular_points_of
 from drumlin.fem.hp.division import Singularity
 from drumlin.fem.model import respond
 from drumlin.fem.preparation.prepare import prepare
@@ -165,8 +165,8 @@ def test_a_pad_in_blocks_bears_by_those_that_do_not_stand_back() -> None:
     # Under this body the far end of the lining alone bears.
     brake = pad("hinge", body=BODY)
     stepped = vary(brake, {MISFIT: {"blocks": [[0.1, 1e-3], [0.14, 0.0]]}})
-    (places,) = places_of(stepped, respond(prepare(brake, LEVELS[1]), brake)).values()
-    assert sum(kind in {Singularity.STEP, Singularity.OPEN_STEP} for *_, kind in places) == 4
+    (places,) = singular_points_of(stepped, respond(prepare(brake, LEVELS[1]), brake)).values()
+    assert sum(point.kind in {Singularity.STEP, Singularity.OPEN_STEP} for point in places) == 4
     a, b = pressed(brake), pressed(stepped)
     assert b.contact_arcs[0] == pytest.approx(a.contact_arcs[0], rel=1e-3)
     assert b.normal_force == pytest.approx(a.normal_force, rel=1e-4)

@@ -10,7 +10,7 @@ import pytest
 
 from conftest import partly
 from drumlin import NoAnswer, vary
-from drumlin.fem.error_control.adapt import Tolerance, adapt, seen
+from drumlin.fem.error_control.adapt import Tolerance, adapt, errors_with_singularities
 from drumlin.fem.error_control.estimate import FACTORS, SOFTER, Errors, beside, estimate
 from drumlin.fem.error_control.levels import LEVELS as COLUMNS
 from drumlin.fem.error_control.levels import Step, steps
@@ -455,7 +455,7 @@ def test_a_peak_that_finer_columns_may_find_at_an_end_is_unknown_before(part, un
     lower[first if at_start else last_column] = part * highest
     lowered = replace(shoe, pressure=lower, peak_pressure=highest)
     nothing = Errors.worst(0.0, [dict.fromkeys(JUDGED_QUANTITIES, 0.0)])
-    error, _ = seen(nothing, brake, replace(last.response, shoes=(lowered,)))
+    error, _ = errors_with_singularities(nothing, brake, replace(last.response, shoes=(lowered,)))
     assert error.brake["peak"] == unknown
 
 

@@ -173,6 +173,7 @@ def cam_factor(brake: Brake) -> float:
     """
 
     def shoe_factor(shoe: Shoe) -> float:
+        """The shoe factor T/(F R) of a shoe that is pushed alone by 1 kN."""
         # The shoe alone under 1 kN.
         alone = brake.model_copy(update={"actuation": None, "shoes": (shoe.under(1e3),)})
         return law(alone).torque / (1e3 * brake.size)

@@ -23,10 +23,10 @@ import numpy as np
 from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
-from drumlin.fem.error_control.adapt import seen
+from drumlin.fem.error_control.adapt import errors_with_singularities
 from drumlin.fem.error_control.estimate import QUANTITIES, Errors, Factors, beside, distances
 from drumlin.fem.error_control.levels import Step, steps
-from drumlin.fem.hp.corner import with_powers
+from drumlin.fem.hp.corner import response_with_power_laws
 from drumlin.fem.model import respond
 from drumlin_studies.random_brake import SHAPE_KINDS as KINDS
 from drumlin_studies.random_brake import random_brake
@@ -135,9 +135,9 @@ def level_errors(brake: Brake, truth: Truth, found: Iterable[Step]) -> list[Leve
     levels: list[LevelRecord] = []
     before = None
     for _, raw in found:
-        response = with_powers(brake, raw)
+        response = response_with_power_laws(brake, raw)
         if before is not None:
-            unknown, _ = seen(nothing, brake, response)
+            unknown, _ = errors_with_singularities(nothing, brake, response)
             true = {
                 name: math.nan if unknown.brake[name] > 0 else value
                 for name, value in true_errors(brake, response.shoes, truth.shoes).items()
@@ -218,19 +218,21 @@ def fit_safety_factors(levels: Sequence[LevelRecord]) -> Factors:
     """
     forces = [samples_of_quantity(levels, name) for name in ("torque", "reaction")]
 
-    def factor(weight: float) -> float:
+    def force_factor(weight: float) -> float:
+        """The factor of the forces with a weight of the change by random signs."""
         return max(of.factor(weight) for of in forces)
 
-    def sharpness(weight: float) -> float:
+    def median_error_ratio(weight: float) -> float:
+        """The median of stated over true error of the forces with this weight."""
         return float(
-            np.median(np.concatenate([of.ratios(factor(weight), weight) for of in forces]))
+            np.median(np.concatenate([of.ratios(force_factor(weight), weight) for of in forces]))
         )
 
-    weight = min(CHANCE_WEIGHTS, key=sharpness)
+    weight = min(CHANCE_WEIGHTS, key=median_error_ratio)
     pressure, peak = (
         samples_of_quantity(levels, name).factor(0.0) for name in ("pressure", "peak")
     )
-    return Factors(pressure, factor(weight), _round_up(factor(weight) * weight), peak)
+    return Factors(pressure, force_factor(weight), _round_up(force_factor(weight) * weight), peak)
 
 
 def _round_up(value: float) -> float:
@@ -240,19 +242,20 @@ def _round_up(value: float) -> float:
 
 
 MEANING = {
-    "pressure": "Error of p in L2 over the distance of p on the last two levels. "
-    "Smaller: stated errors of p are too small. "
-    "Larger: solves go on to a finer level that nobody needed.",
-    "force": "Error of a torque or a reaction over its distance on the last two levels. "
-    "Smaller and larger as above.",
-    "cancelled": "Fraction of what a force would move by, were the signs of the columns' "
-    "contributions chance, that is added to its error. "
-    "Smaller: forces that two levels share by accident are stated as sure. "
-    "Larger: the errors of torque and reactions are stated many times too large where p is hardly "
-    "known, as at a pressed corner.",
-    "peak": "Error of the peak pressure over its distance on the last two levels, or where that is "
-    "larger over the geometric mean of the distances of p in the column of the peak and in L2. "
-    "Smaller and larger as above.",
+    "pressure": "Error of p in the L2 norm over the distance between the last two levels. "
+    "If the factor is too small, stated errors of p are too small. "
+    "If it is too large, solves go on to a finer level that nobody needs.",
+    "force": "Error of a torque or a reaction over its distance between the last two levels. "
+    "A factor that is too small or too large has the same effects as that of the pressure.",
+    "cancelled": "Fraction of a force change that is added to the error of the force: the change "
+    "that the last change of p would cause if its columns contributed with random signs. "
+    "If the fraction is too small, a force that agrees on two levels by accident has too small a "
+    "stated error. If it is too large, the stated errors of torque and reactions are many times "
+    "too large wherever p is hardly known, as at a pressed corner.",
+    "peak": "Error of the peak pressure over the larger of two distances between the last two "
+    "levels: the distance of the peak, and the geometric mean of the distances of p in the column "
+    "of the peak and in the L2 norm. "
+    "A factor that is too small or too large has the same effects as that of the pressure.",
 }
 """The meaning of each factor, in the words of the factors' file."""
 

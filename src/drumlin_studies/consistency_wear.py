@@ -127,18 +127,22 @@ def _rows_of_start(name: str, brake: Brake) -> list[Check]:
     scene = scene_of(brake)
     setup = fem_wear_setup(scene, brake)
 
-    def solved() -> _TorqueAndPressure:
+    def answer_by_solve() -> _TorqueAndPressure:
+        """Torque and pressure of the unworn brake by a solve."""
         # As in `solve`, each level starts from the contact set of the level before.
         return _response_torque_and_pressure(
             setup, adapt(brake, DEFAULT, EXACT_CONTACT, must=False).response
         )
 
-    def begun() -> _TorqueAndPressure:
+    def answer_at_start_of_wear() -> _TorqueAndPressure:
+        """Torque and pressure of the first state of a wear run."""
         return _state_torque_and_pressure(
             wear_linings_in_given_steps(setup.interfaces, WearLaw(COEFFICIENT), [])[0]
         )
 
-    return _comparison_rows(name, "wear's start = solve", setup, (begun, solved))
+    return _comparison_rows(
+        name, "wear's start = solve", setup, (answer_at_start_of_wear, answer_by_solve)
+    )
 
 
 def _rows_of_wear(name: str, brake: Brake) -> list[Check]:
@@ -149,10 +153,12 @@ def _rows_of_wear(name: str, brake: Brake) -> list[Check]:
     scene = prepare(brake, elements=WORN_ELEMENTS)
     setup = fem_wear_setup(scene, brake)
 
-    def at_end() -> _TorqueAndPressure:
+    def answer_of_worn_in_brake() -> _TorqueAndPressure:
+        """Torque and pressure of the worn-in brake by its contact."""
         return _contact_torque_and_pressure(setup, scene, worn_in_brake(scene, brake))
 
-    def by_law() -> _TorqueAndPressure:
+    def answer_by_law() -> _TorqueAndPressure:
+        """Torque and pressure that wear tends to on this mesh."""
         goal = rigid_law_target(setup)
         return _TorqueAndPressure(goal.torque, goal.pressure)
 
@@ -160,12 +166,20 @@ def _rows_of_wear(name: str, brake: Brake) -> list[Check]:
         states = run_in(setup)
     except NoAnswer as error:
         return _comparison_rows(
-            name, "wear's end = worn in", setup, (partial(_raise_refusal, error), at_end)
+            name,
+            "wear's end = worn in",
+            setup,
+            (partial(_raise_refusal, error), answer_of_worn_in_brake),
         )
-    ends = partial(_state_torque_and_pressure, states[-1]), at_end
+    ends = partial(_state_torque_and_pressure, states[-1]), answer_of_worn_in_brake
     rows = _comparison_rows(name, "wear's end = worn in", setup, ends, END_REACHED, END_REACHED)
     rows += _comparison_rows(
-        name, "worn in = law", setup, (at_end, by_law), LAW_TORQUE, LAW_PRESSURE
+        name,
+        "worn in = law",
+        setup,
+        (answer_of_worn_in_brake, answer_by_law),
+        LAW_TORQUE,
+        LAW_PRESSURE,
     )
     # Linings that fit the law from the start have no middle of wear.
     middle = states[len(states) // 2]
@@ -198,7 +212,8 @@ def _rows_after_reversal(
     """
     forward = run_in(setup, distance=s)[-1]
 
-    def turned() -> _TorqueAndPressure:
+    def answer_after_reversal() -> _TorqueAndPressure:
+        """Torque and pressure by wear as the drum begins to turn back."""
         # The first state backward follows at once, before the drum wears the linings further.
         states = run_in(setup, backward=backward, reverse=s, distance=s * (1 + 1e-9))
         return _state_torque_and_pressure(next(state for state in states if not state.forward))
@@ -207,7 +222,7 @@ def _rows_after_reversal(
         _contact_torque_and_pressure, backward, scene, brake_with_worn_linings(backward, forward)
     )
     return _comparison_rows(
-        name, "turned back = solve of the worn linings", backward, (turned, then)
+        name, "turned back = solve of the worn linings", backward, (answer_after_reversal, then)
     )
 
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
-from drumlin.fem.hp.corner import steep_corners
+from drumlin.fem.hp.corner import unbounded_corners
 from drumlin.fem.solve import solve
 from drumlin_studies.random_corners import random_corner
 from drumlin_studies.stated_true import stated_and_true_row, stated_over_true
@@ -31,9 +31,9 @@ STEEPEST_JUDGED = -0.3
 
 The limit is set by angles as floating-point numbers. The smallest piece of p is 1e-12 rad
 (`corner.SMALLEST_PIECE`), 1e-10 of a contact of half a degree. Of a pressure x^a this piece leaves
-an error of about (1e-10)^(a + 1/2) (`left_by_power`): with degree 7 it is 0.13 % at a = -0.3, 0.8 %
-at -0.38 and 5 % at -0.45. At -0.5 p is not square-integrable. On a rigid drum these powers belong
-to a friction of 0.31, 0.42 and 0.52 that drags away from the corner.
+an error of about (1e-10)^(a + 1/2) (`polynomial_error_of_power`): with degree 7 it is 0.13 % at a =
+-0.3, 0.8 % at -0.38 and 5 % at -0.45. At -0.5 p is not square-integrable. On a rigid drum these
+powers belong to a friction of 0.31, 0.42 and 0.52 that drags away from the corner.
 """
 
 
@@ -66,8 +66,8 @@ def smallest_corner_power(brake: Brake) -> float:
     """The smallest power of p at the pressed corners of a brake; 0 without a pressed corner."""
     smallest = math.inf
     for i, shoe in enumerate(solve(brake).shoes):
-        for _, power in steep_corners(brake, i, shoe):
-            smallest = min(smallest, power)
+        for corner in unbounded_corners(brake, i, shoe):
+            smallest = min(smallest, corner.exponent)
     return smallest if smallest < math.inf else 0.0
 
 

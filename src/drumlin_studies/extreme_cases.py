@@ -133,7 +133,8 @@ class KnobCase:
         start = CASE_PIN[1] + math.radians(5.0)
         pin = CASE_PIN[0] * size * np.array([math.cos(CASE_PIN[1]), math.sin(CASE_PIN[1])])
 
-        def placed(a: float, b: float) -> dict[str, float]:
+        def arc_on_side(a: float, b: float) -> dict[str, float]:
+            """An arc from a to b [rad] on the side of the shoe."""
             return (
                 {"start": a, "end": b} if side > 0 else {"start": math.pi - b, "end": math.pi - a}
             )
@@ -149,7 +150,7 @@ class KnobCase:
             "side": "internal",
             "hinge": {"x": side * float(pin[0]), "y": float(pin[1])},
             "lining": {
-                **placed(start, start + arc),
+                **arc_on_side(start, start + arc),
                 "thickness": self.thickness * CASE_RADIUS * size,
                 "width": CASE_WIDTH * size,
                 "material": {"E": CASE_MODULUS * self.pressure, "nu": self.nu},
@@ -163,7 +164,7 @@ class KnobCase:
         }
         if self.shoe is not None:
             shoe["body"] = {
-                **placed(CASE_PIN[1], start + arc + math.radians(5.0)),
+                **arc_on_side(CASE_PIN[1], start + arc + math.radians(5.0)),
                 "thickness": 0.024 * size,
                 "width": CASE_WIDTH * size,
                 "material": {"E": CASE_MODULUS * self.shoe * self.pressure, "nu": 0.3},
@@ -331,18 +332,19 @@ def _case_from_sample(sample: list[float]) -> KnobCase:
     """A case of the hypercube, from 13 numbers between 0 and 1."""
     u = iter(sample)
 
-    def log(low: float, high: float) -> float:
+    def log_uniform(low: float, high: float) -> float:
+        """A number between 10^low and 10^high, even on a logarithmic scale."""
         return float(f"{10 ** (low + (high - low) * next(u)):.3g}")
 
     # The numbers are used up in the order of these lines.
-    shoe = log(-8, 8)
-    penalty = log(-2, 16)
-    thickness = log(-5, math.log10(1 / 3))
-    arc = log(-1, math.log10(340))
-    force = log(-9, 12)
-    lever = log(-6, math.log10(0.25))
-    elements = round(log(math.log10(2), 2))
-    gap = log(-8, -2)
+    shoe = log_uniform(-8, 8)
+    penalty = log_uniform(-2, 16)
+    thickness = log_uniform(-5, math.log10(1 / 3))
+    arc = log_uniform(-1, math.log10(340))
+    force = log_uniform(-9, 12)
+    lever = log_uniform(-6, math.log10(0.25))
+    elements = round(log_uniform(math.log10(2), 2))
+    gap = log_uniform(-8, -2)
     friction = round(5 * next(u) ** 2.5, 3)
     return KnobCase(
         knob="hypercube",

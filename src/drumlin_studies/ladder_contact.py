@@ -126,16 +126,19 @@ def _disc_in_hole_ratios(half_angle: float) -> DiscInHole:
     """A disc in a hole of a large plate, loaded for a half-angle of contact [deg]."""
     eps, load = math.radians(half_angle), 1e6
 
-    def angles(count: int) -> Floats:
+    def angles_around_contact(count: int) -> Floats:
+        """Angles [rad] around a whole circle, densest at the ends of the contact."""
         inner = graded(-eps, eps, count, eps / 2, 1 / 40)
         return np.concatenate([inner, graded(eps, 2 * math.pi - eps, count, 0.4, eps / 200)[1:-1]])
 
     # The disc and the edge of the hole have different meshes, fine at the ends of the contact.
     disc = condense_contact_body(
-        closed_ring_mesh(angles(30), growing_steps_to(0.01, 1.3, 0.985), 1.0, -1), LADDER_STEEL
+        closed_ring_mesh(angles_around_contact(30), growing_steps_to(0.01, 1.3, 0.985), 1.0, -1),
+        LADDER_STEEL,
     )
     plate = condense_contact_body(
-        closed_ring_mesh(angles(36), growing_steps_to(0.01, 1.3, 39.0), 1.0, 1), LADDER_STEEL
+        closed_ring_mesh(angles_around_contact(36), growing_steps_to(0.01, 1.3, 39.0), 1.0, 1),
+        LADDER_STEEL,
     )
     pair = BodyPair.of(disc, plate, motions="x")
     b = math.tan(eps / 2)

@@ -93,12 +93,13 @@ def _loop_dissipation() -> float:
 def _constant_directions(normal: Floats, tangent: Floats) -> Directions:
     """Directions of a plane contact: the same normal and tangent (2,) at all points."""
 
-    def directions(points: Floats) -> tuple[Floats, Floats]:
+    def directions_at(points: Floats) -> tuple[Floats, Floats]:
+        """The same normal and tangent at each of the points."""
         shape = (2, *([1] * (points.ndim - 1)))
         ones = np.ones_like(points)
         return normal.reshape(shape) * ones, tangent.reshape(shape) * ones
 
-    return directions
+    return directions_at
 
 
 def _wedge_push_ratio() -> float:

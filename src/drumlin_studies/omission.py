@@ -208,7 +208,8 @@ def prepare_straight(brake: Brake, *, elements: int) -> PreparedModel:
     """The prepared model of a brake on quadratic quadrilaterals with straight edges."""
     import skfem  # noqa: PLC0415  (meshes alone load it)
 
-    def mesher(shoe: Shoe, radius: float) -> Any:
+    def mesh_with_straight_edges(shoe: Shoe, radius: float) -> Any:
+        """The mesh of a shoe with straight edges between its corners."""
         mesh = shoe_mesh(shoe, radius, elements)
         corners = skfem.MeshQuad(
             np.ascontiguousarray(mesh.p[:, : mesh.nvertices]), mesh.t, validate=False
@@ -216,7 +217,7 @@ def prepare_straight(brake: Brake, *, elements: int) -> PreparedModel:
         straight = skfem.MeshQuad2.from_mesh(corners)
         return replace(straight, _subdomains=mesh.subdomains, _boundaries=mesh.boundaries)
 
-    return prepare(brake, elements=elements, mesher=mesher)
+    return prepare(brake, elements=elements, mesher=mesh_with_straight_edges)
 
 
 def predict_omission_change(

@@ -215,31 +215,33 @@ def _exact_omission_solves(brake: Brake, part: str, elements: int) -> WholeAndSi
     """The solves with and without an exact omission; None where a brake does not have the part."""
     make = partial(prepare, elements=elements)
 
-    def simple() -> Response:
+    def solve_without_part() -> Response:
+        """The response of the prepared model without the part."""
         return respond(make(brake), brake)
 
     if part == "interior fields":
 
-        def with_fields() -> Response:
+        def solve_with_fields() -> Response:
+            """The response after the fields of stress have been recovered as well."""
             scene = make(brake)
             response = respond(scene, brake)
             for i in range(len(brake.shoes)):
                 fields(scene, brake, response, i)
             return response
 
-        return WholeAndSimple(with_fields, simple)
+        return WholeAndSimple(solve_with_fields, solve_without_part)
     if part == "second of equal shoes":
         shapes = {shape_of(brake, shoe) for shoe in brake.shoes}
         # A model without its other shoes would lack their share of the ring.
         if len(shapes) == len(brake.shoes) or brake.ring is not None:
             return None
         return WholeAndSimple(
-            lambda: respond(_scene_without_shared_bodies(brake, make), brake), simple
+            lambda: respond(_scene_without_shared_bodies(brake, make), brake), solve_without_part
         )
     if brake.friction > 0:
         return None
     rubbing = vary(brake, {"friction": 0.3})
-    return WholeAndSimple(lambda: respond(make(rubbing), brake), simple)
+    return WholeAndSimple(lambda: respond(make(rubbing), brake), solve_without_part)
 
 
 def _scene_without_shared_bodies(

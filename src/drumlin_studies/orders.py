@@ -13,7 +13,7 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.comparison import Convergence
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.error_control.places import places_of
+from drumlin.fem.error_control.singular_points import singular_points_of
 from drumlin.fem.hp.division import Level
 from drumlin.fem.model import respond
 from drumlin.fem.preparation.prepare import prepare
@@ -95,7 +95,7 @@ def level_rows(brake: Brake, refinement: Refinement = LEVEL_REFERENCE) -> list[R
     the reference. Above this floor an error is known to within a half.
     """
     reference = solve_reference_responses(brake, refinement)
-    true, places = reference.value, places_of(brake, reference.value)
+    true, places = reference.value, singular_points_of(brake, reference.value)
     floor = 2 * largest_pressure_distance(reference.before, true)
     rows = []
     for level in (COARSE_LEVEL, *LEVELS):

@@ -260,11 +260,13 @@ def _mirror_shoe(shoe: dict[str, Any], about: float) -> dict[str, Any]:
     c, s = math.cos(2 * about), math.sin(2 * about)
 
     def mirrored_point(point: dict[str, float]) -> dict[str, float]:
+        """The mirror image of a point."""
         if "radius" in point:
             return {"radius": point["radius"], "angle": 2 * about - point["angle"]}
         return {"x": c * point["x"] + s * point["y"], "y": s * point["x"] - c * point["y"]}
 
     def mirrored_arc(part: dict[str, Any]) -> dict[str, Any]:
+        """The part with its arc mirrored."""
         if "start" not in part:
             return part
         return part | {"start": 2 * about - part["end"], "end": 2 * about - part["start"]}
@@ -299,22 +301,26 @@ def _draw_radius(rng: np.random.Generator) -> float:
 
 
 def _draw_arc_brake(rng: np.random.Generator) -> dict[str, Any]:
+    """The data of a brake with one shoe on an arc."""
     R = _draw_radius(rng)
     return {"drum": {"radius": R}, "shoe": [_draw_arc_shoe(rng, R, ShoeOnArc())]}
 
 
 def _draw_backed_brake(rng: np.random.Generator) -> dict[str, Any]:
+    """The data of a brake with one shoe on an arc, with a backing."""
     R = _draw_radius(rng)
     return {"drum": {"radius": R}, "shoe": [_draw_arc_shoe(rng, R, ShoeOnArc(backing=True))]}
 
 
 def _draw_rigid_brake(rng: np.random.Generator) -> dict[str, Any]:
+    """The data of a brake with one rigid shoe."""
     R = _draw_radius(rng)
     ranges = ShoeOnArc(body=False, backing=rng.random() < 0.5)
     return {"drum": {"radius": R}, "shoe": [_draw_arc_shoe(rng, R, ranges)]}
 
 
 def _draw_post_brake(rng: np.random.Generator) -> dict[str, Any]:
+    """The data of a brake with one straight beam."""
     R = _draw_radius(rng)
     return {"drum": {"radius": R}, "shoe": [_draw_post(rng, R)]}
 
@@ -332,6 +338,7 @@ def _draw_posts_on_ring(rng: np.random.Generator) -> dict[str, Any]:
 
 
 def _draw_arc_shoe_on_ring(rng: np.random.Generator) -> dict[str, Any]:
+    """The data of a brake with one shoe on an elastic ring."""
     R = _draw_radius(rng)
     shoe = _draw_arc_shoe(rng, R, ShoeOnArc())
     return {

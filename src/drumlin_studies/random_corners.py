@@ -143,14 +143,15 @@ def _draw_scalable_brake(rng: Rng, kind: str, seed: int) -> Callable[[float], Br
         for shoe in data["shoe"]
     ]
 
-    def scaled(factor: float) -> Brake:
+    def brake_with_scaled_gaps(factor: float) -> Brake:
+        """The brake with all gaps of its linings times a factor."""
         shoes = [
             shoe | {"lining": shoe["lining"] | gap(factor)}
             for shoe, gap in zip(data["shoe"], gaps, strict=True)
         ]
         return brake_from(data | {"shoe": shoes})
 
-    return scaled
+    return brake_with_scaled_gaps
 
 
 def _turn_force_randomly(rng: Rng, shoe: dict[str, Any]) -> dict[str, Any]:

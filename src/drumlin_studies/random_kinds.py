@@ -487,18 +487,22 @@ def _place_shoe_data(
     c, s = math.cos(turn), math.sin(turn)
 
     def placed_point(point: dict[str, float]) -> dict[str, float]:
+        """The point after mirroring, turning and shifting."""
         x, y = point["x"], sign * point["y"]
         return {"x": c * x - s * y + shift, "y": s * x + c * y}
 
     def placed_direction(part: dict[str, Any]) -> dict[str, Any]:
+        """The part with its direction and its point placed."""
         moved = part | {"direction": turn + sign * part["direction"]}
         return moved | ({"point": placed_point(part["point"])} if "point" in part else {})
 
     def placed_end(lining: float) -> float:
+        """The end of a lining after mirroring, turning and shifting."""
         # On a plane the image is about the y axis: the shoe is mirrored and turned by 180 degrees.
         return turn + sign * lining if "side" in shoe else c * lining + shift
 
     def placed_ends(part: dict[str, Any]) -> dict[str, Any]:
+        """The part with its two ends placed; a mirror exchanges them."""
         start, end = sorted(placed_end(part[key]) for key in ("start", "end"))
         moved = part | {"start": start, "end": end}
         if isinstance(part.get("clearance"), list | tuple):
@@ -578,11 +582,13 @@ def scale_brake(brake: Brake, length: float, modulus: float) -> Brake:
     along = length if on_plane else 1.0
 
     def scaled_part(value: Any) -> Any:
+        """A part of the brake's data with its lengths, moduli and forces scaled."""
         if isinstance(value, dict):
             return {key: scaled_value(key, each) for key, each in value.items()}
         return [scaled_part(each) for each in value] if isinstance(value, list | tuple) else value
 
     def scaled_value(key: str, value: Any) -> Any:
+        """The value of a key, scaled as its dimension asks."""
         if key in {"clearance", "blocks"} and isinstance(value, list | tuple):
             return [[place * along, size * length] for place, size in value]
         if isinstance(value, bool | str) or value is None or not isinstance(value, int | float):

@@ -131,6 +131,7 @@ def recommendation_matrices(best: Sequence[Row]) -> list[Matrix]:
 
 
 def _matrix_cell(row: Row) -> Cell:
+    """The cell of the matrix for a row of `fastest_rows`."""
     family, method = row["family"], row.get("method")
     if method is None:
         return Cell(family, "none", row)
@@ -205,6 +206,7 @@ def compare_with_peers(rows: Sequence[Row], floors: Mapping[str, Floors]) -> lis
 
 
 def _compare_with_peers_on_brake(name: str, rows: Sequence[Row], floors: Floors) -> AgainstPeers:
+    """Times of the peers on one brake, and of drumlin on the same meshes."""
     own = rows_to_recommend(rows)
     times = []
     for peer, aims in AIMS.items():

@@ -71,7 +71,8 @@ def surrogate_maker(elements: int = SKETCH_ELEMENTS) -> Callable[[Brake], Prepar
     """
     meshed: dict[Brake, PreparedModel] = {}
 
-    def sketch(brake: Brake) -> PreparedModel:
+    def prepare_surrogate(brake: Brake) -> PreparedModel:
+        """The surrogate of a brake; the rigid-shoe model of equal linings is meshed once."""
         reason = why_not(brake) or isotropic_only(brake, "a sketch")
         if reason is not None:
             raise BadInput(f"fem does not apply to this brake: {reason}")
@@ -82,7 +83,7 @@ def surrogate_maker(elements: int = SKETCH_ELEMENTS) -> Callable[[Brake], Prepar
             meshed[bare], brake, min(end - start for start, end in (s.arc for s in brake.shoes))
         )
 
-    return sketch
+    return prepare_surrogate
 
 
 def _with_closed_forms(scene: PreparedModel, brake: Brake, shortest: float) -> PreparedModel:
@@ -126,7 +127,8 @@ def _rigid_brake(brake: Brake) -> Brake:
     A straight beam stays, because the block of a post begins at the beam, and becomes stiff.
     """
 
-    def rigid(shoe: Shoe) -> Shoe:
+    def rigid_shoe(shoe: Shoe) -> Shoe:
+        """The shoe without an elastic body."""
         if not isinstance(shoe.body, Beam):
             return shoe.model_copy(update={"body": None}) if shoe.mesh is None else shoe
         section = shoe.body.section
@@ -140,7 +142,7 @@ def _rigid_brake(brake: Brake) -> Brake:
         return shoe.model_copy(update={"body": body})
 
     return brake.without_ring().model_copy(
-        update={"shoes": tuple(rigid(shoe) for shoe in brake.shoes)}
+        update={"shoes": tuple(rigid_shoe(shoe) for shoe in brake.shoes)}
     )
 
 
@@ -216,14 +218,15 @@ class _Bar(NamedTuple):
         normal = np.broadcast_to(self.tangent[:, None], arm.shape)
         shear = np.stack([-normal[..., 1], normal[..., 0]], axis=-1)
 
-        def weighted(part: Floats, root: Floats) -> Floats:
+        def weighted_rows(part: Floats, root: Floats) -> Floats:
+            """A part of the square root of the flexibility, times a root of its compliance."""
             # Only the sections between a force and the hinge carry the force.
             scaled = part * (beyond * root[:, None])[..., None]
             return np.asarray(scaled.reshape(len(root), -1))
 
-        bending = weighted(moment, self.bending)
-        stretching = weighted(normal, self.stretching)
-        return np.concatenate([bending, stretching, weighted(shear, self.shearing)])
+        bending = weighted_rows(moment, self.bending)
+        stretching = weighted_rows(normal, self.stretching)
+        return np.concatenate([bending, stretching, weighted_rows(shear, self.shearing)])
 
 
 def _shoe_as_bar(shoe: Shoe, radius: float) -> _Bar:
@@ -267,6 +270,7 @@ def _shoe_as_bar(shoe: Shoe, radius: float) -> _Bar:
 
 
 def _layer_of_bar(shoe: Shoe, layer: Lining | Backing) -> Section:
+    """A layer of the shoe's body as a section of the bar, as wide as the lining."""
     return Section(layer.thickness, shoe.lining.width, layer.material)
 
 
@@ -373,10 +377,15 @@ def ring_mode_compliances(
     g = np.concatenate([-n * over, d - over + 0 * n], axis=2)
     weight = (w * abs(half) * r)[:, None] * E / (1 - nu**2)
 
-    def product(a: Floats, b: Floats) -> Floats:
+    def weighted_product(a: Floats, b: Floats) -> Floats:
+        """Integrals over the section of the products of two fields, for each mode."""
         return np.asarray(a.transpose(0, 2, 1) @ (weight * b))
 
-    K = product(e_r, e_r + nu * e_t) + product(e_t, e_t + nu * e_r) + (1 - nu) / 2 * product(g, g)
+    K = (
+        weighted_product(e_r, e_r + nu * e_t)
+        + weighted_product(e_t, e_t + nu * e_r)
+        + (1 - nu) / 2 * weighted_product(g, g)
+    )
     size, rim = RING_DEGREE + 1, RING_DEGREE
     hold = np.zeros((len(modes), 2 * size, 2))
     if ring.support == "fixed":

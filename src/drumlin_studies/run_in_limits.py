@@ -236,7 +236,8 @@ def half_row(one: Run) -> dict[str, Any]:
     ]
     area = np.concatenate([interface.area for interface in one.setup.interfaces])
 
-    def size(p: Floats) -> float:
+    def pressure_norm(p: Floats) -> float:
+        """The L2 norm of p over the linings."""
         return math.sqrt(float(area @ p**2))
 
     # Every second state of the halved run is at the distance of a state of the run.
@@ -246,7 +247,9 @@ def half_row(one: Run) -> dict[str, Any]:
     return {
         "brake": one.name,
         "asked": TOLERANCE,
-        "pressure": max(size(a.pressure - b.pressure) / size(b.pressure) for a, b in pairs),
+        "pressure": max(
+            pressure_norm(a.pressure - b.pressure) / pressure_norm(b.pressure) for a, b in pairs
+        ),
         "torque": max(abs(relative(a.torque, b.torque)) for a, b in pairs),
         "depth": max(float(np.abs(a.depth - b.depth).max() / b.depth.max()) for a, b in pairs[1:]),
         "long_pressure": after.pressure,

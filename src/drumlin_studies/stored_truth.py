@@ -36,7 +36,11 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.brake.plane_brake import any_from
 from drumlin.fem.error_control.levels import DEG, steps
-from drumlin.fem.hp.corner import left_at_corners, power_at_corner, steep_corners
+from drumlin.fem.hp.corner import (
+    pressure_error_at_corners,
+    pressure_with_power_law,
+    unbounded_corners,
+)
 from drumlin.fem.hp.division import Level
 from drumlin.fem.model import respond
 from drumlin.verification import triangles
@@ -280,9 +284,9 @@ def solve_by_deep_triangles(brake: Brake) -> Truth:
     """The far finer solution of a brake that presses with a corner or under a tip.
 
     The meshes are DEEPEST under a tip and DEEP at a corner. No triangle is small enough for p next
-    to a pressed corner; there the power law of the corner replaces p, see `corner.power_at_corner`.
-    The error that the smallest pieces of p leave in this power law counts as uncertainty.
-    Raises BadInput and NoAnswer as `triangles.solve` does.
+    to a pressed corner; there the power law of the corner replaces p, see
+    `corner.pressure_with_power_law`. The error that the smallest pieces of p leave in this power
+    law counts as uncertainty. Raises BadInput and NoAnswer as `triangles.solve` does.
     """
     begin = time.process_time()
     try:
@@ -294,22 +298,21 @@ def solve_by_deep_triangles(brake: Brake) -> Truth:
         [_add_corner_power_law(brake, i, one) for i, one in enumerate(each)] for each in meshes
     ]
     true = truth_of_last_three(brake, found, begin)
-    left = max(left_at_corners(brake, i, one) for i, one in enumerate(found[-1]))
+    left = max(pressure_error_at_corners(brake, i, one) for i, one in enumerate(found[-1]))
     return replace(true, unsure={**true.unsure, "pressure": true.unsure["pressure"] + left})
 
 
 def _add_corner_power_law(brake: Brake, index: int, found: ShoeSolution) -> ShoeSolution:
     """The solution of shoe `index` with the power law of its corners next to pressed corners."""
-    for at_start, power in steep_corners(brake, index, found):
-        corner = found.theta[0 if at_start else -1]
-        arc = next((float(b - a) for a, b in found.arcs if corner in {a, b}), 0.0)
-        theta, pressure = power_at_corner(
+    for corner in unbounded_corners(brake, index, found):
+        at_corner = found.theta[0 if corner.at_start else -1]
+        arc = next((float(b - a) for a, b in found.arcs if at_corner in {a, b}), 0.0)
+        theta, pressure = pressure_with_power_law(
             found.theta,
             found.pressure,
             found.order,
-            power,
+            corner,
             reach=GIVE_WAY * arc,
-            at_start=at_start,
         )
         found = replace(found, theta=theta, pressure=pressure)
     return found

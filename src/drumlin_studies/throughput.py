@@ -84,6 +84,7 @@ def time_with_dask_keeping_memory(cases: Sequence[SweepCase], workers: int) -> T
 def _time_with_dask_workers(
     by: str, cases: Sequence[SweepCase], workers: int, environment: dict[str, str]
 ) -> Throughput:
+    """The time of the cases by Dask workers that start in an environment."""
     distributed: Any = importlib.import_module("distributed")
     start, before = time.perf_counter(), _processor_time()
     with (
@@ -274,6 +275,7 @@ def kill_and_finish_sweep(
 
 @contextmanager
 def _start_process(process: Any) -> Iterator[Any]:
+    """Provide a started process while a block runs, then kill the process."""
     process.start()
     try:
         yield process
@@ -283,6 +285,7 @@ def _start_process(process: Any) -> Iterator[Any]:
 
 
 def _run_sweep(cases: Sequence[SweepCase], path: Path) -> None:
+    """Solve the cases with the journal at `path`."""
     with Journal(path) as journal:
         solve_cases(cases, journal=journal)
 

@@ -327,10 +327,11 @@ def time_call(call: Callable[[], object], unit: Callable[[], object], first: flo
     samples: list[float] = []
     ratios: list[float] = []
 
-    def too_short() -> bool:
+    def needs_another_repeat() -> bool:
+        """Whether the repeats so far are too short and too few for a median."""
         return sum(samples) * loops < LEAST_SECONDS and len(samples) < MOST_REPEATS
 
-    while len(samples) < TIMED_REPEATS or too_short():
+    while len(samples) < TIMED_REPEATS or needs_another_repeat():
         # The unit comes first, so that both see the same pace of the machine.
         beside = _processor_time_per_call(unit, 1)
         samples.append(_processor_time_per_call(call, loops))
@@ -348,6 +349,7 @@ class Quartiles(NamedTuple):
 
 
 def _sample_quartiles(samples: list[float]) -> Quartiles:
+    """Median and quartiles of some samples."""
     if len(samples) == 1:
         return Quartiles(samples[0], samples[0], samples[0])
     lower, middle, upper = quantiles(samples, n=4, method="inclusive")
@@ -426,6 +428,7 @@ def _process_context() -> Any:
 
 
 def _memory_of_solve(brake: Brake, method: Method) -> int:
+    """Peak memory of a cold solve [bytes], beyond that before the solve."""
     before = peak_memory()
     solve_cold(brake, method)
     return peak_memory() - before
@@ -563,7 +566,8 @@ def rows_within_error(
 def rows_by_series(rows: Iterable[Mapping[str, Any]]) -> dict[tuple[str, str], list[Any]]:
     """Converged rows by family and name of the series, coarse to fine."""
 
-    def fineness(row: Mapping[str, Any]) -> tuple[float, float]:
+    def sort_key_by_fineness(row: Mapping[str, Any]) -> tuple[float, float]:
+        """Elements or unknowns of a row, then its tolerance: coarse rows come first."""
         size = row.get("elements") or row.get("sections") or row.get("level") or 0
         return size, -(row.get("tolerance") or 0)
 
@@ -572,7 +576,7 @@ def rows_by_series(rows: Iterable[Mapping[str, Any]]) -> dict[tuple[str, str], l
         if row["status"] == "converged":
             by_series.setdefault((row["family"], series_name(row)), []).append(row)
     for members in by_series.values():
-        members.sort(key=fineness)
+        members.sort(key=sort_key_by_fineness)
     return by_series
 
 

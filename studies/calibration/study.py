@@ -81,6 +81,7 @@ def study(
 
 
 def _observe_case(case: Case) -> dict[str, Any]:
+    """The levels of the brake of a case, as `observe_levels` returns them."""
     return observe_levels(case["seed"])
 
 

@@ -41,6 +41,7 @@ def brakes_with_elements() -> tuple[dict[str, Path], dict[str, str]]:
 
 
 def _ring_changes(support: str, thickness: float = 0.015, E: float = 1.2e11) -> dict[str, Any]:
+    """Changes that give a brake an elastic ring: thickness [m] and Young's modulus E [Pa]."""
     material = {**IRON, "E": E}
     return {
         "drum.ring": {
@@ -53,6 +54,7 @@ def _ring_changes(support: str, thickness: float = 0.015, E: float = 1.2e11) -> 
 
 
 def _backing_changes(thickness: float = 0.005, E: float = 1e10) -> dict[str, Any]:
+    """Changes that give each shoe a backing: thickness [m] and Young's modulus E [Pa]."""
     return {"shoe.backing": {"thickness": thickness, "material": {**LAYER, "E": E}}}
 
 

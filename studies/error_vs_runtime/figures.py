@@ -126,6 +126,7 @@ def _line_style(family: str, name: str) -> str:
 
 
 def _draw_error_panel(axes: Any, rows: Sequence[Mapping[str, Any]], key: str, floor: float) -> None:
+    """Draw the errors `key` of all methods over the time of a cold solve."""
     # Below the uncertainty of the reference an error is drawn at a third of it.
     lowest = max(100 * floor, 1e-8)
     smallest = lowest / 3

@@ -127,6 +127,7 @@ def report(result: Result, folder: Path) -> Path:
     save_figure(draw_pressures_by_law(result.pressures), folder / "pressures.svg")
 
     def examples_of(law: str, source: str, but: str | None) -> list[dict[str, Any]]:
+        """The rows of the worked examples of a law from one source, without those of another."""
         rows = []
         for r in result.examples:
             if r["law"] == law and source in r["source"]:

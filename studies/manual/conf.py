@@ -43,6 +43,7 @@ def _formula_as_mathml(text: str, display: str) -> str:
 
 
 def _write_inline_formula(writer: Any, node: Any) -> None:
+    """Write a formula that stands in a line of text."""
     from docutils import nodes  # noqa: PLC0415
 
     writer.body.append(_formula_as_mathml(node.astext(), "inline"))
@@ -50,6 +51,7 @@ def _write_inline_formula(writer: Any, node: Any) -> None:
 
 
 def _write_displayed_formula(writer: Any, node: Any) -> None:
+    """Write a formula that stands in a line of its own, with its number."""
     from docutils import nodes  # noqa: PLC0415
 
     number = f'<span class="eqno">({node["number"]})</span>' if node.get("number") else ""

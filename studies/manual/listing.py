@@ -50,10 +50,12 @@ def sweep_file_page() -> str:
 
 
 def _example_file(name: str) -> str:
+    """The text of an example file as a block of code."""
     return f"```toml\n{(ROOT / 'studies' / name).read_text(encoding='utf-8')}```\n\n"
 
 
 def _key_tables(tables: Sequence[keys.Table]) -> str:
+    """A heading and a table of keys for each part of a file."""
     head = ("key", "value", "meaning")
     return "\n".join(
         f"## {heading}\n\n{markdown_table(head, _key_rows(kind, words))}"
@@ -188,6 +190,7 @@ def commands_page() -> str:
 
 
 def _option_names(param: Any) -> str:
+    """The names of an option with the word for its value, or the name of an argument."""
     names = param.opts if param.opts[0].startswith("-") else [param.metavar or param.name.upper()]
     other = [*names, *param.secondary_opts]
     flag = getattr(param, "is_flag", False) or not param.opts[0].startswith("-")
@@ -196,10 +199,12 @@ def _option_names(param: Any) -> str:
 
 
 def _help_text(text: str | None) -> str:
+    """The help of an option without the escapes of the terminal."""
     return (text or "").replace("\\[", "[")
 
 
 def _default_in_words(param: Any) -> str:
+    """The default of an option, or "required"; empty where nothing is the default."""
     value = param.default
     if param.required:
         return "required"
@@ -284,6 +289,7 @@ def public_members(module: str) -> list[tuple[str, Any]]:
 
 
 def _member_entry(name: str, value: Any) -> str:
+    """The entry of a name: its signature, its docstring and its public methods."""
     words = inspect.getdoc(value) or ""
     text = f"### `{name}`\n\n```python\n{_signature(name, value)}\n```\n\n{_docstring_block(words)}"
     if inspect.isclass(value):
@@ -295,6 +301,7 @@ def _member_entry(name: str, value: Any) -> str:
 
 
 def _signature(name: str, value: Any) -> str:
+    """The name with its fields or parameters, as code."""
     short = name.rsplit(".", 1)[-1]
     if inspect.isclass(value):
         fields = typing.get_type_hints(value) if hasattr(value, "__dataclass_fields__") else {}

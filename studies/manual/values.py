@@ -63,12 +63,13 @@ def quoted_values() -> dict[str, str]:
 def fill_in_values(text: str, known: Mapping[str, str]) -> str:
     """A page with its values in place. Raises NoAnswer for a name that is not known."""
 
-    def value(found: re.Match[str]) -> str:
+    def value_of_quote(found: re.Match[str]) -> str:
+        """The value for a quoted name. Raises NoAnswer for an unknown name."""
         if found[1] not in known:
             raise NoAnswer(f"the manual is not built: no value is called {found[1]!r}")
         return known[found[1]]
 
-    return QUOTED.sub(value, text)
+    return QUOTED.sub(value_of_quote, text)
 
 
 def _power_of_ten_text(number: float) -> str:

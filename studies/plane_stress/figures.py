@@ -41,6 +41,7 @@ def draw_error_maps(charts: Sequence[PlaneErrorMap]) -> Figure:
 
 
 def _draw_map_panel(axes: Axes, chart: PlaneErrorMap, key: str, title: str) -> None:
+    """Draw a map of an error: a colour and a number [%] for each brake."""
     error = 100 * chart.errors[key]
     axes.imshow(
         np.log10(np.maximum(np.abs(error), 0.03)),
@@ -93,6 +94,7 @@ def draw_face_pressures(three: SolidAndPlane, worn: WornSolid) -> Figure:
 
 
 def _largest_face_pressure(shoe: ShoeResponse, zone: float) -> float:
+    """The largest pressure [Pa] on the face, without a zone [rad] at each end of the lining."""
     assert shoe.surface is not None
     inside = (shoe.theta > shoe.theta[0] + zone) & (shoe.theta < shoe.theta[-1] - zone)
     return float(shoe.surface.pressure[inside].max())
@@ -207,6 +209,7 @@ def draw_error_over_time(found: Mapping[str, Sequence[TimeAndErrors]]) -> Figure
 
 
 def _draw_method(axes: Axes, own: Sequence[TimeAndErrors], key: str, name: str) -> None:
+    """Draw the errors of one method over the processor time."""
     if not own:
         return
     method, x = own[0].method, [1e3 * rung.seconds for rung in own]

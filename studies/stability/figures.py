@@ -258,6 +258,7 @@ def tick_label(value: float) -> str:
 
 
 def _draw_outcome_legend(figure: Figure, rows: Sequence[Row]) -> None:
+    """Draw the key of the outcomes that occur among the rows."""
     there = set()
     for row in rows:
         there.add(row["outcome"])

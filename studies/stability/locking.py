@@ -71,7 +71,8 @@ def study(
     elements = 16 if short else 40
     brake, every = read_brake(FILE), 4 if short else 1
 
-    def locked(**case: Any) -> Row:
+    def limit_row_of_case(**case: Any) -> Row:
+        """The row of the limit of self-locking of a case; keys with a dot change the brake."""
         changes = {}
         # Names of keys of the brake file contain a dot; other words only name the case.
         for key, value in case.items():
@@ -88,21 +89,23 @@ def study(
     for t in THICKNESSES:
         for k in np.arange(-3.0, 6.5, 0.5)[::every].tolist():
             changes = {"shoe.body.material.E": E * 10**k, "shoe.lining.thickness": t}
-            shoe.append(locked(**changes, factor=10**k))
+            shoe.append(limit_row_of_case(**changes, factor=10**k))
     for support in ("free", "fixed"):
         for k in np.arange(-4.0, 4.5, 0.5)[::every].tolist():
             changes = {
                 "drum.ring": RING | {"support": support},
                 "drum.ring.material.E": 120e9 * 10**k,
             }
-            ring.append(locked(**changes, factor=10**k, support=support))
+            ring.append(limit_row_of_case(**changes, factor=10**k, support=support))
     rigid = [
-        locked(**{"shoe.body": None, "shoe.lining.thickness": 8e-3 / 2**k, "n": 2 * elements})
+        limit_row_of_case(
+            **{"shoe.body": None, "shoe.lining.thickness": 8e-3 / 2**k, "n": 2 * elements}
+        )
         for k in range(3 if short else 6)
     ]
     mesh = []
     for n in (10, 20, 40) if short else (20, 40, 80, 160):
-        mesh.append(locked(**{"friction": 0.3, "n": n}))
+        mesh.append(limit_row_of_case(**{"friction": 0.3, "n": n}))
     say("torque up to the limit")
     drums = {"rigid drum": brake, "with a free ring": vary(brake, {"drum.ring": RING})}
     torque = [

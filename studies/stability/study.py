@@ -120,8 +120,8 @@ def report(result: Result, folder: Path) -> Path:
     """Write page, figures and tables, and return the path of the page."""
     rows = result.rows
     compared = []
-    for row in result.compared:
-        compared.append(row._asdict() | {"outcome": row.outcome})
+    for check in result.compared:
+        compared.append(check._asdict() | {"outcome": check.outcome})
     write_text(folder / "ways.csv", as_csv(compared))
     write_text(
         folder / "cases.csv",
@@ -206,7 +206,8 @@ def _locking_values(locked: locking.Result) -> dict[str, Any]:
         poles[row["name"]] = self_locking.torque_pole(row)
     # Random brakes whose answers agree, and those with several answers below the limit.
     table = uniqueness_page_rows(locked.unique)
-    agreeing, disagreeing = [], []
+    agreeing: list[Row] = []
+    disagreeing: list[Row] = []
     for row in table:
         (disagreeing if row["disagreeing"] else agreeing).append(row)
     return {
@@ -264,6 +265,7 @@ def draw_figures(
 
 
 def _figure_file(knob: str) -> str:
+    """The name of the file of a grid's figure."""
     return knob.replace(" × ", "_") + ".svg"
 
 

@@ -145,6 +145,7 @@ def study(
 
 
 def _seeds_of_setting(first: int, count: int, short: bool) -> range:
+    """Seeds from the first one on: `count` of them, or FEW in the short setting."""
     return range(first, first + (FEW if short else count))
 
 
@@ -156,6 +157,7 @@ def _tolerances_of_seed(seed: int, *, short: bool) -> list[float]:
 
 
 def _corner_case_rows(case: Case) -> dict[str, Any]:
+    """Stated and true errors of a brake that presses with a corner or under a tip."""
     return {"rows": corner_rows.error_rows_of_seed(case["corner"])}
 
 

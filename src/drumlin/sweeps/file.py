@@ -631,6 +631,7 @@ def _inverse_triangular(start: float, mode: float, end: float) -> Callable[[Floa
     top = (mode - start) / (end - start)
 
     def inverse(u: Floats) -> Floats:
+        """The values with the cumulative probabilities u (n,) in (0, 1)."""
         rising = np.sqrt(top * u)
         falling = 1 - np.sqrt((1 - top) * (1 - u))
         values: Floats = start + (end - start) * np.where(u < top, rising, falling)

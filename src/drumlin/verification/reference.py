@@ -24,7 +24,7 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.surface import DRUM, FrictionSurface
 from drumlin.comparison import edge_of
 from drumlin.fem.error_control.levels import steps
-from drumlin.fem.error_control.places import places_of
+from drumlin.fem.error_control.singular_points import singular_points_of
 from drumlin.fem.hp.division import Level
 from drumlin.fem.model import respond
 from drumlin.fem.preparation.prepare import prepare
@@ -122,7 +122,7 @@ def solve_reference_responses(brake: Brake, refinement: Refinement = FINE) -> Re
         last = step.response
     found = []
     for level in refinement.levels:
-        singular_points = places_of(brake, last, error=level.error)
+        singular_points = singular_points_of(brake, last, error=level.error)
         last = solve_exactly(prepare(brake, level, singular_points), brake, start=last)
         found.append(last)
     before, value = found

@@ -119,14 +119,15 @@ class RunTooLong(BaseException):
 def _limit_run_time() -> Iterator[None]:
     """Raise Late in a block that works for too long or waits for too long."""
 
-    def late(*_: object) -> None:
+    def raise_too_long(*_: object) -> None:
+        """Raise RunTooLong when a timer ends."""
         raise RunTooLong
 
     timers = (
         (signal.ITIMER_PROF, signal.SIGPROF, 1.5 * LONGEST_RUN),
         (signal.ITIMER_REAL, signal.SIGALRM, LONGEST_WAIT),
     )
-    before = [(sign, signal.signal(sign, late)) for _, sign, _ in timers]
+    before = [(sign, signal.signal(sign, raise_too_long)) for _, sign, _ in timers]
     for timer, _, seconds in timers:
         signal.setitimer(timer, seconds)
     try:
@@ -273,4 +274,5 @@ def _find_fault_of_file(name: str, data: bytes, names: Sequence[str]) -> str:
 
 
 def _refuse_constant(word: str) -> float:
+    """Refuse NaN and infinity, which Python's reader of JSON would accept."""
     raise ValueError(f"holds {word}")

@@ -155,6 +155,7 @@ def _wait_for_unlocked_journal(journal: Path) -> None:
 
 
 def _try_lock(handle: int) -> None:
+    """Lock an open file, or raise BlockingIOError where another process holds its lock."""
     import fcntl  # noqa: PLC0415
 
     fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)

@@ -46,6 +46,7 @@ def find_unsound_answer(given: BrokenInput) -> str:
 
 
 def _word_after(words: list[str], option: str) -> str:
+    """The word that follows an option on a command line; None without the option."""
     return words[words.index(option) + 1]
 
 

@@ -12,18 +12,23 @@ from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.fem.error_control.estimate import SOFTER, Errors, estimate
 from drumlin.fem.error_control.levels import Respond, Step, steps
-from drumlin.fem.error_control.places import pressed_arcs
-from drumlin.fem.hp.corner import AT_TIP, left_at_corners, left_under_tips, with_powers
-from drumlin.fem.hp.division import FINEST
+from drumlin.fem.error_control.singular_points import contact_arcs_without_narrow_gaps
+from drumlin.fem.hp.corner import (
+    TIP_TOLERANCE,
+    pressure_error_at_corners,
+    pressure_error_under_tips,
+    response_with_power_laws,
+)
+from drumlin.fem.hp.division import SMALLEST_COLUMN
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.response.response import Response, ShoeResponse, edge_zone
 from drumlin.response.resultants import edge_left_out, largest
 
-SHORTEST = 1000 * FINEST
+SHORTEST = 1000 * SMALLEST_COLUMN
 """Length of a contact, relative to the lining's thickness, below which the response says that its
-pressure is not known. No hp element is smaller than FINEST, and the elements at the ends of a
-contact are a thousandth of it on a level that states an error of 1e-4.
+pressure is not known. No hp element is smaller than SMALLEST_COLUMN, and the elements at the ends
+of a contact are a thousandth of it on a level that states an error of 1e-4.
 """
 NEAR = 0.5
 """Fraction of the peak up to which p may rise in the hp element at an end of the lining. Above it
@@ -119,12 +124,12 @@ def _climbed(brake: Brake, tolerance: Tolerance, along: Iterable[Step]) -> _Prog
     missed = f"tolerance {tolerance.pressure:g} not reached"
     try:
         for scene, response in along:
-            responses.append(with_powers(brake, response))
+            responses.append(response_with_power_laws(brake, response))
             unknowns = max(body.unknowns for body in scene.bodies)
             if len(responses) == 1:
                 continue
             before, last = responses[-2:]
-            error, unknown = seen(estimate(brake, before, last), brake, last)
+            error, unknown = errors_with_singularities(estimate(brake, before, last), brake, last)
             if _within(error, tolerance):
                 return _Progress(scene, responses, error, unknowns, missed="")
             if unknown:
@@ -197,7 +202,9 @@ def _final(progress: _Progress) -> Response:
 # What two levels cannot estimate: singular pressure, and contacts too short for the division
 
 
-def seen(error: Errors, brake: Brake, response: Response) -> tuple[Errors, str]:
+def errors_with_singularities(
+    error: Errors, brake: Brake, response: Response
+) -> tuple[Errors, str]:
     """The errors with those at singular points added, and the words on an unknown pressure.
 
     The difference of two levels does not contain what p and its peak lack at corners of the lining
@@ -207,8 +214,8 @@ def seen(error: Errors, brake: Brake, response: Response) -> tuple[Errors, str]:
     shoes, words = [], ""
     for i, (shoe, answer) in enumerate(zip(brake.shoes, response.shoes, strict=True)):
         lacking = _lacking(shoe, brake.scale_factor, answer)
-        at_corners = left_at_corners(brake, i, answer)
-        left = at_corners + left_under_tips(shoe, brake.scale_factor, answer)
+        at_corners = pressure_error_at_corners(brake, i, answer)
+        left = at_corners + pressure_error_under_tips(shoe, brake.scale_factor, answer)
         errors = {
             **error.shoes[i],
             "pressure": error.shoes[i]["pressure"] + left,
@@ -227,7 +234,7 @@ def seen(error: Errors, brake: Brake, response: Response) -> tuple[Errors, str]:
 
 def _shortest_contact(brake: Brake, shoe: Shoe, answer: ShoeResponse) -> float:
     """The length [m] of the shortest contact of a shoe; inf for a shoe that does not touch."""
-    lengths = (end - start for start, end in pressed_arcs(shoe, answer))
+    lengths = (end - start for start, end in contact_arcs_without_narrow_gaps(shoe, answer))
     return min(lengths, default=math.inf) * brake.size
 
 
@@ -273,10 +280,11 @@ def _lacking_under_tips(
 
     A wedge whose slope changes by s has the pressure E s/(2 pi) ln(1/x) on a half-plane of modulus
     E (Johnson, Contact Mechanics, ch. 5). As the elements beside a tip become smaller, down to
-    FINEST, p at the tip grows by this law. The growth matters where p at the tip would then be
-    above the peak. If hp elements end at the tip, the peak is unknown: the fraction is 1. At a tip
-    that p hardly feels no elements end, see `places_of`; the peak lacks at most the part by which p
-    at the tip could exceed it. In the zone at the lining's ends `_peak_at_corner` judges.
+    SMALLEST_COLUMN, p at the tip grows by this law. The growth matters where p at the tip would
+    then be above the peak. If hp elements end at the tip, the peak is unknown: the fraction is 1.
+    At a tip that p hardly feels no elements end, see `singular_points_of`; the peak lacks at most
+    the part by which p at the tip could exceed it. In the zone at the lining's ends
+    `_peak_at_corner` judges.
     """
     start, end, order = shoe.lining.start, shoe.lining.end, answer.order
     theta, p = answer.theta, answer.pressure
@@ -289,10 +297,10 @@ def _lacking_under_tips(
         nearest = int(np.abs(theta[::order] - tip).argmin()) * order
         around = slice(max(nearest - order, 0), nearest + order + 1)
         width = scale_factor * float(theta[around][-1] - theta[around][0])
-        smaller = max(width / (FINEST * shoe.lining.thickness), 1.0)
+        smaller = max(width / (SMALLEST_COLUMN * shoe.lining.thickness), 1.0)
         growth = modulus * slope / scale_factor * math.log(smaller) / (2 * math.pi)
         most = largest(theta[around], p[around], order) + growth
-        divided = abs(theta[nearest] - tip) < AT_TIP * shoe.frame.unit
+        divided = abs(theta[nearest] - tip) < TIP_TOLERANCE * shoe.frame.unit
         if most > answer.peak_pressure:
             lacking = max(lacking, 1.0 if divided else most / answer.peak_pressure - 1.0)
     return min(lacking, 1.0)

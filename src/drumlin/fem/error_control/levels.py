@@ -10,8 +10,8 @@ from typing import NamedTuple, Protocol
 
 from drumlin.base.errors import LostDigits, NoAnswer
 from drumlin.brake.brake import Brake
-from drumlin.fem.error_control.places import places_of
-from drumlin.fem.hp.division import SETTLED, Level, Singularity, SingularPoint
+from drumlin.fem.error_control.singular_points import singular_points_of
+from drumlin.fem.hp.division import UNRESOLVED_LENGTH, Level, Singularity, SingularPoint
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.preparation.cache import alike as equal_shapes
 from drumlin.fem.preparation.meshes import ELEMENTS
@@ -156,7 +156,7 @@ def steps(
     arcs = [shoe.arc for shoe in brake.shoes]
     for level in levels or LEVELS:
         step: Step | None = None
-        places = places_of(brake, last, alike, level.error)
+        places = singular_points_of(brake, last, alike, level.error)
         tried: list[Mapping[int, Sequence[SingularPoint]]] = []
         for _ in range(MOST_PASSES):
             made = prepare(brake, _evened(level, even), places, alike=alike, cache=cache)
@@ -173,7 +173,7 @@ def steps(
                 break
             step = Step(made, found)
             tried.append(places)
-            last, places = found, places_of(brake, found, alike, level.error)
+            last, places = found, singular_points_of(brake, found, alike, level.error)
             # Ends that go back to where an earlier pass had them would go to and fro for ever.
             if any(not _moved(brake, meant, places) for meant in tried):
                 break
@@ -193,7 +193,7 @@ def _moved(
 ) -> bool:
     """Whether a singular point of any shape of shoe lies where no columns end yet.
 
-    It is an end of the contact that moved by more than SETTLED, or a kink of the gap.
+    It is an end of the contact that moved by more than UNRESOLVED_LENGTH, or a kink of the gap.
     """
     return any(_off(brake.shoes[i].arc, meant[i], places) for i, places in now.items())
 
@@ -203,12 +203,14 @@ def _off(
 ) -> bool:
     """Whether a singular point `now` of one shoe lies where no columns ended on the last pass.
 
-    An end of the contact may move by SETTLED of the length that it bounds.
+    An end of the contact may move by UNRESOLVED_LENGTH of the length that it bounds.
     """
-    meant = [*arc, *(place[0] for place in places)]
-    if any(kind in {Singularity.KINK, Singularity.TIP} and x not in meant for x, _, kind in now):
-        return True
-    return any(
-        kind == Singularity.END and min(abs(x - y) for y in meant) > SETTLED * length
-        for x, length, kind in now
-    )
+    meant = [*arc, *(place.at for place in places)]
+    for point in now:
+        if point.kind in {Singularity.KINK, Singularity.TIP} and point.at not in meant:
+            return True
+        if point.kind == Singularity.END:
+            distance = min(abs(point.at - x) for x in meant)
+            if distance > UNRESOLVED_LENGTH * point.length:
+                return True
+    return False

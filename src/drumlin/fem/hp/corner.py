@@ -1,8 +1,12 @@
 """The singular pressure at a pressed corner of a lining and under a tip of its gap.
 
-A lining ends with a face square to the drum. Near the corner the lining is an elastic wedge of 90
-degrees that slides on a half-plane, and p goes as x^a, x the distance from the corner. Under a tip
-of the gap p goes as ln(1/x) (Johnson, Contact Mechanics, ch. 5).
+A lining ends with a face square to the drum. Near this corner the lining is an elastic wedge of 90
+degrees that slides on a half-plane, and the pressure p goes as x^a, where x is the distance from
+the corner. If the exponent a is negative, p is unbounded. Under a tip of the gap, a kink that
+points to the drum, p goes as ln(1/x) (Johnson, Contact Mechanics, ch. 5).
+
+The module computes the exponents, replaces p near the corners by its power law, and estimates the
+errors of p that columns of hp elements leave at corners and under tips.
 """
 
 import math
@@ -20,26 +24,31 @@ from drumlin.brake.fields import AnyMaterial
 from drumlin.response.response import Response, ShoeResponse, singular_zone
 from drumlin.response.resultants import edge_left_out, gauss_points, lobatto
 
-LEAST_ROOT = 1e-3
-"""Smallest 1 + a of a power a that is looked for. At 1 + a = 1/2 p ceases to be square-integrable,
-which takes a friction coefficient of 0.57 to 0.61 on a rigid drum.
+SMALLEST_ROOT = 1e-3
+"""Smallest root l = a + 1 that is searched for the exponent a of p at a corner.
+
+Below l = 1/2 the pressure is not square-integrable. On a rigid drum that takes a friction
+coefficient of 0.57 to 0.61.
 """
-SMOOTH = 1e-6
-"""Absolute value of the power a below which p counts as bounded at the corner. A smaller power
-cannot be told from a constant: the equations for the parts of both have 16 digits.
+BOUNDED_EXPONENT = 1e-6
+"""Absolute value of the exponent a below which p counts as bounded at the corner.
+
+A smaller exponent cannot be distinguished from a constant: the equations for the coefficients of
+both functions have 16 digits.
 """
 
 ROOTS_TRIED = 200
-"""Number of powers between which the determinant of an orthotropic corner is searched for a change
-of sign. Two roots between neighbouring powers would be missed.
+"""Number of roots l at which the determinant of an orthotropic corner is evaluated in search of a
+change of sign. Two zeros between neighbouring values would be missed.
 """
 
-NEAR_CORNER = 2e-3
-"""Part of a contact in which p is replaced by the power of its corner: three or four columns.
+POWER_LAW_PART = 2e-3
+"""Part of a contact, from the corner on, in which p is replaced by the power law of the corner.
 
-The column next to the corner, and a little the next one, suffer from no polynomial being a power;
-columns farther away feel the rest of the lining. On two brakes the error of p was the same with
-three to six columns, and 10 to 30 times as large with one.
+The part holds three or four columns. In the column next to the corner, and a little in the next
+one, polynomials are a poor approximation of the power law. Columns farther away feel the rest of
+the lining. On two brakes the error of p was the same with three to six columns, and 10 to 30 times
+as large with one.
 """
 SMALLEST_PIECE = 1e-12
 """Length [rad] of the piece of p next to the corner. Angles of 3 rad are known to 4e-16, and the
@@ -47,19 +56,25 @@ nodes of a piece of degree 7 are a sixteenth of its length apart.
 """
 PIECE_RATIO = 0.4
 """Ratio of the lengths of neighbouring pieces of p at a corner. Polynomials of degree 5 follow a
-power to about 1e-4 on each piece; a larger ratio takes more pieces.
+power function to about 1e-4 on each piece. A smaller ratio is less exact, and a larger ratio takes
+more pieces.
 """
 
-AT_TIP = 1e-9
-"""Distance [rad] from a tip below which columns count as ending there; the rest is round-off."""
+TIP_TOLERANCE = 1e-9
+"""Distance [rad] from a tip of the gap below which columns count as ending at the tip. Such a
+distance is round-off.
+"""
 
 
 @cache
-def corner_power(inward: float, nu: float, softness: float = 0.0, nu_drum: float = 0.0) -> float:
-    """The power a of x with which p goes at a pressed corner of a lining: at most 0, above -1.
+def corner_exponent(
+    inward_friction: float, nu: float, stiffness_ratio: float = 0.0, nu_drum: float = 0.0
+) -> float:
+    """The exponent a of p ~ x^a at a pressed corner of an isotropic lining: at most 0, above -1.
 
-    With l = a + 1 and s = sin(pi l/2) the fields r^l of the wedge (Williams 1952), free on one face
-    and with the shear `inward` p on the other, meet the half-plane where
+    The distance from the corner is x. With l = a + 1 and s = sin(pi l/2), the displacements of the
+    wedge go as r^l (Williams 1952). The wedge is free on one face, and has the shear stress f p on
+    the other face, which meets the half-plane where
 
         sin(pi l) = f (2 (l + s^2) + (1 + nu) (l^2 - s^2))
                     + k (l^2 - s^2) ((1 - nu_drum) f + 2 cot(pi l)).
@@ -71,89 +86,111 @@ def corner_power(inward: float, nu: float, softness: float = 0.0, nu_drum: float
 
     Parameters
     ----------
-    inward : float
-        Friction coefficient f [1], positive where it drags the lining's face away from the corner
-        into the lining. Where it drags towards the corner p is bounded: then 0 is returned.
+    inward_friction : float
+        Friction coefficient f [1], positive where the friction drags the lining's face away from
+        the corner, into the lining. Where the friction drags towards the corner of a rigid drum, p
+        is bounded, and 0 is returned.
     nu : float
         Poisson's ratio of the lining.
-    softness : float
+    stiffness_ratio : float
         k = E w of the lining over E w of the drum's ring, w the widths; 0 for a rigid drum.
     nu_drum : float
         Poisson's ratio of the ring.
     """
-    if inward < 0 and softness == 0:
+    if inward_friction < 0 and stiffness_ratio == 0:
         return 0.0
 
-    def excess(root: float) -> float:
+    def residual(root: float) -> float:
+        """Left minus right side of the condition at l = root."""
         s2 = math.sin(0.5 * math.pi * root) ** 2
-        apart = root**2 - s2
-        of_drum = softness * apart * ((1 - nu_drum) * inward + 2 / math.tan(math.pi * root))
-        return math.sin(math.pi * root) - inward * (2 * (root + s2) + (1 + nu) * apart) - of_drum
+        difference = root**2 - s2
+        of_wedge = inward_friction * (2 * (root + s2) + (1 + nu) * difference)
+        slope_of_drum = (1 - nu_drum) * inward_friction + 2 / math.tan(math.pi * root)
+        of_drum = stiffness_ratio * difference * slope_of_drum
+        return math.sin(math.pi * root) - of_wedge - of_drum
 
-    if excess(LEAST_ROOT) <= 0:
-        return LEAST_ROOT - 1
-    if excess(1 - SMOOTH) >= 0:
+    if residual(SMALLEST_ROOT) <= 0:
+        return SMALLEST_ROOT - 1
+    if residual(1 - BOUNDED_EXPONENT) >= 0:
         return 0.0
-    from scipy.optimize import brentq  # noqa: PLC0415  (few brakes press with a corner)
+    # Only few brakes press with a corner and need scipy.optimize.
+    from scipy.optimize import brentq  # noqa: PLC0415
 
-    return float(brentq(excess, LEAST_ROOT, 1 - SMOOTH)) - 1
+    return float(brentq(residual, SMALLEST_ROOT, 1 - BOUNDED_EXPONENT)) - 1
 
 
 @cache
-def orthotropic_corner_power(
-    inward: float, material: AnyMaterial, drum: AnyMaterial | None = None, wider: float = 1.0
+def orthotropic_corner_exponent(
+    inward_friction: float,
+    material: AnyMaterial,
+    drum: AnyMaterial | None = None,
+    width_ratio: float = 1.0,
 ) -> float:
-    """The power a of `corner_power` for orthotropic materials, along and square to the drum.
+    """The exponent a of p at a corner, see `corner_exponent`, for orthotropic materials.
 
-    Stresses are 2 Re sum_k (mu_k^2, 1, -mu_k) l c_k z_k^(l - 1) with z_k = x + mu_k y and the roots
-    mu_k of Lekhnitskii's equation (Anisotropic Plates, section 19). Two conditions on the free
-    face, the friction and the equal slopes of both surfaces are four real equations in c_1 and c_2:
-    p goes as the smallest power l - 1 at which their determinant vanishes.
+    The axes of the materials lie along the drum and square to it. Stresses are
+    2 Re sum_k (mu_k^2, 1, -mu_k) l c_k z_k^(l - 1) with z_k = x + mu_k y and the roots mu_k of
+    Lekhnitskii's equation (Anisotropic Plates, section 19). Two conditions on the free face, the
+    friction, and the equal slopes of both surfaces are four real equations for c_1 and c_2. The
+    pressure goes as the smallest power l - 1 at which their determinant vanishes.
 
     Parameters
     ----------
-    inward : float
-        As of `corner_power`.
+    inward_friction : float
+        As of `corner_exponent`.
     material : AnyMaterial
-        Of the lining, not isotropic.
+        Material of the lining.
     drum : AnyMaterial | None
-        Of the ring; None of a rigid drum.
-    wider : float
+        Material of the ring; None for a rigid drum.
+    width_ratio : float
         Width of the lining over that of the ring.
     """
-    own, unit = _compliances(material), material.E_through
+    compliances, unit = _plane_stress_compliances(material), material.E_through
     # Lekhnitskii's roots with positive imaginary part.
-    squares = np.roots([own.along, 2 * own.mixed + own.shear, own.through])
+    squares = np.roots(
+        [compliances.along, 2 * compliances.mixed + compliances.shear, compliances.through]
+    )
     mu = np.sqrt(squares.astype(complex))
     mu = np.where(mu.imag < 0, -mu, mu)
-    slopes = own.mixed * mu + own.through / mu
-    of_drum = None if drum is None else _compliances(drum)
+    slopes = compliances.mixed * mu + compliances.through / mu
+    of_drum = None if drum is None else _plane_stress_compliances(drum)
 
-    def determinant(root: float, inward: float) -> float:
-        turned = mu ** (root - 1)
+    def determinant(root: float, friction: float) -> float:
+        """The determinant of the four equations at l = root."""
+        rotated = mu ** (root - 1)
         slope = slopes
         if drum is not None and of_drum is not None:
             local = math.sqrt(of_drum.along * of_drum.through) + of_drum.mixed
-            yields = 2 / drum.E_half_plane / math.tan(math.pi * root) + local * inward
-            slope = slopes + wider * yields
-        rows = np.array([mu**2 * turned, mu * turned, mu + inward, slope * unit])
+            slope_of_drum = 2 / drum.E_half_plane / math.tan(math.pi * root) + local * friction
+            slope = slopes + width_ratio * slope_of_drum
+        rows = np.array([mu**2 * rotated, mu * rotated, mu + friction, slope * unit])
         return float(np.linalg.det(np.hstack([rows.real, -rows.imag])))
 
-    roots = np.linspace(LEAST_ROOT, 1 - SMOOTH, ROOTS_TRIED)
-    values = [determinant(root, inward) for root in roots.tolist()]
+    roots = np.linspace(SMALLEST_ROOT, 1 - BOUNDED_EXPONENT, ROOTS_TRIED)
+    values = [determinant(root, inward_friction) for root in roots.tolist()]
     signs = np.sign(values)
     changes = np.flatnonzero(signs[1:] != signs[:-1])
     if not len(changes):
-        passed = signs[0] != np.sign(determinant(LEAST_ROOT, 0.0))
-        return LEAST_ROOT - 1 if passed else 0.0
+        # Without a zero, either p is bounded, or the zero lies below the smallest root tried.
+        below_smallest = signs[0] != np.sign(determinant(SMALLEST_ROOT, 0.0))
+        return SMALLEST_ROOT - 1 if below_smallest else 0.0
     first = int(changes[0])
-    from scipy.optimize import brentq  # noqa: PLC0415  (few brakes press with a corner)
+    # Only few brakes press with a corner and need scipy.optimize.
+    from scipy.optimize import brentq  # noqa: PLC0415
 
-    return float(brentq(determinant, roots[first], roots[first + 1], args=(inward,))) - 1
+    return float(brentq(determinant, roots[first], roots[first + 1], args=(inward_friction,))) - 1
 
 
-class _Compliances(NamedTuple):
-    """Compliances of a material in plane stress [1/Pa]."""
+class _PlaneStressCompliances(NamedTuple):
+    """Compliances of a material in plane stress [1/Pa].
+
+    Attributes
+    ----------
+    along : strain per stress along the drum
+    through : strain per stress square to the drum
+    mixed : strain in either direction per stress in the other
+    shear : shear strain per shear stress
+    """
 
     along: float
     through: float
@@ -161,48 +198,58 @@ class _Compliances(NamedTuple):
     shear: float
 
 
-def _compliances(material: AnyMaterial) -> _Compliances:
+def _plane_stress_compliances(material: AnyMaterial) -> _PlaneStressCompliances:
     """The compliances of a material in plane stress."""
-    mixed = -material.nu_along_through / material.E_along
-    return _Compliances(
-        1 / material.E_along, 1 / material.E_through, mixed, 1 / material.G_along_through
+    return _PlaneStressCompliances(
+        along=1 / material.E_along,
+        through=1 / material.E_through,
+        mixed=-material.nu_along_through / material.E_along,
+        shear=1 / material.G_along_through,
     )
 
 
-def powers_of(brake: Brake, index: int) -> tuple[float, float]:
-    """The powers of p at both ends of the lining of shoe `index`, by the shoe's own angles."""
+def corner_exponents_of(brake: Brake, index: int) -> tuple[float, float]:
+    """The exponents of p at both corners of the lining of shoe `index`, at its start and its end.
+
+    The start is the end of the lining with the smaller angle phi in the shoe's own frame. For the
+    exponent see `corner_exponent`.
+    """
     shoe, ring = brake.shoes[index], brake.ring
-    lining, inward = shoe.lining, brake.drag_on(shoe)
+    lining, inward_friction = shoe.lining, brake.drag_on(shoe)
     drum = None if ring is None else ring.section
     materials = [lining.material] if drum is None else [lining.material, drum.material]
     if any(has_directions(elasticity_matrix(material)) for material in materials):
-        wider = 1.0 if drum is None else lining.width / drum.width
-        behind = None if drum is None else drum.material
-        at_start = orthotropic_corner_power(inward, lining.material, behind, wider)
-        at_end = orthotropic_corner_power(-inward, lining.material, behind, wider)
+        width_ratio = 1.0 if drum is None else lining.width / drum.width
+        drum_material = None if drum is None else drum.material
+        at_start = orthotropic_corner_exponent(
+            inward_friction, lining.material, drum_material, width_ratio
+        )
+        at_end = orthotropic_corner_exponent(
+            -inward_friction, lining.material, drum_material, width_ratio
+        )
         return at_start, at_end
-    softness = nu_drum = 0.0
+    stiffness_ratio = nu_drum = 0.0
     if drum is not None:
         lining_stiffness = lining.material.E_along * lining.width
-        softness = lining_stiffness / (drum.material.E_along * drum.width)
+        stiffness_ratio = lining_stiffness / (drum.material.E_along * drum.width)
         nu_drum = drum.material.nu_along_through
     nu = lining.material.nu_along_through
-    at_start = corner_power(inward, nu, softness, nu_drum)
-    at_end = corner_power(-inward, nu, softness, nu_drum)
+    at_start = corner_exponent(inward_friction, nu, stiffness_ratio, nu_drum)
+    at_end = corner_exponent(-inward_friction, nu, stiffness_ratio, nu_drum)
     return at_start, at_end
 
 
-def left_by_power(power: float, degree: int) -> float:
-    """Distance in L2 of x^power from the polynomials of a degree on [0, 1], relative to its norm.
+def polynomial_error_of_power(exponent: float, degree: int) -> float:
+    """The distance in L2 of x^exponent from the polynomials of a degree on [0, 1].
 
+    The distance is relative to the norm of the power function, and the exponent must be above -1/2.
     The closed form is that of Muntz: the product of |a - k|/(a + k + 1) over k = 0 to the degree.
-    The power must be above -1/2.
     """
-    return math.prod(abs(power - k) / (power + k + 1) for k in range(degree + 1))
+    return math.prod(abs(exponent - k) / (exponent + k + 1) for k in range(degree + 1))
 
 
-def tip_size(length: float, degree: int, error: float) -> float:
-    """Size of the columns [rad] on both sides of a tip that leave a given error of p in L2.
+def column_size_at_tip(length: float, degree: int, error: float) -> float:
+    """The size of the columns [rad] on both sides of a tip that leaves a given error of p in L2.
 
     A polynomial leaves an error of 1/(degree + 1) of ln x on [0, 1], by the sum of its Legendre
     coefficients.
@@ -210,30 +257,35 @@ def tip_size(length: float, degree: int, error: float) -> float:
     Parameters
     ----------
     length : (N/c)^2 [rad] for a pressure of the norm N [Pa rad^0.5] that goes as c ln(1/x)
-    degree : of the columns
-    error : relative to the norm of p
+    degree : degree of the hp elements in the columns
+    error : error of p, relative to its norm
     """
     return 0.5 * length * (error * (degree + 1)) ** 2
 
 
-def with_powers(brake: Brake, found: Response) -> Response:
-    """The response with p given by the corner's power in the columns next to pressed corners.
+def response_with_power_laws(brake: Brake, response: Response) -> Response:
+    """The response with p replaced by its power law near the corners where p is unbounded.
 
-    It changes contacts that are so short that the zone at the lining's ends counts, see
-    `edge_left_out`; elsewhere p at the corner is not judged. A column leaves an error of its size
-    to the power a + 1/2, which falls slowly. The power function that has the force and the moment
-    of a few columns is far more exact there.
+    A polynomial in a column at the corner leaves an error that goes as the column's size to the
+    power a + 1/2, which falls slowly. The power function that has the force and the moment of a few
+    columns is far more exact there. Only contacts are changed that are so short that the zone at
+    the lining's ends counts, see `edge_left_out`. For longer contacts p at the corner is not
+    judged.
     """
-    shoes = tuple(_with_powers(brake, i, shoe) for i, shoe in enumerate(found.shoes))
-    same = all(one is other for one, other in zip(shoes, found.shoes, strict=True))
-    return found if same else replace(found, shoes=shoes)
+    shoes = tuple(
+        _shoe_response_with_power_laws(brake, i, shoe) for i, shoe in enumerate(response.shoes)
+    )
+    unchanged = all(new is old for new, old in zip(shoes, response.shoes, strict=True))
+    return response if unchanged else replace(response, shoes=shoes)
 
 
-def _with_powers(brake: Brake, index: int, found: ShoeResponse) -> ShoeResponse:
-    """The response of one shoe, as `with_powers`."""
-    for at_start, power in steep_corners(brake, index, found):
-        found = _with_power(found, power, brake.unit, at_start=at_start)
-    return found
+def _shoe_response_with_power_laws(
+    brake: Brake, index: int, response: ShoeResponse
+) -> ShoeResponse:
+    """The response of shoe `index` with power laws, see `response_with_power_laws`."""
+    for corner in unbounded_corners(brake, index, response):
+        response = _shoe_response_with_power_law(response, corner, brake.unit)
+    return response
 
 
 class NodalPressure(Protocol):
@@ -241,163 +293,221 @@ class NodalPressure(Protocol):
 
     @property
     def theta(self) -> Floats:
-        """Angles [rad] of its nodes, growing."""
+        """Angles [rad] of the nodes, growing."""
 
     @property
     def pressure(self) -> Floats:
-        """Pressure [Pa] there."""
+        """Pressure [Pa] at the nodes."""
 
     @property
     def order(self) -> int:
-        """Degree of its pieces."""
+        """Degree of the polynomial pieces."""
 
 
-def steep_corners(brake: Brake, index: int, found: NodalPressure) -> list[tuple[bool, float]]:
-    """The pressed corners of a shoe at which p is unbounded and counts.
+class UnboundedCorner(NamedTuple):
+    """A corner of a lining at which the pressure is unbounded.
 
-    Each is given by whether it lies where theta begins, and by the power of p.
+    Attributes
+    ----------
+    at_start : whether the corner lies at the smallest theta, not at the largest
+    exponent : negative exponent of p, see `corner_exponent`
     """
-    theta, p = found.theta, found.pressure
+
+    at_start: bool
+    exponent: float
+
+
+def unbounded_corners(brake: Brake, index: int, response: NodalPressure) -> list[UnboundedCorner]:
+    """The pressed corners of shoe `index` at which p is unbounded and counts for its error.
+
+    The corners count where the contact is so short that p in the zone at the lining's ends is
+    judged, see `edge_left_out`.
+    """
+    theta, p = response.theta, response.pressure
     if max(p[0], p[-1]) <= 0:
         return []
     zone = singular_zone(float(theta[-1] - theta[0]), brake.unit)
-    if edge_left_out(theta, p, found.order, zone) > 0:
+    if edge_left_out(theta, p, response.order, zone) > 0:
         return []
-    powers = powers_of(brake, index)[:: brake.shoes[index].frame.sense]
-    pressed = ((True, p[0], powers[0]), (False, p[-1], powers[1]))
-    return [(at_start, power) for at_start, value, power in pressed if value > 0 and power < 0]
+    # The exponents are in the order of phi, which may grow against theta.
+    exponents = corner_exponents_of(brake, index)[:: brake.shoes[index].frame.sense]
+    corners = []
+    for at_start, value, exponent in ((True, p[0], exponents[0]), (False, p[-1], exponents[1])):
+        if value > 0 and exponent < 0:
+            corners.append(UnboundedCorner(at_start, exponent))
+    return corners
 
 
-def _with_power(found: ShoeResponse, power: float, unit: float, *, at_start: bool) -> ShoeResponse:
-    """The response of a shoe with the `power` at one of its corners, see `power_at_corner`."""
-    corner = float(found.theta[0 if at_start else -1])
-    arc = next((b - a for a, b in found.contact_arcs if corner in {a, b}), 0.0)
-    theta, pressure = power_at_corner(
-        found.theta,
-        found.pressure,
-        found.order,
-        power,
-        reach=NEAR_CORNER * arc,
-        at_start=at_start,
+def _shoe_response_with_power_law(
+    response: ShoeResponse, corner: UnboundedCorner, unit: float
+) -> ShoeResponse:
+    """The response of a shoe with the power law at one of its corners.
+
+    `unit` is the surface's coordinate per unit of phi, see `pressure_with_power_law`.
+    """
+    at_corner = float(response.theta[0 if corner.at_start else -1])
+    arcs = response.contact_arcs
+    contact_length = next((end - start for start, end in arcs if at_corner in {start, end}), 0.0)
+    theta, pressure = pressure_with_power_law(
+        response.theta,
+        response.pressure,
+        response.order,
+        corner,
+        reach=POWER_LAW_PART * contact_length,
         unit=unit,
     )
-    return replace(found, theta=theta, pressure=pressure)
+    return replace(response, theta=theta, pressure=pressure)
 
 
-def power_at_corner(
+def pressure_with_power_law(
     theta: Floats,
     pressure: Floats,
     order: int,
-    power: float,
+    corner: UnboundedCorner,
     *,
     reach: float,
-    at_start: bool,
     unit: float = 1.0,
 ) -> tuple[Floats, Floats]:
-    """Nodes and values of a pressure with c x^power + d + e x near a corner, at the distance x.
+    """Nodes and values of a pressure that goes as c x^a + d + e x near a corner.
 
-    The new pieces have the force and the moment of the pieces that they replace, and p where these
-    end. They have the same order and shrink towards the corner.
+    The distance from the corner is x. The coefficients c, d and e follow from three conditions: the
+    new pieces have the force and the moment of the pieces that they replace, and p is continuous
+    where the replaced part ends. The new pieces have the same degree and shrink towards the corner.
 
     Parameters
     ----------
     theta, pressure : (n,) [rad], [Pa]
-        Growing nodes and values of a piecewise polynomial of degree `order`.
-    power : float
-        As of `corner_power`, above -1.
+        Growing nodes and values of a piecewise polynomial.
+    order : int
+        Degree of the pieces.
+    corner : UnboundedCorner
+        The end of theta at which the corner lies, and the exponent a of p, above -1.
     reach : float
-        Angle [rad] from the corner up to which pieces give way.
-    at_start : bool
-        Whether the corner is at theta[0], not at theta[-1].
+        Distance [rad] from the corner up to which pieces are replaced.
     unit : float
         The surface's coordinate, in which theta counts, per unit of phi: see `ShoeFrame`.
     """
-    sign = 1 if at_start else -1
-    corner = float(theta[0 if at_start else -1])
-    x, p = np.abs(theta - corner)[::sign], pressure[::sign]
+    sign = 1 if corner.at_start else -1
+    at_corner = float(theta[0 if corner.at_start else -1])
+    x, p = np.abs(theta - at_corner)[::sign], pressure[::sign]
+    # The last replaced node ends a piece.
     last = order * (int(np.searchsorted(x[::order], reach, side="right")) - 1)
     if last <= 0 or x[last] <= unit * SMALLEST_PIECE:
         return theta, pressure
-    angles = corner + sign * _pieces(float(x[last]), order, unit * SMALLEST_PIECE)
-    nodes = np.abs(angles - corner)
+    distances = _nodes_of_shrinking_pieces(float(x[last]), order, unit * SMALLEST_PIECE)
+    angles = at_corner + sign * distances
+    nodes = np.abs(angles - at_corner)
     nodes[-1] = x[last]
-    ways = np.array([_power_at(nodes, power, order), np.ones_like(nodes), nodes / x[last]])
-    matrix = np.array([[*_force_and_moment(nodes, way, order), way[-1]] for way in ways]).T
+
+    # The three functions, and their three coefficients from the three conditions.
+    power = _power_function_at_nodes(nodes, corner.exponent, order)
+    functions = np.array([power, np.ones_like(nodes), nodes / x[last]])
+    columns = [[*_force_and_moment(nodes, values, order), values[-1]] for values in functions]
     conditions = [*_force_and_moment(x[: last + 1], p[: last + 1], order), p[last]]
-    fitted = np.linalg.solve(matrix, conditions) @ ways
+    fitted = np.linalg.solve(np.array(columns).T, conditions) @ functions
     return (
         np.concatenate([angles[:-1], theta[::sign][last:]])[::sign],
         np.concatenate([fitted[:-1], p[last:]])[::sign],
     )
 
 
-def _pieces(length: float, order: int, smallest: float) -> Floats:
-    """Nodes (n,) of pieces from 0 to a `length` [rad] that shrink to the `smallest` towards 0."""
+def _nodes_of_shrinking_pieces(length: float, order: int, smallest: float) -> Floats:
+    """Nodes (n,) of pieces that shrink towards 0 and together cover 0 to `length`.
+
+    Parameters
+    ----------
+    length : length of all pieces [rad]
+    order : degree of the pieces
+    smallest : largest length of the piece at 0 [rad]
+    """
     count = math.ceil(math.log(smallest / length) / math.log(PIECE_RATIO))
     ends = np.append(0.0, length * PIECE_RATIO ** np.arange(count, -1, -1))
     inner = ends[:-1, None] + np.diff(ends)[:, None] * 0.5 * (1 + lobatto(order)[:-1])
     return np.append(inner.ravel(), length)
 
 
-def _power_at(x: Floats, power: float, order: int) -> Floats:
-    """The function (x/x[-1])^power at the nodes x (n,).
+def _power_function_at_nodes(x: Floats, exponent: float, order: int) -> Floats:
+    """The values (n,) of the power function (x/x[-1])^exponent at the nodes x (n,).
 
-    In the piece at 0 the values are those of the nearest polynomial in L2.
+    In the piece at 0, where the function is unbounded, the values are those of the polynomial of
+    degree `order` that is nearest in L2. Its Legendre coefficients have a closed form.
     """
-    found = np.empty_like(x)
-    found[order:] = (x[order:] / x[-1]) ** power
+    values = np.empty_like(x)
+    values[order:] = (x[order:] / x[-1]) ** exponent
     gamma, first = math.gamma, 2 * x[:order] / x[order] - 1
-    own = [
-        (2 * n + 1) * gamma(power + 1) ** 2 / (gamma(power + n + 2) * gamma(power - n + 1))
+    coefficients = [
+        (2 * n + 1) * gamma(exponent + 1) ** 2 / (gamma(exponent + n + 2) * gamma(exponent - n + 1))
         for n in range(order + 1)
     ]
-    found[:order] = found[order] * np.polynomial.legendre.legval(first, own)
-    return found
+    values[:order] = values[order] * np.polynomial.legendre.legval(first, coefficients)
+    return values
 
 
 def _force_and_moment(x: Floats, p: Floats, order: int) -> tuple[float, float]:
-    """The integrals of p and of p x over x; the second one is relative to the last x."""
-    at, value, weight = gauss_points(x, p, order)
-    return float(np.sum(value * weight)), float(np.sum(value * weight * at)) / float(x[-1])
+    """The integrals of p and of p x over x; the second integral is divided by the last x."""
+    points, values, weights = gauss_points(x, p, order)
+    force = float(np.sum(values * weights))
+    moment = float(np.sum(values * weights * points))
+    return force, moment / float(x[-1])
 
 
-def left_at_corners(brake: Brake, index: int, found: NodalPressure) -> float:
-    """The error of p in L2, relative to p, that the smallest pieces at pressed corners leave.
+def pressure_error_at_corners(brake: Brake, index: int, response: NodalPressure) -> float:
+    """The relative error of p in L2 that the smallest pieces at unbounded corners leave.
 
-    The pieces are as small as angles allow. The error is 1 where p is not square-integrable.
+    The pieces at the corners of shoe `index` are as small as round-off of angles allows. The error
+    is 1 where p is not square-integrable.
     """
-    left = 0.0
-    _, p, weight = gauss_points(found.theta, found.pressure, found.order)
-    parts = np.sum(weight * p**2, axis=1)
-    for at_start, power in steep_corners(brake, index, found):
-        if power <= -0.5:
+    error = 0.0
+    _, p, weight = gauss_points(response.theta, response.pressure, response.order)
+    squares = np.sum(weight * p**2, axis=1)
+    for corner in unbounded_corners(brake, index, response):
+        if corner.exponent <= -0.5:
             return 1.0
-        own = float(parts[0 if at_start else -1] / parts.sum())
-        left += left_by_power(power, found.order) * math.sqrt(own)
-    return left
+        part = float(squares[0 if corner.at_start else -1] / squares.sum())
+        error += polynomial_error_of_power(corner.exponent, response.order) * math.sqrt(part)
+    return error
 
 
-def tip_rises(shoe: Shoe, scale_factor: float) -> list[tuple[float, float]]:
-    """The tips of a lining's gap: position, and the c [Pa] of p = c ln(1/x) under each.
+class LogarithmicPressure(NamedTuple):
+    """The pressure p = c ln(1/x) near a tip of the gap, at the distance x from it.
 
-    c = E s/(2 pi), as of a half-plane whose slope changes by s.
+    Attributes
+    ----------
+    theta : position of the tip [rad]
+    factor : c [Pa]
+    """
+
+    theta: float
+    factor: float
+
+
+def logarithmic_pressures_at_tips(shoe: Shoe, scale_factor: float) -> list[LogarithmicPressure]:
+    """The logarithmic pressure under each tip of a lining's gap.
+
+    A half-plane of modulus E whose slope changes by s has c = E s/(2 pi) (Johnson, Contact
+    Mechanics, ch. 5). `scale_factor` is the length [m] of the surface's coordinate 1.
     """
     half_plane = shoe.lining.material.E_half_plane / (2 * math.pi * scale_factor)
-    return [(angle, half_plane * slope) for angle, slope in clearance.tips(shoe.lining)]
+    tips = clearance.tips(shoe.lining)
+    return [LogarithmicPressure(theta, half_plane * slope) for theta, slope in tips]
 
 
-def left_under_tips(shoe: Shoe, scale_factor: float, found: ShoeResponse) -> float:
-    """The error of p in L2, relative to p, that the columns at pressed tips of the gap leave.
+def pressure_error_under_tips(shoe: Shoe, scale_factor: float, response: ShoeResponse) -> float:
+    """The relative error of p in L2 that the columns at pressed tips of the gap leave.
 
-    See `tip_size`.
+    The error of a column is that of `column_size_at_tip`. `scale_factor` is the length [m] of the
+    surface's coordinate 1.
     """
-    theta, p, order = found.theta, found.pressure, found.order
-    ends, pressed, left = theta[::order], p[::order] > 0, 0.0
-    for angle, rise in tip_rises(shoe, scale_factor):
-        k = int(np.abs(ends - angle).argmin())
-        inner = 0 < k < len(ends) - 1
-        if inner and abs(ends[k] - angle) < AT_TIP * shoe.frame.unit and pressed[k]:
-            left += rise**2 * float(ends[k + 1] - ends[k - 1]) / (order + 1) ** 2
-    _, value, weight = gauss_points(theta, p, order)
-    size = float(np.sum(weight * value**2))
-    return math.sqrt(left / size) if size else 0.0
+    theta, p, order = response.theta, response.pressure, response.order
+    column_ends, pressed = theta[::order], p[::order] > 0
+    squared_error = 0.0
+    for tip in logarithmic_pressures_at_tips(shoe, scale_factor):
+        k = int(np.abs(column_ends - tip.theta).argmin())
+        has_two_columns = 0 < k < len(column_ends) - 1
+        at_tip = abs(column_ends[k] - tip.theta) < TIP_TOLERANCE * shoe.frame.unit
+        if has_two_columns and at_tip and pressed[k]:
+            both_columns = float(column_ends[k + 1] - column_ends[k - 1])
+            squared_error += tip.factor**2 * both_columns / (order + 1) ** 2
+    _, values, weights = gauss_points(theta, p, order)
+    squared_norm = float(np.sum(weights * values**2))
+    return math.sqrt(squared_error / squared_norm) if squared_norm else 0.0

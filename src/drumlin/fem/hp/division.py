@@ -19,49 +19,59 @@ from drumlin.base.arrays import Floats
 from drumlin.brake.beam_axis import axis_of
 from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Beam
-from drumlin.fem.hp.corner import tip_size
+from drumlin.fem.hp.corner import column_size_at_tip
 from drumlin.response.response import EDGE_ZONE
 
-FINEST = 1e-7
+SMALLEST_COLUMN = 1e-7
 """Smallest size of a column or layer, relative to the lining's thickness: set by arithmetic.
 
 Columns of a size w through layers of the thickness t lose about 1e-16 (t/w)^2 of p in the column
 itself, and so some 1e-6 of p in L2 at w = 2e-7 t. Smaller columns would lose all digits of p.
-Columns a hundred times larger would leave an error of 1e-3 of p under a tip of the gap, whose error
-in L2 falls as the root of w.
+Columns a hundred times larger would leave an error of 1e-3 of p under a tip of the gap, where the
+error in L2 falls as the root of w.
 """
-SETTLED = 0.02
-"""Length along the contact, relative to the contact's length, that columns do not resolve.
+UNRESOLVED_LENGTH = 0.02
+"""Length along a contact, relative to the contact's length, that columns do not resolve.
 
-An end of the contact that moved by less is where it was, and an opening that is shorter counts as
-closed. With a larger value columns end where p does not, and the error of p is that of a coarser
-level. With a smaller value a level takes more passes for an end that it knows.
+An end of the contact that moved by less between two passes counts as settled, and an opening that
+is shorter counts as closed. With a larger value columns end where the contact does not, and the
+error of p is that of a coarser level. With a smaller value a level takes more passes for an end of
+the contact that it already knows well.
 """
-CORNER_SIZE = 1e-4
-"""Size of columns and layers at a pressed corner where p is unbounded, relative to the contact.
+CORNER_COLUMN = 1e-4
+"""Size of columns and layers at a pressed corner where p is unbounded, relative to the length of
+the contact.
 
-Nearer to the corner p is given by the power of the corner, see `corner.with_powers`. With 1e-3 the
-error of p on the second level of two brakes was 2.5 times as large; with 1e-5 it was the same, on a
-sixth more unknowns. Columns of 0.03 of the contact or more feel the rest of the contact, not the
-power alone.
+Nearer to the corner p is given by its power law, see `corner.response_with_power_laws`. With 1e-3
+the error of p on the second level of two brakes was 2.5 times as large. With 1e-5 the error was the
+same, on a sixth more unknowns. Columns of 0.03 of the contact or more feel the rest of the contact,
+not the power law alone.
 """
-HALF_THE_FORCE = 0.1632
-"""Part of a contact, from a corner on, that bears half of its force where p goes as x^(-1/2) at the
-corner and as a root at the other end: the median of the beta distribution of 1/2 and 3/2. No p that
-is square-integrable is more concentrated at the corner.
+HALF_FORCE_PART = 0.1632
+"""Part of a contact, from a corner on, that bears half of the force of the contact.
+
+The pressure is assumed to go as x^(-1/2) at the corner and as a root at the other end. The part is
+then the median of the beta distribution of 1/2 and 3/2. No square-integrable p is more concentrated
+at the corner.
 """
-CORNER_COUNTS = EDGE_ZONE / HALF_THE_FORCE
-"""Length of a contact [rad] up to which the corner that it reaches is graded for its own sake. Half
-the force of a longer contact is farther than EDGE_ZONE from the corner, and only p there is judged.
+LONGEST_CORNER_CONTACT = EDGE_ZONE / HALF_FORCE_PART
+"""Length of a contact [rad] up to which the corner that it reaches is graded for its power law.
+
+Half the force of a longer contact is farther than EDGE_ZONE from the corner, and only p at these
+distances is judged.
 """
 
 
 class Singularity(IntEnum):
-    """The kind of a singular point: which function is not smooth there.
+    """The kind of a singular point: the function that is not smooth there.
 
-    END: the pressure, at an end of the contact. KINK: the slope of the gap. STEP: the curvature of
-    the gap at an end of a step between blocks. OPEN_STEP: the same where no pressure acts. TIP: the
-    slope of the gap where the gap points to the drum, and p is unbounded.
+    Attributes
+    ----------
+    END : the pressure, at an end of the contact
+    KINK : the slope of the gap
+    STEP : the curvature of the gap, at an end of a step between blocks of the lining
+    OPEN_STEP : the same where no pressure acts
+    TIP : the slope of the gap where the gap points to the drum; p is unbounded there
     """
 
     END = 0
@@ -71,16 +81,31 @@ class Singularity(IntEnum):
     TIP = 4
 
 
-SingularPoint = tuple[float, float, int]
-"""A singular point: its phi [rad], the length over which the pressure changes there [rad], and its
-`Singularity`. The length of a tip is that of `corner.tip_size`."""
+class SingularPoint(NamedTuple):
+    """A singular point of the pressure or of the gap.
+
+    Attributes
+    ----------
+    at : its position phi [rad]
+    length : length over which the pressure changes there [rad]: the length of the contact or of
+        the opening at an end of the contact, of the lining at a kink, and of the step at a step; at
+        a tip the length of `corner.column_size_at_tip`
+    kind : which function is not smooth there
+    """
+
+    at: float
+    length: float
+    kind: Singularity
 
 
 class GradingPoint(NamedTuple):
-    """A grading point: an end of columns at phi [rad].
+    """A position from which columns grow in both directions; columns end there.
 
-    `size` is the size of the columns next to the point [rad], and `ratio` that of neighbouring
-    columns, which grow away from it by 1/ratio.
+    Attributes
+    ----------
+    at : its position phi [rad]
+    size : size of the columns on both sides of the point [rad]
+    ratio : ratio of the sizes of neighbouring columns: sizes grow by 1/ratio away from the point
     """
 
     at: float
@@ -149,8 +174,8 @@ class ShoeDivision:
     depths : (l + 1,) ends of the layers from the contact inwards; of an arc [m],
         of a beam in layers
     part : (l,) the part that each layer belongs to
-    sharp : size [m] of the layer at the face where an unbounded p, at a corner or under a tip, asks
-        for a thin one; inf elsewhere
+    singular_layer_size : size [m] of the layer of elements at the face where an unbounded p, at a
+        corner or under a tip, needs a thinner layer than the contact does; inf elsewhere
     """
 
     degree: int
@@ -159,7 +184,7 @@ class ShoeDivision:
     after: Floats
     depths: Floats
     part: tuple[str, ...]
-    sharp: float = math.inf
+    singular_layer_size: float = math.inf
 
     @property
     def key(self) -> tuple[int, bytes, bytes, bytes, bytes]:
@@ -202,67 +227,74 @@ class ShoeDivision:
         return 2 * (under + over)
 
 
-def graded(
+def graded_sizes(
     length: float,
     left: float,
     right: float,
     ratio: float,
     largest: float,
-    beyond: float | None = None,
+    right_ratio: float | None = None,
 ) -> list[float]:
-    """Sizes of pieces of a `length` that grow from both of its ends, with equal ones between.
+    """The sizes of pieces that fill a `length`, growing from both ends, with equal ones between.
 
     Parameters
     ----------
-    length : the length
-    left, right : sizes at both ends
-    ratio : sizes grow by 1/ratio from the left end, and from the right without `beyond`
-    largest : size of the equal pieces that is not exceeded
-    beyond : sizes grow by 1/beyond from the right end
+    length : length to be filled
+    left, right : sizes of the pieces at both ends
+    ratio : sizes grow by 1/ratio from the left end
+    largest : upper limit of the size of the equal pieces
+    right_ratio : sizes grow by 1/right_ratio from the right end; as from the left if it is None
     """
-    beyond = beyond or ratio
+    right_ratio = right_ratio or ratio
     first: list[float] = []
     last: list[float] = []
     while True:
         rest = length - math.fsum(first) - math.fsum(last)
-        least = min(left, right)
-        if least >= largest or rest <= 1.6 * least:
+        smaller = min(left, right)
+        if smaller >= largest or rest <= 1.6 * smaller:
             break
         if left <= right:
             first.append(left)
             left /= ratio
         else:
             last.append(right)
-            right /= beyond
-    count = max(1, math.ceil(rest / min(largest, 1.6 * least) - 1e-9))
+            right /= right_ratio
+    count = max(1, math.ceil(rest / min(largest, 1.6 * smaller) - 1e-9))
     return [*first, *[rest / count] * count, *last[::-1]]
 
 
-def faded(part: float, distance: float, *, fades: bool) -> float:
-    """The relative size at a corner, at a distance from the contact in lengths of the contact.
+def size_far_from_contact(size: float, distance: float, *, coarsens: bool) -> float:
+    """The relative size of pieces at a corner of a layer at some distance from the contact.
 
-    Beyond a short contact stresses fall at least as the inverse distance. If it `fades`, a corner
-    may be coarser by the distance, up to a whole length. The size grows in powers of two, so that
+    Beyond a short contact stresses fall at least as the inverse distance. The size may therefore
+    grow in proportion to the distance, up to 1, a whole layer. It grows in powers of two, so that
     the bodies of nearly equal contacts are the same.
+
+    Parameters
+    ----------
+    size : relative size beside the contact
+    distance : distance of the corner from the contact, in lengths of the contact
+    coarsens : whether the size may grow with the distance; if not, `size` is returned
     """
-    if not fades:
-        return part
-    return max(part, min(1.0, part * 2.0 ** math.floor(math.log2(max(distance, 1.0)))))
+    if not coarsens:
+        return size
+    return max(size, min(1.0, size * 2.0 ** math.floor(math.log2(max(distance, 1.0)))))
 
 
-def ends_of(sizes: Sequence[float], start: float, end: float) -> Floats:
-    """The ends (m + 1,) of pieces of these sizes from `start` on; the last one is `end`."""
+def piece_ends(sizes: Sequence[float], start: float, end: float) -> Floats:
+    """The ends (m + 1,) of m pieces of the given sizes from `start` on; the last one is `end`."""
     return np.append(start + np.concatenate([[0.0], np.cumsum(sizes[:-1])]), end)
 
 
-def layers_of(shoe: Shoe, radius: float) -> list[ShoeLayer]:
-    """The layers of a shoe from the contact inwards.
+def shoe_layers(shoe: Shoe, radius: float) -> list[ShoeLayer]:
+    """The layers of a shoe from the contact inwards, on a drum of the radius [m].
 
-    The block between the lining and a straight beam has its least thickness.
+    The block between the lining and a straight beam counts with its smallest thickness.
     """
     layers = [ShoeLayer("lining", shoe.lining.thickness)]
     if isinstance(shoe.body, Beam):
-        assert shoe.body.section is not None and shoe.backing is not None  # why_not
+        # The assertion holds for every brake that `scene.why_not` lets pass.
+        assert shoe.body.section is not None and shoe.backing is not None
         beam_thickness = shoe.body.section.thickness
         axis = axis_of(shoe.pin.xy, shoe.actuation.point.xy)
         ends = axis.angle(np.array([shoe.lining.start, shoe.lining.end]))
@@ -277,141 +309,183 @@ def layers_of(shoe: Shoe, radius: float) -> list[ShoeLayer]:
     return layers
 
 
-def divide(
+def divide_shoe(
     shoe: Shoe,
     radius: float,
     level: Level,
-    places: Sequence[SingularPoint] = (),
+    points: Sequence[SingularPoint] = (),
     *,
-    tip: bool = False,
-    powers: tuple[float, float] = (0.0, 0.0),
+    grades_loaded_end: bool = False,
+    exponents: tuple[float, float] = (0.0, 0.0),
 ) -> ShoeDivision:
-    """The division of a shoe.
+    """The division of a shoe into columns and layers.
 
-    An end of the lining that is known to bear nothing is graded like the ends of other layers. All
-    of these are coarser beyond a short contact, see `faded`.
+    Where the contact does not reach an end of the lining, the lining's end is graded like the ends
+    of other layers. All these corners are coarser beyond a short contact, see
+    `size_far_from_contact`.
 
     Parameters
     ----------
     shoe : the shoe
-    radius : of the drum [m]
+    radius : radius of the drum [m]
     level : degree and grading
-    places : singular points of the pressure, growing; p may be unbounded at a kink of the gap
-    tip : whether the position of the loaded end matters, which then is graded too; otherwise the
-        contact feels only the force there
-    powers : powers of p at the lining's ends where they press, see `corner.powers_of`
+    points : singular points of the pressure, growing
+    grades_loaded_end : whether the body's loaded end is graded, because its position matters;
+        otherwise the contact feels only the force there
+    exponents : exponents of p at the lining's start and end where these press, see
+        `corner.corner_exponents_of`
     """
-    layers = layers_of(shoe, radius)
-    contact = _contact_of(shoe, radius, level, layers, places)
-    corners = _corners(contact, powers)
-    left, right = _end_sizes(shoe, level, contact, corners)
-    marks = _grading_points(shoe, radius, level, places, contact, (left, right))
+    layers = shoe_layers(shoe, radius)
+    contact = _contact_extent(shoe, radius, level, layers, points)
+    corner_sizes = _column_sizes_at_corners(contact, exponents)
+    end_sizes = _column_sizes_at_lining_ends(shoe, level, contact, corner_sizes)
+
+    # The columns under the lining, from one grading point to the next.
+    grading_points = _grading_points(shoe, radius, level, points, contact, end_sizes)
     angles = []
-    for a, b in pairwise(marks):
-        sizes = graded(b.at - a.at, a.size, b.size, a.ratio, level.largest, b.ratio)
-        angles.append(ends_of(sizes, a.at, b.at)[:-1])
-    before, after = _overhangs(shoe, radius, level, layers, (left, right), tip=tip)
+    for a, b in pairwise(grading_points):
+        sizes = graded_sizes(b.at - a.at, a.size, b.size, a.ratio, level.largest, b.ratio)
+        angles.append(piece_ends(sizes, a.at, b.at)[:-1])
+    before, after = _column_ends_beyond_lining(
+        shoe, radius, level, layers, end_sizes, grades_loaded_end=grades_loaded_end
+    )
 
     # Under a short contact the layer at the face is as thick as the columns at its ends are wide.
     start, end = shoe.arc
     t = contact.thickness
-    face = min(
-        level.zone * min(EDGE_ZONE, t, end - start, *contact.reached),
+    face_size = min(
+        level.zone * min(EDGE_ZONE, t, end - start, *contact.reaching_lengths),
         *(level.end * length for length in contact.lengths),
         math.inf,
     )
-    face = max(face, contact.least)
-    tips = [_tip(level, t, length) for _, length, kind in places if kind == Singularity.TIP]
-    sharp = min(*tips, *corners)
-    depths, part = _depths(
+    face_size = max(face_size, contact.smallest_column)
+    tips = [point for point in points if point.kind == Singularity.TIP]
+    tip_sizes = [_column_size_at_tip(level, t, tip.length) for tip in tips]
+    singular_size = min(*tip_sizes, *corner_sizes)
+    depths, part = _layer_depths(
         layers,
         level,
-        radius * min(face, sharp),
-        radius * contact.pressed,
-        fades=contact.fades,
+        radius * min(face_size, singular_size),
+        radius * contact.longest,
+        coarsens=contact.coarsens,
         straight=isinstance(shoe.body, Beam),
     )
     return ShoeDivision(
-        level.degree,
-        np.array([*np.concatenate(angles), end]),
-        before,
-        after,
-        depths,
-        part,
-        radius * sharp if sharp < face else math.inf,
+        degree=level.degree,
+        angles=np.array([*np.concatenate(angles), end]),
+        before=before,
+        after=after,
+        depths=depths,
+        part=part,
+        singular_layer_size=radius * singular_size if singular_size < face_size else math.inf,
     )
 
 
-class _PressedArc(NamedTuple):
+class _ContactExtent(NamedTuple):
     """The contact of a lining as far as a division depends on it; lengths and sizes in rad.
 
-    `thickness` is the lining's, `least` the smallest size of a column. `lengths` are those at the
-    ends of contacts, `pressed` the length that rules the grading far from the contact. `beyond` are
-    the distances of the outermost contacts from the lining's ends, and `reached` the lengths of
-    contacts that reach them, inf where none does. `fades` says whether corners far from the contact
-    may be coarser.
+    Attributes
+    ----------
+    thickness : thickness of the lining
+    smallest_column : smallest size of a column
+    lengths : lengths of the contacts at the ends of contacts
+    longest : length of the longest contact, which the grading far from the contact depends on; the
+        length of the lining where no contact is known
+    open_lengths : distances of the outermost contacts from the lining's start and end
+    reaching_lengths : lengths of the contacts that reach the lining's start and end; inf where no
+        contact does
+    coarsens : whether pieces at corners far from the contact may be coarser
     """
 
     thickness: float
-    least: float
+    smallest_column: float
     lengths: list[float]
-    pressed: float
-    beyond: tuple[float, float]
-    reached: tuple[float, float]
-    fades: bool
+    longest: float
+    open_lengths: tuple[float, float]
+    reaching_lengths: tuple[float, float]
+    coarsens: bool
 
 
-def _contact_of(
+def _contact_extent(
     shoe: Shoe,
     radius: float,
     level: Level,
     layers: list[ShoeLayer],
-    places: Sequence[SingularPoint],
-) -> _PressedArc:
-    """The contact that the singular points describe; the whole lining where they have no ends.
+    points: Sequence[SingularPoint],
+) -> _ContactExtent:
+    """The extent of the contact; the whole lining if no singular point is an end of contact.
 
-    The level says which contacts reach an end of the lining, see `_reached`.
+    Parameters
+    ----------
+    shoe, radius, level, points : as of `divide_shoe`
+    layers : layers of the shoe
     """
     start, end = shoe.arc
     t = layers[0].thickness / radius
-    ends = [x for x, _, kind in places if kind == Singularity.END] or [start, end]
-    lengths = [length for _, length, kind in places if kind == Singularity.END]
-    least = FINEST * t
-    pressed = max(*lengths, least) if lengths else end - start
-    # A column that is deeper than long bears a force down to its foot, and corners there feel it.
+    contact_ends = [point for point in points if point.kind == Singularity.END]
+    positions = [point.at for point in contact_ends] or [start, end]
+    lengths = [point.length for point in contact_ends]
+    smallest_column = SMALLEST_COLUMN * t
+    longest = max(*lengths, smallest_column) if lengths else end - start
+    # A shoe that is deeper than long carries a force down to its foot, whose corners feel the
+    # force.
     deep = 2 * sum(layer.thickness for layer in layers) > radius * (end - start)
-    # The force of one short contact follows from balance. The forces of several on an elastic shoe
-    # depend on how the shoe bends, and far corners feel the bending too.
-    one_short = len(lengths) == 2 and pressed < t
-    fades = not deep and (shoe.body is None or one_short)
-    beyond = ends[0] - start, end - ends[-1]
-    reached = _reached(shoe, t, level, places)
-    return _PressedArc(t, least, lengths, pressed, beyond, reached, fades)
+    # The force of one short contact follows from balance. The forces of several contacts on an
+    # elastic shoe depend on how the shoe bends, and far corners feel the bending too.
+    one_short = len(lengths) == 2 and longest < t
+    return _ContactExtent(
+        thickness=t,
+        smallest_column=smallest_column,
+        lengths=lengths,
+        longest=longest,
+        open_lengths=(positions[0] - start, end - positions[-1]),
+        reaching_lengths=_lengths_of_reaching_contacts(shoe, t, level, contact_ends),
+        coarsens=not deep and (shoe.body is None or one_short),
+    )
 
 
-def _corners(contact: _PressedArc, powers: tuple[float, float]) -> list[float]:
-    """The sizes of columns that the corners at both ends of the lining ask for [rad]."""
-    return [
-        max(_corner(length, power), contact.least)
-        for length, power in zip(contact.reached, powers, strict=True)
-    ]
-
-
-def _end_sizes(
-    shoe: Shoe, level: Level, contact: _PressedArc, corners: list[float]
+def _column_sizes_at_corners(
+    contact: _ContactExtent, exponents: tuple[float, float]
 ) -> tuple[float, float]:
-    """The sizes of columns at both ends of the lining [rad]."""
-    start, end = shoe.arc
-    t, least = contact.thickness, contact.least
-    scale = min(level.edge * min(t, 0.5 * (end - start)), level.zone * EDGE_ZONE)
+    """The sizes of columns [rad] that the power laws at both corners of the lining need.
+
+    The size is inf where p is bounded at the corner or where p at the corner does not count.
+    `exponents` are those of p at the lining's start and end.
+    """
     sizes = []
-    for x, length, corner in zip(contact.beyond, contact.reached, corners, strict=True):
-        # An open gap before the contact is two columns long at least.
-        gap = max(0.5 * x, least) if x > 0 and math.isinf(length) else math.inf
-        layer_end = faded(level.back, x / contact.pressed, fades=contact.fades) * min(t, x)
-        without_contact = max(min(scale, gap), layer_end)
-        with_contact = max(level.edge * 0.5 * length, least)
-        sizes.append(min(without_contact, with_contact, corner))
+    for length, exponent in zip(contact.reaching_lengths, exponents, strict=True):
+        graded = exponent < 0 and length <= LONGEST_CORNER_CONTACT
+        size = CORNER_COLUMN * length if graded else math.inf
+        sizes.append(max(size, contact.smallest_column))
+    return sizes[0], sizes[1]
+
+
+def _column_sizes_at_lining_ends(
+    shoe: Shoe, level: Level, contact: _ContactExtent, corner_sizes: tuple[float, float]
+) -> tuple[float, float]:
+    """The sizes of the columns at the lining's start and end [rad].
+
+    Parameters
+    ----------
+    shoe, level : the shoe and the level of the division
+    contact : extent of the contact
+    corner_sizes : sizes of columns that power laws at both corners need [rad]
+    """
+    start, end = shoe.arc
+    t, smallest = contact.thickness, contact.smallest_column
+    pressed_size = min(level.edge * min(t, 0.5 * (end - start)), level.zone * EDGE_ZONE)
+    sizes = []
+    both_ends = zip(contact.open_lengths, contact.reaching_lengths, corner_sizes, strict=True)
+    for open_length, reaching_length, corner_size in both_ends:
+        # An open gap before the contact is at least two columns long.
+        is_open = open_length > 0 and math.isinf(reaching_length)
+        gap_size = max(0.5 * open_length, smallest) if is_open else math.inf
+        size_without_force = size_far_from_contact(
+            level.back, open_length / contact.longest, coarsens=contact.coarsens
+        ) * min(t, open_length)
+        without_contact = max(min(pressed_size, gap_size), size_without_force)
+        with_contact = max(level.edge * 0.5 * reaching_length, smallest)
+        sizes.append(min(without_contact, with_contact, corner_size))
     return sizes[0], sizes[1]
 
 
@@ -419,162 +493,198 @@ def _grading_points(
     shoe: Shoe,
     radius: float,
     level: Level,
-    places: Sequence[SingularPoint],
-    contact: _PressedArc,
+    points: Sequence[SingularPoint],
+    contact: _ContactExtent,
     end_sizes: tuple[float, float],
 ) -> list[GradingPoint]:
-    """The grading points along the lining: its ends, singular points, and ends of a grip."""
+    """The grading points along the lining: its ends, singular points, and the ends of a grip.
+
+    Parameters
+    ----------
+    shoe, radius, level, points : as of `divide_shoe`
+    contact : extent of the contact
+    end_sizes : sizes of columns at the lining's start and end [rad]
+    """
     start, end = shoe.arc
     first = GradingPoint(start, end_sizes[0], level.ratio)
     last = GradingPoint(end, end_sizes[1], level.ratio)
-    inner = [
-        _mark(level, contact.thickness, place, min(place[0] - start, end - place[0]))
-        for place in places
-    ]
-    marks = _marks(first, last, inner)
+    inner = []
+    for point in points:
+        distance = min(point.at - start, end - point.at)
+        inner.append(_grading_point_of(point, level, contact.thickness, distance))
+    grading_points = _without_crowded_points(first, last, inner)
     grip = shoe.grip(radius)
     if grip is None:
-        return marks
-    size = level.hinge * layers_of(shoe, radius)[-1].thickness / radius
+        return grading_points
+    # The ends of the grip replace the grading points beside them.
+    grip_size = level.hinge * shoe_layers(shoe, radius)[-1].thickness / radius
     kept = []
-    for mark in marks[1:-1]:
-        if min(abs(mark.at - x) for x in grip) > max(mark.size, size):
-            kept.append(mark)
-    held = [GradingPoint(x, size, level.ratio) for x in grip]
-    return [marks[0], *sorted([*kept, *held]), marks[-1]]
+    for candidate in grading_points[1:-1]:
+        distance = min(abs(candidate.at - end_of_grip) for end_of_grip in grip)
+        if distance > max(candidate.size, grip_size):
+            kept.append(candidate)
+    grip_ends = [GradingPoint(end_of_grip, grip_size, level.ratio) for end_of_grip in grip]
+    return [grading_points[0], *sorted([*kept, *grip_ends]), grading_points[-1]]
 
 
-def _overhangs(
+def _column_ends_beyond_lining(
     shoe: Shoe,
     radius: float,
     level: Level,
     layers: list[ShoeLayer],
     end_sizes: tuple[float, float],
     *,
-    tip: bool,
+    grades_loaded_end: bool,
 ) -> tuple[Floats, Floats]:
-    """Ends of the columns of the body before and behind the lining [rad], from the lining on."""
+    """The ends of the columns of the body before and behind the lining [rad], from the lining on.
+
+    Parameters
+    ----------
+    shoe, radius, level, grades_loaded_end : as of `divide_shoe`
+    layers : layers of the shoe
+    end_sizes : sizes of columns at the lining's start and end [rad]
+    """
     start, end = shoe.arc
-    near, far = _beyond(shoe, radius, start, end)
+    near, far = _body_ends(shoe, radius)
     before, after = np.array([start]), np.array([end])
     if layers[-1].part != "shoe":
         return before, after
     left, right = end_sizes
     body = layers[-1].thickness / radius
-    held = level.hinge * body
+    size_at_hinge = level.hinge * body
     largest = max(body, level.largest)
+    # A body that ends with the lining, up to round-off, has no columns beyond it.
     if start - near > 1e-9:
-        sizes = graded(start - near, left, held, level.ratio, largest)
-        before = start - ends_of(sizes, 0.0, start - near)
+        sizes = graded_sizes(start - near, left, size_at_hinge, level.ratio, largest)
+        before = start - piece_ends(sizes, 0.0, start - near)
     if far - end > 1e-9:
-        last = min(held, far - end) if tip else far - end
-        sizes = graded(far - end, right, last, level.ratio, largest)
-        after = end + ends_of(sizes, 0.0, far - end)
+        size_at_load = min(size_at_hinge, far - end) if grades_loaded_end else far - end
+        sizes = graded_sizes(far - end, right, size_at_load, level.ratio, largest)
+        after = end + piece_ends(sizes, 0.0, far - end)
     return before, after
 
 
-def _mark(level: Level, t: float, place: SingularPoint, gap: float) -> GradingPoint:
-    """The grading point of a singular point.
+def _grading_point_of(
+    point: SingularPoint, level: Level, thickness: float, distance: float
+) -> GradingPoint:
+    """The grading point at a singular point.
 
-    `t` [rad] is the lining's thickness. `gap` [rad] is the distance from the lining's end, which
-    two columns at least fill. An end of the contact is rounded to half a column, so that the bodies
-    of brakes that differ by less are the same. Where nothing presses, columns of half a step follow
-    the cubic of the gap exactly.
+    An end of the contact is rounded to half a column, so that brakes whose contacts differ by less
+    have the same bodies. Where nothing presses, columns of half a step reproduce the cubic of the
+    gap exactly.
 
     At an end of the contact p rises as the root of the distance x, and at the end of a step it goes
-    as x ln x. So columns of size w leave errors in L2 that go as w and as w^1.5. Columns at a step,
-    relative to the step, therefore shrink less from level to level: as the root of `end`. On brakes
-    with 10 and 12 steps the root is as accurate on the second level as the power 2/3, with which
-    both errors would fall alike, and takes an eighth fewer unknowns.
+    as x ln x. Columns of size w therefore leave errors in L2 that go as w and as w^1.5. So columns
+    at a step, relative to the step, need to shrink less from level to level: as the root of `end`.
+    With the power 2/3 in place of the root both errors would fall alike. On brakes with 10 and 12
+    steps the root is as accurate on the second level, and takes an eighth fewer unknowns.
+
+    Parameters
+    ----------
+    point : the singular point
+    level : degree and grading
+    thickness : thickness of the lining [rad]
+    distance : distance of the point from the nearer end of the lining [rad], which at least two
+        columns fill
     """
-    x, length, kind = place
-    if kind == Singularity.OPEN_STEP:
-        return GradingPoint(x, 0.5 * length, level.ratio)
-    if kind == Singularity.STEP:
-        return GradingPoint(x, length * math.sqrt(level.end), level.ratio)
-    size = _column_at_end(level, t, length)
-    if gap > size:
-        size = min(size, 0.5 * gap)
-    size = 2.0 ** math.floor(math.log2(max(size, FINEST * t)))
-    if kind == Singularity.KINK:
-        return GradingPoint(x, size, level.ratio)
-    if kind == Singularity.TIP:
-        return GradingPoint(x, _tip(level, t, length), level.ratio)
-    return GradingPoint(
-        round(2 * x / size) * size / 2, size, level.opening if length <= t else level.ratio
-    )
+    if point.kind == Singularity.OPEN_STEP:
+        return GradingPoint(point.at, 0.5 * point.length, level.ratio)
+    if point.kind == Singularity.STEP:
+        return GradingPoint(point.at, point.length * math.sqrt(level.end), level.ratio)
+    if point.kind == Singularity.TIP:
+        size = _column_size_at_tip(level, thickness, point.length)
+        return GradingPoint(point.at, size, level.ratio)
+    size = _column_size_at_contact_end(level, thickness, point.length)
+    if distance > size:
+        size = min(size, 0.5 * distance)
+    size = 2.0 ** math.floor(math.log2(max(size, SMALLEST_COLUMN * thickness)))
+    if point.kind == Singularity.KINK:
+        return GradingPoint(point.at, size, level.ratio)
+    ratio = level.opening if point.length <= thickness else level.ratio
+    return GradingPoint(round(2 * point.at / size) * size / 2, size, ratio)
 
 
-def _column_at_end(level: Level, t: float, length: float) -> float:
-    """Size of the columns at an end of a contact of this length [rad]; t: the lining's thickness.
+def _column_size_at_contact_end(level: Level, thickness: float, length: float) -> float:
+    """The size of the columns at an end of a contact [rad].
 
     An open gap beside the contact that is shorter than such a column is not resolved on this level.
+    `thickness` is that of the lining, and `length` that of the contact, both in rad.
     """
-    return level.end * min(length, math.sqrt(t * length))
+    return level.end * min(length, math.sqrt(thickness * length))
 
 
-def _tip(level: Level, t: float, length: float) -> float:
-    """Size of columns and layers at a tip of the gap [rad], under a lining of thickness t [rad]."""
-    size = max(tip_size(length, level.degree, level.end), FINEST * t)
-    return 2.0 ** math.floor(math.log2(size))
+def _column_size_at_tip(level: Level, thickness: float, length: float) -> float:
+    """The size of columns and layers at a tip of the gap [rad], a power of two.
 
-
-def _corner(length: float, power: float) -> float:
-    """Size of columns and layers at a corner that a contact of this length reaches [rad].
-
-    It is inf where p is bounded at the corner or where the corner does not count.
+    Parameters
+    ----------
+    level : degree and grading
+    thickness : thickness of the lining [rad]
+    length : as of `corner.column_size_at_tip` [rad]
     """
-    return CORNER_SIZE * length if power < 0 and length <= CORNER_COUNTS else math.inf
+    size = column_size_at_tip(length, level.degree, level.end)
+    return 2.0 ** math.floor(math.log2(max(size, SMALLEST_COLUMN * thickness)))
 
 
-def _reached(
-    shoe: Shoe, t: float, level: Level, places: Sequence[SingularPoint]
+def _lengths_of_reaching_contacts(
+    shoe: Shoe, thickness: float, level: Level, contact_ends: Sequence[SingularPoint]
 ) -> tuple[float, float]:
-    """Lengths of the contacts that reach the lining's ends [rad]; inf where no contact does.
+    """The lengths of the shortest contacts that reach the lining's start and end [rad].
 
     A contact reaches an end of the lining if no column of the level fits into the gap between them.
+    A length is inf where no contact reaches the lining's end.
+
+    Parameters
+    ----------
+    shoe, level : the shoe and the level of the division
+    thickness : thickness of the lining [rad]
+    contact_ends : singular points at the ends of contacts
     """
     start, end = shoe.arc
-    near, far = [], []
-    for x, length, kind in places:
-        if kind == Singularity.END:
-            column = _column_at_end(level, t, length)
-            near += [length] * (x - start < column)
-            far += [length] * (end - x < column)
-    return min(near, default=math.inf), min(far, default=math.inf)
+    at_start, at_end = [], []
+    for point in contact_ends:
+        column = _column_size_at_contact_end(level, thickness, point.length)
+        if point.at - start < column:
+            at_start.append(point.length)
+        if end - point.at < column:
+            at_end.append(point.length)
+    return min(at_start, default=math.inf), min(at_end, default=math.inf)
 
 
-def _marks(
-    start: GradingPoint, end: GradingPoint, places: Sequence[GradingPoint]
+def _without_crowded_points(
+    start: GradingPoint, end: GradingPoint, inner: Sequence[GradingPoint]
 ) -> list[GradingPoint]:
-    """All grading points without those that stand too near to another one.
+    """The grading points from `start` to `end` without points that are too near to another one.
 
     A point is left out if it lies in the column at a lining's end, or in the smaller of the columns
-    at the point and the point before. An end of the contact stays that is nearer to a step than the
-    columns there are wide.
+    at the point and at the point before. The point before then takes the smaller size and the
+    larger ratio of both. An end of the contact that is nearer to a step than the columns at the
+    step are wide thus stays a point of its own.
     """
-    marks = [start]
-    for mark in places:
-        last = marks[-1]
-        if end.at - mark.at <= max(end.size, mark.size):
+    kept = [start]
+    for point in inner:
+        last = kept[-1]
+        if end.at - point.at <= max(end.size, point.size):
             break
-        nearest = max if len(marks) == 1 else min
-        if mark.at - last.at > nearest(last.size, mark.size):
-            marks.append(mark)
-        elif len(marks) > 1 and mark.size < last.size:
-            marks[-1] = GradingPoint(last.at, mark.size, max(last.ratio, mark.ratio))
-    return [*marks, end]
+        smallest_distance = (max if len(kept) == 1 else min)(last.size, point.size)
+        if point.at - last.at > smallest_distance:
+            kept.append(point)
+        elif len(kept) > 1 and point.size < last.size:
+            kept[-1] = GradingPoint(last.at, point.size, max(last.ratio, point.ratio))
+    return [*kept, end]
 
 
-def _beyond(shoe: Shoe, radius: float, start: float, end: float) -> tuple[float, float]:
-    """Where the body begins and ends [rad].
+def _body_ends(shoe: Shoe, radius: float) -> tuple[float, float]:
+    """The positions phi at which the body of a shoe begins and ends [rad].
 
-    Beyond the lining of a straight beam the values are distances along the beam over R + t.
+    Beyond the lining of a straight beam they are distances along the beam, divided by the radius
+    of the lining's back.
     """
+    start, end = shoe.arc
     if isinstance(shoe.body, Beam):
         axis, back = axis_of(shoe.pin.xy, shoe.actuation.point.xy), radius + shoe.lining.thickness
-        a = np.sort(axis.angle(shoe.frame.theta(np.array([start, end]))))
-        foot = axis.foot + back * np.sin(a)
+        angles = np.sort(axis.angle(shoe.frame.theta(np.array([start, end]))))
+        foot = axis.foot + back * np.sin(angles)
         return start - float(foot[0]) / back, end + (axis.length - float(foot[1])) / back
     if shoe.body is None:
         return start, end
@@ -582,41 +692,42 @@ def _beyond(shoe: Shoe, radius: float, start: float, end: float) -> tuple[float,
     return near, far
 
 
-def _depths(
+def _layer_depths(
     layers: list[ShoeLayer],
     level: Level,
-    face: float,
-    pressed: float,
+    face_size: float,
+    contact_length: float,
     *,
-    fades: bool,
+    coarsens: bool,
     straight: bool,
 ) -> tuple[Floats, tuple[str, ...]]:
-    """Ends (l + 1,) of the layers from the contact inwards, and the part of each.
+    """The ends (l + 1,) of the layers of elements from the contact inwards, and the part of each.
 
     Parameters
     ----------
-    layers : of the shoe
+    layers : layers of the shoe
     level : its grading through the layers
-    face : size of the layer at the contact [m]
-    pressed : length of the contact [m]
-    fades : see `faded`
-    straight : whether depths count in layers, as those of a beam
+    face_size : size of the layer of elements at the contact [m]
+    contact_length : length of the contact [m]
+    coarsens : as of `size_far_from_contact`
+    straight : whether depths count in layers of the shoe, as for a beam, rather than in m
     """
     depths, part, at = [np.zeros(1)], [], 0.0
-    relative_depth = np.cumsum([layer.thickness for layer in layers]) / pressed
+    distances = np.cumsum([layer.thickness for layer in layers]) / contact_length
     for k, layer in enumerate(layers):
         t = layer.thickness
-        outer = face
+        outer = face_size
         if k > 0:
             thinner = min(t, layers[k - 1].thickness)
-            outer = faded(level.back, relative_depth[k - 1], fades=fades) * thinner
+            size = size_far_from_contact(level.back, distances[k - 1], coarsens=coarsens)
+            outer = size * thinner
         thinner = min(t, layers[k + 1].thickness) if k + 1 < len(layers) else t
-        inner = faded(level.back, relative_depth[k], fades=fades) * thinner
+        inner = size_far_from_contact(level.back, distances[k], coarsens=coarsens) * thinner
         # The hinge holds the last layer.
         if layer.part == "shoe":
             inner = level.hinge * t
-        sizes = graded(t, outer, inner, level.through, t)
-        ends = ends_of(sizes, 0.0, t)[1:]
+        sizes = graded_sizes(t, outer, inner, level.through, t)
+        ends = piece_ends(sizes, 0.0, t)[1:]
         depths.append(at + (ends / t if straight else ends))
         part += [layer.part] * len(sizes)
         at = float(depths[-1][-1])

@@ -22,7 +22,7 @@ from drumlin.fem.hp.columns import (
     rotate_components,
     rotate_row_components,
 )
-from drumlin.fem.hp.division import Level, ends_of, graded
+from drumlin.fem.hp.division import Level, graded_sizes, piece_ends
 from drumlin.fem.hp.grid import ColumnGrid, ElementBlock, Skeleton, recover_displacements
 from drumlin.fem.hp.shoe import distinct_sizes, nodes_between, nodes_of_pieces, side_angles
 from drumlin.fem.substructure.body import FRAME, CondensedBody, InnerSystem, constrain
@@ -84,7 +84,11 @@ class RingDivision(NamedTuple):
 
 
 def divide_ring(
-    section: Section, radius: float, linings: list[Floats], level: Level, sharp: float = math.inf
+    section: Section,
+    radius: float,
+    linings: list[Floats],
+    level: Level,
+    singular_layer_size: float = math.inf,
 ) -> RingDivision:
     """The division of a ring under linings.
 
@@ -94,7 +98,8 @@ def divide_ring(
     radius : radius of the friction surface [m]
     linings : ends of the columns of each lining, growing, in the brake's angles [rad]
     level : degree and grading
-    sharp : upper bound of the size of the thinnest layer [m], as of `division.ShoeDivision`
+    singular_layer_size : upper bound of the size of the thinnest layer [m], as of
+        `division.ShoeDivision`
     """
     # Within one turn from the first lining on: the ends of the columns of all linings.
     origin = min(float(ends[0]) % FULL_TURN for ends in linings)
@@ -112,14 +117,14 @@ def divide_ring(
         pieces = [b - a]
         if not covered:
             before, after = sizes[k - 1], sizes[(k + 1) % len(sizes)]
-            pieces = graded(b - a, before, after, level.ratio, level.largest)
-        angles.append(ends_of(pieces, a, b)[1:])
+            pieces = graded_sizes(b - a, before, after, level.ratio, level.largest)
+        angles.append(piece_ends(pieces, a, b)[1:])
         contact += [covered] * len(pieces)
 
     t = section.thickness
-    layers = graded(t, min(level.back * t, sharp), t, level.through, t)
+    layers = graded_sizes(t, min(level.back * t, singular_layer_size), t, level.through, t)
     ends = origin + np.concatenate(angles)
-    return RingDivision(level.degree, ends, np.array(contact), ends_of(layers, 0.0, t))
+    return RingDivision(level.degree, ends, np.array(contact), piece_ends(layers, 0.0, t))
 
 
 def _lies_under(angle: float, ends: Floats) -> bool:
@@ -128,7 +133,11 @@ def _lies_under(angle: float, ends: Floats) -> bool:
 
 
 def ring_body(
-    brake: Brake, level: Level, linings: tuple[ContactLine, ...], *, sharp: float = math.inf
+    brake: Brake,
+    level: Level,
+    linings: tuple[ContactLine, ...],
+    *,
+    singular_layer_size: float = math.inf,
 ) -> RingSubstructure:
     """The ring of a brake in hp elements, condensed to its nodes under the linings.
 
@@ -137,7 +146,8 @@ def ring_body(
     brake : the brake, which has a ring with a section
     level : degree and grading
     linings : contact line of each lining, in its shoe's frame
-    sharp : upper bound of the size of the thinnest layer [m], as of `division.ShoeDivision`
+    singular_layer_size : upper bound of the size of the thinnest layer [m], as of
+        `division.ShoeDivision`
     """
     # The assertion holds of every brake that `scene.why_not` lets pass.
     ring, radius, sign = brake.ring, brake.size, brake.shoes[0].sign
@@ -145,7 +155,7 @@ def ring_body(
     ends = []
     for shoe, line in zip(brake.shoes, linings, strict=True):
         ends.append(np.sort(shoe.frame.theta(line.phi[:: line.order])))
-    div = divide_ring(ring.section, radius, ends, level, sharp)
+    div = divide_ring(ring.section, radius, ends, level, singular_layer_size)
     free = ring.support == "free"
     grid = ring_grid(radius, sign, div)
     rim = np.zeros((2 * grid.N, 0))

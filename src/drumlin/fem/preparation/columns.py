@@ -11,14 +11,14 @@ from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Beam
 from drumlin.fem.hp.body import condensed_body, shoe_contact_line, shoe_grid, unit_actuation_forces
-from drumlin.fem.hp.corner import powers_of
+from drumlin.fem.hp.corner import corner_exponents_of
 from drumlin.fem.hp.division import (
-    CORNER_COUNTS,
+    LONGEST_CORNER_CONTACT,
     Level,
     ShoeDivision,
     Singularity,
     SingularPoint,
-    divide,
+    divide_shoe,
 )
 from drumlin.fem.hp.ring import ring_body
 from drumlin.fem.hp.shoe import condense_shoe
@@ -82,14 +82,14 @@ def in_columns(
     made = {i: _body_from_cache(brake, rule, cache, seconds) for i, rule in rules.items()}
     bodies = tuple(made[i] for i in alike)
 
-    sharp = min(rule.division.sharp for rule in rules.values())
+    singular_layer_size = min(rule.division.singular_layer_size for rule in rules.values())
     ring = None
-    ring_under = partial(ring_body, brake, level, sharp=sharp)
+    ring_under = partial(ring_body, brake, level, singular_layer_size=singular_layer_size)
     if brake.ring is not None:
         with clock(seconds, "ring"):
             lines = tuple(body.line for body in bodies)
             divisions = [rule.division.key for rule in rules.values()]
-            key = (bare(brake), level, sharp, *divisions)
+            key = (bare(brake), level, singular_layer_size, *divisions)
             ring = cache.get(key, partial(ring_under, lines), size_of)
 
     nodes_by_shape = {
@@ -119,7 +119,7 @@ def _rule_of_shape(
     # A cam holds the loaded end where it touches the end, so that the end's position matters.
     tip = brake.actuation is not None and brake.actuation.is_cam
     powers = _smallest_powers(brake, alike, i, points)
-    division = divide(shoe, brake.size, level, points, tip=tip, powers=powers)
+    division = divide_shoe(shoe, brake.size, level, points, grades_loaded_end=tip, exponents=powers)
     return _DivisionRule(shoe, level, points, tip, powers, division)
 
 
@@ -153,17 +153,17 @@ def _smallest_powers(
 ) -> tuple[float, float]:
     """The smallest powers of p at both ends of the linings of all shoes of one shape.
 
-    Both are 0 where no contact is shorter than CORNER_COUNTS: corners of longer contacts do not
-    count. They are 0 on an elastic ring, too.
+    Both are 0 where no contact is shorter than LONGEST_CORNER_CONTACT: corners of longer contacts
+    do not count. They are 0 on an elastic ring, too.
     """
     # The ring has columns as narrow as the lining's. Columns of the width w lose some 1e-16 (R/w)^2
     # of the forces of a ring of radius R, which bends as a whole: 1e-4 at a corner's width.
     if brake.ring is not None and brake.ring.section is not None:
         return 0.0, 0.0
-    ends = [length for _, length, kind in points if kind == Singularity.END]
-    if not any(length <= CORNER_COUNTS for length in ends):
+    ends = [point.length for point in points if point.kind == Singularity.END]
+    if not any(length <= LONGEST_CORNER_CONTACT for length in ends):
         return 0.0, 0.0
-    powers = [powers_of(brake, j) for j, shape in enumerate(alike) if shape == first]
+    powers = [corner_exponents_of(brake, j) for j, shape in enumerate(alike) if shape == first]
     at_start = min(start for start, _ in powers)
     at_end = min(end for _, end in powers)
     return at_start, at_end
@@ -177,8 +177,10 @@ def _nodes_of_other_shoe(rule: _DivisionRule, radius: float, other: Shoe) -> Bod
     """
     shoe = rule.shoe
     turn = other.arc[0] - shoe.arc[0]
-    points = [(phi + turn, length, kind) for phi, length, kind in rule.points]
-    division = divide(other, radius, rule.level, points, tip=rule.tip, powers=rule.powers)
+    points = [point._replace(at=point.at + turn) for point in rule.points]
+    division = divide_shoe(
+        other, radius, rule.level, points, grades_loaded_end=rule.tip, exponents=rule.powers
+    )
     if isinstance(shoe.body, Beam):
         division = replace(division, angles=rule.division.angles + turn)
     grid = shoe_grid(other, radius, division)

@@ -235,20 +235,22 @@ def grid_lines(
     ends = (dense > face.start - 1e-9) & (dense < face.end + 1e-9)
     near = np.where(ends, least, max(least, float(shape.thickness[-1]) / 4 * size))
 
-    def along(s: float) -> float:
+    def step_along(s: float) -> float:
+        """The step of the grid lines at s."""
         return (
             min(most, float((near + 0.5 * shape.length * np.abs(dense - s)).min())) / shape.length
         )
 
-    s = spaced_points(shape.s, along)
+    s = spaced_points(shape.s, step_along)
     d = []
     for j, t in enumerate(shape.thickness.tolist()):
         coarsest = t * (1.0 if j == 0 else 0.5) * min(1.0, 1.25 * size)
 
-        def across(x: float, t: float = t, coarsest: float = coarsest) -> float:
+        def step_across(x: float, t: float = t, coarsest: float = coarsest) -> float:
+            """The step at the relative depth x of a layer of thickness t, in fractions of t."""
             return min(coarsest / t, least / t + min(x, 1 - x))
 
-        d.append(j + spaced_points(np.array([0.0, 1.0]), across))
+        d.append(j + spaced_points(np.array([0.0, 1.0]), step_across))
     return s, d
 
 

@@ -135,10 +135,11 @@ def _ring_grid_lines(
     for part, after in zip(parts, [*parts[1:], parts[0] + WHOLE_TURN], strict=True):
         gap = np.array([part[-1], after[0]])
 
-        def between(x: float, gap: Floats = gap) -> float:
+        def relative_step(x: float, gap: Floats = gap) -> float:
+            """The step between grid lines at x, relative to the gap between two breaks."""
             return min(2.5 * t * size / R, least * size / R + 0.5 * float(np.abs(gap - x).min()))
 
-        lines += [part, spaced_points(gap, between)[1:-1]]
+        lines += [part, spaced_points(gap, relative_step)[1:-1]]
     across = spaced_points(
         np.array([0.0, 1.0]), lambda x: min(0.5, least * size / t + min(x, 1 - x))
     )

@@ -93,12 +93,18 @@ def initial_mesh(
     there = (middle > ends[layer, 0]) & (middle < ends[layer, 1])
     i, j, layer = i[there], j[there], layer[there]
 
-    def corner(a: int, b: int) -> tuple[Ints, Floats]:
+    def corner_of_cells(a: int, b: int) -> tuple[Ints, Floats]:
+        """Numbers (n,) and places s, d (n, 2) of one corner of all cells; a and b are 0 or 1."""
         at = np.stack([s[i + a], depths[j + b]], axis=1)
         return ((i + a) % count) * len(depths) + j + b, at
 
     flip = (i + j) % 2 == 1  # diagonals to and fro: no slant
-    quads = [corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)]
+    quads = [
+        corner_of_cells(0, 0),
+        corner_of_cells(1, 0),
+        corner_of_cells(1, 1),
+        corner_of_cells(0, 1),
+    ]
     numbers = np.stack([number for number, _ in quads], axis=1)
     places = np.stack([at for _, at in quads], axis=1)
     numbers[flip], places[flip] = (
