@@ -88,7 +88,7 @@ def test_words_that_no_process_can_be_given_are_tried_in_this_one():
 def test_what_waits_without_end_is_found(monkeypatch):
     monkeypatch.setattr(endings, "LONGEST_WAIT", 0.05)
     monkeypatch.setattr(process, "run", lambda words: threading.Event().wait(60))
-    assert "Late" in find_fault(GIVEN, run_in_this_process(GIVEN))
+    assert "RunTooLong" in find_fault(GIVEN, run_in_this_process(GIVEN))
 
 
 def test_a_warning_and_a_run_that_works_without_end_are_found(monkeypatch):

@@ -40,8 +40,8 @@ powers belong to a friction of 0.31, 0.42 and 0.52 that drags away from the corn
 def error_rows_of_seed(seed: int) -> list[dict[str, Any]]:
     """A row of stated and true errors of the brake of a seed, for each tolerance.
 
-    The rows are those of `stated_true.row` with the `kind` of the brake and the smallest `power` of
-    p at its pressed corners (0 without a pressed corner).
+    The rows are those of `stated_true.stated_and_true_row` with the `kind` of the brake and the
+    smallest `power` of p at its pressed corners (0 without a pressed corner).
     """
     base: dict[str, Any] = {"seed": seed, "kind": "none", "power": 0.0}
     try:

@@ -170,7 +170,7 @@ class DrawnBrakes:
     ----------
     rows : mapping
         Rows by state: "new" and "worn in" by finite elements, "law" by the sine law. The first 2 n
-        rows of each state are the independent samples A and B of `tolerances.draw`.
+        rows of each state are the independent samples A and B of `tolerances.draw_deviates`.
     n : int
         Size of each of the two samples.
     """

@@ -256,18 +256,18 @@ def wear_linings(
     held = 1.0 if torque is None else torque
     _check_positive({"distance": distance, "reverse": reverse, "torque": held})
     _check_law(law, tolerance, distance)
-    course = _WearRunInProgress(
+    wear_run = _WearRunInProgress(
         forward=_WearStepper(forward, law, torque),
         backward=_WearStepper(backward or forward, law, torque),
         reverse=reverse,
         distance=distance,
         tolerance=tolerance,
     )
-    while not course.is_over and not until(course.state):
-        if len(course.states) > MAX_WEAR_STEPS:
+    while not wear_run.has_reached_distance and not until(wear_run.state):
+        if len(wear_run.states) > MAX_WEAR_STEPS:
             raise NoAnswer(f"not converged: the wear is not settled after {MAX_WEAR_STEPS} steps")
-        course.advance()
-    return course.states
+        wear_run.take_step()
+    return wear_run.states
 
 
 def _check_positive(values: Mapping[str, float]) -> None:
@@ -312,8 +312,8 @@ class _WearRunInProgress:
         self._reverse, self._distance, self._tolerance = reverse, distance, tolerance
         self._forward = True
         self._next_turn = reverse
-        self.states = [forward.start()]
-        self._step = forward.first(self.state, tolerance)
+        self.states = [forward.initial_state()]
+        self._step = forward.first_step_length(self.state, tolerance)
         # A reversal begins with the step that the last reversal, or the start, could have taken.
         self._opening_step = self._step
         self._just_turned = True
@@ -324,11 +324,11 @@ class _WearRunInProgress:
         return self.states[-1]
 
     @property
-    def is_over(self) -> bool:
+    def has_reached_distance(self) -> bool:
         """Whether the run has reached its sliding distance, apart from round-off."""
         return self.state.s >= self._distance * (1 - 1e-12)
 
-    def advance(self) -> None:
+    def take_step(self) -> None:
         """Take a step, or shorten the step where its error is too large. Raises NoAnswer."""
         end = min(self._distance, self._next_turn)
         left = end - self.state.s
@@ -338,7 +338,7 @@ class _WearRunInProgress:
         growth = 0.9 * math.sqrt(self._tolerance / max(error, 1e-30))
         factor = min(max(growth, 0.2), MAX_STEP_GROWTH)
         if error > self._tolerance:
-            self._shorten(size * min(factor, 0.7))
+            self._shorten_step(size * min(factor, 0.7))
             return
         at_end = size == left
         self.states.append(replace(after, s=end) if at_end else after)
@@ -347,8 +347,8 @@ class _WearRunInProgress:
         # A step that the end cut short says nothing about the length of the next one.
         cut_short = at_end and size < self._step
         self._step = max(self._step, size) if cut_short else size * factor
-        if at_end and end == self._next_turn and not self.is_over:
-            self._turn()
+        if at_end and end == self._next_turn and not self.has_reached_distance:
+            self._reverse_drum()
 
     def _size(self, left: float) -> float:
         """The length of the next step, with `left` [m] to go. Raises NoAnswer.
@@ -360,18 +360,20 @@ class _WearRunInProgress:
             raise NoAnswer("not settled: p no longer changes, but differs from what it was to be")
         return size
 
-    def _shorten(self, step: float) -> None:
+    def _shorten_step(self, step: float) -> None:
         """Shorten the next step. Raises NoAnswer where round-off would swallow the shorter step."""
         self._step = step
         s = self.state.s
         if step < SHORTEST_STEP * max(s, 1e-300) and s > 0:
             raise NoAnswer("not converged: the step of the wear shrinks to nothing")
 
-    def _turn(self) -> None:
+    def _reverse_drum(self) -> None:
         """Reverse the drum, and append the state of the linings after the reversal."""
         self._forward = not self._forward
         self._next_turn += self._reverse
-        self.states.append(self._steppers[self._forward].turned(self.state, self._forward))
+        self.states.append(
+            self._steppers[self._forward].state_after_reversal(self.state, self._forward)
+        )
         self._step, self._just_turned = self._opening_step, True
 
 
@@ -380,7 +382,7 @@ def wear_linings_in_given_steps(
 ) -> list[WearState]:
     """Wear linings in steps that end at the distances `stations` [m], without error control."""
     stepper = _WearStepper(interfaces, law, None)
-    states = [stepper.start()]
+    states = [stepper.initial_state()]
     for s in stations:
         after, _ = stepper.step(states[-1], s - states[-1].s)
         states.append(replace(after, s=s))
@@ -673,18 +675,22 @@ class _WearStepper:
             return problems
         return list(map(partial(problem_at_given_torque, interface, self.held), problems))
 
-    def start(self) -> WearState:
+    def initial_state(self) -> WearState:
         """The state of the unworn linings in contact. Raises NoAnswer."""
         depth = np.zeros(len(self.area))
-        return self._state(0.0, depth, self._settled(depth), _WearIntegrals(0.0, 0.0, 0.0))
+        return self._make_state(
+            0.0, depth, self._settled_pressure(depth), _WearIntegrals(0.0, 0.0, 0.0)
+        )
 
-    def turned(self, state: WearState, forward: bool) -> WearState:
+    def state_after_reversal(self, state: WearState, forward: bool) -> WearState:
         """The state of the same linings as the drum begins to turn forward or backward."""
         self.forward = forward
         integrals = _WearIntegrals(state.removed, state.pressed, state.work)
-        return self._state(state.s, state.depth, self._settled(state.depth), integrals)
+        return self._make_state(
+            state.s, state.depth, self._settled_pressure(state.depth), integrals
+        )
 
-    def _settled(self, depth: Floats) -> Floats:
+    def _settled_pressure(self, depth: Floats) -> Floats:
         """The pressure (n,) [Pa] of linings worn by a depth (n,) [m], without a first guess."""
         for i, (interface, part) in enumerate(zip(self.interfaces, self.parts, strict=True)):
             if interface.settle is None:
@@ -693,9 +699,9 @@ class _WearStepper:
             # does not.
             with suppress(NoAnswer) if self.held is not None else nullcontext():
                 self.footing[i], self.sets[i] = interface.settle(depth[part])
-        return self._bear(depth, 0.0).p
+        return self._solve_contact(depth, 0.0).p
 
-    def first(self, state: WearState, tolerance: float) -> float:
+    def first_step_length(self, state: WearState, tolerance: float) -> float:
         """The length [m] of a first step, which is short even for the fastest ripple."""
         largest = state.pressure.max(initial=1.0)
         slope = float(self.law.rate(np.full(1, largest), 0.0)[1][0])
@@ -712,12 +718,14 @@ class _WearStepper:
     def step(self, state: WearState, ds: float) -> tuple[WearState, float]:
         """The state after a step of ds [m], and the relative L2 error of its pressure."""
         footing = list(self.footing)
-        first = self._bear(state.depth, GAMMA * ds)
-        second = self._bear(state.depth + (1 - GAMMA) * ds * first.rate, GAMMA * ds)
+        first = self._solve_contact(state.depth, GAMMA * ds)
+        second = self._solve_contact(state.depth + (1 - GAMMA) * ds * first.rate, GAMMA * ds)
         depth = state.depth + ds * ((1 - GAMMA) * first.rate + GAMMA * second.rate)
         # The embedded rule ds r1 misses the depth by GAMMA ds (r2 - r1). The tangent of the last
         # stage gives the error of p that belongs to it.
-        error = self._size(self._change(second.tangents, GAMMA * ds * (second.rate - first.rate)))
+        error = self._size(
+            self._pressure_change(second.tangents, GAMMA * ds * (second.rate - first.rate))
+        )
         # The tangent holds for one contact set and one footing.
         pressed = second.p > 0
         same_set = ((state.pressure > 0) == pressed).all() and ((first.p > 0) == pressed).all()
@@ -725,18 +733,18 @@ class _WearStepper:
             error = max(error, self._euler_error(state, ds, second.p))
         error /= self._size(second.p) or 1.0
 
-        def integral(at_first: Floats, at_second: Floats, row: Floats) -> float:
+        def integral_over_step(at_first: Floats, at_second: Floats, row: Floats) -> float:
             """The integral of row . values over the step, by the method's quadrature."""
             return ds * float(row @ ((1 - GAMMA) * at_first + GAMMA * at_second))
 
         integrals = _WearIntegrals(
-            removed=state.removed + integral(first.rate, second.rate, self.area),
-            pressed=state.pressed + integral(first.p, second.p, self.area),
-            work=state.work + integral(first.p, second.p, self.lever),
+            removed=state.removed + integral_over_step(first.rate, second.rate, self.area),
+            pressed=state.pressed + integral_over_step(first.p, second.p, self.area),
+            work=state.work + integral_over_step(first.p, second.p, self.lever),
         )
-        return self._state(state.s + ds, depth, second.p, integrals), error
+        return self._make_state(state.s + ds, depth, second.p, integrals), error
 
-    def _change(self, tangents: Sequence[Tangent], depth: Floats) -> Floats:
+    def _pressure_change(self, tangents: Sequence[Tangent], depth: Floats) -> Floats:
         """The change of p (n,) that a small change of depth (n,) [m] causes."""
         changes = []
         for interface, part, tangent in zip(self.interfaces, self.parts, tangents, strict=True):
@@ -751,7 +759,7 @@ class _WearStepper:
         of the same length is an independent answer of the first order.
         """
         last = list(self.footing), list(self.sets)
-        euler = self._bear(state.depth, ds)
+        euler = self._solve_contact(state.depth, ds)
         self.footing, self.sets = last
         return self._size(euler.p - p)
 
@@ -759,21 +767,25 @@ class _WearStepper:
         """The L2 norm of p (n,) over the linings."""
         return math.sqrt(float(np.abs(self.area) @ p**2))
 
-    def _state(self, s: float, depth: Floats, p: Floats, integrals: _WearIntegrals) -> WearState:
+    def _make_state(
+        self, s: float, depth: Floats, p: Floats, integrals: _WearIntegrals
+    ) -> WearState:
         """The state at the distance s [m] with a depth (n,) [m], p (n,) [Pa] and the integrals."""
-        force = self._force(0, p)
+        force = self._actuation_factor(0, p)
         return WearState(s, depth, p, float(self.lever @ p), force, self.forward, *integrals)
 
-    def _bear(self, depth: Floats, ds: float) -> _WornContact:
+    def _solve_contact(self, depth: Floats, ds: float) -> _WornContact:
         """The linings in contact after a further wear of ds rate(p) on top of `depth` (n,) [m]."""
-        bearings = [self._bear_one(i, depth[part], ds) for i, part in enumerate(self.parts)]
+        bearings = [
+            self._solve_interface_contact(i, depth[part], ds) for i, part in enumerate(self.parts)
+        ]
         return _WornContact(
             p=_concatenate_attribute(bearings, "p"),
             rate=_concatenate_attribute(bearings, "rate"),
             tangents=list(map(attrgetter("contact.tangent"), bearings)),
         )
 
-    def _force(self, i: int, p: Floats) -> float:
+    def _actuation_factor(self, i: int, p: Floats) -> float:
         """The factor on the actuation that balances the pressures p (n,) of interface `i`.
 
         It is 1 unless the torque is held.
@@ -785,7 +797,7 @@ class _WearStepper:
         main = int(np.argmax(np.abs(problem.h)))
         return float(problem.C[main] @ (p / interface.pressure)) / float(problem.h[main])
 
-    def _bear_one(self, i: int, depth: Floats, ds: float) -> _InterfaceContact:
+    def _solve_interface_contact(self, i: int, depth: Floats, ds: float) -> _InterfaceContact:
         """Interface `i` in contact, with the footing that stands in the answer. Raises NoAnswer."""
         failure: NoAnswer | None = None
         last_footing, last_set = self.footing[i], self.sets[i]
@@ -794,11 +806,11 @@ class _WearStepper:
         for number in sorted(range(len(footings)), key=lambda number: number != last_footing):
             self.footing[i], self.sets[i] = number, last_set
             try:
-                bearing = self._bear_as(i, depth, ds)
+                bearing = self._solve_contact_with_footing(i, depth, ds)
             except NoAnswer as error:
                 failure = failure or error
                 continue
-            force = self._force(i, bearing.p)
+            force = self._actuation_factor(i, bearing.p)
             # A footing judges the answer under the brake's own actuation.
             contact = bearing.contact
             if force > 0:
@@ -808,7 +820,7 @@ class _WearStepper:
         self.footing[i], self.sets[i] = last_footing, last_set
         raise failure or NoAnswer("no equilibrium, a foot leaves its abutment")
 
-    def _bear_as(self, i: int, depth: Floats, ds: float) -> _InterfaceContact:
+    def _solve_contact_with_footing(self, i: int, depth: Floats, ds: float) -> _InterfaceContact:
         """Interface `i` in contact with its present footing. Raises NoAnswer.
 
         Newton's method makes the wear rate linear about the last p: the slope is a compliance, the
@@ -817,7 +829,7 @@ class _WearStepper:
         interface, problem = self.interfaces[i], self.problems[i][self.footing[i]]
         A, q, B, C, h = problem._replace(q=problem.q + interface.weight @ depth)
         is_linear = self.law.exponent == 1 or ds == 0
-        p = self._guess(i, Problem(A, q, B, C, h))
+        p = self._first_pressure_guess(i, Problem(A, q, B, C, h))
         rounded = ROUNDED_PRESSURE * float(interface.area @ p) / float(interface.area.sum())
         for _ in range(1 if is_linear else MAX_NEWTON_STEPS):
             rate, slope = self.law.rate(p, rounded)
@@ -836,7 +848,7 @@ class _WearStepper:
             f"the pressure under wear of exponent {self.law.exponent:g} still changes"
         )
 
-    def _guess(self, i: int, problem: Problem) -> Floats:
+    def _first_pressure_guess(self, i: int, problem: Problem) -> Floats:
         """The pressure (n,) with which Newton's method begins; a linear rate takes any pressure."""
         if self.law.exponent == 1:
             return np.zeros(len(problem.q))
@@ -860,19 +872,19 @@ def wear_linings_by_explicit_euler(
     steps : their number
     """
     stepper = _WearStepper(interfaces, law, None)
-    states = [stepper.start()]
+    states = [stepper.initial_state()]
     for _ in range(steps):
         before = states[-1]
         mean = float(stepper.area @ before.pressure) / float(stepper.area.sum())
         rate = law.rate(before.pressure, ROUNDED_PRESSURE * mean)[0]
         depth = before.depth + ds * rate
-        bearing = stepper._bear(depth, 0.0)
+        bearing = stepper._solve_contact(depth, 0.0)
         integrals = _WearIntegrals(
             removed=before.removed + ds * float(stepper.area @ rate),
             pressed=before.pressed + ds * float(stepper.area @ before.pressure),
             work=before.work + ds * before.torque,
         )
-        states.append(stepper._state(before.s + ds, depth, bearing.p, integrals))
+        states.append(stepper._make_state(before.s + ds, depth, bearing.p, integrals))
     return states
 
 
@@ -913,7 +925,7 @@ def interpolate_state(states: Sequence[WearState], s: float) -> WearState:
     a = states[after - 1]
     t = (s - a.s) / (b.s - a.s)
 
-    def between(x: float, y: float) -> float:
+    def interpolate(x: float, y: float) -> float:
         """The value at s on the straight line from x at the state a to y at b."""
         return (1 - t) * x + t * y
 
@@ -921,12 +933,12 @@ def interpolate_state(states: Sequence[WearState], s: float) -> WearState:
         s=s,
         depth=(1 - t) * a.depth + t * b.depth,
         pressure=(1 - t) * a.pressure + t * b.pressure,
-        torque=between(a.torque, b.torque),
-        force=between(a.force, b.force),
+        torque=interpolate(a.torque, b.torque),
+        force=interpolate(a.force, b.force),
         forward=b.forward,
-        removed=between(a.removed, b.removed),
-        pressed=between(a.pressed, b.pressed),
-        work=between(a.work, b.work),
+        removed=interpolate(a.removed, b.removed),
+        pressed=interpolate(a.pressed, b.pressed),
+        work=interpolate(a.work, b.work),
     )
 
 

@@ -187,7 +187,7 @@ def run_in(
     BadInput
         for options out of range, and for linings of fewer than 3 elements
     NoAnswer
-        for the reasons of archard.run
+        for the reasons of archard.wear_linings
     """
     _check_elements(setup)
     law = law or WearLaw(COEFFICIENT)
@@ -331,8 +331,8 @@ class RunChecks(NamedTuple):
     volume : difference between the worn volume and the integral of the wear rate, k Int Int p dA ds
     energy : difference between the volume of the worn shape over the round lining and the friction
         energy, V = k W/mu; None without friction and for other exponents than 1
-    ripple : largest checkerboard of any state after the first, see archard.ripple; None where the
-        linings have too few nodes
+    ripple : largest checkerboard of any state after the first, see
+        `archard.checkerboard_amplitude`; None where the linings have too few nodes
     """
 
     volume: float

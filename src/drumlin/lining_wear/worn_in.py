@@ -1,7 +1,8 @@
 """The clearance of worn-in linings: they then bear by the rigid-shoe law on an elastic brake, too.
 
 Wear ends where all points of the lining wear as the shoe moves: p ~ sin(phi) about a hinge. On the
-mesh this is the pressure p of steady wear, see `archard.steady`. With the motions y' of the shoe
+mesh this is the pressure p of steady wear, see `archard.solve_steady_wear`. With the motions y' of
+the shoe it satisfies
 
     w' = M p + B y' >= 0,   p >= 0,   p w' = 0,   C p = h
 

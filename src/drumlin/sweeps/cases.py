@@ -377,8 +377,8 @@ def _solve_by_workers(dispatch: "_Dispatch", say: SayLine) -> Iterator[tuple[int
     """Positions of cases with their answers, as the answers come from an executor."""
     last_answer, told = time.time(), False
     try:
-        while dispatch.is_busy:
-            dispatch.send()
+        while dispatch.has_open_work:
+            dispatch.send_chunks()
             finished = wait(dispatch.sent, timeout=QUIET_SECONDS, return_when=FIRST_COMPLETED).done
             if finished:
                 last_answer, told = time.time(), False
@@ -386,13 +386,13 @@ def _solve_by_workers(dispatch: "_Dispatch", say: SayLine) -> Iterator[tuple[int
                 say(waiting_line(last_answer))
                 told = True
             for future in finished:
-                yield from dispatch.answers(future)
+                yield from dispatch.collect_answers(future)
     except BrokenExecutor as error:
         raise NoAnswer(
             f"sweep: the workers died ({error}); what has finished is kept, the same run goes on"
         ) from error
     finally:
-        dispatch.cancel()
+        dispatch.cancel_chunks()
 
 
 class _Dispatch:
@@ -427,18 +427,18 @@ class _Dispatch:
         self._max_sent = 1 if alone else 2 * workers + 1
 
     @property
-    def is_busy(self) -> bool:
+    def has_open_work(self) -> bool:
         """Whether cases wait or are with a worker."""
-        return self._waiting.left or bool(self.sent)
+        return self._waiting.has_cases or bool(self.sent)
 
-    def send(self) -> None:
+    def send_chunks(self) -> None:
         """Send chunks until the workers have enough."""
-        while self._waiting.left and len(self.sent) < self._max_sent:
-            positions = self._waiting.take(self._size)
+        while self._waiting.has_cases and len(self.sent) < self._max_sent:
+            positions = self._waiting.take_cases(self._size)
             chunk = [self._cases[i] for i in positions]
             self.sent[self._executor.submit(solve_chunk, chunk)] = positions
 
-    def answers(self, future: "Future[_ChunkAnswer]") -> Iterator[tuple[int, CaseAnswer]]:
+    def collect_answers(self, future: "Future[_ChunkAnswer]") -> Iterator[tuple[int, CaseAnswer]]:
         """The answers of a chunk that has come back. Raises BadInput for another drumlin.
 
         The cases of a worker that died fail for a passing reason.
@@ -461,7 +461,7 @@ class _Dispatch:
             answers = [lost] * len(positions)
         yield from zip(positions, answers, strict=True)
 
-    def cancel(self) -> None:
+    def cancel_chunks(self) -> None:
         """Take back all chunks that no worker has begun."""
         for future in self.sent:
             future.cancel()
@@ -479,11 +479,11 @@ class _Chunks:
         self._groups = [list(group) for _, group in groups][::-1]
 
     @property
-    def left(self) -> bool:
+    def has_cases(self) -> bool:
         """Whether cases are left."""
         return bool(self._groups)
 
-    def take(self, size: int) -> list[int]:
+    def take_cases(self, size: int) -> list[int]:
         """Positions of about `size` cases, which leave the groups."""
         taken: list[int] = []
         while self._groups and len(taken) < size:
