@@ -29,6 +29,7 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Backing, Bar, Beam, Lining, Ring, Section, bonded
 from drumlin.brake.fields import Material
 from drumlin.brake.orthotropic import isotropic_only
+from drumlin.brake.ring_support import plain_ring_only
 from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.preparation.bodies import ShoeSubstructure
 from drumlin.fem.preparation.cache import shape_of
@@ -73,7 +74,11 @@ def surrogate_maker(elements: int = SKETCH_ELEMENTS) -> Callable[[Brake], Prepar
 
     def prepare_surrogate(brake: Brake) -> PreparedModel:
         """The surrogate of a brake; the rigid-shoe model of equal linings is meshed once."""
-        reason = why_not(brake) or isotropic_only(brake, "a sketch")
+        reason = (
+            why_not(brake)
+            or isotropic_only(brake, "a sketch")
+            or plain_ring_only(brake, "a sketch")
+        )
         if reason is not None:
             raise BadInput(f"fem does not apply to this brake: {reason}")
         bare = _rigid_brake(brake)
@@ -309,7 +314,7 @@ def _ring_flexibility_roots(
         pressed=tuple(pressed),
         dragged=tuple(dragged),
         coupled=(),
-        support=k,
+        held=k,
         free=None,
     )
 

@@ -11,7 +11,7 @@ from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.base.errors import NoAnswer
 from drumlin.base.lapack import dpotrf
 from drumlin.brake.brake import Brake
-from drumlin.brake.components import Section
+from drumlin.brake.components import Ring, Section
 from drumlin.brake.elasticity import has_directions
 from drumlin.fem.hp.arc import angular_integrals, arc_column_stiffness, condensed_arc_elements
 from drumlin.fem.hp.columns import (
@@ -23,7 +23,7 @@ from drumlin.fem.hp.columns import (
     rotate_row_components,
 )
 from drumlin.fem.hp.division import Level, graded_sizes, piece_ends
-from drumlin.fem.hp.grid import ColumnGrid, ElementBlock, Skeleton, recover_displacements
+from drumlin.fem.hp.grid import ColumnGrid, ElementBlock, GridUnknowns, Skeleton
 from drumlin.fem.hp.shoe import distinct_sizes, nodes_between, nodes_of_pieces, side_angles
 from drumlin.fem.substructure.body import FRAME, CondensedBody, InnerSystem, constrain
 from drumlin.fem.substructure.elasticity import ring_layers, stack_elasticity
@@ -31,10 +31,13 @@ from drumlin.fem.substructure.elimination import SINGULAR_BODY
 from drumlin.fem.substructure.interface import ContactLine
 from drumlin.fem.substructure.loads import LoadColumns
 from drumlin.fem.substructure.ring import (
+    RIM,
     FreeRing,
     RingSubstructure,
     coupled_ring,
     determinate_unknowns,
+    nodes_held,
+    ring_stiffness,
 )
 from drumlin.response.resultants import WEIGHTS, at_gauss, lobatto
 
@@ -163,10 +166,10 @@ def ring_body(
         rim = rim_forces(radius + sign * ring.section.thickness, div, grid)
 
     contact = _ring_contact_line(div, grid)
-    condensed = _condensed_ring(ring.section, radius, sign, div, grid, rim)
+    condensed = _condensed_ring(ring, radius, sign, div, grid, rim)
     balance = FreeRing.of(grid, rim, condensed, contact) if free else None
-    support = grid.sets["support"]
-    return coupled_ring(brake, linings, grid, grid, contact, condensed, support, balance)
+    held = nodes_held(ring, grid.sets["support"])
+    return coupled_ring(brake, linings, grid, grid, contact, condensed, held, balance)
 
 
 def _ring_contact_line(div: RingDivision, grid: ColumnGrid) -> ContactLine:
@@ -179,16 +182,19 @@ def _ring_contact_line(div: RingDivision, grid: ColumnGrid) -> ContactLine:
 
 
 def _condensed_ring(
-    section: Section, radius: float, sign: int, div: RingDivision, grid: ColumnGrid, rim: Floats
+    ring: Ring, radius: float, sign: int, div: RingDivision, grid: ColumnGrid, rim: Floats
 ) -> CondensedBody:
     """The ring condensed to its contact nodes, with the loads on its rim.
 
     Parameters
     ----------
-    section, radius, sign, div : as of `_assembled_runs`
+    ring : the ring, which has a section
+    radius, sign, div : as of `_assembled_runs`
     grid : all nodes and elements of the ring
     rim : (2 N, l) unit loads on the rim; l is 0 where the rim is fixed
     """
+    section = ring.section
+    assert section is not None
     extra = rim.shape[1]
     free = extra > 0
     layers = len(div.depths) - 1
@@ -205,16 +211,15 @@ def _condensed_ring(
     L, info = dpotrf(rotate_components(A[extra:, extra:], back), lower=1)
     if info:
         raise NoAnswer(SINGULAR_BODY)
-    system = partial(_whole_system, section, grid, rim)
+    system = partial(_whole_system, ring, grid, rim)
     return CondensedBody(
         L,
         L_fc=np.zeros((FRAME, n)),
         load_on_contact=-rotate_row_components(A[:extra, extra:], back).T,
         load_on_frame=np.zeros((FRAME, extra)),
         load_work=-A[:extra, :extra],
-        inside=partial(system, grid),
-        recover=partial(recover_displacements, grid, ring_layers(section), system),
-        columns=LoadColumns((("rim", extra),)),
+        inner=GridUnknowns.of(grid, ring_layers(section), system),
+        columns=LoadColumns(((RIM, extra),)),
     )
 
 
@@ -409,21 +414,21 @@ def rim_forces(radius: float, div: RingDivision, grid: ColumnGrid) -> Floats:
 
 
 def _whole_system(
-    section: Section, grid: ColumnGrid, rim: Floats, basis: ColumnGrid | Skeleton
+    ring: Ring, grid: ColumnGrid, rim: Floats, basis: ColumnGrid | Skeleton
 ) -> InnerSystem:
     """The stiffness, constraints and loads of a ring on all nodes of its grid or its skeleton.
 
     Parameters
     ----------
-    section : section of the ring
+    ring : the ring, which has a section
     grid : all nodes and elements of the ring
     rim : (2 N, l) unit loads on the rim; l is 0 where the rim is fixed
     basis : the grid or its skeleton
     """
     contact = basis.numbers_of(grid.sets["contact"])
-    support, alone = basis.numbers_of(grid.sets["support"]), None
-    if rim.shape[1]:
-        support, alone = support[:0], determinate_unknowns(basis, support)
-    constraints = constrain(basis, contact, support, np.zeros(2), alone)
+    far_edge = basis.numbers_of(grid.sets["support"])
+    # The rim of a free ring has loads, and three of its unknowns are held.
+    alone = determinate_unknowns(basis, far_edge) if rim.shape[1] else None
+    constraints = constrain(basis, contact, nodes_held(ring, far_edge), np.zeros(2), alone)
     loads = constraints.matrix.T @ rim[basis.dofs]
-    return InnerSystem.of(basis.stiffness(ring_layers(section)), constraints, loads)
+    return InnerSystem.of(ring_stiffness(basis, ring), constraints, loads)

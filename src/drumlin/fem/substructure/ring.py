@@ -21,7 +21,7 @@ import numpy as np
 
 from drumlin.base.arrays import Floats, Ints
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.components import Section
+from drumlin.brake.components import Ring, Section
 from drumlin.fem.mesh.edges import edge_nodes
 from drumlin.fem.mesh.grading import EDGE_SIZE, graded, lining_angles, lining_layers
 from drumlin.fem.substructure.body import (
@@ -37,6 +37,9 @@ from drumlin.fem.substructure.elasticity import ring_layers
 from drumlin.fem.substructure.interface import ContactLine, contact_line, edge_points
 from drumlin.response.resultants import GAUSS, WEIGHTS, shape, slopes
 
+RIM = "rim"
+"""Name of the unit loads on the rim of a free ring, which balance the forces of the linings."""
+
 
 @dataclass(frozen=True)
 class RingSubstructure:
@@ -51,7 +54,7 @@ class RingSubstructure:
         and -T^T of its pressure. The weighted gap of shoe i opens under the pressure of shoe j by
         pressed[i]^T (pressed[j] + drag dragged[j]) p_j.
     coupled : N and T (n_i, 2n) of each shoe
-    support : nodes of the far edge
+    held : nodes of the far edge that stand still; none of a free ring
     free : the balance of a free ring; None where the far edge is fixed
     """
 
@@ -62,7 +65,7 @@ class RingSubstructure:
     pressed: tuple[Floats, ...]
     dragged: tuple[Floats, ...]
     coupled: tuple[tuple[Floats, Floats], ...]
-    support: Ints
+    held: Ints
     free: "FreeRing | None"
 
     def displacement(self, pressures: list[Floats], drag: float) -> Floats:
@@ -79,8 +82,9 @@ class RingSubstructure:
         nodal = np.asarray(forces)
         frame = np.zeros(FRAME)
         if self.free is None:
-            return self.condensed.displacement(nodal, frame, np.zeros(0))
-        u = self.condensed.displacement(nodal, frame, -self.free.balance @ nodal)
+            return self.condensed.displacement(nodal, frame, self.condensed.columns.factors({}))
+        on_rim = self.condensed.columns.factors({RIM: -self.free.balance @ nodal})
+        u = self.condensed.displacement(nodal, frame, on_rim)
         # A rigid-body motion is taken off, so that the mean motion of the rim is zero.
         modes_by_node = rigid_body_modes(self.basis.doflocs, np.zeros(2)).reshape(-1, 2, FRAME)
         modes = np.ascontiguousarray(modes_by_node.transpose(2, 1, 0))
@@ -191,7 +195,7 @@ def ring_body(brake: Brake, elements: int, linings: tuple[ContactLine, ...]) -> 
     assert ring is not None and ring.section is not None
     mesh = ring_mesh(ring.section, brake.size, brake.shoes, elements)
     basis = scalar_basis(mesh)
-    K = stiffness(basis, ring_layers(ring.section))
+    K = ring_stiffness(basis, ring)
     arcs = []
     for shoe, lining in zip(brake.shoes, linings, strict=True):
         angles = shoe.frame.theta(lining.phi)
@@ -199,20 +203,40 @@ def ring_body(brake: Brake, elements: int, linings: tuple[ContactLine, ...]) -> 
     under = _facets_under(mesh, arcs)
     line = contact_line(basis, under, math.pi)
     n = 2 * len(line.nodes)
-    support = basis.get_dofs(mesh.boundaries["support"]).flatten()
-    if ring.support == "fixed":
-        constraints = constrain(basis, line.nodes, support, np.zeros(2))
+    far_edge = basis.get_dofs(mesh.boundaries["support"]).flatten()
+    held = nodes_held(ring, far_edge)
+    if ring.support != "free":
+        constraints = constrain(basis, line.nodes, held, np.zeros(2))
         condensed = condense(K, constraints, {}, n)
         free = None
     else:
-        constraints = constrain(
-            basis, line.nodes, support[:0], np.zeros(2), determinate_unknowns(basis, support)
-        )
+        determinate = determinate_unknowns(basis, far_edge)
+        constraints = constrain(basis, line.nodes, held, np.zeros(2), determinate)
         rim = rim_loads(basis, mesh.boundaries["support"])
-        rim_load = {"rim": constraints.matrix.T @ rim}
-        condensed = condense(K, constraints, rim_load, n)
+        condensed = condense(K, constraints, {RIM: constraints.matrix.T @ rim}, n)
         free = FreeRing.of(basis, rim, condensed, line)
-    return coupled_ring(brake, linings, mesh, basis, line, condensed, support, free)
+    return coupled_ring(brake, linings, mesh, basis, line, condensed, held, free)
+
+
+def ring_stiffness(basis: Any, ring: Ring, *, precise: bool = False) -> Any:
+    """Sparse stiffness (2 nodes, 2 nodes) [N/m] of a ring, before any node is held.
+
+    Meshes, hp elements and the refinement of round-off take it from here. A support that yields
+    adds its own stiffness here.
+
+    Parameters
+    ----------
+    basis : scalar basis of a mesh, or a grid of columns, or its skeleton
+    ring : the ring, which has a section
+    precise : whether to compute in long double
+    """
+    assert ring.section is not None
+    return stiffness(basis, ring_layers(ring.section), precise=precise)
+
+
+def nodes_held(ring: Ring, far_edge: Ints) -> Ints:
+    """The nodes of a ring that stand still, among those of its far edge."""
+    return far_edge if ring.support == "fixed" else far_edge[:0]
 
 
 def coupled_ring(
@@ -222,7 +246,7 @@ def coupled_ring(
     basis: Any,
     line: ContactLine,
     condensed: CondensedBody,
-    support: Ints,
+    held: Ints,
     free: "FreeRing | None",
 ) -> RingSubstructure:
     """A condensed ring, coupled with the linings that press it.
@@ -231,7 +255,7 @@ def coupled_ring(
     ----------
     brake : the brake
     linings : contact line of each lining, in its shoe's frame
-    mesh, basis, line, condensed, support, free : as of `RingSubstructure`
+    mesh, basis, line, condensed, held, free : as of `RingSubstructure`
     """
     coupled = []
     for shoe, lining in zip(brake.shoes, linings, strict=True):
@@ -245,7 +269,7 @@ def coupled_ring(
         pressed=tuple(_half_flexibility(condensed, N.T, free) for N, _ in coupled),
         dragged=tuple(_half_flexibility(condensed, -T.T, free) for _, T in coupled),
         coupled=tuple(coupled),
-        support=support,
+        held=held,
         free=free,
     )
 
