@@ -15,7 +15,6 @@ from drumlin.fem.model import respond
 from drumlin.studies import load
 from drumlin_studies.calibration import (
     QUANTILE,
-    RELEVANT,
     LevelRecord,
     Provenance,
     draw_calibration_brake,
@@ -24,6 +23,7 @@ from drumlin_studies.calibration import (
     level_errors,
     samples_of_quantity,
 )
+from drumlin_studies.stated_true import RELEVANT
 from drumlin_studies.stored_truth import solve_by_finer_divisions
 from picking import picked
 

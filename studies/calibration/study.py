@@ -22,7 +22,6 @@ from drumlin_studies.calibration import (
     FITTED_BRAKES,
     MEANING,
     QUANTILE,
-    RELEVANT,
     LevelRecord,
     Provenance,
     factors_as_text,
@@ -31,6 +30,7 @@ from drumlin_studies.calibration import (
     samples_of_quantity,
 )
 from drumlin_studies.side_by_side import PROCESSES, Case, compute_and_keep_cases
+from drumlin_studies.stated_true import RELEVANT
 from drumlin_studies.stated_true_figure import draw_ratio_shares
 
 HERE = Path(__file__).parent
