@@ -330,7 +330,7 @@ def test_an_empty_journal_is_one():
 @pytest.mark.slow
 def test_every_case_is_right_or_refused_with_the_physical_reason(module, result):
     assert len(result.rows) >= 60
-    assert module.faults(result.rows) == []
+    assert module.fault_rows(result.rows) == []
     answers = having(result.rows, outcome="answer")
     assert len(answers) >= 40
     for row in answers:
