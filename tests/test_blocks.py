@@ -14,12 +14,12 @@ from drumlin.fem.error_control.adapt import DEFAULT
 from drumlin.fem.error_control.levels import LEVELS, steps
 from drumlin.fem.error_control.singular_points import pressure_changes_by_kinks, singular_points_of
 from drumlin.fem.hp.division import Singularity, SingularPoint, divide_shoe
-from drumlin.fem.model import respond
+from drumlin.fem.model import solve_prepared_model
 from drumlin_studies.consistency_blocks import (
     BLOCK_KINDS,
     FEWEST_BLOCK_STEPS,
     MOST_BLOCK_STEPS,
-    checks,
+    block_error_rows,
     random_blocks,
 )
 from picking import picked
@@ -102,7 +102,7 @@ def solved(brake: Brake, monkeypatch: pytest.MonkeyPatch) -> tuple[Response, Res
     """The default response, and that on the second level with all kinks as places."""
     found = solve(brake)
     monkeypatch.setattr("drumlin.fem.error_control.singular_points.NEGLIGIBLE_KINKS", 0.0)
-    (*_, true) = islice(steps(brake, respond), 2)
+    (*_, true) = islice(steps(brake, solve_prepared_model), 2)
     return found, true.response
 
 
@@ -182,7 +182,7 @@ def test_ends_of_the_contact_that_go_to_and_fro_are_left(
 
     def counted(scene: Any, brake: Brake, *, start: Response | None = None) -> Response:
         passes.append(scene)
-        return respond(scene, brake, start=start)
+        return solve_prepared_model(scene, brake, start=start)
 
     list(steps(brake, counted, levels=LEVELS[:1]))
     assert len(passes) == 2
@@ -202,11 +202,13 @@ def test_a_brake_without_a_truth_is_a_row_that_is_refused(monkeypatch: pytest.Mo
     def none(*_: Any) -> Any:
         raise NoAnswer("no level has an answer")
 
-    monkeypatch.setattr("drumlin_studies.consistency_blocks.by_columns", none)
-    assert picked(checks(11), ("outcome", "said")) == [("refused", "no level has an answer")]
+    monkeypatch.setattr("drumlin_studies.consistency_blocks.truth_by_hp_elements", none)
+    assert picked(block_error_rows(11), ("outcome", "said")) == [
+        ("refused", "no level has an answer")
+    ]
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [11, 14, 22, 27, 30, 34])
 def test_stated_errors_of_random_linings_of_blocks_hold(seed: int) -> None:
-    assert set(picked(checks(seed), "outcome")) == {"agrees"}
+    assert set(picked(block_error_rows(seed), "outcome")) == {"agrees"}

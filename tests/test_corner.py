@@ -23,10 +23,10 @@ from drumlin.fem.hp.corner import (
     unbounded_corners,
 )
 from drumlin.fem.hp.division import HALF_FORCE_PART
-from drumlin.fem.model import respond
+from drumlin.fem.model import solve_prepared_model
 from drumlin.response.resultants import gauss_points, lobatto
-from drumlin_studies.stated_true import errors
-from drumlin_studies.stored_truth import read
+from drumlin_studies.stated_true import true_errors
+from drumlin_studies.stored_truth import read_stored_truth
 
 TRUTHS = Path(__file__).parent / "truths"
 
@@ -84,8 +84,8 @@ def test_a_solved_contact_has_the_power_of_its_corner_over_decades():
     0.0003 and 0.01 of the contact, where neither the elements at the corner nor the rest of the
     lining matter.
     """
-    stored = read(TRUTHS / "corner_dragged_inwards.json")
-    *_, last = islice(steps(stored.brake, respond), 5)
+    stored = read_stored_truth(TRUTHS / "corner_dragged_inwards.json")
+    *_, last = islice(steps(stored.brake, solve_prepared_model), 5)
     (found,) = last.response.shoes
     ((at_start, power),) = unbounded_corners(stored.brake, 0, found)
     assert power == pytest.approx(min(corner_exponents_of(stored.brake, 0))) and power < -0.2
@@ -157,11 +157,11 @@ def test_p_between_the_nodes_near_a_corner_is_its_power_to_a_ten_thousandth():
     ],
 )
 def test_the_power_of_a_corner_makes_p_many_times_more_exact(name, level, most, gain):
-    stored = read(TRUTHS / f"{name}.json")
-    *_, last = islice(steps(stored.brake, respond), level)
-    raw = errors(stored.brake, last.response.shoes, stored.true.shoes)["pressure"]
+    stored = read_stored_truth(TRUTHS / f"{name}.json")
+    *_, last = islice(steps(stored.brake, solve_prepared_model), level)
+    raw = true_errors(stored.brake, last.response.shoes, stored.true.shoes)["pressure"]
     found = response_with_power_laws(stored.brake, last.response)
-    error = errors(stored.brake, found.shoes, stored.true.shoes)["pressure"]
+    error = true_errors(stored.brake, found.shoes, stored.true.shoes)["pressure"]
     assert error < most and error < raw / gain
 
 
@@ -170,15 +170,15 @@ def test_what_is_left_of_p_is_known_where_it_has_no_bound():
 
     At a corner far smaller columns leave little error.
     """
-    stored = read(TRUTHS / "tip_short.json")
-    *_, last = islice(steps(stored.brake, respond), 4)
+    stored = read_stored_truth(TRUTHS / "tip_short.json")
+    *_, last = islice(steps(stored.brake, solve_prepared_model), 4)
     (shoe,), (found,) = stored.brake.shoes, last.response.shoes
     left = pressure_error_under_tips(shoe, stored.brake.size, found)
     assert left == pytest.approx(
-        errors(stored.brake, [found], stored.true.shoes)["pressure"], rel=0.3
+        true_errors(stored.brake, [found], stored.true.shoes)["pressure"], rel=0.3
     )
-    corner = read(TRUTHS / "corner_dragged_inwards.json").brake
-    *_, last = islice(steps(corner, respond), 2)
+    corner = read_stored_truth(TRUTHS / "corner_dragged_inwards.json").brake
+    *_, last = islice(steps(corner, solve_prepared_model), 2)
     (found,) = last.response.shoes
     assert pressure_error_at_corners(corner, 0, found) > 2e-3
     (better,) = response_with_power_laws(corner, last.response).shoes

@@ -9,7 +9,7 @@ from scipy.sparse.linalg import spsolve
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.brake.fields import Material
 from drumlin.contact import active_set, stick_slip
-from drumlin.fem.mesh.grading import graded
+from drumlin.fem.mesh.grading import points_graded_to_both_ends
 from drumlin.fem.substructure.body import scalar_basis, stiffness
 from drumlin.fem.substructure.interface import contact_line, couple, radial
 from drumlin.response.resultants import integrate
@@ -17,12 +17,12 @@ from drumlin_studies import closed_forms
 from drumlin_studies.two_bodies import (
     LADDER_STEEL,
     BodyPair,
-    body,
-    both_sides,
-    closed,
-    nested_start,
-    sector,
-    towards,
+    closed_ring_mesh,
+    coarse_contact_set,
+    condense_contact_body,
+    growing_steps_to,
+    sector_mesh,
+    symmetric_angles,
 )
 
 pytestmark = pytest.mark.slow
@@ -34,8 +34,10 @@ A = 0.005
 
 
 def half_plane(sign, per_half=20, material=LADDER_STEEL, end=0.5):
-    angles = both_sides(2 * A, 4 * per_half, 1.35, end)
-    return body(sector(angles, towards(A / per_half, 1.3, 0.5), R, sign), material)
+    angles = symmetric_angles(2 * A, 4 * per_half, 1.35, end)
+    return condense_contact_body(
+        sector_mesh(angles, growing_steps_to(A / per_half, 1.3, 0.5), R, sign), material
+    )
 
 
 @pytest.fixture(scope="module")
@@ -64,7 +66,7 @@ def test_hertz(hertz):
     P = hertz_load(rho, E)
     s = R * hertz.angle
     problem = hertz.normal(s**2 / (2 * rho), [P])
-    found = active_set.solve(problem, nested_start(problem))
+    found = active_set.solve_contact_problem(problem, coarse_contact_set(problem))
     p0 = math.sqrt(P * E / (math.pi * rho))
     exact = p0 * np.sqrt(np.maximum(1 - (s / A) ** 2, 0))
     assert found.steps <= 15
@@ -87,17 +89,19 @@ def test_cattaneo_mindlin(hertz, half_planes, share):
     P = hertz_load(rho, E)
     s = R * hertz.angle
     problem = hertz.normal(s**2 / (2 * rho), [P])
-    touching = active_set.solve(problem, nested_start(problem)).active
+    touching = active_set.solve_contact_problem(problem, coarse_contact_set(problem)).active
     hertz = BodyPair.of(*half_planes, motions="xy")
-    rest = stick_slip.History(np.zeros(len(s)), np.zeros(len(s)))
+    rest = stick_slip.SlipHistory(np.zeros(len(s)), np.zeros(len(s)))
     start = np.where(touching, stick_slip.STICK, stick_slip.OPEN)
-    first = stick_slip.solve(hertz.frictional(s**2 / (2 * rho), [P, 0.0]), mu, rest, start)
+    first = stick_slip.solve_load_increment(
+        hertz.frictional(s**2 / (2 * rho), [P, 0.0]), mu, rest, start
+    )
     inner = np.abs(s) < 0.8 * A
     # Equal bodies have no traction from pressing alone.
     assert np.abs(first.t[inner]).max() < 5e-3 * first.p.max()
     increment = first
     for step in np.linspace(0, share, 5)[1:]:
-        increment = stick_slip.solve(
+        increment = stick_slip.solve_load_increment(
             hertz.frictional(s**2 / (2 * rho), [P, step * mu * P]),
             mu,
             increment.history,
@@ -132,12 +136,16 @@ def disc_in_hole(eps, count=50):
     """
 
     def angles(count):
-        inner = graded(-eps, eps, count, eps / 2, 1 / 40)
-        rest = graded(eps, 2 * math.pi - eps, count, 0.4, eps / 200)
+        inner = points_graded_to_both_ends(-eps, eps, count, eps / 2, 1 / 40)
+        rest = points_graded_to_both_ends(eps, 2 * math.pi - eps, count, 0.4, eps / 200)
         return np.concatenate([inner, rest[1:-1]])
 
-    disc = body(closed(angles(count), towards(0.01, 1.18, 0.985), R, -1), LADDER_STEEL)
-    plate = body(closed(angles(count + 7), towards(0.01, 1.2, 39.0), R, 1), LADDER_STEEL)
+    disc = condense_contact_body(
+        closed_ring_mesh(angles(count), growing_steps_to(0.01, 1.18, 0.985), R, -1), LADDER_STEEL
+    )
+    plate = condense_contact_body(
+        closed_ring_mesh(angles(count + 7), growing_steps_to(0.01, 1.2, 39.0), R, 1), LADDER_STEEL
+    )
     return BodyPair.of(disc, plate, motions="x")
 
 
@@ -149,7 +157,7 @@ def test_disc_in_a_hole_of_the_same_material(half_angle):
     theta = pair.angle
     gap = closed_forms.persson_clearance(b) * Q / LADDER_STEEL.E * (1 - np.cos(theta))
     problem = pair.normal(gap, [Q])
-    found = active_set.solve(problem, nested_start(problem))
+    found = active_set.solve_contact_problem(problem, coarse_contact_set(problem))
     exact = closed_forms.persson_pressure(b, theta) * Q / R
     middle = np.argmin(np.abs(theta))
     assert found.p[middle] == pytest.approx(exact[middle], rel=5e-3)
@@ -164,12 +172,16 @@ def test_disc_in_a_hole_of_the_same_material(half_angle):
 
 def ring_pair(count=48, other=60):
     """A ring held inside, pressed by a ring held outside, on meshes that do not match."""
-    inner = body(
-        closed(np.linspace(-math.pi, math.pi, count + 1)[:-1], np.linspace(0, 0.4, 5), R, -1),
+    inner = condense_contact_body(
+        closed_ring_mesh(
+            np.linspace(-math.pi, math.pi, count + 1)[:-1], np.linspace(0, 0.4, 5), R, -1
+        ),
         LADDER_STEEL,
     )
-    outer = body(
-        closed(np.linspace(-math.pi, math.pi, other + 1)[:-1] + 0.01, np.linspace(0, 0.5, 6), R, 1),
+    outer = condense_contact_body(
+        closed_ring_mesh(
+            np.linspace(-math.pi, math.pi, other + 1)[:-1] + 0.01, np.linspace(0, 0.5, 6), R, 1
+        ),
         LADDER_STEEL,
     )
     return inner, outer
@@ -183,8 +195,8 @@ def test_swapping_sides_changes_nothing_beyond_discretisation():
     def gap(angle):
         return 1e-4 * (np.cos(angle) - 0.3)
 
-    a = active_set.solve(one.normal(gap(one.angle)))
-    b = active_set.solve(two.normal(gap(two.angle)))
+    a = active_set.solve_contact_problem(one.normal(gap(one.angle)))
+    b = active_set.solve_contact_problem(two.normal(gap(two.angle)))
     assert 0.2 < (a.p > 0).mean() < 0.8
     # The touching side of the disc is where the cosine is -1, at pi.
     theta = np.linspace(2.2, 4.0, 50) - math.pi
@@ -201,17 +213,20 @@ def wavy(mean_share, m=40):
     """
     count = 12 * m
     angles = np.linspace(-math.pi, math.pi, count + 1)[:-1]
-    depths = towards(2 * math.pi / count, 1.25, 0.5)
-    inner, outer = (body(closed(angles, depths, R, sign), LADDER_STEEL) for sign in (-1, 1))
+    depths = growing_steps_to(2 * math.pi / count, 1.25, 0.5)
+    inner, outer = (
+        condense_contact_body(closed_ring_mesh(angles, depths, R, sign), LADDER_STEEL)
+        for sign in (-1, 1)
+    )
     pair = BodyPair.of(inner, outer)
     soft = sum(
-        abs(closed_forms.ring_yield(0, 1.0, held, LADDER_STEEL.E, LADDER_STEEL.nu))
+        abs(closed_forms.ring_compliance(0, 1.0, held, LADDER_STEEL.E, LADDER_STEEL.nu))
         for held in (0.5, 1.5)
     )
     amplitude = 1e-6
     p_star = math.pi * (LADDER_STEEL.E / 2) * amplitude * m / (2 * math.pi * R) * 1.0
     gap = amplitude * (1 - np.cos(m * pair.angle)) - mean_share * p_star * soft - amplitude
-    return pair, active_set.solve(pair.normal(gap)), p_star
+    return pair, active_set.solve_contact_problem(pair.normal(gap)), p_star
 
 
 def test_westergaard_full_contact():
@@ -243,7 +258,7 @@ def test_westergaard_partial_contact():
 
 def test_lame_ring_under_inner_pressure():
     """a = .1, b = .2 m, p = 60 MPa, E = 200 GPa, nu = .3: u(a) = 5.90e-5, u(b) = 4.00e-5 m."""
-    mesh = closed(np.linspace(-math.pi, math.pi, 33)[:-1], np.linspace(0, 0.1, 7), 0.1, 1)
+    mesh = closed_ring_mesh(np.linspace(-math.pi, math.pi, 33)[:-1], np.linspace(0, 0.1, 7), 0.1, 1)
     basis = scalar_basis(mesh)
     K = stiffness(basis, {"body": ElasticLayer.of(Material(E=200e9, nu=0.3), 0.02)}).tolil()
     line = contact_line(basis, mesh.boundaries["contact"], 0.0)

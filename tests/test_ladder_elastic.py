@@ -10,9 +10,14 @@ from scipy.sparse.linalg import spsolve
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.brake.fields import Material
 from drumlin.contact import active_set
-from drumlin.contact.equations import Problem
+from drumlin.contact.equations import ContactProblem
 from drumlin.fem.substructure.body import scalar_basis, stiffness
-from drumlin_studies.two_bodies import BodyPair, body, sector, towards
+from drumlin_studies.two_bodies import (
+    BodyPair,
+    condense_contact_body,
+    growing_steps_to,
+    sector_mesh,
+)
 
 pytestmark = pytest.mark.slow
 
@@ -83,10 +88,14 @@ def strip():
     Elements shrink to 1e-7 of its thickness towards its ends and its face.
     """
     thickness, half = 0.05, 0.1
-    fine = towards(1e-8, 1.35, half)
+    fine = growing_steps_to(1e-8, 1.35, half)
     angles = np.concatenate([-half + fine, (half - fine)[::-1][1:]])
     return thickness, BodyPair.of(
-        body(sector(angles, towards(1e-8, 1.35, thickness), 1.0, -1), Material(E=3e8, nu=0.3)), None
+        condense_contact_body(
+            sector_mesh(angles, growing_steps_to(1e-8, 1.35, thickness), 1.0, -1),
+            Material(E=3e8, nu=0.3),
+        ),
+        None,
     )
 
 
@@ -101,7 +110,9 @@ def test_the_pressure_at_a_sharp_edge_that_the_drum_runs_onto_goes_as_r_to_lambd
     A = pair.pressed.T @ (pair.pressed + mu * pair.dragged)
     n = len(pair.angle)
     q = pair.coupling.M @ np.full(n, -1e-4 * thickness)
-    found = active_set.solve(Problem(A, q, np.zeros((n, 0)), np.zeros((0, n)), np.zeros(0)))
+    found = active_set.solve_contact_problem(
+        ContactProblem(A, q, np.zeros((n, 0)), np.zeros((0, n)), np.zeros(0))
+    )
     # The drum moves along +phi, onto this end.
     r = pair.angle - pair.angle[0]
     near = (r > 1e-5 * thickness) & (r < 3e-3 * thickness)

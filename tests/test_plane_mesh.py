@@ -20,9 +20,9 @@ from drumlin.brake.writing import brake_text
 from drumlin.comparison import compare
 from drumlin.fem.mesh.arc import shoe_mesh
 from drumlin.fem.mesh.file import read_mesh, write_mesh
-from drumlin.fem.mesh.grading import divide
+from drumlin.fem.mesh.grading import divide_lining
 from drumlin.fem.preparation.prepare import prepare
-from drumlin_studies.random_kinds import placed
+from drumlin_studies.random_kinds import place_brake
 from flat_pads import BODY, KINDS, pad
 
 ELEMENTS = 16
@@ -33,7 +33,7 @@ def filed(
     brake: FlatBrake, path: Path, kind: str = "quad2", elements: int = ELEMENTS, **more: Any
 ) -> FlatBrake:
     """The pad with its parametric mesh as a file."""
-    division = divide(brake.shoes[0], brake.size, elements)
+    division = divide_lining(brake.shoes[0], brake.size, elements)
     write_mesh(path, shoe_mesh(brake.shoes[0], brake.size, division, kind), brake.shoes[0])
     return vary(
         brake, {"shoe.mesh": str(path)} | {f"shoe.{key}": value for key, value in more.items()}
@@ -84,7 +84,7 @@ def test_units_frames_and_mirror_images_change_nothing(tmp_path: Path) -> None:
     mesh.points[:, 0] -= brake.shoes[0].pin.x
     mesh.write(small)
     shared = vary(own, {"shoe.mesh": str(small), "shoe.mesh_frame": "shoe"})
-    image = placed(shared, mirrored=True, shift=0.4)
+    image = place_brake(shared, mirrored=True, shift=0.4)
     (c,), (d,) = drumlin.solve(shared).shoes, drumlin.solve(image).shoes
     np.testing.assert_allclose(c.pressure, a.pressure, atol=1e-7 * a.peak_pressure)
     np.testing.assert_allclose(

@@ -17,11 +17,11 @@ from drumlin.brake.plane_brake import FlatBrake
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.error_control.singular_points import singular_points_of
 from drumlin.fem.hp.division import Singularity
-from drumlin.fem.model import respond
+from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.laws import law
 from drumlin.response.response import ShoeResponse
-from drumlin_studies.random_kinds import placed, scaled
+from drumlin_studies.random_kinds import place_brake, scale_brake
 from flat_pads import BODY, LINING, pad
 
 LENGTH, WIDTH, E = 0.12, 0.04, 3e8
@@ -165,7 +165,9 @@ def test_a_pad_in_blocks_bears_by_those_that_do_not_stand_back() -> None:
     # Under this body the far end of the lining alone bears.
     brake = pad("hinge", body=BODY)
     stepped = vary(brake, {MISFIT: {"blocks": [[0.1, 1e-3], [0.14, 0.0]]}})
-    (places,) = singular_points_of(stepped, respond(prepare(brake, LEVELS[1]), brake)).values()
+    (places,) = singular_points_of(
+        stepped, solve_prepared_model(prepare(brake, LEVELS[1]), brake)
+    ).values()
     assert sum(point.kind in {Singularity.STEP, Singularity.OPEN_STEP} for point in places) == 4
     a, b = pressed(brake), pressed(stepped)
     assert b.contact_arcs[0] == pytest.approx(a.contact_arcs[0], rel=1e-3)
@@ -184,13 +186,13 @@ def test_a_wrong_pads_mirror_image_answers_alike(taper: float, crown: float, kin
     rows = [[0.06, 1e-6], [0.1, 0.0], [0.18, 2e-6]]
     brake = vary(brake, {MISFIT: misfit, "shoe.lining.clearance": rows})
     (a,) = drumlin.solve(brake, elements=20).shoes
-    (b,) = drumlin.solve(placed(brake, mirrored=True), elements=20).shoes
+    (b,) = drumlin.solve(place_brake(brake, mirrored=True), elements=20).shoes
     np.testing.assert_allclose(b.pressure_at(-a.theta), a.pressure, atol=1e-7 * a.peak_pressure)
-    (c,) = drumlin.solve(placed(brake, shift=0.7), elements=20).shoes
+    (c,) = drumlin.solve(place_brake(brake, shift=0.7), elements=20).shoes
     np.testing.assert_allclose(
         c.pressure_at(a.theta + 0.7), a.pressure, atol=1e-7 * a.peak_pressure
     )
-    (d,) = drumlin.solve(scaled(brake, 3.0, 2.0), elements=20).shoes
+    (d,) = drumlin.solve(scale_brake(brake, 3.0, 2.0), elements=20).shoes
     np.testing.assert_allclose(
         d.pressure_at(3 * a.theta), 2 * a.pressure, atol=1e-7 * d.peak_pressure
     )

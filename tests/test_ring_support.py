@@ -8,12 +8,12 @@ from drumlin.brake import read_brake, vary
 from drumlin.brake.components import Ring
 from drumlin.brake.drum_brake import DrumBrake
 from drumlin.brake.ring_support import plain_ring_only
-from drumlin.fem.analysis.sensitivity import sensitivity
+from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.verification.triangles.levels import TRIANGLE_LEVELS
 from drumlin.verification.triangles.levels import solve as solve_by_triangles
-from drumlin_studies.reduced import sketcher
+from drumlin_studies.reduced import surrogate_maker
 
 SECTION = {"thickness": 0.015, "width": 0.06, "material": {"E": 1.1e11, "nu": 0.26}}
 REFUSED = "takes rings with a fixed or a free far edge only"
@@ -52,7 +52,7 @@ def test_the_triangles_refuse_it(strange):
 
 def test_the_reduced_model_refuses_it(strange):
     with pytest.raises(BadInput, match=f"a sketch {REFUSED}"):
-        sketcher()(strange)
+        surrogate_maker()(strange)
 
 
 @pytest.mark.parametrize("stiffness", [{}, {"bending_stiffness": 2000.0}])
@@ -61,12 +61,12 @@ def test_a_slope_by_its_modulus_is_not_stated(root, monkeypatch, stiffness):
     brake = read_brake(root / "studies" / "double_shoe" / "brake.toml")
     brake = vary(brake, {"drum.ring": SECTION | stiffness})
     scene = prepare(brake, LEVELS[0])
-    plain = sensitivity(scene, brake)
+    plain = compute_torque_sensitivity(scene, brake)
     assert [plain.ring is None, plain.ring_bending_stiffness is None] == [
         bool(stiffness),
         not stiffness,
     ]
     monkeypatch.setattr(Ring, "is_plain", False)
-    other = sensitivity(scene, brake)
+    other = compute_torque_sensitivity(scene, brake)
     assert other.ring is None and other.ring_bending_stiffness is None
     assert other.friction == plain.friction

@@ -16,13 +16,13 @@ from drumlin.brake.fields import Material
 from drumlin.brake.file import brake_from, validated
 from drumlin.brake.plane_brake import FlatBrake
 from drumlin.brake.writing import brake_text
-from drumlin.fem.analysis.sensitivity import sensitivity
+from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.solid.mesh import solid_mesh
-from drumlin.verification.triangles.outline import outline_of
-from drumlin_studies.reduced import sketcher
+from drumlin.verification.triangles.outline import make_outline
+from drumlin_studies.reduced import surrogate_maker
 from held_shoes import BODY, brake_of
 
 S = {"E": 2.1e11, "nu": 0.3}
@@ -166,7 +166,7 @@ def test_a_t_section_is_what_its_layers_are(kind: str) -> None:
     np.testing.assert_allclose(a.pressure, b.pressure, atol=1e-9 * b.peak_pressure)
     assert new.torque == pytest.approx(old.torque, rel=1e-10)
     rows = [
-        np.diag(sketcher()(layered(kind, old=old)).bodies[0].closure_by_pressure)
+        np.diag(surrogate_maker()(layered(kind, old=old)).bodies[0].closure_by_pressure)
         for old in (False, True)
     ]
     # The surrogate has a mesh of the backing, and the table in the bar.
@@ -177,7 +177,7 @@ def test_the_second_solver_has_the_same_plates() -> None:
     hinged = [
         vary(layered("pivot", old=old), {"shoe.pivot": None}).shoes[0] for old in (False, True)
     ]
-    new, old = (outline_of(shoe, 0.11) for shoe in hinged)
+    new, old = (make_outline(shoe, 0.11) for shoe in hinged)
     assert len(new.layers) == len(old.layers) == 3
     for one, other in zip(new.layers, old.layers, strict=True):
         assert (one.start, one.end, one.elastic.width) == (
@@ -211,7 +211,7 @@ def test_moduli_of_table_and_web_are_one(flexible: Brake) -> None:
         flexible, {"shoe.body.table": {"thickness": 3e-3, "width": 0.04}, "shoe.body.width": 5e-3}
     )
     E = 2.1e11
-    found = sensitivity(prepare(brake, elements=20), brake)
+    found = compute_torque_sensitivity(prepare(brake, elements=20), brake)
     torque = [
         drumlin.solve(vary(brake, {"shoe.body.material.E": E * k}), elements=20).torque
         for k in (1.001, 0.999)

@@ -18,20 +18,24 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.elasticity import ElasticLayer, elasticity_matrix
 from drumlin.brake.fields import Material
 from drumlin.brake.file import brake_from, read_brake, vary
-from drumlin.fem.analysis.mutual_work import change_by_nodes, work_by_part
-from drumlin.fem.analysis.sensitivity import as_text, sensitivity
+from drumlin.fem.analysis.mutual_work import mutual_work_by_part, mutual_work_change_by_node_motions
+from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity, sensitivity_as_text_lines
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.hp.grid import ColumnGrid
 from drumlin.fem.mesh.arc import shoe_mesh
 from drumlin.fem.mesh.file import write_mesh
-from drumlin.fem.model import respond
+from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.solve import scene_of, solve
+from drumlin.fem.solve import prepare_finest_division, solve
 from drumlin.fem.substructure.body import FRAME, scalar_basis, stiffness
 from drumlin_studies import consistency_slopes
-from drumlin_studies.consistency_slopes import Divided, difference, slopes_of
+from drumlin_studies.consistency_slopes import (
+    DivisionForSlopes,
+    largest_slope_difference,
+    printed_slopes,
+)
 from drumlin_studies.random_brake import random_brake
-from drumlin_studies.random_kinds import random_kind
+from drumlin_studies.random_kinds import draw_brake_of_holding_kind
 from shared_parts import modulus_slopes
 
 ELEMENTS = 10
@@ -110,10 +114,10 @@ def central(
 WRONG = [
     (partial(random_brake, 51, "post"), "hinge", 1),
     (partial(random_brake, 12, "post"), "hinge", 1),
-    (partial(random_kind, 6, "pivot"), "pivot", 0),
+    (partial(draw_brake_of_holding_kind, 6, "pivot"), "pivot", 0),
     (partial(random_brake, 9, "post"), "hinge", 0),
-    (partial(random_kind, 15, "grip"), "pivot", 1),
-    (partial(random_kind, 11, "pivot"), "pivot", 1),
+    (partial(draw_brake_of_holding_kind, 15, "grip"), "pivot", 1),
+    (partial(draw_brake_of_holding_kind, 11, "pivot"), "pivot", 1),
 ]
 
 
@@ -127,10 +131,12 @@ WRONG = [
 )
 def test_a_slope_along_a_point_is_that_of_solves_whose_body_moves_with_it(draw, key, way, scene):
     brake = draw()
-    exact = float(sensitivity(scene(brake), brake).shoes[0].held[key][way])
+    exact = float(compute_torque_sensitivity(scene(brake), brake).shoes[0].held[key][way])
     # within larger steps nodes come into contact, and the torque has a kink
     for step in (3e-5, 1e-5, 3e-6):
-        near = central(brake, 0, key, way, lambda other: respond(scene(other), other).torque, step)
+        near = central(
+            brake, 0, key, way, lambda other: solve_prepared_model(scene(other), other).torque, step
+        )
         assert exact == pytest.approx(near, rel=1e-3), step
 
 
@@ -138,7 +144,9 @@ def test_a_slope_along_a_point_is_that_of_solves_whose_body_moves_with_it(draw, 
 @pytest.mark.parametrize("name", ["brakes/crane.toml", "post_brake/brake.toml"])
 def test_slopes_of_the_studies_are_those_of_solves_by_default(name):
     brake = read_brake(ROOT / "studies" / name)
-    for i, own in enumerate(sensitivity(scene_of(brake), brake).shoes):
+    for i, own in enumerate(
+        compute_torque_sensitivity(prepare_finest_division(brake), brake).shoes
+    ):
         for key, value in own.held.items():
             for way, exact in enumerate(value):
                 for step in (1e-2, 3e-3, 1e-3):
@@ -150,7 +158,7 @@ def test_slopes_of_the_studies_are_those_of_solves_by_default(name):
 @pytest.mark.parametrize("support", ["free", "fixed"])
 @pytest.mark.parametrize("elements", [None, ELEMENTS])
 def test_a_grip_on_an_elastic_ring_moves_the_contact_of_the_ring_too(elements, support):
-    brake = vary(random_kind(0, "pivot"), RING | {"drum.ring.support": support})
+    brake = vary(draw_brake_of_holding_kind(0, "pivot"), RING | {"drum.ring.support": support})
     assert largest(brake, elements, "pivot") < 1e-4
 
 
@@ -187,7 +195,7 @@ def test_posts_under_a_cam_share_its_force_anew_as_their_hinges_move(elements):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("kind", "draw"), [("post", random_brake), ("rough abutment", random_kind)]
+    ("kind", "draw"), [("post", random_brake), ("rough abutment", draw_brake_of_holding_kind)]
 )
 def test_a_mesh_in_the_shoes_frame_turns_with_its_pin(kind, draw, tmp_path):
     brake = draw(3, kind)
@@ -206,12 +214,14 @@ def largest(brake: Brake, elements: int | None, key: str = "") -> float:
 
     Differences over three steps are the reference.
     """
-    divided = Divided(elements, consistency_slopes.Cache())
+    divided = DivisionForSlopes(elements, consistency_slopes.Cache())
     base = divided.solved(brake)
     table = [
-        slope for slope in slopes_of(brake, divided.slopes(brake)) if slope.what.startswith(key)
+        slope
+        for slope in printed_slopes(brake, divided.slopes(brake))
+        if slope.what.startswith(key)
     ]
-    apart = [difference(brake, slope, divided, base) for slope in table]
+    apart = [largest_slope_difference(brake, slope, divided, base) for slope in table]
     assert len(table) > 1
     assert None not in apart
     return max(each for each in apart if each is not None)
@@ -226,7 +236,10 @@ def test_a_bending_stiffness_has_a_slope_of_its_own_and_the_modulus_beside_it_no
         "drum.ring.bending_stiffness": ring.EI,
     }
     given = vary(brake, EI)
-    plain, found = sensitivity(scene(brake), brake), sensitivity(scene(given), given)
+    plain, found = (
+        compute_torque_sensitivity(scene(brake), brake),
+        compute_torque_sensitivity(scene(given), given),
+    )
     # the section is the same, and plane stress feels the product of modulus and width alone
     assert found.shoes[0].bending_stiffness == pytest.approx(
         plain.shoes[0].moduli["shoe"], rel=1e-9
@@ -240,7 +253,7 @@ def test_a_bending_stiffness_has_a_slope_of_its_own_and_the_modulus_beside_it_no
         for s in (1e-3, -1e-3):
             value = EI.get(key) or (body if "body" in key else ring).material.E
             other = vary(given, {key: value * (1 + s)})
-            torque[key, s] = respond(scene(other), other).torque
+            torque[key, s] = solve_prepared_model(scene(other), other).torque
     near = [
         (torque[key, 1e-3] - torque[key, -1e-3]) / 2e-3 for key in (*EI, "shoe[0].body.material.E")
     ]
@@ -248,7 +261,7 @@ def test_a_bending_stiffness_has_a_slope_of_its_own_and_the_modulus_beside_it_no
     assert near[1] == pytest.approx(found.ring_bending_stiffness, rel=1e-4)
     # A larger width makes up for a smaller modulus.
     assert abs(near[2]) < 1e-6 * abs(near[0])
-    text = " ".join(as_text(found, given))
+    text = " ".join(sensitivity_as_text_lines(found, given))
     assert "d ln T/d ln bending_stiffness of the drum ring" in text
     assert "d ln T/d ln bending_stiffness: shoe" in text
     assert "E of the drum ring" not in text
@@ -323,11 +336,11 @@ def test_the_mutual_work_is_that_of_the_assembled_stiffness_and_so_is_its_change
     u, v = np.random.default_rng(0).standard_normal((2, 2 * basis.N))
     layers = some_layers(body.mesh.subdomains, directed=directed)
     whole = v @ (stiffness(basis, layers) @ u)
-    assert sum(work_by_part(basis, layers, u, v).values()) == pytest.approx(whole, rel=1e-9)
+    assert sum(mutual_work_by_part(basis, layers, u, v).values()) == pytest.approx(whole, rel=1e-9)
     h = 1e-6 * size
     ahead, behind = (v @ (stiffness(moved(basis, s), layers) @ u) for s in (h, -h))
     moves = at_nodes(basis.doflocs).T.reshape(1, -1)
-    exact = change_by_nodes(basis, layers, u, v, moves, [0.0])[0]
+    exact = mutual_work_change_by_node_motions(basis, layers, u, v, moves, [0.0])[0]
     assert exact == pytest.approx((ahead - behind) / (2 * h), rel=1e-4)
 
 
@@ -349,7 +362,9 @@ def test_the_mutual_work_changes_as_the_axis_of_straight_layers_turns(name):
 
     h = 1e-5
     ahead, behind = v @ (stiffness(basis, turned(h)) @ u), v @ (stiffness(basis, turned(-h)) @ u)
-    exact = change_by_nodes(basis, layers, u, v, np.zeros((1, 2 * basis.N)), [1.0])[0]
+    exact = mutual_work_change_by_node_motions(
+        basis, layers, u, v, np.zeros((1, 2 * basis.N)), [1.0]
+    )[0]
     assert exact == pytest.approx((ahead - behind) / (2 * h), rel=1e-6)
 
 
@@ -366,7 +381,7 @@ def test_displacements_on_columns_come_without_a_factorisation_of_the_whole(monk
     scene = on_columns(brake)
     monkeypatch.setattr(ColumnGrid, "stiffness", refuse)
     monkeypatch.setattr("scipy.sparse.linalg.splu", refuse)
-    found = sensitivity(scene, brake)
+    found = compute_torque_sensitivity(scene, brake)
     moduli = modulus_slopes(found)
     assert math.fsum([*moduli, found.ring or 0.0]) == pytest.approx(
         0.0, abs=1e-7 * max(map(abs, moduli))
@@ -401,14 +416,16 @@ def test_displacements_by_way_of_the_sides_of_elements_are_those_of_the_whole_sy
 
 @pytest.mark.parametrize("seed", range(3, 2 * len(consistency_slopes.SLOPE_KINDS), 7))
 def test_random_brakes_of_all_kinds_keep_their_slopes(seed):
-    rows = consistency_slopes.checks(seed, 1)
+    rows = consistency_slopes.slope_rows_of_seed(seed, 1)
     assert all(row.outcome == "agrees" for row in rows), rows
 
 
 @pytest.mark.slow
 def test_more_random_brakes_keep_their_slopes():
     outcomes = [
-        row.outcome for seed in range(1000, 1104) for row in consistency_slopes.checks(seed)
+        row.outcome
+        for seed in range(1000, 1104)
+        for row in consistency_slopes.slope_rows_of_seed(seed)
     ]
     assert len(outcomes) > 280
     assert set(outcomes) == {"agrees"}

@@ -7,17 +7,17 @@ from conftest import partly
 from drumlin.base.errors import LostDigits, NoAnswer
 from drumlin.brake.file import brake_from, vary
 from drumlin.contact import active_set
-from drumlin.contact.equations import Problem
-from drumlin.fem.analysis.self_locking import limits
+from drumlin.contact.equations import ContactProblem
+from drumlin.fem.analysis.self_locking import friction_limits_of_groups
 from drumlin.fem.error_control.levels import LEVELS, steps
 from drumlin.fem.preparation.meshes import ELEMENTS
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin.laws import law
 from drumlin_studies import consistency_refused
-from drumlin_studies.consistency_refused import checks, drawn, force
+from drumlin_studies.consistency_refused import draw_brake, refusal_rows, total_contact_force
 from drumlin_studies.random_brake import random_brake
-from drumlin_studies.standing_off import standing_off
+from drumlin_studies.standing_off import draw_brake_with_clearances
 from picking import picked
 
 ONE_SHOE = {
@@ -63,8 +63,10 @@ def test_a_contact_that_moves_from_wide_columns_to_narrow_ones_does_not_lock():
 @pytest.mark.parametrize("seed", partly([2, 37, 107, 141, 172, 247, 257, 272, 286, 471], [286]))
 def test_a_brake_that_a_fine_mesh_answers_is_answered_by_default(seed):
     """Abutments, rough ones, struts and cams, whose contact moves by more than its length."""
-    brake = standing_off(seed)
-    assert force(solve(brake)) == pytest.approx(force(solve(brake, elements=80)), rel=0.01)
+    brake = draw_brake_with_clearances(seed)
+    assert total_contact_force(solve(brake)) == pytest.approx(
+        total_contact_force(solve(brake, elements=80)), rel=0.01
+    )
 
 
 def test_a_rigid_plank_on_a_curve_stands_on_the_two_nodes_beside_its_load():
@@ -73,16 +75,20 @@ def test_a_rigid_plank_on_a_curve_stands_on_the_two_nodes_beside_its_load():
     B = -np.array([np.ones_like(x), x]).T
     for load in (-0.9, -0.2, 0.1, 0.6):
         right = np.searchsorted(x, load)
-        problem = Problem(1e-7 * np.eye(9), x**2, B, B.T, np.array([-1.0, -load]))
+        problem = ContactProblem(1e-7 * np.eye(9), x**2, B, B.T, np.array([-1.0, -load]))
         share = (load - x[right - 1]) / (x[right] - x[right - 1])
         expected = np.zeros(9)
         expected[[right - 1, right]] = 1 - share, share
         starts = [None, *(np.isin(np.arange(9), [i, i + 1]) for i in range(8))]
         for start in starts:
-            np.testing.assert_allclose(active_set.solve(problem, start).p, expected, atol=1e-12)
+            np.testing.assert_allclose(
+                active_set.solve_contact_problem(problem, start).p, expected, atol=1e-12
+            )
         for beside in (-1, 0, 1):
             start = np.isin(np.arange(9), [right - 1 + beside, right + beside])
-            np.testing.assert_allclose(active_set.settle(problem, start).p, expected, atol=1e-12)
+            np.testing.assert_allclose(
+                active_set.solve_by_block_pivoting(problem, start).p, expected, atol=1e-12
+            )
 
 
 def test_a_shoe_that_another_one_pushes_touches_where_this_push_presses_it():
@@ -93,17 +99,23 @@ def test_a_shoe_that_another_one_pushes_touches_where_this_push_presses_it():
     """
     B = -np.eye(4, 2)[[0, 0, 1, 1]] * np.array([[1.0], [2.0], [1.0], [-1.0]])
     C = np.array([[-1.0, -2.0, 0.0, 0.0], [0.5, 1.0, -1.0, 1.0]])
-    problem = Problem(1e-6 * np.eye(4), np.array([1.0, 3.0, 1.0, 1.0]), B, C, np.array([-1.0, 0.0]))
-    found = active_set.solve(problem, np.zeros(4, dtype=bool))
+    problem = ContactProblem(
+        1e-6 * np.eye(4), np.array([1.0, 3.0, 1.0, 1.0]), B, C, np.array([-1.0, 0.0])
+    )
+    found = active_set.solve_contact_problem(problem, np.zeros(4, dtype=bool))
     np.testing.assert_allclose(found.p, [1.0, 0.0, 0.5, 0.0], atol=1e-9)
-    np.testing.assert_array_equal(active_set.follow_from_wider_gaps(problem)[0], found.active)
+    np.testing.assert_array_equal(
+        active_set.follow_solution_from_wider_gaps(problem)[0], found.active
+    )
 
 
 @pytest.mark.parametrize("seed", partly(range(1, 7), ()))
 def test_true_self_locking_is_still_refused_with_its_limit(seed):
     """mu_lock as followed on a mesh of 160 elements: one of 80 is 2 % off on seed 4."""
     brake = random_brake(seed, "locking")
-    end = min(picked(limits(prepare(brake, elements=160), brake).values(), "friction"))
+    end = min(
+        picked(friction_limits_of_groups(prepare(brake, elements=160), brake).values(), "friction")
+    )
     with pytest.raises(NoAnswer, match="mu_lock = ") as refusal:
         solve(vary(brake, {"friction": 1.1 * end}))
     said = float(str(refusal.value).split("mu_lock = ")[1].split()[0])
@@ -135,7 +147,7 @@ def test_a_cam_that_would_have_to_pull_is_not_said_to_lock():
     The force of its second shoe falls to zero below the friction: at 0.0307 on a mesh of 80
     elements.
     """
-    brake = standing_off(2361)
+    brake = draw_brake_with_clearances(2361)
     assert solve(vary(brake, {"friction": 0.02}), elements=40).shoes[1].force > 0
     with pytest.raises(
         NoAnswer, match=r"^shoe 'second': no equilibrium, what pushes it would have to pull$"
@@ -145,19 +157,19 @@ def test_a_cam_that_would_have_to_pull_is_not_said_to_lock():
 
 @pytest.mark.parametrize("seed", range(15))
 def test_random_brakes_that_stand_off_press_by_the_law_and_are_drawn_again_from_their_seed(seed):
-    brake = standing_off(seed)
-    assert brake == standing_off(seed)
+    brake = draw_brake_with_clearances(seed)
+    assert brake == draw_brake_with_clearances(seed)
     assert all(picked(law(brake).shoes, "contact_arcs"))
     assert min(picked(brake.shoes, "lining.clearance")) > 0
 
 
 @pytest.mark.parametrize("seed", partly(range(0, 60), [4]))
 def test_what_is_refused_is_refused_on_meshes_too(seed):
-    assert [row for row in checks(seed) if row.outcome not in {"agrees", "refused"}] == []
+    assert [row for row in refusal_rows(seed) if row.outcome not in {"agrees", "refused"}] == []
 
 
 def test_a_refusal_that_three_meshes_do_not_share_differs(monkeypatch):
-    response = solve(drawn(4), elements=5)
+    response = solve(draw_brake(4), elements=5)
 
     def on_levels(brake, *, elements=None):
         if elements is None:
@@ -168,9 +180,11 @@ def test_a_refusal_that_three_meshes_do_not_share_differs(monkeypatch):
         raise NoAnswer("no equilibrium")
 
     monkeypatch.setattr(consistency_refused, "solve", on_levels)
-    (row,) = checks(4)
+    (row,) = refusal_rows(4)
     assert (
-        row.outcome == "differs" and "self-locking" in row.quantity and row.brake == drawn(4).title
+        row.outcome == "differs"
+        and "self-locking" in row.quantity
+        and row.brake == draw_brake(4).title
     )
     monkeypatch.setattr(consistency_refused, "solve", nowhere)
-    assert picked(checks(4), "outcome") == ["refused"]
+    assert picked(refusal_rows(4), "outcome") == ["refused"]

@@ -14,7 +14,7 @@ from drumlin.fem.error_control.adapt import Tolerance, adapt, errors_with_singul
 from drumlin.fem.error_control.estimate import FACTORS, SOFTER, Errors, beside, estimate
 from drumlin.fem.error_control.levels import LEVELS as COLUMNS
 from drumlin.fem.error_control.levels import Step, steps
-from drumlin.fem.model import respond
+from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin.response.norms import pressure_distance
@@ -22,20 +22,20 @@ from drumlin.response.response import NO_CHANGE, ShoeChange, reaction_size
 from drumlin.response.resultants import cross, integrate
 from drumlin.verification.triangles import TriangleLevel, solve_sequence
 from drumlin_studies import stated_true
-from drumlin_studies.calibration import drawn
+from drumlin_studies.calibration import draw_calibration_brake
 from drumlin_studies.random_brake import SHAPE_KINDS, random_brake
 from drumlin_studies.stated_true import (
     JUDGED_QUANTITIES,
     RELEVANT,
     Truth,
-    by_columns,
-    errors,
-    limit,
-    ratio,
-    row,
-    summary,
+    distance_from_limit,
+    stated_and_true_row,
+    stated_over_true,
+    summary_rows,
+    true_errors,
+    truth_by_hp_elements,
 )
-from drumlin_studies.stored_truth import by_finer
+from drumlin_studies.stored_truth import solve_by_finer_divisions
 from picking import keyed, picked
 from shared_parts import scaled_pressures
 
@@ -45,7 +45,7 @@ LEVELS = (TriangleLevel(3, 5, 1.4, 1.0), TriangleLevel(4, 7, 1.2, 1.0))
 @pytest.fixture(scope="module")
 def truth(brake):
     before, last = solve_sequence(brake, LEVELS)
-    return Truth(last, MappingProxyType(errors(brake, before, last)), 0.0)
+    return Truth(last, MappingProxyType(true_errors(brake, before, last)), 0.0)
 
 
 @pytest.mark.parametrize("kind", partly(SHAPE_KINDS, {"linings on ring", "post on ring"}))
@@ -67,23 +67,25 @@ def test_the_kinds_follow_each_other_by_seed():
 def test_what_a_response_states_is_held_against_the_truth(brake, truth):
     coarse = solve(brake, elements=12)
     stated = dict.fromkeys(JUDGED_QUANTITIES, 1e-2)
-    seen = row(brake, 1e-2, lambda brake, tolerance: replace(coarse, error=stated), truth)
+    seen = stated_and_true_row(
+        brake, 1e-2, lambda brake, tolerance: replace(coarse, error=stated), truth
+    )
     assert seen["outcome"] == "reached"
-    off = errors(brake, coarse.shoes, truth.shoes)
+    off = true_errors(brake, coarse.shoes, truth.shoes)
     assert {name: seen[f"true_{name}"] for name in JUDGED_QUANTITIES} == off
     torque = sum(picked(truth.shoes, "torque"))
     assert off["torque"] == pytest.approx(abs(coarse.torque - torque) / torque)
     assert 1e-3 < off["pressure"] < 0.1
-    liar = row(
+    liar = stated_and_true_row(
         brake,
         1e-2,
         lambda brake, tolerance: replace(coarse, error=dict.fromkeys(JUDGED_QUANTITIES, 1e-9)),
         truth,
     )
-    assert ratio(liar, "pressure") < 1e-5
-    table = keyed(summary([seen, liar]), "quantity")
+    assert stated_over_true(liar, "pressure") < 1e-5
+    table = keyed(summary_rows([seen, liar]), "quantity")
     assert table["pressure"]["above"] == pytest.approx(0.5 + 0.5 * (off["pressure"] > 1e-2))
-    assert table["pressure"]["judged"] == 2 and table["pressure"]["smallest"] == ratio(
+    assert table["pressure"]["judged"] == 2 and table["pressure"]["smallest"] == stated_over_true(
         liar, "pressure"
     )
 
@@ -98,14 +100,14 @@ def test_the_relevant_median_leaves_out_errors_that_nobody_asks_for():
         }
 
     rows = [judged(true) for true in (2 * RELEVANT, RELEVANT, 0.01 * RELEVANT, 0.01 * RELEVANT)]
-    torque = keyed(summary(rows), "quantity")["torque"]
+    torque = keyed(summary_rows(rows), "quantity")["torque"]
     assert torque["median_relevant"] == pytest.approx(3.0)
     assert torque["median"] == pytest.approx(202.0)
 
 
 def test_a_known_shift_of_the_pressure_is_the_error(brake, truth):
     shifted = scaled_pressures(truth.shoes, 1.01)
-    off = errors(brake, shifted, truth.shoes)
+    off = true_errors(brake, shifted, truth.shoes)
     assert off["pressure"] == pytest.approx(0.01, rel=1e-9)
     assert off["peak"] == pytest.approx(0.01, rel=1e-9)
     assert off["torque"] == off["reaction"] == 0
@@ -118,25 +120,34 @@ def test_what_fails_stays_in_the_table(brake, truth):
     def stumble(brake, tolerance):
         raise ValueError("no")
 
-    rows = [row(brake, 1e-2, refuse, truth), row(brake, 1e-2, stumble, truth)]
+    rows = [
+        stated_and_true_row(brake, 1e-2, refuse, truth),
+        stated_and_true_row(brake, 1e-2, stumble, truth),
+    ]
     assert picked(rows, "outcome") == ["not reached", "failed"]
     rows.append(
-        row(brake, 1e-2, lambda brake, tolerance: solve(brake, elements=12), None, "singular")
+        stated_and_true_row(
+            brake, 1e-2, lambda brake, tolerance: solve(brake, elements=12), None, "singular"
+        )
     )
     assert rows[-1]["outcome"] == "no truth" and rows[-1]["reason"] == "singular"
-    assert set(picked(summary(rows), ("brakes", "reached", "judged"))) == {(2, 0.0, 0)}
+    assert set(picked(summary_rows(rows), ("brakes", "reached", "judged"))) == {(2, 0.0, 0)}
 
 
 def test_uncertainty_of_a_sequence():
-    assert limit(4.0, 1.0) == pytest.approx(1 / 3)
-    assert limit(100.0, 1.0) == pytest.approx(1 / 3)
-    assert limit(1.0, 1.0) == 1.0
-    assert limit(1.0, 0.0) == 0.0
+    assert distance_from_limit(4.0, 1.0) == pytest.approx(1 / 3)
+    assert distance_from_limit(100.0, 1.0) == pytest.approx(1 / 3)
+    assert distance_from_limit(1.0, 1.0) == 1.0
+    assert distance_from_limit(1.0, 0.0) == 0.0
     assert math.isnan(
-        ratio({"stated_torque": math.nan, "true_torque": 1.0, "unsure_torque": 0.0}, "torque")
+        stated_over_true(
+            {"stated_torque": math.nan, "true_torque": 1.0, "unsure_torque": 0.0}, "torque"
+        )
     )
     assert np.isinf(
-        ratio({"stated_torque": 1e-3, "true_torque": 1e-6, "unsure_torque": 2e-6}, "torque")
+        stated_over_true(
+            {"stated_torque": 1e-3, "true_torque": 1e-6, "unsure_torque": 2e-6}, "torque"
+        )
     )
 
 
@@ -164,7 +175,7 @@ def test_an_estimate_is_a_factor_of_the_last_step_and_what_lies_beside_it(brake)
 
 @pytest.fixture(scope="module")
 def level(brake):
-    return respond(prepare(brake, COLUMNS[0]), brake, penalty=math.inf)
+    return solve_prepared_model(prepare(brake, COLUMNS[0]), brake, penalty=math.inf)
 
 
 def shifted(response, by):
@@ -236,7 +247,7 @@ def test_a_peak_that_agrees_by_chance_is_as_uncertain_as_the_pressure_near_it(br
 def test_the_shortest_contact_of_a_shoe_counts(brake):
     """Of two levels whose one torque moves by 1e-3; one contact of two is a nanometre long."""
     made = prepare(brake, COLUMNS[0])
-    found = respond(made, brake, penalty=math.inf)
+    found = solve_prepared_model(made, brake, penalty=math.inf)
     one, other = found.shoes
     before = replace(found, shoes=(replace(one, torque=1.001 * one.torque), other))
     last = one.theta[one.pressure > 0][-1]
@@ -244,7 +255,9 @@ def test_the_shortest_contact_of_a_shoe_counts(brake):
 
     def error(last):
         along = [Step(made, before), Step(made, last)]
-        return adapt(brake, Tolerance(0.5, 0.5), respond, must=False, along=along).response.error
+        return adapt(
+            brake, Tolerance(0.5, 0.5), solve_prepared_model, must=False, along=along
+        ).response.error
 
     assert error(found)["torque"] == pytest.approx(
         FACTORS.force * 1e-3 * one.torque / found.torque, rel=1e-3
@@ -279,12 +292,14 @@ def test_a_peak_in_the_column_at_a_pressed_end_is_not_known():
     the last node.
     """
     brake = random_brake(488)
-    found = list(islice(steps(brake, respond), 3))
+    found = list(islice(steps(brake, solve_prepared_model), 3))
     peaks = [step.response.shoes[0].peak_pressure for step in found]
     assert peaks[0] < 0.96 * peaks[1] < 0.96**2 * peaks[2]
     for some in (found[:2], found):
         assert not math.isclose(some[-1].response.shoes[0].pressure[-1], peaks[len(some) - 1])
-        stated = adapt(brake, Tolerance(1e-9, 1e-9), respond, must=False, along=some).response
+        stated = adapt(
+            brake, Tolerance(1e-9, 1e-9), solve_prepared_model, must=False, along=some
+        ).response
         assert stated.shoes[0].error["peak"] == stated.error["peak"] == 1.0
 
 
@@ -292,7 +307,9 @@ def test_a_peak_in_the_column_at_a_pressed_end_is_not_known():
 def test_the_penalty_changes_torque_and_pressure_as_a_response_says(brake, index):
     # On one division: columns that follow the contact of each would change p as well.
     level = prepare(brake, COLUMNS[2])
-    firm, soft = (respond(level, brake, penalty=each).shoes[index] for each in (math.inf, 1e3))
+    firm, soft = (
+        solve_prepared_model(level, brake, penalty=each).shoes[index] for each in (math.inf, 1e3)
+    )
     assert abs(soft.torque / firm.torque - 1) == pytest.approx(soft.softness.torque, rel=0.02)
     assert pressure_distance(soft, firm) == pytest.approx(soft.softness.pressure, rel=0.05)
     assert soft.softness.torque > 1e-9 and firm.softness == NO_CHANGE
@@ -305,7 +322,9 @@ def test_what_a_soft_contact_changes_is_stated(brake, penalty):
     The pressure of the softest contact hardly depends on it any more.
     """
     level = prepare(brake, COLUMNS[2])
-    firm, soft = (respond(level, brake, penalty=each).shoes for each in (math.inf, penalty))
+    firm, soft = (
+        solve_prepared_model(level, brake, penalty=each).shoes for each in (math.inf, penalty)
+    )
     for a, b in zip(soft, firm, strict=True):
         reaction = float(
             np.hypot(*(a.hinge_reaction - b.hinge_reaction)) / np.hypot(*b.hinge_reaction)
@@ -320,7 +339,10 @@ def test_what_a_soft_contact_changes_of_a_post_is_stated_too():
     """Of its pressure it changes a third more than to first order."""
     brake = random_brake(300_501, "post")
     level = prepare(brake, COLUMNS[1])
-    firm, soft = respond(level, brake, penalty=math.inf), respond(level, brake, penalty=10.0)
+    firm, soft = (
+        solve_prepared_model(level, brake, penalty=math.inf),
+        solve_prepared_model(level, brake, penalty=10.0),
+    )
     true = pressure_distance(soft.shoes[0], firm.shoes[0])
     assert true > 1e-2
     assert beside(soft.shoes)[1] > true
@@ -355,12 +377,14 @@ def test_columns_are_a_truth_that_triangles_share(brake, truth):
 
     Both see the error of a coarse answer.
     """
-    finer = by_columns(brake, 1e-2)
-    apart = errors(brake, finer.shoes, truth.shoes)
+    finer = truth_by_hp_elements(brake, 1e-2)
+    apart = true_errors(brake, finer.shoes, truth.shoes)
     for name in JUDGED_QUANTITIES:
         assert apart[name] <= 2 * (finer.unsure[name] + truth.unsure[name])
     coarse = solve(brake, elements=12)
-    one, other = (errors(brake, coarse.shoes, true.shoes)["pressure"] for true in (finer, truth))
+    one, other = (
+        true_errors(brake, coarse.shoes, true.shoes)["pressure"] for true in (finer, truth)
+    )
     assert one == pytest.approx(other, rel=0.1)
 
 
@@ -372,10 +396,10 @@ def test_columns_that_lost_digits_are_no_truth_beyond_them(brake, monkeypatch):
             shoes = tuple(replace(shoe, lost=ShoeChange(1e-4, 2e-4, 3e-4)) for shoe in found.shoes)
             yield Step(made, replace(found, shoes=shoes))
 
-    sure = by_columns(brake, 1e-2).unsure
+    sure = truth_by_hp_elements(brake, 1e-2).unsure
     monkeypatch.setattr(stated_true, "steps", losing)
     lost = {"pressure": 1e-4, "torque": 2e-4, "peak": 1e-4, "reaction": 3e-4}
-    for name, value in by_columns(brake, 1e-2).unsure.items():
+    for name, value in truth_by_hp_elements(brake, 1e-2).unsure.items():
         assert value == pytest.approx(sure[name] + lost[name], rel=1e-4)
 
 
@@ -395,13 +419,13 @@ def test_a_level_that_moves_away_again_is_no_truth(brake, monkeypatch):
 
         return some
 
-    before, sure = by_columns(brake, 1e-2), by_columns(brake, 1e-5)
+    before, sure = truth_by_hp_elements(brake, 1e-2), truth_by_hp_elements(brake, 1e-5)
     monkeypatch.setattr(stated_true, "steps", straying(9))
-    for own, other in zip(by_columns(brake, 1e-5).shoes, before.shoes, strict=True):
+    for own, other in zip(truth_by_hp_elements(brake, 1e-5).shoes, before.shoes, strict=True):
         np.testing.assert_array_equal(own.pressure, other.pressure)
     monkeypatch.setattr(stated_true, "steps", straying(3))
-    home = by_columns(brake, 1e-5)
-    assert errors(brake, home.shoes, sure.shoes)["pressure"] < 2 * sure.unsure["pressure"]
+    home = truth_by_hp_elements(brake, 1e-5)
+    assert true_errors(brake, home.shoes, sure.shoes)["pressure"] < 2 * sure.unsure["pressure"]
 
 
 def test_a_peak_at_an_end_of_the_lining_is_unbounded_and_so_is_its_error():
@@ -433,8 +457,8 @@ def test_a_peak_under_a_tip_of_the_gap_is_unbounded_and_so_is_its_error(brake, t
             adapt(
                 kinked,
                 Tolerance(1e-6, 1e-6),
-                respond,
-                along=list(islice(steps(kinked, respond), 3)),
+                solve_prepared_model,
+                along=list(islice(steps(kinked, solve_prepared_model), 3)),
             )
     else:
         assert abs(fine.peak_pressure / rough.peak_pressure - 1) < rough.error["peak"] < 0.1
@@ -448,7 +472,7 @@ def test_a_peak_that_finer_columns_may_find_at_an_end_is_unknown_before(part, un
     largest now.
     """
     brake = random_brake(4334, "arc")
-    *_, last = islice(steps(brake, respond), 2)
+    *_, last = islice(steps(brake, solve_prepared_model), 2)
     (shoe,) = last.response.shoes
     at_start = shoe.pressure[0] > shoe.pressure[-1]
     first, last_column = slice(0, shoe.order + 1), slice(-shoe.order - 1, None)
@@ -520,10 +544,10 @@ def test_a_reaction_that_two_levels_share_by_accident_is_not_stated_as_sure():
 
     Most of its stated error is the fraction `cancelled` of what chance signs would move it by.
     """
-    _, hinged = drawn(300_259)
-    truth = by_finer(hinged)
-    off = errors(hinged, solve(hinged).shoes, truth.shoes)["reaction"]
-    before, last = (step.response for step in islice(steps(hinged, respond), 2))
+    _, hinged = draw_calibration_brake(300_259)
+    truth = solve_by_finer_divisions(hinged)
+    off = true_errors(hinged, solve(hinged).shoes, truth.shoes)["reaction"]
+    before, last = (step.response for step in islice(steps(hinged, solve_prepared_model), 2))
     stated = estimate(hinged, before, last)
     by_step = estimate(hinged, before, last, FACTORS._replace(cancelled=0.0))
     assert by_step.brake["reaction"] < 0.5 * off

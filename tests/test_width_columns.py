@@ -55,9 +55,9 @@ def unknown_values(stack, along, xy_of, field, p):
     line = len(stack.line(along.left))
     count = stack.counts[0][0] if stack.contact else 0
     contact = np.array(found[line : len(found) - line]).reshape(-1, 2, max(count, 1))
-    found = np.array(found)
-    found[line : len(found) - line] = contact.transpose(0, 2, 1).ravel()
-    return found
+    values = np.array(found)
+    values[line : len(found) - line] = contact.transpose(0, 2, 1).ravel()
+    return values
 
 
 def columns_on_arc(p, q, *, contact=True, back=BackEdge.FREE):

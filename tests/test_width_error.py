@@ -11,12 +11,12 @@ from command_line import drumlin
 from drumlin.brake.file import vary
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.error_control.singular_points import singular_points_of
-from drumlin.fem.model import respond
+from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin.fem.width.error import model_distance, plane_stress_error
 from drumlin.fem.width.prepare import prepare_width
-from drumlin.sweeps.cases import row_of
+from drumlin.sweeps.cases import response_row
 from drumlin_studies.random_brake import random_brake
 from sections import t_section
 
@@ -27,8 +27,8 @@ def true_error(brake, degree=4):
     """The error of plane stress on a section of the first level, whose own error cancels."""
     start = solve(brake)
     points = singular_points_of(brake, start)
-    plane = respond(prepare(brake, LEVELS[0], points), brake, start=start)
-    wide = respond(prepare_width(brake, LEVELS[0], degree, points), brake, start=start)
+    plane = solve_prepared_model(prepare(brake, LEVELS[0], points), brake, start=start)
+    wide = solve_prepared_model(prepare_width(brake, LEVELS[0], degree, points), brake, start=start)
     return model_distance(brake, plane, wide).brake
 
 
@@ -147,10 +147,10 @@ def test_a_sweep_has_its_columns_on_request(flexible):
     response = solve(flexible, model_error=True)
     names = {"torque", "pressure", "reaction"}
     columns = {f"plane_stress_error_{name}" for name in names}
-    row = row_of(flexible, response)
+    row = response_row(flexible, response)
     assert columns <= set(row)
     assert all(math.isfinite(row[name]) for name in columns)
-    assert not columns & set(row_of(flexible, solve(flexible)))
+    assert not columns & set(response_row(flexible, solve(flexible)))
 
 
 def test_a_sweep_file_asks_for_it(root, tmp_path):

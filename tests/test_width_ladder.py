@@ -10,7 +10,7 @@ from drumlin.brake.file import vary
 from drumlin.fem.error_control.adapt import Tolerance
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.error_control.singular_points import singular_points_of
-from drumlin.fem.model import respond
+from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.solid import model as solid
 from drumlin.fem.solve import solve
 from drumlin.fem.width.error import model_distance
@@ -29,7 +29,7 @@ def truth(brake):
     start = solve(brake)
     points = singular_points_of(brake, start)
     scene = prepare_width(brake, LEVELS[1], lambda shoe: GRADED, points)
-    return respond(scene, brake, start=start)
+    return solve_prepared_model(scene, brake, start=start)
 
 
 @pytest.mark.parametrize("tolerance", [2e-2, 5e-3, 2e-3])
@@ -38,7 +38,7 @@ def test_stated_errors_are_above_the_true_ones_and_below_the_tolerance(brake, tr
     true = model_distance(brake, found, truth).brake
     assert found.error["pressure"] < tolerance
     assert found.error["torque"] < tolerance
-    # Two parts of the error of the torque may cancel, so that only that of p is never far too large.
+    # Two parts of the error of the torque may cancel, so that only p tells errors far too large.
     assert found.error["pressure"] < 6 * true["pressure"]
     for name, error in true.items():
         assert error < found.error[name], name
@@ -57,7 +57,7 @@ def test_on_a_t_section_stated_errors_are_above_the_true_ones(brake):
     found = solve_with_widths(section, Tolerance(1e-2, 1e-2))
     start = solve(section)
     points = singular_points_of(section, start)
-    truth = respond(prepare_width(section, LEVELS[0], 6, points), section, start=start)
+    truth = solve_prepared_model(prepare_width(section, LEVELS[0], 6, points), section, start=start)
     for name, error in model_distance(section, found, truth).brake.items():
         assert error < found.error[name], name
 

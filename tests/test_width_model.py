@@ -10,7 +10,7 @@ from drumlin.base.errors import BadInput
 from drumlin.brake.file import read_brake, vary
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.error_control.singular_points import singular_points_of
-from drumlin.fem.model import respond
+from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solid import model as hexahedra
 from drumlin.fem.substructure.body import rigid_body_modes
@@ -18,7 +18,7 @@ from drumlin.fem.width.error import WIDTH_LEVEL
 from drumlin.fem.width.functions import WidthFunctions
 from drumlin.fem.width.prepare import prepare_width, width_why_not
 from drumlin.response.norms import pressure_distance, relative
-from drumlin_studies.random_kinds import brake_of_kind
+from drumlin_studies.random_kinds import draw_brake_of_kind
 from flat_pads import pad
 from held_shoes import BODY, brake_of
 from sections import t_section
@@ -81,11 +81,11 @@ def without_contraction(brake):
 
 
 def plane(brake, level=LEVELS[0]):
-    return respond(prepare(brake, level), brake)
+    return solve_prepared_model(prepare(brake, level), brake)
 
 
 def wide(brake, degree, level=LEVELS[0], places=None):
-    return respond(prepare_width(brake, level, degree, places), brake)
+    return solve_prepared_model(prepare_width(brake, level, degree, places), brake)
 
 
 def assert_same(mine, other, within, reactions=1e-9):
@@ -165,7 +165,7 @@ def test_on_the_main_brake_it_is_the_solid_shoes_to_which_hexahedra_converge(bra
     assert mine.torque == pytest.approx(448.7310, rel=1e-5)
     ungraded = wide(brake, 4, LEVELS[1], points)
     assert ungraded.torque == pytest.approx(448.7310, rel=2e-4)
-    others = [respond(hexahedra.prepare(brake, elements=n), brake) for n in (14, 20)]
+    others = [solve_prepared_model(hexahedra.prepare(brake, elements=n), brake) for n in (14, 20)]
     for other in others:
         assert other.torque == pytest.approx(mine.torque, rel=2e-4)
         assert pressure_distance(other.shoes[0], mine.shoes[0]) < 0.03
@@ -177,7 +177,8 @@ def test_on_a_t_section_it_is_the_solid_shoes_to_which_hexahedra_converge(brake)
     points = singular_points_of(section, plane(section, LEVELS[1]))
     mine = wide(section, 4, LEVELS[0], points)
     few, many = (
-        respond(hexahedra.prepare(section, elements=n, across=8), section) for n in (14, 20)
+        solve_prepared_model(hexahedra.prepare(section, elements=n, across=8), section)
+        for n in (14, 20)
     )
     # At the corners of table and web the error of hexahedra falls as their size.
     limit = many.torque - (few.torque - many.torque) * 14 / (20 - 14)
@@ -190,7 +191,7 @@ def test_on_a_t_section_it_is_the_solid_shoes_to_which_hexahedra_converge(brake)
     ("kind", "seed"), [("arc", 1), ("backed", 2), ("misfit", 1), ("cam", 1), ("strut", 2)]
 )
 def test_on_random_brakes_degree_zero_is_plane_stress(kind, seed):
-    brake = brake_of_kind(seed, kind)
+    brake = draw_brake_of_kind(seed, kind)
     assert_same(wide(brake, 0), plane(brake), 1e-11)
     balance = wide(brake, 2, WIDTH_LEVEL).balance
     assert max(balance.force, balance.moment) < 1e-9

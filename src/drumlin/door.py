@@ -93,13 +93,13 @@ class _Corrected(NamedTuple):
 
 
 def _corrected(brake: Brake, finite_width: bool) -> _Corrected:
-    """The brake, its moduli corrected for the widths of its shoes if `finite_width`."""
+    """The brake, its moduli corrected for the widths of its shoes if `correct_for_finite_width`."""
     if not finite_width:
         return _Corrected(brake, ())
     from drumlin.fem.preparation import finite_width as width
 
-    other = width.finite_width(brake)
-    return _Corrected(other, (width.said(brake, other),))
+    other = width.correct_for_finite_width(brake)
+    return _Corrected(other, (width.correction_note(brake, other),))
 
 
 def solve(
@@ -260,7 +260,7 @@ def sweep(path: Path | str, *, jobs: int | None = 1) -> list[Row]:
     >>> [row["friction"] for row in rows], rows[0]["status"]
     ([0.3, 0.4], 'solved')
     """
-    from drumlin.sweeps.run import sweep as all_rows
+    from drumlin.sweeps.run import solve_sweep_file as all_rows
 
     return all_rows(path, jobs=jobs)
 
@@ -309,7 +309,7 @@ def wear(
     -------
     WearRun
         `states` from the unworn one on, each with distance [m], depth [m], pressure [Pa] and torque
-        [N m]; `target`, what wear tends to; `lines()` and `as_dict()`
+        [N m]; `target`, what wear tends to; `lines()` and `states_as_plain_data()`
 
     Raises
     ------
@@ -328,19 +328,19 @@ def wear(
 
     worn, notes = _corrected(_brake_of(brake), finite_width and model == "fem")
     # Guides are data of the brake, so that wear needs no option for them.
-    worn = linings.guided(worn) if guided else worn
+    worn = linings.put_shoes_on_guides(worn) if guided else worn
     worn.check_meshable()
     on_mesh = _given(elements=elements, kind=kind)
     on_springs = _given(sections=sections, lift=lift)
     # Options of one model are refused for the other one by name.
     only_mesh = on_mesh | _given(guided=guided, finite_width=finite_width)
     whole_brake.check_wear_options(model, only_mesh, on_springs)
-    law = whole_brake.wear_law(coefficient, exponent)
+    law = whole_brake.make_wear_law(coefficient, exponent)
     held = None if torque is None else _in_si("--torque", torque, worn.surface.effect_unit)
     options = on_mesh if model == "fem" else on_springs
     setups = whole_brake.wear_setups(worn, model, both_ways=reverse is not None, **options)
     say("wearing")
-    return whole_brake.wear_in(
+    return whole_brake.run_wear(
         setups,
         law,
         distance=distance,
@@ -360,9 +360,9 @@ class HoldingRun(NamedTuple):
 
     def as_dict(self) -> list[dict[str, Any]]:
         """The states as plain data for JSON, in SI; the keys are those of `drumlin hold --json`."""
-        from drumlin.fem.analysis.holding import as_dict
+        from drumlin.fem.analysis.holding import states_as_plain_data
 
-        return as_dict(list(self.states))
+        return states_as_plain_data(list(self.states))
 
 
 def hold(
@@ -412,7 +412,7 @@ def hold(
     import numpy as np
 
     from drumlin.fem.analysis import holding
-    from drumlin.fem.solve import scene_of
+    from drumlin.fem.solve import prepare_finest_division
 
     held, notes = _corrected(_brake_of(brake), finite_width)
     held.check_meshable()
@@ -420,12 +420,12 @@ def hold(
         raise BadInput(f"--steps = {steps}: must be from 1 to {MOST_STEPS}")
     on_mesh, stiffness = _given(elements=elements, kind=kind), _given(penalty=penalty)
     end = None if rotation is None else _in_si("--rotation", rotation, held.surface.unit)
-    scene = scene_of(held, **on_mesh)
+    scene = prepare_finest_division(held, **on_mesh)
     if end is None:
-        end = holding.full_slip_rotation(scene, held, **stiffness)
+        end = holding.find_full_slip_rotation(scene, held, **stiffness)
     # The state at rest comes first, so that there is one state more than increments.
     rotations = np.linspace(0.0, end, steps + 1)
-    states = holding.hold(scene, held, rotations, say=say, **stiffness)
+    states = holding.hold_drum_through_rotations(scene, held, rotations, say=say, **stiffness)
     return HoldingRun(held, tuple(states), notes)
 
 
@@ -464,13 +464,13 @@ def sensitivity(
     >>> slopes.S > 1
     True
     """
-    from drumlin.fem.analysis.sensitivity import sensitivity as slopes
-    from drumlin.fem.solve import scene_of
+    from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity as slopes
+    from drumlin.fem.solve import prepare_finest_division
 
     on_mesh, stiffness = _given(elements=elements, kind=kind), _given(penalty=penalty)
     whole = _brake_of(brake)
     whole.check_meshable()
-    return slopes(scene_of(whole, **on_mesh), whole, **stiffness)
+    return slopes(prepare_finest_division(whole, **on_mesh), whole, **stiffness)
 
 
 class LockingLimit(NamedTuple):
@@ -524,22 +524,24 @@ def self_locking(
     [('right',), ('left',)]
     """
     from drumlin.contact.self_locking import LARGEST_SOUGHT_FRICTION
-    from drumlin.fem.analysis.self_locking import limits
+    from drumlin.fem.analysis.self_locking import friction_limits_of_groups
     from drumlin.fem.model import check_penalty
-    from drumlin.fem.solve import scene_of
+    from drumlin.fem.solve import prepare_finest_division
 
     on_mesh = _given(elements=elements, kind=kind)
     check_penalty(penalty)
     whole = _brake_of(brake)
     whole.check_meshable()
-    found = limits(
-        scene_of(whole, **on_mesh),
+    found = friction_limits_of_groups(
+        prepare_finest_division(whole, **on_mesh),
         whole,
         LARGEST_SOUGHT_FRICTION if most is None else most,
         penalty,
     )
     return tuple(
-        LockingLimit(tuple(whole.shoes[i].name for i in members), end.friction, end.bounded)
+        LockingLimit(
+            tuple(whole.shoes[i].name for i in members), end.friction, end.pressure_stays_finite
+        )
         for members, end in found.items()
     )
 
@@ -573,15 +575,15 @@ def reference(brake: BrakeOrPath, output: Path | str | None = None) -> Reference
     (20.0995, True)
     """
     from drumlin.base.files import check_outputs
-    from drumlin.verification.reference import reference as values_of
-    from drumlin.verification.reference_file import as_dict, write_values
+    from drumlin.verification.reference import compute_reference as values_of
+    from drumlin.verification.reference_file import reference_data, write_reference
 
     source = _source_of(brake)
     path = None if output is None else Path(output)
     check_outputs(path)
     found = values_of(source.brake, source.text, source.command)
     if path is not None:
-        write_values(as_dict(found), path)
+        write_reference(reference_data(found), path)
     return found
 
 
@@ -600,15 +602,15 @@ class CheckResult(NamedTuple):
     @property
     def within(self) -> bool:
         """Whether every shoe is within the tolerance."""
-        from drumlin.verification.check import within
+        from drumlin.verification.check import are_within_tolerance
 
-        return within(self.verdicts, self.tolerance)
+        return are_within_tolerance(self.verdicts, self.tolerance)
 
     def lines(self) -> list[str]:
         """The verdicts for people; the last line is the verdict on all shoes."""
-        from drumlin.verification.check import lines
+        from drumlin.verification.check import verdict_lines
 
-        return lines(self.verdicts, self.tolerance, self.surface)
+        return verdict_lines(self.verdicts, self.tolerance, self.surface)
 
 
 def check(
@@ -652,10 +654,10 @@ def check(
     --tolerance = 2: must be greater than 0 and less than 1
     """
     from drumlin.studies import REPOSITORY
-    from drumlin.verification.check import check as verdicts_on
+    from drumlin.verification.check import judge_curves as verdicts_on
     from drumlin.verification.check import read_curves
-    from drumlin.verification.reference import reference as values_of
-    from drumlin.verification.reference_file import read_reference, stored
+    from drumlin.verification.reference import compute_reference as values_of
+    from drumlin.verification.reference_file import read_reference, stored_reference_path
 
     if not 0 < tolerance < 1:
         raise BadInput(f"--tolerance = {tolerance:g}: must be greater than 0 and less than 1")
@@ -664,7 +666,7 @@ def check(
     # Reference values are looked for beside the brake file first, then among drumlin's own.
     values = Path("reports") / "reference" / "values"
     beside = () if source.folder is None else (source.folder,)
-    known = reference or stored(source.text, *beside, values, REPOSITORY / values)
+    known = reference or stored_reference_path(source.text, *beside, values, REPOSITORY / values)
     if known is None:
         say("no stored reference: columns of high degree, then triangles")
         found, name = values_of(source.brake, source.text, source.command), "made anew"
@@ -714,9 +716,9 @@ def fields(
     (3, True)
     """
     from drumlin.base.files import check_outputs
-    from drumlin.fem.analysis.fields import all_fields, write_vtu
-    from drumlin.fem.model import respond
-    from drumlin.fem.solve import scene_of
+    from drumlin.fem.analysis.fields import recover_all_fields, write_fields_as_vtu
+    from drumlin.fem.model import solve_prepared_model
+    from drumlin.fem.solve import prepare_finest_division
 
     path = None if output is None else Path(output)
     if path is not None and path.suffix != ".vtu":
@@ -725,10 +727,10 @@ def fields(
     on_mesh, stiffness = _given(elements=elements, kind=kind), _given(penalty=penalty)
     solved = _corrected(_brake_of(brake), finite_width).brake
     solved.check_meshable()
-    scene = scene_of(solved, **on_mesh)
-    found = all_fields(scene, solved, respond(scene, solved, **stiffness))
+    scene = prepare_finest_division(solved, **on_mesh)
+    found = recover_all_fields(scene, solved, solve_prepared_model(scene, solved, **stiffness))
     if path is not None:
-        write_vtu(path, found)
+        write_fields_as_vtu(path, found)
     return tuple(found)
 
 

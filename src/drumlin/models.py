@@ -37,7 +37,7 @@ class Model(NamedTuple):
 def _fem(brake: Brake, *, worn_in: bool = False, **options: Any) -> Response:
     """Solve by finite elements; `worn_in`: with linings that are worn in."""
     if worn_in:
-        from drumlin.lining_wear.worn_in import solve as by_worn_in
+        from drumlin.lining_wear.worn_in import solve_worn_in_brake as by_worn_in
 
         return by_worn_in(brake, **options)
     from drumlin.fem.solve import solve as by_elements
@@ -47,9 +47,9 @@ def _fem(brake: Brake, *, worn_in: bool = False, **options: Any) -> Response:
 
 def _fem_why_not(brake: Brake) -> str | None:
     """The reason why the finite elements do not apply to a brake, or None."""
-    from drumlin.fem.preparation.scene import why_not
+    from drumlin.fem.preparation.scene import reason_why_not_modelled
 
-    return why_not(brake)
+    return reason_why_not_modelled(brake)
 
 
 def _foundation(brake: Brake, **options: Any) -> Response:

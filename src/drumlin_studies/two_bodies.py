@@ -16,7 +16,7 @@ from drumlin.base.arrays import Bools, Floats
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.brake.fields import Material
 from drumlin.contact import active_set, stick_slip
-from drumlin.contact.equations import Problem
+from drumlin.contact.equations import ContactProblem
 from drumlin.fem.substructure.body import (
     CondensedBody,
     condense,
@@ -28,7 +28,7 @@ from drumlin.fem.substructure.interface import ContactLine, Coupling, contact_li
 from drumlin.fem.substructure.ring import closed_mesh, couple_ring
 
 
-def towards(fine: float, growth: float, end: float) -> Floats:
+def growing_steps_to(fine: float, growth: float, end: float) -> Floats:
     """Points from 0 to `end`, whose steps begin with about `fine` and grow by a factor."""
     steps = [fine]
     while sum(steps) < end:
@@ -37,14 +37,14 @@ def towards(fine: float, growth: float, end: float) -> Floats:
     return np.asarray(x / x[-1] * end)
 
 
-def both_sides(fine_half: float, count: int, growth: float, end: float) -> Floats:
+def symmetric_angles(fine_half: float, count: int, growth: float, end: float) -> Floats:
     """Angles from -end to end: `count` even steps within +-fine_half, growing steps outside."""
     inner = np.linspace(-fine_half, fine_half, count + 1)
-    outer = fine_half + towards(inner[1] - inner[0], growth, end - fine_half)[1:]
+    outer = fine_half + growing_steps_to(inner[1] - inner[0], growth, end - fine_half)[1:]
     return np.concatenate([-outer[::-1], inner, outer])
 
 
-def sector(angles: Floats, depths: Floats, radius: float, sign: int) -> Any:
+def sector_mesh(angles: Floats, depths: Floats, radius: float, sign: int) -> Any:
     """Mesh of a sector of a ring, in contact at depth 0 and held at the greatest depth.
 
     Parameters
@@ -74,8 +74,8 @@ def sector(angles: Floats, depths: Floats, radius: float, sign: int) -> Any:
     )
 
 
-def closed(angles: Floats, depths: Floats, radius: float, sign: int) -> Any:
-    """Mesh of a closed ring; parameters as of `sector`."""
+def closed_ring_mesh(angles: Floats, depths: Floats, radius: float, sign: int) -> Any:
+    """Mesh of a closed ring; parameters as of `sector_mesh`."""
     return closed_mesh(angles, depths, radius, sign, "body")
 
 
@@ -88,7 +88,9 @@ class ContactBody:
     condensed: CondensedBody
 
 
-def body(mesh: Any, material: Material, width: float = 1.0, middle: float = 0.0) -> ContactBody:
+def condense_contact_body(
+    mesh: Any, material: Material, width: float = 1.0, middle: float = 0.0
+) -> ContactBody:
     """The condensed body of a mesh, held at its support.
 
     Parameters
@@ -152,14 +154,17 @@ class BodyPair:
             Directions in which the holder of the inner body moves: "", "x", "y" or "xy".
         """
         coupling = couple(inner.line, 1.0, radial(sign))
-        halves = [_half(inner, -coupling.N), _half(inner, coupling.T)]
+        halves = [
+            _flexibility_root_times(inner, -coupling.N),
+            _flexibility_root_times(inner, coupling.T),
+        ]
         if outer is not None:
             N, T = couple_ring(inner.line, outer.line, 1.0, sign)
             # The flexibilities of both bodies add up: their square roots are stacked.
             pressed, dragged = halves
             halves = [
-                np.vstack([pressed, _half(outer, -N)]),
-                np.vstack([dragged, _half(outer, T)]),
+                np.vstack([pressed, _flexibility_root_times(outer, -N)]),
+                np.vstack([dragged, _flexibility_root_times(outer, T)]),
             ]
         # Displacements of the contact nodes as the holder moves by 1 m.
         x = inner.line.xy[0]
@@ -175,7 +180,7 @@ class BodyPair:
             np.array([moves[m].ravel() for m in motions]).reshape(-1, 2 * len(x)).T,
         )
 
-    def normal(self, gap: Floats, loads: Sequence[float] = ()) -> Problem:
+    def normal(self, gap: Floats, loads: Sequence[float] = ()) -> ContactProblem:
         """The frictionless contact problem.
 
         Parameters
@@ -186,7 +191,7 @@ class BodyPair:
             Force on the holder of the inner body along each motion [N].
         """
         B = -self.coupling.N @ self.motions
-        return Problem(
+        return ContactProblem(
             self.pressed.T @ self.pressed,
             self.coupling.M @ gap,
             B,
@@ -233,7 +238,7 @@ class BodyPair:
         return self.inner.line.phi
 
 
-def nested_start(problem: Problem, share: int = 6) -> Bools:
+def coarse_contact_set(problem: ContactProblem, share: int = 6) -> Bools:
     """A contact set to start from: the set of the same problem on fewer nodes.
 
     The coarse problem keeps every `share`-th node, with p linear between the nodes. It starts in
@@ -242,14 +247,14 @@ def nested_start(problem: Problem, share: int = 6) -> Bools:
     n = len(problem.q)
     kept = np.unique(np.round(np.linspace(0, n - 1, max(3, n // share))).astype(int))
     P = np.array([np.interp(np.arange(n), kept, row) for row in np.eye(len(kept))]).T
-    coarse = Problem(
+    coarse = ContactProblem(
         P.T @ problem.A @ P, P.T @ problem.q, P.T @ problem.B, problem.C @ P, problem.h
     )
-    start = nested_start(coarse) if len(kept) > 40 else None
-    return np.asarray(P @ active_set.solve(coarse, start).p > 0)
+    start = coarse_contact_set(coarse) if len(kept) > 40 else None
+    return np.asarray(P @ active_set.solve_contact_problem(coarse, start).p > 0)
 
 
-def _half(one: ContactBody, forces: Floats) -> Floats:
+def _flexibility_root_times(one: ContactBody, forces: Floats) -> Floats:
     """Square root of the flexibility of a body times nodal forces (n, 2 nodes)."""
     return one.condensed.half_flexibility(forces.T)
 

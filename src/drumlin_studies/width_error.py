@@ -19,7 +19,7 @@ from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.error_control.singular_points import singular_points_of
-from drumlin.fem.model import respond
+from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin.fem.width.error import model_distance
@@ -65,9 +65,9 @@ def judged(brake: Brake, degree: int = TRUE_WIDTH_DEGREE) -> WidthErrorRow | str
     try:
         response = solve(brake, model_error=True)
         points = singular_points_of(brake, response, error=LEVELS[0].error)
-        plane = respond(prepare(brake, LEVELS[0], points), brake, start=response)
+        plane = solve_prepared_model(prepare(brake, LEVELS[0], points), brake, start=response)
         scene = prepare_width(brake, LEVELS[0], degree, points)
-        true = model_distance(brake, plane, respond(scene, brake, start=response))
+        true = model_distance(brake, plane, solve_prepared_model(scene, brake, start=response))
     except NoAnswer as error:
         return str(error)
     found = response.plane_stress_error

@@ -163,7 +163,7 @@ def compare(
     """Solve a brake by all models that apply, side by side, and write one report."""
     from drumlin.base.files import check_folder
     from drumlin.brake.file import toml_text
-    from drumlin.report.comparison import write_comparison
+    from drumlin.report.comparison import write_comparison_page
 
     text = toml_text(brake_file)
     brake = drumlin.read_brake(brake_file, text)
@@ -176,7 +176,7 @@ def compare(
         finite_width=finite_width,
     )
     with busy("comparing the models"):
-        result = write_comparison(brake, text, folder, options)
+        result = write_comparison_page(brake, text, folder, options)
     tell(f"{brake.title}: {brake.motion}, mu = {brake.friction:g}")
     print_table(result.table, result.columns)
     for line in result.notes:
@@ -245,7 +245,7 @@ def sensitivity(
 ) -> None:
     """How the torque changes with friction, force, moduli, clearance and hinge: exact slopes."""
     from drumlin.base.files import check_outputs, write_json
-    from drumlin.fem.analysis.sensitivity import as_text
+    from drumlin.fem.analysis.sensitivity import sensitivity_as_text_lines
 
     brake = drumlin.read_brake(brake_file)
     check_outputs(json_file)
@@ -255,7 +255,7 @@ def sensitivity(
     if json_file is not None:
         write_json(json_file, found.as_dict())
     tell(f"{brake.title}: fem, {brake.motion}, mu = {brake.friction:g}")
-    for line in as_text(found, brake):
+    for line in sensitivity_as_text_lines(found, brake):
         tell(line)
 
 

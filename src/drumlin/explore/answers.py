@@ -13,17 +13,23 @@ from drumlin.base.errors import DrumlinError, NoAnswer
 from drumlin.brake import vary
 from drumlin.brake.brake import Brake
 from drumlin.explore.knobs import LARGEST_WEAR, KnobSetting, brake_of, knobs_of
-from drumlin.fem.analysis.self_locking import limits
+from drumlin.fem.analysis.self_locking import friction_limits_of_groups
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.model import respond
-from drumlin.fem.preparation.cache import bare
+from drumlin.fem.model import solve_prepared_model
+from drumlin.fem.preparation.cache import brake_without_loads
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.solve import solve
 from drumlin.laws import LAWS, locking_friction
-from drumlin.lining_wear.archard import WearLaw, WearState, at
-from drumlin.lining_wear.linings import WearSetup, fem_setup
-from drumlin.lining_wear.run_in import COEFFICIENT, WORN_OUT, run_in, unit_distance, worn
+from drumlin.lining_wear.archard import WearLaw, WearState, interpolate_state
+from drumlin.lining_wear.linings import WearSetup, fem_wear_setup
+from drumlin.lining_wear.run_in import (
+    COEFFICIENT,
+    WORN_OUT,
+    brake_with_worn_linings,
+    run_in,
+    unit_sliding_distance,
+)
 from drumlin.models import pick
 from drumlin.response import Response
 from drumlin.response.merit import with_merits
@@ -143,7 +149,7 @@ class Explorer:
             if wear > 0 and not brake.surface.straight:
                 brake, distance = self._worn_brake(scene, brake, wear)
                 answer = replace(answer, brake=brake, distance=distance)
-            found = respond(scene, brake)
+            found = solve_prepared_model(scene, brake)
             # On a plane the page shows the braking force, which is a figure of merit.
             if brake.surface.straight:
                 found = with_merits(brake, found)
@@ -162,7 +168,9 @@ class Explorer:
                 return prepare(rough)
             return prepare(rough, EXPLORE_LEVEL)
 
-        return self._scene.get(bare(brake).model_copy(update={"friction": 1.0}), make)
+        return self._scene.get(
+            brake_without_loads(brake).model_copy(update={"friction": 1.0}), make
+        )
 
     def _worn_brake(self, scene: PreparedModel, brake: Brake, wear: float) -> _WornBrake:
         """The brake worn over the sliding distance `wear` times 1/(k K).
@@ -170,7 +178,7 @@ class Explorer:
         Raises NoAnswer for a worn-out lining.
         """
         run = self._worn.get(brake, lambda: _run(scene, brake))
-        state = at(run.states, wear * run.unit)
+        state = interpolate_state(run.states, wear * run.unit)
         for surface in run.setup.surfaces:
             # A lining worn below the allowed thickness has no answer.
             deepest, lining = state.depth[surface.part].max(), brake.shoes[surface.shoe].lining
@@ -179,7 +187,7 @@ class Explorer:
                     f"shoe {surface.name!r}: worn out, "
                     f"{deepest * 1e3:.3g} mm would be worn off its lining"
                 )
-        return _WornBrake(worn(run.setup, state), wear * run.unit)
+        return _WornBrake(brake_with_worn_linings(run.setup, state), wear * run.unit)
 
     def locking(self, brake: Brake) -> LockingFriction:
         """The friction mu_lock at which shoes lock, if it is at most HIGHEST_FRICTION.
@@ -191,7 +199,7 @@ class Explorer:
             """The limits of self-locking, found from a friction coefficient of 1."""
             rough = vary(brake, {"friction": 1.0})
             try:
-                found = limits(self.scene(brake), rough, HIGHEST_FRICTION)
+                found = friction_limits_of_groups(self.scene(brake), rough, HIGHEST_FRICTION)
             except NoAnswer:
                 return {}
             return {members: limit.friction for members, limit in found.items()}
@@ -234,8 +242,8 @@ def _at_any_friction(brake: Brake) -> Brake:
 
 def _run(scene: PreparedModel, brake: Brake) -> _WearRun:
     """The wear of a brake up to the largest sliding distance that the page offers."""
-    setup, law = fem_setup(scene, brake), WearLaw(COEFFICIENT)
-    unit = unit_distance(setup, law)
+    setup, law = fem_wear_setup(scene, brake), WearLaw(COEFFICIENT)
+    unit = unit_sliding_distance(setup, law)
     states = run_in(setup, law, distance=LARGEST_WEAR * unit, tolerance=WEAR_TOLERANCE)
     return _WearRun(setup, states, unit)
 

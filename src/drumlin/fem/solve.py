@@ -12,13 +12,13 @@ from drumlin.brake.brake import Brake
 from drumlin.fem.error_control.adapt import DEFAULT, Tolerance, adapt, check_tolerance
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.mesh.arc import DEFAULT_KIND
-from drumlin.fem.model import PENALTY, check_penalty, respond
+from drumlin.fem.model import PENALTY, check_penalty, solve_prepared_model
 from drumlin.fem.preparation.cache import Cache
-from drumlin.fem.preparation.finite_width import finite_width as corrected
-from drumlin.fem.preparation.finite_width import said
+from drumlin.fem.preparation.finite_width import correct_for_finite_width as corrected
+from drumlin.fem.preparation.finite_width import correction_note
 from drumlin.fem.preparation.meshes import ELEMENTS
 from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.preparation.scene import PreparedModel, clock
+from drumlin.fem.preparation.scene import PreparedModel, add_elapsed_time
 from drumlin.fem.width.error import plane_stress_error
 from drumlin.response.balance import loaded, shoe_balance, worst
 from drumlin.response.merit import with_merits
@@ -66,17 +66,17 @@ def solve(
     Raises
     ------
     BadInput
-        for `elements` or a `kind` together with a tolerance, and for those that `check_divided`
-        refuses
+        for `elements` or a `kind` together with a tolerance, and for options that
+        `check_division_options` refuses
     NoAnswer
-        where the tolerance is not reached, and where `respond` has no answer
+        where the tolerance is not reached, and where `solve_prepared_model` has no answer
     """
     if finite_width:
         other = corrected(brake)
         response = solve(
             other, elements=elements, kind=kind, tolerance=tolerance, penalty=penalty, cache=cache
         )
-        notes = (*response.notes, said(brake, other))
+        notes = (*response.notes, correction_note(brake, other))
         known = ModelError({}, unknown=CORRECTED_WIDTH) if model_error else None
         return replace(response, notes=notes, plane_stress_error=known)
     check_penalty(penalty)
@@ -87,25 +87,27 @@ def solve(
             )
     brake.check_meshable()
     # A tolerance must be met; without options the default tolerance is met as well as possible.
-    answer = partial(respond, penalty=penalty)
+    answer = partial(solve_prepared_model, penalty=penalty)
     if tolerance is not None:
         check_tolerance(brake, tolerance)
         response = adapt(brake, Tolerance(tolerance, tolerance), answer, cache=cache).response
-    elif _has_levels(brake, elements, kind):
+    elif _is_solved_on_levels(brake, elements, kind):
         response = adapt(brake, DEFAULT, answer, must=False, cache=cache).response
     else:
-        response = answer(scene_of(brake, elements=elements, kind=kind, cache=cache), brake)
+        response = answer(
+            prepare_finest_division(brake, elements=elements, kind=kind, cache=cache), brake
+        )
     if not brake.surface.straight:
-        response = _with_curve_balance(brake, response)
+        response = _add_note_on_curve_balance(brake, response)
     if model_error:
         seconds = dict(response.seconds)
-        with clock(seconds, "error of plane stress"):
+        with add_elapsed_time(seconds, "error of plane stress"):
             own = plane_stress_error(brake, response, penalty=penalty, cache=cache)
         response = replace(response, seconds=seconds, plane_stress_error=own)
     return with_merits(brake, response)
 
 
-def scene_of(
+def prepare_finest_division(
     brake: Brake,
     *,
     elements: int | None = None,
@@ -125,20 +127,22 @@ def scene_of(
     Raises
     ------
     BadInput
-        for `elements` or a `kind` that `check_divided` refuses
+        for `elements` or a `kind` that `check_division_options` refuses
     """
-    check_divided(brake, elements=elements, kind=kind)
-    if not _has_levels(brake, elements, kind):
+    check_division_options(brake, elements=elements, kind=kind)
+    if not _is_solved_on_levels(brake, elements, kind):
         elements = ELEMENTS if elements is None else elements
         return prepare(brake, elements=elements, kind=kind or DEFAULT_KIND, cache=cache)
     # The model is that of the last division on which the answer was found.
     try:
-        return adapt(brake, DEFAULT, respond, must=False, cache=cache).scene
+        return adapt(brake, DEFAULT, solve_prepared_model, must=False, cache=cache).scene
     except NoAnswer:
         return prepare(brake, LEVELS[1], cache=cache)
 
 
-def check_divided(brake: Brake, *, elements: int | None = None, kind: str | None = None) -> None:
+def check_division_options(
+    brake: Brake, *, elements: int | None = None, kind: str | None = None
+) -> None:
     """Raise BadInput for `elements` or a `kind` that would divide no part of the brake.
 
     Shoes with mesh files are not divided. A ring is divided into elements, of one kind only.
@@ -157,12 +161,12 @@ def check_divided(brake: Brake, *, elements: int | None = None, kind: str | None
             )
 
 
-def _has_levels(brake: Brake, elements: int | None, kind: str | None) -> bool:
+def _is_solved_on_levels(brake: Brake, elements: int | None, kind: str | None) -> bool:
     """Whether a brake is solved on levels of hp elements, not on one mesh."""
     return elements is None and kind is None and not any(shoe.mesh for shoe in brake.shoes)
 
 
-def _with_curve_balance(brake: Brake, response: Response) -> Response:
+def _add_note_on_curve_balance(brake: Brake, response: Response) -> Response:
     """The response, with a note where p(theta) balances worse than the nodal forces do."""
     # Positive differences mean that p(theta) balances worse than the nodal forces do.
     under_forces = loaded(brake, response)

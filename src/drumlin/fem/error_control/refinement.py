@@ -178,7 +178,7 @@ def full_system(group: ShoeGroup, *, carried: bool = True) -> FullSystem:
     ring = _ring_block(group.scene, group.brake) if group.scene.ring is not None else None
     stiffnesses = [block.K for block in shoe_blocks] + ([ring.K] if ring else [])
     sizes = [int(block.shape[0]) for block in stiffnesses]
-    counts = [len(gap) for gap in group.gaps]
+    counts = [len(gap) for gap in group.initial_gaps]
     starts = np.cumsum([0, *sizes])
     layout = _Layout(starts, np.cumsum([starts[-1], *counts]))
     blocks = _all_blocks(group, shoe_blocks, ring, stiffnesses)
@@ -189,8 +189,8 @@ def full_system(group: ShoeGroup, *, carried: bool = True) -> FullSystem:
         right=_right_side(group, shoe_blocks, layout),
         pressures=tuple(slice(int(a), int(b)) for a, b in pairwise(layout.firsts)),
         coordinates=tuple(
-            slice(int(end) - modes.work.size, int(end))
-            for end, modes in zip(ends, group.modes, strict=True)
+            slice(int(end) - modes.actuation_work.size, int(end))
+            for end, modes in zip(ends, group.rigid_body_modes, strict=True)
         ),
         lever=_torque_lever(group, layout),
         scale=_scale(matrix, int(layout.firsts[0])),
@@ -214,7 +214,7 @@ def _all_blocks(
         M = group.bodies[k].coupling.M
         at = len(stiffnesses) + k
         blocks[k][at], blocks[at][k] = shoe_block.pushed, -shoe_block.closed
-        blocks[at][at] = sp.csr_matrix((M / group.stiffnesses[k]).astype(LONG_DOUBLE))
+        blocks[at][at] = sp.csr_matrix((M / group.contact_stiffnesses[k]).astype(LONG_DOUBLE))
         if ring is not None:
             N, T = ring.couplings[group.members[k]]
             blocks[ring_row][at], blocks[at][ring_row] = -(N - drag * T).T, N
@@ -227,7 +227,7 @@ def _right_side(group: ShoeGroup, shoe_blocks: list[_ShoeBlock], layout: _Layout
     for k, shoe_block in enumerate(shoe_blocks):
         right[layout.starts[k] : layout.starts[k + 1]] = shoe_block.load
         M = group.bodies[k].coupling.M.astype(LONG_DOUBLE)
-        gap = group.gaps[k].astype(LONG_DOUBLE) / group.unit_force
+        gap = group.initial_gaps[k].astype(LONG_DOUBLE) / group.unit_force
         right[layout.firsts[k] : layout.firsts[k + 1]] = -(M @ gap)
     return right
 
@@ -243,7 +243,7 @@ def _torque_lever(group: ShoeGroup, layout: _Layout) -> Floats:
 
 def _shoe_block(group: ShoeGroup, k: int, carried: bool) -> _ShoeBlock:
     """The part of shoe `k` in the full system; carried: see `full_system`."""
-    body, shoe, modes = group.bodies[k], group.shoes[k], group.modes[k]
+    body, shoe, modes = group.bodies[k], group.shoes[k], group.rigid_body_modes[k]
     constraints = body.condensed.constraints.matrix.astype(LONG_DOUBLE)
     K = stiffness(body.basis, layers_of(shoe), precise=True)
     constrained = (constraints.T @ K @ constraints).tocsr()
@@ -271,7 +271,7 @@ def _shoe_block(group: ShoeGroup, k: int, carried: bool) -> _ShoeBlock:
         K=_joined([[constrained[:inside, :inside], along], [None, None]], [inside, count]),
         pushed=_placed(pushing, shape, row=first) + on_modes,
         closed=closed.T.tocsr(),
-        load=np.append(load[:inside], share * modes.work.astype(LONG_DOUBLE)),
+        load=np.append(load[:inside], share * modes.actuation_work.astype(LONG_DOUBLE)),
     )
 
 

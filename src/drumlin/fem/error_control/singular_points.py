@@ -23,7 +23,7 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Lining
 from drumlin.fem.hp.corner import logarithmic_pressures_at_tips
 from drumlin.fem.hp.division import UNRESOLVED_LENGTH, Singularity, SingularPoint
-from drumlin.fem.preparation.cache import alike as equal_shapes
+from drumlin.fem.preparation.cache import first_shoes_of_equal_shape as equal_shapes
 from drumlin.response.response import Response, ShoeResponse
 from drumlin.response.resultants import gauss_points
 

@@ -18,9 +18,8 @@ from drumlin.brake.brake import Brake
 from drumlin.fem.error_control.levels import LEVELS, RULE
 from drumlin.fem.error_control.singular_points import singular_points_of
 from drumlin.fem.hp.division import Level
-from drumlin.fem.model import PENALTY, respond
-from drumlin.fem.preparation.cache import Cache
-from drumlin.fem.preparation.cache import alike as equal_shapes
+from drumlin.fem.model import PENALTY, solve_prepared_model
+from drumlin.fem.preparation.cache import Cache, first_shoes_of_equal_shape
 from drumlin.fem.preparation.columns import PointsByShape
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.width.prepare import prepare_width, width_why_not
@@ -76,13 +75,13 @@ def coarse_section(
     NoAnswer
         where plane stress has no answer on the first level
     """
-    alike = equal_shapes(brake)
+    alike = first_shoes_of_equal_shape(brake)
 
     def answered(level: Level) -> CoarseSection:
         """The section of a level with its answer by plane stress."""
         points = singular_points_of(brake, response, alike, level.error)
         scene = prepare(brake, level, points, alike=alike, cache=cache)
-        plane = respond(scene, brake, penalty=penalty, start=response)
+        plane = solve_prepared_model(scene, brake, penalty=penalty, start=response)
         return CoarseSection(level, points, plane)
 
     try:
@@ -113,7 +112,7 @@ def plane_stress_error(
     try:
         section = coarse_section(brake, response, penalty=penalty, cache=cache)
         scene = prepare_width(brake, section.level, WIDTH_DEGREE, section.points, cache=cache)
-        wide = respond(scene, brake, penalty=penalty, start=response)
+        wide = solve_prepared_model(scene, brake, penalty=penalty, start=response)
     except (NoAnswer, np.linalg.LinAlgError) as error:
         return ModelError({}, unknown=f"on a coarse section, with its width: {error}")
     return model_distance(brake, section.plane, wide)

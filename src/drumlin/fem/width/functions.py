@@ -27,7 +27,7 @@ from numpy.polynomial import legendre
 
 from drumlin.base.arrays import Floats, Ints
 from drumlin.brake.brake import Shoe
-from drumlin.fem.preparation.meshes import materials_of
+from drumlin.fem.preparation.meshes import materials_of_parts
 from drumlin.response.resultants import GAUSS, WEIGHTS, lobatto
 
 SAME_SIDE = 1e-9
@@ -200,7 +200,7 @@ def _bubble(degree: int, x: Floats) -> tuple[Floats, Floats]:
 
 def half_widths_of(shoe: Shoe) -> dict[str, float]:
     """Half the width [m] of each part of a shoe, by the part's name."""
-    return {name: width / 2 for name, (_, width) in materials_of(shoe).items()}
+    return {name: width / 2 for name, (_, width) in materials_of_parts(shoe).items()}
 
 
 def breaks_of(shoe: Shoe, *, beside: bool = True) -> tuple[float, ...]:

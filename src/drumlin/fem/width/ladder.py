@@ -23,7 +23,7 @@ from drumlin.fem.error_control.estimate import QUANTITIES, Errors
 from drumlin.fem.error_control.levels import LEVELS, Respond, Step, steps
 from drumlin.fem.error_control.singular_points import singular_points_of
 from drumlin.fem.hp.division import Level
-from drumlin.fem.model import PENALTY, respond
+from drumlin.fem.model import PENALTY, solve_prepared_model
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.width.error import WIDTH_DEGREE, coarse_section, shoe_distance
 from drumlin.fem.width.prepare import LARGEST_WIDTH_DEGREE, prepare_width
@@ -112,7 +112,7 @@ def solve_with_widths(
         where the model does not apply
     """
     half = Tolerance(0.5 * tolerance.pressure, 0.5 * tolerance.torque)
-    answer, cache = partial(respond, penalty=penalty), cache or Cache()
+    answer, cache = partial(solve_prepared_model, penalty=penalty), cache or Cache()
     sections = _sections(brake, half, answer, cache)
     plane = sections[-1].response
     width = chosen_degree(brake, plane, half, penalty=penalty, cache=cache)
@@ -204,7 +204,7 @@ def chosen_degree(
         """The answer of a degree on the coarse section."""
         if degree not in answers:
             scene = prepare_width(brake, section.level, degree, section.points, cache=cache)
-            answers[degree] = respond(scene, brake, penalty=penalty, start=plane)
+            answers[degree] = solve_prepared_model(scene, brake, penalty=penalty, start=plane)
         return answers[degree]
 
     last = LARGEST_WIDTH_DEGREE - LOOKED_AHEAD

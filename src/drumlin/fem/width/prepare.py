@@ -14,12 +14,11 @@ from drumlin.brake.fields import Material
 from drumlin.brake.orthotropic import isotropic_only
 from drumlin.fem.hp.body import shoe_contact_line
 from drumlin.fem.hp.division import Level, ShoeDivision, divide_shoe
-from drumlin.fem.preparation.bodies import DividedBody, ShoeSubstructure, coupled_shoe
-from drumlin.fem.preparation.cache import Cache, bare_shoe
-from drumlin.fem.preparation.cache import alike as equal_shapes
+from drumlin.fem.preparation.bodies import DividedBody, ShoeSubstructure, make_shoe_substructure
+from drumlin.fem.preparation.cache import Cache, first_shoes_of_equal_shape, shoe_without_loads
 from drumlin.fem.preparation.columns import MOST_CONTACT_NODES, PointsByShape
-from drumlin.fem.preparation.scene import PreparedModel, Seconds, clock
-from drumlin.fem.preparation.scene import why_not as plane_why_not
+from drumlin.fem.preparation.scene import PreparedModel, Seconds, add_elapsed_time
+from drumlin.fem.preparation.scene import reason_why_not_modelled as plane_why_not
 from drumlin.fem.substructure.body import FRAME, CondensedBody, InnerSystem, InnerUnknowns
 from drumlin.fem.substructure.elimination import SINGULAR_BODY, Eliminated
 from drumlin.fem.width.face import WidthFace
@@ -131,7 +130,7 @@ def prepare_width(
     make = degree if callable(degree) else partial(functions_of, degree=degree)
     seconds: Seconds = {}
     cache = cache or Cache()
-    alike = equal_shapes(brake)
+    alike = first_shoes_of_equal_shape(brake)
     tip = brake.actuation is not None and brake.actuation.is_cam
     made: dict[int, ShoeSubstructure] = {}
     for i in dict.fromkeys(alike):
@@ -146,7 +145,7 @@ def prepare_width(
                 f"its {nodes} contact nodes are more than the {MOST_CONTACT_NODES} that are allowed"
             )
         friction = brake.friction > 0
-        key = ("width", bare_shoe(shoe), brake.size, friction, division.key, functions)
+        key = ("width", shoe_without_loads(shoe), brake.size, friction, division.key, functions)
         body = partial(width_body, shoe, brake.size, division, functions, friction, seconds)
         made[i] = cache.get(key, body, _size_of)
     bodies = tuple(made[i] for i in alike)
@@ -191,7 +190,7 @@ def width_body(
     NoAnswer
         for a singular stiffness
     """
-    with clock(seconds, "condensation"):
+    with add_elapsed_time(seconds, "condensation"):
         found = condense_width(shoe, radius, division, functions)
         L, info = dpotrf(found.S[FRAME:, FRAME:], lower=1)
         if info:
@@ -208,11 +207,11 @@ def width_body(
             force_imbalance=found.force_imbalance,
             rigid_mode_error=dtrtrs(L, half_error, lower=1, trans=1)[0],
         )
-    with clock(seconds, "coupling"):
+    with add_elapsed_time(seconds, "coupling"):
         face = face_of(shoe, radius, division, functions)
         basis = NodesOverWidth(unknowns_of(shoe, division, functions) // 2)
         divided = DividedBody(basis, basis, face)
-        return coupled_shoe(
+        return make_shoe_substructure(
             ShoeSubstructure, shoe, divided, condensed, found.centre, friction=friction
         )
 

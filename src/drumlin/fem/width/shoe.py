@@ -33,7 +33,7 @@ from drumlin.fem.hp.shoe import (
     stiffness_with_frame,
     unit_actuations,
 )
-from drumlin.fem.preparation.meshes import materials_of
+from drumlin.fem.preparation.meshes import materials_of_parts
 from drumlin.fem.substructure.body import FRAME, rigid_body_modes
 from drumlin.fem.substructure.loads import ACTUATION
 from drumlin.fem.width.columns import (
@@ -124,7 +124,7 @@ class BodyLine(NamedTuple):
 def width_layers(shoe: Shoe, div: ShoeDivision, functions: WidthFunctions) -> WidthLayers:
     """The layers of a divided shoe of isotropic parts, with functions across the width."""
     halves, lame = half_widths_of(shoe), {}
-    for name, (material, _) in materials_of(shoe).items():
+    for name, (material, _) in materials_of_parts(shoe).items():
         # The assertion holds of every brake that `prepare.why_not` lets pass.
         assert isinstance(material, Material)
         E, nu = material.E, material.nu
