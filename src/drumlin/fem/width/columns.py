@@ -247,21 +247,23 @@ def _positions(
     p : degree
     first : the first row of nodes of the layer
     """
-    sizes = [sum(len(part[z]) for part in (along.left, along.inside, along.right)) for z in (0, 1)]
-    n = p + 1
+    parts = along.left, along.inside, along.right
+    sizes = np.array([sum(len(part[z]) for part in parts) for z in (0, 1)])
+    n, functions = p + 1, np.array(counts)
     r = np.array(rows, dtype=int).reshape(-1, 4)[:, None]
     c = np.array(columns, dtype=int).reshape(-1, 4)[None]
     # The block of z by the plane is the transpose of that of the plane by z.
-    swapped = (r[..., 0] == 1) & (c[..., 0] == 0)
-    r, c = np.where(swapped[..., None], c, r), np.where(swapped[..., None], r, c)
-    starts = np.cumsum(
-        [0, (sizes[0] * n * counts[0]) ** 2, sizes[0] * sizes[1] * n**2 * counts[0] * counts[1]]
-    )
-    start = starts[r[..., 0] + c[..., 0]]
-    size, count = np.array(sizes), np.array(counts)
-    to, number = c[..., 0], ((r[..., 1] * size[c[..., 0]] + c[..., 1]) * n + r[..., 2] - first)
-    number = (number * n + c[..., 2] - first) * count[r[..., 0]] + r[..., 3]
-    return np.ascontiguousarray(start + number * count[to] + c[..., 3])
+    swapped = ((r[..., 0] == 1) & (c[..., 0] == 0))[..., None]
+    r, c = np.where(swapped, c, r), np.where(swapped, r, c)
+    of, by = r[..., 0], c[..., 0]
+    # The three parts of the values follow one another: plane by plane, plane by z, and z by z.
+    lengths = sizes * n * functions
+    start = np.array([0, lengths[0] ** 2, lengths[0] ** 2 + lengths[0] * lengths[1]])[of + by]
+    along_both = r[..., 1] * sizes[by] + c[..., 1]
+    rows_both = (r[..., 2] - first) * n + c[..., 2] - first
+    functions_both = r[..., 3] * functions[by] + c[..., 3]
+    number = (along_both * n**2 + rows_both) * functions[of] * functions[by] + functions_both
+    return np.ascontiguousarray(start + number)
 
 
 def _element_values(section: SectionIntegrals, width: WidthIntegrals) -> Floats:
