@@ -102,3 +102,8 @@ def test_options_of_hexahedra_do_not_go_with_a_tolerance(brake, options, said):
         solid.solve(brake, tolerance=1e-2, **options)
     with pytest.raises(BadInput, match="--tolerance = 1: must be greater than 0"):
         solid.solve(brake, tolerance=1.0)
+
+
+def test_shoes_of_several_widths_have_no_stated_errors_yet(brake):
+    with pytest.raises(BadInput, match="shoe 'right' has parts of several widths, whose errors"):
+        solid.solve(t_section(brake), tolerance=1e-2)

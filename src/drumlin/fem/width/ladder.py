@@ -9,6 +9,10 @@ The error has two parts, which are chosen and stated one by one and then added u
   the distances from the degree q to the degrees q + 1 and q + 2 there, times WIDTH_SAFETY. The
   smallest degree that meets the other half of the tolerance is taken. The next degree alone would
   not tell the error, since even and odd degrees fall at different rates.
+
+The estimate holds for parts of one width. Where a part overhangs another one, a finer section asks
+for higher degrees beside the web: on three of seven such brakes the stated error was 0.3 to 0.9 of
+the true one.
 """
 
 from collections.abc import Iterator
