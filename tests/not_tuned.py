@@ -62,8 +62,8 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "OTHER_FRICTION": SAID,
     },
     "fem/error_control/adapt.py": {
-        "DEFAULT": "what a solve aims at, as README says",
-        "SHORTEST": SAID,
+        "DEFAULT_TOLERANCE": "what a solve aims at, as README says",
+        "SHORTEST_KNOWN_CONTACT": SAID,
     },
     "fem/hp/corner.py": {
         "SMALLEST_ROOT": "limit of a search",

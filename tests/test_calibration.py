@@ -10,7 +10,7 @@ import pytest
 
 from drumlin.fem.error_control import estimate
 from drumlin.fem.error_control.estimate import FACTORS, QUANTITIES, Factors, read_factors
-from drumlin.fem.error_control.levels import steps
+from drumlin.fem.error_control.levels import solved_levels
 from drumlin.fem.model import respond
 from drumlin.studies import load
 from drumlin_studies.calibration import (
@@ -127,12 +127,12 @@ def test_the_file_that_the_code_reads_was_written_by_the_command():
 @pytest.fixture(scope="module")
 def seen():
     _, brake = drawn(300_001)
-    return brake, observed(brake, by_finer(brake), steps(brake, respond))
+    return brake, observed(brake, by_finer(brake), solved_levels(brake, respond))
 
 
 def test_what_is_observed_of_a_level_is_what_a_solve_states(seen):
     brake, levels = seen
-    responses = picked(steps(brake, respond), "response")
+    responses = picked(solved_levels(brake, respond), "response")
     for (before, last), level in zip(pairwise(responses), levels, strict=True):
         stated = estimate.estimate(brake, before, last)
         assert stated.brake["pressure"] == pytest.approx(

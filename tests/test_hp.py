@@ -19,9 +19,9 @@ from drumlin.fem.analysis.fields import fields, ring_fields
 from drumlin.fem.analysis.holding import full_slip_rotation, hold
 from drumlin.fem.analysis.sensitivity import sensitivity
 from drumlin.fem.equilibrium.group import groups_of
-from drumlin.fem.error_control.adapt import DEFAULT, adapt
+from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE, solve_to_tolerance
 from drumlin.fem.error_control.estimate import FACTORS, estimate
-from drumlin.fem.error_control.levels import LEVELS, steps
+from drumlin.fem.error_control.levels import LEVELS, solved_levels
 from drumlin.fem.error_control.singular_points import singular_points_of
 from drumlin.fem.hp import division
 from drumlin.fem.hp.arc import angular_integrals, arc_column_stiffness, condensed_arc_elements
@@ -300,7 +300,7 @@ def test_what_round_off_took_from_the_answer_is_little_and_seen(flexible, which,
     """
     brake = flexible if which == "flexible" else random_brake(which)
     brake = vary(brake, {"shoe.body.material.E": softer * brake.shoes[0].body.material.E})
-    made, response = list(steps(brake, respond, levels=LEVELS[: level + 1]))[-1]
+    made, response = list(solved_levels(brake, respond, levels=LEVELS[: level + 1]))[-1]
     (group, *_) = groups_of(made, brake, PENALTY)
     group, found = group.settled(None)
     refined = refined_group(group, found.active)
@@ -370,7 +370,7 @@ def test_levels_converge_fast_and_the_estimate_is_an_upper_value(flexible):
     The finest level is the reference. The stated error is at most ten times the true one.
     """
     # The last level has fewer digits than the others.
-    made = list(steps(flexible, respond))[:5]
+    made = list(solved_levels(flexible, respond))[:5]
     responses, truth = picked(made, "response"), made[-1].response
     # Round-off of the finest level limits how well it can judge the others.
     lost = max(picked(truth.shoes, "lost.pressure"))
@@ -389,14 +389,14 @@ def test_levels_converge_fast_and_the_estimate_is_an_upper_value(flexible):
 def test_every_solve_states_its_error_and_columns_end_where_the_contact_ends(brake):
     half = vary(brake, {"shoe.lining.clearance": 1e-4})
     response = solve(half)
-    assert response.error["pressure"] <= DEFAULT.pressure
-    assert response.error["torque"] <= DEFAULT.torque
+    assert response.error["pressure"] <= DEFAULT_TOLERANCE.pressure
+    assert response.error["torque"] <= DEFAULT_TOLERANCE.torque
     assert (
         set(response.error)
         == set(response.shoes[0].error)
         == {"pressure", "torque", "peak", "reaction"}
     )
-    fine = picked(steps(half, respond), "response")[3]
+    fine = picked(solved_levels(half, respond), "response")[3]
     for shoe, a, b in zip(half.shoes, response.shoes, fine.shoes, strict=True):
         assert pressure_distance(a, b) < response.error["pressure"]
         start, end = shoe.lining.start, shoe.lining.end
@@ -438,7 +438,7 @@ def test_a_small_smooth_contact_is_that_of_hertz(brake):
 def test_columns_of_the_first_level_end_where_a_short_contact_ends(seed):
     """To 2 % of its length, within which the pressure rises from nothing to much of its peak."""
     brake = random_brake(seed, "small contact")
-    found = next(steps(brake, respond))
+    found = next(solved_levels(brake, respond))
     line, shoe = found.scene.bodies[0].line, found.response.shoes[0]
     first, last = shoe.contact_arcs[0]
     ends = brake.shoes[0].frame.theta(line.phi[:: line.order])
@@ -480,7 +480,7 @@ def test_a_block_deeper_than_long_bears_down_to_its_foot(length, thickness, back
         "shoe": [block],
     }
     brake = brake_from(data)
-    found = picked(islice(steps(brake, respond), 5), "response")
+    found = picked(islice(solved_levels(brake, respond), 5), "response")
     for k in (2, 3, 4):
         assert (
             abs(found[k - 1].torque / found[-1].torque - 1)
@@ -496,7 +496,7 @@ def test_corners_beyond_a_short_contact_cost_little_and_change_nothing(monkeypat
     (5) and on an elastic one (23), and moved p by less than the level's error.
     """
     brake, found = random_brake(seed, "small contact"), []
-    (_, before), (_, true) = islice(steps(brake, respond), 1, 3)
+    (_, before), (_, true) = islice(solved_levels(brake, respond), 1, 3)
     # The ends of the contact are kept: their rounding changes p by more.
     places = singular_points_of(brake, true)
     for rule in (division.size_far_from_contact, lambda size, distance, *, coarsens: size):
@@ -521,13 +521,13 @@ def test_most_short_contacts_are_known_by_default_on_the_third_level():
         found = []
         for seed in range(8):
             brake = random_brake(seed, "small contact")
-            (_, before), (_, last) = islice(steps(brake, respond), 1, 3)
+            (_, before), (_, last) = islice(solved_levels(brake, respond), 1, 3)
             found.append(pressure_distance(before.shoes[0], last.shoes[0]))
         return np.array(found)
 
     found = steps_of_p()
     assert np.count_nonzero(FACTORS.pressure * found < 1.5e-3) >= 5
-    assert np.count_nonzero(FACTORS.pressure * found < DEFAULT.pressure) >= 6
+    assert np.count_nonzero(FACTORS.pressure * found < DEFAULT_TOLERANCE.pressure) >= 6
 
 
 def test_a_short_contact_is_graded_faster():
@@ -537,7 +537,7 @@ def test_a_short_contact_is_graded_faster():
     more.
     """
     brake = random_brake(2, "small contact")
-    true = picked(steps(brake, respond), "response")[-1]
+    true = picked(solved_levels(brake, respond), "response")[-1]
     places = singular_points_of(brake, true)
 
     def solved(level):
@@ -558,7 +558,9 @@ def test_what_a_level_cannot_reach_is_said(brake):
         match=r"tolerance 1e-12 not reached on \d meshes of up to \d+ unknowns a shoe: estimated",
     ):
         solve(brake, tolerance=1e-12)
-    answered = adapt(brake, DEFAULT._replace(torque=0.0), respond, must=False).response
+    answered = solve_to_tolerance(
+        brake, DEFAULT_TOLERANCE._replace(torque=0.0), respond, must=False
+    ).response
     assert (
         answered.notes[-1].startswith("warning: tolerance ") and "not reached" in answered.notes[-1]
     )
@@ -662,7 +664,8 @@ def test_a_contact_that_ends_all_but_at_an_end_of_the_lining_converges():
     Without a column that ends with the contact p is 0.3 % off on the fourth level.
     """
     *_, one, other = (
-        step.response.shoes[0] for step in steps(random_brake(7986), respond, levels=LEVELS[:5])
+        step.response.shoes[0]
+        for step in solved_levels(random_brake(7986), respond, levels=LEVELS[:5])
     )
     assert pressure_distance(one, other) < 5e-4
 
@@ -837,7 +840,8 @@ def test_cases_of_a_sweep_state_their_errors_and_share_divisions(brake):
     rows = [solved(case, cache) for cache in [Cache()] for case in cases]
     for row in rows:
         assert (
-            0 < row["error_pressure"] <= DEFAULT.pressure and row["error_torque"] <= DEFAULT.torque
+            0 < row["error_pressure"] <= DEFAULT_TOLERANCE.pressure
+            and row["error_torque"] <= DEFAULT_TOLERANCE.torque
         )
     # A row of a sweep must depend on its case alone.
     assert rows == list(map(solved, cases))

@@ -14,8 +14,8 @@ from drumlin.contact import active_set
 from drumlin.contact.equations import Problem, condition
 from drumlin.fem import model
 from drumlin.fem.equilibrium.group import ShoeGroup
-from drumlin.fem.error_control.adapt import Tolerance, adapt
-from drumlin.fem.error_control.levels import steps
+from drumlin.fem.error_control.adapt import Tolerance, solve_to_tolerance
+from drumlin.fem.error_control.levels import solved_levels
 from drumlin.fem.model import LARGEST_LOSS, MOST_LOSS, REFINED, refined_group, respond
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
@@ -200,7 +200,7 @@ def test_a_mesh_that_states_no_error_is_refused_where_digits_are_missing():
 
 def test_digits_that_condensation_loses_on_a_fine_division_are_part_of_the_error():
     """Too many unknowns to refine: the answer stands, and what it may be off by."""
-    _, found = adapt(random_brake(7246), Tolerance(1e-3, 1e-3), respond, must=False)
+    _, found = solve_to_tolerance(random_brake(7246), Tolerance(1e-3, 1e-3), respond, must=False)
     (shoe,) = found.shoes
     assert LARGEST_LOSS < shoe.lost.pressure < MOST_LOSS
     for name, lost in shoe.lost._asdict().items():
@@ -228,10 +228,12 @@ def test_what_a_refinement_cannot_settle_is_part_of_the_error(monkeypatch):
     refined_anyway(monkeypatch)
     brake = random_brake(8326)
     along, (true,) = (
-        islice(steps(brake, respond), 2),
+        islice(solved_levels(brake, respond), 2),
         triangles.solve_sequence(brake, triangles.TRIANGLE_LEVELS[:1]),
     )
-    found = adapt(brake, Tolerance(1e-6, 1e-6), respond, must=False, along=along).response
+    found = solve_to_tolerance(
+        brake, Tolerance(1e-6, 1e-6), respond, must=False, levels=along
+    ).response
     (shoe,) = found.shoes
     assert saying(found.notes, REFINED)
     assert max(shoe.lost.torque, shoe.lost.reaction) < 1e-4 * shoe.lost.pressure

@@ -12,7 +12,7 @@ import numpy as np
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
-from drumlin.fem.error_control.adapt import DEFAULT, adapt
+from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE, solve_to_tolerance
 from drumlin.fem.model import respond
 from drumlin.fem.solve import solve
 from drumlin.response.response import Response, ShoeResponse
@@ -142,7 +142,7 @@ def stated_and_true(brake: Brake) -> StatedAndTrue:
 
     Raises NoAnswer where the solve or the truth has no answer.
     """
-    response = adapt(brake, DEFAULT, respond, must=False).response
+    response = solve_to_tolerance(brake, DEFAULT_TOLERANCE, respond, must=False).response
     true = by_columns(brake, BLOCKS_TRUTH_TOLERANCE)
     return StatedAndTrue(response, true, errors(brake, response.shoes, true.shoes))
 

@@ -16,7 +16,7 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
-from drumlin.fem.error_control.adapt import DEFAULT, adapt
+from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE, solve_to_tolerance
 from drumlin.fem.model import REFINED, respond
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.preparation.scene import PreparedModel
@@ -127,7 +127,9 @@ def _rows_of_start(name: str, brake: Brake) -> list[Check]:
 
     def solved() -> _TorqueAndPressure:
         # As in `solve`, each level starts from the contact set of the level before.
-        return _of_response(setup, adapt(brake, DEFAULT, EXACT_CONTACT, must=False).response)
+        return _of_response(
+            setup, solve_to_tolerance(brake, DEFAULT_TOLERANCE, EXACT_CONTACT, must=False).response
+        )
 
     def begun() -> _TorqueAndPressure:
         return _of_state(run_on(setup.interfaces, WearLaw(COEFFICIENT), [])[0])

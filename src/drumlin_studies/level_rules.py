@@ -4,8 +4,8 @@
     make levels ARGS="fall=6"          the rule as it is, then with this number changed
     make levels ARGS="fall=6 sizes=.7" with both changed
 
-The rule, `levels.RULE`, has eight numbers that were found by experiment. For a rule this command
-takes the brakes that the error estimate is fitted on through four levels, and prints
+The rule, `levels.LEVEL_RULE`, has eight numbers that were found by experiment. For a rule this
+command takes the brakes that the error estimate is fitted on through four levels, and prints
 
 - the factors of the estimate, fitted on these levels alone;
 - for each of three tolerances the processor time of all answers up to the level where a solve would
@@ -27,7 +27,7 @@ import numpy as np
 
 from drumlin.base.errors import NoAnswer
 from drumlin.fem.error_control.estimate import QUANTITIES, Factors
-from drumlin.fem.error_control.levels import RULE, LevelRule, Step, steps
+from drumlin.fem.error_control.levels import LEVEL_RULE, LevelRule, SolvedLevel, solved_levels
 from drumlin.fem.model import respond
 from drumlin_studies.calibration import FIRST_SEED, FITTED_BRAKES, LevelRecord, drawn, fit, observed
 from drumlin_studies.sharpness import ASKED
@@ -66,11 +66,13 @@ def tried(seed: int, truth: Truth | None, rule: LevelRule) -> Tried | None:
     brake = drawn(seed)[1]
     if truth is None:
         return None
-    found: list[Step] = []
+    found: list[SolvedLevel] = []
     seconds: list[float] = []
     begin = time.process_time()
     try:
-        for step in steps(brake, respond, levels=[rule.level(k + 1) for k in range(LEVELS_TRIED)]):
+        for step in solved_levels(
+            brake, respond, levels=[rule.level(k + 1) for k in range(LEVELS_TRIED)]
+        ):
             seconds.append(time.process_time() - begin)
             found.append(step)
             begin = time.process_time()
@@ -142,7 +144,7 @@ def _ratios(stops: Sequence[Stop], quantity: str) -> str:
 
 
 def changed(words: Sequence[str]) -> LevelRule:
-    """The rule RULE with the numbers that words such as `fall=6` give.
+    """The rule LEVEL_RULE with the numbers that words such as `fall=6` give.
 
     Raises ValueError for a word of another form.
     """
@@ -150,13 +152,13 @@ def changed(words: Sequence[str]) -> LevelRule:
     for word in words:
         name, _, value = word.partition("=")
         numbers[name] = int(value) if name == "first_degree" else float(value)
-    return RULE._replace(**numbers)
+    return LEVEL_RULE._replace(**numbers)
 
 
 def main(words: Sequence[str]) -> int:
-    """Try the rule RULE and, if there are words, the changed rule; return the exit status."""
+    """Try the rule LEVEL_RULE and, if there are words, the changed rule; return the exit status."""
     seeds = range(FIRST_SEED, FIRST_SEED + FITTED_BRAKES)
-    rules = {"as it is": RULE} | ({" ".join(words): changed(words)} if words else {})
+    rules = {"as it is": LEVEL_RULE} | ({" ".join(words): changed(words)} if words else {})
     with ProcessPoolExecutor(PROCESSES, mp_context=get_context("spawn")) as pool:
         truths = list(pool.map(true_solution, seeds))
         for name, rule in rules.items():

@@ -17,7 +17,7 @@ import numpy as np
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Bar, Beam
-from drumlin.fem.error_control.levels import Respond
+from drumlin.fem.error_control.levels import ResponseFunction
 from drumlin.fem.mesh.arc import shoe_mesh
 from drumlin.fem.preparation.bodies import ShoeSubstructure
 from drumlin.fem.preparation.prepare import prepare
@@ -220,7 +220,7 @@ def prepare_straight(brake: Brake, *, elements: int) -> PreparedModel:
 
 
 def predict(
-    brake: Brake, names: Sequence[str], respond: Respond, sketch: Make | None = None
+    brake: Brake, names: Sequence[str], respond: ResponseFunction, sketch: Make | None = None
 ) -> OmissionChange:
     """The change by an omission, predicted on sketches in some milliseconds.
 

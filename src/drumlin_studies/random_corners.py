@@ -22,7 +22,7 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import brake_from, vary
-from drumlin.fem.error_control.levels import steps
+from drumlin.fem.error_control.levels import solved_levels
 from drumlin.fem.model import respond
 from drumlin.fem.solve import solve
 from drumlin.response.response import Response, ShoeResponse
@@ -256,7 +256,7 @@ def _scaled_to_length(rng: Rng, drawn: Callable[[float], Brake], presses: str) -
 
 def _answer(brake: Brake) -> Response:
     """The response on the first FEW_LEVELS levels of a solve. Raises NoAnswer."""
-    *_, last = islice(steps(brake, respond), FEW_LEVELS)
+    *_, last = islice(solved_levels(brake, respond), FEW_LEVELS)
     return last.response
 
 

@@ -26,8 +26,8 @@ from scipy.stats import binom
 from drumlin.base.errors import NoAnswer
 from drumlin.base.files import write_text
 from drumlin.brake.brake import Brake
-from drumlin.fem.error_control.adapt import DEFAULT, Tolerance, adapt
-from drumlin.fem.error_control.levels import Step, steps
+from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE, Tolerance, solve_to_tolerance
+from drumlin.fem.error_control.levels import SolvedLevel, solved_levels
 from drumlin.fem.model import respond
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.response.response import Response
@@ -35,7 +35,7 @@ from drumlin_studies.stated_true import JUDGED_QUANTITIES as QUANTITIES
 from drumlin_studies.stated_true import errors, ratio
 from drumlin_studies.stored_truth import CERTAIN, StoredTruth, read
 
-ASKED = {"default": DEFAULT, "1e-3": Tolerance(1e-3, 1e-3), "1e-4": Tolerance(1e-4, 1e-4)}
+ASKED = {"default": DEFAULT_TOLERANCE, "1e-3": Tolerance(1e-3, 1e-3), "1e-4": Tolerance(1e-4, 1e-4)}
 """The tolerances that a solve is asked for: the default one and two others, by name."""
 
 PROMISED = 0.01
@@ -133,7 +133,7 @@ def judged(name: str, stored: StoredTruth) -> list[Judged]:
         solved.append(sum(body.unknowns for body in scene.bodies))
         return respond(scene, brake, start=start)
 
-    sequences: tuple[Iterable[Step], ...] = tee(steps(brake, counted), len(ASKED))
+    sequences: tuple[Iterable[SolvedLevel], ...] = tee(solved_levels(brake, counted), len(ASKED))
     found = []
     for (asked, tolerance), sequence in zip(ASKED.items(), sequences, strict=True):
         response = _answer(brake, tolerance, sequence)
@@ -144,10 +144,12 @@ def judged(name: str, stored: StoredTruth) -> list[Judged]:
     return found
 
 
-def _answer(brake: Brake, tolerance: Tolerance, sequence: Iterable[Step]) -> Response | None:
+def _answer(brake: Brake, tolerance: Tolerance, sequence: Iterable[SolvedLevel]) -> Response | None:
     """The answer that a solve would give, or None where the solve would miss the tolerance."""
     try:
-        return adapt(brake, tolerance, respond, must=tolerance != DEFAULT, along=sequence).response
+        return solve_to_tolerance(
+            brake, tolerance, respond, must=tolerance != DEFAULT_TOLERANCE, levels=sequence
+        ).response
     except NoAnswer:
         return None
 

@@ -23,7 +23,7 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.comparison import edge_of
-from drumlin.fem.error_control.levels import steps
+from drumlin.fem.error_control.levels import solved_levels
 from drumlin.fem.hp.corner import NodalPressure
 from drumlin.fem.model import respond
 from drumlin.response.response import (
@@ -115,7 +115,7 @@ def by_columns(brake: Brake, tolerance: float) -> Truth:
     solutions: list[Sequence[ShoeResponse]] = []
     changes: list[float] = []
     try:
-        for _, response in steps(brake, partial(respond, penalty=math.inf)):
+        for _, response in solved_levels(brake, partial(respond, penalty=math.inf)):
             change = math.inf
             if solutions:
                 change = errors(brake, solutions[-1], response.shoes)["pressure"]

@@ -9,7 +9,12 @@ from functools import partial
 
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
-from drumlin.fem.error_control.adapt import DEFAULT, Tolerance, adapt, check_tolerance
+from drumlin.fem.error_control.adapt import (
+    DEFAULT_TOLERANCE,
+    Tolerance,
+    check_tolerance,
+    solve_to_tolerance,
+)
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.model import PENALTY, check_penalty, respond
@@ -50,7 +55,7 @@ def solve(
         without error estimate
     kind : kind of the finite elements; the brake is then solved on one mesh, as with a mesh file
     tolerance : tolerance of the estimated relative errors of p (L2, outside the edge zones) and of
-        the torque; by default DEFAULT, or the error that is reached
+        the torque; by default DEFAULT_TOLERANCE, or the error that is reached
     penalty : factor alpha of the contact stiffness alpha E/t
     finite_width : whether the linings' moduli are corrected for the widths of the shoes, see
         fem/preparation/finite_width.py
@@ -81,9 +86,13 @@ def solve(
     answer = partial(respond, penalty=penalty)
     if tolerance is not None:
         check_tolerance(brake, tolerance)
-        response = adapt(brake, Tolerance(tolerance, tolerance), answer, cache=cache).response
+        response = solve_to_tolerance(
+            brake, Tolerance(tolerance, tolerance), answer, cache=cache
+        ).response
     elif _has_levels(brake, elements, kind):
-        response = adapt(brake, DEFAULT, answer, must=False, cache=cache).response
+        response = solve_to_tolerance(
+            brake, DEFAULT_TOLERANCE, answer, must=False, cache=cache
+        ).response
     else:
         response = answer(scene_of(brake, elements=elements, kind=kind, cache=cache), brake)
     if not brake.surface.straight:
@@ -119,7 +128,7 @@ def scene_of(
         return prepare(brake, elements=elements, kind=kind or DEFAULT_KIND, cache=cache)
     # The model is that of the last division on which the answer was found.
     try:
-        return adapt(brake, DEFAULT, respond, must=False, cache=cache).scene
+        return solve_to_tolerance(brake, DEFAULT_TOLERANCE, respond, must=False, cache=cache).scene
     except NoAnswer:
         return prepare(brake, LEVELS[1], cache=cache)
 
