@@ -153,7 +153,7 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "EPSILON": DEFINITION,
         "MOST_CORRECTIONS": PASSES,
         "CONVERGED_CORRECTION": ROUND_OFF,
-        "SLOWEST": "factor by which corrections that converge shrink",
+        "SLOWEST_CONVERGENCE": "factor by which corrections that converge shrink",
         "MOST_REFINED_SETS": PASSES,
     },
     "fem/analysis/sensitivity.py": {"PERCENT_PER_MM": DEFINITION},

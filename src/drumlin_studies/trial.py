@@ -198,7 +198,7 @@ def _worth(response: Response, group: ShoeGroup) -> dict[str, Any]:
         "allowed": digits_of(EPSILON * refined.condition if known_condition else 0.0),
         "torque_condition": refined.condition if known_condition else None,
         "pressure_error": float(np.abs(p - exact).max() / exact.max()),
-        "sets": refined.sets,
+        "sets": refined.contact_sets,
     }
 
 

@@ -41,7 +41,7 @@ from drumlin.response.response import (
 from drumlin.response.resultants import cross
 
 if TYPE_CHECKING:
-    from drumlin.fem.error_control.refinement import Refined
+    from drumlin.fem.error_control.refinement import RefinedSolution
 
 DOUBLE = float(np.finfo(float).eps)
 """Relative spacing of double-precision numbers; no refined answer is stated to be more certain."""
@@ -350,13 +350,13 @@ def _refined_answers(solution: _GroupSolution, contact: Contact) -> dict[int, _S
     except NoAnswer as error:
         raise LostDigits(f"{group.names}: lost digits, {TOO_FAR}; refined: {error}") from error
     by_penalty = solution.changes[0]
-    last_correction = size * np.concatenate(refined.last)
+    last_correction = size * np.concatenate(refined.last_correction)
     answers = _shoe_answers(
         solution._replace(
             pressures=[size * p for p in refined.p],
             coordinates=[size * y for y in refined.coordinates],
             changes=np.array([by_penalty, last_correction]),
-            steps=solution.steps + refined.sets,
+            steps=solution.steps + refined.contact_sets,
             refined=True,
         )
     )
@@ -386,7 +386,7 @@ def _imbalance(answers: dict[int, _ShoeAnswer]) -> float:
     return math.inf if math.isnan(largest) else largest
 
 
-def refined_group(group: ShoeGroup, active: Bools, order: str = "COLAMD") -> "Refined":
+def refined_group(group: ShoeGroup, active: Bools, order: str = "COLAMD") -> "RefinedSolution":
     """The answer of a group to all digits, by iterative refinement of the full system.
 
     Parameters
@@ -401,12 +401,13 @@ def refined_group(group: ShoeGroup, active: Bools, order: str = "COLAMD") -> "Re
         where the system is singular, or the contact set does not settle
     """
     # The module loads scipy.sparse, and only few brakes need a refinement.
-    from drumlin.fem.error_control.refinement import full_system, refine  # noqa: PLC0415
+    from drumlin.fem.error_control.refinement import full_system, refined_solution  # noqa: PLC0415
 
-    refined = refine(full_system(group), active, order)
+    refined = refined_solution(full_system(group), active, order)
     if refined.correction < SETTLED_CORRECTION:
         return refined
-    other = refine(full_system(group, carried=False), active, order)
+    system = full_system(group, relative_to_rigid_motion=False)
+    other = refined_solution(system, active, order)
     return min(refined, other, key=lambda each: each.correction)
 
 
