@@ -78,7 +78,7 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "LONGEST_CORNER_CONTACT": DEFINITION,
     },
     "fem/error_control/singular_points.py": {"CONTACT_END_BITS": ROUND_OFF},
-    "fem/hp/element.py": {"SLOPES_AT_ONCE": SPEED},
+    "fem/hp/element.py": {"SLOPES_PER_BATCH": SPEED},
     "fem/error_control/levels.py": {"DEG": DEFINITION, "LEVELS": DEFINITION, "MOST_PASSES": PASSES},
     "fem/hp/ring.py": {"FULL_TURN": DEFINITION, "SAME_ANGLE": ROUND_OFF},
     "fem/preparation/columns.py": {"MOST_CONTACT_NODES": MEMORY},

@@ -24,7 +24,11 @@ from drumlin.fem.error_control.estimate import FACTORS, estimate
 from drumlin.fem.error_control.levels import LEVELS, solved_levels
 from drumlin.fem.error_control.singular_points import singular_points_of
 from drumlin.fem.hp import division
-from drumlin.fem.hp.arc import angular_integrals, arc_column_stiffness, condensed_arc_elements
+from drumlin.fem.hp.arc import (
+    angular_integrals,
+    arc_column_stiffness,
+    condensed_arc_element_stiffness,
+)
 from drumlin.fem.hp.columns import (
     ColumnSubstructure,
     assemble_pair,
@@ -36,7 +40,7 @@ from drumlin.fem.hp.columns import (
 )
 from drumlin.fem.hp.division import Singularity, SingularPoint, divide_shoe, graded_sizes
 from drumlin.fem.hp.element import (
-    condensed_elements,
+    condensed_element_stiffness,
     element_stiffness,
     reference_element,
     shape_functions,
@@ -47,8 +51,8 @@ from drumlin.fem.preparation.bodies import actuation
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import scene_of, solve
-from drumlin.fem.substructure.body import FRAME, condense, rigid_body_modes
-from drumlin.fem.substructure.elasticity import layers_of
+from drumlin.fem.substructure.body import FRAME, condense_body, rigid_body_modes
+from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 from drumlin.laws import sine
 from drumlin.lining_wear.worn_in import solve as solve_worn_in
 from drumlin.response.norms import pressure_distance
@@ -156,7 +160,7 @@ def test_columns_merged_in_any_order_are_the_whole_eliminated_at_once():
             for d in depth
         ]
     )[..., reference_element(p).order]
-    K = condensed_elements(
+    K = condensed_element_stiffness(
         xy, np.tile(elasticity_matrix(Material(E=1.0, nu=0.3)), (layers, 1, 1)), p
     )
     of = column_unknowns(p, layers, contact=True, held=False)
@@ -196,11 +200,11 @@ def test_columns_of_an_arc_by_symmetric_and_antisymmetric_motions_are_those_of_t
 
     of = column_unknowns(p, 3, contact=contact, held=held)
     theirs = column_stiffness(
-        condensed_elements(element_nodes(place, depths, angles, p), matrices, p), of
+        condensed_element_stiffness(element_nodes(place, depths, angles, p), matrices, p), of
     )
     nodes = p + 1 if contact else 0
     ours = arc_column_stiffness(
-        condensed_arc_elements(radii, angular_integrals(angles, p), matrices, p),
+        condensed_arc_element_stiffness(radii, angular_integrals(angles, p), matrices, p),
         p,
         contact=contact,
         held=held,
@@ -242,8 +246,11 @@ def body_and_parts(brake, index=0, level=LEVELS[1]):
 def factorised_at_once(shoe, body):
     """The shoe condensed by one sparse factorisation; its contact stiffness must be the body's."""
     _, ties, loads = body.condensed.inside()
-    other = condense(
-        body.basis.stiffness(layers_of(shoe)), ties, {"actuation": loads}, 2 * len(body.line.nodes)
+    other = condense_body(
+        body.basis.stiffness(elastic_layers_of_shoe(shoe)),
+        ties,
+        {"actuation": loads},
+        2 * len(body.line.nodes),
     )
     expected = other.L_cc @ other.L_cc.T
     found = body.condensed.L_cc @ body.condensed.L_cc.T
@@ -778,7 +785,7 @@ def test_fields_recovered_on_a_grid_are_in_balance(brake):
     u = body.condensed.displacement(
         nodal, np.zeros(FRAME), shoe.actuation.force * actuation(body, shoe)[0]
     )
-    forces = body.basis.stiffness(layers_of(shoe)) @ u.T.ravel()
+    forces = body.basis.stiffness(elastic_layers_of_shoe(shoe)) @ u.T.ravel()
     n = 2 * len(body.line.nodes)
     assert forces[:n] == pytest.approx(nodal, abs=1e-6 * np.abs(nodal).max())
 

@@ -7,13 +7,13 @@ import pytest
 
 from drumlin.brake.file import read_brake
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.hp.shoe import LoadedEnd, unit_actuations
+from drumlin.fem.hp.shoe import LoadedEnd, unit_actuation_loads
 from drumlin.fem.model import respond
 from drumlin.fem.preparation import columns as hp_path
 from drumlin.fem.preparation.bodies import actuation
 from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.substructure.body import condense
-from drumlin.fem.substructure.elasticity import layers_of
+from drumlin.fem.substructure.body import condense_body
+from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 from drumlin.fem.substructure.loads import ACTUATION, LoadColumns
 
 FURTHER = "further force"
@@ -27,7 +27,7 @@ def brake(root):
 
 def with_further_force(xy, depths, p):
     """The unit actuations, and a unit force along y on the first node of the loaded end."""
-    end = unit_actuations(xy, depths, p)
+    end = unit_actuation_loads(xy, depths, p)
     force = np.zeros((len(end.forces), 1))
     force[1] = 1.0
     moment = np.array([[0.0], [1.0], [xy[0, 0] - end.centre[0]]])
@@ -62,7 +62,9 @@ def test_a_further_force_on_hp_elements_is_what_one_factorisation_leaves(brake, 
     assert body.load_motion_by_load.shape == (4, 4)
     _, ties, loads = body.condensed.inside()
     named = {ACTUATION: loads[:, :3], FURTHER: loads[:, 3:]}
-    other = condense(body.basis.stiffness(layers_of(shoe)), ties, named, 2 * len(body.line.nodes))
+    other = condense_body(
+        body.basis.stiffness(elastic_layers_of_shoe(shoe)), ties, named, 2 * len(body.line.nodes)
+    )
     assert other.columns == TWO
     for name in ("load_on_contact", "load_on_frame", "load_work"):
         mine, theirs = getattr(body.condensed, name), getattr(other, name)

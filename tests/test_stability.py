@@ -20,7 +20,7 @@ from drumlin.fem.model import LARGEST_LOSS, MOST_LOSS, REFINED, refined_group, r
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin.fem.substructure.body import stiffness
-from drumlin.fem.substructure.elasticity import layers_of
+from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 from drumlin.verification import triangles
 from drumlin_studies.extreme_cases import KnobCase, cases
 from drumlin_studies.random_brake import random_brake
@@ -88,7 +88,7 @@ def test_the_designed_set_turns_every_knob_to_its_end():
 @pytest.mark.parametrize("kind", ("quad2", "quad1", "tri2", "tri1"))
 def test_long_double_stiffness_is_that_of_double_and_strains_nothing_in_rigid_motion(kind):
     scene, brake, _ = solved(KnobCase(elements=8, kind=kind))
-    body, layers = scene.bodies[0], layers_of(brake.shoes[0])
+    body, layers = scene.bodies[0], elastic_layers_of_shoe(brake.shoes[0])
     K, L = (stiffness(body.basis, layers, precise=precise) for precise in (False, True))
     assert L.dtype == np.longdouble
     scale = abs(K).max()

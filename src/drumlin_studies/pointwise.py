@@ -28,7 +28,7 @@ from drumlin.fem.preparation.bodies import actuation, contact_stiffness
 from drumlin.fem.preparation.meshes import ELEMENTS, Assembled, Mesher, assemble
 from drumlin.fem.preparation.scene import Seconds, clock
 from drumlin.fem.substructure.body import FRAME
-from drumlin.fem.substructure.interface import edge_points, radial
+from drumlin.fem.substructure.interface import drum_directions, edge_quadrature_points
 from drumlin.fem.substructure.loads import ACTUATION
 from drumlin.response.balance import relative_balance, worst
 from drumlin.response.response import Balance, Response, ShoeResponse, pressed_shoe, untouched
@@ -192,8 +192,8 @@ def _points(parts: Assembled, brake: Brake, shoe: Shoe, drag: float) -> _Points:
     """The quadrature points of a shoe, with the drag of friction along growing angles."""
     line = parts.line
     at, weights = np.polynomial.legendre.leggauss(line.order + 1)
-    psi, x, ds = edge_points(line.xy[:, line.pieces], at, weights)
-    normal, tangent = radial(shoe.sign)(x)
+    psi, x, ds = edge_quadrature_points(line.xy[:, line.pieces], at, weights)
+    normal, tangent = drum_directions(shoe.sign)(x)
     radius = np.hypot(*x)
     phi = shoe.phi_of(x, brake.size)
     unknowns = parts.constraints.matrix.shape[1]

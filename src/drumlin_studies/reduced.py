@@ -34,7 +34,7 @@ from drumlin.fem.preparation.bodies import ShoeSubstructure
 from drumlin.fem.preparation.cache import shape_of
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.preparation.scene import PreparedModel, why_not
-from drumlin.fem.substructure.interface import edge_points
+from drumlin.fem.substructure.interface import edge_quadrature_points
 from drumlin.fem.substructure.ring import RingSubstructure
 
 SKETCH_ELEMENTS = 24
@@ -312,7 +312,7 @@ def _waves(body: ShoeSubstructure, shoe: Shoe, k: Ints) -> tuple[Floats, Floats]
     psi_i are the shape functions of the contact nodes, theta is the angle of the brake.
     """
     line = body.line
-    psi, x, ds = edge_points(line.xy[:, line.pieces])
+    psi, x, ds = edge_quadrature_points(line.xy[:, line.pieces])
     wave = np.exp(1j * k[:, None, None] * shoe.frame.theta(shoe.phi_of(x, 1.0)))
     found = np.zeros((len(k), len(line.nodes)), dtype=complex)
     # No node occurs twice in one row of the pieces, so that += adds each contribution.

@@ -43,7 +43,7 @@ from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.solve import solve
 from drumlin.fem.substructure.body import FRAME
-from drumlin.fem.substructure.elasticity import layers_of
+from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 from drumlin.fem.substructure.interface import ContactLine
 from drumlin.fem.substructure.loads import ACTUATION
 from drumlin.laws import law as rigid_law
@@ -196,7 +196,7 @@ def _relative_slope(x: float, slope: float, value: float) -> float | None:
 def _unpressed_shoe(body: ShoeSubstructure, shoe: Shoe) -> ShoeSensitivity:
     """The sensitivities, all zero, of a shoe that does not press on the drum."""
     theta = shoe.frame.theta(body.line.phi)[:: shoe.frame.sense]
-    moduli = dict.fromkeys(map(_material_name, layers_of(shoe)), 0.0)
+    moduli = dict.fromkeys(map(_material_name, elastic_layers_of_shoe(shoe)), 0.0)
     given = shoe.body is not None and shoe.body.bending_stiffness is not None
     return ShoeSensitivity(
         name=shoe.name,
@@ -303,7 +303,9 @@ class _ShoeSlopes:
         """
         u, v = self.displacements
         effects: dict[str, float] = {}
-        for part, work in work_by_part(self.body.basis, layers_of(self.shoe), u, v).items():
+        for part, work in work_by_part(
+            self.body.basis, elastic_layers_of_shoe(self.shoe), u, v
+        ).items():
             name = _material_name(part)
             more = by_penalty if part == "lining" else 0.0
             effects[name] = effects.get(name, 0.0) - work + more
@@ -357,7 +359,7 @@ class _ShoeSlopes:
         own, body = self.own, self.body
         u, v = self.displacements
         nodes, axes = np.array([move.nodes for move in moves]), [move.axis for move in moves]
-        effects = -change_by_nodes(body.basis, layers_of(self.shoe), u, v, nodes, axes)
+        effects = -change_by_nodes(body.basis, elastic_layers_of_shoe(self.shoe), u, v, nodes, axes)
         # A change of the nodal forces changes the torque by this much per force.
         per_force = own.F * v - self.tip_multiplier * u
         for j, move in enumerate(moves):

@@ -39,7 +39,7 @@ from drumlin.fem.equilibrium.group import ShoeGroup
 from drumlin.fem.preparation.bodies import actuation
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.substructure.body import FRAME, stiffness
-from drumlin.fem.substructure.elasticity import layers_of, ring_layers
+from drumlin.fem.substructure.elasticity import elastic_layers_of_ring, elastic_layers_of_shoe
 
 LONG_DOUBLE = np.longdouble
 EPSILON = float(np.finfo(float).eps)
@@ -261,7 +261,7 @@ def _shoe_block(group: ShoeGroup, k: int, relative_to_rigid_motion: bool) -> _Sh
     """The part of shoe `k` in the full system; parameters as of `full_system`."""
     body, shoe, modes = group.bodies[k], group.shoes[k], group.modes[k]
     constraints = body.condensed.constraints.matrix.astype(LONG_DOUBLE)
-    K = stiffness(body.basis, layers_of(shoe), precise=True)
+    K = stiffness(body.basis, elastic_layers_of_shoe(shoe), precise=True)
     constrained = (constraints.T @ K @ constraints).tocsr()
     inside, n = constrained.shape[0] - FRAME, len(body.line.nodes)
     unit, _ = actuation(body, shoe)
@@ -300,7 +300,7 @@ def _ring_block(scene: PreparedModel, brake: Brake) -> _RingBlock:
     # A model without a ring, or with a ring that has no section, never comes here.
     assert ring is not None and part is not None and part.section is not None
     basis = ring.basis
-    K = stiffness(basis, ring_layers(part.section), precise=True).tocsr()
+    K = stiffness(basis, elastic_layers_of_ring(part.section), precise=True).tocsr()
     keep = np.ones(2 * basis.N, dtype=bool)
     if part.support == "fixed":
         keep[2 * ring.support] = keep[2 * ring.support + 1] = False

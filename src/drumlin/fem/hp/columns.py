@@ -116,9 +116,9 @@ def column_stiffness(
     inner = np.zeros((count, unknowns.rest, unknowns.rest))
     sides, coupling = K[:, extra:, extra:], C[:, :, extra:]
     for part, kept, inside in zip(elements, unknowns.kept, unknowns.inside, strict=True):
-        _add_blocks(part, kept, kept, sides)
-        _add_blocks(part, (inside,), kept, coupling)
-        _add_blocks(part, (inside,), (inside,), inner)
+        _add_element_blocks(part, kept, kept, sides)
+        _add_element_blocks(part, (inside,), kept, coupling)
+        _add_element_blocks(part, (inside,), (inside,), inner)
     if loads is not None:
         # The first two unknowns of the innermost edge end the line; its other unknowns are
         # eliminated.
@@ -129,7 +129,7 @@ def column_stiffness(
     return schur_complements(K, C, inner)
 
 
-def _add_blocks(
+def _add_element_blocks(
     part: Floats, rows: Sequence[UnknownsAt], columns: Sequence[UnknownsAt], target: Floats
 ) -> None:
     """Add blocks of the elements `part` (c, m, m) of one layer to the columns `target`.

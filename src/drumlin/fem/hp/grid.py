@@ -14,14 +14,14 @@ import numpy as np
 from drumlin.base.arrays import Floats, Ints
 from drumlin.brake.elasticity import ElasticLayer, has_directions
 from drumlin.fem.hp.element import (
-    condensed_elements,
+    condensed_element_stiffness,
+    element_gauss_points,
     element_stiffness,
-    gauss_points,
-    grid_points,
-    inner_displacements,
+    inner_node_displacements,
     reference_element,
     shape_functions,
-    unit_nodes,
+    square_grid_points,
+    unit_edge_nodes,
 )
 from drumlin.fem.substructure.body import InnerSystem, sparse_stiffness
 
@@ -121,7 +121,7 @@ class ColumnGrid:
 
     def gradients(self, elements: Ints) -> Floats:
         """Gradients (a, 2, elements, a) [1/m] of the shape functions of elements at their nodes."""
-        _, slopes = shape_functions(self.degree, grid_points(unit_nodes(self.degree)))
+        _, slopes = shape_functions(self.degree, square_grid_points(unit_edge_nodes(self.degree)))
         J = np.einsum("can,adq->nqcd", self.doflocs[:, self.element_dofs[:, elements]], slopes)
         return np.asarray(np.einsum("adq,nqdc->acnq", slopes, np.linalg.inv(J)))
 
@@ -150,7 +150,7 @@ class ColumnGrid:
         """
         if not any(has_directions(layers[name].elasticity) for name in self.subdomains):
             return None
-        points = gauss_points(xy, self.degree)
+        points = element_gauss_points(xy, self.degree)
         directions = np.empty_like(points)
         for name, elements in self.subdomains.items():
             of_layer = layers[name].directions(np.moveaxis(points[elements], 1, 0))
@@ -222,7 +222,7 @@ class Skeleton:
         """The stiffness (2 N, 2 N) [N/m], with the insides of the elements condensed."""
         grid = self.grid
         xy, along = grid.element_nodes, grid.layer_directions(layers, grid.element_nodes)
-        K = condensed_elements(xy[:, None], grid.elasticity(layers), grid.degree, along)
+        K = condensed_element_stiffness(xy[:, None], grid.elasticity(layers), grid.degree, along)
         return sparse_stiffness(K, self.element_dofs.T, self.N)
 
     def displacements_everywhere(self, layers: Mapping[str, ElasticLayer], u: Floats) -> Floats:
@@ -237,7 +237,7 @@ class Skeleton:
         everywhere[self.nodes] = on_sides
         outer = on_sides[self.element_dofs.T].reshape(len(grid.ordered_dofs), -1, u.shape[1])
         xy, along = grid.element_nodes, grid.layer_directions(layers, grid.element_nodes)
-        inner = inner_displacements(xy, grid.elasticity(layers), grid.degree, along, outer)
+        inner = inner_node_displacements(xy, grid.elasticity(layers), grid.degree, along, outer)
         inside = grid.ordered_dofs[:, len(self.element_dofs) :]
         everywhere[inside] = inner.reshape(*inside.shape, 2, -1)
         return everywhere.reshape(2 * grid.N, -1)

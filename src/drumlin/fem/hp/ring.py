@@ -13,7 +13,11 @@ from drumlin.base.lapack import dpotrf
 from drumlin.brake.brake import Brake
 from drumlin.brake.components import Section
 from drumlin.brake.elasticity import has_directions
-from drumlin.fem.hp.arc import angular_integrals, arc_column_stiffness, condensed_arc_elements
+from drumlin.fem.hp.arc import (
+    angular_integrals,
+    arc_column_stiffness,
+    condensed_arc_element_stiffness,
+)
 from drumlin.fem.hp.columns import (
     ColumnSubstructure,
     assemble_row,
@@ -24,17 +28,22 @@ from drumlin.fem.hp.columns import (
 )
 from drumlin.fem.hp.division import Level, graded_sizes, piece_ends
 from drumlin.fem.hp.grid import ColumnGrid, ElementBlock, Skeleton, recover_displacements
-from drumlin.fem.hp.shoe import distinct_sizes, nodes_between, nodes_of_pieces, side_angles
-from drumlin.fem.substructure.body import FRAME, CondensedBody, InnerSystem, constrain
-from drumlin.fem.substructure.elasticity import ring_layers, stack_elasticity
+from drumlin.fem.hp.shoe import (
+    axis_angles_of_contact_nodes,
+    distinct_sizes,
+    node_positions_of_elements,
+    node_positions_of_row,
+)
+from drumlin.fem.substructure.body import FRAME, CondensedBody, InnerSystem, body_constraints
+from drumlin.fem.substructure.elasticity import elastic_layers_of_ring, elasticity_of_layers
 from drumlin.fem.substructure.elimination import SINGULAR_BODY
 from drumlin.fem.substructure.interface import ContactLine
 from drumlin.fem.substructure.loads import LoadColumns
 from drumlin.fem.substructure.ring import (
     FreeRing,
     RingSubstructure,
-    coupled_ring,
-    determinate_unknowns,
+    couple_ring_with_linings,
+    statically_determinate_unknowns,
 )
 from drumlin.response.resultants import WEIGHTS, at_gauss, lobatto
 
@@ -113,7 +122,7 @@ def divide_ring(
     sizes = np.diff(places)
     for k, (a, b) in enumerate(pairwise(places)):
         middle = 0.5 * (float(a) + float(b))
-        covered = any(_lies_under(middle, part) for part in parts)
+        covered = any(_lies_under_lining(middle, part) for part in parts)
         pieces = [b - a]
         if not covered:
             before, after = sizes[k - 1], sizes[(k + 1) % len(sizes)]
@@ -127,12 +136,12 @@ def divide_ring(
     return RingDivision(level.degree, ends, np.array(contact), piece_ends(layers, 0.0, t))
 
 
-def _lies_under(angle: float, ends: Floats) -> bool:
+def _lies_under_lining(angle: float, ends: Floats) -> bool:
     """Whether an `angle` [rad] lies between the `ends` of a lining; whole turns do not count."""
     return any(ends[0] < angle + turn < ends[-1] for turn in (0.0, FULL_TURN))
 
 
-def ring_body(
+def condensed_hp_ring(
     brake: Brake,
     level: Level,
     linings: tuple[ContactLine, ...],
@@ -160,13 +169,15 @@ def ring_body(
     grid = ring_grid(radius, sign, div)
     rim = np.zeros((2 * grid.N, 0))
     if free:
-        rim = rim_forces(radius + sign * ring.section.thickness, div, grid)
+        rim = rim_forces_on_grid(radius + sign * ring.section.thickness, div, grid)
 
     contact = _ring_contact_line(div, grid)
     condensed = _condensed_ring(ring.section, radius, sign, div, grid, rim)
     balance = FreeRing.of(grid, rim, condensed, contact) if free else None
     support = grid.sets["support"]
-    return coupled_ring(brake, linings, grid, grid, contact, condensed, support, balance)
+    return couple_ring_with_linings(
+        brake, linings, grid, grid, contact, condensed, support, balance
+    )
 
 
 def _ring_contact_line(div: RingDivision, grid: ColumnGrid) -> ContactLine:
@@ -174,7 +185,7 @@ def _ring_contact_line(div: RingDivision, grid: ColumnGrid) -> ContactLine:
     nodes, touching = grid.sets["contact"], div.contact_nodes
     place = np.full(len(div.contact) * div.degree, -1)
     place[touching] = np.arange(len(touching))
-    angles = nodes_between(div.angles, div.degree)[touching]
+    angles = node_positions_of_row(div.angles, div.degree)[touching]
     return ContactLine(nodes, grid.doflocs[:, nodes], angles, place[div.contact_edges])
 
 
@@ -185,7 +196,7 @@ def _condensed_ring(
 
     Parameters
     ----------
-    section, radius, sign, div : as of `_assembled_runs`
+    section, radius, sign, div : as of `_stiffness_of_runs`
     grid : all nodes and elements of the ring
     rim : (2 N, l) unit loads on the rim; l is 0 where the rim is fixed
     """
@@ -195,13 +206,13 @@ def _condensed_ring(
     line = column_unknowns(div.degree, layers, contact=True, held=not free).line
     n = 2 * len(div.contact_nodes)
     A = _closed_ring_stiffness(
-        _assembled_runs(section, radius, sign, div, free=free), div, line, extra
+        _stiffness_of_runs(section, radius, sign, div, free=free), div, line, extra
     )
     # Three unknowns of the rim hold a free ring; the support is statically determinate.
     if free:
         A = _without_rigid_motion(A, extra, n, line, div)
     A = eliminate_line(ColumnSubstructure(A, 0, len(A) - extra - n), right=True).K
-    back = -side_angles(div.angles, div.degree)[div.contact_nodes]
+    back = -axis_angles_of_contact_nodes(div.angles, div.degree)[div.contact_nodes]
     L, info = dpotrf(rotate_components(A[extra:, extra:], back), lower=1)
     if info:
         raise NoAnswer(SINGULAR_BODY)
@@ -213,12 +224,12 @@ def _condensed_ring(
         load_on_frame=np.zeros((FRAME, extra)),
         load_work=-A[:extra, :extra],
         inside=partial(system, grid),
-        recover=partial(recover_displacements, grid, ring_layers(section), system),
+        recover=partial(recover_displacements, grid, elastic_layers_of_ring(section), system),
         columns=LoadColumns((("rim", extra),)),
     )
 
 
-def _assembled_runs(
+def _stiffness_of_runs(
     section: Section, radius: float, sign: int, div: RingDivision, *, free: bool
 ) -> list[Floats]:
     """The stiffness (n, n) of each run of element columns of a ring, from the first angle on.
@@ -236,10 +247,10 @@ def _assembled_runs(
     p, layers = div.degree, len(div.depths) - 1
     sizes, which = distinct_sizes(np.diff(div.angles))
     along = 0.5 * sizes[:, None] * lobatto(p)
-    elasticity = stack_elasticity(ring_layers(section), ("drum",) * layers)
+    elasticity = elasticity_of_layers(elastic_layers_of_ring(section), ("drum",) * layers)
     A = angular_integrals(along, p, directed=bool(has_directions(elasticity).any()))
-    K = condensed_arc_elements(radius + sign * div.depths, A, elasticity, p)
-    loads = _side_loads(radius + sign * section.thickness, along, p) if free else None
+    K = condensed_arc_element_stiffness(radius + sign * div.depths, A, elasticity, p)
+    loads = _rim_loads_in_side_axes(radius + sign * section.thickness, along, p) if free else None
     middle = 0.5 * (div.angles[1:] + div.angles[:-1])
     runs = []
     for first, last in pairwise([*div.first_of_runs, len(which)]):
@@ -250,7 +261,7 @@ def _assembled_runs(
         made = arc_column_stiffness(K[:, :, kinds], p, contact=contact, held=not free, loads=own)
         if free:
             # The loads have their own direction in each column: no two columns are equal.
-            made = _rotate_loads(made[kind_of], middle[first:last])
+            made = _rotate_loads_to_brake_frame(made[kind_of], middle[first:last])
             kind_of = np.arange(last - first)
         kinds_made = [ColumnSubstructure(each, line, line) for each in made]
         row = [kinds_made[k] for k in kind_of]
@@ -258,7 +269,7 @@ def _assembled_runs(
     return runs
 
 
-def _side_loads(radius: float, along: Floats, p: int) -> Floats:
+def _rim_loads_in_side_axes(radius: float, along: Floats, p: int) -> Floats:
     """The rim loads of `_column_rim_loads`, with end nodes measured in the axes of column sides.
 
     Parameters
@@ -291,7 +302,7 @@ def _column_rim_loads(radius: float, along: Floats, p: int) -> Floats:
     return found.reshape(len(along), -1, FRAME)
 
 
-def _rotate_loads(K: Floats, angle: Floats) -> Floats:
+def _rotate_loads_to_brake_frame(K: Floats, angle: Floats) -> Floats:
     """Columns (c, n, n) with their loads rotated from the columns' frames to the brake's frame.
 
     `angle` (c,) [rad] is that of each column's middle.
@@ -372,10 +383,10 @@ def ring_grid(radius: float, sign: int, div: RingDivision) -> ColumnGrid:
 
     Parameters
     ----------
-    radius, sign, div : as of `_assembled_runs`
+    radius, sign, div : as of `_stiffness_of_runs`
     """
     p = div.degree
-    depth, along = nodes_between(div.depths, p), nodes_between(div.angles, p)
+    depth, along = node_positions_of_row(div.depths, p), node_positions_of_row(div.angles, p)
     rows, n = len(depth), len(along) - 1
     nodes = np.arange(rows * n).reshape(rows, n)
     # The ring closes: the last column of nodes is the first column again.
@@ -391,7 +402,7 @@ def ring_grid(radius: float, sign: int, div: RingDivision) -> ColumnGrid:
     return ColumnGrid(p, (block,), point_at, sets, rows * n)
 
 
-def rim_forces(radius: float, div: RingDivision, grid: ColumnGrid) -> Floats:
+def rim_forces_on_grid(radius: float, div: RingDivision, grid: ColumnGrid) -> Floats:
     """Nodal forces (2 N, 3) that are spread over the rim like the rigid-body modes.
 
     Parameters
@@ -402,7 +413,7 @@ def rim_forces(radius: float, div: RingDivision, grid: ColumnGrid) -> Floats:
     """
     p, count = div.degree, len(div.contact)
     forces = np.zeros((grid.N, 2, FRAME))
-    pieces = _column_rim_loads(radius, nodes_of_pieces(div.angles, p), p)
+    pieces = _column_rim_loads(radius, node_positions_of_elements(div.angles, p), p)
     edges = (np.arange(count)[:, None] * p + np.arange(p + 1)) % (count * p)
     np.add.at(forces, grid.sets["support"][edges], pieces.reshape(count, p + 1, 2, FRAME))
     return forces.reshape(-1, FRAME)
@@ -423,7 +434,7 @@ def _whole_system(
     contact = basis.numbers_of(grid.sets["contact"])
     support, alone = basis.numbers_of(grid.sets["support"]), None
     if rim.shape[1]:
-        support, alone = support[:0], determinate_unknowns(basis, support)
-    constraints = constrain(basis, contact, support, np.zeros(2), alone)
+        support, alone = support[:0], statically_determinate_unknowns(basis, support)
+    constraints = body_constraints(basis, contact, support, np.zeros(2), alone)
     loads = constraints.matrix.T @ rim[basis.dofs]
-    return InnerSystem.of(basis.stiffness(ring_layers(section)), constraints, loads)
+    return InnerSystem.of(basis.stiffness(elastic_layers_of_ring(section)), constraints, loads)

@@ -11,7 +11,11 @@ from drumlin.brake.beam_axis import axis_of
 from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Beam
 from drumlin.brake.elasticity import ElasticLayer, has_directions
-from drumlin.fem.hp.arc import angular_integrals, arc_column_stiffness, condensed_arc_elements
+from drumlin.fem.hp.arc import (
+    angular_integrals,
+    arc_column_stiffness,
+    condensed_arc_element_stiffness,
+)
 from drumlin.fem.hp.columns import (
     ColumnSubstructure,
     assemble_row,
@@ -22,9 +26,13 @@ from drumlin.fem.hp.columns import (
     rotate_row_components,
 )
 from drumlin.fem.hp.division import ShoeDivision
-from drumlin.fem.hp.element import condensed_elements, gauss_points, reference_element
+from drumlin.fem.hp.element import (
+    condensed_element_stiffness,
+    element_gauss_points,
+    reference_element,
+)
 from drumlin.fem.substructure.body import FRAME, rigid_body_modes
-from drumlin.fem.substructure.elasticity import stack_elasticity
+from drumlin.fem.substructure.elasticity import elasticity_of_layers
 from drumlin.fem.substructure.loads import ACTUATION, LoadColumns
 from drumlin.response.resultants import GAUSS, WEIGHTS, at_gauss, lobatto
 
@@ -60,7 +68,7 @@ EndLoads = Callable[[Floats, Floats, int], LoadedEnd]
 """Makes the loads of the loaded end from its nodes (2, n) [m], their depths (n,) and the degree."""
 
 
-def unit_actuations(xy: Floats, depths: Floats, p: int) -> LoadedEnd:
+def unit_actuation_loads(xy: Floats, depths: Floats, p: int) -> LoadedEnd:
     """Unit force x, unit force y and unit couple on the straight loaded end.
 
     The forces are spread evenly; the couple is a traction that grows linearly from the centre. The
@@ -118,10 +126,14 @@ class CondensedShoe(NamedTuple):
 
 def point_map(shoe: Shoe, radius: float) -> PointMap:
     """The map from depths and positions along the lining to points in the shoe's frame."""
-    return _beam_map(shoe, radius) if isinstance(shoe.body, Beam) else partial(shoe.at, size=radius)
+    return (
+        _beam_point_map(shoe, radius)
+        if isinstance(shoe.body, Beam)
+        else partial(shoe.at, size=radius)
+    )
 
 
-def _beam_map(shoe: Shoe, radius: float) -> PointMap:
+def _beam_point_map(shoe: Shoe, radius: float) -> PointMap:
     """The map from depths and positions to points of a shoe with a straight beam.
 
     Depths from 0 to 1 are in the lining, from 1 to 2 in the block, which is cut square to the beam,
@@ -155,18 +167,18 @@ def _beam_map(shoe: Shoe, radius: float) -> PointMap:
     return point_at
 
 
-def nodes_of_pieces(ends: Floats, p: int) -> Floats:
+def node_positions_of_elements(ends: Floats, p: int) -> Floats:
     """Positions (m, p + 1) of the nodes of m elements of degree p between `ends` (m + 1,)."""
     first, last = ends[:-1, None], ends[1:, None]
     return np.asarray(0.5 * (last + first) + 0.5 * (last - first) * lobatto(p))
 
 
-def nodes_between(ends: Floats, p: int) -> Floats:
+def node_positions_of_row(ends: Floats, p: int) -> Floats:
     """Positions (m p + 1,) of the nodes of m elements in a row; common nodes count once.
 
     `ends` (m + 1,) are the ends of the elements, and p is their degree.
     """
-    return np.append(nodes_of_pieces(ends, p)[:, :-1].ravel(), ends[-1])
+    return np.append(node_positions_of_elements(ends, p)[:, :-1].ravel(), ends[-1])
 
 
 def element_nodes(place: PointMap, depths: Floats, along: Floats, p: int) -> Floats:
@@ -180,7 +192,7 @@ def element_nodes(place: PointMap, depths: Floats, along: Floats, p: int) -> Flo
     p : degree
     """
     # xy are the points of all nodes, (2, layers, columns, p + 1, p + 1).
-    xy = place(nodes_of_pieces(depths, p)[:, None, :, None], along[:, None, :])
+    xy = place(node_positions_of_elements(depths, p)[:, None, :, None], along[:, None, :])
     xy = xy.reshape(*xy.shape[:3], -1).transpose(1, 2, 0, 3)
     return np.ascontiguousarray(xy[..., reference_element(p).order])
 
@@ -205,7 +217,7 @@ def _layer_directions(
 
     `part` (l,) names the layer of each row of elements with the nodes xy (l, c, 2, a) [m].
     """
-    points = np.moveaxis(gauss_points(xy, p), 2, 1)  # (l, 2, c, q)
+    points = np.moveaxis(element_gauss_points(xy, p), 2, 1)  # (l, 2, c, q)
     vectors = [layers[name].directions(own) for name, own in zip(part, points, strict=True)]
     return np.moveaxis(np.array(vectors), 1, 2)
 
@@ -249,7 +261,7 @@ def _column_kinds(shoe: Shoe, div: ShoeDivision, *, directed: bool) -> _ColumnKi
     if div.first < div.layers:
         rows += [div.before[::-1], div.after]
     if isinstance(shoe.body, Beam):
-        along = np.concatenate([nodes_of_pieces(ends, p) for ends in rows])
+        along = np.concatenate([node_positions_of_elements(ends, p) for ends in rows])
         return _ColumnKinds(along, None, np.arange(len(along)))
     sizes, which = distinct_sizes(np.concatenate([ends[1:] - ends[:-1] for ends in rows]))
     along = 0.5 * sizes[:, None] * lobatto(p)
@@ -262,7 +274,7 @@ def _condensed_columns(
 ) -> _ShoeColumns:
     """The condensed element columns of a shoe; parameters as of `condense_shoe`."""
     p = div.degree
-    elasticity = stack_elasticity(layers, div.part)
+    elasticity = elasticity_of_layers(layers, div.part)
     directed = bool(has_directions(elasticity).any())
     kinds_of_columns = _column_kinds(shoe, div, directed=directed)
     plane = radius if shoe.flat else None
@@ -286,10 +298,10 @@ def _condensed_columns(
         if kinds_of_columns.angular is None:
             xy = element_nodes(point_map(shoe, radius), depths, kinds_of_columns.along[kinds], p)
             along = _layer_directions(layers, div.part[layer:], xy, p) if directed else None
-            stiffness = column_stiffness(condensed_elements(xy, own, p, along), unknowns)
+            stiffness = column_stiffness(condensed_element_stiffness(xy, own, p, along), unknowns)
         else:
             A = kinds_of_columns.angular[:, kinds]
-            parts = condensed_arc_elements(radius - shoe.sign * depths, A, own, p, plane)
+            parts = condensed_arc_element_stiffness(radius - shoe.sign * depths, A, own, p, plane)
             stiffness = arc_column_stiffness(parts, p, contact=contact, held=held)
         made = {}
         for kind, K in zip(kinds.tolist(), stiffness, strict=True):
@@ -307,7 +319,7 @@ def _condensed_columns(
     return _ShoeColumns([*free[:a], *gripped, *free[a:]], rest[:before], rest[before:], (a, b))
 
 
-def side_angles(ends: Floats, p: int) -> Floats:
+def axis_angles_of_contact_nodes(ends: Floats, p: int) -> Floats:
     """Angles (m p + 1,) of the axes along which displacements of contact nodes are measured.
 
     A node between two `ends` (m + 1,) of columns has the axes of the column's middle.
@@ -317,7 +329,7 @@ def side_angles(ends: Floats, p: int) -> Floats:
     return angles
 
 
-def _axis_angle(shoe: Shoe, phi: Floats) -> Floats:
+def _measuring_axis_angles(shoe: Shoe, phi: Floats) -> Floats:
     """The angles [rad] of the axes along which displacements at positions phi are measured.
 
     On an arc displacements are measured along the radius, on a pad along the plane's normal, and in
@@ -328,9 +340,9 @@ def _axis_angle(shoe: Shoe, phi: Floats) -> Floats:
     return np.full_like(phi, -0.5 * np.pi) if shoe.flat else phi
 
 
-def _angles_back_to_frame(shoe: Shoe, div: ShoeDivision) -> Floats:
+def _rotations_to_shoe_frame(shoe: Shoe, div: ShoeDivision) -> Floats:
     """Angles (n,) [rad] that rotate components at the contact nodes back to the shoe's frame."""
-    return -_axis_angle(shoe, side_angles(div.angles, div.degree))
+    return -_measuring_axis_angles(shoe, axis_angles_of_contact_nodes(div.angles, div.degree))
 
 
 def condense_shoe(
@@ -338,7 +350,7 @@ def condense_shoe(
     radius: float,
     div: ShoeDivision,
     layers: dict[str, ElasticLayer],
-    end_loads: EndLoads = unit_actuations,
+    end_loads: EndLoads = unit_actuation_loads,
 ) -> CondensedShoe:
     """The shoe condensed to its frame and its contact nodes, by growing angle.
 
@@ -356,16 +368,18 @@ def condense_shoe(
     NoAnswer
         for a singular stiffness
     """
-    phi = nodes_between(div.angles, div.degree)
+    phi = node_positions_of_row(div.angles, div.degree)
     R = rigid_body_modes(point_map(shoe, radius)(np.zeros(1), phi), shoe.own_pin)
     row = _condensed_columns(shoe, radius, div, layers)
     if div.first < div.layers and not any(row.grip):
-        return _hinged_shoe(shoe, radius, div, row, end_loads, R)
+        return _condense_hinged_shoe(shoe, radius, div, row, end_loads, R)
     S = _gripped_stiffness(row) if any(row.grip) else _lining_stiffness(row.under)
-    return _back_held_shoe(shoe, rotate_components(S, _angles_back_to_frame(shoe, div)), R)
+    return _condense_back_held_shoe(
+        shoe, rotate_components(S, _rotations_to_shoe_frame(shoe, div)), R
+    )
 
 
-def _back_held_shoe(shoe: Shoe, S: Floats, R: Floats) -> CondensedShoe:
+def _condense_back_held_shoe(shoe: Shoe, S: Floats, R: Floats) -> CondensedShoe:
     """A condensed shoe whose back is held by a grip or by a rigid shoe, as is the force.
 
     `S` (2n, 2n) is the stiffness of the contact nodes, and `R` (2n, 3) their rigid-body modes.
@@ -382,7 +396,7 @@ def _back_held_shoe(shoe: Shoe, S: Floats, R: Floats) -> CondensedShoe:
     )
 
 
-def _hinged_shoe(
+def _condense_hinged_shoe(
     shoe: Shoe,
     radius: float,
     div: ShoeDivision,
@@ -399,16 +413,16 @@ def _hinged_shoe(
     R : (2n, 3) rigid-body modes of the contact nodes
     """
     p, place, pin = div.degree, point_map(shoe, radius), shoe.own_pin
-    back = _angles_back_to_frame(shoe, div)
-    depths = nodes_between(div.depths[div.first :], p)
+    back = _rotations_to_shoe_frame(shoe, div)
+    depths = node_positions_of_row(div.depths[div.first :], p)
     near, far = div.before[-1], div.after[-1]
     hinge_modes = rigid_body_modes(place(depths, near), pin)
-    hinge_modes = _rotate_all(hinge_modes, _axis_angle(shoe, near))
+    hinge_modes = _rotate_all_nodes(hinge_modes, _measuring_axis_angles(shoe, near))
     end = end_loads(place(depths, far), depths, p)
-    end_forces = _rotate_all(end.forces, _axis_angle(shoe, far))
+    end_forces = _rotate_all_nodes(end.forces, _measuring_axis_angles(shoe, far))
     # The assembled columns have the unknowns [frame | contact nodes | loads].
     columns = row.under.copy()
-    columns[0] = _first_column_on_hinge(columns[0], row.before, hinge_modes)
+    columns[0] = _join_first_column_with_hinged_body(columns[0], row.before, hinge_modes)
     loaded = _loaded_body_stiffness(row.after, end_forces)
     columns[-1] = eliminate_line(columns[-1], loaded, len(end_forces), right=True)
     A = assemble_row(columns, 2).K
@@ -471,7 +485,7 @@ def _gripped_stiffness(columns: _ShoeColumns) -> Floats:
     return _lining_stiffness(row, body_before, body_after)
 
 
-def _first_column_on_hinge(
+def _join_first_column_with_hinged_body(
     first: ColumnSubstructure, before: list[ColumnSubstructure], held: Floats
 ) -> ColumnSubstructure:
     """The first column under the lining, joined to the part of the body that the hinge holds.
@@ -575,6 +589,6 @@ def _stiffness_with_frame(S: Floats, R: Floats) -> Floats:
     return whole
 
 
-def _rotate_all(V: Floats, angle: Floats) -> Floats:
+def _rotate_all_nodes(V: Floats, angle: Floats) -> Floats:
     """Vectors V (2n, m) with the components of all nodes in axes turned by one angle [rad]."""
     return rotate_row_components(V.T, np.reshape(angle, 1)).T

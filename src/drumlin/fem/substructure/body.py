@@ -19,11 +19,11 @@ from drumlin.base.errors import NoAnswer
 from drumlin.base.lapack import dpotrf, solve_lower
 from drumlin.brake.elasticity import ElasticLayer, has_directions
 from drumlin.fem.mesh.arc import kind_of
-from drumlin.fem.substructure.elasticity import split_elasticity, through_layers
+from drumlin.fem.substructure.elasticity import directions_through_layers, split_elasticity
 from drumlin.fem.substructure.elimination import (
     SINGULAR_BODY,
-    dissection,
-    eliminate,
+    eliminate_inner_unknowns,
+    nested_dissection,
     solve_by_fronts,
 )
 from drumlin.fem.substructure.loads import LoadColumns, stack_loads
@@ -164,7 +164,7 @@ def stiffness(basis: Any, layers: Mapping[str, ElasticLayer], *, precise: bool =
     if hasattr(basis, "stiffness"):
         return basis.stiffness(layers, precise=precise)
     if precise:
-        gradients, dx = _precise_gradients(basis)
+        gradients, dx = _long_double_gradients(basis)
     else:
         gradients, dx = np.array([psi[0].grad for psi in basis.basis]), basis.dx
     K = _isotropic_stiffness(basis, layers, gradients, dx)
@@ -259,11 +259,11 @@ def _directional_stiffness(layer: ElasticLayer, gradients: Any, dx: Any, points:
         return (stretch * dx[:, None]) @ stretch.transpose(0, 2, 1)
 
     _, _, by_along, by_through = split_elasticity(layer.stiffness)
-    added = by_along * work(along) + by_through * work(through_layers(along))
+    added = by_along * work(along) + by_through * work(directions_through_layers(along))
     return added.reshape(elements, a, d, a, d)
 
 
-def _precise_gradients(basis: Any) -> tuple[Any, Any]:
+def _long_double_gradients(basis: Any) -> tuple[Any, Any]:
     """Gradients (a, 2, elements, points) and areas (elements, points) in long double.
 
     The elements are isoparametric: the nodes of the shape functions are those of the map.
@@ -286,7 +286,7 @@ def rigid_body_modes(xy: Floats, pin: Floats) -> Floats:
     return modes.reshape(-1, FRAME)
 
 
-def constrain(
+def body_constraints(
     basis: Any, contact: Ints, rigid: Ints, pin: Floats, alone: Ints | None = None
 ) -> Constraints:
     """The multi-point constraints of a body: inner nodes by dissection, contact nodes, frame.
@@ -300,7 +300,7 @@ def constrain(
     alone : (3,) unknowns of a body without rigid nodes that take the place of the frame; None for a
         body with rigid nodes
     """
-    order = dissection(basis.doflocs, basis.element_dofs)
+    order = nested_dissection(basis.doflocs, basis.element_dofs)
     inner = np.ones(basis.N, dtype=bool)
     inner[contact] = inner[rigid] = False
     is_inner = inner[order.nodes]
@@ -346,7 +346,7 @@ def constraint_matrix(
     return sp.csc_matrix(entries, shape=(count, unknowns))
 
 
-def condense(
+def condense_body(
     K: Any, constraints: Constraints, loads: Mapping[str, Floats], contact: int
 ) -> CondensedBody:
     """The body after static condensation: only contact nodes and frame remain.
@@ -364,7 +364,7 @@ def condense(
         for a singular stiffness
     """
     system = InnerSystem.of(K, constraints, stack_loads(loads, constraints.matrix.shape[1]))
-    S, condensed_loads, work = eliminate(system.A, constraints.region, system.loads)
+    S, condensed_loads, work = eliminate_inner_unknowns(system.A, constraints.region, system.loads)
     L_cc, info = dpotrf(S[:contact, :contact], lower=1)
     if info:
         raise NoAnswer(SINGULAR_BODY)

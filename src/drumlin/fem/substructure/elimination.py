@@ -34,7 +34,7 @@ SINGULAR_BODY = "singular stiffness: a part hangs on nothing, or moduli are too 
 """Message of the refusal where the stiffness of a body is not positive definite."""
 
 
-class Order(NamedTuple):
+class EliminationOrder(NamedTuple):
     """The order in which elimination removes the nodes of a mesh.
 
     `nodes` (n,) are the nodes in this order, and `region` (n,) the number of the region of each
@@ -45,7 +45,7 @@ class Order(NamedTuple):
     region: Ints
 
 
-class Eliminated(NamedTuple):
+class CondensedSystem(NamedTuple):
     """The result of eliminating the inner unknowns of a body.
 
     `S` (k, k) is the Schur complement on the k kept unknowns, `loads` (k, l) are the condensed
@@ -57,7 +57,7 @@ class Eliminated(NamedTuple):
     work: Floats
 
 
-def dissection(xy: Floats, elements: Ints) -> Order:
+def nested_dissection(xy: Floats, elements: Ints) -> EliminationOrder:
     """The order of elimination by a nested dissection of a mesh.
 
     The elements are halved across the long direction of their region. A node comes after all nodes
@@ -96,7 +96,7 @@ def dissection(xy: Floats, elements: Ints) -> Order:
     nodes = np.lexsort((height, end))
     other_end = np.diff(end[nodes], prepend=-1).astype(bool)
     other_height = np.diff(height[nodes], prepend=-1).astype(bool)
-    return Order(nodes, np.cumsum(other_end | other_height) - 1)
+    return EliminationOrder(nodes, np.cumsum(other_end | other_height) - 1)
 
 
 def _axis_positions(group: Ints, x: Floats) -> Floats:
@@ -123,7 +123,7 @@ def _group_means(group: Ints, values: Floats) -> Floats:
     return np.array([(np.bincount(group, row) / size)[group] for row in values])
 
 
-def eliminate(A: Any, region: Ints, loads: Floats) -> Eliminated:
+def eliminate_inner_unknowns(A: Any, region: Ints, loads: Floats) -> CondensedSystem:
     """The Schur complement of a sparse matrix on its last unknowns, and the condensed loads.
 
     Parameters
@@ -148,7 +148,7 @@ def eliminate(A: Any, region: Ints, loads: Floats) -> Eliminated:
             f[front.later] -= front.below @ y
             work += y.T @ y
     S = _kept_complement(lower, len(region), complements)
-    return Eliminated(np.tril(S) + np.tril(S, -1).T, f[len(region) :], work)
+    return CondensedSystem(np.tril(S) + np.tril(S, -1).T, f[len(region) :], work)
 
 
 def solve_by_fronts(A: Any, region: Ints, right: Floats) -> Floats:

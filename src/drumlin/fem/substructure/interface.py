@@ -52,9 +52,9 @@ class ContactLine:
         """Degree of the interpolation along an edge."""
         return len(self.pieces) - 1
 
-    def couple(self, width: float, directions: Directions) -> "Coupling":
+    def couple_with_counterface(self, width: float, directions: Directions) -> "Coupling":
         """The coupling of this line with a counterface; `width` [m] is the lining's."""
-        return couple(self, width, directions)
+        return couple_with_counterface(self, width, directions)
 
     @cached_property
     def inside(self) -> InnerPart:
@@ -109,7 +109,7 @@ class EdgePoints(NamedTuple):
     ds: Floats
 
 
-def edge_points(xy: Floats, at: Floats = GAUSS, weights: Floats = WEIGHTS) -> EdgePoints:
+def edge_quadrature_points(xy: Floats, at: Floats = GAUSS, weights: Floats = WEIGHTS) -> EdgePoints:
     """The quadrature points on edges, with the shape functions and lengths there.
 
     The quadrature goes along the edges themselves. skfem's boundary bases invert the map of the
@@ -126,7 +126,7 @@ def edge_points(xy: Floats, at: Floats = GAUSS, weights: Floats = WEIGHTS) -> Ed
     return EdgePoints(psi, xy @ psi, np.hypot(*(xy @ slope)) * weights)
 
 
-def end_loads(basis: Any, facets: Ints) -> tuple[Floats, Floats]:
+def unit_loads_on_end(basis: Any, facets: Ints) -> tuple[Floats, Floats]:
     """Nodal forces (2 nodes, 3) of the unit loads on a loaded end, and its centre (2,) [m].
 
     The loads are unit force x, unit force y and a unit couple about the centre. The forces are
@@ -138,7 +138,7 @@ def end_loads(basis: Any, facets: Ints) -> tuple[Floats, Floats]:
     facets : facets of the loaded end
     """
     nodes = edge_nodes(basis, facets)
-    psi, x, ds = edge_points(basis.doflocs[:, nodes])
+    psi, x, ds = edge_quadrature_points(basis.doflocs[:, nodes])
     centre = (x * ds).sum(axis=(1, 2)) / ds.sum()
     arm = x - centre[:, None, None]
     couple_traction = np.array([-arm[1], arm[0]]) / float((arm**2 * ds).sum())
@@ -149,7 +149,7 @@ def end_loads(basis: Any, facets: Ints) -> tuple[Floats, Floats]:
     return loads.reshape(-1, 3), centre
 
 
-def contact_line(
+def make_contact_line(
     basis: Any, facets: Ints, middle: float, unit: float | None = None, edge: float = 0.0
 ) -> ContactLine:
     """The contact line on the `facets` of a scalar basis.
@@ -177,7 +177,7 @@ def contact_line(
     return ContactLine(nodes, basis.doflocs[:, nodes], phi, pieces, edge=edge)
 
 
-def radial(sign: int) -> Directions:
+def drum_directions(sign: int) -> Directions:
     """Makes the normals sign e_r and tangents e_phi of a round drum about O."""
 
     def directions(x: Floats) -> tuple[Floats, Floats]:
@@ -188,20 +188,20 @@ def radial(sign: int) -> Directions:
     return directions
 
 
-def straight(x: Floats) -> tuple[Floats, Floats]:
+def plane_directions(x: Floats) -> tuple[Floats, Floats]:
     """Normals and tangents at the points x (2, ...) of a plane y = 0 under the lining."""
     ones, zeros = np.ones(x.shape[1:]), np.zeros(x.shape[1:])
     return np.array([zeros, -ones]), np.array([ones, zeros])
 
 
-def couple(line: ContactLine, width: float, directions: Directions) -> Coupling:
+def couple_with_counterface(line: ContactLine, width: float, directions: Directions) -> Coupling:
     """The coupling of a lining of this `width` b [m] with a counterface of these directions.
 
     The torque's lever is the distance from the drum's centre, and 1 on a plane.
     """
     n, m = len(line.nodes), line.pieces.shape[1]
-    psi, x, ds = edge_points(line.xy[:, line.pieces])
-    r = np.ones(ds.shape) if directions is straight else np.hypot(*x)
+    psi, x, ds = edge_quadrature_points(line.xy[:, line.pieces])
+    r = np.ones(ds.shape) if directions is plane_directions else np.hypot(*x)
     weight = width * ds
 
     # One row has the integrals over all edges for M, for each component of N, and for each of T.

@@ -27,14 +27,18 @@ from drumlin.fem.mesh.grading import EDGE_SIZE, graded, lining_angles, lining_la
 from drumlin.fem.substructure.body import (
     FRAME,
     CondensedBody,
-    condense,
-    constrain,
+    body_constraints,
+    condense_body,
     rigid_body_modes,
     scalar_basis,
     stiffness,
 )
-from drumlin.fem.substructure.elasticity import ring_layers
-from drumlin.fem.substructure.interface import ContactLine, contact_line, edge_points
+from drumlin.fem.substructure.elasticity import elastic_layers_of_ring
+from drumlin.fem.substructure.interface import (
+    ContactLine,
+    edge_quadrature_points,
+    make_contact_line,
+)
 from drumlin.response.resultants import GAUSS, WEIGHTS, shape, slopes
 
 
@@ -104,7 +108,7 @@ def ring_mesh(ring: Section, radius: float, shoes: tuple[Shoe, ...], elements: i
     """
     angles = _ring_angles(radius, shoes, elements)
     depths = graded(0, ring.thickness, lining_layers(elements), ring.thickness / 2, EDGE_SIZE)
-    return closed_mesh(angles, depths, radius, shoes[0].sign, "drum")
+    return closed_ring_mesh(angles, depths, radius, shoes[0].sign, "drum")
 
 
 def _ring_angles(radius: float, shoes: tuple[Shoe, ...], elements: int) -> Floats:
@@ -135,7 +139,7 @@ def _ring_angles(radius: float, shoes: tuple[Shoe, ...], elements: int) -> Float
     return np.concatenate(filled)
 
 
-def closed_mesh(angles: Floats, depths: Floats, radius: float, sign: int, name: str) -> Any:
+def closed_ring_mesh(angles: Floats, depths: Floats, radius: float, sign: int, name: str) -> Any:
     """Quadratic quadrilateral mesh of a closed ring from `radius` to radius + sign depth [m].
 
     The boundary "contact" lies at depth 0, "support" at the other side.
@@ -177,7 +181,9 @@ def closed_mesh(angles: Floats, depths: Floats, radius: float, sign: int, name: 
     )
 
 
-def ring_body(brake: Brake, elements: int, linings: tuple[ContactLine, ...]) -> RingSubstructure:
+def condensed_ring_on_mesh(
+    brake: Brake, elements: int, linings: tuple[ContactLine, ...]
+) -> RingSubstructure:
     """The ring of a brake on a mesh, condensed to its nodes under the linings.
 
     Parameters
@@ -191,31 +197,35 @@ def ring_body(brake: Brake, elements: int, linings: tuple[ContactLine, ...]) -> 
     assert ring is not None and ring.section is not None
     mesh = ring_mesh(ring.section, brake.size, brake.shoes, elements)
     basis = scalar_basis(mesh)
-    K = stiffness(basis, ring_layers(ring.section))
+    K = stiffness(basis, elastic_layers_of_ring(ring.section))
     arcs = []
     for shoe, lining in zip(brake.shoes, linings, strict=True):
         angles = shoe.frame.theta(lining.phi)
         arcs.append((float(angles.min()), float(angles.max())))
-    under = _facets_under(mesh, arcs)
-    line = contact_line(basis, under, math.pi)
+    under = _facets_under_arcs(mesh, arcs)
+    line = make_contact_line(basis, under, math.pi)
     n = 2 * len(line.nodes)
     support = basis.get_dofs(mesh.boundaries["support"]).flatten()
     if ring.support == "fixed":
-        constraints = constrain(basis, line.nodes, support, np.zeros(2))
-        condensed = condense(K, constraints, {}, n)
+        constraints = body_constraints(basis, line.nodes, support, np.zeros(2))
+        condensed = condense_body(K, constraints, {}, n)
         free = None
     else:
-        constraints = constrain(
-            basis, line.nodes, support[:0], np.zeros(2), determinate_unknowns(basis, support)
+        constraints = body_constraints(
+            basis,
+            line.nodes,
+            support[:0],
+            np.zeros(2),
+            statically_determinate_unknowns(basis, support),
         )
-        rim = rim_loads(basis, mesh.boundaries["support"])
+        rim = rim_forces_like_rigid_modes(basis, mesh.boundaries["support"])
         rim_load = {"rim": constraints.matrix.T @ rim}
-        condensed = condense(K, constraints, rim_load, n)
+        condensed = condense_body(K, constraints, rim_load, n)
         free = FreeRing.of(basis, rim, condensed, line)
-    return coupled_ring(brake, linings, mesh, basis, line, condensed, support, free)
+    return couple_ring_with_linings(brake, linings, mesh, basis, line, condensed, support, free)
 
 
-def coupled_ring(
+def couple_ring_with_linings(
     brake: Brake,
     linings: tuple[ContactLine, ...],
     mesh: Any,
@@ -236,21 +246,21 @@ def coupled_ring(
     coupled = []
     for shoe, lining in zip(brake.shoes, linings, strict=True):
         in_brake = replace(lining, xy=shoe.frame.to_brake(lining.xy.T).T)
-        coupled.append(couple_ring(in_brake, line, shoe.lining.width, shoe.sign))
+        coupled.append(ring_coupling_matrices(in_brake, line, shoe.lining.width, shoe.sign))
     return RingSubstructure(
         mesh,
         basis,
         line,
         condensed,
-        pressed=tuple(_half_flexibility(condensed, N.T, free) for N, _ in coupled),
-        dragged=tuple(_half_flexibility(condensed, -T.T, free) for _, T in coupled),
+        pressed=tuple(_ring_half_flexibility(condensed, N.T, free) for N, _ in coupled),
+        dragged=tuple(_ring_half_flexibility(condensed, -T.T, free) for _, T in coupled),
         coupled=tuple(coupled),
         support=support,
         free=free,
     )
 
 
-def _facets_under(mesh: Any, arcs: list[tuple[float, float]]) -> Ints:
+def _facets_under_arcs(mesh: Any, arcs: list[tuple[float, float]]) -> Ints:
     """Facets of the friction surface that lie under one of the arcs [rad], at least in part."""
     facets = mesh.boundaries["contact"]
     x, y = mesh.p[:, mesh.facets[:, facets]]
@@ -270,7 +280,7 @@ def _within_half_turn(angle: Floats) -> Floats:
     return np.asarray((angle + math.pi) % (2 * math.pi) - math.pi)
 
 
-def couple_ring(
+def ring_coupling_matrices(
     lining: ContactLine, ring: ContactLine, width: float, sign: int
 ) -> tuple[Floats, Floats]:
     """The coupling matrices N and T (n, 2 n_ring) of a lining's pressure with the ring.
@@ -385,14 +395,14 @@ def _local_coordinates(xy: Floats, angle: Floats) -> Floats:
     return np.clip(xi, -1.0, 1.0)
 
 
-def rim_loads(basis: Any, facets: Ints) -> Floats:
+def rim_forces_like_rigid_modes(basis: Any, facets: Ints) -> Floats:
     """Nodal forces (2 nodes, 3) that are spread over the rim like the rigid-body modes.
 
     The work of these forces on a displacement is the mean motion of the rim. `facets` are the edges
     of the rim.
     """
     nodes = edge_nodes(basis, facets)
-    psi, x, ds = edge_points(basis.doflocs[:, nodes])
+    psi, x, ds = edge_quadrature_points(basis.doflocs[:, nodes])
     weight = ds / ds.sum()
     modes = np.array([[np.ones_like(ds), 0 * ds], [0 * ds, np.ones_like(ds)], [-x[1], x[0]]])
     loads = np.zeros((basis.N, 2, FRAME))
@@ -400,7 +410,7 @@ def rim_loads(basis: Any, facets: Ints) -> Floats:
     return loads.reshape(-1, FRAME)
 
 
-def determinate_unknowns(basis: Any, support: Ints) -> Ints:
+def statically_determinate_unknowns(basis: Any, support: Ints) -> Ints:
     """Three unknowns (3,) of rim nodes that hold the body against its rigid-body modes.
 
     The support is statically determinate: it takes no force under balanced loads.
@@ -459,7 +469,9 @@ class FreeRing:
         )
 
 
-def _half_flexibility(condensed: CondensedBody, forces: Floats, free: FreeRing | None) -> Floats:
+def _ring_half_flexibility(
+    condensed: CondensedBody, forces: Floats, free: FreeRing | None
+) -> Floats:
     """The half flexibility W (m, k) of a ring: W^T W is the work of nodal forces (2n, k).
 
     Parameters
