@@ -245,7 +245,7 @@ def body_and_parts(brake, index=0, level=LEVELS[1]):
 
 def factorised_at_once(shoe, body):
     """The shoe condensed by one sparse factorisation; its contact stiffness must be the body's."""
-    _, ties, loads = body.condensed.inside()
+    _, ties, loads = body.condensed.make_whole_system()
     other = condense_body(
         body.basis.stiffness(elastic_layers_of_shoe(shoe)),
         ties,
@@ -350,8 +350,10 @@ def test_a_ring_under_even_pressure_grows_as_lame_says(brake, support):
     }
     made = prepare(vary(brake, halves), LEVELS[2])
     p = [np.full(len(body.line.phi), 1e6) for body in made.bodies]
-    opened = sum(made.ring.pressed[j] @ p[j] for j in range(2))
-    gap = np.linalg.solve(made.bodies[0].coupling.M, made.ring.pressed[0].T @ opened)
+    opened = sum(made.ring.normal_half_flexibilities[j] @ p[j] for j in range(2))
+    gap = np.linalg.solve(
+        made.bodies[0].coupling.M, made.ring.normal_half_flexibilities[0].T @ opened
+    )
     if support == "free":
         u = 1e6 * R / E * ((1 - nu) * R**2 + (1 + nu) * b**2) / (b**2 - R**2)
     else:
@@ -891,7 +893,9 @@ def test_what_is_kept_is_never_that_of_another_brake_or_division(brake):
                 mine, theirs = getattr(a, name), getattr(b, name)
                 assert (mine is None) == (theirs is None), name
                 assert mine is None or np.array_equal(mine, theirs), name
-        for a, b in zip(kept.ring.pressed, anew.ring.pressed, strict=True):
+        for a, b in zip(
+            kept.ring.normal_half_flexibilities, anew.ring.normal_half_flexibilities, strict=True
+        ):
             assert np.array_equal(a, b)
 
 

@@ -60,7 +60,7 @@ def test_a_further_force_on_hp_elements_is_what_one_factorisation_leaves(brake, 
     assert body.columns == TWO
     assert body.closure_by_load.shape == (len(body.line.nodes), 4)
     assert body.load_motion_by_load.shape == (4, 4)
-    _, ties, loads = body.condensed.inside()
+    _, ties, loads = body.condensed.make_whole_system()
     named = {ACTUATION: loads[:, :3], FURTHER: loads[:, 3:]}
     other = condense_body(
         body.basis.stiffness(elastic_layers_of_shoe(shoe)), ties, named, 2 * len(body.line.nodes)

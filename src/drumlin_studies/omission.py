@@ -200,7 +200,10 @@ def _undragged(scene: PreparedModel, brake: Brake) -> PreparedModel:
         bodies.append(made[id(body)])
     ring = scene.ring
     if ring is not None:
-        ring = replace(ring, dragged=tuple(map(np.zeros_like, ring.dragged)))
+        ring = replace(
+            ring,
+            friction_half_flexibilities=tuple(map(np.zeros_like, ring.friction_half_flexibilities)),
+        )
     return replace(scene, brake=brake, bodies=tuple(bodies), ring=ring)
 
 

@@ -161,7 +161,7 @@ def _solve_shoe(
             return PointwiseAnswer(untouched(shoe, -shoe.actuation.vector), Balance(0.0, 0.0), 0)
         # The pin holds both displacements of the shoe's frame.
         free = np.delete(np.arange(A.shape[0]), [-FRAME, 1 - FRAME])
-        load = force * (parts.loads[ACTUATION] @ parts.columns.part(ACTUATION, unit))
+        load = force * (parts.loads[ACTUATION] @ parts.columns.factors_of(ACTUATION, unit))
         stiffness = contact_stiffness(shoe, penalty)
         contact_state = _newton(A, load, points, stiffness, free, shoe.name)
         u, on = contact_state.u, contact_state.touching
@@ -170,7 +170,7 @@ def _solve_shoe(
         # The pin carries the residual at the two unknowns that it holds.
         reaction = (A @ u - load - nodal)[-FRAME : 1 - FRAME + 1]
     contact = nodal[2 * -len(parts.line.nodes) - FRAME : -FRAME].reshape(-1, 2)
-    given = force * parts.columns.part(ACTUATION, unit)
+    given = force * parts.columns.factors_of(ACTUATION, unit)
     balance = relative_balance(
         [contact.sum(axis=0), reaction, given[:2]],
         [

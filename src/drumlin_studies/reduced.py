@@ -298,11 +298,11 @@ def _ring(
         basis=None,
         line=bodies[0].line,
         condensed=None,  # type: ignore[arg-type]
-        pressed=tuple(pressed),
-        dragged=tuple(dragged),
-        coupled=(),
+        normal_half_flexibilities=tuple(pressed),
+        friction_half_flexibilities=tuple(dragged),
+        coupling_matrices=(),
         support=k,
-        free=None,
+        rim_balance=None,
     )
 
 

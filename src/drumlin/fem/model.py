@@ -477,7 +477,7 @@ def _acting_forces(solution: _ShoeSolution) -> _ActingForces:
     shoe, body = group.shoes[k], group.bodies[k]
     unit = group.loads[k]
     load, moment = abs(solution.force) * unit.factors, abs(solution.force) * unit.moment
-    push = body.columns.part(ACTUATION, load)[:2]
+    push = body.columns.factors_of(ACTUATION, load)[:2]
     drag = group.brake.drag_on(shoe)
     normal, dragged = body.forces @ p
     contact = drag * dragged - normal

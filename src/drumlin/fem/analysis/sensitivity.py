@@ -423,8 +423,8 @@ class _ShoeSlopes:
         lines = [body.line for body in scene.bodies]
         lines[group.members[self.k]] = line
         ring = scene.ring_under(tuple(lines))
-        pressed = np.hstack([ring.pressed[i] for i in group.members])
-        dragged = np.hstack([ring.dragged[i] for i in group.members])
+        pressed = np.hstack([ring.normal_half_flexibilities[i] for i in group.members])
+        dragged = np.hstack([ring.friction_half_flexibilities[i] for i in group.members])
         a = np.concatenate([shoe.a for shoe in self.adjoint.shoes])
         p = np.concatenate([shoe.p for shoe in self.adjoint.shoes])
         return float((pressed @ a) @ ((pressed + group.brake.drag * dragged) @ p))

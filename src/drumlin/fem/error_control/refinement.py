@@ -306,15 +306,15 @@ def _ring_block(scene: PreparedModel, brake: Brake) -> _RingBlock:
         keep[2 * ring.support] = keep[2 * ring.support + 1] = False
         K = K[keep][:, keep]
     else:
-        assert ring.free is not None
-        forces = ring.free.rim.transpose(1, 0, 2).reshape(-1, FRAME)
+        assert ring.rim_balance is not None
+        forces = ring.rim_balance.forces.transpose(1, 0, 2).reshape(-1, FRAME)
         rim = sp.csr_matrix(forces.astype(LONG_DOUBLE))
         K = _assemble_blocks([[K, rim], [rim.T.tocsr(), None]], [2 * basis.N, FRAME])
     place = np.cumsum(keep) - 1
     nodes = ring.line.nodes
     dofs = place[np.column_stack([2 * nodes, 2 * nodes + 1]).ravel()]
     couplings = []
-    for normal, tangential in ring.coupled:
+    for normal, tangential in ring.coupling_matrices:
         N, T = (_sparse_in_columns(part, dofs, K.shape[0]) for part in (normal, tangential))
         couplings.append(_RingCoupling(N, T))
     return _RingBlock(K, couplings)

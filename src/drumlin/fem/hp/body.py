@@ -116,8 +116,10 @@ def condensed_shoe_body(
         load_on_contact=loads[FRAME:],
         load_on_frame=loads[:FRAME],
         load_work=found.work,
-        inside=partial(system, grid),
-        recover=partial(recover_displacements, grid, elastic_layers_of_shoe(shoe), system),
+        make_whole_system=partial(system, grid),
+        solve_whole_system=partial(
+            recover_displacements, grid, elastic_layers_of_shoe(shoe), system
+        ),
         columns=found.columns,
         force_imbalance=found.force_imbalance,
         rigid_mode_error=dtrtrs(L, half_error, lower=1, trans=1)[0],

@@ -40,7 +40,7 @@ from drumlin.fem.substructure.elimination import SINGULAR_BODY
 from drumlin.fem.substructure.interface import ContactLine
 from drumlin.fem.substructure.loads import LoadColumns
 from drumlin.fem.substructure.ring import (
-    FreeRing,
+    RimBalance,
     RingSubstructure,
     couple_ring_with_linings,
     statically_determinate_unknowns,
@@ -173,7 +173,7 @@ def condensed_hp_ring(
 
     contact = _ring_contact_line(div, grid)
     condensed = _condensed_ring(ring.section, radius, sign, div, grid, rim)
-    balance = FreeRing.of(grid, rim, condensed, contact) if free else None
+    balance = RimBalance.of(grid, rim, condensed, contact) if free else None
     support = grid.sets["support"]
     return couple_ring_with_linings(
         brake, linings, grid, grid, contact, condensed, support, balance
@@ -223,8 +223,10 @@ def _condensed_ring(
         load_on_contact=-rotate_row_components(A[:extra, extra:], back).T,
         load_on_frame=np.zeros((FRAME, extra)),
         load_work=-A[:extra, :extra],
-        inside=partial(system, grid),
-        recover=partial(recover_displacements, grid, elastic_layers_of_ring(section), system),
+        make_whole_system=partial(system, grid),
+        solve_whole_system=partial(
+            recover_displacements, grid, elastic_layers_of_ring(section), system
+        ),
         columns=LoadColumns((("rim", extra),)),
     )
 

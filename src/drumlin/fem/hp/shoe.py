@@ -436,7 +436,7 @@ def _condense_hinged_shoe(
     imbalance = end.resultants(pin) - on_frame - R.T @ load
     load += R @ np.linalg.solve(R.T @ R, imbalance)
     corrected = _correct_rigid_modes(S, R, rotate_row_components(A[frame, contact], back).T)
-    actuation = end.columns.places[ACTUATION]
+    actuation = end.columns.slices[ACTUATION]
     return CondensedShoe(
         S=_stiffness_with_frame(corrected.S, R),
         loads=np.concatenate([on_frame, load]),

@@ -1,10 +1,12 @@
 """An elastic body as a substructure: its stiffness, and its static condensation.
 
 Condensation keeps two groups of degrees of freedom: the displacements c of the contact nodes, and
-the frame f = (dx, dy, rotation) of the rigid line that the hinge holds. All others are eliminated
-once, which leaves the Schur complement S. With the frame held (f = 0), the Cholesky factor of
-S_cc = L_cc L_cc^T and Y = L_cc^-1 G, nodal forces G do the work G^T S_cc^-1 G = Y^T Y. The frame is
-then held by the forces L_fc Y, with L_fc = S_fc L_cc^-T.
+the frame f = (dx, dy, rotation) of the rigid line that the hinge holds. All other degrees of
+freedom are eliminated once, which leaves the Schur complement S on c and f.
+
+With the frame held (f = 0), nodal forces G on the contact nodes do the work G^T S_cc^-1 G = Y^T Y.
+Here S_cc = L_cc L_cc^T is the Cholesky factorisation, and Y = L_cc^-1 G is called the half
+flexibility. The forces L_fc Y then hold the frame, with L_fc = S_fc L_cc^-T.
 """
 
 from collections.abc import Callable, Mapping
@@ -29,15 +31,19 @@ from drumlin.fem.substructure.elimination import (
 from drumlin.fem.substructure.loads import LoadColumns, stack_loads
 
 FRAME = 3
-"""Number of degrees of freedom of a rigid line: dx, dy and the rotation about the pin."""
+"""Number of degrees of freedom of the frame, a rigid line: dx, dy and rotation about the pin."""
 
 
 class Constraints(NamedTuple):
-    """The multi-point constraints of a body: the degrees of freedom that remain.
+    """The multi-point constraints of a body, which leave fewer unknowns than displacements.
 
-    `matrix` (2 nodes, unknowns) maps the reduced unknowns to the displacements of all nodes.
-    `region` is the number of the region in which elimination removes each inner unknown. The
-    unknowns stand in the order: inner nodes, contact nodes as x, y pairs by growing angle, frame.
+    The order of these reduced unknowns is: inner nodes, contact nodes as x, y pairs by growing
+    angle, frame.
+
+    Attributes
+    ----------
+    matrix : (2 nodes, unknowns) sparse; from reduced unknowns to displacements of all nodes
+    region : number of the region of `nested_dissection` in which each inner unknown is eliminated
     """
 
     matrix: Any
@@ -45,10 +51,13 @@ class Constraints(NamedTuple):
 
 
 class InnerSystem(NamedTuple):
-    """The whole system of a body on its reduced unknowns.
+    """The system of a body before condensation, on its reduced unknowns.
 
-    `A` (unknowns, unknowns) is the sparse stiffness, `constraints` are the reduced unknowns, and
-    `loads` (unknowns, l) the unit loads.
+    Attributes
+    ----------
+    A : (unknowns, unknowns) sparse stiffness
+    constraints : the constraints that define the reduced unknowns
+    loads : (unknowns, l) unit loads
     """
 
     A: Any
@@ -57,7 +66,7 @@ class InnerSystem(NamedTuple):
 
     @classmethod
     def of(cls, K: Any, constraints: Constraints, loads: Floats) -> "InnerSystem":
-        """The whole system of a body, from the stiffness K (2 nodes, 2 nodes) of all nodes."""
+        """The system of a body from the stiffness K (2 nodes, 2 nodes) of all nodes."""
         A = constraints.matrix.T @ K @ constraints.matrix
         return cls(A.tocsc(), constraints, loads)
 
@@ -80,8 +89,8 @@ class CondensedBody:
     L_fc : (3, 2n) = S_fc L_cc^-T; the forces L_fc Y hold the frame, with the half flexibility Y
     load_on_contact, load_on_frame : (2n, l), (3, l) unit loads, condensed to contact and frame
     load_work : (l, l) work of the unit loads with contact and frame held
-    inside : makes the whole system, which only few callers need
-    recover : solves the whole system, see `displacements`
+    make_whole_system : makes the system before condensation, which only few callers need
+    solve_whole_system : solves it for the displacements of all nodes, see `displacements`
     columns : the l load columns by name
     force_imbalance : estimate of the force by which round-off of the elimination puts a unit force
         out of balance; 0 where it is not known
@@ -94,8 +103,8 @@ class CondensedBody:
     load_on_contact: Floats
     load_on_frame: Floats
     load_work: Floats
-    inside: Callable[[], InnerSystem]
-    recover: Callable[[Floats, Floats, Floats], Floats]
+    make_whole_system: Callable[[], InnerSystem]
+    solve_whole_system: Callable[[Floats, Floats, Floats], Floats]
     columns: LoadColumns
     force_imbalance: float = 0.0
     rigid_mode_error: Floats | None = None
@@ -103,12 +112,12 @@ class CondensedBody:
     @property
     def constraints(self) -> Constraints:
         """The multi-point constraints of the body; the call makes the whole system."""
-        return self.inside().constraints
+        return self.make_whole_system().constraints
 
     @property
     def loads(self) -> Floats:
         """The unit loads (unknowns, l) on the reduced unknowns; the call makes the whole system."""
-        return self.inside().loads
+        return self.make_whole_system().loads
 
     def half_flexibility(self, forces: Floats) -> Floats:
         """The half flexibility Y = L_cc^-1 G of nodal forces G (2n, m) on the contact nodes."""
@@ -132,7 +141,7 @@ class CondensedBody:
         The parameters are those of `displacement` with one column for each case: nodal (2n, m),
         frame (3, m), loads (l, m).
         """
-        return self.recover(nodal, frame, loads)
+        return self.solve_whole_system(nodal, frame, loads)
 
 
 def scalar_basis(mesh: Any) -> Any:
@@ -151,9 +160,9 @@ def stiffness(basis: Any, layers: Mapping[str, ElasticLayer], *, precise: bool =
 
         K_ai,bj = b Int lambda psi_a,i psi_b,j + mu psi_a,j psi_b,i + mu delta_ij psi_a,k psi_b,k dA
 
-    and layers with directions add the terms of `hp.element.element_stiffness`. The gradients of all
-    shape functions meet in one batched matrix product for each element, in place of one evaluation
-    of the form for each pair of shape functions.
+    and orthotropic layers add the terms of `hp.element.element_stiffness`. One batched matrix
+    product for each element multiplies the gradients of all shape functions. skfem would evaluate
+    the form once for each pair of shape functions.
 
     Parameters
     ----------
@@ -289,7 +298,9 @@ def rigid_body_modes(xy: Floats, pin: Floats) -> Floats:
 def body_constraints(
     basis: Any, contact: Ints, rigid: Ints, pin: Floats, alone: Ints | None = None
 ) -> Constraints:
-    """The multi-point constraints of a body: inner nodes by dissection, contact nodes, frame.
+    """The multi-point constraints of a body, which tie its rigid line to the frame.
+
+    The inner nodes are in the order of a nested dissection.
 
     Parameters
     ----------
@@ -297,8 +308,8 @@ def body_constraints(
     contact : (n,) contact nodes by growing angle
     rigid : nodes of the rigid line, which move with u = (dx, dy) + rotation k x (x - pin)
     pin : (2,) point of the pin [m]
-    alone : (3,) unknowns of a body without rigid nodes that take the place of the frame; None for a
-        body with rigid nodes
+    alone : (3,) displacements that take the place of the frame for a body without rigid nodes; None
+        for a body with rigid nodes
     """
     order = nested_dissection(basis.doflocs, basis.element_dofs)
     inner = np.ones(basis.N, dtype=bool)
@@ -349,7 +360,7 @@ def constraint_matrix(
 def condense_body(
     K: Any, constraints: Constraints, loads: Mapping[str, Floats], contact: int
 ) -> CondensedBody:
-    """The body after static condensation: only contact nodes and frame remain.
+    """The body reduced to its contact nodes and its frame by static condensation.
 
     Parameters
     ----------
@@ -375,7 +386,7 @@ def condense_body(
         condensed_loads[:contact],
         condensed_loads[contact:],
         work,
-        inside=partial(InnerSystem, *system),
-        recover=system.displacements,
+        make_whole_system=partial(InnerSystem, *system),
+        solve_whole_system=system.displacements,
         columns=LoadColumns.of(loads),
     )

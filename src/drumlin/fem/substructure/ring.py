@@ -48,26 +48,27 @@ class RingSubstructure:
 
     Attributes
     ----------
-    mesh, basis : mesh and scalar basis, or a grid of columns
-    line : the contact line
-    condensed : the statically condensed ring
-    pressed, dragged : for each shoe i the half flexibilities (m, n_i) under the nodal forces N^T
-        and -T^T of its pressure. The weighted gap of shoe i opens under the pressure of shoe j by
-        pressed[i]^T (pressed[j] + drag dragged[j]) p_j.
-    coupled : N and T (n_i, 2n) of each shoe
+    mesh, basis : mesh and scalar basis; or both the grid of a ring in hp elements
+    line : contact line of the ring
+    condensed : the ring, condensed to its contact nodes
+    normal_half_flexibilities, friction_half_flexibilities : for each shoe i the half flexibility
+        (m, n_i) of the ring under the nodal forces N^T of the pressure, and -T^T of the friction.
+        Called Y_i and Z_i, they open the weighted gap of shoe i under the pressure p_j of shoe j by
+        Y_i^T (Y_j + drag Z_j) p_j.
+    coupling_matrices : N and T (n_i, 2n) of each shoe
     support : nodes of the far edge
-    free : the balance of a free ring; None where the far edge is fixed
+    rim_balance : balance of forces on the rim of a free ring; None where the far edge is fixed
     """
 
     mesh: Any
     basis: Any
     line: ContactLine
     condensed: CondensedBody
-    pressed: tuple[Floats, ...]
-    dragged: tuple[Floats, ...]
-    coupled: tuple[tuple[Floats, Floats], ...]
+    normal_half_flexibilities: tuple[Floats, ...]
+    friction_half_flexibilities: tuple[Floats, ...]
+    coupling_matrices: tuple[tuple[Floats, Floats], ...]
     support: Ints
-    free: "FreeRing | None"
+    rim_balance: "RimBalance | None"
 
     def displacement(self, pressures: list[Floats], drag: float) -> Floats:
         """Displacement (2, nodes) of all nodes [m] under the pressures of the linings.
@@ -77,21 +78,20 @@ class RingSubstructure:
         pressures : (n_i,) nodal pressure of each lining [Pa]
         drag : friction coefficient mu times the sense s of sliding
         """
-        forces = sum(
-            N.T @ p - drag * (T.T @ p) for (N, T), p in zip(self.coupled, pressures, strict=True)
-        )
-        nodal = np.asarray(forces)
+        nodal = np.zeros(2 * len(self.line.nodes))
+        for (N, T), p in zip(self.coupling_matrices, pressures, strict=True):
+            nodal += N.T @ p - drag * (T.T @ p)
         frame = np.zeros(FRAME)
-        if self.free is None:
+        if self.rim_balance is None:
             return self.condensed.displacement(nodal, frame, np.zeros(0))
-        u = self.condensed.displacement(nodal, frame, -self.free.balance @ nodal)
-        # A rigid-body motion is taken off, so that the mean motion of the rim is zero.
+        u = self.condensed.displacement(nodal, frame, -self.rim_balance.factors @ nodal)
+        # A rigid-body motion is subtracted, so that the mean motion of the rim is zero.
         modes_by_node = rigid_body_modes(self.basis.doflocs, np.zeros(2)).reshape(-1, 2, FRAME)
         modes = np.ascontiguousarray(modes_by_node.transpose(2, 1, 0))
-        mean_of_modes = np.einsum("kci,cil->kl", modes, self.free.rim)
-        mean = np.einsum("ci,cil->l", u, self.free.rim)
-        amounts = np.linalg.solve(mean_of_modes.T, mean)
-        return np.asarray(u - np.einsum("k,kci->ci", amounts, modes))
+        mean_of_modes = np.einsum("kci,cil->kl", modes, self.rim_balance.forces)
+        mean = np.einsum("ci,cil->l", u, self.rim_balance.forces)
+        rigid_motion = np.linalg.solve(mean_of_modes.T, mean)
+        return np.asarray(u - np.einsum("k,kci->ci", rigid_motion, modes))
 
 
 def ring_mesh(ring: Section, radius: float, shoes: tuple[Shoe, ...], elements: int) -> Any:
@@ -209,7 +209,7 @@ def condensed_ring_on_mesh(
     if ring.support == "fixed":
         constraints = body_constraints(basis, line.nodes, support, np.zeros(2))
         condensed = condense_body(K, constraints, {}, n)
-        free = None
+        rim_balance = None
     else:
         constraints = body_constraints(
             basis,
@@ -221,8 +221,10 @@ def condensed_ring_on_mesh(
         rim = rim_forces_like_rigid_modes(basis, mesh.boundaries["support"])
         rim_load = {"rim": constraints.matrix.T @ rim}
         condensed = condense_body(K, constraints, rim_load, n)
-        free = FreeRing.of(basis, rim, condensed, line)
-    return couple_ring_with_linings(brake, linings, mesh, basis, line, condensed, support, free)
+        rim_balance = RimBalance.of(basis, rim, condensed, line)
+    return couple_ring_with_linings(
+        brake, linings, mesh, basis, line, condensed, support, rim_balance
+    )
 
 
 def couple_ring_with_linings(
@@ -233,7 +235,7 @@ def couple_ring_with_linings(
     line: ContactLine,
     condensed: CondensedBody,
     support: Ints,
-    free: "FreeRing | None",
+    rim_balance: "RimBalance | None",
 ) -> RingSubstructure:
     """A condensed ring, coupled with the linings that press it.
 
@@ -241,22 +243,26 @@ def couple_ring_with_linings(
     ----------
     brake : the brake
     linings : contact line of each lining, in its shoe's frame
-    mesh, basis, line, condensed, support, free : as of `RingSubstructure`
+    mesh, basis, line, condensed, support, rim_balance : as of `RingSubstructure`
     """
-    coupled = []
+    matrices = []
     for shoe, lining in zip(brake.shoes, linings, strict=True):
         in_brake = replace(lining, xy=shoe.frame.to_brake(lining.xy.T).T)
-        coupled.append(ring_coupling_matrices(in_brake, line, shoe.lining.width, shoe.sign))
+        matrices.append(ring_coupling_matrices(in_brake, line, shoe.lining.width, shoe.sign))
     return RingSubstructure(
         mesh,
         basis,
         line,
         condensed,
-        pressed=tuple(_ring_half_flexibility(condensed, N.T, free) for N, _ in coupled),
-        dragged=tuple(_ring_half_flexibility(condensed, -T.T, free) for _, T in coupled),
-        coupled=tuple(coupled),
+        normal_half_flexibilities=tuple(
+            _ring_half_flexibility(condensed, N.T, rim_balance) for N, _ in matrices
+        ),
+        friction_half_flexibilities=tuple(
+            _ring_half_flexibility(condensed, -T.T, rim_balance) for _, T in matrices
+        ),
+        coupling_matrices=tuple(matrices),
         support=support,
-        free=free,
+        rim_balance=rim_balance,
     )
 
 
@@ -422,30 +428,32 @@ def statically_determinate_unknowns(basis: Any, support: Ints) -> Ints:
 
 
 @dataclass(frozen=True)
-class FreeRing:
-    """The balance of a free ring: forces on its rim balance the forces on its contact nodes.
+class RimBalance:
+    """The balance of a free ring: forces on its rim that balance the forces on its contact nodes.
 
-    The rim forces -B lambda meet the contact forces f, and the mean motion of the rim is zero. With
-    the rigid-body modes R,  lambda = (R^T B)^-1 R^T f. The ring is held at three determinate
-    unknowns, which then take no force. The displacements do the work
+    The rim forces -B lambda balance the contact forces f, and the mean motion of the rim is zero.
+    With the rigid-body modes R,  lambda = (R^T B)^-1 R^T f. The ring is held at three statically
+    determinate unknowns, which then carry no force. The work of the displacements is
     (Y - Y_B lambda)^T (Y - Y_B lambda) + lambda^T beta lambda, where beta is the work of B with the
     contact nodes held too.
 
     Attributes
     ----------
-    rim : (2, nodes, 3) the rim forces B
-    balance : (3, 2n) lambda per nodal force on the contact
-    half_rim : (2n, 3) Y_B, the half flexibility under B
-    root : (3, 3) square root of beta
+    forces : (2, nodes, 3) rim forces B
+    factors : (3, 2n) lambda per nodal force on the contact
+    half_flexibility : (2n, 3) Y_B, the half flexibility under B
+    root_of_work : (3, 3) square root of beta
     """
 
-    rim: Floats
-    balance: Floats
-    half_rim: Floats
-    root: Floats
+    forces: Floats
+    factors: Floats
+    half_flexibility: Floats
+    root_of_work: Floats
 
     @classmethod
-    def of(cls, basis: Any, rim: Floats, condensed: CondensedBody, line: ContactLine) -> "FreeRing":
+    def of(
+        cls, basis: Any, rim: Floats, condensed: CondensedBody, line: ContactLine
+    ) -> "RimBalance":
         """The balance of a ring that is condensed with the rim forces B as its loads.
 
         Parameters
@@ -457,20 +465,20 @@ class FreeRing:
         """
         modes = rigid_body_modes(basis.doflocs, np.zeros(2))
         on_contact = modes.reshape(-1, 2, FRAME)[line.nodes].reshape(-1, FRAME).T
-        balance = np.linalg.solve(modes.T @ rim, on_contact)
+        factors = np.linalg.solve(modes.T @ rim, on_contact)
         # Only rings load scipy.linalg.
         from scipy.linalg import sqrtm  # noqa: PLC0415
 
         return cls(
-            rim=rim.reshape(-1, 2, FRAME).transpose(1, 0, 2),
-            balance=np.asarray(balance),
-            half_rim=condensed.half_flexibility(condensed.load_on_contact),
-            root=sqrtm(condensed.load_work).real,
+            forces=rim.reshape(-1, 2, FRAME).transpose(1, 0, 2),
+            factors=np.asarray(factors),
+            half_flexibility=condensed.half_flexibility(condensed.load_on_contact),
+            root_of_work=sqrtm(condensed.load_work).real,
         )
 
 
 def _ring_half_flexibility(
-    condensed: CondensedBody, forces: Floats, free: FreeRing | None
+    condensed: CondensedBody, forces: Floats, rim_balance: RimBalance | None
 ) -> Floats:
     """The half flexibility W (m, k) of a ring: W^T W is the work of nodal forces (2n, k).
 
@@ -478,10 +486,11 @@ def _ring_half_flexibility(
     ----------
     condensed : the condensed ring
     forces : (2n, k) nodal forces on its contact nodes
-    free : the balance of a free ring; None where the far edge is fixed
+    rim_balance : balance of a free ring; None where the far edge is fixed
     """
     Y = condensed.half_flexibility(forces)
-    if free is None:
+    if rim_balance is None:
         return Y
-    reaction = free.balance @ forces
-    return np.vstack([Y - free.half_rim @ reaction, free.root @ reaction])
+    rim_factors = rim_balance.factors @ forces
+    on_contact = Y - rim_balance.half_flexibility @ rim_factors
+    return np.vstack([on_contact, rim_balance.root_of_work @ rim_factors])
