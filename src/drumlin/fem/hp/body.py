@@ -36,7 +36,7 @@ def shoe_grid(shoe: Shoe, radius: float, div: ShoeDivision) -> ColumnGrid:
     radius : of the drum [m]
     div : division of the shoe
     """
-    p, first = div.degree, div.first
+    p, first = div.degree, div.first_body_layer
     depth, along = node_positions_of_row(div.depths, p), node_positions_of_row(div.angles, p)
     rows, n = len(depth), len(along)
     under = np.arange(rows * n).reshape(rows, n)
@@ -74,7 +74,7 @@ def _held_and_loaded_nodes(
     back : (n,) nodes on the back under the lining
     faces : nodes of both end faces of the body
     """
-    if div.first == div.layers:
+    if div.first_body_layer == div.layers:
         return {"hinge": back}
     grip = shoe.grip(radius)
     if grip is None:
@@ -168,7 +168,7 @@ def _unit_loads_on_end(div: ShoeDivision, grid: ColumnGrid, end_loads: EndLoads)
     div, grid : the division and the grid of the shoe
     end_loads : makes the unit loads from the nodes of the end
     """
-    depths = node_positions_of_row(div.depths[div.first :], div.degree)
+    depths = node_positions_of_row(div.depths[div.first_body_layer :], div.degree)
     return end_loads(grid.doflocs[:, grid.sets["actuation"]], depths, div.degree)
 
 

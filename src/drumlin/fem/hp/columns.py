@@ -1,13 +1,15 @@
-"""Columns of elements as substructures: condensed to two sides and contact, and assembled.
+"""Columns of elements as substructures, condensed to their two sides and their contact nodes.
 
-A column is a stack of elements from the contact inwards. On an arc the displacements on each side
-are measured along the radius and around the drum, those between the sides as in the middle.
-So equal columns have equal stiffness wherever they stand, and each kind is made once.
+A column is a stack of elements from the contact inwards. On an arc the displacements of the nodes
+on each side are measured along the radius and around the drum. Displacements of nodes between the
+sides are measured in the axes of the column's middle. Columns of equal shape then have equal
+stiffness wherever they lie, and the stiffness is computed once for each shape.
 
-A substructure has the unknowns [left line | contact | right line], x and y of a node together. The
-lines go from the contact inwards without their contact node; a substructure without contact has
-whole lines. `extra` unknowns, which all substructures share, may stand before the others: unit
-loads, as unknowns of negative stiffness.
+The nodes on a side of a column form a line. The unknowns of a substructure are [left line | contact
+| right line], with x and y of a node together. A line goes from the contact inwards and lacks its
+contact node, which belongs to the contact. In a substructure without contact the lines are whole.
+`extra` unknowns, which all substructures share, may stand before the others. They are factors of
+unit loads, and have a negative stiffness.
 """
 
 from collections.abc import Sequence
@@ -21,18 +23,20 @@ from drumlin.base.arrays import Floats
 from drumlin.fem.hp.element import schur_complement, schur_complements
 
 UnknownsAt = tuple[slice, slice]
-"""Two places of some unknowns: in the stiffness of an element, and in that of its column."""
+"""The slices of some unknowns: in the stiffness of an element, and in that of its column."""
 
 
 class ColumnUnknowns(NamedTuple):
-    """Where the unknowns of the elements of a column stand in the stiffness of the column.
+    """The order of unknowns: which unknowns of an element are which unknowns of its column.
 
     Attributes
     ----------
-    kept : (layers,) the unknowns of each element on the two lines and on the contact of the column
-    inside : (layers,) the other unknowns of each element, by edges from the contact inwards
+    kept : (layers,) unknowns of each element that the condensed column keeps: those on the two
+        lines and on the contact
+    inside : (layers,) unknowns of each element that are eliminated, by edges from the contact
+        inwards
     sides : number of kept unknowns of the column
-    rest : number of other unknowns
+    rest : number of eliminated unknowns of the column
     line : number of unknowns of a line
     """
 
@@ -47,7 +51,7 @@ class ColumnUnknowns(NamedTuple):
 def column_unknowns(
     p: int, layers: int, *, contact: bool, held: bool, sides: int = 2
 ) -> ColumnUnknowns:
-    """The places of the unknowns of elements in the stiffness of their column.
+    """The order of the unknowns of a column and of its elements.
 
     Parameters
     ----------
@@ -99,12 +103,12 @@ def column_unknowns(
 def column_stiffness(
     elements: Floats, unknowns: ColumnUnknowns, loads: Floats | None = None
 ) -> Floats:
-    """The stiffness (c, n, n) of columns, without their inner unknowns.
+    """The condensed stiffness (c, n, n) of c columns of equal layers.
 
     Parameters
     ----------
     elements : (layers, c, m, m) stiffness of condensed elements
-    unknowns : where the unknowns of the elements are
+    unknowns : order of the unknowns
     loads : (c, k, l) unit loads on the k unknowns of the innermost edge, of one side; they become
         l extra unknowns
     """
@@ -161,7 +165,7 @@ class ColumnSubstructure(NamedTuple):
 def assemble_pair(
     A: ColumnSubstructure, B: ColumnSubstructure, shared: int, extra: int = 0
 ) -> ColumnSubstructure:
-    """Two neighbouring substructures as one, without the unknowns of the line between them.
+    """Two neighbouring substructures as one; the line between them is eliminated.
 
     Parameters
     ----------
@@ -193,7 +197,7 @@ def assemble_pair(
 def assemble_row(
     pieces: Sequence[ColumnSubstructure], shared: int, extra: int = 0
 ) -> ColumnSubstructure:
-    """All substructures of a row as one substructure, on the outer lines and the contact.
+    """All substructures of a row as one, condensed to its outer lines and its contact.
 
     `shared` and `extra` are numbers of unknowns, as in `assemble_pair`. The two neighbours that
     make the smallest substructure are assembled first, which takes within a few percent of the

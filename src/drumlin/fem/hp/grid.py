@@ -1,7 +1,8 @@
-"""All nodes and elements of a body of columns, numbered.
+"""The grid of a body in hp elements: all of its nodes and elements, with their numbers.
 
-Pictures, files, slopes and refinement of round-off need all nodes, which are made when asked for.
-The grid stands where skfem's basis stands for a body on a mesh.
+A solve needs the condensed columns only. Pictures, files, slopes and the refinement of round-off
+errors need all nodes, which are computed at the first access. The grid has the attributes of
+skfem's basis (`doflocs`, `element_dofs`, `N`), so that functions for bodies on meshes take it too.
 """
 
 from collections.abc import Callable, Mapping
@@ -28,7 +29,7 @@ from drumlin.fem.substructure.body import InnerSystem, sparse_stiffness
 
 @dataclass(frozen=True)
 class ElementBlock:
-    """A rectangle of elements between rows of nodes, which lie at one depth each.
+    """A rectangle of elements in rows of nodes; all nodes of a row have the same depth.
 
     Attributes
     ----------
@@ -77,7 +78,7 @@ class ColumnGrid:
         return np.arange(2 * self.N)
 
     def numbers_of(self, nodes: Ints) -> Ints:
-        """The same `nodes`; a `Skeleton` gives the numbers that they have there."""
+        """The numbers of `nodes` in this grid: the same. In a `Skeleton` the numbers differ."""
         return nodes
 
     @cached_property
@@ -94,7 +95,7 @@ class ColumnGrid:
 
     @cached_property
     def subdomains(self) -> dict[str, Ints]:
-        """Elements of each part, by the name of the part."""
+        """The elements of each part of the body, by the name of the part."""
         names: list[str] = []
         for block in self.blocks:
             columns = (block.number.shape[1] - 1) // self.degree
@@ -170,7 +171,7 @@ class ColumnGrid:
 
     @cached_property
     def skeleton(self) -> "Skeleton":
-        """The grid's nodes on the sides of elements, without those inside elements."""
+        """The system of the nodes on the sides of elements, without those inside elements."""
         dofs = self.ordered_dofs[:, : reference_element(self.degree).outer]
         nodes = np.unique(dofs)
         number = np.full(self.N, -1)
@@ -182,8 +183,9 @@ class ColumnGrid:
 class Skeleton:
     """The nodes on the sides of a grid's elements, without those inside the elements.
 
-    A skeleton stands where skfem's basis stands for a body on a mesh. A grid of high degree has
-    most of its unknowns inside its elements, and the elimination of these couples no two elements.
+    A grid of high degree has most of its unknowns inside its elements. Their elimination couples no
+    two elements, so each element is condensed on its own. A skeleton has the attributes of skfem's
+    basis, as a grid has.
 
     Attributes
     ----------
@@ -225,7 +227,7 @@ class Skeleton:
         K = condensed_element_stiffness(xy[:, None], grid.elasticity(layers), grid.degree, along)
         return sparse_stiffness(K, self.element_dofs.T, self.N)
 
-    def displacements_everywhere(self, layers: Mapping[str, ElasticLayer], u: Floats) -> Floats:
+    def displacements_of_all_nodes(self, layers: Mapping[str, ElasticLayer], u: Floats) -> Floats:
         """Displacements (2 grid nodes, m) of all nodes of the grid.
 
         `u` (2 N, m) are the displacements of the skeleton. No force acts on the nodes inside
@@ -268,4 +270,4 @@ def recover_displacements(
     """
     sides = grid.skeleton
     on_sides = whole_system(sides).displacements(nodal, frame, loads)
-    return sides.displacements_everywhere(layers, on_sides)
+    return sides.displacements_of_all_nodes(layers, on_sides)

@@ -1,4 +1,4 @@
-"""The drum's ring in hp elements: a closed row of columns, in contact under the linings."""
+"""The drum's elastic ring in hp elements: a closed row of columns, in contact under the linings."""
 
 import math
 from functools import partial
@@ -85,7 +85,7 @@ class RingDivision(NamedTuple):
         return np.unique(self.contact_edges)
 
     @property
-    def first_of_runs(self) -> Ints:
+    def first_columns_of_runs(self) -> Ints:
         """The first column of each run; a run is all columns under one lining or between two."""
         runs = np.flatnonzero(np.diff(self.contact, prepend=not self.contact[0]))
         # A ring in contact all around has two runs, so that a line between them closes it.
@@ -210,7 +210,7 @@ def _condensed_ring(
     )
     # Three unknowns of the rim hold a free ring; the support is statically determinate.
     if free:
-        A = _without_rigid_motion(A, extra, n, line, div)
+        A = _hold_against_rigid_motion(A, extra, n, line, div)
     A = eliminate_line(ColumnSubstructure(A, 0, len(A) - extra - n), right=True).K
     back = -axis_angles_of_contact_nodes(div.angles, div.degree)[div.contact_nodes]
     L, info = dpotrf(rotate_components(A[extra:, extra:], back), lower=1)
@@ -255,7 +255,7 @@ def _stiffness_of_runs(
     loads = _rim_loads_in_side_axes(radius + sign * section.thickness, along, p) if free else None
     middle = 0.5 * (div.angles[1:] + div.angles[:-1])
     runs = []
-    for first, last in pairwise([*div.first_of_runs, len(which)]):
+    for first, last in pairwise([*div.first_columns_of_runs, len(which)]):
         contact = bool(div.contact[first])
         kinds, kind_of = np.unique(which[first:last], return_inverse=True)
         line = column_unknowns(p, layers, contact=contact, held=not free).line
@@ -331,7 +331,7 @@ def _closed_ring_stiffness(runs: list[Floats], div: RingDivision, line: int, ext
     line : number of unknowns of a line without its first node
     extra : number of extra unknowns
     """
-    starts, count = div.first_of_runs, len(runs)
+    starts, count = div.first_columns_of_runs, len(runs)
     # Number of contact unknowns of each run without its last node. A run between two linings has
     # those of its first node only.
     p = div.degree
@@ -355,13 +355,13 @@ def _closed_ring_stiffness(runs: list[Floats], div: RingDivision, line: int, ext
     return A
 
 
-def _without_rigid_motion(
+def _hold_against_rigid_motion(
     A: Floats, extra: int, contact: int, line: int, div: RingDivision
 ) -> Floats:
-    """The stiffness without three unknowns at the rim, which hold the ring against rigid motion.
+    """The stiffness without three unknowns at the rim, which are held against rigid-body motion.
 
-    The three are both displacements of one node, and one displacement of another node that turns
-    about the first.
+    Two of them are the displacements of one node. The third is a displacement of another node, in
+    a direction in which a rotation about the first node moves it.
 
     Parameters
     ----------
@@ -369,7 +369,7 @@ def _without_rigid_motion(
     extra, contact, line : numbers of unknowns of the loads, of the contact, and of a line
     div : division of the ring
     """
-    angles = div.angles[div.first_of_runs]
+    angles = div.angles[div.first_columns_of_runs]
     away = 0.5 * (angles - angles[0])
     k = int(np.abs(np.sin(away)).argmax())
     # Whether a rotation moves the other node more around the drum than along the radius.

@@ -258,7 +258,7 @@ def _column_kinds(shoe: Shoe, div: ShoeDivision, *, directed: bool) -> _ColumnKi
     """
     p = div.degree
     rows = [div.angles]
-    if div.first < div.layers:
+    if div.first_body_layer < div.layers:
         rows += [div.before[::-1], div.after]
     if isinstance(shoe.body, Beam):
         along = np.concatenate([node_positions_of_elements(ends, p) for ends in rows])
@@ -313,9 +313,9 @@ def _condensed_columns(
     ends = shoe.grip(radius)
     a, b = (0, 0) if ends is None else (int(np.abs(div.angles - x).argmin()) for x in ends)
     outside_grip = np.concatenate([which[:a], which[b:under]])
-    free = columns_of(outside_grip, 0, contact=True, held=div.first == div.layers)
+    free = columns_of(outside_grip, 0, contact=True, held=div.first_body_layer == div.layers)
     gripped = columns_of(which[a:b], 0, contact=True, held=True)
-    rest = columns_of(which[under:], div.first, contact=False, held=False)
+    rest = columns_of(which[under:], div.first_body_layer, contact=False, held=False)
     return _ShoeColumns([*free[:a], *gripped, *free[a:]], rest[:before], rest[before:], (a, b))
 
 
@@ -371,7 +371,7 @@ def condense_shoe(
     phi = node_positions_of_row(div.angles, div.degree)
     R = rigid_body_modes(point_map(shoe, radius)(np.zeros(1), phi), shoe.own_pin)
     row = _condensed_columns(shoe, radius, div, layers)
-    if div.first < div.layers and not any(row.grip):
+    if div.first_body_layer < div.layers and not any(row.grip):
         return _condense_hinged_shoe(shoe, radius, div, row, end_loads, R)
     S = _gripped_stiffness(row) if any(row.grip) else _lining_stiffness(row.under)
     return _condense_back_held_shoe(
@@ -414,7 +414,7 @@ def _condense_hinged_shoe(
     """
     p, place, pin = div.degree, point_map(shoe, radius), shoe.own_pin
     back = _rotations_to_shoe_frame(shoe, div)
-    depths = node_positions_of_row(div.depths[div.first :], p)
+    depths = node_positions_of_row(div.depths[div.first_body_layer :], p)
     near, far = div.before[-1], div.after[-1]
     hinge_modes = rigid_body_modes(place(depths, near), pin)
     hinge_modes = _rotate_all_nodes(hinge_modes, _measuring_axis_angles(shoe, near))
