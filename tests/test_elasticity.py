@@ -21,7 +21,11 @@ from drumlin.fem.hp.arc import (
     arc_column_stiffness,
     condensed_arc_element_stiffness,
 )
-from drumlin.fem.hp.columns import column_stiffness, column_unknowns, rotate_components
+from drumlin.fem.hp.columns import (
+    column_stiffness,
+    order_of_column_unknowns,
+    rotate_matrix_components,
+)
 from drumlin.fem.hp.shoe import element_nodes
 from drumlin.fem.substructure.body import scalar_basis, stiffness
 from drumlin.fem.substructure.elasticity import (
@@ -243,7 +247,7 @@ def test_columns_in_product_form_are_those_of_their_elements(p, contact, held, f
 
     xy = element_nodes(place, depths, angles, p)
     along = np.array([along_at(layer, own, p) for layer, own in zip(layers, xy, strict=True)])
-    of = column_unknowns(p, 3, contact=contact, held=held)
+    of = order_of_column_unknowns(p, 3, contact=contact, held=held)
     theirs = column_stiffness(hp.condensed_element_stiffness(xy, matrices, p, along), of)
     A = angular_integrals(angles, p, flat=flat, directed=True)
     ours = arc_column_stiffness(
@@ -256,7 +260,7 @@ def test_columns_in_product_form_are_those_of_their_elements(p, contact, held, f
     for K, own, side in zip(theirs, ours, 0.0 * half if flat else half, strict=True):
         lines = np.full(of.line // 2, side)
         ends = np.concatenate([[-side], np.zeros(nodes - 2), [side]]) if contact else []
-        expected = rotate_components(K, np.concatenate([lines * -1, ends, lines]))
+        expected = rotate_matrix_components(K, np.concatenate([lines * -1, ends, lines]))
         np.testing.assert_allclose(own, expected, rtol=0, atol=1e-11 * np.abs(expected).max())
 
 

@@ -31,12 +31,12 @@ from drumlin.fem.hp.arc import (
 )
 from drumlin.fem.hp.columns import (
     ColumnSubstructure,
-    assemble_pair,
-    assemble_row,
+    assemble_column_pair,
+    assemble_column_row,
     column_stiffness,
-    column_unknowns,
-    eliminate_line,
-    rotate_components,
+    eliminate_side_line,
+    order_of_column_unknowns,
+    rotate_matrix_components,
 )
 from drumlin.fem.hp.division import Singularity, SingularPoint, divide_shoe, graded_sizes
 from drumlin.fem.hp.element import (
@@ -163,23 +163,23 @@ def test_columns_merged_in_any_order_are_the_whole_eliminated_at_once():
     K = condensed_element_stiffness(
         xy, np.tile(elasticity_matrix(Material(E=1.0, nu=0.3)), (layers, 1, 1)), p
     )
-    of = column_unknowns(p, layers, contact=True, held=False)
+    of = order_of_column_unknowns(p, layers, contact=True, held=False)
     parts = [ColumnSubstructure(part, of.line, of.line) for part in column_stiffness(K, of)]
-    whole = assemble_row(parts, 2)
+    whole = assemble_column_row(parts, 2)
     # Columns are joined from left to right, in place of pairs of pairs.
     one_by_one = parts[0]
     for part in parts[1:]:
-        one_by_one = assemble_pair(one_by_one, part, 2)
+        one_by_one = assemble_column_pair(one_by_one, part, 2)
     size = np.abs(whole.K).max()
     np.testing.assert_allclose(whole.K, one_by_one.K, atol=1e-11 * size)
     assert len(whole.K) == 2 * of.line + 2 * (m * p + 1)
     assert np.abs(whole.K.reshape(len(whole.K), -1, 2).sum(axis=1)).max() < 1e-12 * size
-    ends = assemble_row(
-        [eliminate_line(parts[0]), *parts[1:-1], eliminate_line(parts[-1], right=True)], 2
+    ends = assemble_column_row(
+        [eliminate_side_line(parts[0]), *parts[1:-1], eliminate_side_line(parts[-1], right=True)], 2
     )
     assert ends.left == ends.right == 0
     np.testing.assert_allclose(
-        ends.K, eliminate_line(eliminate_line(whole), right=True).K, atol=1e-11 * size
+        ends.K, eliminate_side_line(eliminate_side_line(whole), right=True).K, atol=1e-11 * size
     )
     np.testing.assert_allclose(ends.K, every_unknown_at_once(K, p), atol=1e-11 * size)
 
@@ -198,7 +198,7 @@ def test_columns_of_an_arc_by_symmetric_and_antisymmetric_motions_are_those_of_t
     def place(depth, phi):
         return np.array([(0.14 - depth) * np.cos(phi), (0.14 - depth) * np.sin(phi)])
 
-    of = column_unknowns(p, 3, contact=contact, held=held)
+    of = order_of_column_unknowns(p, 3, contact=contact, held=held)
     theirs = column_stiffness(
         condensed_element_stiffness(element_nodes(place, depths, angles, p), matrices, p), of
     )
@@ -212,7 +212,7 @@ def test_columns_of_an_arc_by_symmetric_and_antisymmetric_motions_are_those_of_t
     for K, own, side in zip(theirs, ours, half, strict=True):
         lines = np.full(of.line // 2, side)
         ends = np.concatenate([[-side], np.zeros(nodes - 2), [side]]) if contact else []
-        expected = rotate_components(K, np.concatenate([lines * -1, ends, lines]))
+        expected = rotate_matrix_components(K, np.concatenate([lines * -1, ends, lines]))
         np.testing.assert_allclose(own, expected, rtol=0, atol=1e-11 * np.abs(expected).max())
 
 

@@ -25,7 +25,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.base.arrays import Floats, Ints
-from drumlin.fem.hp.columns import column_stiffness, column_unknowns
+from drumlin.fem.hp.columns import column_stiffness, order_of_column_unknowns
 from drumlin.fem.hp.element import (
     schur_complements,
     shape_functions,
@@ -258,7 +258,7 @@ def arc_column_stiffness(
     loads : (c, 2 (p + 1), m) unit loads on the innermost edge; the factors of the loads
         become m extra unknowns
     """
-    half = column_unknowns(p, len(parts), contact=contact, held=held, sides=1)
+    half = order_of_column_unknowns(p, len(parts), contact=contact, held=held, sides=1)
     n = 2 * (p + 1) * contact
     folded = None
     if loads is not None:

@@ -109,7 +109,7 @@ def condensed_shoe_body(
         raise NoAnswer(SINGULAR_BODY)
     # Forces that round-off leaves on the rigid-body modes move the contact nodes.
     half_error = solve_lower(L, found.rigid_mode_forces)
-    system = partial(_whole_system, shoe, div, grid, end_loads)
+    system = partial(_uncondensed_shoe_system, shoe, div, grid, end_loads)
     return CondensedBody(
         L,
         L_fc=solve_lower(L, S[FRAME:, :FRAME]).T,
@@ -126,7 +126,7 @@ def condensed_shoe_body(
     )
 
 
-def _whole_system(
+def _uncondensed_shoe_system(
     shoe: Shoe,
     div: ShoeDivision,
     grid: ColumnGrid,

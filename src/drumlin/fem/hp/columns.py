@@ -48,7 +48,7 @@ class ColumnUnknowns(NamedTuple):
 
 
 @cache
-def column_unknowns(
+def order_of_column_unknowns(
     p: int, layers: int, *, contact: bool, held: bool, sides: int = 2
 ) -> ColumnUnknowns:
     """The order of the unknowns of a column and of its elements.
@@ -162,7 +162,7 @@ class ColumnSubstructure(NamedTuple):
     right: int
 
 
-def assemble_pair(
+def assemble_column_pair(
     A: ColumnSubstructure, B: ColumnSubstructure, shared: int, extra: int = 0
 ) -> ColumnSubstructure:
     """Two neighbouring substructures as one; the line between them is eliminated.
@@ -194,13 +194,13 @@ def assemble_pair(
     return ColumnSubstructure(schur_complement(K, C, inner), A.left, B.right)
 
 
-def assemble_row(
+def assemble_column_row(
     pieces: Sequence[ColumnSubstructure], shared: int, extra: int = 0
 ) -> ColumnSubstructure:
     """All substructures of a row as one, condensed to its outer lines and its contact.
 
-    `shared` and `extra` are numbers of unknowns, as in `assemble_pair`. The two neighbours that
-    make the smallest substructure are assembled first, which takes within a few percent of the
+    `shared` and `extra` are numbers of unknowns, as in `assemble_column_pair`. The two neighbours
+    that make the smallest substructure are assembled first, which takes within a few percent of the
     fewest multiplications. Equal pairs, of the same two objects, are assembled once.
     """
     made = list(pieces)
@@ -218,7 +218,7 @@ def assemble_row(
         pair = row[k], row[k + 1]
         if pair not in made_of:
             made_of[pair] = len(made)
-            made.append(assemble_pair(made[pair[0]], made[pair[1]], shared, extra))
+            made.append(assemble_column_pair(made[pair[0]], made[pair[1]], shared, extra))
         row[k : k + 2] = [made_of[pair]]
         # Only the sizes of the pairs with the new substructure change.
         near = max(k - 1, 0)
@@ -226,7 +226,7 @@ def assemble_row(
     return made[row[0]]
 
 
-def eliminate_line(
+def eliminate_side_line(
     piece: ColumnSubstructure, end: Floats | None = None, part: int = 0, *, right: bool = False
 ) -> ColumnSubstructure:
     """The substructure without the unknowns of its left or right line, which has no neighbour.
@@ -262,12 +262,12 @@ def eliminate_line(
     return ColumnSubstructure(K, piece.left, 0) if right else ColumnSubstructure(K, 0, piece.right)
 
 
-def rotate_components(K: Floats, angle: Floats) -> Floats:
+def rotate_matrix_components(K: Floats, angle: Floats) -> Floats:
     """The matrix K (n, n) with each node's components in axes turned by an angle (n/2,) [rad]."""
-    return rotate_row_components(rotate_row_components(K, angle).T, angle)
+    return rotate_vector_components(rotate_vector_components(K, angle).T, angle)
 
 
-def rotate_row_components(V: Floats, angle: Floats) -> Floats:
+def rotate_vector_components(V: Floats, angle: Floats) -> Floats:
     """Vectors V (..., m, n) with each node's components in axes turned by the node's angle.
 
     Each row has x and y of a node together; the angles (..., n/2) are in rad.

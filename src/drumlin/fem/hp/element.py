@@ -20,10 +20,10 @@ from drumlin.fem.substructure.elasticity import directions_through_layers, split
 from drumlin.response.resultants import lobatto
 
 SLOPES_PER_BATCH = 32_000
-"""Number of slopes of shape functions that are worked on at once.
+"""Number of slopes of shape functions in a batch of elements whose stiffness is computed together.
 
-They then stay in the processor's cache. Larger and smaller numbers give the same stiffness, more
-slowly.
+A batch of this size stays in the processor's cache. Larger and smaller batches give the same
+stiffness, but take more time.
 """
 SINGULAR_ELEMENT = (
     "singular stiffness: a part hangs on nothing, or moduli or sizes are too far apart"
@@ -38,10 +38,10 @@ class ReferenceElement(NamedTuple):
     ----------
     slopes : (a, 2 q) derivatives of the shape functions by both coordinates at the Gauss points
     weights : (q,) weights of the Gauss points
-    order : (a,) the element's nodes as numbers of the (p + 1)^2 grid, which counts the nodes along
-        the layers first: the nodes on the boundary, then those inside
-    outer : number of nodes on the boundary, which stand in the order left side, right side, rest of
-        the first edge, rest of the last edge
+    order : (a,) the order of the element's nodes: those on the boundary, then those inside. The
+        numbers are those of the (p + 1)^2 grid of nodes, counted along the layers first.
+    outer : number of nodes on the boundary; their order is left side, right side, rest of the
+        first edge, rest of the last edge
     values : (a, q) shape functions at the Gauss points
     """
 
@@ -60,7 +60,7 @@ def reference_element(p: int, *, precise: bool = False) -> ReferenceElement:
     edges = number[:, 0], number[:, -1], number[0, 1:-1], number[-1, 1:-1]
     order = np.concatenate([*edges, number[1:-1, 1:-1].ravel()])
     functions = (
-        _precise_shape_functions(p, x) if precise else shape_functions(p, square_grid_points(x))
+        _long_double_shape_functions(p, x) if precise else shape_functions(p, square_grid_points(x))
     )
     values, slopes = functions
     return ReferenceElement(
@@ -109,7 +109,7 @@ def shape_functions(p: int, x: Floats) -> tuple[Floats, Floats]:
     return nodal @ values, (nodal @ slopes.reshape(count, -1)).reshape(slopes.shape)
 
 
-def _precise_shape_functions(p: int, x: Floats) -> tuple[Any, Any]:
+def _long_double_shape_functions(p: int, x: Floats) -> tuple[Any, Any]:
     """Values (a, q) and slopes (a, 2, q) of the nodal functions at the grid of x, in long double.
 
     They are products of Lagrange's polynomials.
@@ -287,11 +287,14 @@ def schur_complements(K: Floats, C: Floats, inner: Floats) -> Floats:
 
 
 class _StiffnessBlocks(NamedTuple):
-    """The stiffness of a batch of elements, by boundary nodes and inner nodes.
+    """The stiffness of a batch of e elements, by blocks of boundary unknowns and inner unknowns.
 
-    `part` is the place of the batch among all elements. `outer` (e, k, k) is the block of the
-    boundary, `coupling` (e, m, k) that of inner by boundary unknowns, `inner` (e, m, m) that of the
-    inner unknowns.
+    Attributes
+    ----------
+    part : slice of the batch among all elements
+    outer : (e, k, k) block of the boundary unknowns
+    coupling : (e, m, k) block of inner by boundary unknowns
+    inner : (e, m, m) block of the inner unknowns
     """
 
     part: slice
@@ -303,7 +306,7 @@ class _StiffnessBlocks(NamedTuple):
 def _stiffness_blocks_in_batches(
     xy: Floats, elasticity: Floats, p: int, along: Floats | None
 ) -> Iterator[_StiffnessBlocks]:
-    """The stiffness of elements in batches that the processor's cache holds.
+    """The stiffness of elements, in batches that fit into the processor's cache.
 
     The parameters are those of `element_stiffness`.
     """
@@ -352,7 +355,7 @@ def condensed_element_stiffness(
 def inner_node_displacements(
     xy: Floats, elasticity: Floats, p: int, along: Floats | None, u: Floats
 ) -> Floats:
-    """Displacements (e, 2 i, m) of the i nodes inside elements, on which no force acts.
+    """The displacements (e, 2 i, m) of the i nodes inside elements, on which no force acts.
 
     Parameters
     ----------

@@ -20,11 +20,11 @@ from drumlin.fem.hp.arc import (
 )
 from drumlin.fem.hp.columns import (
     ColumnSubstructure,
-    assemble_row,
-    column_unknowns,
-    eliminate_line,
-    rotate_components,
-    rotate_row_components,
+    assemble_column_row,
+    eliminate_side_line,
+    order_of_column_unknowns,
+    rotate_matrix_components,
+    rotate_vector_components,
 )
 from drumlin.fem.hp.division import Level, graded_sizes, piece_ends
 from drumlin.fem.hp.grid import ColumnGrid, ElementBlock, Skeleton, recover_displacements
@@ -172,7 +172,7 @@ def condensed_hp_ring(
         rim = rim_forces_on_grid(radius + sign * ring.section.thickness, div, grid)
 
     contact = _ring_contact_line(div, grid)
-    condensed = _condensed_ring(ring.section, radius, sign, div, grid, rim)
+    condensed = _condense_ring(ring.section, radius, sign, div, grid, rim)
     balance = RimBalance.of(grid, rim, condensed, contact) if free else None
     support = grid.sets["support"]
     return couple_ring_with_linings(
@@ -189,7 +189,7 @@ def _ring_contact_line(div: RingDivision, grid: ColumnGrid) -> ContactLine:
     return ContactLine(nodes, grid.doflocs[:, nodes], angles, place[div.contact_edges])
 
 
-def _condensed_ring(
+def _condense_ring(
     section: Section, radius: float, sign: int, div: RingDivision, grid: ColumnGrid, rim: Floats
 ) -> CondensedBody:
     """The ring condensed to its contact nodes, with the loads on its rim.
@@ -203,7 +203,7 @@ def _condensed_ring(
     extra = rim.shape[1]
     free = extra > 0
     layers = len(div.depths) - 1
-    line = column_unknowns(div.degree, layers, contact=True, held=not free).line
+    line = order_of_column_unknowns(div.degree, layers, contact=True, held=not free).line
     n = 2 * len(div.contact_nodes)
     A = _closed_ring_stiffness(
         _stiffness_of_runs(section, radius, sign, div, free=free), div, line, extra
@@ -211,16 +211,16 @@ def _condensed_ring(
     # Three unknowns of the rim hold a free ring; the support is statically determinate.
     if free:
         A = _hold_against_rigid_motion(A, extra, n, line, div)
-    A = eliminate_line(ColumnSubstructure(A, 0, len(A) - extra - n), right=True).K
+    A = eliminate_side_line(ColumnSubstructure(A, 0, len(A) - extra - n), right=True).K
     back = -axis_angles_of_contact_nodes(div.angles, div.degree)[div.contact_nodes]
-    L, info = dpotrf(rotate_components(A[extra:, extra:], back), lower=1)
+    L, info = dpotrf(rotate_matrix_components(A[extra:, extra:], back), lower=1)
     if info:
         raise NoAnswer(SINGULAR_BODY)
-    system = partial(_whole_system, section, grid, rim)
+    system = partial(_uncondensed_ring_system, section, grid, rim)
     return CondensedBody(
         L,
         L_fc=np.zeros((FRAME, n)),
-        load_on_contact=-rotate_row_components(A[:extra, extra:], back).T,
+        load_on_contact=-rotate_vector_components(A[:extra, extra:], back).T,
         load_on_frame=np.zeros((FRAME, extra)),
         load_work=-A[:extra, :extra],
         make_whole_system=partial(system, grid),
@@ -258,7 +258,7 @@ def _stiffness_of_runs(
     for first, last in pairwise([*div.first_columns_of_runs, len(which)]):
         contact = bool(div.contact[first])
         kinds, kind_of = np.unique(which[first:last], return_inverse=True)
-        line = column_unknowns(p, layers, contact=contact, held=not free).line
+        line = order_of_column_unknowns(p, layers, contact=contact, held=not free).line
         own = None if loads is None else loads[kinds]
         made = arc_column_stiffness(K[:, :, kinds], p, contact=contact, held=not free, loads=own)
         if free:
@@ -267,7 +267,7 @@ def _stiffness_of_runs(
             kind_of = np.arange(last - first)
         kinds_made = [ColumnSubstructure(each, line, line) for each in made]
         row = [kinds_made[k] for k in kind_of]
-        runs.append(assemble_row(row, 2 * contact, FRAME * free).K)
+        runs.append(assemble_column_row(row, 2 * contact, FRAME * free).K)
     return runs
 
 
@@ -283,7 +283,7 @@ def _rim_loads_in_side_axes(radius: float, along: Floats, p: int) -> Floats:
     loads = _column_rim_loads(radius, along, p)
     for at, k in ((slice(2), 0), (slice(-2, None), -1)):
         nodal = loads[:, at].transpose(0, 2, 1)
-        rotated = rotate_row_components(nodal, along[:, k, None])
+        rotated = rotate_vector_components(nodal, along[:, k, None])
         loads[:, at] = rotated.transpose(0, 2, 1)
     return loads
 
@@ -421,7 +421,7 @@ def rim_forces_on_grid(radius: float, div: RingDivision, grid: ColumnGrid) -> Fl
     return forces.reshape(-1, FRAME)
 
 
-def _whole_system(
+def _uncondensed_ring_system(
     section: Section, grid: ColumnGrid, rim: Floats, basis: ColumnGrid | Skeleton
 ) -> InnerSystem:
     """The stiffness, constraints and loads of a ring on all nodes of its grid or its skeleton.

@@ -1,4 +1,8 @@
-"""A parametric shoe of columns: its geometry, and its condensation to contact, frame and loads."""
+"""A parametric shoe in hp elements: its geometry, and its condensation.
+
+The element columns of the shoe are condensed and assembled to a stiffness on the frame (the rigid
+motion of the hinge), the contact nodes and the unit loads.
+"""
 
 from collections.abc import Callable
 from functools import partial
@@ -18,12 +22,12 @@ from drumlin.fem.hp.arc import (
 )
 from drumlin.fem.hp.columns import (
     ColumnSubstructure,
-    assemble_row,
+    assemble_column_row,
     column_stiffness,
-    column_unknowns,
-    eliminate_line,
-    rotate_components,
-    rotate_row_components,
+    eliminate_side_line,
+    order_of_column_unknowns,
+    rotate_matrix_components,
+    rotate_vector_components,
 )
 from drumlin.fem.hp.division import ShoeDivision
 from drumlin.fem.hp.element import (
@@ -37,11 +41,11 @@ from drumlin.fem.substructure.loads import ACTUATION, LoadColumns
 from drumlin.response.resultants import GAUSS, WEIGHTS, at_gauss, lobatto
 
 PointMap = Callable[[Floats, Floats], Floats]
-"""Gives points (2, ...) in the shoe's frame [m] at depths and positions along the lining."""
+"""A function from depths and positions along the lining to points (2, ...) in the shoe's frame [m]."""
 
 
 class LoadedEnd(NamedTuple):
-    """Unit loads on the loaded end of a shoe's body.
+    """The unit loads on the loaded end of a shoe's body.
 
     Attributes
     ----------
@@ -65,7 +69,7 @@ class LoadedEnd(NamedTuple):
 
 
 EndLoads = Callable[[Floats, Floats, int], LoadedEnd]
-"""Makes the loads of the loaded end from its nodes (2, n) [m], their depths (n,) and the degree."""
+"""A function that makes the unit loads on the loaded end, as `unit_actuation_loads` does."""
 
 
 def unit_actuation_loads(xy: Floats, depths: Floats, p: int) -> LoadedEnd:
@@ -99,9 +103,9 @@ def unit_actuation_loads(xy: Floats, depths: Floats, p: int) -> LoadedEnd:
 
 
 class CondensedShoe(NamedTuple):
-    """A shoe condensed to [frame | contact nodes x, y], with estimates of round-off.
+    """A shoe condensed to [frame | contact nodes x, y], with estimates of round-off errors.
 
-    The estimates are zero for a shoe whose frame is its back, since they are not known then.
+    The estimates are zero for a shoe whose back is its frame: they are not known there.
 
     Attributes
     ----------
@@ -111,7 +115,7 @@ class CondensedShoe(NamedTuple):
     centre : (2,) point that the unit actuations act about [m]
     rigid_mode_forces : (2n, 3) forces on the contact that round-off leaves on the rigid-body modes,
         which strain nothing
-    force_imbalance : force by which round-off puts a unit force out of balance
+    force_imbalance : force by which round-off puts a unit force out of balance [1]
     columns : the unit loads by name
     """
 
@@ -200,7 +204,7 @@ def element_nodes(place: PointMap, depths: Floats, along: Floats, p: int) -> Flo
 def distinct_sizes(sizes: Floats) -> tuple[Floats, Ints]:
     """The k different sizes (k,) among `sizes` (m,), and the number of the size of each (m,).
 
-    Sizes that differ by round-off are equal.
+    Sizes that agree in twelve digits count as equal.
     """
     numbers: dict[float, int] = {}
     which = []
@@ -294,7 +298,7 @@ def _condensed_columns(
         # bincount stands for np.unique, which would load numpy's masked arrays.
         kinds = np.flatnonzero(np.bincount(row))
         depths, own = div.depths[layer:], elasticity[layer:]
-        unknowns = column_unknowns(p, div.layers - layer, contact=contact, held=held)
+        unknowns = order_of_column_unknowns(p, div.layers - layer, contact=contact, held=held)
         if kinds_of_columns.angular is None:
             xy = element_nodes(point_map(shoe, radius), depths, kinds_of_columns.along[kinds], p)
             along = _layer_directions(layers, div.part[layer:], xy, p) if directed else None
@@ -375,7 +379,7 @@ def condense_shoe(
         return _condense_hinged_shoe(shoe, radius, div, row, end_loads, R)
     S = _gripped_stiffness(row) if any(row.grip) else _lining_stiffness(row.under)
     return _condense_back_held_shoe(
-        shoe, rotate_components(S, _rotations_to_shoe_frame(shoe, div)), R
+        shoe, rotate_matrix_components(S, _rotations_to_shoe_frame(shoe, div)), R
     )
 
 
@@ -424,18 +428,18 @@ def _condense_hinged_shoe(
     columns = row.under.copy()
     columns[0] = _join_first_column_with_hinged_body(columns[0], row.before, hinge_modes)
     loaded = _loaded_body_stiffness(row.after, end_forces)
-    columns[-1] = eliminate_line(columns[-1], loaded, len(end_forces), right=True)
-    A = assemble_row(columns, 2).K
+    columns[-1] = eliminate_side_line(columns[-1], loaded, len(end_forces), right=True)
+    A = assemble_column_row(columns, 2).K
     extra = end.columns.count
     frame, contact, loads = slice(FRAME), slice(FRAME, -extra), slice(-extra, None)
-    S = rotate_components(A[contact, contact], back)
-    load = -rotate_row_components(A[loads, contact], back).T
+    S = rotate_matrix_components(A[contact, contact], back)
+    load = -rotate_vector_components(A[loads, contact], back).T
     on_frame = -A[frame, loads]
 
     # Round-off has put the condensed loads out of balance: the contact nodes take the difference.
     imbalance = end.resultants(pin) - on_frame - R.T @ load
     load += R @ np.linalg.solve(R.T @ R, imbalance)
-    corrected = _correct_rigid_modes(S, R, rotate_row_components(A[frame, contact], back).T)
+    corrected = _correct_rigid_modes(S, R, rotate_vector_components(A[frame, contact], back).T)
     actuation = end.columns.slices[ACTUATION]
     return CondensedShoe(
         S=_stiffness_with_frame(corrected.S, R),
@@ -459,9 +463,9 @@ def _lining_stiffness(
     left, right : stiffness of the bodies that hang on the back of both ends, if there are any
     """
     row = row.copy()
-    row[0] = eliminate_line(row[0], left, 0 if left is None else len(left))
-    row[-1] = eliminate_line(row[-1], right, 0 if right is None else len(right), right=True)
-    return assemble_row(row, 2).K
+    row[0] = eliminate_side_line(row[0], left, 0 if left is None else len(left))
+    row[-1] = eliminate_side_line(row[-1], right, 0 if right is None else len(right), right=True)
+    return assemble_column_row(row, 2).K
 
 
 def _gripped_stiffness(columns: _ShoeColumns) -> Floats:
@@ -480,8 +484,8 @@ def _gripped_stiffness(columns: _ShoeColumns) -> Floats:
         free = np.delete(np.arange(len(K)), [line, line + 1])
         row[last] = ColumnSubstructure(K[free[:, None], free], line, right)
     before, after = columns.before, columns.after
-    body_before = eliminate_line(assemble_row(before, 0)).K if before else None
-    body_after = eliminate_line(assemble_row(after, 0), right=True).K if after else None
+    body_before = eliminate_side_line(assemble_column_row(before, 0)).K if before else None
+    body_after = eliminate_side_line(assemble_column_row(after, 0), right=True).K if after else None
     return _lining_stiffness(row, body_before, body_after)
 
 
@@ -499,9 +503,9 @@ def _join_first_column_with_hinged_body(
     held : (n, 3) rigid-body modes of the line at the hinge
     """
     if not before:
-        return eliminate_line(_constrain_to_frame(first, held))
-    body = assemble_row([_constrain_to_frame(before[0], held), *before[1:]], 0)
-    return eliminate_line(first, body.K, len(held))
+        return eliminate_side_line(_constrain_to_frame(first, held))
+    body = assemble_column_row([_constrain_to_frame(before[0], held), *before[1:]], 0)
+    return eliminate_side_line(first, body.K, len(held))
 
 
 def _loaded_body_stiffness(after: list[ColumnSubstructure], load: Floats) -> Floats:
@@ -514,8 +518,8 @@ def _loaded_body_stiffness(after: list[ColumnSubstructure], load: Floats) -> Flo
     end[:part, part:], end[part:, :part] = -load, -load.T
     if not after:
         return end
-    last = eliminate_line(after[-1], end, part, right=True)
-    return assemble_row([*after[:-1], last], 0).K
+    last = eliminate_side_line(after[-1], end, part, right=True)
+    return assemble_column_row([*after[:-1], last], 0).K
 
 
 def _constrain_to_frame(piece: ColumnSubstructure, held: Floats) -> ColumnSubstructure:
@@ -591,4 +595,4 @@ def _stiffness_with_frame(S: Floats, R: Floats) -> Floats:
 
 def _rotate_all_nodes(V: Floats, angle: Floats) -> Floats:
     """Vectors V (2n, m) with the components of all nodes in axes turned by one angle [rad]."""
-    return rotate_row_components(V.T, np.reshape(angle, 1)).T
+    return rotate_vector_components(V.T, np.reshape(angle, 1)).T

@@ -18,7 +18,7 @@ from drumlin.base.errors import NoAnswer
 from drumlin.base.lapack import dpotrf, dtrsm
 
 LEAF_HALVINGS = 5
-"""Number of halvings that the dissection leaves out: the smallest regions have 2^5 elements.
+"""Number of the last halvings that the dissection omits: the smallest regions have 2^5 elements.
 
 Smaller regions cost more calls, larger regions more multiplications with zeros. The answer is the
 same but for round-off.
@@ -37,8 +37,10 @@ SINGULAR_BODY = "singular stiffness: a part hangs on nothing, or moduli are too 
 class EliminationOrder(NamedTuple):
     """The order in which elimination removes the nodes of a mesh.
 
-    `nodes` (n,) are the nodes in this order, and `region` (n,) the number of the region of each
-    node, which does not decrease.
+    Attributes
+    ----------
+    nodes : (n,) nodes in this order
+    region : (n,) number of the region of each of these nodes, not decreasing
     """
 
     nodes: Ints
@@ -46,10 +48,13 @@ class EliminationOrder(NamedTuple):
 
 
 class CondensedSystem(NamedTuple):
-    """The result of eliminating the inner unknowns of a body.
+    """The system of a body on its k kept unknowns, after the inner unknowns are eliminated.
 
-    `S` (k, k) is the Schur complement on the k kept unknowns, `loads` (k, l) are the condensed
-    loads, and `work` (l, l) is the work of the loads with the kept unknowns held.
+    Attributes
+    ----------
+    S : (k, k) Schur complement on the kept unknowns
+    loads : (k, l) condensed loads
+    work : (l, l) work of the loads with the kept unknowns held
     """
 
     S: Floats
@@ -194,9 +199,12 @@ def solve_by_fronts(A: Any, region: Ints, right: Floats) -> Floats:
 class _FrontFactor(NamedTuple):
     """The Cholesky factor of a front, the dense matrix of one region.
 
-    `own` are the unknowns that the front eliminates, `later` (m,) the unknowns of later regions
-    that they touch. `L` (k, k) is the factor of the own part, and `below` (m, k) its rows for the
-    later unknowns.
+    Attributes
+    ----------
+    own : the k unknowns that the front eliminates
+    later : (m,) unknowns of later regions that the own unknowns touch
+    L : (k, k) Cholesky factor of the block of the own unknowns
+    below : (m, k) rows of the factor for the later unknowns
     """
 
     own: slice

@@ -25,7 +25,7 @@ from drumlin.response.response import PressureOverWidth
 from drumlin.response.resultants import GAUSS, WEIGHTS, InnerPart, at_gauss, shape, slopes
 
 Directions = Callable[[Floats], tuple[Floats, Floats]]
-"""Gives a counterface's unit normals and unit tangents (2, ...) at points (2, ...) of it [m]."""
+"""A function from points (2, ...) of a counterface [m] to its unit normals and tangents (2, ...)."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class ContactLine:
     xy : (2, n) points [m]
     phi : (n,) angles [rad]
     pieces : (order + 1, m) positions in `nodes` of the nodes of each edge, by growing angle
-    edge : angle at both ends [rad] within which no peak of the pressure is looked for
+    edge : length [rad] of the zone at both ends in which no peak of the pressure is looked for
     """
 
     nodes: Ints
@@ -77,10 +77,13 @@ class ContactLine:
 class Coupling:
     """The matrices of the weak coupling of a lining's pressure with its displacement.
 
-    M p is the nodal pressure p weighted with the nodes' areas. The nodal forces of p are -N^T p,
-    and mu s T^T p by friction. `M` is (n, n), `N` and `T` are (n, 2n). `lever` (n,) = b Int psi_i
-    |x| ds [m^3] gives the torque mu lever . p of a drum brake; on a plane it lacks |x| and gives
-    the braking force.
+    Attributes
+    ----------
+    M : (n, n) mass matrix of the pressure [m^2]; M p are the integrals of the pressure p
+    N : (n, 2n) normal coupling [m^2]; the nodal forces of p are -N^T p
+    T : (n, 2n) tangential coupling [m^2]; the nodal forces of the friction are mu s T^T p
+    lever : (n,) b Int psi_i |x| ds [m^3], with which the torque of a drum brake is mu lever . p. On
+        a plane it is b Int psi_i ds [m^2] and gives the braking force.
     """
 
     M: Floats
@@ -178,7 +181,7 @@ def make_contact_line(
 
 
 def drum_directions(sign: int) -> Directions:
-    """Makes the normals sign e_r and tangents e_phi of a round drum about O."""
+    """The function of the unit normals, sign e_r, and unit tangents, e_phi, of a drum about O."""
 
     def directions(x: Floats) -> tuple[Floats, Floats]:
         """Unit normals and unit tangents (2, ...) of the drum at points x (2, ...)."""
@@ -189,15 +192,19 @@ def drum_directions(sign: int) -> Directions:
 
 
 def plane_directions(x: Floats) -> tuple[Floats, Floats]:
-    """Normals and tangents at the points x (2, ...) of a plane y = 0 under the lining."""
+    """The unit normals and unit tangents (2, ...) of the plane y = 0 under a lining at x (2, ...)."""
     ones, zeros = np.ones(x.shape[1:]), np.zeros(x.shape[1:])
     return np.array([zeros, -ones]), np.array([ones, zeros])
 
 
 def couple_with_counterface(line: ContactLine, width: float, directions: Directions) -> Coupling:
-    """The coupling of a lining of this `width` b [m] with a counterface of these directions.
+    """The weak coupling of a lining with its counterface.
 
-    The torque's lever is the distance from the drum's centre, and 1 on a plane.
+    Parameters
+    ----------
+    line : contact line of the lining
+    width : width b of the lining [m]
+    directions : normals and tangents of the counterface
     """
     n, m = len(line.nodes), line.pieces.shape[1]
     psi, x, ds = edge_quadrature_points(line.xy[:, line.pieces])

@@ -271,17 +271,17 @@ def _facets_under_arcs(mesh: Any, arcs: list[tuple[float, float]]) -> Ints:
     facets = mesh.boundaries["contact"]
     x, y = mesh.p[:, mesh.facets[:, facets]]
     first, second = np.arctan2(y, x)
-    half_facet = 0.5 * np.abs(_within_half_turn(second - first))
+    half_facet = 0.5 * np.abs(_wrap_to_half_turn(second - first))
     middle = np.arctan2(y.sum(axis=0), x.sum(axis=0))
     under = np.zeros(len(facets), dtype=bool)
     for start, end in arcs:
-        away = np.abs(_within_half_turn(middle - 0.5 * (start + end)))
+        away = np.abs(_wrap_to_half_turn(middle - 0.5 * (start + end)))
         half_arc = 0.5 * (end - start)
         under |= away < half_arc + half_facet * (1 - 1e-9)
     return facets[under]
 
 
-def _within_half_turn(angle: Floats) -> Floats:
+def _wrap_to_half_turn(angle: Floats) -> Floats:
     """The angles [rad] moved by whole turns to the interval from -pi to pi."""
     return np.asarray((angle + math.pi) % (2 * math.pi) - math.pi)
 
@@ -301,7 +301,7 @@ def ring_coupling_matrices(
     sign : 1 where the lining presses outwards, -1 where it presses inwards
     """
     own, other = _edge_arcs(lining), _edge_arcs(ring)
-    overlaps = _common_refinement(own, other)
+    overlaps = _edge_overlaps(own, other)
     own_nodes = own.pieces[:, overlaps.lining]
     ring_nodes = other.pieces[:, overlaps.ring]
     own_xy, ring_xy = lining.xy[:, own_nodes], ring.xy[:, ring_nodes]
@@ -309,8 +309,8 @@ def ring_coupling_matrices(
     # Each overlap has quadrature points, with a local coordinate on the edge of either side.
     length = (overlaps.end - overlaps.start)[:, None]
     angle = overlaps.start[:, None] + 0.5 * length * (1 + GAUSS)
-    xi = _local_coordinates(own_xy, angle)
-    eta = _local_coordinates(ring_xy, angle)
+    xi = _edge_coordinates_on_rays(own_xy, angle)
+    eta = _edge_coordinates_on_rays(ring_xy, angle)
     psi = shape(lining.order, xi.ravel()).reshape(-1, *xi.shape)
     phi = shape(ring.order, eta.ravel()).reshape(-1, *eta.shape)
     x = np.einsum("cki,kiq->ciq", own_xy, psi)
@@ -350,7 +350,7 @@ class _Overlaps(NamedTuple):
     end: Floats
 
 
-def _common_refinement(lining: "_EdgeArcs", ring: "_EdgeArcs") -> _Overlaps:
+def _edge_overlaps(lining: "_EdgeArcs", ring: "_EdgeArcs") -> _Overlaps:
     """The overlaps of a lining's edges with the ring's edges; whole turns do not count."""
     turns = np.subtract.outer(lining.start + lining.end, ring.start + ring.end)
     whole_turns = 2 * math.pi * np.round(0.5 * turns / (2 * math.pi))
@@ -383,7 +383,7 @@ def _edge_arcs(line: ContactLine) -> _EdgeArcs:
     return _EdgeArcs(pieces, start, start + np.abs(turn))
 
 
-def _local_coordinates(xy: Floats, angle: Floats) -> Floats:
+def _edge_coordinates_on_rays(xy: Floats, angle: Floats) -> Floats:
     """Local coordinates xi (m, points) in [-1, 1] where edges cross rays from the drum's centre.
 
     `xy` (2, k, m) are the nodes of the edges, and `angle` (m, points) the angles of the rays [rad].
