@@ -41,7 +41,7 @@ from drumlin.fem.substructure.loads import ACTUATION, LoadColumns
 from drumlin.response.resultants import GAUSS, WEIGHTS, at_gauss, lobatto
 
 PointMap = Callable[[Floats, Floats], Floats]
-"""A function from depths and positions along the lining to points (2, ...) in the shoe's frame [m]."""
+"""A function from depths and positions along the lining to points (2, ...) of the shoe [m]."""
 
 
 class LoadedEnd(NamedTuple):

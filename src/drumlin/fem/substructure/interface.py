@@ -25,7 +25,7 @@ from drumlin.response.response import PressureOverWidth
 from drumlin.response.resultants import GAUSS, WEIGHTS, InnerPart, at_gauss, shape, slopes
 
 Directions = Callable[[Floats], tuple[Floats, Floats]]
-"""A function from points (2, ...) of a counterface [m] to its unit normals and tangents (2, ...)."""
+"""A function from points (2, ...) of a counterface [m] to unit normals and tangents (2, ...)."""
 
 
 @dataclass(frozen=True)
@@ -192,7 +192,7 @@ def drum_directions(sign: int) -> Directions:
 
 
 def plane_directions(x: Floats) -> tuple[Floats, Floats]:
-    """The unit normals and unit tangents (2, ...) of the plane y = 0 under a lining at x (2, ...)."""
+    """The unit normals and tangents (2, ...) of the plane y = 0 under a lining, at x (2, ...)."""
     ones, zeros = np.ones(x.shape[1:]), np.zeros(x.shape[1:])
     return np.array([zeros, -ones]), np.array([ones, zeros])
 
