@@ -236,19 +236,20 @@ def _up(value: float) -> float:
 
 
 MEANING = {
-    "pressure": "Error of p in L2 over the distance of p on the last two levels. "
-    "Smaller: stated errors of p are too small. "
-    "Larger: solves go on to a finer level that nobody needed.",
-    "force": "Error of a torque or a reaction over its distance on the last two levels. "
-    "Smaller and larger as above.",
-    "cancelled": "Fraction of what a force would move by, were the signs of the columns' "
-    "contributions chance, that is added to its error. "
-    "Smaller: forces that two levels share by accident are stated as sure. "
-    "Larger: the errors of torque and reactions are stated many times too large where p is hardly "
-    "known, as at a pressed corner.",
-    "peak": "Error of the peak pressure over its distance on the last two levels, or where that is "
-    "larger over the geometric mean of the distances of p in the column of the peak and in L2. "
-    "Smaller and larger as above.",
+    "pressure": "Error of p in the L2 norm over the distance between the last two levels. "
+    "If the factor is too small, stated errors of p are too small. "
+    "If it is too large, solves go on to a finer level that nobody needs.",
+    "force": "Error of a torque or a reaction over its distance between the last two levels. "
+    "A factor that is too small or too large has the same effects as that of the pressure.",
+    "cancelled": "Fraction of a force change that is added to the error of the force: the change "
+    "that the last change of p would cause if its columns contributed with random signs. "
+    "If the fraction is too small, a force that agrees on two levels by accident has too small a "
+    "stated error. If it is too large, the stated errors of torque and reactions are many times "
+    "too large wherever p is hardly known, as at a pressed corner.",
+    "peak": "Error of the peak pressure over the larger of two distances between the last two "
+    "levels: the distance of the peak, and the geometric mean of the distances of p in the column "
+    "of the peak and in the L2 norm. "
+    "A factor that is too small or too large has the same effects as that of the pressure.",
 }
 """The meaning of each factor, in the words of the factors' file."""
 

@@ -23,186 +23,202 @@ from drumlin.sweeps.options import FemOptions, FoundationOptions, SolidOptions
 Table = tuple[str, type[Part], dict[str, str]]  # heading, the class that reads it, key -> meaning
 
 _SECTION = {
-    "thickness": "depth of the section in the plane",
-    "width": "width of the section across the plane",
+    "thickness": "depth of the section in the plane of the brake",
+    "width": "width of the section across the plane of the brake",
     "material": "material of the section",
-    "bending_stiffness": "EI; overrules that of the section, or stands alone",
+    "bending_stiffness": "EI; replaces the EI that follows from the section",
 }
-_ARC = {"start": "angle at which it begins", "end": "angle at which it ends, greater than `start`"}
+_ARC = {"start": "angle at which the arc begins", "end": "angle at its end, greater than `start`"}
 
 _HELD = {
-    "name": "in tables and file names",
-    "hinge": "the pin about which it turns, or that of its lever",
-    "pivot": "where it turns on a lever besides, whose pin is the hinge",
+    "name": "name of the shoe in tables and file names",
+    "hinge": "the pin about which the shoe turns, or the pin of its lever",
+    "pivot": "the pin by which the shoe hangs on a lever; `hinge` is then the pin of the lever",
     "abutment": "the table `[shoe.abutment]`, in place of a hinge",
     "guide": "the table `[shoe.guide]`, in place of a hinge",
     "lining": "the table `[shoe.lining]`",
     "backing": "the table `[shoe.backing]`",
     "body": "the table `[shoe.body]`; without it the shoe is rigid",
-    "actuation": "the table `[shoe.actuation]`; left out where a strut pushes the shoe",
+    "actuation": "the table `[shoe.actuation]`; left out if a strut pushes the shoe",
     "mesh": "a mesh file in place of the parametric mesh",
-    "mesh_unit": "of the mesh's coordinates",
-    "mesh_frame": "whose coordinates: the brake's or the shoe's own",
-    "groups": "names or numbers that the mesh file has for its groups: `{ lining = 1, contact = "
+    "mesh_unit": "unit of the coordinates in the mesh file",
+    "mesh_frame": "whether the mesh has the coordinates of the brake or the shoe's own coordinates",
+    "groups": "names or numbers of the groups in the mesh file: `{ lining = 1, contact = "
     '"FRICTION" }`',
-    "mesh_interference": "says that a contact line deep in the drum or the plane is meant",
+    "mesh_interference": "confirms that the contact line of the mesh lies in the drum or the plane "
+    "on purpose",
 }
 _SHARED = {
     "actuation": "the table `[actuation]`: one cylinder or cam for all shoes",
     "link": "the tables `[[link]]`: struts between shoes",
 }
 _GRIP = (
-    "length of its back that a pivot or a guide holds, by default its thickness; "
-    "of a hinge, bolted to its lever"
+    "length of the body's back that a pivot or a guide holds, by default the body's thickness; "
+    "with a hinge: length of the back that is bolted to the lever"
 )
 _BAR = {
-    "width": "of its rectangle or web, across the plane", "material": "its material", "grip": _GRIP,
+    "width": "width of the rectangular section or of the web", "material": "material of the body",
+    "grip": _GRIP,
     "table": "makes the section a T: the plate between lining and web, `{ thickness = ..., width = "
         "... }`",
-    "bending_stiffness": "EI; in place of width and material, or overruling them"}  # fmt: skip
+    "bending_stiffness": "EI of the section; replaces the EI of width and material"}  # fmt: skip
 
 BRAKE: tuple[Table, ...] = (
     ("The brake", DrumBrake, {
-        "title": "heads tables, figures and reports", "rotation": "how the drum turns",
+        "title": "title of tables, figures and reports",
+        "rotation": "sense in which the drum turns",
         "friction": "friction coefficient μ, the same on all linings", "drum": "the table `[drum]`",
-        "shoe": "the tables `[[shoe]]`, one a shoe", **_SHARED}),
+        "shoe": "the tables `[[shoe]]`, one for each shoe", **_SHARED}),
     ("`[drum]`", Drum, {
-        "radius": "of its friction surface, R",
+        "radius": "radius R of the friction surface",
         "ring": "the table `[drum.ring]`; without it the drum is rigid",
-        "out_of_round": "harmonics of its surface off the circle, below",
-        "angle": "how far the drum has turned"}),
+        "out_of_round": "deviation of the friction surface from a circle, as harmonics; see below",
+        "angle": "angle by which the drum, with its harmonics, has turned"}),
     ("`out_of_round` of `[drum]`: tables", Lobes, {
-        "order": "waves around the drum: 0 growth of a hot drum, 1 run-out, 2 ovality",
-        "amplitude": "how far the surface lies outside its circle at most",
-        "phase": "angle of a crest"}),
+        "order": "number of waves around the drum: 0 growth of a hot drum, 1 run-out, 2 ovality",
+        "amplitude": "largest distance of the surface outside the circle",
+        "phase": "angle of a wave crest"}),
     ("`[drum.ring]`", Ring, {
-        **_SECTION, "thickness": "radial, away from the shoes",
-        "support": "its far edge: held, or only against rigid motion"}),
+        **_SECTION, "thickness": "radial thickness, away from the shoes",
+        "support": "of the edge away from the shoes: `fixed`, or `free` except for rigid motion"}),
     ("`[[shoe]]`", DrumShoe, {
-        **_HELD, "side": "inside or outside of the drum"}),
+        **_HELD, "side": "whether the shoe is inside or outside of the drum"}),
     ("`groups` of a shoe: names or numbers in its mesh file", MeshGroups, {
         "lining": "elements of the lining", "backing": "elements of the backing",
         "table": "elements of the table of a T-section", "shoe": "elements of the body",
         "contact": "edges or nodes of the face that meets the drum",
-        "hinge": "those that the pin holds",
-        "actuation": "those that the force acts on"}),
+        "hinge": "edges or nodes that the pin holds",
+        "actuation": "edges or nodes on which the force acts"}),
     ("`[shoe.abutment]`", Abutment, {
-        "point": "where its foot bears",
-        "direction": "normal of the face: of the force on the foot without friction",
-        "friction": "of the foot on the face, opposing the slide"}),
-    ("`[shoe.guide]`", Guide, {"direction": "along which the shoe moves without turning"}),
+        "point": "point at which the foot of the shoe bears",
+        "direction": "normal of the face: direction of the force on the foot without friction",
+        "friction": "friction coefficient between foot and face; friction opposes the slide"}),
+    ("`[shoe.guide]`", Guide, {"direction": "direction in which the shoe moves without turning"}),
     ("`[shoe.lining]`", DrumLining, {
-        **_ARC, "thickness": "radial", "width": "across the plane", "material": "its material",
-        "clearance": "gap of the unloaded lining, positive is open: one value, or rows of angle "
+        **_ARC, "thickness": "radial thickness", "width": "width of the lining",
+        "material": "material of the lining",
+        "clearance": "gap of the unloaded lining, positive if open: one value, or rows of angle "
             "and gap",
-        "misfit": "how its surface is off the drum's circle besides, below"}),
+        "misfit": "further deviation of the surface from the drum's circle; see below"}),
     ("`misfit` of `[shoe.lining]`", Misfit, {
-        "radius": "of the lining's own circle, by default the drum's",
-        "offset": "by which that circle is moved",
-        "taper": "how much farther the lining stands back at its end away from the hinge",
-        "blocks": "rows of angle and depth: from each angle on the lining stands back by this "
-            "depth"}),
+        "radius": "radius of the lining's own circle, by default the drum's radius",
+        "offset": "vector by which the circle is moved",
+        "taper": "additional distance of the lining from the drum at its end away from the hinge",
+        "blocks": "rows of angle and depth: from each angle to the next the lining lies back by "
+            "this depth"}),
     ("`[shoe.backing]`", Backing, {
-        "thickness": "of the layer between lining and shoe; behind a straight beam the block fills "
-            "the space",
-        "material": "its material"}),
+        "thickness": "thickness of the layer between lining and shoe; behind a straight beam the "
+            "block fills the space",
+        "material": "material of the layer"}),
     ("`[shoe.body]`, an arc", ArcBody, {
-        "shape": "an arc of constant section, the default", **_ARC, **_BAR,
-        "thickness": "radial, of a T-section's web"}),
+        "shape": "an arc with a constant section, the default", **_ARC, **_BAR,
+        "thickness": "radial thickness; of a T-section the depth of the web"}),
     ("`table` of `[shoe.body]`", SectionTable, {
-        "thickness": "of the T-section's plate between lining and web",
-        "width": "of the plate, across the plane"}),
+        "thickness": "thickness of the plate between lining and web",
+        "width": "width of the plate"}),
     ("`[shoe.body]`, a straight beam", Beam, {
         **_SECTION, "shape": "a straight beam from the hinge to the actuation's point",
-        "bending_stiffness": "EI, one value or rows over the distance from the hinge; overrules "
-            "that of the section",
-        "offset": "how far a weakly curved neutral axis lies behind the straight line, rows over "
-            "the distance"}),
+        "bending_stiffness": "EI, one value or rows over the distance from the hinge; replaces "
+            "the EI of the section",
+        "offset": "distance of a weakly curved neutral axis behind the straight line, as rows over "
+            "the distance from the hinge"}),
     ("`[shoe.actuation]`", Actuation, {
-        "force": "on the shoe or its lever; left out where `[actuation]` gives it",
+        "force": "force on the shoe or its lever; left out if `[actuation]` gives the force",
         "direction": "angle of the force",
-        "point": "any point of its line of action; of a beam its loaded end"}),
+        "point": "any point of the line of action; for a beam its loaded end"}),
     ("`[actuation]`: a cylinder, or a cam or wedge", Drive, {
-        "pressure": "of a cylinder", "diameter": "of its piston, one for each shoe",
-        "force": "of a cam: the sum of its forces on both shoes",
-        "torque": "of a cam, with `radius`, in place of `force`",
-        "radius": "of the cam's base", "efficiency": "what part of it arrives"}),
+        "pressure": "pressure in a wheel cylinder",
+        "diameter": "diameter of the piston; each shoe has one piston",
+        "force": "sum of the forces of a cam on both shoes",
+        "torque": "torque on a cam, together with `radius`, in place of `force`",
+        "radius": "radius of the base circle of the cam",
+        "efficiency": "share of the force that arrives at the shoes"}),
     ("`[[link]]`: a strut", Link, {
-        "from": "name of the shoe that bears on it", "to": "name of the shoe that it pushes"}),
+        "from": "name of the shoe that bears on the strut",
+        "to": "name of the shoe that the strut pushes"}),
     ("A material", Material, {"E": "Young's modulus", "nu": "Poisson's ratio"}),
     ("An orthotropic material", Orthotropic, {
-        "E_along": "Young's modulus along the layer", "E_through": "through its thickness",
-        "G_along_through": "shear modulus between both",
-        "nu_along_through": "what the layer shrinks through its thickness per strain along it, as "
-            "it is pulled along",
-        "E_across": "Young's modulus across the width; this key and the next four together or none "
-            "of them",
-        "G_along_across": "shear modulus between along and across",
-        "G_through_across": "between through and across",
-        "nu_along_across": "what it shrinks across the width per strain along it",
-        "nu_through_across": "what it shrinks across the width per strain through it"}),
+        "E_along": "Young's modulus along the layer",
+        "E_through": "Young's modulus through the thickness",
+        "G_along_through": "shear modulus between both directions",
+        "nu_along_through": "Poisson's ratio: contraction through the thickness per strain along "
+            "the layer, under tension along the layer",
+        "E_across": "Young's modulus across the width; give this key and the next four, or none of "
+            "the five",
+        "G_along_across": "shear modulus between the directions along and across",
+        "G_through_across": "shear modulus between the directions through and across",
+        "nu_along_across": "Poisson's ratio: contraction across the width per strain along",
+        "nu_through_across": "Poisson's ratio: contraction across the width per strain through"}),
     ("A point: x and y, or `{ radius = ..., angle = ... }`", Point, {
-        "x": "from the drum's centre", "y": "from the drum's centre"}),
+        "x": "distance from the drum's centre in x", "y": "distance from the drum's centre in y"}),
     ("A brake on a plane", FlatBrake, {
-        "title": "as above", "friction": "as above",
+        "title": "title of tables, figures and reports",
+        "friction": "friction coefficient μ, the same on all linings",
         "plane": "the table `[plane]`, in place of `[drum]`",
         "shoe": "the tables `[[shoe]]`", **_SHARED}),
-    ("`[plane]`", Plane, {"sliding": "the direction in which the body slides"}),
+    ("`[plane]`", Plane, {"sliding": "direction in which the plane slides under the linings"}),
     ("`[[shoe]]` on a plane", FlatShoe, _HELD),
     ("`[shoe.lining]` on a plane", FlatLining, {
-        "start": "place x at which it begins", "end": "place x at which it ends",
-        "width": "across the plane",
-        "thickness": "for finite elements", "material": "for finite elements",
-        "clearance": "how far the unloaded lining stands off the plane: one value, or rows of "
-            "place x and clearance",
-        "misfit": "how its face is off the plane besides, below"}),
+        "start": "place x at which the lining begins", "end": "place x at which the lining ends",
+        "width": "width of the lining",
+        "thickness": "thickness of the lining, for finite elements",
+        "material": "material of the lining, for finite elements",
+        "clearance": "gap between the unloaded lining and the plane: one value, or rows of place "
+            "x and gap",
+        "misfit": "further deviation of the face from the plane; see below"}),
     ("`misfit` of `[shoe.lining]` on a plane", FlatMisfit, {
-        "radius": "of a face that is ground to a circle and meets the plane in its middle: "
-            "positive of a crowned "
-                  "face, negative of a hollow one; by default the face is flat",
-        "offset": "by which that circle is moved",
-        "taper": "how much farther the lining stands back at its end away from the hinge",
-        "blocks": "rows of place x and depth: from each place on the lining stands back by this "
-            "depth"}),
+        "radius": "radius of a face that is ground to a circle and meets the plane in its middle: "
+            "positive for a crowned face, negative for a hollow face; by default the face is flat",
+        "offset": "vector by which the circle is moved",
+        "taper": "additional distance of the lining from the plane at its end away from the hinge",
+        "blocks": "rows of place x and depth: from each place to the next the lining lies back by "
+            "this depth"}),
     ("`[shoe.body]` on a plane", FlatBody, {
-        "start": "place x at which it begins", "end": "place x at which it ends", **_BAR,
-        "thickness": "of the bar, of a T-section's web"}),
+        "start": "place x at which the body begins",
+        "end": "place x at which the body ends", **_BAR,
+        "thickness": "thickness of the bar; of a T-section the depth of the web"}),
 )  # fmt: skip
 
-_DRAW = {"distribution": "its name", "each_shoe": "whether each shoe draws its own value"}
+_DRAW = {
+    "distribution": "name of the distribution",
+    "each_shoe": "whether each shoe draws a value of its own",
+}
 _ENDS = {"from": "lower end", "to": "upper end"}
 _MEAN = {
-    "mean": "by default the brake file's value",
-    "deviation": "standard deviation, or in % of the mean",
+    "mean": "mean value, by default the value in the brake file",
+    "deviation": "standard deviation, as a quantity or in % of the mean",
 }
 
 SWEEP: tuple[Table, ...] = (
     ("The sweep", SweepFile, {
-        "title": "by default the brake's",
-        "brake": "path of a brake file, or the brake itself as a table",
-        "combine": "lists: every value with every other, side by side, or drawn",
-        "cases": "how many draws",
-        "seed": "of the draws",
-        "pressure": "unit of stresses in the table and its heads",
+        "title": "title of the sweep, by default the title of the brake",
+        "brake": "path of a brake file, or a brake as a table",
+        "combine": "how lists are combined: `grid` every value with every other value; `zip` the "
+            "first values of all lists, then the second values; `random` random draws",
+        "cases": "number of random draws",
+        "seed": "seed of the random draws",
+        "pressure": "unit of stresses in the table and its headings",
         "model": "one table `[model.NAME]` for each model, with its options",
-        "vary": "the table `[vary]`: key of the brake file, such as "
-            "`\"shoe[0].lining.thickness\"`, and its values: a "
-                "list, a range or a distribution"}),
-    ("A range", Range, {**_ENDS, "count": "how many values",
-    "scale": "evenly spread, or by equal factors"}),
+        "vary": "the table `[vary]`: keys of the brake file, such as "
+            "`\"shoe[0].lining.thickness\"`, each with a list, a range or a distribution of "
+            "values"}),
+    ("A range", Range, {**_ENDS, "count": "number of values",
+    "scale": "equal steps (`linear`), or equal ratios (`log`)"}),
     ('`distribution = "uniform"`', Uniform, {**_DRAW, **_ENDS}),
     ('`distribution = "triangular"`', Triangular, {
-        **_DRAW, **_ENDS, "mode": "most often; by default the brake file's value"}),
+        **_DRAW, **_ENDS, "mode": "most frequent value, by default the value in the brake file"}),
     ('`distribution = "normal"` or `"lognormal"`', Normal, {**_DRAW, **_MEAN}),
     ('`distribution = "truncated-normal"`', TruncatedNormal, {**_DRAW, **_MEAN, **_ENDS}),
     ("`[model.fem]`", FemOptions, {
-        "elements": "along each lining", "kind": "of the elements",
-        "penalty": "contact stiffness over E/t",
-        "tolerance": "of p and torque, in place of `elements`",
+        "elements": "number of elements along each lining", "kind": "kind of the elements",
+        "penalty": "contact stiffness over E/t of the lining",
+        "tolerance": "largest error of p and of the torque, in place of `elements`",
         "finite_width": "whether the lining's modulus is corrected for the widths"}),
     ("`[model.solid]`", SolidOptions, {
-        "elements": "along each lining", "across": "over half a lining's width",
-        "penalty": "contact stiffness over E/t"}),
+        "elements": "number of elements along each lining",
+        "across": "number of elements over half a lining's width",
+        "penalty": "contact stiffness over E/t of the lining"}),
     ("`[model.foundation]`", FoundationOptions, {
-        "sections": "of each beam", "lift": "simplifications to lift, by name"}),
+        "sections": "number of sections of each beam",
+        "lift": "names of the simplifications whose neglected effects are computed"}),
 )  # fmt: skip
