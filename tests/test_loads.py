@@ -39,7 +39,7 @@ def with_further_force(xy, depths, p):
 @pytest.fixture
 def further(monkeypatch):
     """Every body in hp elements has the further column."""
-    for name in ("condense_shoe", "condensed_body"):
+    for name in ("condense_shoe", "condensed_shoe_body"):
         made = partial(getattr(hp_path, name), end_loads=with_further_force)
         monkeypatch.setattr(hp_path, name, made)
 
@@ -48,8 +48,8 @@ def test_factors_name_the_loads_that_act():
     assert TWO.count == 4
     assert TWO.factors({FURTHER: np.array([2.0])}).tolist() == [0.0, 0.0, 0.0, 2.0]
     factors = TWO.factors({ACTUATION: np.array([1.0, 2.0, 3.0])})
-    assert TWO.part(ACTUATION, factors).tolist() == [1.0, 2.0, 3.0]
-    assert TWO.part(FURTHER, factors).tolist() == [0.0]
+    assert TWO.factors_of(ACTUATION, factors).tolist() == [1.0, 2.0, 3.0]
+    assert TWO.factors_of(FURTHER, factors).tolist() == [0.0]
     assert LoadColumns().factors({}).shape == (0,)
     with pytest.raises(KeyError):
         TWO.factors({"heat": np.array([1.0])})
