@@ -151,13 +151,13 @@ def test_error_against_run_time():
 def test_run_in():
     made = rows("run_in/brakes.csv", brake="double_shoe/brake", model="fem")[0]
     (within,) = quoted(r"difference from the sine law at the end \| at most ([\d.]+) % of the p")
-    (distance,) = quoted(r"sliding distance \| ([\d.]+)/\(k K\)")
+    (distance,) = quoted(r"within 1 % of the sine law \| ([\d.]+)/\(k K\)")
     (life,) = quoted(r"share of the lining's life \| 1/(\d+)")
     assert 100 * float(made["end_pressure"]) <= within
     digits(distance, float(made["pressure_distance"]))
     assert float(made["pressure_life"]) == pytest.approx(1 / life, rel=0.05)
     flexible = rows("run_in/brakes.csv", brake="double_shoe/flexible", model="fem")[0]
-    # README says of flexible shoes that running in takes "longer than the lining lasts".
+    # README says of flexible shoes that running in takes "more than the lining's life".
     assert float(flexible["pressure_life"]) > 1
 
 
