@@ -281,7 +281,7 @@ def _shoe_block(group: ShoeGroup, k: int, relative_to_rigid_motion: bool) -> _Sh
     if relative_to_rigid_motion:
         closures = closures + _sparse_from_row((N @ contact_modes).T, shape, row=inside)
     else:
-        # Displacements contain the motion of the frame, which then strains the body.
+        # The generalised coordinates move the frame, and the frame strains the body.
         modes_to_nodes = (constrained[:inside, inside:] @ sp.csr_matrix(pin_motion)).tocsr()
     on_nodes = _sparse_from_row(pushing, shape, row=first)
     on_modes = _sparse_from_row(test_modes.T @ pushing, shape, row=inside)

@@ -392,7 +392,7 @@ class _ContactExtent(NamedTuple):
     ----------
     thickness : thickness of the lining
     smallest_column : smallest size of a column
-    lengths : lengths of the contacts at the ends of contacts
+    lengths : length of the contact at each end of a contact
     longest : length of the longest contact, which the grading far from the contact depends on; the
         length of the lining where no contact is known
     open_lengths : distances of the outermost contacts from the lining's start and end
