@@ -29,6 +29,7 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Backing, Bar, Beam, Lining, Ring, Section, bonded
 from drumlin.brake.fields import Material
 from drumlin.brake.orthotropic import isotropic_only
+from drumlin.brake.ring_support import plain_ring_only
 from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.preparation.bodies import ShoeSubstructure
 from drumlin.fem.preparation.cache import shape_of
@@ -72,7 +73,11 @@ def sketcher(elements: int = SKETCH_ELEMENTS) -> Callable[[Brake], PreparedModel
     meshed: dict[Brake, PreparedModel] = {}
 
     def sketch(brake: Brake) -> PreparedModel:
-        reason = why_not(brake) or isotropic_only(brake, "a sketch")
+        reason = (
+            why_not(brake)
+            or isotropic_only(brake, "a sketch")
+            or plain_ring_only(brake, "a sketch")
+        )
         if reason is not None:
             raise BadInput(f"fem does not apply to this brake: {reason}")
         bare = _rigid(brake)
@@ -301,7 +306,7 @@ def _ring(
         normal_half_flexibilities=tuple(pressed),
         friction_half_flexibilities=tuple(dragged),
         coupling_matrices=(),
-        support=k,
+        held=k,
         rim_balance=None,
     )
 

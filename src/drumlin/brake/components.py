@@ -128,6 +128,10 @@ def _check_section(part: "Ring | Beam") -> None:
         )
 
 
+PLAIN_SUPPORTS = ("fixed", "free")
+"""Supports of a ring's far edge that all models and the verification know, see `Ring.is_plain`."""
+
+
 class Ring(Part):
     """The elastic rim of the drum, behind its friction surface as seen from the shoe.
 
@@ -146,6 +150,15 @@ class Ring(Part):
         """Raise ValueError where neither section nor bending stiffness is given."""
         _check_section(self)
         return self
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether the far edge is fixed or free, and nothing else acts on it.
+
+        Models that know no other support refuse a ring that is not plain, see
+        `ring_support.plain_ring_only`.
+        """
+        return self.support in PLAIN_SUPPORTS
 
     @property
     def section(self) -> Section | None:

@@ -21,7 +21,7 @@ from drumlin.contact.active_set import Contact
 from drumlin.fem.equilibrium.group import ShoeGroup, groups_of
 from drumlin.fem.equilibrium.sharing import NO_PUSH, WOULD_PULL
 from drumlin.fem.mesh.from_file import mesh_notes
-from drumlin.fem.preparation.bodies import held
+from drumlin.fem.preparation.bodies import acting_loads, held
 from drumlin.fem.preparation.cache import shape_of
 from drumlin.fem.preparation.scene import PreparedModel, clock
 from drumlin.fem.substructure.loads import ACTUATION
@@ -475,8 +475,8 @@ def _acting_forces(solution: _ShoeSolution) -> _ActingForces:
     """The forces on a shoe under its pressure."""
     group, k, p = solution.group, solution.k, solution.p
     shoe, body = group.shoes[k], group.bodies[k]
-    unit = group.loads[k]
-    load, moment = abs(solution.force) * unit.factors, abs(solution.force) * unit.moment
+    load = acting_loads(body, shoe, solution.force)
+    moment = abs(solution.force) * group.loads[k].moment
     push = body.columns.factors_of(ACTUATION, load)[:2]
     drag = group.brake.drag_on(shoe)
     normal, dragged = body.forces @ p

@@ -25,6 +25,7 @@ from drumlin.base.lapack import block_diag
 from drumlin.brake.brake import Brake
 from drumlin.brake.components import Beam
 from drumlin.brake.orthotropic import isotropic_only
+from drumlin.brake.ring_support import plain_ring_only
 from drumlin.brake.surface import DRUM
 from drumlin.contact import active_set, self_locking
 from drumlin.contact.equations import Problem
@@ -83,7 +84,8 @@ def why_not(brake: Brake) -> str | None:
     for shoe in brake.shoes:
         if not isinstance(shoe.body, Beam):
             return f'shoe {shoe.name!r}: not a straight beam, [shoe.body] with shape = "beam"'
-    return isotropic_only(brake, "the foundation model")
+    model = "the foundation model"
+    return isotropic_only(brake, model) or plain_ring_only(brake, model)
 
 
 def included_effects(brake: Brake, lift: Iterable[str]) -> frozenset[str]:

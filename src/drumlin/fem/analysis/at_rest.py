@@ -19,7 +19,7 @@ from drumlin.contact.stick_slip import FrictionalProblem
 from drumlin.fem.equilibrium.group import ShoeGroup
 from drumlin.fem.equilibrium.sharing import ForceEffects, share_forces
 from drumlin.fem.model import PENALTY
-from drumlin.fem.preparation.bodies import actuation, contact_stiffness
+from drumlin.fem.preparation.bodies import acting_loads, actuation, contact_stiffness
 
 
 def holding_problem(group: ShoeGroup) -> tuple[FrictionalProblem, Floats]:
@@ -74,7 +74,7 @@ def _shoe_tractions(group: ShoeGroup, k: int) -> _ShoeTractions:
     Y = condensed.half_flexibility(np.hstack([-coupling.N.T, T.T, condensed.load_on_contact]))
     pressed, dragged, loaded = np.split(Y, [n, 2 * n], axis=1)
     load, _ = actuation(body, shoe)
-    force = abs(shoe.actuation.force) / group.unit_force
+    acting = acting_loads(body, shoe, shoe.actuation.force) / group.unit_force
     tip = dragged.T @ (loaded @ load)
     bearing = np.zeros(n)
     if shoe.abutment is not None:
@@ -89,7 +89,7 @@ def _shoe_tractions(group: ShoeGroup, k: int) -> _ShoeTractions:
         B_s=-(T @ modes.contact_modes),
         C_t=(T @ modes.test_modes).T,
         compliance=coupling.M / group.stiffnesses[k],
-        q_s=-force * tip,
+        q_s=-(dragged.T @ (loaded @ acting)),
         effects=effects._replace(opened=-tip, tip=tip, bearing=bearing),
     )
 

@@ -16,7 +16,7 @@ from drumlin.brake.brake import Brake, Shoe, ShoeFrame
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.fem.hp.grid import ColumnGrid
 from drumlin.fem.mesh.arc import kind_of
-from drumlin.fem.preparation.bodies import ShoeSubstructure, actuation
+from drumlin.fem.preparation.bodies import ShoeSubstructure, acting_loads
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.substructure.elasticity import (
     elastic_layers_of_ring,
@@ -190,7 +190,7 @@ def shoe_displacements(
     answer : the response of the shoe
     p : pressures (n,) [Pa] on its lining, in the order of its own frame
     """
-    load = abs(shoe.actuation.force) * actuation(body, shoe)[0]
+    load = acting_loads(body, shoe, shoe.actuation.force)
     # The nodal forces of pressure and friction on the contact nodes.
     nodal = brake.drag_on(shoe) * (body.coupling.T.T @ p) - body.coupling.N.T @ p
     motion = np.array(answer.motion or (0.0, 0.0, shoe.frame.sense * (answer.turn or 0.0)))

@@ -16,7 +16,12 @@ from drumlin.base.lapack import block_diag
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.fem.equilibrium.modes import RigidBodyModes, rigid_body_modes
-from drumlin.fem.preparation.bodies import ShoeSubstructure, actuation, contact_stiffness
+from drumlin.fem.preparation.bodies import (
+    ShoeSubstructure,
+    acting_loads,
+    actuation,
+    contact_stiffness,
+)
 from drumlin.fem.preparation.scene import PreparedModel
 
 
@@ -186,9 +191,11 @@ class GroupState:
     def _load_terms(self, k: int) -> LoadTerms:
         """The parts of the contact problem of shoe `k` that friction does not change."""
         body, modes = self.bodies[k], self.modes[k]
-        force = abs(self.shoes[k].actuation.force) / self.unit_force
+        own_force = self.shoes[k].actuation.force
+        force = abs(own_force) / self.unit_force
         gap = body.coupling.M @ (self.gaps[k] / self.unit_force)
-        q = gap - force * (body.closure_by_load @ self.loads[k].factors)
+        acting = acting_loads(body, self.shoes[k], own_force) / self.unit_force
+        q = gap - body.closure_by_load @ acting
         # Without friction at an abutment the closures of the test modes serve for both.
         if modes.contact_modes is modes.test_modes:
             closure = self.test_closures[k].normal

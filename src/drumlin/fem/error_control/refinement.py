@@ -36,10 +36,11 @@ from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.contact.active_set import SET_ROUND_OFF
 from drumlin.fem.equilibrium.group import ShoeGroup
-from drumlin.fem.preparation.bodies import actuation
+from drumlin.fem.preparation.bodies import acting_loads
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.substructure.body import FRAME, stiffness
-from drumlin.fem.substructure.elasticity import elastic_layers_of_ring, elastic_layers_of_shoe
+from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
+from drumlin.fem.substructure.ring import ring_stiffness
 
 LONG_DOUBLE = np.longdouble
 EPSILON = float(np.finfo(float).eps)
@@ -264,9 +265,9 @@ def _shoe_block(group: ShoeGroup, k: int, relative_to_rigid_motion: bool) -> _Sh
     K = stiffness(body.basis, elastic_layers_of_shoe(shoe), precise=True)
     constrained = (constraints.T @ K @ constraints).tocsr()
     inside, n = constrained.shape[0] - FRAME, len(body.line.nodes)
-    unit, _ = actuation(body, shoe)
     share = LONG_DOUBLE(abs(shoe.actuation.force)) / group.unit_force
-    load = share * (body.condensed.loads.astype(LONG_DOUBLE) @ unit.astype(LONG_DOUBLE))
+    acting = acting_loads(body, shoe, shoe.actuation.force).astype(LONG_DOUBLE)
+    load = body.condensed.loads.astype(LONG_DOUBLE) @ (acting / group.unit_force)
     N, T = body.coupling.N.astype(LONG_DOUBLE), body.coupling.T.astype(LONG_DOUBLE)
     drag = LONG_DOUBLE(group.brake.drag_on(shoe))
     pushing = (N - drag * T).T
@@ -298,15 +299,13 @@ def _ring_block(scene: PreparedModel, brake: Brake) -> _RingBlock:
     """The part of the ring in the full system."""
     ring, part = scene.ring, brake.ring
     # A model without a ring, or with a ring that has no section, never comes here.
-    assert ring is not None and part is not None and part.section is not None
+    assert ring is not None and part is not None
     basis = ring.basis
-    K = stiffness(basis, elastic_layers_of_ring(part.section), precise=True).tocsr()
+    K = ring_stiffness(basis, part, precise=True).tocsr()
     keep = np.ones(2 * basis.N, dtype=bool)
-    if part.support == "fixed":
-        keep[2 * ring.support] = keep[2 * ring.support + 1] = False
-        K = K[keep][:, keep]
-    else:
-        assert ring.rim_balance is not None
+    keep[2 * ring.held] = keep[2 * ring.held + 1] = False
+    K = K[keep][:, keep]
+    if ring.rim_balance is not None:
         forces = ring.rim_balance.forces.transpose(1, 0, 2).reshape(-1, FRAME)
         rim = sp.csr_matrix(forces.astype(LONG_DOUBLE))
         K = _assemble_blocks([[K, rim], [rim.T.tocsr(), None]], [2 * basis.N, FRAME])

@@ -9,7 +9,7 @@ from drumlin.base.errors import NoAnswer
 from drumlin.base.lapack import dpotrf, dtrtrs, solve_lower
 from drumlin.brake.brake import Shoe
 from drumlin.fem.hp.division import ShoeDivision
-from drumlin.fem.hp.grid import ColumnGrid, ElementBlock, Skeleton, recover_displacements
+from drumlin.fem.hp.grid import ColumnGrid, ElementBlock, GridUnknowns, Skeleton
 from drumlin.fem.hp.shoe import (
     CondensedShoe,
     EndLoads,
@@ -116,10 +116,7 @@ def condensed_shoe_body(
         load_on_contact=loads[FRAME:],
         load_on_frame=loads[:FRAME],
         load_work=found.work,
-        make_whole_system=partial(system, grid),
-        solve_whole_system=partial(
-            recover_displacements, grid, elastic_layers_of_shoe(shoe), system
-        ),
+        inner=GridUnknowns.of(grid, elastic_layers_of_shoe(shoe), system),
         columns=found.columns,
         force_imbalance=found.force_imbalance,
         rigid_mode_error=dtrtrs(L, half_error, lower=1, trans=1)[0],

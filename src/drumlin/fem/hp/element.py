@@ -352,20 +352,80 @@ def condensed_element_stiffness(
     return condensed.reshape(*shape, 8 * p, 8 * p)
 
 
+class CondensedForces(NamedTuple):
+    """The forces inside elements, condensed to their boundary nodes.
+
+    `forces` (e, 8 p, k) are the forces on the boundary nodes, and `work` (k, k) is the work of the
+    inner forces while the boundaries are held.
+    """
+
+    forces: Floats
+    work: Floats
+
+
+def condense_inner_forces(
+    xy: Floats, elasticity: Floats, p: int, along: Floats | None, inner_forces: Floats
+) -> CondensedForces:
+    """The forces on the boundary nodes of elements that stand for forces on their inner nodes.
+
+    Parameters
+    ----------
+    xy, elasticity, p, along : as of `element_stiffness`
+    inner_forces : (e, 2 i, k) forces on the i nodes inside each element
+    """
+    count = inner_forces.shape[2]
+    forces, work = np.empty((len(xy), 8 * p, count)), np.zeros((count, count))
+    for part, _, coupling, inner in _stiffness_blocks_in_batches(xy, elasticity, p, along):
+        own = inner_forces[part]
+        displacements = np.linalg.solve(inner, own)
+        forces[part] = -(coupling.transpose(0, 2, 1) @ displacements)
+        work += (own.transpose(0, 2, 1) @ displacements).sum(axis=0)
+    return CondensedForces(forces, work)
+
+
+def stress_forces(xy: Floats, stresses: Floats, p: int) -> Floats:
+    """Nodal forces (e, a, 2) [N] that are in equilibrium with stresses inside elements.
+
+    They are the integrals of sigma_ij psi_a,j over each element.
+
+    Parameters
+    ----------
+    xy : (e, 2, a) nodes of the elements [m]
+    stresses : (e, 2, 2, q) stresses times the width [N/m] at the `element_gauss_points`
+    p : degree
+    """
+    forces = np.empty((len(xy), xy.shape[2], 2))
+    step = max(1, SLOPES_PER_BATCH // reference_element(p).slopes.size)
+    for k in range(0, len(xy), step):
+        part = slice(k, k + step)
+        G, area = shape_function_gradients(xy[part], p)
+        forces[part] = np.einsum("eijq,ejaq,eq->eai", stresses[part], G, area, optimize=True)
+    return forces
+
+
 def inner_node_displacements(
-    xy: Floats, elasticity: Floats, p: int, along: Floats | None, u: Floats
+    xy: Floats,
+    elasticity: Floats,
+    p: int,
+    along: Floats | None,
+    u: Floats,
+    inner_forces: Floats | None = None,
 ) -> Floats:
-    """The displacements (e, 2 i, m) of the i nodes inside elements, on which no force acts.
+    """Displacements (e, 2 i, m) of the i nodes inside elements.
 
     Parameters
     ----------
     xy, elasticity, p, along : as of `element_stiffness`
     u : (e, 8 p, m) displacements of the boundary nodes
+    inner_forces : (e, 2 i, m) forces on the inner nodes; None where no force acts on them
     """
     inner_count = 2 * xy.shape[2] - 8 * p
     found = np.empty((len(xy), inner_count, u.shape[2]))
     for part, _, coupling, inner in _stiffness_blocks_in_batches(xy, elasticity, p, along):
-        found[part] = -np.linalg.solve(inner, coupling @ u[part])
+        right = coupling @ u[part]
+        if inner_forces is not None:
+            right -= inner_forces[part]
+        found[part] = -np.linalg.solve(inner, right)
     return found
 
 

@@ -6,7 +6,7 @@ skfem's basis (`doflocs`, `element_dofs`, `N`), so that functions for bodies on 
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -15,6 +15,7 @@ import numpy as np
 from drumlin.base.arrays import Floats, Ints
 from drumlin.brake.elasticity import ElasticLayer, has_directions
 from drumlin.fem.hp.element import (
+    condense_inner_forces,
     condensed_element_stiffness,
     element_gauss_points,
     element_stiffness,
@@ -22,9 +23,12 @@ from drumlin.fem.hp.element import (
     reference_element,
     shape_functions,
     square_grid_points,
+    stress_forces,
     unit_edge_nodes,
 )
 from drumlin.fem.substructure.body import InnerSystem, sparse_stiffness
+from drumlin.fem.substructure.elimination import CondensedSystem
+from drumlin.fem.substructure.expansion import Strains, held_stress
 
 
 @dataclass(frozen=True)
@@ -169,6 +173,19 @@ class ColumnGrid:
         K = element_stiffness(xy, self.elasticity(layers).astype(kind), self.degree, along)
         return sparse_stiffness(K, self.ordered_dofs, self.N)
 
+    def expansion_forces(self, layers: Mapping[str, ElasticLayer], strains: Strains) -> Floats:
+        """Nodal forces (2 N,) [N] of strains without stress; see `expansion.expansion_forces`."""
+        xy = self.element_nodes
+        points = element_gauss_points(xy, self.degree)
+        forces = np.zeros((self.N, 2))
+        for name, strain in strains.items():
+            elements = self.subdomains[name]
+            at = np.moveaxis(points[elements], 1, 0)
+            held = np.moveaxis(held_stress(layers[name], strain, at), 2, 0)
+            own = stress_forces(xy[elements], held, self.degree)
+            np.add.at(forces, self.ordered_dofs[elements], own)
+        return forces.ravel()
+
     @cached_property
     def skeleton(self) -> "Skeleton":
         """The system of the nodes on the sides of elements, without those inside elements."""
@@ -227,11 +244,47 @@ class Skeleton:
         K = condensed_element_stiffness(xy[:, None], grid.elasticity(layers), grid.degree, along)
         return sparse_stiffness(K, self.element_dofs.T, self.N)
 
-    def displacements_of_all_nodes(self, layers: Mapping[str, ElasticLayer], u: Floats) -> Floats:
+    def condense_forces(
+        self, layers: Mapping[str, ElasticLayer], forces: Floats
+    ) -> tuple[Floats, Floats]:
+        """Nodal forces on the grid, condensed to the skeleton, and their work inside elements.
+
+        Parameters
+        ----------
+        layers : elastic layers of the body by name
+        forces : (2 grid nodes, k) nodal forces
+
+        Returns
+        -------
+        the forces (2 N, k) on the skeleton, and the work (k, k) of the forces while the nodes of
+        the skeleton are held
+        """
+        grid, count = self.grid, forces.shape[1]
+        xy, along = grid.element_nodes, grid.layer_directions(layers, grid.element_nodes)
+        inner = self._inner_forces(forces)
+        condensed = condense_inner_forces(xy, grid.elasticity(layers), grid.degree, along, inner)
+        on_sides = forces.reshape(grid.N, 2, count)[self.nodes]
+        by_node = condensed.forces.reshape(len(inner), -1, 2, count)
+        np.add.at(on_sides, self.element_dofs.T, by_node)
+        return on_sides.reshape(2 * self.N, count), condensed.work
+
+    def _inner_forces(self, forces: Floats) -> Floats:
+        """The forces (elements, 2 i, k) inside elements, from nodal forces (2 grid nodes, k)."""
+        inside = self.grid.ordered_dofs[:, len(self.element_dofs) :]
+        by_node = forces.reshape(self.grid.N, 2, -1)
+        return by_node[inside].reshape(len(inside), -1, forces.shape[1])
+
+    def displacements_of_all_nodes(
+        self, layers: Mapping[str, ElasticLayer], u: Floats, forces: Floats | None = None
+    ) -> Floats:
         """Displacements (2 grid nodes, m) of all nodes of the grid.
 
-        `u` (2 N, m) are the displacements of the skeleton. No force acts on the nodes inside
-        elements.
+        Parameters
+        ----------
+        layers : elastic layers of the body by name
+        u : (2 N, m) displacements of the skeleton
+        forces : (2 grid nodes, m) nodal forces, of which those inside elements count; None where
+            no force acts inside elements
         """
         grid = self.grid
         everywhere = np.empty((grid.N, 2, u.shape[1]))
@@ -239,7 +292,10 @@ class Skeleton:
         everywhere[self.nodes] = on_sides
         outer = on_sides[self.element_dofs.T].reshape(len(grid.ordered_dofs), -1, u.shape[1])
         xy, along = grid.element_nodes, grid.layer_directions(layers, grid.element_nodes)
-        inner = inner_node_displacements(xy, grid.elasticity(layers), grid.degree, along, outer)
+        own = None if forces is None else self._inner_forces(forces)
+        inner = inner_node_displacements(
+            xy, grid.elasticity(layers), grid.degree, along, outer, own
+        )
         inside = grid.ordered_dofs[:, len(self.element_dofs) :]
         everywhere[inside] = inner.reshape(*inside.shape, 2, -1)
         return everywhere.reshape(2 * grid.N, -1)
@@ -249,25 +305,68 @@ WholeSystem = Callable[[ColumnGrid | Skeleton], InnerSystem]
 """Makes the whole system of a body, on all nodes of its grid or on those of the skeleton alone."""
 
 
-def recover_displacements(
-    grid: ColumnGrid,
-    layers: Mapping[str, ElasticLayer],
-    whole_system: WholeSystem,
-    nodal: Floats,
-    frame: Floats,
-    loads: Floats,
-) -> Floats:
-    """Displacements (2 grid nodes, m) of all nodes of a grid, solved for on the skeleton first.
+@dataclass(frozen=True)
+class GridUnknowns:
+    """The unknowns of a body of columns that condensation has eliminated, with its unit loads.
 
-    The insides of elements are eliminated one by one.
+    They are solved for on the skeleton first, and inside the elements one by one. See
+    `substructure.body.InnerUnknowns`.
 
-    Parameters
+    Attributes
     ----------
     grid : all nodes and elements of the body
     layers : elastic layers of the body by name
-    whole_system : makes the whole system of the body
-    nodal, frame, loads : as of `CondensedBody.displacements`
+    whole_system : makes the whole system of the body with the unit loads on its sides
+    further : (2 grid nodes, k) nodal forces of further unit loads, which may act inside elements;
+        their columns come last
     """
-    sides = grid.skeleton
-    on_sides = whole_system(sides).displacements(nodal, frame, loads)
-    return sides.displacements_of_all_nodes(layers, on_sides)
+
+    grid: ColumnGrid
+    layers: Mapping[str, ElasticLayer]
+    whole_system: WholeSystem
+    further: Floats
+
+    @classmethod
+    def of(
+        cls,
+        grid: ColumnGrid,
+        layers: Mapping[str, ElasticLayer],
+        whole_system: WholeSystem,
+    ) -> "GridUnknowns":
+        """The eliminated unknowns without further unit loads; see the attributes."""
+        return cls(grid, layers, whole_system, np.zeros((2 * grid.N, 0)))
+
+    def system(self) -> InnerSystem:
+        """The whole system of the body, on all nodes of its grid."""
+        return self._add_further(self.whole_system(self.grid), self.further)
+
+    def with_forces(self, forces: Floats) -> "GridUnknowns":
+        """The same unknowns with further unit loads: nodal forces (2 grid nodes, k)."""
+        return replace(self, further=np.hstack([self.further, forces]))
+
+    def eliminate_loads(self) -> CondensedSystem:
+        """The unit loads condensed to contact and frame, with the stiffness there."""
+        sides = self.grid.skeleton
+        on_sides, inner_work = sides.condense_forces(self.layers, self.further)
+        system = self._add_further(self.whole_system(sides), on_sides)
+        S, loads, work = system.eliminate_loads()
+        first = len(work) - len(inner_work)
+        work[first:, first:] += inner_work
+        return CondensedSystem(S, loads, work)
+
+    def displacements(self, nodal: Floats, frame: Floats, loads: Floats) -> Floats:
+        """Displacements (2 grid nodes, m) of all nodes [m]; see `CondensedBody.displacements`."""
+        sides, count = self.grid.skeleton, self.further.shape[1]
+        system = self.whole_system(sides)
+        if not count:
+            on_sides = system.displacements(nodal, frame, loads)
+            return sides.displacements_of_all_nodes(self.layers, on_sides)
+        forces_on_sides, _ = sides.condense_forces(self.layers, self.further)
+        system = self._add_further(system, forces_on_sides)
+        on_sides = system.displacements(nodal, frame, loads)
+        forces = self.further @ loads[len(loads) - count :]
+        return sides.displacements_of_all_nodes(self.layers, on_sides, forces)
+
+    def _add_further(self, system: InnerSystem, forces: Floats) -> InnerSystem:
+        """A system with the further unit loads, given as its nodal forces (2 N, k)."""
+        return system.with_forces(forces) if forces.shape[1] else system

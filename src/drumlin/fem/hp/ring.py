@@ -11,7 +11,7 @@ from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.base.errors import NoAnswer
 from drumlin.base.lapack import dpotrf
 from drumlin.brake.brake import Brake
-from drumlin.brake.components import Section
+from drumlin.brake.components import Ring, Section
 from drumlin.brake.elasticity import has_directions
 from drumlin.fem.hp.arc import (
     angular_integrals,
@@ -27,7 +27,7 @@ from drumlin.fem.hp.columns import (
     rotate_vector_components,
 )
 from drumlin.fem.hp.division import Level, graded_sizes, piece_ends
-from drumlin.fem.hp.grid import ColumnGrid, ElementBlock, Skeleton, recover_displacements
+from drumlin.fem.hp.grid import ColumnGrid, ElementBlock, GridUnknowns, Skeleton
 from drumlin.fem.hp.shoe import (
     axis_angles_of_contact_nodes,
     distinct_sizes,
@@ -40,9 +40,12 @@ from drumlin.fem.substructure.elimination import SINGULAR_BODY
 from drumlin.fem.substructure.interface import ContactLine
 from drumlin.fem.substructure.loads import LoadColumns
 from drumlin.fem.substructure.ring import (
+    RIM,
     RimBalance,
     RingSubstructure,
     couple_ring_with_linings,
+    nodes_held,
+    ring_stiffness,
     statically_determinate_unknowns,
 )
 from drumlin.response.resultants import WEIGHTS, at_gauss, lobatto
@@ -172,12 +175,10 @@ def condensed_hp_ring(
         rim = rim_forces_on_grid(radius + sign * ring.section.thickness, div, grid)
 
     contact = _ring_contact_line(div, grid)
-    condensed = _condense_ring(ring.section, radius, sign, div, grid, rim)
+    condensed = _condense_ring(ring, radius, sign, div, grid, rim)
     balance = RimBalance.of(grid, rim, condensed, contact) if free else None
-    support = grid.sets["support"]
-    return couple_ring_with_linings(
-        brake, linings, grid, grid, contact, condensed, support, balance
-    )
+    held = nodes_held(ring, grid.sets["support"])
+    return couple_ring_with_linings(brake, linings, grid, grid, contact, condensed, held, balance)
 
 
 def _ring_contact_line(div: RingDivision, grid: ColumnGrid) -> ContactLine:
@@ -190,16 +191,19 @@ def _ring_contact_line(div: RingDivision, grid: ColumnGrid) -> ContactLine:
 
 
 def _condense_ring(
-    section: Section, radius: float, sign: int, div: RingDivision, grid: ColumnGrid, rim: Floats
+    ring: Ring, radius: float, sign: int, div: RingDivision, grid: ColumnGrid, rim: Floats
 ) -> CondensedBody:
     """The ring condensed to its contact nodes, with the loads on its rim.
 
     Parameters
     ----------
-    section, radius, sign, div : as of `_stiffness_of_runs`
+    ring : the ring, which has a section
+    radius, sign, div : as of `_stiffness_of_runs`
     grid : all nodes and elements of the ring
     rim : (2 N, l) unit loads on the rim; l is 0 where the rim is fixed
     """
+    section = ring.section
+    assert section is not None
     extra = rim.shape[1]
     free = extra > 0
     layers = len(div.depths) - 1
@@ -216,18 +220,15 @@ def _condense_ring(
     L, info = dpotrf(rotate_matrix_components(A[extra:, extra:], back), lower=1)
     if info:
         raise NoAnswer(SINGULAR_BODY)
-    system = partial(_uncondensed_ring_system, section, grid, rim)
+    system = partial(_uncondensed_ring_system, ring, grid, rim)
     return CondensedBody(
         L,
         L_fc=np.zeros((FRAME, n)),
         load_on_contact=-rotate_vector_components(A[:extra, extra:], back).T,
         load_on_frame=np.zeros((FRAME, extra)),
         load_work=-A[:extra, :extra],
-        make_whole_system=partial(system, grid),
-        solve_whole_system=partial(
-            recover_displacements, grid, elastic_layers_of_ring(section), system
-        ),
-        columns=LoadColumns((("rim", extra),)),
+        inner=GridUnknowns.of(grid, elastic_layers_of_ring(section), system),
+        columns=LoadColumns(((RIM, extra),)),
     )
 
 
@@ -422,21 +423,21 @@ def rim_forces_on_grid(radius: float, div: RingDivision, grid: ColumnGrid) -> Fl
 
 
 def _uncondensed_ring_system(
-    section: Section, grid: ColumnGrid, rim: Floats, basis: ColumnGrid | Skeleton
+    ring: Ring, grid: ColumnGrid, rim: Floats, basis: ColumnGrid | Skeleton
 ) -> InnerSystem:
     """The stiffness, constraints and loads of a ring on all nodes of its grid or its skeleton.
 
     Parameters
     ----------
-    section : section of the ring
+    ring : the ring, which has a section
     grid : all nodes and elements of the ring
     rim : (2 N, l) unit loads on the rim; l is 0 where the rim is fixed
     basis : the grid or its skeleton
     """
     contact = basis.numbers_of(grid.sets["contact"])
-    support, alone = basis.numbers_of(grid.sets["support"]), None
-    if rim.shape[1]:
-        support, alone = support[:0], statically_determinate_unknowns(basis, support)
-    constraints = body_constraints(basis, contact, support, np.zeros(2), alone)
+    far_edge = basis.numbers_of(grid.sets["support"])
+    # The rim of a free ring has loads, and three of its unknowns are held.
+    alone = statically_determinate_unknowns(basis, far_edge) if rim.shape[1] else None
+    constraints = body_constraints(basis, contact, nodes_held(ring, far_edge), np.zeros(2), alone)
     loads = constraints.matrix.T @ rim[basis.dofs]
-    return InnerSystem.of(basis.stiffness(elastic_layers_of_ring(section)), constraints, loads)
+    return InnerSystem.of(ring_stiffness(basis, ring), constraints, loads)

@@ -1,7 +1,6 @@
 """Condensed bodies of shoes, coupled with the drum or the plane along their contact lines."""
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, NamedTuple, Protocol
@@ -109,6 +108,19 @@ class ShoeSubstructure:
         return np.array([modes @ self.coupling.N.T, modes @ self.coupling.T.T])
 
 
+class DividedBody(NamedTuple):
+    """The division of a shoe's body, as a `ShoeSubstructure` keeps it.
+
+    `mesh` and `basis` are the division and its nodes, `line` is the contact line, and `of_file`
+    tells what was done to the mesh of a file.
+    """
+
+    mesh: Any
+    basis: Any
+    line: ContactLine
+    of_file: ShoeMesh | None = None
+
+
 class BodyNodes(NamedTuple):
     """The nodes of a body and the actuation on them, in the shoe's frame.
 
@@ -127,9 +139,9 @@ def coupling_of(line: ContactLine, shoe: Shoe) -> Coupling:
 
 
 def coupled_shoe(
-    made: Callable[..., ShoeSubstructure],
+    kind: type[ShoeSubstructure],
     shoe: Shoe,
-    line: ContactLine,
+    division: DividedBody,
     condensed: CondensedBody,
     centre: Floats,
     *,
@@ -139,13 +151,14 @@ def coupled_shoe(
 
     Parameters
     ----------
-    made : makes the substructure from the fields that this function finds
+    kind : class of the substructure
     shoe : the shoe
-    line : its contact line
+    division : the division of its body
     condensed : its condensed body
     centre : (2,) centre of the unit actuations [m]
     friction : whether the brake has friction
     """
+    line = division.line
     n = len(line.nodes)
     coupling = coupling_of(line, shoe)
     forces = [-coupling.N.T, condensed.load_on_contact]
@@ -160,7 +173,10 @@ def coupled_shoe(
     reaction = condensed.L_fc @ Y
 
     x, y = line.xy - shoe.own_pin[:, None]
-    return made(
+    return kind(
+        mesh=division.mesh,
+        basis=division.basis,
+        line=line,
         coupling=coupling,
         condensed=condensed,
         load_centre=centre,
@@ -173,7 +189,18 @@ def coupled_shoe(
         reaction_to_pressure=reaction[:, pressed],
         reaction_to_load=reaction[:, loaded] - condensed.load_on_frame,
         reaction_to_friction=reaction[:, dragged] if friction else None,
+        of_file=division.of_file,
     )
+
+
+def acting_loads(body: Actuated, shoe: Shoe, force: float) -> Floats:
+    """Factors (l,) of all load columns of a body while its actuation has this `force` [N].
+
+    Contact, reactions, fields and refinement take the loads of a shoe from here. A load that does
+    not depend on the force, such as heat, adds its own factor under its own name.
+    """
+    factors, _ = actuation(body, shoe)
+    return abs(force) * factors
 
 
 def actuation(body: Actuated, shoe: Shoe) -> tuple[Floats, float]:

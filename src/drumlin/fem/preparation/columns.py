@@ -27,7 +27,13 @@ from drumlin.fem.hp.division import (
 )
 from drumlin.fem.hp.ring import condensed_hp_ring
 from drumlin.fem.hp.shoe import condense_shoe
-from drumlin.fem.preparation.bodies import BodyNodes, ShoeSubstructure, coupled_shoe, load_on
+from drumlin.fem.preparation.bodies import (
+    BodyNodes,
+    DividedBody,
+    ShoeSubstructure,
+    coupled_shoe,
+    load_on,
+)
 from drumlin.fem.preparation.cache import Cache, bare, bare_shoe, size_of
 from drumlin.fem.preparation.scene import DividedBodies, Seconds, clock
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
@@ -149,8 +155,8 @@ def _condense_shoe(
         grid = shoe_grid(shoe, radius, division)
         inner = condensed_shoe_body(shoe, division, found, grid)
     with clock(seconds, "coupling"):
-        made = partial(ShoeSubstructure, grid, grid, line)
-        return coupled_shoe(made, shoe, line, inner, found.centre, friction=friction)
+        divided = DividedBody(grid, grid, line)
+        return coupled_shoe(ShoeSubstructure, shoe, divided, inner, found.centre, friction=friction)
 
 
 def _smallest_powers(

@@ -13,7 +13,13 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.fields import AnyMaterial
 from drumlin.fem.mesh.arc import shoe_mesh
 from drumlin.fem.mesh.from_file import ShoeMesh
-from drumlin.fem.preparation.bodies import BodyNodes, ShoeSubstructure, coupled_shoe, load_on
+from drumlin.fem.preparation.bodies import (
+    BodyNodes,
+    DividedBody,
+    ShoeSubstructure,
+    coupled_shoe,
+    load_on,
+)
 from drumlin.fem.preparation.cache import Cache, bare, bare_shoe, content, shape_of, size_of
 from drumlin.fem.preparation.scene import DividedBodies, Seconds, clock
 from drumlin.fem.substructure.body import (
@@ -200,10 +206,12 @@ def _condense_meshed_shoe(
     with clock(seconds, "condensation"):
         contact_unknowns = 2 * len(parts.line.nodes)
         condensed = condense_body(parts.K, parts.constraints, parts.loads, contact_unknowns)
-    made = partial(ShoeSubstructure, parts.mesh, parts.basis, parts.line, of_file=parts.of_file)
+    divided = DividedBody(parts.mesh, parts.basis, parts.line, parts.of_file)
     friction = brake.friction > 0
     with clock(seconds, "coupling"):
-        return coupled_shoe(made, shoe, parts.line, condensed, parts.load_centre, friction=friction)
+        return coupled_shoe(
+            ShoeSubstructure, shoe, divided, condensed, parts.load_centre, friction=friction
+        )
 
 
 def materials_of(shoe: Shoe) -> dict[str, tuple[AnyMaterial, float]]:

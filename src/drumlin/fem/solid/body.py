@@ -6,8 +6,6 @@ whole shoe. Nothing is pressed or dragged across the width. So displacements alo
 unknowns, on the friction surface too.
 """
 
-from functools import partial
-
 import numpy as np
 
 from drumlin.base.arrays import Floats, Ints
@@ -15,7 +13,7 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.elasticity import ElasticLayer, solid_elasticity_matrix
 from drumlin.brake.fields import Material
 from drumlin.fem.mesh.edges import edge_nodes
-from drumlin.fem.preparation.bodies import ShoeSubstructure, coupled_shoe
+from drumlin.fem.preparation.bodies import DividedBody, ShoeSubstructure, coupled_shoe
 from drumlin.fem.preparation.meshes import line_of, materials_of
 from drumlin.fem.preparation.scene import Seconds, clock
 from drumlin.fem.solid.face import ContactFace, contact_face, width_matrix
@@ -163,6 +161,6 @@ def solid_body(
     with clock(seconds, "condensation"):
         condensed = condense_body(K, constraints, {ACTUATION: loads}, 2 * len(face.nodes))
     with clock(seconds, "coupling"):
-        made = partial(SolidBody, solid.mesh, solid.basis, face)
+        divided = DividedBody(solid.mesh, solid.basis, face)
         friction = brake.friction > 0
-        return coupled_shoe(made, shoe, face, condensed, centre, friction=friction)
+        return coupled_shoe(SolidBody, shoe, divided, condensed, centre, friction=friction)

@@ -9,10 +9,9 @@ Here S_cc = L_cc L_cc^T is the Cholesky factorisation, and Y = L_cc^-1 G is call
 flexibility. The forces L_fc Y then hold the frame, with L_fc = S_fc L_cc^-T.
 """
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from functools import partial
-from typing import Any, NamedTuple
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -24,6 +23,7 @@ from drumlin.fem.mesh.arc import kind_of
 from drumlin.fem.substructure.elasticity import directions_through_layers, split_elasticity
 from drumlin.fem.substructure.elimination import (
     SINGULAR_BODY,
+    CondensedSystem,
     eliminate_inner_unknowns,
     nested_dissection,
     solve_by_fronts,
@@ -70,6 +70,19 @@ class InnerSystem(NamedTuple):
         A = constraints.matrix.T @ K @ constraints.matrix
         return cls(A.tocsc(), constraints, loads)
 
+    def system(self) -> "InnerSystem":
+        """The system itself, see `InnerUnknowns`."""
+        return self
+
+    def eliminate_loads(self) -> CondensedSystem:
+        """The unit loads condensed to contact and frame, with the stiffness there."""
+        return eliminate_inner_unknowns(self.A, self.constraints.region, self.loads)
+
+    def with_forces(self, forces: Floats) -> "InnerSystem":
+        """The system with further unit loads: nodal forces (2 nodes, k)."""
+        further = self.constraints.matrix.T @ forces
+        return self._replace(loads=np.hstack([self.loads, further]))
+
     def displacements(self, nodal: Floats, frame: Floats, loads: Floats) -> Floats:
         """Displacements (2 nodes, m) of all nodes [m]; see `CondensedBody.displacements`."""
         right = self.loads[:-FRAME] @ loads - self.A[:-FRAME, -FRAME:] @ frame
@@ -77,6 +90,26 @@ class InnerSystem(NamedTuple):
         right[len(right) - len(nodal) :] += nodal
         free = solve_by_fronts(self.A[:-FRAME, :-FRAME], self.constraints.region, right)
         return np.asarray(self.constraints.matrix @ np.vstack([free, frame]))
+
+
+class InnerUnknowns(Protocol):
+    """The unknowns of a body that condensation has eliminated, and the body's unit loads.
+
+    An `InnerSystem` holds all of them assembled. A body in hp elements assembles them when asked,
+    see `hp.grid.GridUnknowns`.
+    """
+
+    def system(self) -> InnerSystem:
+        """The whole system of the body, on all nodes."""
+
+    def eliminate_loads(self) -> CondensedSystem:
+        """The unit loads condensed to contact and frame, with the stiffness there."""
+
+    def with_forces(self, forces: Floats) -> "InnerUnknowns":
+        """The same unknowns with further unit loads: nodal forces (2 nodes, k)."""
+
+    def displacements(self, nodal: Floats, frame: Floats, loads: Floats) -> Floats:
+        """Displacements (2 nodes, m) of all nodes [m]; see `CondensedBody.displacements`."""
 
 
 @dataclass(frozen=True)
@@ -89,8 +122,7 @@ class CondensedBody:
     L_fc : (3, 2n) = S_fc L_cc^-T; the forces L_fc Y hold the frame, with the half flexibility Y
     load_on_contact, load_on_frame : (2n, l), (3, l) unit loads, condensed to contact and frame
     load_work : (l, l) work of the unit loads with contact and frame held
-    make_whole_system : makes the system before condensation, which only few callers need
-    solve_whole_system : solves it for the displacements of all nodes, see `displacements`
+    inner : the eliminated unknowns, which only few callers need
     columns : the l load columns by name
     force_imbalance : estimate of the force by which round-off of the elimination puts a unit force
         out of balance; 0 where it is not known
@@ -103,11 +135,14 @@ class CondensedBody:
     load_on_contact: Floats
     load_on_frame: Floats
     load_work: Floats
-    make_whole_system: Callable[[], InnerSystem]
-    solve_whole_system: Callable[[Floats, Floats, Floats], Floats]
+    inner: InnerUnknowns
     columns: LoadColumns
     force_imbalance: float = 0.0
     rigid_mode_error: Floats | None = None
+
+    def make_whole_system(self) -> InnerSystem:
+        """The whole system of the body, which this call assembles."""
+        return self.inner.system()
 
     @property
     def constraints(self) -> Constraints:
@@ -141,7 +176,40 @@ class CondensedBody:
         The parameters are those of `displacement` with one column for each case: nodal (2n, m),
         frame (3, m), loads (l, m).
         """
-        return self.solve_whole_system(nodal, frame, loads)
+        return self.inner.displacements(nodal, frame, loads)
+
+    def with_loads(self, loads: Mapping[str, Floats]) -> "CondensedBody":
+        """The body with the columns of further unit loads behind the columns that it has.
+
+        The stiffness stays. The eliminated unknowns are eliminated once more, under all loads.
+
+        Parameters
+        ----------
+        loads : nodal forces (2 nodes, k) of each further load on all nodes, by its name, in the
+            body's own frame; for a strain without stress see `expansion.expansion_forces`
+
+        Raises
+        ------
+        ValueError
+            for a name that a load of the body has already
+        """
+        if taken := self.columns.slices.keys() & loads.keys():
+            raise ValueError(f"the body has loads of these names already: {sorted(taken)}")
+        inner = self.inner.with_forces(np.concatenate(list(loads.values()), axis=1))
+        eliminated = inner.eliminate_loads()
+        contact, present = len(self.L_cc), self.columns.count
+        further = eliminated.loads[:, present:]
+        # The columns that the body has keep all their digits.
+        work = eliminated.work.copy()
+        work[:present, :present] = self.load_work
+        return replace(
+            self,
+            load_on_contact=np.hstack([self.load_on_contact, further[:contact]]),
+            load_on_frame=np.hstack([self.load_on_frame, further[contact:]]),
+            load_work=work,
+            inner=inner,
+            columns=LoadColumns(self.columns.sizes + LoadColumns.of(loads).sizes),
+        )
 
 
 def scalar_basis(mesh: Any) -> Any:
@@ -171,7 +239,8 @@ def stiffness(basis: Any, layers: Mapping[str, ElasticLayer], *, precise: bool =
     precise : whether to compute in long double from the nodes on (plane stress only)
     """
     if hasattr(basis, "stiffness"):
-        return basis.stiffness(layers, precise=precise)
+        # A skeleton has no stiffness in long double.
+        return basis.stiffness(layers, precise=True) if precise else basis.stiffness(layers)
     if precise:
         gradients, dx = _long_double_gradients(basis)
     else:
@@ -375,7 +444,7 @@ def condense_body(
         for a singular stiffness
     """
     system = InnerSystem.of(K, constraints, stack_loads(loads, constraints.matrix.shape[1]))
-    S, condensed_loads, work = eliminate_inner_unknowns(system.A, constraints.region, system.loads)
+    S, condensed_loads, work = system.eliminate_loads()
     L_cc, info = dpotrf(S[:contact, :contact], lower=1)
     if info:
         raise NoAnswer(SINGULAR_BODY)
@@ -386,7 +455,6 @@ def condense_body(
         condensed_loads[:contact],
         condensed_loads[contact:],
         work,
-        make_whole_system=partial(InnerSystem, *system),
-        solve_whole_system=system.displacements,
+        inner=system,
         columns=LoadColumns.of(loads),
     )

@@ -21,7 +21,7 @@ import numpy as np
 
 from drumlin.base.arrays import Floats, Ints
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.components import Section
+from drumlin.brake.components import Ring, Section
 from drumlin.fem.mesh.edges import edge_nodes
 from drumlin.fem.mesh.grading import EDGE_SIZE, graded, lining_angles, lining_layers
 from drumlin.fem.substructure.body import (
@@ -41,6 +41,9 @@ from drumlin.fem.substructure.interface import (
 )
 from drumlin.response.resultants import GAUSS, WEIGHTS, shape, slopes
 
+RIM = "rim"
+"""Name of the unit loads on the rim of a free ring, which balance the forces of the linings."""
+
 
 @dataclass(frozen=True)
 class RingSubstructure:
@@ -56,7 +59,7 @@ class RingSubstructure:
         Called Y_i and Z_i, they open the weighted gap of shoe i under the pressure p_j of shoe j by
         Y_i^T (Y_j + drag Z_j) p_j.
     coupling_matrices : N and T (n_i, 2n) of each shoe
-    support : nodes of the far edge
+    held : nodes of the far edge that stand still; none of a free ring
     rim_balance : balance of forces on the rim of a free ring; None where the far edge is fixed
     """
 
@@ -67,7 +70,7 @@ class RingSubstructure:
     normal_half_flexibilities: tuple[Floats, ...]
     friction_half_flexibilities: tuple[Floats, ...]
     coupling_matrices: tuple[tuple[Floats, Floats], ...]
-    support: Ints
+    held: Ints
     rim_balance: "RimBalance | None"
 
     def displacement(self, pressures: list[Floats], drag: float) -> Floats:
@@ -83,8 +86,9 @@ class RingSubstructure:
             nodal += N.T @ p - drag * (T.T @ p)
         frame = np.zeros(FRAME)
         if self.rim_balance is None:
-            return self.condensed.displacement(nodal, frame, np.zeros(0))
-        u = self.condensed.displacement(nodal, frame, -self.rim_balance.factors @ nodal)
+            return self.condensed.displacement(nodal, frame, self.condensed.columns.factors({}))
+        on_rim = self.condensed.columns.factors({RIM: -self.rim_balance.factors @ nodal})
+        u = self.condensed.displacement(nodal, frame, on_rim)
         # A rigid-body motion is subtracted, so that the mean motion of the rim is zero.
         modes_by_node = rigid_body_modes(self.basis.doflocs, np.zeros(2)).reshape(-1, 2, FRAME)
         modes = np.ascontiguousarray(modes_by_node.transpose(2, 1, 0))
@@ -197,7 +201,7 @@ def condensed_ring_on_mesh(
     assert ring is not None and ring.section is not None
     mesh = ring_mesh(ring.section, brake.size, brake.shoes, elements)
     basis = scalar_basis(mesh)
-    K = stiffness(basis, elastic_layers_of_ring(ring.section))
+    K = ring_stiffness(basis, ring)
     arcs = []
     for shoe, lining in zip(brake.shoes, linings, strict=True):
         angles = shoe.frame.theta(lining.phi)
@@ -205,26 +209,40 @@ def condensed_ring_on_mesh(
     under = _facets_under_arcs(mesh, arcs)
     line = make_contact_line(basis, under, math.pi)
     n = 2 * len(line.nodes)
-    support = basis.get_dofs(mesh.boundaries["support"]).flatten()
-    if ring.support == "fixed":
-        constraints = body_constraints(basis, line.nodes, support, np.zeros(2))
+    far_edge = basis.get_dofs(mesh.boundaries["support"]).flatten()
+    held = nodes_held(ring, far_edge)
+    if ring.support != "free":
+        constraints = body_constraints(basis, line.nodes, held, np.zeros(2))
         condensed = condense_body(K, constraints, {}, n)
         rim_balance = None
     else:
-        constraints = body_constraints(
-            basis,
-            line.nodes,
-            support[:0],
-            np.zeros(2),
-            statically_determinate_unknowns(basis, support),
-        )
+        determinate = statically_determinate_unknowns(basis, far_edge)
+        constraints = body_constraints(basis, line.nodes, held, np.zeros(2), determinate)
         rim = rim_forces_like_rigid_modes(basis, mesh.boundaries["support"])
-        rim_load = {"rim": constraints.matrix.T @ rim}
-        condensed = condense_body(K, constraints, rim_load, n)
+        condensed = condense_body(K, constraints, {RIM: constraints.matrix.T @ rim}, n)
         rim_balance = RimBalance.of(basis, rim, condensed, line)
-    return couple_ring_with_linings(
-        brake, linings, mesh, basis, line, condensed, support, rim_balance
-    )
+    return couple_ring_with_linings(brake, linings, mesh, basis, line, condensed, held, rim_balance)
+
+
+def ring_stiffness(basis: Any, ring: Ring, *, precise: bool = False) -> Any:
+    """Sparse stiffness (2 nodes, 2 nodes) [N/m] of a ring, before any node is held.
+
+    Meshes, hp elements and the refinement of round-off take it from here. A support that yields
+    adds its own stiffness here.
+
+    Parameters
+    ----------
+    basis : scalar basis of a mesh, or a grid of columns, or its skeleton
+    ring : the ring, which has a section
+    precise : whether to compute in long double
+    """
+    assert ring.section is not None
+    return stiffness(basis, elastic_layers_of_ring(ring.section), precise=precise)
+
+
+def nodes_held(ring: Ring, far_edge: Ints) -> Ints:
+    """The nodes of a ring that stand still, among those of its far edge."""
+    return far_edge if ring.support == "fixed" else far_edge[:0]
 
 
 def couple_ring_with_linings(
@@ -234,7 +252,7 @@ def couple_ring_with_linings(
     basis: Any,
     line: ContactLine,
     condensed: CondensedBody,
-    support: Ints,
+    held: Ints,
     rim_balance: "RimBalance | None",
 ) -> RingSubstructure:
     """A condensed ring, coupled with the linings that press it.
@@ -243,7 +261,7 @@ def couple_ring_with_linings(
     ----------
     brake : the brake
     linings : contact line of each lining, in its shoe's frame
-    mesh, basis, line, condensed, support, rim_balance : as of `RingSubstructure`
+    mesh, basis, line, condensed, held, rim_balance : as of `RingSubstructure`
     """
     matrices = []
     for shoe, lining in zip(brake.shoes, linings, strict=True):
@@ -261,7 +279,7 @@ def couple_ring_with_linings(
             _ring_half_flexibility(condensed, -T.T, rim_balance) for _, T in matrices
         ),
         coupling_matrices=tuple(matrices),
-        support=support,
+        held=held,
         rim_balance=rim_balance,
     )
 

@@ -11,6 +11,7 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
+from drumlin.brake.ring_support import plain_ring_only
 from drumlin.verification.triangles.contact import contact_forces
 from drumlin.verification.triangles.face import Face, condensed_face, meshed_body
 from drumlin.verification.triangles.outline import (
@@ -89,10 +90,13 @@ def solve(
     Raises
     ------
     BadInput
-        If triangles cannot mesh the brake.
+        If triangles cannot mesh the brake, or for a ring that is not plain.
     NoAnswer
         If a shoe does not touch the drum or no contact set solves the equations.
     """
+    refusal = plain_ring_only(brake, "the verification by triangles")
+    if refusal is not None:
+        raise BadInput(refusal)
     shoes = list(brake.shoes)
     if len(pressed_shoes(brake)) < len(shoes):
         raise NoAnswer("a shoe that is not turned towards the drum")

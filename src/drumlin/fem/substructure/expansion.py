@@ -1,0 +1,59 @@
+"""Strains without stress: the nodal forces by which heat or swelling load a body.
+
+A layer with the free strain eps_0 has the stress sigma = D (eps - eps_0). The nodal forces
+
+    f_ai = b Int sigma^0_ij psi_a,j dA,   sigma^0 = D eps_0
+
+move the body as its heat or its swelling does (Duhamel's analogy: Timoshenko & Goodier, Theory of
+Elasticity, ch. 13). They are in equilibrium. The stress of the body is the stress of its
+displacements less sigma^0.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from drumlin.base.arrays import Floats
+from drumlin.brake.elasticity import ElasticLayer
+from drumlin.fem.substructure.body import quadrature_points
+from drumlin.fem.substructure.elasticity import directions_through_layers, stresses_from_gradients
+
+Strains = Mapping[str, Floats]
+"""Free strains (2,) along and through each layer that has some, by the layer's name.
+
+Both strains of a heated isotropic layer are its expansion coefficient times its warming.
+"""
+
+
+def held_stress(layer: ElasticLayer, strain: Floats, points: Floats) -> Floats:
+    """Stress D eps_0 (2, 2, ...) of a layer at points (2, ...) [m], times its width [N/m].
+
+    `strain` (2,) is the free strain along and through the layer.
+    """
+    along = layer.directions(points)
+    through = directions_through_layers(along)
+    free_strain = strain[0] * along[:, None] * along + strain[1] * through[:, None] * through
+    return stresses_from_gradients(free_strain, layer.stiffness, along)
+
+
+def expansion_forces(basis: Any, layers: Mapping[str, ElasticLayer], strains: Strains) -> Floats:
+    """Nodal forces (2 nodes,) [N] by which strains without stress load a body.
+
+    Parameters
+    ----------
+    basis : scalar basis of a mesh, or a grid of columns, which makes its own forces
+    layers : elastic layers by subdomain
+    strains : free strains of the subdomains that have some
+    """
+    if hasattr(basis, "expansion_forces"):
+        return np.asarray(basis.expansion_forces(layers, strains))
+    gradients = np.array([psi[0].grad for psi in basis.basis])
+    points = quadrature_points(basis)
+    forces = np.zeros((basis.N, 2))
+    for name, strain in strains.items():
+        members = basis.mesh.subdomains[name]
+        held = held_stress(layers[name], strain, points[:, members])
+        own = np.einsum("ijeq,ajeq,eq->aei", held, gradients[:, :, members], basis.dx[members])
+        np.add.at(forces, basis.element_dofs[:, members], own)
+    return forces.ravel()

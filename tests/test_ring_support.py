@@ -1,0 +1,51 @@
+"""A ring with a support of its own kind is refused in a line where plain rings alone are known."""
+
+import pytest
+
+from drumlin import foundation
+from drumlin.base.errors import BadInput
+from drumlin.brake import read_brake, vary
+from drumlin.brake.drum_brake import DrumBrake
+from drumlin.brake.ring_support import plain_ring_only
+from drumlin.verification.triangles.levels import TRIANGLE_LEVELS
+from drumlin.verification.triangles.levels import solve as solve_by_triangles
+from drumlin_studies.reduced import sketcher
+
+SECTION = {"thickness": 0.015, "width": 0.06, "material": {"E": 1.1e11, "nu": 0.26}}
+REFUSED = "takes rings with a fixed or a free far edge only"
+
+
+@pytest.fixture(params=["double_shoe", "post_brake"])
+def strange(root, request):
+    """A brake whose ring has a support that no brake file can name."""
+    brake = read_brake(root / "studies" / request.param / "brake.toml")
+    brake = vary(brake, {"drum.ring": SECTION})
+    assert isinstance(brake, DrumBrake) and brake.ring is not None
+    ring = brake.ring.model_copy(update={"support": "magnets"})
+    return brake.model_copy(update={"drum": brake.drum.model_copy(update={"ring": ring})})
+
+
+@pytest.mark.parametrize("support", ["fixed", "free"])
+def test_rings_of_brake_files_are_plain(root, support):
+    brake = read_brake(root / "studies" / "double_shoe" / "brake.toml")
+    brake = vary(brake, {"drum.ring": SECTION | {"support": support}})
+    assert brake.ring.is_plain
+    assert plain_ring_only(brake, "a model") is None
+    assert plain_ring_only(brake.without_ring(), "a model") is None
+
+
+def test_the_foundation_model_refuses_it(strange):
+    said = foundation.why_not(strange)
+    assert said is not None
+    if strange.title.startswith("post"):
+        assert said == f"drum.ring.support = 'magnets': the foundation model {REFUSED}"
+
+
+def test_the_triangles_refuse_it(strange):
+    with pytest.raises(BadInput, match=f"the verification by triangles {REFUSED}"):
+        solve_by_triangles(strange, TRIANGLE_LEVELS[0])
+
+
+def test_the_reduced_model_refuses_it(strange):
+    with pytest.raises(BadInput, match=f"a sketch {REFUSED}"):
+        sketcher()(strange)
