@@ -6,7 +6,7 @@ import pytest
 from drumlin.brake import read_any, read_brake, vary
 from drumlin.fem.equilibrium.group import groups_of
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.error_control.refinement import full_system, refine
+from drumlin.fem.error_control.refinement import full_system, refined_solution
 from drumlin.fem.model import respond
 from drumlin.fem.preparation.bodies import DividedBody, ShoeSubstructure, acting_loads, coupled_shoe
 from drumlin.fem.preparation.prepare import prepare
@@ -137,7 +137,7 @@ def test_further_columns_are_those_of_one_elimination_of_all_loads(brake):
     shoe, body = brake.shoes[0], prepare(brake, LEVELS[0]).bodies[0]
     warm = heated(body.condensed, body.basis, elastic_layers_of_shoe(shoe))
     assert warm.columns.sizes == ((ACTUATION, 3), (HEAT, 1))
-    _, constraints, loads = warm.inside()
+    _, constraints, loads = warm.make_whole_system()
     named = {ACTUATION: loads[:, :3], HEAT: loads[:, 3:]}
     K = body.basis.stiffness(elastic_layers_of_shoe(shoe))
     other = condense_body(K, constraints, named, 2 * len(body.line.nodes))
@@ -201,6 +201,6 @@ def test_a_free_strain_in_the_linings_is_solved_and_refined_alike(brake, level, 
     assert max(warm.balance.force, warm.balance.moment) < 1e-8
     torque = 0.0
     for group in groups_of(scene, brake):
-        refined = refine(full_system(group), group.answer().active)
+        refined = refined_solution(full_system(group), group.answer().active)
         torque += group.unit_force * refined.torque
     assert warm.torque == pytest.approx(torque, rel=1e-7)
