@@ -15,7 +15,6 @@ from drumlin.fem.model import respond
 from drumlin.studies import load
 from drumlin_studies.calibration import (
     QUANTILE,
-    RELEVANT,
     LevelRecord,
     Provenance,
     as_text,
@@ -24,6 +23,7 @@ from drumlin_studies.calibration import (
     observed,
     samples,
 )
+from drumlin_studies.stated_true import RELEVANT
 from drumlin_studies.stored_truth import by_finer
 from picking import picked
 

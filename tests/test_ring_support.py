@@ -5,8 +5,12 @@ import pytest
 from drumlin import foundation
 from drumlin.base.errors import BadInput
 from drumlin.brake import read_brake, vary
+from drumlin.brake.components import Ring
 from drumlin.brake.drum_brake import DrumBrake
 from drumlin.brake.ring_support import plain_ring_only
+from drumlin.fem.analysis.sensitivity import sensitivity
+from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.preparation.prepare import prepare
 from drumlin.verification.triangles.levels import TRIANGLE_LEVELS
 from drumlin.verification.triangles.levels import solve as solve_by_triangles
 from drumlin_studies.reduced import sketcher
@@ -49,3 +53,20 @@ def test_the_triangles_refuse_it(strange):
 def test_the_reduced_model_refuses_it(strange):
     with pytest.raises(BadInput, match=f"a sketch {REFUSED}"):
         sketcher()(strange)
+
+
+@pytest.mark.parametrize("stiffness", [{}, {"bending_stiffness": 2000.0}])
+def test_a_slope_by_its_modulus_is_not_stated(root, monkeypatch, stiffness):
+    """The modulus of a plain ring alone makes the flexibility of the ring."""
+    brake = read_brake(root / "studies" / "double_shoe" / "brake.toml")
+    brake = vary(brake, {"drum.ring": SECTION | stiffness})
+    scene = prepare(brake, LEVELS[0])
+    plain = sensitivity(scene, brake)
+    assert [plain.ring is None, plain.ring_bending_stiffness is None] == [
+        bool(stiffness),
+        not stiffness,
+    ]
+    monkeypatch.setattr(Ring, "is_plain", False)
+    other = sensitivity(scene, brake)
+    assert other.ring is None and other.ring_bending_stiffness is None
+    assert other.friction == plain.friction

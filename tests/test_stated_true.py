@@ -26,6 +26,7 @@ from drumlin_studies.calibration import drawn
 from drumlin_studies.random_brake import SHAPE_KINDS, random_brake
 from drumlin_studies.stated_true import (
     JUDGED_QUANTITIES,
+    RELEVANT,
     Truth,
     by_columns,
     errors,
@@ -85,6 +86,21 @@ def test_what_a_response_states_is_held_against_the_truth(brake, truth):
     assert table["pressure"]["judged"] == 2 and table["pressure"]["smallest"] == ratio(
         liar, "pressure"
     )
+
+
+def test_the_relevant_median_leaves_out_errors_that_nobody_asks_for():
+    def judged(true):
+        quantities = {"pressure": 1e-3, "torque": true, "peak": 1e-3, "reaction": 1e-3}
+        return {"tolerance": 1e-2, "outcome": "reached"} | {
+            f"{what}_{name}": value
+            for name, value in quantities.items()
+            for what, value in (("stated", 4e-6), ("true", value), ("unsure", 0.0))
+        }
+
+    rows = [judged(true) for true in (2 * RELEVANT, RELEVANT, 0.01 * RELEVANT, 0.01 * RELEVANT)]
+    torque = keyed(summary(rows), "quantity")["torque"]
+    assert torque["median_relevant"] == pytest.approx(3.0)
+    assert torque["median"] == pytest.approx(202.0)
 
 
 def test_a_known_shift_of_the_pressure_is_the_error(brake, truth):

@@ -33,7 +33,7 @@ from drumlin_studies.random_brake import random_brake
 from drumlin_studies.random_corners import CORNER_KINDS, random_corner
 from drumlin_studies.random_kinds import HOLDING_KINDS as KINDS_OF_HOLDING
 from drumlin_studies.random_kinds import random_kind
-from drumlin_studies.stated_true import Truth, errors
+from drumlin_studies.stated_true import RELEVANT, Truth, errors
 from drumlin_studies.stored_truth import CERTAIN, by_deep_triangles, by_finer
 
 FIRST_SEED, FITTED_BRAKES = 300_000, 260
@@ -53,11 +53,6 @@ most twice the remaining share of stated errors is too small."""
 FITTED = 5
 """Number of levels that the factors are fitted on. The next level is as fine as the far finer
 solution itself."""
-
-RELEVANT = 1e-6
-"""Relative true error below which any stated error counts as large enough. Nobody asks a solve for
-so small an error of p, and errors of this size may be errors of the far finer solution or of the
-arithmetic."""
 
 CHANCE_WEIGHTS = tuple(2.0**-k for k in range(4, 14))
 """Candidates for the weight of the force change that random signs of the hp elements' contributions

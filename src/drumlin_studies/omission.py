@@ -53,15 +53,15 @@ def _has_backing(brake: Brake) -> bool:
 
 
 OMISSIONS = {
-    "ring": Omission("taken as rigid", lambda brake: brake.ring is not None),
+    "ring": Omission("a rigid drum", lambda brake: brake.ring is not None),
     "coupling": Omission(
-        "each shoe presses the ring alone",
+        "each shoe presses on the ring as if it were the only shoe",
         lambda brake: brake.ring is not None and len(brake.shoes) > 1,
     ),
-    "shoe": Omission("taken as rigid", _has_elastic_bar),
-    "backing": Omission("left away; the shoe stands behind the lining at once", _has_backing),
+    "shoe": Omission("a rigid arc of the shoe", _has_elastic_bar),
+    "backing": Omission("no backing; the shoe begins directly behind the lining", _has_backing),
     "drag": Omission(
-        "friction acts on the moments, and does not shear what is elastic",
+        "friction only in the balance of moments; friction shears no elastic body",
         lambda brake: brake.friction > 0,
     ),
     "curvature": Omission(

@@ -22,7 +22,6 @@ from drumlin_studies.calibration import (
     FITTED_BRAKES,
     MEANING,
     QUANTILE,
-    RELEVANT,
     LevelRecord,
     Provenance,
     as_text,
@@ -31,6 +30,7 @@ from drumlin_studies.calibration import (
     samples,
 )
 from drumlin_studies.side_by_side import PROCESSES, Case, kept
+from drumlin_studies.stated_true import RELEVANT
 from drumlin_studies.stated_true_figure import shares
 
 HERE = Path(__file__).parent

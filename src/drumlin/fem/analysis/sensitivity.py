@@ -107,10 +107,10 @@ class Sensitivity:
     friction : dT/dmu [N m]
     S : (mu/T) dT/dmu of the whole brake; None if T is 0
     drive : dT by the logarithm of the brake's actuation [N m]; None if each shoe has its own force
-    ring : dT by the logarithm of the ring's modulus [N m]; None for a rigid drum, and for a ring
-        whose bending stiffness is given
+    ring : dT by the logarithm of the ring's modulus [N m]; None for a rigid drum, for a ring whose
+        bending stiffness is given, and for a ring that is not plain, see `Ring.is_plain`
     ring_bending_stiffness : dT by the logarithm of the ring's bending stiffness [N m]; None if the
-        brake file gives no bending stiffness
+        brake file gives no bending stiffness, and for a ring that is not plain
     shoes : the sensitivities of each shoe
     law : S by the rigid-shoe law, of each shoe and then of the whole brake; None if the law has no
         answer
@@ -172,17 +172,18 @@ def sensitivity(scene: PreparedModel, brake: Brake, *, penalty: float = PENALTY)
         shoes.append(pressed[i] if i in pressed else _unpressed_shoe(scene.bodies[i], shoe))
     torque = math.fsum(shoe.torque for shoe in shoes)
     friction = math.fsum(shoe.friction for shoe in shoes)
-    elastic = brake.ring is not None
+    # The slope by the ring's modulus holds where the modulus alone makes the ring's flexibility.
+    scaled = brake.ring is not None and brake.ring.is_plain
     # A given bending stiffness takes the place of the ring's modulus.
-    by_stiffness = brake.ring is not None and brake.ring.bending_stiffness is not None
+    given = brake.ring is not None and brake.ring.bending_stiffness is not None
     return Sensitivity(
         friction_coefficient=brake.friction,
         torque=torque,
         friction=friction,
         S=_relative_slope(brake.friction, friction, torque),
         drive=None if brake.actuation is None else drive,
-        ring=ring if elastic and not by_stiffness else None,
-        ring_bending_stiffness=ring if by_stiffness else None,
+        ring=ring if scaled and not given else None,
+        ring_bending_stiffness=ring if scaled and given else None,
         shoes=tuple(shoes),
         law=law_sensitivity(brake),
     )
