@@ -37,17 +37,17 @@ SIZES = {"lining ends": (0.5, 0.0, 23.0), "lining": (3.2, 4.0, 30.0), "holes": (
 SLACK = 1e-6
 
 
-def at(radius: float, angle: float) -> tuple[float, float]:
+def polar_point(radius: float, angle: float) -> tuple[float, float]:
     """x, y of polar coordinates [mm, deg]."""
     return radius * math.cos(math.radians(angle)), radius * math.sin(math.radians(angle))
 
 
-def sector(inner: float, outer: float, start: float, end: float) -> int:
+def add_ring_sector(inner: float, outer: float, start: float, end: float) -> int:
     """A sector of a ring [mm, deg]."""
     occ = gmsh.model.occ
     centre = occ.addPoint(0, 0, 0)
     polar = [(inner, start), (outer, start), (outer, end), (inner, end)]
-    corners = [occ.addPoint(*at(*corner), 0) for corner in polar]
+    corners = [occ.addPoint(*polar_point(*corner), 0) for corner in polar]
     lines = [
         occ.addLine(corners[0], corners[1]),
         occ.addCircleArc(corners[1], centre, corners[2]),
@@ -57,42 +57,42 @@ def sector(inner: float, outer: float, start: float, end: float) -> int:
     return int(occ.addPlaneSurface([occ.addCurveLoop(lines)]))
 
 
-def web() -> list[tuple[int, int]]:
+def add_web() -> list[tuple[int, int]]:
     """The web without its holes: an eye about the pin, a ring sector, a nose with its face."""
     occ = gmsh.model.occ
     outer = DRUM - LINING - TABLE
     inner = outer - WEB
     upper, lower = (
-        at(math.hypot(FACE_X, y), math.degrees(math.atan2(y, FACE_X)) - PIN_ANGLE)
+        polar_point(math.hypot(FACE_X, y), math.degrees(math.atan2(y, FACE_X)) - PIN_ANGLE)
         for y in FACE_Y[::-1]
     )
     corners = [
-        occ.addPoint(*at(inner, WEB_END), 0),
-        occ.addPoint(*at(outer - WEB / 2, WEB_END - 1), 0),
+        occ.addPoint(*polar_point(inner, WEB_END), 0),
+        occ.addPoint(*polar_point(outer - WEB / 2, WEB_END - 1), 0),
     ]
-    corners += [occ.addPoint(*xy, 0) for xy in (at(outer, TABLE_ARC[1]), upper, lower)]
+    corners += [occ.addPoint(*xy, 0) for xy in (polar_point(outer, TABLE_ARC[1]), upper, lower)]
     edges = [occ.addLine(a, b) for a, b in zip(corners, corners[1:] + corners[:1], strict=True)]
     parts = [
         (2, occ.addDisk(PIN, 0, 0, WEB / 2, WEB / 2)),
-        (2, sector(inner, outer, 0, WEB_END)),
-        (2, sector(outer - WEB / 2, outer, WEB_END - 1, TABLE_ARC[1])),
+        (2, add_ring_sector(inner, outer, 0, WEB_END)),
+        (2, add_ring_sector(outer - WEB / 2, outer, WEB_END - 1, TABLE_ARC[1])),
         (2, occ.addPlaneSurface([occ.addCurveLoop(edges)])),
     ]
     whole, _ = occ.fuse(parts[:1], parts[1:])
     cut = [
-        (2, occ.addDisk(*at(distance, angle), 0, radius, radius))
+        (2, occ.addDisk(*polar_point(distance, angle), 0, radius, radius))
         for angle, distance, radius in HOLES
     ]
     whole, _ = occ.cut(whole, cut)
     return [(int(dim), int(tag)) for dim, tag in whole]
 
 
-def build(refine: float) -> None:
+def build_geometry(refine: float) -> None:
     """Geometry, named groups and sizes in the current gmsh model."""
     occ = gmsh.model.occ
-    lining = (2, sector(DRUM - LINING, DRUM, *LINING_ARC))
-    table = (2, sector(DRUM - LINING - TABLE, DRUM - LINING, *TABLE_ARC))
-    parts = [lining, table, *web()]
+    lining = (2, add_ring_sector(DRUM - LINING, DRUM, *LINING_ARC))
+    table = (2, add_ring_sector(DRUM - LINING - TABLE, DRUM - LINING, *TABLE_ARC))
+    parts = [lining, table, *add_web()]
     _, pieces = occ.fragment(parts, [])
     occ.synchronize()
     for name, chosen in (("lining", pieces[:1]), ("backing", pieces[1:2]), ("shoe", pieces[2:])):
@@ -100,13 +100,13 @@ def build(refine: float) -> None:
     outer = gmsh.model.getBoundary(gmsh.model.getEntities(2), combined=True, oriented=False)
     lines: dict[str, list[int]] = {}
     for _, tag in outer:
-        lines.setdefault(_name(tag), []).append(tag)
+        lines.setdefault(_curve_name(tag), []).append(tag)
     for name in ("contact", "hinge", "actuation"):
         gmsh.model.addPhysicalGroup(1, lines[name], name=name)
-    _sizes(lines, refine)
+    _set_element_sizes(lines, refine)
 
 
-def _name(curve: int) -> str:
+def _curve_name(curve: int) -> str:
     """What a curve of the outline is, by its middle."""
     (low,), (high,) = gmsh.model.getParametrizationBounds(1, curve)
     x, y, _ = gmsh.model.getValue(1, curve, [0.5 * (low + high)])
@@ -118,13 +118,13 @@ def _name(curve: int) -> str:
     if abs(x * math.cos(turn) - y * math.sin(turn) - FACE_X) < SLACK:
         return "actuation"
     for i, (angle, distance, radius) in enumerate(HOLES):
-        centre = at(distance, angle)
+        centre = polar_point(distance, angle)
         if abs(math.hypot(x - centre[0], y - centre[1]) - radius) < SLACK:
             return "holes" if i else "hinge"
     return "outline"
 
 
-def _sizes(lines: dict[str, list[int]], refine: float) -> None:
+def _set_element_sizes(lines: dict[str, list[int]], refine: float) -> None:
     """Small elements at the lining's ends, in the lining, and around the holes.
 
     The pressure is singular at the lining's ends.
@@ -151,7 +151,7 @@ def _sizes(lines: dict[str, list[int]], refine: float) -> None:
     field.setAsBackgroundMesh(least)
 
 
-def make(path: Path, refine: float = 1.0) -> None:
+def write_mesh(path: Path, refine: float = 1.0) -> None:
     """Mesh with curved triangles of second order and write `path`."""
     gmsh.initialize(readConfigFiles=False)
     try:
@@ -160,7 +160,7 @@ def make(path: Path, refine: float = 1.0) -> None:
         gmsh.option.setNumber("Mesh.MeshSizeFromPoints", 0)
         gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 0)
         gmsh.model.add("web_shoe")
-        build(refine)
+        build_geometry(refine)
         gmsh.model.mesh.generate(2)
         gmsh.model.mesh.setOrder(2)
         gmsh.option.setNumber("Mesh.MshFileVersion", 4.1)
@@ -174,4 +174,4 @@ if __name__ == "__main__":
     parser.add_argument("--refine", type=float, default=1.0, help="divides every element size")
     parser.add_argument("--output", type=Path, default=Path(__file__).with_suffix(".msh"))
     arguments = parser.parse_args()
-    make(arguments.output, arguments.refine)
+    write_mesh(arguments.output, arguments.refine)

@@ -14,7 +14,7 @@ import numpy as np
 from drumlin import Brake, vary
 from drumlin.brake import read_brake
 from drumlin.verification import triangles
-from drumlin_studies.stated_true import errors
+from drumlin_studies.stated_true import true_errors
 
 HERE = Path(__file__).parent
 STORED = HERE / "blocks_truth.json"
@@ -55,7 +55,7 @@ def _by_triangles(steps: int) -> dict[str, Any]:
     pressure = last[0].pressure_at(angles_of(brake))
     return {
         "torque": last[0].torque,
-        "moved": float(f"{errors(brake, before, last)['pressure']:.2g}"),
+        "moved": float(f"{true_errors(brake, before, last)['pressure']:.2g}"),
         "pressure": [float(f"{p:.6g}") for p in pressure],
     }
 

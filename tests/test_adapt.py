@@ -13,7 +13,7 @@ from drumlin.fem.mesh.arc import shoe_mesh
 from drumlin.fem.mesh.file import write_mesh
 from drumlin.fem.solve import solve
 from drumlin.response.norms import pressure_distance
-from drumlin.verification.reference import responses
+from drumlin.verification.reference import solve_reference_responses
 from drumlin_studies.work_precision import refined_division
 from picking import picked, saying
 from shared_parts import drum_ring
@@ -54,7 +54,7 @@ def test_two_references_agree_and_levels_meet_their_tolerance(name, request):
     ends = contact_ends(brake, first)
     # One end at the hinge and two in the middle of a lining make the case hard.
     assert len(ends) == 3
-    truth, before, other = responses(brake)
+    truth, before, other = solve_reference_responses(brake)
     for each in (before, other):
         assert distance(each, truth) < 1e-4
         # Other orders of sums move the value by 2e-7 (round-off).

@@ -49,12 +49,12 @@ def test_a_ratio_is_the_median_of_neighbours():
     """A slow phase of the machine doubles both times of a repeat, and the ratio stays."""
     timed = iter([2.0, 4.0, 2.0, 9.0, 2.0])
     compared = iter([1.0, 2.0, 1.0, 1.0, 1.0])
-    assert benchmarks.time_ratio(lambda: next(timed), lambda: next(compared), 5) == 2.0
+    assert benchmarks.median_time_ratio(lambda: next(timed), lambda: next(compared), 5) == 2.0
 
 
 def test_a_changed_source_is_marked(monkeypatch):
     answers = {"status": " M src/drumlin/door.py", "rev-parse": "1234567"}
-    monkeypatch.setattr(benchmarks, "git", lambda *words: answers[words[0]])
+    monkeypatch.setattr(benchmarks, "git_output", lambda *words: answers[words[0]])
     assert benchmarks.commit_name() == "1234567+"
     answers["status"] = ""
     assert benchmarks.commit_name() == "1234567"
@@ -76,8 +76,8 @@ def test_every_figure_is_in_the_table_and_in_one_panel():
     kept = benchmarks.read_history()
     other = kept[-1]._replace(commit="abcdef0", figures={**kept[-1].figures, "hold": 1.0})
     rows = [*kept, other]
-    table = history.table(rows)
-    panels = history.picture(rows).axes
+    table = history.history_table(rows)
+    panels = history.draw_history(rows).axes
     labels = [str(line.get_label()) for axes in panels for line in axes.get_lines()]
     assert sorted(labels) == sorted(other.figures)
     for name in other.figures:

@@ -19,7 +19,7 @@ from drumlin_studies.consistency_blocks import (
     BLOCK_KINDS,
     FEWEST_BLOCK_STEPS,
     MOST_BLOCK_STEPS,
-    checks,
+    block_error_rows,
     random_blocks,
 )
 from picking import picked
@@ -206,11 +206,13 @@ def test_a_brake_without_a_truth_is_a_row_that_is_refused(monkeypatch: pytest.Mo
     def none(*_: Any) -> Any:
         raise NoAnswer("no level has an answer")
 
-    monkeypatch.setattr("drumlin_studies.consistency_blocks.by_columns", none)
-    assert picked(checks(11), ("outcome", "said")) == [("refused", "no level has an answer")]
+    monkeypatch.setattr("drumlin_studies.consistency_blocks.truth_by_hp_elements", none)
+    assert picked(block_error_rows(11), ("outcome", "said")) == [
+        ("refused", "no level has an answer")
+    ]
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [11, 14, 22, 27, 30, 34])
 def test_stated_errors_of_random_linings_of_blocks_hold(seed: int) -> None:
-    assert set(picked(checks(seed), "outcome")) == {"agrees"}
+    assert set(picked(block_error_rows(seed), "outcome")) == {"agrees"}

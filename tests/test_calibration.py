@@ -17,14 +17,14 @@ from drumlin_studies.calibration import (
     QUANTILE,
     LevelRecord,
     Provenance,
-    as_text,
-    drawn,
-    fit,
-    observed,
-    samples,
+    draw_calibration_brake,
+    factors_as_text,
+    fit_safety_factors,
+    level_errors,
+    samples_of_quantity,
 )
 from drumlin_studies.stated_true import RELEVANT
-from drumlin_studies.stored_truth import by_finer
+from drumlin_studies.stored_truth import solve_by_finer_divisions
 from picking import picked
 
 PROVENANCE = Provenance("1 to 3", 3, 9, "abc", "2000-01-01")
@@ -55,11 +55,11 @@ def made_up(count, part, beside=1e-9, seed=0):
 def test_the_fit_finds_the_factors_that_cover_all_but_the_share_that_may_be_missed():
     part = {"pressure": 0.5, "torque": 0.3, "peak": 0.9, "reaction": 0.7}
     levels = made_up(2000, part)
-    found = fit(levels)
+    found = fit_safety_factors(levels)
     for value, most in ((found.pressure, 0.5), (found.peak, 0.9), (found.force, 0.7)):
         assert 0.99 * QUANTILE * most <= value <= 1.05 * most
     for name, factor in (("pressure", found.pressure), ("peak", found.peak)):
-        ratios = samples(levels, name).ratios(factor, 0.0)
+        ratios = samples_of_quantity(levels, name).ratios(factor, 0.0)
         assert np.mean(ratios < 1) <= 1 - QUANTILE
 
 
@@ -83,8 +83,8 @@ def test_errors_that_steps_miss_by_accident_are_covered_by_what_does_not_cancel(
                 unsure=dict.fromkeys(QUANTITIES, 0.0),
             )
         )
-    found = fit(levels)
-    torque = samples(levels, "torque")
+    found = fit_safety_factors(levels)
+    torque = samples_of_quantity(levels, "torque")
     assert np.mean(torque.ratios(found.force, found.cancelled / found.force) < 1) <= 1 - QUANTILE
     assert found.cancelled * 100 > 0.15
 
@@ -94,12 +94,16 @@ def test_levels_whose_errors_are_not_known_or_nothing_are_left_out():
     unknown = level._replace(
         true={**level.true, "peak": math.nan, "torque": 0.5 * RELEVANT, "pressure": 1e-3}
     )
-    assert [len(samples([unknown], name).true) for name in ("pressure", "torque", "peak")] == [
+    assert [
+        len(samples_of_quantity([unknown], name).true) for name in ("pressure", "torque", "peak")
+    ] == [
         1,
         1,
         0,
     ]
-    assert [samples([unknown], name).known.tolist() for name in ("pressure", "torque")] == [
+    assert [
+        samples_of_quantity([unknown], name).known.tolist() for name in ("pressure", "torque")
+    ] == [
         [True],
         [False],
     ]
@@ -108,7 +112,7 @@ def test_levels_whose_errors_are_not_known_or_nothing_are_left_out():
 def test_the_file_holds_the_factors_and_what_they_were_fitted_on(tmp_path):
     factors = Factors(0.5, 0.6, 0.001, 0.8)
     path = tmp_path / "factors.json"
-    path.write_text(as_text(factors, PROVENANCE), encoding="utf-8")
+    path.write_text(factors_as_text(factors, PROVENANCE), encoding="utf-8")
     assert read_factors(path) == factors
     data = json.loads(path.read_text(encoding="utf-8"))
     assert data["provenance"] == {**PROVENANCE._asdict(), "quantile": QUANTILE}
@@ -120,14 +124,16 @@ def test_the_file_that_the_code_reads_was_written_by_the_command():
     path = Path(estimate.__file__).with_name("factors.json")
     data = json.loads(path.read_text(encoding="utf-8"))
     written = Provenance(**{key: data["provenance"][key] for key in Provenance._fields})
-    assert path.read_text(encoding="utf-8") == as_text(FACTORS, written)
+    assert path.read_text(encoding="utf-8") == factors_as_text(FACTORS, written)
     assert written.brakes > 200 and written.levels > 1000 and written.commit and written.date
 
 
 @pytest.fixture(scope="module")
 def seen():
-    _, brake = drawn(300_001)
-    return brake, observed(brake, by_finer(brake), solved_levels(brake, respond))
+    _, brake = draw_calibration_brake(300_001)
+    return brake, level_errors(
+        brake, solve_by_finer_divisions(brake), solved_levels(brake, respond)
+    )
 
 
 def test_what_is_observed_of_a_level_is_what_a_solve_states(seen):

@@ -25,8 +25,8 @@ from drumlin.fem.hp.corner import (
 from drumlin.fem.hp.division import HALF_FORCE_PART
 from drumlin.fem.model import respond
 from drumlin.response.resultants import gauss_points, lobatto
-from drumlin_studies.stated_true import errors
-from drumlin_studies.stored_truth import read
+from drumlin_studies.stated_true import true_errors
+from drumlin_studies.stored_truth import read_stored_truth
 
 TRUTHS = Path(__file__).parent / "truths"
 
@@ -84,7 +84,7 @@ def test_a_solved_contact_has_the_power_of_its_corner_over_decades():
     0.0003 and 0.01 of the contact, where neither the elements at the corner nor the rest of the
     lining matter.
     """
-    stored = read(TRUTHS / "corner_dragged_inwards.json")
+    stored = read_stored_truth(TRUTHS / "corner_dragged_inwards.json")
     *_, last = islice(solved_levels(stored.brake, respond), 5)
     (found,) = last.response.shoes
     ((at_start, power),) = unbounded_corners(stored.brake, 0, found)
@@ -157,11 +157,11 @@ def test_p_between_the_nodes_near_a_corner_is_its_power_to_a_ten_thousandth():
     ],
 )
 def test_the_power_of_a_corner_makes_p_many_times_more_exact(name, level, most, gain):
-    stored = read(TRUTHS / f"{name}.json")
+    stored = read_stored_truth(TRUTHS / f"{name}.json")
     *_, last = islice(solved_levels(stored.brake, respond), level)
-    raw = errors(stored.brake, last.response.shoes, stored.true.shoes)["pressure"]
+    raw = true_errors(stored.brake, last.response.shoes, stored.true.shoes)["pressure"]
     found = response_with_power_laws(stored.brake, last.response)
-    error = errors(stored.brake, found.shoes, stored.true.shoes)["pressure"]
+    error = true_errors(stored.brake, found.shoes, stored.true.shoes)["pressure"]
     assert error < most and error < raw / gain
 
 
@@ -170,14 +170,14 @@ def test_what_is_left_of_p_is_known_where_it_has_no_bound():
 
     At a corner far smaller columns leave little error.
     """
-    stored = read(TRUTHS / "tip_short.json")
+    stored = read_stored_truth(TRUTHS / "tip_short.json")
     *_, last = islice(solved_levels(stored.brake, respond), 4)
     (shoe,), (found,) = stored.brake.shoes, last.response.shoes
     left = pressure_error_under_tips(shoe, stored.brake.size, found)
     assert left == pytest.approx(
-        errors(stored.brake, [found], stored.true.shoes)["pressure"], rel=0.3
+        true_errors(stored.brake, [found], stored.true.shoes)["pressure"], rel=0.3
     )
-    corner = read(TRUTHS / "corner_dragged_inwards.json").brake
+    corner = read_stored_truth(TRUTHS / "corner_dragged_inwards.json").brake
     *_, last = islice(solved_levels(corner, respond), 2)
     (found,) = last.response.shoes
     assert pressure_error_at_corners(corner, 0, found) > 2e-3

@@ -282,7 +282,7 @@ def test_triangles_of_the_second_solver_carry_an_even_strain():
         return np.stack([s, 0.02 * d + 0.1 * s], axis=-1)
 
     degree = 3
-    nodes = lagrange.nodes_of(mesh, place, degree)
+    nodes = lagrange.make_nodes(mesh, place, degree)
     K = lagrange.triangle_stiffnesses(mesh, nodes, [TriangleLayer(-1, 1, layer)], degree)
     H = np.array([[1e-3, 4e-4], [-2e-4, 5e-4]])
     u = nodes.xy @ H.T

@@ -11,10 +11,16 @@ from drumlin.base.errors import BadInput
 from drumlin.base.journal import Journal
 from drumlin.fem.solve import solve
 from drumlin.studies import load
-from drumlin.verification.reference import Trio, responses
+from drumlin.verification.reference import ReferenceResponses, solve_reference_responses
 from drumlin_studies import work_precision
-from drumlin_studies.recommendation import TARGET_NAMES, best_rows, matrices
-from drumlin_studies.work_precision import ERROR_KEYS, Method, floor, measure, timing
+from drumlin_studies.recommendation import TARGET_NAMES, fastest_rows, recommendation_matrices
+from drumlin_studies.work_precision import (
+    ERROR_KEYS,
+    Method,
+    measure_method,
+    reference_uncertainty,
+    time_call,
+)
 from picking import having, picked, saying
 from shared_parts import scaled_pressures
 
@@ -54,11 +60,11 @@ def outcome(tmp_path_factory):
         return (
             references[key]
             if key in references
-            else references.setdefault(key, responses(brake, refinement))
+            else references.setdefault(key, solve_reference_responses(brake, refinement))
         )
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(module, "responses", once)
+        patch.setattr(module, "solve_reference_responses", once)
         # No test here asks for the times closely.
         patch.setattr(work_precision, "TIMED_REPEATS", 3)
         for cases in (1, 6):
@@ -139,7 +145,7 @@ def test_the_floor_lies_below_what_is_claimed(outcome):
     result = outcome[1]
     for name, floors in result.floors.items():
         assert 0 < floors["torque_error"] < 1e-6 and floors["pressure_error"] < 1e-3
-        for row in best_rows(result.rows, result.floors):
+        for row in fastest_rows(result.rows, result.floors):
             if row["brake"] == name and "error" in row:
                 key = next(k for k, said in TARGET_NAMES.items() if said == row["quantity"])
                 assert floors[key] < row["target"] and row["error"] <= row["target"]
@@ -166,7 +172,7 @@ def test_report(outcome, tmp_path):
         " for p (",
     ):
         assert said in text
-    for matrix in matrices(best_rows(result.rows, result.floors)):
+    for matrix in recommendation_matrices(fastest_rows(result.rows, result.floors)):
         cells = list(chain.from_iterable(matrix.lines.values()))
         assert {cell.row["target"] for cell in cells} == set(matrix.targets)
         for cell in cells:
@@ -178,8 +184,10 @@ def test_report(outcome, tmp_path):
 
 def test_methods_that_do_not_apply_are_rows(brake):
     rows = [
-        measure(brake, Method("foundation", "f", {"model": "foundation"}), None, lambda: None),
-        measure(
+        measure_method(
+            brake, Method("foundation", "f", {"model": "foundation"}), None, lambda: None
+        ),
+        measure_method(
             brake, Method("weak penalty", "w", {"elements": 4, "penalty": -1.0}), None, lambda: None
         ),
     ]
@@ -193,7 +201,7 @@ def test_times_are_medians_of_enough_repeats_beside_the_unit():
     def work(n):
         return lambda: sum(range(n))
 
-    found = timing(work(20_000), work(10_000), 1e-4)
+    found = time_call(work(20_000), work(10_000), 1e-4)
     assert found.lower <= found.seconds <= found.upper
     assert found.repeats >= 5
     assert 1 < found.ratio < 4
@@ -208,10 +216,10 @@ def test_the_floor_is_the_distance_of_both_references_whose_shoes_do_not_cancel(
         ),
     )
     assert other.torque == pytest.approx(one.torque, rel=1e-12)
-    assert floor(brake, Trio(one, one, other))["torque_error"] == pytest.approx(
-        2 / one.torque, rel=1e-12
-    )
+    assert reference_uncertainty(brake, ReferenceResponses(one, one, other))[
+        "torque_error"
+    ] == pytest.approx(2 / one.torque, rel=1e-12)
     peaks = replace(one, shoes=scaled_pressures(one.shoes, 1.01))
-    found = floor(brake, Trio(one, peaks, None))
+    found = reference_uncertainty(brake, ReferenceResponses(one, peaks, None))
     assert [found["pressure_error"], found["peak_error"]] == pytest.approx([0.01, 0.01], rel=1e-9)
-    assert set(floor(brake, Trio(one, one, one)).values()) == {0.0}
+    assert set(reference_uncertainty(brake, ReferenceResponses(one, one, one)).values()) == {0.0}

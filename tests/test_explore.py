@@ -25,7 +25,7 @@ from drumlin.explore.page import reply
 from drumlin.explore.picture import numbers_of, picture_of, scale_of
 from drumlin.fem.model import respond
 from drumlin.laws import sine
-from drumlin.lining_wear.worn_in import worn_in
+from drumlin.lining_wear.worn_in import worn_in_brake
 from drumlin.response.resultants import integrate
 from picking import having, picked
 from shared_forces import cam_brake, servo
@@ -93,7 +93,7 @@ def test_every_quantity_has_a_test():
 def test_worn_long_enough_the_brake_is_the_laws(explorer):
     worn = explorer.answer(turned(explorer, wear=50.0))
     scene = explorer.scene(explorer.brake)
-    goal = respond(scene, worn_in(scene, explorer.brake))
+    goal = respond(scene, worn_in_brake(scene, explorer.brake))
     assert worn.found.torque == pytest.approx(goal.torque, rel=2e-3)
     assert worn.found.torque == pytest.approx(worn.law.torque, rel=2e-3)
     new = explorer.answer(turned(explorer))

@@ -6,7 +6,7 @@ from drumlin.base.errors import NoAnswer
 from drumlin.fem.solve import solve
 from drumlin.response.norms import pressure_distance
 from drumlin_studies.extreme_cases import KnobCase
-from drumlin_studies.trial import said
+from drumlin_studies.trial import changed_knobs_text
 
 QUICK = [KnobCase(thickness=1 / 3), KnobCase(arc=170.0)]
 SLOW = [
@@ -39,13 +39,13 @@ def check(case):
         assert pressure_distance(a, b) <= found.error["pressure"] + 2 * pressure_distance(c, b)
 
 
-@pytest.mark.parametrize("case", QUICK, ids=said)
+@pytest.mark.parametrize("case", QUICK, ids=changed_knobs_text)
 def test_far_apart(case):
     check(case)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("case", SLOW, ids=said)
+@pytest.mark.parametrize("case", SLOW, ids=changed_knobs_text)
 def test_farther_apart(case):
     check(case)
 

@@ -18,9 +18,17 @@ from drumlin.cli import process
 from drumlin.fem.mesh import vtu
 from drumlin.fem.mesh.inp import read_inp
 from drumlin_studies.fuzzing import endings, soundness, trials
-from drumlin_studies.fuzzing.broken_meshes import MESH_SUFFIXES, mesh_files, meshed
-from drumlin_studies.fuzzing.endings import fault_of, in_process, in_subprocess
-from drumlin_studies.fuzzing.faults import reference_text, result_text, shown
+from drumlin_studies.fuzzing.broken_meshes import (
+    MESH_SUFFIXES,
+    solve_of_meshed_brake,
+    sound_mesh_files,
+)
+from drumlin_studies.fuzzing.endings import find_fault, run_in_subprocess, run_in_this_process
+from drumlin_studies.fuzzing.faults import (
+    pressure_table_text,
+    reference_file_text,
+    shown_command_line,
+)
 from drumlin_studies.fuzzing.inputs import BrokenInput, brake_text
 from judged_endings import BAD, GIVEN, GOOD, REFUSED
 from picking import saying
@@ -35,7 +43,7 @@ Impossible inputs and changed sweeps end in some 20 ms; each journal takes a swe
 
 @pytest.mark.parametrize("generator", trials.GENERATORS)
 def test_the_first_inputs_of_a_generator_end_as_promised(generator):
-    verdicts = [trials.tried(generator, number) for number in range(FIRST.get(generator, 25))]
+    verdicts = [trials.try_input(generator, number) for number in range(FIRST.get(generator, 25))]
     assert [verdict.fault for verdict in verdicts if verdict.fault] == []
 
 
@@ -44,7 +52,7 @@ def test_no_broken_input_ends_in_a_fault():
     """As many of each generator as fit; the same ones in the same order every time."""
     start, number, faults = time.monotonic(), 25, []
     while number < 30 or (time.monotonic() - start < SECONDS and number < 300):
-        faults += [trials.tried(generator, number).fault for generator in trials.GENERATORS]
+        faults += [trials.try_input(generator, number).fault for generator in trials.GENERATORS]
         number += 1
     assert not any(faults), "\n".join(filter(None, faults))
 
@@ -57,16 +65,22 @@ def test_each_generator_repeats_itself_and_varies():
 
 @pytest.mark.parametrize("generator", ["sizes", "tables"])
 def test_a_process_of_its_own_ends_alike(generator):
-    given = trials.made(generator, 0)
-    one, other = in_process(given), in_subprocess(given)
+    given = trials.make_input(generator, 0)
+    one, other = run_in_this_process(given), run_in_subprocess(given)
     assert (one.status, one.err) == (other.status, other.err)
 
 
 def test_words_that_no_process_can_be_given_are_tried_in_this_one():
     """A NUL, half of a surrogate pair: both are among the words."""
-    numbers = [n for n in range(60) if not all(map(trials.passes, trials.made("words", n).words))]
-    assert {True, False} == {bool(saying(trials.made("words", n).words, "\0")) for n in numbers}
-    assert [trials.tried("words", n, apart=True).status for n in numbers[:6]] == [2] * len(
+    numbers = [
+        n
+        for n in range(60)
+        if not all(map(trials.can_be_process_word, trials.make_input("words", n).words))
+    ]
+    assert {True, False} == {
+        bool(saying(trials.make_input("words", n).words, "\0")) for n in numbers
+    }
+    assert [trials.try_input("words", n, apart=True).status for n in numbers[:6]] == [2] * len(
         numbers[:6]
     )
 
@@ -74,12 +88,12 @@ def test_words_that_no_process_can_be_given_are_tried_in_this_one():
 def test_what_waits_without_end_is_found(monkeypatch):
     monkeypatch.setattr(endings, "LONGEST_WAIT", 0.05)
     monkeypatch.setattr(process, "run", lambda words: threading.Event().wait(60))
-    assert "Late" in fault_of(GIVEN, in_process(GIVEN))
+    assert "RunTooLong" in find_fault(GIVEN, run_in_this_process(GIVEN))
 
 
 def test_a_warning_and_a_run_that_works_without_end_are_found(monkeypatch):
     monkeypatch.setattr(process, "run", lambda words: warnings.warn("x", stacklevel=1) or 0)
-    assert "UserWarning" in fault_of(GIVEN, in_process(GIVEN))
+    assert "UserWarning" in find_fault(GIVEN, run_in_this_process(GIVEN))
 
     def slow(words):
         while True:
@@ -87,7 +101,7 @@ def test_a_warning_and_a_run_that_works_without_end_are_found(monkeypatch):
 
     monkeypatch.setattr(endings, "LONGEST_RUN", 0.2)
     monkeypatch.setattr(process, "run", slow)
-    assert "took" in fault_of(GIVEN, in_process(GIVEN))
+    assert "took" in find_fault(GIVEN, run_in_this_process(GIVEN))
 
 
 @pytest.mark.parametrize("suffix", MESH_SUFFIXES)
@@ -97,20 +111,20 @@ def test_a_sound_mesh_is_answered_and_that_of_an_impossible_one_is_a_fault(suffi
     Impossible meshes are made from meshes that drumlin takes: otherwise a refusal would prove
     nothing.
     """
-    sound = meshed("sound", mesh_files()[suffix], suffix, must_fail=False)
-    end = in_process(sound)
-    assert end.status == 0 and fault_of(sound, end) == ""
-    assert "has none" in fault_of(sound._replace(must_fail=True), end)
+    sound = solve_of_meshed_brake("sound", sound_mesh_files()[suffix], suffix, must_fail=False)
+    end = run_in_this_process(sound)
+    assert end.status == 0 and find_fault(sound, end) == ""
+    assert "has none" in find_fault(sound._replace(must_fail=True), end)
 
 
 def test_an_answer_that_cannot_be_true_is_found(monkeypatch):
     brake = read_any(ROOT / "studies" / f"{BRAKE}.toml")
     answer = solve(brake, "fem", elements=6)
-    assert soundness.unsound(brake, answer) == ""
+    assert soundness.find_unsound_response(brake, answer) == ""
 
     def seen(**changed):
         parts = {name: getattr(answer, name) for name in ("torque", "balance", "shoes", "model")}
-        return soundness.unsound(brake, SimpleNamespace(**parts | changed))
+        return soundness.find_unsound_response(brake, SimpleNamespace(**parts | changed))
 
     assert seen(torque=math.nan) == "not finite"
     assert "negative" in seen(torque=-answer.torque)
@@ -122,15 +136,15 @@ def test_an_answer_that_cannot_be_true_is_found(monkeypatch):
 
 @pytest.mark.parametrize("case", BAD)
 def test_the_judge_finds_each_kind_of_fault(case):
-    assert fault_of(GIVEN, GOOD) == fault_of(GIVEN, REFUSED) == ""
-    assert fault_of(GIVEN, BAD[case])
+    assert find_fault(GIVEN, GOOD) == find_fault(GIVEN, REFUSED) == ""
+    assert find_fault(GIVEN, BAD[case])
 
 
 def test_a_name_that_reads_like_no_number_is_none():
     named = GIVEN._replace(files={"b.toml": b'shoe = [{name = "nan mm"}, {name = "inf"}]'})
     end = GOOD._replace(out="nan mm  3 N m\n", written={"r.csv": b"shoe,p\ninf,1\n"})
-    assert fault_of(named, end) == "" != fault_of(GIVEN, end)
-    assert fault_of(named, end._replace(out="nan mm  nan N m\n"))
+    assert find_fault(named, end) == "" != find_fault(GIVEN, end)
+    assert find_fault(named, end._replace(out="nan mm  nan N m\n"))
 
 
 # the ones that a list names
@@ -161,8 +175,8 @@ def test_brake_files_that_used_to_fall(case):
         {"b.toml": text.replace(before, after, 1).encode()},
         ["solve", "b.toml", "--elements", "6"],
     )
-    end = in_process(given)
-    assert end.status == 2 and fault_of(given, end) == ""
+    end = run_in_this_process(given)
+    assert end.status == 2 and find_fault(given, end) == ""
 
 
 WORDS = {
@@ -182,12 +196,12 @@ WORDS = {
 def test_command_lines_that_used_to_fall(case):
     files = {"b.toml": brake_text(BRAKE), "post.toml": brake_text("post_brake/brake")}
     given = BrokenInput(case, files, WORDS[case])
-    end = in_process(given)
-    assert end.status == 2 and fault_of(given, end) == ""
+    end = run_in_this_process(given)
+    assert end.status == 2 and find_fault(given, end) == ""
 
 
 def test_a_small_vtu_that_unpacks_to_much_is_refused_before(monkeypatch):
-    data = mesh_files()[".vtu"]
+    data = sound_mesh_files()[".vtu"]
     vtu.check_unpacked(data)
     monkeypatch.setattr(vtu, "MOST_UNPACKED", 1000)
     with pytest.raises(ValueError, match="unpacks to more than 1000 bytes"):
@@ -219,9 +233,13 @@ def test_sets_of_a_mesh_that_fill_the_memory_are_refused_before(text):
 
 
 def test_the_sound_files_are_sound():
-    files = {"b.toml": brake_text(BRAKE), "ref.json": reference_text(), "r.csv": result_text()}
+    files = {
+        "b.toml": brake_text(BRAKE),
+        "ref.json": reference_file_text(),
+        "r.csv": pressure_table_text(),
+    }
     given = BrokenInput("x", files, ["check", "b.toml", "r.csv", "--reference", "ref.json"])
-    end = in_process(given)
-    assert end.status == 0 and fault_of(given, end) == "" and "of the reference" in end.out
+    end = run_in_this_process(given)
+    assert end.status == 0 and find_fault(given, end) == "" and "of the reference" in end.out
     with pytest.raises(BadInput):
-        raise BadInput(shown(given))
+        raise BadInput(shown_command_line(given))

@@ -21,7 +21,7 @@ from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin.laws import locking_friction, sine
 from drumlin.response.norms import pressure_distance
-from drumlin.verification.cost import cost, table
+from drumlin.verification.cost import cost_table_lines, measure_fem_cost
 from picking import picked, saying
 
 ROTATIONS = ("counter-clockwise", "clockwise")
@@ -419,14 +419,14 @@ def test_cost_is_counted_from_the_same_run(brake):
 
     Exact ratios are for the command `drumlin cost` to state.
     """
-    c = cost(brake, elements=60, repeats=3)
+    c = measure_fem_cost(brake, elements=60, repeats=3)
     assert 1 < c.solve_ratio < 10
     assert 0 < c.further_ratio < 0.5
 
 
 @pytest.mark.slow
 def test_the_cost_table_has_a_row_a_size_and_the_exponent(brake):
-    head, *rows, last = table(brake, sizes=(2_000, 4_000))
+    head, *rows, last = cost_table_lines(brake, sizes=(2_000, 4_000))
     assert "memory [GiB]" in head
     # Meshes consist of whole layers of elements and meet a size only roughly.
     assert [float(row.split()[0]) for row in rows] == pytest.approx([2_000, 4_000], rel=0.4)

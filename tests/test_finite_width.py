@@ -15,8 +15,8 @@ from drumlin.brake.plane_brake import read_any
 from drumlin.fem.preparation import finite_width
 from drumlin.fem.solid import model
 from drumlin.fem.solve import solve
-from drumlin.sweeps.cases import solved
-from drumlin.sweeps.file import sweep_from
+from drumlin.sweeps.cases import case_row
+from drumlin.sweeps.file import sweep_from_data
 from sections import t_section
 
 pytestmark = pytest.mark.slow
@@ -193,9 +193,9 @@ def test_what_else_is_done_with_a_brake_takes_the_corrected_one(root, flexible, 
 def test_a_sweep_takes_the_option(root, flexible):
     file = str(root / "studies" / "double_shoe" / "flexible.toml")
     options = {"elements": 8, "finite_width": True}
-    cases = sweep_from(
+    cases = sweep_from_data(
         {"brake": file, "model": {"fem": options}, "vary": {"friction": [0.2, 0.3]}}
     ).cases
     for case, friction in zip(cases, (0.2, 0.3), strict=True):
         wide = finite_width.finite_width(vary(flexible, {"friction": friction}))
-        assert solved(case)["torque"] == solve(wide, elements=8).torque
+        assert case_row(case)["torque"] == solve(wide, elements=8).torque

@@ -16,10 +16,10 @@ from drumlin.foundation import ring
 from drumlin.foundation.model import system
 from drumlin.foundation.post import post, stations
 from drumlin.laws import locking_friction, sine
-from drumlin.lining_wear.worn_in import worn_in_foundation
+from drumlin.lining_wear.worn_in import worn_in_foundation_brake
 from drumlin.models import MODELS, applicable
 from drumlin.response.merit import barecki_shoe_factor
-from drumlin_studies.barecki_iteration import iterate
+from drumlin_studies.barecki_iteration import solve_by_paper_iteration
 from picking import picked
 
 POST = read_brake(ROOT / "studies" / "post_brake" / "brake.toml")
@@ -352,7 +352,7 @@ def test_the_papers_iteration_gives_the_same_answer(gap, ring_EI, spin):
     if ring_EI is not None:
         brake = vary(brake, {"drum.ring": {"bending_stiffness": ring_EI}})
     mine = foundation.solve(brake, sections=120).shoes[0]
-    paper = iterate(brake, 0, 120)
+    paper = solve_by_paper_iteration(brake, 0, 120)
     p = post(brake, brake.shoes[0], 120, **PAPER)
     assert paper.rounds > 1
     assert mine.pressure == pytest.approx(
@@ -514,7 +514,7 @@ def test_a_flexible_post_does_not_lock_and_is_followed_to_any_friction(spin):
 
 @pytest.mark.parametrize("lift", ((), ("all",)))
 def test_a_worn_in_lining_bears_by_the_sine_law_however_elastic_the_brake_is(lift):
-    worn = worn_in_foundation(POST, lift=lift)
+    worn = worn_in_foundation_brake(POST, lift=lift)
     before, after, law = (
         foundation.solve(POST, lift=lift),
         foundation.solve(worn, lift=lift),

@@ -10,8 +10,8 @@ from drumlin.brake.file import vary
 from drumlin.brake.plane_brake import FlatBrake
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.laws import law
-from drumlin.lining_wear.linings import fem_setup
-from drumlin.lining_wear.run_in import checks, run_in, target
+from drumlin.lining_wear.linings import fem_wear_setup
+from drumlin.lining_wear.run_in import compute_run_checks, rigid_law_target, run_in
 from flat_pads import pad
 from held_shoes import BODY, brake_of
 from shared_forces import cam_brake, servo
@@ -65,9 +65,11 @@ def test_a_worn_in_pad_bears_by_the_law() -> None:
 def test_running_in_ends_at_the_law(name: str) -> None:
     """The forces of a cam are shared anew at every step: new F1 B1 is not F2 B2, worn in it is."""
     brake = BRAKES[name]()
-    setup = fem_setup(prepare(brake, elements=24), brake)
-    states, goal = run_in(setup), target(setup)
+    setup = fem_wear_setup(prepare(brake, elements=24), brake)
+    states, goal = run_in(setup), rigid_law_target(setup)
     assert goal.torque == pytest.approx(law(brake).torque, rel=2e-4)
     assert states[-1].torque == pytest.approx(goal.torque, rel=2e-3)
     assert abs(states[0].torque / goal.torque - 1) > 3e-3
-    assert checks(setup, states, drumlin.lining_wear.archard.WearLaw(1e-14)).volume < 1e-9
+    assert (
+        compute_run_checks(setup, states, drumlin.lining_wear.archard.WearLaw(1e-14)).volume < 1e-9
+    )

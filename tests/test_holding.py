@@ -19,8 +19,8 @@ from drumlin.fem.equilibrium.group import grouped
 from drumlin.fem.model import respond
 from drumlin.fem.preparation.prepare import prepare
 from drumlin_studies.random_brake import random_brake
-from drumlin_studies.random_kinds import random_kind
-from drumlin_studies.standing_off import standing_off
+from drumlin_studies.random_kinds import draw_brake_of_holding_kind
+from drumlin_studies.standing_off import draw_brake_with_clearances
 from picking import picked
 
 ELEMENTS = 16
@@ -83,7 +83,7 @@ def test_random_brakes_go_through_full_slip_and_back(count):
 
 def test_at_the_rotation_of_full_slip_no_path_sticks():
     """A pad whose last node comes to slip later the finer the path is that leads there."""
-    pad = random_kind(410003, "pad on a pivot")
+    pad = draw_brake_of_holding_kind(410003, "pad on a pivot")
     scene = prepare(pad, elements=12)
     end = full_slip_rotation(scene, pad, increments=1)
     for count in (2, 6, 12):
@@ -98,7 +98,7 @@ def test_an_increment_that_does_not_settle_is_halved():
     A shoe that stands off its drum goes at once through forty times the rotation to full slip,
     forth and back.
     """
-    brake = standing_off(420078)
+    brake = draw_brake_with_clearances(420078)
     scene = prepare(brake, elements=12)
     far = 40 * full_slip_rotation(scene, brake)
     there, back, again = hold(scene, brake, np.array([far, -far, far]))

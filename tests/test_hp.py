@@ -54,10 +54,10 @@ from drumlin.fem.solve import scene_of, solve
 from drumlin.fem.substructure.body import FRAME, condense_body, rigid_body_modes
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 from drumlin.laws import sine
-from drumlin.lining_wear.worn_in import solve as solve_worn_in
+from drumlin.lining_wear.worn_in import solve_worn_in_brake as solve_worn_in
 from drumlin.response.norms import pressure_distance
 from drumlin.response.resultants import InnerPart, largest, lobatto
-from drumlin.sweeps.cases import solved
+from drumlin.sweeps.cases import case_row
 from drumlin_studies.random_brake import random_brake
 from picking import picked
 from shared_parts import drum_ring, friction_cases
@@ -846,15 +846,15 @@ def test_holding_wear_and_slopes_start_from_the_division_that_solve_ends_on(brak
 
 def test_cases_of_a_sweep_state_their_errors_and_share_divisions(brake):
     cases = friction_cases(brake, (0.3, 0.3001, 0.3002), "fem")
-    rows = [solved(case, cache) for cache in [Cache()] for case in cases]
+    rows = [case_row(case, cache) for cache in [Cache()] for case in cases]
     for row in rows:
         assert (
             0 < row["error_pressure"] <= DEFAULT_TOLERANCE.pressure
             and row["error_torque"] <= DEFAULT_TOLERANCE.torque
         )
     # A row of a sweep must depend on its case alone.
-    assert rows == list(map(solved, cases))
-    meshed = solved(cases[0]._replace(options={"elements": 20}))
+    assert rows == list(map(case_row, cases))
+    meshed = case_row(cases[0]._replace(options={"elements": 20}))
     assert "error_pressure" not in meshed
     assert meshed["torque"] == pytest.approx(rows[0]["torque"], rel=1e-4)
 

@@ -88,7 +88,10 @@ def test_patch_test_on_the_arc(sign):
     interference, exact, spreads, means = 1e-4, lame_interference(1e-4), [], []
     for inside, outside in ((24, 30), (48, 60), (96, 120)):
         rings = [
-            pair.body(pair.closed(angles, np.linspace(0, 0.4, depth), 1.0, way), pair.LADDER_STEEL)
+            pair.condense_contact_body(
+                pair.closed_ring_mesh(angles, np.linspace(0, 0.4, depth), 1.0, way),
+                pair.LADDER_STEEL,
+            )
             for angles, depth, way in ((circle(inside), 5, -1), (circle(outside) + 0.01, 6, 1))
         ]
         both = pair.BodyPair.of(*rings[::sign], sign=sign)
@@ -203,7 +206,7 @@ def test_the_matrices_of_straight_edges_are_those_of_the_book(order):
 def test_the_nodes_of_a_contact_line_follow_one_another_wherever_it_lies(kind, turned):
     """Edges in any order and sense; angles within half a turn of the middle, also past 180 deg."""
     angles = turned + np.linspace(-0.5, 0.5, 6)
-    mesh = pair.sector(angles, np.array([0.0, 0.1, 0.2]), 1.0, 1)
+    mesh = pair.sector_mesh(angles, np.array([0.0, 0.1, 0.2]), 1.0, 1)
     if kind == "quad1":
         mesh = skfem.MeshQuad(mesh.p, mesh.t, _boundaries=mesh.boundaries)
     basis = scalar_basis(mesh)

@@ -23,14 +23,19 @@ from drumlin.fem.mesh.file import write_mesh
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.laws import law
 from drumlin.lining_wear.archard import WearLaw
-from drumlin.lining_wear.linings import fem_setup
-from drumlin.lining_wear.run_in import COEFFICIENT, checks, run_in, unit_distance
+from drumlin.lining_wear.linings import fem_wear_setup
+from drumlin.lining_wear.run_in import (
+    COEFFICIENT,
+    compute_run_checks,
+    run_in,
+    unit_sliding_distance,
+)
 from drumlin.models import pick
 from drumlin.response.balance import loaded
 from drumlin.verification import triangles
-from drumlin.verification.check import check, read_curves, within
-from drumlin.verification.reference import Refinement, reference, responses
-from drumlin.verification.reference_file import as_dict, read_reference, write_values
+from drumlin.verification.check import are_within_tolerance, judge_curves, read_curves
+from drumlin.verification.reference import Refinement, compute_reference, solve_reference_responses
+from drumlin.verification.reference_file import read_reference, reference_data, write_reference
 from picking import keyed, picked
 from shared_parts import modulus_slopes
 
@@ -140,9 +145,9 @@ def worn_in(at: Posed) -> None:
 
 def wears(at: Posed) -> None:
     own, rule = at.brake, WearLaw(COEFFICIENT)
-    setup = fem_setup(prepare(own, elements=ELEMENTS), own)
-    states = run_in(setup, rule, distance=0.3 * unit_distance(setup, rule))
-    found = checks(setup, states, rule)
+    setup = fem_wear_setup(prepare(own, elements=ELEMENTS), own)
+    states = run_in(setup, rule, distance=0.3 * unit_sliding_distance(setup, rule))
+    found = compute_run_checks(setup, states, rule)
     assert states[-1].removed > 0
     assert found.volume < 1e-9
     assert found.energy is not None
@@ -217,12 +222,12 @@ def referred(at: Posed) -> None:
 
     On a drum their second solver covers the brake.
     """
-    trio = responses(at.brake, ROUGHLY)
+    trio = solve_reference_responses(at.brake, ROUGHLY)
     assert (trio.other is None) == flat(at.brake)
-    found = reference(at.brake, at.file.read_text(), "made here", trio)
+    found = compute_reference(at.brake, at.file.read_text(), "made here", trio)
     assert found.torque.value == pytest.approx(drumlin.solve(at.brake).effect, rel=1e-3)
     assert found.torque.uncertainty < 1e-3 * found.torque.value
-    write_values(as_dict(found), at.folder / "r.json")
+    write_reference(reference_data(found), at.folder / "r.json")
 
 
 def checked(at: Posed) -> None:
@@ -233,8 +238,8 @@ def checked(at: Posed) -> None:
     assert done.returncode == 0
     known = read_reference(at.folder / "r.json")
     assert known.surface == at.brake.surface
-    verdicts = check(at.brake, known, read_curves(curves, at.brake))
-    assert within(verdicts, 5e-3)
+    verdicts = judge_curves(at.brake, known, read_curves(curves, at.brake))
+    assert are_within_tolerance(verdicts, 5e-3)
     for verdict, shoe in zip(verdicts, drumlin.solve(at.brake).shoes, strict=True):
         own = shoe.torque or drumlin.solve(at.brake).effect
         assert verdict.torque == pytest.approx(own, rel=2e-2)

@@ -9,15 +9,15 @@ import pytest
 import drumlin
 from drumlin.brake.brake import Brake
 from drumlin.verification import triangles
-from drumlin_studies.random_kinds import HOLDING_KINDS, random_kind
+from drumlin_studies.random_kinds import HOLDING_KINDS, draw_brake_of_holding_kind
 from drumlin_studies.stated_true import (
     JUDGED_QUANTITIES,
     Truth,
-    by_columns,
-    errors,
-    limit,
-    ratio,
-    row,
+    distance_from_limit,
+    stated_and_true_row,
+    stated_over_true,
+    true_errors,
+    truth_by_hp_elements,
 )
 from picking import picked
 
@@ -26,7 +26,7 @@ QUICK = triangles.TRIANGLE_LEVELS[:1]
 
 
 def brake_of(seed: int, kind: str) -> Brake:
-    brake = random_kind(seed, kind)
+    brake = draw_brake_of_holding_kind(seed, kind)
     assert not brake.surface.straight
     return brake
 
@@ -51,11 +51,13 @@ def rows_of(kind: str, seeds: range, tolerance: float) -> list[dict[str, Any]]:
     for seed in seeds:
         brake = brake_of(seed, kind)
         before, last = triangles.solve_sequence(brake, triangles.TRIANGLE_LEVELS[:2])
-        moved = errors(brake, before, last)
+        moved = true_errors(brake, before, last)
         true = Truth(
-            last, {name: limit(2 * moved[name], moved[name]) for name in JUDGED_QUANTITIES}, 0.0
+            last,
+            {name: distance_from_limit(2 * moved[name], moved[name]) for name in JUDGED_QUANTITIES},
+            0.0,
         )
-        rows.append(row(brake, tolerance, drumlin.solve, true))
+        rows.append(stated_and_true_row(brake, tolerance, drumlin.solve, true))
     return rows
 
 
@@ -70,7 +72,7 @@ def test_what_a_solve_states_is_what_it_has(kind: str) -> None:
         assert one["outcome"] == "reached", one
         for name in ("pressure", "torque"):
             assert one[f"true_{name}"] - one[f"unsure_{name}"] < 1e-3, one
-            assert ratio(one, name) > 0.5, one
+            assert stated_over_true(one, name) > 0.5, one
 
 
 @pytest.mark.slow
@@ -81,10 +83,10 @@ def test_an_opening_between_two_nodes_is_found_before_an_error_is_stated() -> No
     opening's ends the error of p would stay where its estimate falls.
     """
     brake = brake_of(79, "strut")
-    one = row(brake, 1e-3, drumlin.solve, by_columns(brake, 1e-3))
+    one = stated_and_true_row(brake, 1e-3, drumlin.solve, truth_by_hp_elements(brake, 1e-3))
     assert len(drumlin.solve(brake, tolerance=0.02).shoes[0].contact_arcs) == 2
     for name in JUDGED_QUANTITIES:
-        assert ratio(one, name) > 1, one
+        assert stated_over_true(one, name) > 1, one
 
 
 @pytest.mark.slow
@@ -95,7 +97,7 @@ def test_a_reaction_does_not_move_late() -> None:
     to go.
     """
     brake = brake_of(121, "guide")
-    one = row(brake, 1e-2, drumlin.solve, by_columns(brake, 1e-3))
+    one = stated_and_true_row(brake, 1e-2, drumlin.solve, truth_by_hp_elements(brake, 1e-3))
     assert 5e-5 < one["true_reaction"] < 2e-4, one
     for name in JUDGED_QUANTITIES:
-        assert ratio(one, name) > 1, one
+        assert stated_over_true(one, name) > 1, one

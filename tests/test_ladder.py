@@ -8,8 +8,8 @@ from pytest import approx
 
 from drumlin.contact.stick_slip import BACKWARD, FORWARD, OPEN, STICK
 from drumlin_studies import closed_forms
-from drumlin_studies.ladder import LADDER_CASES, families, within
-from drumlin_studies.ladder_friction import pressed_plate
+from drumlin_studies.ladder import LADDER_CASES, case_families, is_within_tolerance
+from drumlin_studies.ladder_friction import press_and_push_plate
 from picking import picked
 
 pytestmark = pytest.mark.slow
@@ -20,16 +20,16 @@ pytestmark = pytest.mark.slow
 )
 def test_every_case_is_within_its_tolerance(case):
     value = case.found()
-    assert within(case, value), (
+    assert is_within_tolerance(case, value), (
         f"{value!r} for {case.expected!r}, {value / case.expected - 1:.2e} off"
     )
-    assert not within(case, 1.1 * value)
-    assert not within(case, value / 1.1)
-    assert not within(case, math.nan)
+    assert not is_within_tolerance(case, 1.1 * value)
+    assert not is_within_tolerance(case, value / 1.1)
+    assert not is_within_tolerance(case, math.nan)
 
 
 def test_the_ladder_has_forty_families_each_with_its_source():
-    assert len(families()) >= 40
+    assert len(case_families()) >= 40
     assert len(set(picked(LADDER_CASES, ("family", "quantity")))) == len(LADDER_CASES)
     for case in LADDER_CASES:
         assert case.source and case.shows
@@ -37,7 +37,7 @@ def test_the_ladder_has_forty_families_each_with_its_source():
 
 
 def test_the_plate_sticks_slips_and_lifts_off_at_once():
-    states = pressed_plate().states
+    states = press_and_push_plate().states
     assert {OPEN, STICK} <= states
     assert states & {FORWARD, BACKWARD}
 
@@ -59,20 +59,20 @@ def test_the_yield_of_rings_tends_to_its_limits():
     # against it
     for n in (0, 1, 2, 5):
         inside, outside = (
-            closed_forms.ring_yield(n, 1.0, held, E, nu) for held in (1 - 1e-4, 1 + 1e-4)
+            closed_forms.ring_compliance(n, 1.0, held, E, nu) for held in (1 - 1e-4, 1 + 1e-4)
         )
         assert inside == approx(-1e-4 * (1 - nu**2) / E, rel=1e-3)
         assert outside == approx(1e-4 * (1 - nu**2) / E, rel=1e-3)
     # a short wave sees a half-plane: 2/(E n)
-    assert closed_forms.ring_yield(60, 1.0, 1.9, E, nu) == approx(2 / (E * 60), rel=0.02)
+    assert closed_forms.ring_compliance(60, 1.0, 1.9, E, nu) == approx(2 / (E * 60), rel=0.02)
     # sizes scale
-    assert closed_forms.ring_yield(2, 3.0, 1.8, E, nu) == approx(
-        3 * closed_forms.ring_yield(2, 1.0, 0.6, E, nu)
+    assert closed_forms.ring_compliance(2, 3.0, 1.8, E, nu) == approx(
+        3 * closed_forms.ring_compliance(2, 1.0, 0.6, E, nu)
     )
 
 
 def test_lames_ring_tends_to_the_boiler_formula():
-    inner, outer = closed_forms.lame(1.0, 1.001, 1e6, 200e9, 0.3)
+    inner, outer = closed_forms.lame_displacements(1.0, 1.001, 1e6, 200e9, 0.3)
     assert inner == approx(outer, rel=1e-3)
     assert inner == approx(1e6 / 200e9 / 0.001, rel=2e-3)
 
@@ -89,37 +89,39 @@ def test_exponents_of_the_corner(mu, exponent):
 
 
 def test_hertz_and_westergaard_in_their_limits():
-    half, peak = closed_forms.hertz(1e5, 2.0, 1e11)
+    half, peak = closed_forms.hertz_line_contact(1e5, 2.0, 1e11)
     # The half-ellipse of pressure carries the load.
     assert math.pi * half * peak / 2 == approx(1e5)
     assert peak == approx(1e11 * half / (2 * 2.0))
     psi = np.linspace(-math.pi / 2, math.pi / 2, 100001)
     for mean in (0.2, 0.7, 1.5):
-        p = closed_forms.westergaard(mean, 1.0, psi)
+        p = closed_forms.westergaard_pressure(mean, 1.0, psi)
         assert np.trapezoid(p, psi) / math.pi == approx(mean, rel=1e-5)
-    assert closed_forms.westergaard(1 - 1e-9, 1.0, psi) == approx(
-        closed_forms.westergaard(1.0, 1.0, psi), abs=1e-4
+    assert closed_forms.westergaard_pressure(1 - 1e-9, 1.0, psi) == approx(
+        closed_forms.westergaard_pressure(1.0, 1.0, psi), abs=1e-4
     )
 
 
 def test_the_flat_punch_carries_its_load():
     # The angles are those of x = a sin(turned).
     turned = (np.arange(1000) + 0.5) / 1000 * math.pi - math.pi / 2
-    p = closed_forms.flat_punch(3.0, 0.2, 0.2 * np.sin(turned))
+    p = closed_forms.flat_punch_pressure(3.0, 0.2, 0.2 * np.sin(turned))
     assert (p * 0.2 * np.cos(turned)).mean() * math.pi == approx(3.0)
 
 
 def test_tensions_of_a_belt_multiply():
-    assert closed_forms.capstan(0.3, 1.0) * closed_forms.capstan(0.3, 2.0) == approx(
-        closed_forms.capstan(0.3, 3.0)
-    )
-    assert closed_forms.capstan(0.3, -1.0) * closed_forms.capstan(0.3, 1.0) == approx(1.0)
+    assert closed_forms.capstan_tension_ratio(0.3, 1.0) * closed_forms.capstan_tension_ratio(
+        0.3, 2.0
+    ) == approx(closed_forms.capstan_tension_ratio(0.3, 3.0))
+    assert closed_forms.capstan_tension_ratio(0.3, -1.0) * closed_forms.capstan_tension_ratio(
+        0.3, 1.0
+    ) == approx(1.0)
 
 
 def test_a_short_shoe_on_springs_locks_as_a_block_does():
     """A lining at 90 deg, a = R: m = n at mu = 1; and a short block's friction is its own."""
-    assert closed_forms.sine_shoe_limit(0.2, 0.2, math.pi / 2 - 1e-3, math.pi / 2 + 1e-3) == approx(
-        1.0, rel=1e-5
-    )
-    assert closed_forms.equivalent_block(1e-3) == approx(1.0, rel=1e-6)
-    assert closed_forms.equivalent_block(math.pi / 2) == approx(4 / math.pi)
+    assert closed_forms.sine_shoe_locking_friction(
+        0.2, 0.2, math.pi / 2 - 1e-3, math.pi / 2 + 1e-3
+    ) == approx(1.0, rel=1e-5)
+    assert closed_forms.block_friction_ratio(1e-3) == approx(1.0, rel=1e-6)
+    assert closed_forms.block_friction_ratio(math.pi / 2) == approx(4 / math.pi)

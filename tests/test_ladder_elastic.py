@@ -12,7 +12,12 @@ from drumlin.brake.fields import Material
 from drumlin.contact import active_set
 from drumlin.contact.equations import Problem
 from drumlin.fem.substructure.body import scalar_basis, stiffness
-from drumlin_studies.two_bodies import BodyPair, body, sector, towards
+from drumlin_studies.two_bodies import (
+    BodyPair,
+    condense_contact_body,
+    growing_steps_to,
+    sector_mesh,
+)
 
 pytestmark = pytest.mark.slow
 
@@ -83,10 +88,14 @@ def strip():
     Elements shrink to 1e-7 of its thickness towards its ends and its face.
     """
     thickness, half = 0.05, 0.1
-    fine = towards(1e-8, 1.35, half)
+    fine = growing_steps_to(1e-8, 1.35, half)
     angles = np.concatenate([-half + fine, (half - fine)[::-1][1:]])
     return thickness, BodyPair.of(
-        body(sector(angles, towards(1e-8, 1.35, thickness), 1.0, -1), Material(E=3e8, nu=0.3)), None
+        condense_contact_body(
+            sector_mesh(angles, growing_steps_to(1e-8, 1.35, thickness), 1.0, -1),
+            Material(E=3e8, nu=0.3),
+        ),
+        None,
     )
 
 

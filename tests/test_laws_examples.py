@@ -18,7 +18,12 @@ from drumlin.laws.shapes import equivalent_friction, m_and_n, pivot_radius
 from drumlin.laws.simscape import DoubleShoe
 from drumlin.models import MODELS
 from drumlin.response.merit import double_delta, rated, sensitivity
-from drumlin_studies.textbook_brakes import TEXTBOOK_LINING, hinged, lever_block, pad
+from drumlin_studies.textbook_brakes import (
+    TEXTBOOK_LINING,
+    hinged_pad_brake,
+    hinged_shoe_brake,
+    lever_block_brake,
+)
 from picking import picked
 
 C = 1e-6
@@ -126,7 +131,7 @@ def test_bhandari_12_7_pivoted_block() -> None:
     R, half = 0.25, radians(50)
     h = float(pivot_radius(R, half))
     assert h * 1e3 == approx(280.588279, abs=5e-7)
-    lever = hinged(
+    lever = hinged_shoe_brake(
         R=R,
         a=0.45,
         arc=(radians(30), radians(130)),
@@ -152,9 +157,9 @@ def test_bhandari_12_8_internal_shoes() -> None:
     moment = 100.0
     a = math.hypot(0.0866, 0.05)
     shoe = {"R": 0.125, "a": a, "arc": (0.0, radians(120)), "mu": 0.32, "width": 0.04}
-    helped = hinged(**shoe, moment=moment, spin=-1)
+    helped = hinged_shoe_brake(**shoe, moment=moment, spin=-1)
     helped = rated(helped, MODELS["sine"].solve, 1e6)
-    opposed = hinged(**shoe, moment=helped.shoes[0].actuation.force, spin=1)
+    opposed = hinged_shoe_brake(**shoe, moment=helped.shoes[0].actuation.force, spin=1)
     torque = solve("sine", helped).torque + solve("sine", opposed).torque
     # The force has an arm of one unit.
     assert helped.shoes[0].actuation.force / 0.1875 == approx(2089.795894, rel=1e-9)
@@ -169,7 +174,7 @@ def test_block_on_a_lever_with_the_equivalent_friction(
 
     The printed torques [P] come from a rounded mu' = 0.385.
     """
-    brake = lever_block(
+    brake = lever_block_brake(
         R=0.125, arm=0.45, x=0.2, a=0.05, P=700.0, mu=0.35, half=radians(45), spin=spin
     )
     response = solve("block", brake)
@@ -186,7 +191,7 @@ def test_cosine_law_of_the_same_block_by_exact_statics() -> None:
     The equivalent friction is mu' N at R instead.
     """
     R, x, a, mu, half = 0.125, 0.2, 0.05, 0.35, radians(45)
-    brake = lever_block(R=R, arm=0.45, x=x, a=a, P=700.0, mu=mu, half=half, spin=1)
+    brake = lever_block_brake(R=R, arm=0.45, x=x, a=a, P=700.0, mu=mu, half=half, spin=1)
     psi = float(equivalent_friction(half))
     N = 700.0 * 0.45 / (x - mu * (R + a - psi * R))
     response = solve("cosine", brake)
@@ -209,7 +214,9 @@ def test_gate_short_shoe(spin, a) -> None:
 
     Drum 500 mm, lever 1000 mm, block at 500 mm, pin 200 mm off the line of friction.
     """
-    brake = lever_block(R=0.25, arm=1.0, x=0.5, a=a, P=100.0, mu=0.35, half=radians(10), spin=spin)
+    brake = lever_block_brake(
+        R=0.25, arm=1.0, x=0.5, a=a, P=100.0, mu=0.35, half=radians(10), spin=spin
+    )
     response = solve("short", brake)
     assert response.shoes[0].normal_force == approx(232.558, abs=5e-4)
     assert round(response.torque, 2) == 20.35
@@ -273,7 +280,7 @@ def test_uwa_translational_short_shoe_both_directions() -> None:
     """UWA notes, eq. iii: N = M/(a +- mu h), + where the drum drags the lining off the hinge."""
     M, h, mu, x = 90.0, 0.06, 0.4, 0.13
     for sliding, sign in (("+x", 1), ("-x", -1)):
-        brake = pad(h=h, span=(0.1, 0.16), moment=M, mu=mu, sliding=sliding)
+        brake = hinged_pad_brake(h=h, span=(0.1, 0.16), moment=M, mu=mu, sliding=sliding)
         response = solve("short", brake)
         assert response.shoes[0].normal_force == approx(M / (x + sign * mu * h), rel=1e-12)
         assert response.shoes[0].self_energising == (sign < 0)
@@ -286,7 +293,9 @@ def test_uwa_translational_long_shoe() -> None:
     """UWA notes, eq. iv and the total braking effect after it."""
     M, h, mu, x1, x2, w = 90.0, 0.06, 0.4, 0.05, 0.2, 0.03
     (shoe,), (merit,) = (
-        (r := solve("linear", pad(h=h, span=(x1, x2), moment=M, mu=mu, width=w))).shoes,
+        (
+            r := solve("linear", hinged_pad_brake(h=h, span=(x1, x2), moment=M, mu=mu, width=w))
+        ).shoes,
         r.merits,
     )
     assert shoe.peak_pressure == approx(
@@ -307,7 +316,7 @@ def test_uwa_short_rotational_shoe_in_the_general_form(side: str, spin: int) -> 
     """
     r, a, theta_m, mu, M = 0.2, 0.25, radians(75), 0.3, 50.0
     arc = (theta_m - 0.05, theta_m + 0.05)
-    brake = hinged(R=r, a=a, arc=arc, moment=M, mu=mu, side=side, spin=spin)
+    brake = hinged_shoe_brake(R=r, a=a, arc=arc, moment=M, mu=mu, side=side, spin=spin)
     m, n = m_and_n(mu, theta_m, r, a)
     # The lining lies counter-clockwise of the hinge.
     dragged_away = spin > 0
@@ -335,7 +344,7 @@ def test_two_separately_actuated_short_shoes() -> None:
     for name, turned, moment in (("helped", -math.pi / 2, 60.0), ("opposed", -math.pi / 2, 40.0)):
         hand = 1 if name == "helped" else -1
         shoes.append(
-            hinged(
+            hinged_shoe_brake(
                 R=0.2,
                 a=0.2,
                 arc=(radians(88), radians(92)),
@@ -348,7 +357,7 @@ def test_two_separately_actuated_short_shoes() -> None:
             .shoes[0]
             .model_copy(update={"name": name})
         )
-    one = hinged(R=0.2, a=0.2, arc=(1.0, 2.0), moment=1.0, mu=0.25, side="external")
+    one = hinged_shoe_brake(R=0.2, a=0.2, arc=(1.0, 2.0), moment=1.0, mu=0.25, side="external")
     brake = one.model_copy(update={"shoes": tuple(shoes)})
     response = solve("short", brake)
     helped, opposed = response.shoes
@@ -375,7 +384,7 @@ def test_nptel_external_long_shoes() -> None:
     M_f = mu * p0 * b * R * (R * (cos(th1) - cos(th2)) - delta / 4 * (cos(2 * th1) - cos(2 * th2)))
     T = mu * p0 * b * R**2 * (cos(th1) - cos(th2))
     for spin, moment in ((1, M_p - M_f), (-1, M_p + M_f)):
-        brake = hinged(
+        brake = hinged_shoe_brake(
             R=R, a=delta, arc=(th1, th2), moment=moment, mu=mu, side="external", spin=spin, width=b
         )
         (shoe,) = solve("sine", brake).shoes
@@ -383,8 +392,12 @@ def test_nptel_external_long_shoes() -> None:
         assert shoe.torque == approx(T, rel=1e-12)
         assert shoe.self_energising == (spin > 0)
     # internal shoes: the same two moments with the rotations exchanged
-    inside = hinged(R=R, a=0.18, arc=(th1, th2), moment=100.0, mu=mu, side="internal", spin=1)
-    outside = hinged(R=R, a=0.18, arc=(th1, th2), moment=100.0, mu=mu, side="external", spin=-1)
+    inside = hinged_shoe_brake(
+        R=R, a=0.18, arc=(th1, th2), moment=100.0, mu=mu, side="internal", spin=1
+    )
+    outside = hinged_shoe_brake(
+        R=R, a=0.18, arc=(th1, th2), moment=100.0, mu=mu, side="external", spin=-1
+    )
     assert solve("sine", inside).torque == approx(solve("sine", outside).torque, rel=1e-12)
 
 
@@ -400,10 +413,10 @@ def test_nptel_back_stop_locks_one_way_only() -> None:
         "half": radians(20),
     }
     with pytest.raises(NoAnswer, match=r"self-locking, friction 0.35 is not below mu_lock = 0.19"):
-        solve("block", lever_block(**block, spin=1))
-    assert solve("block", lever_block(**block, spin=-1)).torque > 0
+        solve("block", lever_block_brake(**block, spin=1))
+    assert solve("block", lever_block_brake(**block, spin=-1)).torque > 0
     # a force that lifts the locking lever off is an answer: no contact
-    lifted = vary(lever_block(**block, spin=1), {"shoe.actuation.force": -700.0})
+    lifted = vary(lever_block_brake(**block, spin=1), {"shoe.actuation.force": -700.0})
     assert solve("block", lifted).torque == 0.0
 
 
@@ -412,7 +425,9 @@ def test_double_block_brake_takes_the_load_off_the_shaft() -> None:
 
     With the pins on the lines of friction no load is left.
     """
-    one = lever_block(R=0.125, arm=0.45, x=0.2, a=0.0, P=700.0, mu=0.35, half=radians(45), spin=1)
+    one = lever_block_brake(
+        R=0.125, arm=0.45, x=0.2, a=0.0, P=700.0, mu=0.35, half=radians(45), spin=1
+    )
     shoe = one.shoes[0]
     data = shoe.model_dump()
     data["name"] = "below"
@@ -433,7 +448,7 @@ def test_pivot_off_the_middle_leaves_no_moment_about_it() -> None:
     The shoe's equilibrium about G by quadrature of the response's own p, tractions written out
     here.
     """
-    brake = hinged(
+    brake = hinged_shoe_brake(
         R=0.25,
         a=0.45,
         arc=(radians(30), radians(130)),
@@ -464,5 +479,7 @@ def test_layouts_broadcast() -> None:
     for law in LAWS.values():
         grid = law.torque(100.0, mu, Layout(0.1, phi_2, 0.15, 0.125, 1))
         assert grid.shape == (7, 3)
-        brake = hinged(R=0.15, a=0.125, arc=(0.1, phi_2[1]), moment=100.0, mu=mu[3, 0], spin=-1)
+        brake = hinged_shoe_brake(
+            R=0.15, a=0.125, arc=(0.1, phi_2[1]), moment=100.0, mu=mu[3, 0], spin=-1
+        )
         assert grid[3, 1] == approx(solve(law.name, brake).torque, rel=1e-12)

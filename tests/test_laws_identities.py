@@ -20,7 +20,7 @@ from drumlin.models import MODELS
 from drumlin.response.balance import shoe_balance
 from drumlin.response.merit import barecki_shoe_factor, double_delta, sensitivity
 from drumlin.response.response import ShoeResponse
-from drumlin_studies.textbook_brakes import hinged, pad
+from drumlin_studies.textbook_brakes import hinged_pad_brake, hinged_shoe_brake
 
 many = settings(
     max_examples=2 * settings.default.max_examples, suppress_health_check=[HealthCheck.too_slow]
@@ -52,7 +52,7 @@ def layouts(draw: st.DrawFn) -> Layout:
 @st.composite
 def brakes(draw: st.DrawFn) -> Brake:
     """A hinged shoe at any angle, either hand and side, with friction below and above mu_lock."""
-    return hinged(
+    return hinged_shoe_brake(
         R=draw(st.floats(0.05, 2.0)),
         a=draw(st.floats(0.05, 3.0)),
         arc=draw(arcs()),
@@ -342,7 +342,7 @@ def levers(draw: st.DrawFn) -> Brake:
         float(pivot_radius(R, half)) * draw(st.floats(0.85, 1.15)),
         middle + draw(st.floats(-0.03, 0.03)),
     )
-    return hinged(
+    return hinged_shoe_brake(
         R=R,
         a=draw(st.floats(0.3, 0.6)),
         arc=(middle - half, middle + half),
@@ -402,7 +402,7 @@ def test_pivoted_formulas_are_the_response_and_its_derivative(brake: Brake) -> N
 def test_pivot_at_its_place_makes_the_pressure_a_cosine_at_any_friction(
     middle: float, half: float, a: float, mu: float, spin: int, side: str
 ) -> None:
-    brake = hinged(
+    brake = hinged_shoe_brake(
         R=0.25,
         a=a,
         arc=(middle - half, middle + half),
@@ -424,7 +424,7 @@ def test_pivoted_lever_locks_and_tips() -> None:
     half, middle = 0.6, 1.2
     place = (float(pivot_radius(0.25, half)), middle)
     arc = (middle - half, middle + half)
-    brake = hinged(
+    brake = hinged_shoe_brake(
         R=0.25, a=0.1, arc=arc, moment=50.0, mu=0.2, side="external", spin=1, pivot=place
     )
     shape, pivot = layout(brake, brake.shoes[0]), pivoted.pivot_place(brake.shoes[0])
@@ -438,7 +438,7 @@ def test_pivoted_lever_locks_and_tips() -> None:
         NoAnswer, match=rf"self-locking, friction .* is not below mu_lock = {mu_lock:.6g}"
     ):
         MODELS["pivoted"].solve(vary(brake, {"friction": mu_lock * 1.01}))
-    tipping = hinged(
+    tipping = hinged_shoe_brake(
         R=0.25, a=0.4, arc=arc, moment=50.0, mu=0.3, side="external", pivot=(0.28, middle + 0.9)
     )
     with pytest.raises(
@@ -465,7 +465,9 @@ def test_pivoted_lever_locks_and_tips() -> None:
 def test_flat_shoes_balance_and_their_sensitivity_is_the_derivative(
     x_min: float, length: float, h: float, mu: float, sliding: str, hand: int, name: str
 ) -> None:
-    brake = pad(h=h, span=(x_min, x_min + length), moment=70.0, mu=mu, sliding=sliding, hand=hand)
+    brake = hinged_pad_brake(
+        h=h, span=(x_min, x_min + length), moment=70.0, mu=mu, sliding=sliding, hand=hand
+    )
     shoe = unlocked(name, brake)
     balance = shoe_balance(brake, 0, shoe)
     assert balance.force < 1e-12
@@ -496,7 +498,7 @@ def test_long_flat_shoe_becomes_the_short_one() -> None:
 
 def test_flat_shoe_locks_towards_its_hinge_only() -> None:
     """N = M/(a - mu h): beyond mu = a/h the body pulls the shoe in; the other way it never does."""
-    brake = pad(h=0.3, span=(0.05, 0.07), moment=10.0, mu=0.21, sliding="-x")
+    brake = hinged_pad_brake(h=0.3, span=(0.05, 0.07), moment=10.0, mu=0.21, sliding="-x")
     with pytest.raises(
         NoAnswer, match=r"shoe 'pad': self-locking, friction 0.21 is not below mu_lock = 0.2 of"
     ):

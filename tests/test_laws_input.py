@@ -13,7 +13,7 @@ from drumlin.brake.plane_brake import FlatBrake, read_any
 from drumlin.cli import main
 from drumlin.laws.simscape import DoubleShoe
 from drumlin.models import MODELS, pick
-from drumlin_studies.textbook_brakes import hinged
+from drumlin_studies.textbook_brakes import hinged_shoe_brake
 from picking import picked
 
 STUDIES = Path(__file__).parent.parent / "studies"
@@ -191,16 +191,17 @@ def test_simscape_says_when_its_arc_is_too_short_for_a_long_shoe() -> None:
 
 def test_laws_say_why_they_do_not_apply() -> None:
     shoe = {"R": 0.15, "a": 0.125, "moment": 1.0, "mu": 0.3}
-    before = hinged(**shoe, arc=(-0.2, 1.0))
+    before = hinged_shoe_brake(**shoe, arc=(-0.2, 1.0))
     assert MODELS["sine"].why_not(before) == (
         "shoe 'shoe': the lining must lie within 0 to 180 deg of the hinge, not -11.4592 deg "
         "to 57.2958 deg"
     )
-    wide = hinged(**shoe, arc=(0.1, 3.5))
+    wide = hinged_shoe_brake(**shoe, arc=(0.1, 3.5))
     for name in ("cosine", "block", "uniform", "short"):
         assert "arc 194.806 deg must not be more than 180 deg" in str(MODELS[name].why_not(wide))
     centred = vary(
-        hinged(**shoe, arc=(0.1, 0.5)), {"shoe.lining.start": -0.5, "shoe.lining.end": 0.5}
+        hinged_shoe_brake(**shoe, arc=(0.1, 0.5)),
+        {"shoe.lining.start": -0.5, "shoe.lining.end": 0.5},
     )
     assert "passes through the hinge" in str(MODELS["cosine"].why_not(centred))
     two_sided = vary(read_any(STUDIES / "laws/pad.toml"), {"shoe.lining.start": "-20 mm"})

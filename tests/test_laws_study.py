@@ -12,7 +12,7 @@ from drumlin.brake.plane_brake import read_any
 from drumlin.report.drawing import draw_brake
 from drumlin.studies import load
 from drumlin_studies.law_table import shoe_factor_rows
-from drumlin_studies.worked_examples import compared
+from drumlin_studies.worked_examples import printed_and_computed_row
 from picking import having, picked
 
 STUDIES = Path(__file__).parent.parent / "studies"
@@ -40,8 +40,8 @@ def test_study_meets_every_worked_example_and_names_the_two_that_were_printed_ro
 
 
 def test_a_wrong_number_would_be_seen() -> None:
-    assert compared("sine", "", "", "527.761", 527.7606)["status"] == "agrees"
-    assert compared("sine", "", "", "527.761", 527.7616)["status"] == "differs"
+    assert printed_and_computed_row("sine", "", "", "527.761", 527.7606)["status"] == "agrees"
+    assert printed_and_computed_row("sine", "", "", "527.761", 527.7616)["status"] == "differs"
 
 
 def test_barecki_leading_post_has_the_smaller_shoe_factor_where_n_is_negative() -> None:

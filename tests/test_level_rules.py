@@ -7,7 +7,12 @@ import pytest
 from drumlin.fem.error_control.estimate import QUANTITIES, Factors
 from drumlin.fem.error_control.levels import LEVEL_RULE
 from drumlin_studies.calibration import LevelRecord
-from drumlin_studies.level_rules import Tried, changed, report, stop
+from drumlin_studies.level_rules import (
+    LevelsOfRule,
+    changed_rule,
+    find_stopping_level,
+    report_lines,
+)
 
 FACTORS = Factors(pressure=0.5, force=0.5, cancelled=0.1, peak=1.0)
 
@@ -23,7 +28,7 @@ def level(step, chance=0.0, true=1e-9):
     )
 
 
-BRAKE = Tried([level(1e-2), level(1e-3), level(1e-4)], [1.0, 2.0, 4.0, 8.0])
+BRAKE = LevelsOfRule([level(1e-2), level(1e-3), level(1e-4)], [1.0, 2.0, 4.0, 8.0])
 
 
 @pytest.mark.parametrize(
@@ -31,28 +36,30 @@ BRAKE = Tried([level(1e-2), level(1e-3), level(1e-4)], [1.0, 2.0, 4.0, 8.0])
     [(1e-2, 3.0, True), (1e-3, 7.0, True), (1e-4, 15.0, True), (1e-5, 15.0, False)],
 )
 def test_a_solve_stops_at_the_first_level_that_suffices(tolerance, seconds, reached):
-    found = stop(BRAKE, FACTORS, tolerance, tolerance)
+    found = find_stopping_level(BRAKE, FACTORS, tolerance, tolerance)
     assert (found.seconds, found.reached) == (seconds, reached)
 
 
 def test_errors_are_stated_by_the_factors_of_the_estimate():
-    found = stop(Tried([level(1e-2, chance=1e-2)], [1.0, 1.0]), FACTORS, 1.0, 1.0).stated
+    found = find_stopping_level(
+        LevelsOfRule([level(1e-2, chance=1e-2)], [1.0, 1.0]), FACTORS, 1.0, 1.0
+    ).stated
     assert found["peak"] == pytest.approx(1e-2 + 1e-6)
     assert found["pressure"] == pytest.approx(5e-3 + 1e-6)
     assert found["torque"] == found["reaction"] == pytest.approx(6e-3 + 1e-6)
 
 
 def test_a_rule_is_reported_by_what_a_user_would_see():
-    brakes = [Tried([level(1e-2, true=2e-3), level(1e-3, true=2e-4)], [1.0, 1.0, 2.0])] * 4
-    text = report(brakes)
+    brakes = [LevelsOfRule([level(1e-2, true=2e-3), level(1e-3, true=2e-4)], [1.0, 1.0, 2.0])] * 4
+    text = report_lines(brakes)
     assert "default: 16.0 s, 0.0 % reached" in text
     assert "1e-3: 16.0 s, 100.0 % reached" in text
     assert "pressure: median 1.0, 0 of 4 too small" in text
 
 
 def test_words_change_numbers_of_the_rule():
-    rule = changed(["fall=6", "first_degree=4"])
+    rule = changed_rule(["fall=6", "first_degree=4"])
     assert (rule.fall, rule.first_degree, rule.sizes) == (6.0, 4, LEVEL_RULE.sizes)
     assert math.isclose(rule.level(2).degree, 5)
     with pytest.raises(ValueError, match="fal"):
-        changed(["fal=6"])
+        changed_rule(["fal=6"])

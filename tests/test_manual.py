@@ -53,7 +53,7 @@ def test_every_key_of_every_file_is_described():
     }
     assert set(picked(here - set(listed), "__name__")) == in_no_file
     assert len(listed) == len(set(listed))
-    text = listing.brake_file() + listing.sweep_file()
+    text = listing.brake_file_page() + listing.sweep_file_page()
     for kind in listed:
         for name, field in kind.model_fields.items():
             assert f"| `{field.alias or name}` |" in text
@@ -63,14 +63,14 @@ def test_a_key_without_words_or_words_without_key_fails(monkeypatch):
     heading, kind, words = keys.BRAKE[0]
     monkeypatch.setattr(keys, "BRAKE", [(heading, kind, words | {"colour": "none"})])
     with pytest.raises(ValueError, match="colour"):
-        listing.brake_file()
+        listing.brake_file_page()
     monkeypatch.setattr(keys, "BRAKE", [(heading, kind, {"title": "words"})])
     with pytest.raises(KeyError, match="rotation"):
-        listing.brake_file()
+        listing.brake_file_page()
 
 
 def test_a_value_says_its_kind_unit_and_limits():
-    text = listing.brake_file()
+    text = listing.brake_file_page()
     assert '| `radius` | a length such as `"8 mm"`, > 0; required |' in text
     assert "| `friction` | a number, ≥ 0, ≤ 1e+06; required |" in text
     # The default of `blocks` is given in words, not as a number.
@@ -88,7 +88,7 @@ def test_every_command_and_option_is_listed():
 
     from drumlin.cli.commands import app
 
-    text = listing.commands()
+    text = listing.commands_page()
     for name, command in vars(typer.main.get_command(app))["commands"].items():
         assert f"## `drumlin {name} " in text
         for param in command.params:
@@ -151,11 +151,11 @@ def test_the_doors_functions_say_what_they_take_return_and_raise(name):
 
 
 def test_the_api_page_has_every_public_name():
-    text = listing.api()
+    text = listing.api_page()
     for name in drumlin.__all__:
         assert name.startswith("_") or f"### `drumlin.{name}`" in text
     for module in ("drumlin.fem.model", "drumlin.contact.active_set", "drumlin.brake.components"):
-        for name, value in listing.members(module):
+        for name, value in listing.public_members(module):
             assert f"### `{module}.{name}`" in text
             assert (inspect.getdoc(value) or "").splitlines()[0] in text
 
@@ -221,7 +221,7 @@ def test_what_is_broken_fails_the_manual(tmp_path, text, said):
     (tmp_path / "pages").mkdir()
     (tmp_path / "pages" / "index.md").write_text(text)
     with pytest.raises(NoAnswer, match=said):
-        manual.build(tmp_path / "pages", tmp_path / "site")
+        manual.build_site(tmp_path / "pages", tmp_path / "site")
 
 
 class Links(HTMLParser):
@@ -288,17 +288,17 @@ def test_the_manual_is_built_whole_and_stands_alone(tmp_path, monkeypatch):
 
 
 def test_every_value_is_quoted_and_every_quote_has_a_value():
-    known = manual.values()
+    known = manual.quoted_values()
     quoted = set()
     for page in PAGES.rglob("*.md"):
         quoted |= set(QUOTED.findall(page.read_text(encoding="utf-8")))
     assert quoted == set(known)
     assert known["penalty"] == "1e8"
-    assert manual.filled("with {{ penalty }}", known) == "with 1e8"
+    assert manual.fill_in_values("with {{ penalty }}", known) == "with 1e8"
     # The braces of an f-string in an example are no quote.
-    assert manual.filled("{{ from = 0.1 }}", known) == "{{ from = 0.1 }}"
+    assert manual.fill_in_values("{{ from = 0.1 }}", known) == "{{ from = 0.1 }}"
     with pytest.raises(NoAnswer, match="no value is called 'nonsense'"):
-        manual.filled("{{ nonsense }}", known)
+        manual.fill_in_values("{{ nonsense }}", known)
 
 
 # the architecture page
@@ -316,7 +316,7 @@ def test_the_architecture_page_has_every_room():
         if room.parts and (len(room.parts) == 1 or room.parts[0] == "fem"):
             name = ".".join(("drumlin", *room.parts))
             assert f"`{name}`" in ARCHITECTURE, name
-    for name in solve_path.rooms():
+    for name in solve_path.rooms_in_picture():
         importlib.import_module(name)
 
 

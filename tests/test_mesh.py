@@ -15,7 +15,7 @@ from drumlin.fem.mesh.grading import graded
 from drumlin.fem.model import respond
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
-from drumlin_studies.stated_true import errors
+from drumlin_studies.stated_true import true_errors
 from shared_parts import of_shoes
 
 
@@ -52,7 +52,7 @@ def test_a_mesh_is_as_exact_as_is_said(name):
     """By default p is within 0.2 % (L2) of a far finer answer, the torque within 1e-5."""
     brake = read_brake(STUDY / f"{name}.toml")
     found, true = respond(prepare(brake), brake), solve(brake, tolerance=1e-5)
-    off = errors(brake, found.shoes, true.shoes)
+    off = true_errors(brake, found.shoes, true.shoes)
     assert off["pressure"] < 2e-3 and off["torque"] < 1e-5
 
 

@@ -19,8 +19,8 @@ from drumlin.fem.solve import solve
 from drumlin.foundation import model as foundation
 from drumlin.laws import sine
 from drumlin.lining_wear import run_in
-from drumlin.lining_wear.linings import fem_setup
-from drumlin.lining_wear.worn_in import worn_in
+from drumlin.lining_wear.linings import fem_wear_setup
+from drumlin.lining_wear.worn_in import worn_in_brake
 from drumlin.response.norms import pressure_distance
 from picking import picked
 
@@ -338,34 +338,35 @@ def test_worn_in_every_lining_bears_by_the_sine_law():
     """
     law = sine(BRAKE)
     off = vary(BRAKE, {f"{MISFIT}.radius": R - 1e-4, f"{MISFIT}.taper": 5e-5})
-    worn = respond(SCENE, worn_in(SCENE, off))
+    worn = respond(SCENE, worn_in_brake(SCENE, off))
     assert worn.torque == pytest.approx(law.torque, rel=1e-6)
     assert max(starmap(pressure_distance, zip(worn.shoes, law.shoes, strict=True))) < 1e-4
     assert (
-        min(np.array(shoe.lining.clearance)[:, 1].min() for shoe in worn_in(SCENE, off).shoes) >= 0
+        min(np.array(shoe.lining.clearance)[:, 1].min() for shoe in worn_in_brake(SCENE, off).shoes)
+        >= 0
     )
     block = rigid("external", half=40, force=500.0)
     # Without friction the block does not brake.
     assert solve(block, elements=20).torque == 0
     block = vary(block, {"friction": 0.3})
     scene = prepare(block, elements=20)
-    assert respond(scene, worn_in(scene, block)).torque == pytest.approx(
+    assert respond(scene, worn_in_brake(scene, block)).torque == pytest.approx(
         sine(block).torque, rel=1e-5
     )
-    oval = vary(worn_in(SCENE, off), {"drum.out_of_round": [{"order": 2, "amplitude": 2e-5}]})
+    oval = vary(worn_in_brake(SCENE, off), {"drum.out_of_round": [{"order": 2, "amplitude": 2e-5}]})
     assert abs(respond(SCENE, oval).torque / law.torque - 1) > 0.01
 
 
 def test_the_worn_in_shape_is_the_one_that_wear_ends_with():
-    """`worn_in` returns the shape that Archard's wear ends with.
+    """`worn_in_brake` returns the shape that Archard's wear ends with.
 
     Both differ by a turn of the shoe alone, sin(phi).
     """
     off = vary(BRAKE, {f"{MISFIT}.radius": R + 5e-5, f"{MISFIT}.taper": -3e-5})
-    setup = fem_setup(SCENE, off)
-    goal = run_in.target(setup)
-    states = run_in.run_in(setup, until=run_in.settled(setup, goal, 1e-4))
-    ended, limit = run_in.worn(setup, states[-1]), worn_in(SCENE, off)
+    setup = fem_wear_setup(SCENE, off)
+    goal = run_in.rigid_law_target(setup)
+    states = run_in.run_in(setup, until=run_in.make_settled_test(setup, goal, 1e-4))
+    ended, limit = run_in.brake_with_worn_linings(setup, states[-1]), worn_in_brake(SCENE, off)
     for by_wear, at_once in zip(ended.shoes, limit.shoes, strict=True):
         theta, gap = np.array(at_once.lining.clearance).T
         difference = clearance.gap(ended, by_wear, theta) - gap

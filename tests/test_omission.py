@@ -17,14 +17,19 @@ from drumlin.fem.model import respond
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin.response.norms import pressure_distance
-from drumlin_studies.omission import change, predict, scene_without, simplified
-from drumlin_studies.omission_table import (
-    omissions,
-    prediction_ratios,
-    time_saved,
-    worst_straight,
+from drumlin_studies.omission import (
+    omission_change,
+    predict_omission_change,
+    scene_without,
+    simplified_brake,
 )
-from drumlin_studies.reduced import HALF_PLANE_WAVE, ring_modes, sketcher
+from drumlin_studies.omission_table import (
+    omission_rows,
+    prediction_ratios,
+    row_of_worst_straight_edges,
+    saved_time_range,
+)
+from drumlin_studies.reduced import HALF_PLANE_WAVE, ring_mode_compliances, surrogate_maker
 from picking import having, picked, saying
 
 BRAKE = read_brake(STUDY / "brake.toml")
@@ -54,7 +59,7 @@ def alone(brake):
 
 def test_what_is_left_out_exactly_changes_nothing_but_round_off():
     for brake, count in ((BRAKE, 2), (vary(BRAKE, {"friction": 0.0}), 3)):
-        exact = having(omissions(brake, "b", elements=16, repeats=0), exact="yes")
+        exact = having(omission_rows(brake, "b", elements=16, repeats=0), exact="yes")
         assert len(exact) == count
         for row in exact:
             assert max(row["torque"], row["pressure"], row["reaction"]) < 1e-9
@@ -73,7 +78,7 @@ def test_the_sketched_ring_is_the_thick_walled_ring_and_the_thin_one_of_theory(s
     """
     R, t, E, nu = 0.15, 0.02, 1.2e11, 0.25
     ring = Ring(thickness=t, width=0.04, material=IRON, support=support)
-    radial, shear = ring_modes(ring, R, 1, np.arange(300))
+    radial, shear = ring_mode_compliances(ring, R, 1, np.arange(300))
     b = R + t
     # u = A r + B/r, sigma_r = E/(1 - nu^2) ((1 + nu) A - (1 - nu) B/r^2) = -1 for r = R
     stress = lambda r: [(1 + nu) * E / (1 - nu**2), -(1 - nu) / r**2 * E / (1 - nu**2)]  # noqa: E731
@@ -89,7 +94,7 @@ def test_the_sketched_ring_is_the_thick_walled_ring_and_the_thin_one_of_theory(s
         thin = Ring(thickness=1e-3 * R, width=0.04, material=IRON, support="free")
         k = np.arange(2, 6)
         EI_per_width = E * (1e-3 * R) ** 3 / 12
-        assert ring_modes(thin, R, 1, k)[0] == pytest.approx(
+        assert ring_mode_compliances(thin, R, 1, k)[0] == pytest.approx(
             R**4 / (EI_per_width * (k**2 - 1) ** 2), rel=5e-3
         )
 
@@ -105,7 +110,7 @@ def test_the_sketched_ring_is_the_thick_walled_ring_and_the_thin_one_of_theory(s
     ids=["shoe", "ring", "backing and two shoes", "post"],
 )
 def test_a_sketch_of_closed_forms_answers_as_the_finite_elements_of_its_mesh(brake):
-    sketch, full = respond(sketcher(24)(brake), brake), solve(brake, elements=24)
+    sketch, full = respond(surrogate_maker(24)(brake), brake), solve(brake, elements=24)
     assert sketch.torque == pytest.approx(full.torque, rel=4e-3)
     assert max(starmap(pressure_distance, zip(sketch.shoes, full.shoes, strict=True))) < 0.05
 
@@ -142,8 +147,10 @@ def test_predictions_are_within_a_factor_two_of_the_truth(case):
     def make(spec):
         return prepare(spec, elements=48)
 
-    predicted = predict(brake, [part], respond)
-    true = change(respond(*scene_without(brake, [part], make)), respond(make(brake), brake))
+    predicted = predict_omission_change(brake, [part], respond)
+    true = omission_change(
+        respond(*scene_without(brake, [part], make)), respond(make(brake), brake)
+    )
     judged = [
         (a, b)
         for a, b in ((predicted.pressure, true.pressure), (predicted.shoes, true.shoes))
@@ -181,7 +188,7 @@ def test_a_tolerance_leaves_neither_ring_nor_shoe_out_and_holds(case):
     truth = solve_to_tolerance(brake, Tolerance(2e-4, 5e-6), respond).response
     for tolerance in (1e-1, 1e-2, 1e-3):
         response = solve(brake, tolerance=tolerance, penalty=math.inf)
-        true = change(response, truth)
+        true = omission_change(response, truth)
         assert max(true.pressure, true.torque) <= tolerance
         assert max(response.error["pressure"], response.error["torque"]) <= tolerance
         assert true.torque <= response.error["torque"] + 1e-6
@@ -202,19 +209,19 @@ def test_a_change_is_that_of_the_shoe_that_changes_most():
             )
             for f, shoe in zip(factors, whole.shoes, strict=True)
         ]
-        found = change(replace(whole, shoes=tuple(shoes)), whole)
+        found = omission_change(replace(whole, shoes=tuple(shoes)), whole)
         assert [found.pressure, found.peak, found.each, found.reaction] == pytest.approx([0.1] * 4)
 
 
 def test_omissions_compose_and_their_words_are_checked():
     brake = vary(BRAKE, ringed("free") | backed(0.005, 1e10))
-    bare = simplified(brake, ["ring", "shoe", "backing"])
+    bare = simplified_brake(brake, ["ring", "shoe", "backing"])
     assert bare.ring is None
     for shoe in bare.shoes:
         assert shoe.body is None and shoe.backing is None
-    assert simplified(POST, ["shoe", "backing"]).shoes == POST.shoes
+    assert simplified_brake(POST, ["shoe", "backing"]).shoes == POST.shoes
     with pytest.raises(BadInput, match="'rim': cannot be left out; allowed: ring, coupling"):
-        simplified(brake, ["rim"])
+        simplified_brake(brake, ["rim"])
 
 
 def test_without_drag_the_contact_is_symmetric_and_forces_still_balance():
@@ -237,7 +244,7 @@ def test_without_drag_the_contact_is_symmetric_and_forces_still_balance():
 def test_straight_edges_cost_what_the_waves_say_that_they_press_into_the_lining():
     """Under a load that keeps all of it in contact; half as much on twice as many elements."""
     brake = alone(vary(BRAKE, RIGID | {"shoe.actuation.force": 1e5}))
-    rows = [omissions(brake, "b", elements=n, repeats=0)[1:] for n in (36, 72)]
+    rows = [omission_rows(brake, "b", elements=n, repeats=0)[1:] for n in (36, 72)]
     coarse, fine = (having(found, part="curvature")[0] for found in rows)
     for row in (coarse, fine):
         assert row["pressure"] < 0.3
@@ -246,8 +253,10 @@ def test_straight_edges_cost_what_the_waves_say_that_they_press_into_the_lining(
 
 
 def test_rows_are_summed_up_and_a_case_without_answer_stays():
-    rows = omissions(vary(BRAKE, RIGID), "b", elements=8, repeats=1)
-    locked = omissions(vary(BRAKE, {"friction": 1.1}), "locked when rigid", elements=8, repeats=0)
+    rows = omission_rows(vary(BRAKE, RIGID), "b", elements=8, repeats=1)
+    locked = omission_rows(
+        vary(BRAKE, {"friction": 1.1}), "locked when rigid", elements=8, repeats=0
+    )
     failed = [
         row for row in locked if row["status"].startswith("failed: shoe 'left': self-locking")
     ]
@@ -261,9 +270,9 @@ def test_rows_are_summed_up_and_a_case_without_answer_stays():
     assert set(prediction_ratios(every, "pressure")) <= set(ratios.values())
     assert ratios["drag"] in prediction_ratios(every, "pressure")
     assert ratios["curvature"] not in prediction_ratios(every, "pressure")
-    assert worst_straight(every)["pressure"] == next(
+    assert row_of_worst_straight_edges(every)["pressure"] == next(
         row["pressure"] for row in rows if row["part"] == "curvature"
     )
-    shares = time_saved(every, -1e9)
+    shares = saved_time_range(every, -1e9)
     assert shares["drag"] == tuple(having(rows, part="drag")[0]["seconds"] for _ in range(2))
     assert not {"all", "interior fields"} & set(shares)

@@ -34,13 +34,13 @@ from drumlin.models import MODELS, applicable, pick, refusals
 from drumlin.peers import calculix, getfem, missing
 from drumlin_studies.consistency_slopes import (
     ALLOWED_SLOPE_DIFFERENCE,
-    Divided,
-    difference,
-    slopes_of,
+    DivisionForSlopes,
+    largest_slope_difference,
+    printed_slopes,
 )
 from drumlin_studies.random_brake import random_brake
-from drumlin_studies.random_kinds import placed, random_kind
-from drumlin_studies.stated_true import by_triangles
+from drumlin_studies.random_kinds import draw_brake_of_holding_kind, place_brake
+from drumlin_studies.stated_true import truth_by_triangles
 from picking import having, picked
 from shared_parts import of_shoes
 
@@ -375,7 +375,7 @@ def test_columns_and_meshes_of_either_shape_agree():
 @pytest.mark.parametrize("seed", range(6))
 def test_the_second_solver_finds_the_same_torques(seed):
     brake = orthotropic(random_brake(seed), seed)
-    true, found = by_triangles(brake), solve(brake)
+    true, found = truth_by_triangles(brake), solve(brake)
     for a, b in zip(true.shoes, found.shoes, strict=True):
         assert b.torque == pytest.approx(a.torque, rel=max(1e-5, 2 * found.error["torque"]))
 
@@ -408,7 +408,7 @@ def test_the_second_solver_finds_the_same_torque_of_one_shoe():
             ],
         }
     )
-    (true,), found = by_triangles(one).shoes, solve(one)
+    (true,), found = truth_by_triangles(one).shoes, solve(one)
     assert found.shoes[0].torque == pytest.approx(
         true.torque, rel=max(1e-6, 2 * found.error["torque"])
     )
@@ -419,9 +419,9 @@ def test_the_second_solver_finds_the_same_torque_of_one_shoe():
 @settings(deadline=None, max_examples=8)
 @given(st.integers(0, 10**6), st.floats(-3, 3), st.booleans())
 def test_a_brake_that_is_turned_or_mirrored_has_the_same_torque(seed, turn, mirrored):
-    brake = orthotropic(random_kind(seed % 50), seed)
+    brake = orthotropic(draw_brake_of_holding_kind(seed % 50), seed)
     one, other = (
-        solve(b, elements=6) for b in (brake, placed(brake, turn=turn, mirrored=mirrored))
+        solve(b, elements=6) for b in (brake, place_brake(brake, turn=turn, mirrored=mirrored))
     )
     forces = [sum(picked(one.shoes, "normal_force")), sum(picked(other.shoes, "normal_force"))]
     assert forces[1] == pytest.approx(forces[0], rel=1e-7)
@@ -508,10 +508,10 @@ def test_slopes_are_those_of_differences(name, elements):
     One factor scales all moduli of a part; a straight beam's directions turn with its points.
     """
     brake = orthotropic(FLEXIBLE if name == "arcs" else vary(POST, {"drum.ring": None}), 3)
-    divided = Divided(elements, Cache())
+    divided = DivisionForSlopes(elements, Cache())
     base, found = divided.solved(brake), divided.slopes(brake)
-    for slope in slopes_of(brake, found):
-        off = difference(brake, slope, divided, base)
+    for slope in printed_slopes(brake, found):
+        off = largest_slope_difference(brake, slope, divided, base)
         assert off is None or off < 0.1 * ALLOWED_SLOPE_DIFFERENCE, slope.what
 
 

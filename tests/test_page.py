@@ -9,7 +9,7 @@ import pytest
 
 from conftest import ROOT
 from drumlin.base.texts import formatted
-from drumlin.report.page import fill
+from drumlin.report.page import write_page
 
 TEMPLATE = """{% extends "base.html" %}
 {% from "blocks.html" import figure, table, fields %}
@@ -36,7 +36,9 @@ def page(tmp_path):
             "error": 0.0123,
             "rows": [{"a": 2e-3, "b": "<w>"}, {"shoe": "all"}],
         }
-        return fill(tmp_path / "page.html", tmp_path / "index.html", **(given | values)).read_text()
+        return write_page(
+            tmp_path / "page.html", tmp_path / "index.html", **(given | values)
+        ).read_text()
 
     return made
 

@@ -21,10 +21,15 @@ from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import scene_of
 from drumlin.laws import law
 from drumlin.lining_wear.archard import WearLaw
-from drumlin.lining_wear.linings import fem_setup
-from drumlin.lining_wear.run_in import COEFFICIENT, run_in, unit_distance, worn
-from drumlin_studies.ladder_pads import guided
-from drumlin_studies.random_kinds import placed
+from drumlin.lining_wear.linings import fem_wear_setup
+from drumlin.lining_wear.run_in import (
+    COEFFICIENT,
+    brake_with_worn_linings,
+    run_in,
+    unit_sliding_distance,
+)
+from drumlin_studies.ladder_pads import pad_on_guide
+from drumlin_studies.random_kinds import place_brake
 from flat_pads import BODY, KINDS, LINING, pad
 from picking import saying
 
@@ -201,7 +206,7 @@ def test_a_pad_without_thickness_is_refused_in_one_line() -> None:
 
 def test_a_centred_pad_without_friction_bears_no_moment_and_is_answered() -> None:
     """All moments vanish: what is small is said by the force in the middle of half a lining."""
-    response = drumlin.solve(guided(0.01, 0.0, Material(E=3e8, nu=0.25)))
+    response = drumlin.solve(pad_on_guide(0.01, 0.0, Material(E=3e8, nu=0.25)))
     assert max(response.balance.force, response.balance.moment) < 1e-9
     (shoe,) = response.shoes
     np.testing.assert_allclose(
@@ -241,9 +246,9 @@ def test_a_worn_pad_is_solved_again_as_it_was_worn() -> None:
         "hinge", body=BODY, lining=LINING | {"start": 0.06, "end": 0.18, "misfit": {"taper": 1e-6}}
     )
     made, rule = prepare(own, elements=20), WearLaw(COEFFICIENT)
-    setup = fem_setup(made, own)
-    last = run_in(setup, rule, distance=0.3 * unit_distance(setup, rule))[-1]
-    (shoe,) = respond(made, worn(setup, last), penalty=math.inf).shoes
+    setup = fem_wear_setup(made, own)
+    last = run_in(setup, rule, distance=0.3 * unit_sliding_distance(setup, rule))[-1]
+    (shoe,) = respond(made, brake_with_worn_linings(setup, last), penalty=math.inf).shoes
     (surface,) = setup.surfaces
     np.testing.assert_allclose(
         shoe.pressure, surface.along(last.pressure), atol=1e-8 * shoe.peak_pressure
@@ -257,7 +262,7 @@ def test_the_fields_of_a_pad_stand_where_it_does_and_bear_its_pressure(sliding: 
     Pressed nodes stay on the plane, under the stress of p and friction there; the plane pushes
     upwards.
     """
-    brake = placed(pad("pivot", sliding, body=BODY), mirrored=sliding == "-x", shift=0.4)
+    brake = place_brake(pad("pivot", sliding, body=BODY), mirrored=sliding == "-x", shift=0.4)
     made = scene_of(brake)
     found = fields(made, brake, respond(made, brake, penalty=math.inf), 0)
     shoe = brake.shoes[0]

@@ -22,7 +22,7 @@ from drumlin.fem.mesh.arc import shoe_mesh
 from drumlin.fem.mesh.file import read_mesh, write_mesh
 from drumlin.fem.mesh.grading import divide
 from drumlin.fem.preparation.prepare import prepare
-from drumlin_studies.random_kinds import placed
+from drumlin_studies.random_kinds import place_brake
 from flat_pads import BODY, KINDS, pad
 
 ELEMENTS = 16
@@ -84,7 +84,7 @@ def test_units_frames_and_mirror_images_change_nothing(tmp_path: Path) -> None:
     mesh.points[:, 0] -= brake.shoes[0].pin.x
     mesh.write(small)
     shared = vary(own, {"shoe.mesh": str(small), "shoe.mesh_frame": "shoe"})
-    image = placed(shared, mirrored=True, shift=0.4)
+    image = place_brake(shared, mirrored=True, shift=0.4)
     (c,), (d,) = drumlin.solve(shared).shoes, drumlin.solve(image).shoes
     np.testing.assert_allclose(c.pressure, a.pressure, atol=1e-7 * a.peak_pressure)
     np.testing.assert_allclose(

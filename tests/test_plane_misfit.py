@@ -21,7 +21,7 @@ from drumlin.fem.model import respond
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.laws import law
 from drumlin.response.response import ShoeResponse
-from drumlin_studies.random_kinds import placed, scaled
+from drumlin_studies.random_kinds import place_brake, scale_brake
 from flat_pads import BODY, LINING, pad
 
 LENGTH, WIDTH, E = 0.12, 0.04, 3e8
@@ -184,13 +184,13 @@ def test_a_wrong_pads_mirror_image_answers_alike(taper: float, crown: float, kin
     rows = [[0.06, 1e-6], [0.1, 0.0], [0.18, 2e-6]]
     brake = vary(brake, {MISFIT: misfit, "shoe.lining.clearance": rows})
     (a,) = drumlin.solve(brake, elements=20).shoes
-    (b,) = drumlin.solve(placed(brake, mirrored=True), elements=20).shoes
+    (b,) = drumlin.solve(place_brake(brake, mirrored=True), elements=20).shoes
     np.testing.assert_allclose(b.pressure_at(-a.theta), a.pressure, atol=1e-7 * a.peak_pressure)
-    (c,) = drumlin.solve(placed(brake, shift=0.7), elements=20).shoes
+    (c,) = drumlin.solve(place_brake(brake, shift=0.7), elements=20).shoes
     np.testing.assert_allclose(
         c.pressure_at(a.theta + 0.7), a.pressure, atol=1e-7 * a.peak_pressure
     )
-    (d,) = drumlin.solve(scaled(brake, 3.0, 2.0), elements=20).shoes
+    (d,) = drumlin.solve(scale_brake(brake, 3.0, 2.0), elements=20).shoes
     np.testing.assert_allclose(
         d.pressure_at(3 * a.theta), 2 * a.pressure, atol=1e-7 * d.peak_pressure
     )

@@ -12,7 +12,7 @@ from conftest import ROOT, partly
 from drumlin.brake.file import vary
 from drumlin.brake.plane_brake import read_any
 from drumlin.response.norms import pressure_distance
-from drumlin_studies.random_kinds import placed
+from drumlin_studies.random_kinds import place_brake
 from flat_pads import BODY, KINDS, LINING, pad
 
 NO_NU = {"shoe.lining.material.nu": 0.0, "shoe.body.material.nu": 0.0}
@@ -55,7 +55,7 @@ def test_solid_pads_balance_and_their_mirror_images_answer_alike() -> None:
     brake = read_any(ROOT / "studies" / "brakes" / "rail_clamp.toml")
     found = drumlin.solve(brake, "solid", elements=8)
     assert max(found.balance.force, found.balance.moment) < 1e-9
-    other = drumlin.solve(placed(brake, mirrored=True, shift=0.3), "solid", elements=8)
+    other = drumlin.solve(place_brake(brake, mirrored=True, shift=0.3), "solid", elements=8)
     for a, b in zip(found.shoes, other.shoes, strict=True):
         np.testing.assert_allclose(
             b.pressure_at(0.3 - a.theta), a.pressure, atol=1e-6 * a.peak_pressure

@@ -3,7 +3,7 @@
 from conftest import ROOT
 from drumlin.studies import load
 from drumlin_studies.fuzzing import trials
-from drumlin_studies.fuzzing.endings import fault_of
+from drumlin_studies.fuzzing.endings import find_fault
 from drumlin_studies.fuzzing.promises import PROMISES
 from judged_endings import BAD, GIVEN
 from picking import picked
@@ -27,14 +27,14 @@ def test_the_short_fault_study_finds_no_fault_and_shows_one(tmp_path):
     assert "commit 17da584" in page and "several lines" in page
     result.within["words"][0] = trials.InputVerdict(0, 1, 0.1, "x: a traceback")
     assert "1 faults" in module.report(result, tmp_path).read_text(encoding="utf-8")
-    assert trials.table(result.within)[-1]["faults"] == 1
+    assert trials.verdict_table(result.within)[-1]["faults"] == 1
 
 
 def test_a_wrong_table_is_a_fault(monkeypatch):
     """Of a damaged journal: the judge knows the right table."""
-    wrong = trials.made("journals", 0)._replace(right={"t.csv": b"case,\n"})
+    wrong = trials.make_input("journals", 0)._replace(right={"t.csv": b"case,\n"})
     monkeypatch.setitem(trials.GENERATORS, "journals", (lambda _: wrong, ""))
-    assert "not the right t.csv" in trials.tried("journals", 0).fault
+    assert "not the right t.csv" in trials.try_input("journals", 0).fault
 
 
 def test_every_kind_of_fault_has_a_name():
@@ -42,7 +42,9 @@ def test_every_kind_of_fault_has_a_name():
     load("faults")
     from studies.faults import before
 
-    kinds = {case: before.kind_of(fault_of(GIVEN, end), end.status) for case, end in BAD.items()}
+    kinds = {
+        case: before.fault_kind(find_fault(GIVEN, end), end.status) for case, end in BAD.items()
+    }
     assert "other" not in kinds.values()
     assert kinds["traceback"] == "traceback" and kinds["nan"] == kinds["CSV"] == "not finite"
-    assert before.kind_of("status -24: ", -24) == "hang"
+    assert before.fault_kind("status -24: ", -24) == "hang"

@@ -8,9 +8,9 @@ import drumlin
 from drumlin_studies.random_corners import (
     CORNER_KINDS,
     SHORT_CONTACT,
-    at_corner,
-    at_tip,
     random_corner,
+    touches_corner,
+    touches_tip,
 )
 
 FIRST = 400_000
@@ -25,9 +25,9 @@ def test_a_seed_gives_a_brake_that_presses_as_its_kind_says(number):
     found = drumlin.solve(brake)
     pairs = list(zip(brake.shoes, found.shoes, strict=True))
     presses = {
-        "corner": at_corner,
-        "tip": at_tip,
-        "table": lambda *pair: at_corner(*pair) or at_tip(*pair),
+        "corner": touches_corner,
+        "tip": touches_tip,
+        "table": lambda *pair: touches_corner(*pair) or touches_tip(*pair),
     }
     assert any(presses[CORNER_KINDS[kind].presses](*pair) for pair in pairs)
     for shoe in found.shoes:

@@ -20,7 +20,12 @@ from drumlin.fem.solve import scene_of
 from drumlin.laws import law
 from drumlin.response.balance import contact_resultant, loaded
 from drumlin.response.resultants import cross
-from drumlin_studies.random_kinds import HOLDING_KINDS, placed, random_kind, scaled
+from drumlin_studies.random_kinds import (
+    HOLDING_KINDS,
+    draw_brake_of_holding_kind,
+    place_brake,
+    scale_brake,
+)
 from picking import picked
 
 ELEMENTS = 10
@@ -77,7 +82,7 @@ def whole_balance(brake: Brake, found: Response) -> None:
 
 
 def judge(seed: int, kind: str) -> None:
-    brake = random_kind(seed, kind)
+    brake = draw_brake_of_holding_kind(seed, kind)
     for solve in (law, drumlin.solve):
         found = solve(brake)
         assert max(found.balance.force, found.balance.moment) < 1e-9
@@ -108,17 +113,17 @@ def fitting(brake: Brake) -> bool:
 
 def moved(seed: int, kind: str, turn: float, length: float, modulus: float) -> None:
     """The brake turned, mirrored, shifted, scaled, stiffened, under twice the forces, as a file."""
-    brake = random_kind(seed, kind)
+    brake = draw_brake_of_holding_kind(seed, kind)
     flat = isinstance(brake, FlatBrake)
     for solve in MODELS:
         a = solve(brake)
         for mirrored in (False, True):
             place: dict[str, Any] = {"shift": turn} if flat else {"turn": turn}
-            same(a, solve(placed(brake, mirrored=mirrored, **place)))
+            same(a, solve(place_brake(brake, mirrored=mirrored, **place)))
         force = modulus * length**2
         same(
             a,
-            solve(scaled(brake, length, modulus)),
+            solve(scale_brake(brake, length, modulus)),
             size=force * (1 if flat else length),
             force=force,
         )
@@ -174,7 +179,7 @@ def both_ways(brake: Brake) -> list[Brake]:
 def rigid_limit(seed: int, kind: str) -> int:
     """How many of both rotations have an answer; finite elements have none where the law none."""
     answers = 0
-    for brake in both_ways(random_kind(seed, kind, rigid=True)):
+    for brake in both_ways(draw_brake_of_holding_kind(seed, kind, rigid=True)):
         try:
             by_law = law(brake)
         except NoAnswer:
@@ -216,7 +221,7 @@ def end_by_law(brake: Brake, most: float) -> float | None:
 def locked(seed: int, kind: str, most: float = 1.2) -> int:
     """Judge a brake in both senses; in how many of them its law ends below `most`."""
     ends = 0
-    for brake in both_ways(random_kind(seed, kind, rigid=True)):
+    for brake in both_ways(draw_brake_of_holding_kind(seed, kind, rigid=True)):
         try:
             law(brake)
         except NoAnswer:

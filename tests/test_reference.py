@@ -18,13 +18,24 @@ from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.solve import solve
 from drumlin.laws import sine
 from drumlin.verification import triangles
-from drumlin.verification.check import check, curves_text, lines, read_curves, within
+from drumlin.verification.check import (
+    are_within_tolerance,
+    curves_text,
+    judge_curves,
+    read_curves,
+    verdict_lines,
+)
 from drumlin.verification.reference import (
     Refinement,
-    reference,
-    responses,
+    compute_reference,
+    solve_reference_responses,
 )
-from drumlin.verification.reference_file import as_dict, read_reference, stored, write_values
+from drumlin.verification.reference_file import (
+    read_reference,
+    reference_data,
+    stored_reference_path,
+    write_reference,
+)
 from picking import having, keyed, picked
 
 QUICK = Refinement(2, (LEVELS[1], LEVELS[2]), triangles.TRIANGLE_LEVELS[:2])
@@ -39,7 +50,7 @@ def known():
 @pytest.fixture(scope="module")
 def quick(brake):
     """Reference values by coarser divisions than those that are stored."""
-    return reference(brake, "text", "command", responses(brake, QUICK))
+    return compute_reference(brake, "text", "command", solve_reference_responses(brake, QUICK))
 
 
 @pytest.mark.slow
@@ -71,7 +82,7 @@ def test_every_stored_reference_is_of_its_brake_file_and_known_as_well_as_it_say
         folder = next(f for f in STORED if stem.startswith(f + "_"))
         brake_file = ROOT / "studies" / folder / f"{stem.removeprefix(folder + '_')}.toml"
         assert tomllib.loads(found.text) == tomllib.loads(brake_file.read_text())
-        assert stored(found.text, VALUES) == path
+        assert stored_reference_path(found.text, VALUES) == path
         assert path.stat().st_size < 60_000
         assert found.torque.relative < 2e-6
         brake = read_brake(brake_file)
@@ -93,8 +104,8 @@ def test_every_stored_reference_is_of_its_brake_file_and_known_as_well_as_it_say
 
 def test_a_file_of_reference_values_returns_what_was_written(known, tmp_path):
     path = tmp_path / "values.json"
-    write_values(as_dict(known), path)
-    assert as_dict(read_reference(path)) == as_dict(known)
+    write_reference(reference_data(known), path)
+    assert reference_data(read_reference(path)) == reference_data(known)
     # Arrays stand on a line each.
     assert max(map(len, path.read_text().splitlines())) > 1000
     for text in ("", "[]", '{"format": "other"}', path.read_text().replace('"edge"', '"edgy"')):
@@ -102,7 +113,7 @@ def test_a_file_of_reference_values_returns_what_was_written(known, tmp_path):
         with pytest.raises(BadInput, match=r"values\.json"):
             read_reference(path)
     path.write_text(json.dumps({"no": "reference"}))
-    assert stored("text", tmp_path) is None
+    assert stored_reference_path("text", tmp_path) is None
 
 
 def table(response, factor=1.0, step=0.25):
@@ -120,23 +131,23 @@ def test_check_tells_good_curves_from_bad_ones(brake, known, tmp_path):
     path = tmp_path / "p.csv"
     response = solve(brake, elements=120)
     path.write_text(table(response))
-    good = check(brake, known, read_curves(path, brake))
-    assert within(good, 0.005) and all(v.distance < 1e-3 for v in good)
+    good = judge_curves(brake, known, read_curves(path, brake))
+    assert are_within_tolerance(good, 0.005) and all(v.distance < 1e-3 for v in good)
     path.write_text(table(response, factor=1.05))
-    for verdict in check(brake, known, read_curves(path, brake)):
+    for verdict in judge_curves(brake, known, read_curves(path, brake)):
         assert verdict.distance == pytest.approx(0.05, abs=2e-3)
         assert verdict.torque_error == pytest.approx(0.05, abs=4e-3)
     path.write_text(table(sine(brake)))
-    law = check(brake, known, read_curves(path, brake))
-    assert not within(law, 0.05)
-    assert lines(law, 0.05)[-1] == "NOT within 0.05 of the reference"
+    law = judge_curves(brake, known, read_curves(path, brake))
+    assert not are_within_tolerance(law, 0.05)
+    assert verdict_lines(law, 0.05)[-1] == "NOT within 0.05 of the reference"
     # whole turns, radians, Pa and the order of lines change nothing
     heading, *rows = table(response).splitlines()
     turned = [heading.replace("[deg]", "[rad]").replace("[MPa]", "[Pa]")]
     for name, angle, p in (row.split(",") for row in reversed(rows)):
         turned.append(f"{name},{np.radians(float(angle)) - 2 * np.pi},{float(p) * 1e6}")
     path.write_text("\n".join(turned))
-    again = check(brake, known, read_curves(path, brake))
+    again = judge_curves(brake, known, read_curves(path, brake))
     assert picked(again, "distance") == pytest.approx(picked(good, "distance"), rel=1e-5)
 
 
@@ -171,10 +182,10 @@ def test_curves_that_stop_short_and_references_of_other_brakes_are_refused(brake
         + "".join(f"{n},{a},1\n" for n in ("right", "left") for a in (0, 30))
     )
     with pytest.raises(BadInput, match="must reach from"):
-        check(brake, known, read_curves(path, brake))
+        judge_curves(brake, known, read_curves(path, brake))
     block = read_brake(ROOT / "studies" / "laws" / "block.toml")
     with pytest.raises(BadInput, match="another brake"):
-        check(block, known, {})
+        judge_curves(block, known, {})
     path.write_text(curves_text(solve(brake, elements=20)))
     others = {
         "friction": 0.31,
@@ -185,13 +196,13 @@ def test_curves_that_stop_short_and_references_of_other_brakes_are_refused(brake
     # The shoes of other brakes bear the same names.
     for key, value in others.items():
         with pytest.raises(BadInput, match=re.escape(f"of another brake: {key} is not the same")):
-            check(vary(brake, {key: value}), known, read_curves(path, brake))
+            judge_curves(vary(brake, {key: value}), known, read_curves(path, brake))
     titled = vary(
         brake, {"title": "mine", "drum.radius": "15 cm", "shoe[0].lining.thickness": "0.8 cm"}
     )
-    assert check(titled, known, read_curves(path, brake))
+    assert judge_curves(titled, known, read_curves(path, brake))
     with pytest.raises(BadInput, match="mesh file"):
-        responses(vary(brake, {"shoe[0].mesh": str(Path("s.msh"))}))
+        solve_reference_responses(vary(brake, {"shoe[0].mesh": str(Path("s.msh"))}))
 
 
 def test_pressures_that_solve_writes_are_read_by_check(brake, tmp_path):

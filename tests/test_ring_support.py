@@ -13,7 +13,7 @@ from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.verification.triangles.levels import TRIANGLE_LEVELS
 from drumlin.verification.triangles.levels import solve as solve_by_triangles
-from drumlin_studies.reduced import sketcher
+from drumlin_studies.reduced import surrogate_maker
 
 SECTION = {"thickness": 0.015, "width": 0.06, "material": {"E": 1.1e11, "nu": 0.26}}
 REFUSED = "takes rings with a fixed or a free far edge only"
@@ -52,7 +52,7 @@ def test_the_triangles_refuse_it(strange):
 
 def test_the_reduced_model_refuses_it(strange):
     with pytest.raises(BadInput, match=f"a sketch {REFUSED}"):
-        sketcher()(strange)
+        surrogate_maker()(strange)
 
 
 @pytest.mark.parametrize("stiffness", [{}, {"bending_stiffness": 2000.0}])

@@ -21,8 +21,8 @@ from drumlin.fem.equilibrium.group import groups_of
 from drumlin.fem.model import PENALTY, respond
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.laws import rigid
-from drumlin_studies.consistency_hold import checks
-from drumlin_studies.random_kinds import random_kind
+from drumlin_studies.consistency_hold import hold_against_solve_rows
+from drumlin_studies.random_kinds import draw_brake_of_holding_kind
 from picking import picked
 
 ELEMENTS = 12
@@ -185,7 +185,7 @@ def test_hold_says_nothing_where_the_foot_is_smooth(tmp_path: Path) -> None:
 def rough_brakes(count: int) -> list[Brake]:
     """Random brakes with a rough abutment."""
     kinds = ("rough abutment", "cylinder", "pad on an abutment")
-    return [random_kind(seed, kinds[seed % len(kinds)]) for seed in range(count)]
+    return [draw_brake_of_holding_kind(seed, kinds[seed % len(kinds)]) for seed in range(count)]
 
 
 @pytest.mark.parametrize("count", [6, pytest.param(60, marks=pytest.mark.slow)])
@@ -216,13 +216,13 @@ def test_a_little_force_on_a_crowned_pad_is_no_refusal(seed: int) -> None:
 
     Seeds 61 and 219 were refused at rest.
     """
-    (row,) = checks(seed)
+    (row,) = hold_against_solve_rows(seed)
     assert row.outcome in {"agrees", "said"}, row
 
 
 @pytest.mark.slow
 def test_of_random_brakes_of_all_kinds_none_ends_elsewhere_without_a_line() -> None:
-    rows = list(chain.from_iterable(map(checks, range(1000, 1104))))
+    rows = list(chain.from_iterable(map(hold_against_solve_rows, range(1000, 1104))))
     assert len(rows) > 90
     assert set(picked(rows, "outcome")) <= {"agrees", "said"}
     assert all("abutment" in row.said for row in rows if row.outcome == "said")
@@ -273,7 +273,7 @@ def test_the_limit_of_thin_linings_is_that_of_the_law() -> None:
     """
     seen = 0
     for seed in range(8):
-        brake = random_kind(seed, "rough abutment", rigid=True)
+        brake = draw_brake_of_holding_kind(seed, "rough abutment", rigid=True)
         lock = limits(prepare(brake, elements=40), brake, 3.0)[0,].friction
         if math.isinf(lock):
             continue

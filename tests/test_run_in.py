@@ -12,17 +12,17 @@ from drumlin.brake.file import read_brake, vary
 from drumlin.fem.model import respond
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.laws import hinged, rigid
-from drumlin.lining_wear.archard import WearLaw, ripple, run_on
-from drumlin.lining_wear.linings import fem_setup, foundation_setup, guided
+from drumlin.lining_wear.archard import WearLaw, checkerboard_amplitude, wear_linings_in_given_steps
+from drumlin.lining_wear.linings import fem_wear_setup, foundation_wear_setup, put_shoes_on_guides
 from drumlin.lining_wear.run_in import (
     COEFFICIENT,
-    checks,
-    distance,
-    life,
+    brake_with_worn_linings,
+    compute_run_checks,
+    distance_from_target,
+    lining_life,
+    rigid_law_target,
     run_in,
-    target,
-    unit_distance,
-    worn,
+    unit_sliding_distance,
 )
 from drumlin.response.norms import pressure_distance
 from picking import picked
@@ -41,7 +41,7 @@ def scene(brake):
 
 @pytest.fixture(scope="module")
 def setup(scene, brake):
-    return fem_setup(scene, brake)
+    return fem_wear_setup(scene, brake)
 
 
 @pytest.fixture(scope="module")
@@ -51,30 +51,32 @@ def states(setup):
 
 def holds(setup, states, law_torque):
     """What must hold after run-in, in one place."""
-    assert distance(setup, states[-1], target(setup)).pressure <= 0.01
+    assert distance_from_target(setup, states[-1], rigid_law_target(setup)).pressure <= 0.01
     assert states[-1].torque == pytest.approx(law_torque, rel=1e-3)
-    found = checks(setup, states, LAW)
+    found = compute_run_checks(setup, states, LAW)
     assert found.volume < 1e-8
     assert found.energy < 1e-6
     for s in setup.surfaces:
-        assert ripple(s.along(states[-1].pressure)) < 1e-3
+        assert checkerboard_amplitude(s.along(states[-1].pressure)) < 1e-3
 
 
 def test_the_main_brake_comes_to_the_sine_law_and_stays(brake, setup, states):
     law = hinged.sine(brake)
     holds(setup, states, law.torque)
-    assert distance(setup, states[0], target(setup)).pressure > 0.5
+    assert distance_from_target(setup, states[0], rigid_law_target(setup)).pressure > 0.5
     long = run_in(setup, distance=10 * states[-1].s)
-    assert max(map(abs, distance(setup, long[-1], target(setup)))) < 1e-6
+    assert max(map(abs, distance_from_target(setup, long[-1], rigid_law_target(setup)))) < 1e-6
     # The target is the law itself, not only near it.
     for surface in setup.surfaces:
         expected = law.shoes[surface.shoe].pressure_at(surface.angles)
-        np.testing.assert_allclose(surface.along(target(setup).pressure), expected, rtol=1e-6)
+        np.testing.assert_allclose(
+            surface.along(rigid_law_target(setup).pressure), expected, rtol=1e-6
+        )
 
 
 def test_every_state_is_what_the_finite_elements_answer_for_the_worn_brake(scene, setup, states):
     for state in states[:: len(states) // 4]:
-        response = respond(scene, worn(setup, state), penalty=math.inf)
+        response = respond(scene, brake_with_worn_linings(setup, state), penalty=math.inf)
         assert response.torque == pytest.approx(state.torque, rel=1e-9)
         for surface, shoe in zip(setup.surfaces, response.shoes, strict=True):
             np.testing.assert_allclose(
@@ -84,7 +86,7 @@ def test_every_state_is_what_the_finite_elements_answer_for_the_worn_brake(scene
 
 def test_half_the_step_gives_the_same_answer(setup, states):
     s = picked(states, "s")
-    halved = run_on(
+    halved = wear_linings_in_given_steps(
         setup.interfaces, LAW, sorted([*s[1:], *((a + b) / 2 for a, b in pairwise(s))])
     )[::2]
     area = np.concatenate(picked(setup.interfaces, "area"))
@@ -98,18 +100,18 @@ def test_half_the_step_gives_the_same_answer(setup, states):
 @pytest.mark.parametrize("ratio", [1e-4, 1e-1])
 def test_linings_soft_and_stiff_come_to_the_law(brake, ratio):
     changed = vary(brake, {"shoe.lining.material.E": 210e9 * ratio})
-    setup = fem_setup(prepare(changed, elements=40), changed)
+    setup = fem_wear_setup(prepare(changed, elements=40), changed)
     holds(setup, run_in(setup), hinged.sine(brake).torque)
 
 
 def test_a_pivoted_shoe_comes_to_its_two_term_law():
     brake = of("laws/pivoted_block", **{"shoe.pivot": {"x": 0.27, "y": 0.02}})
-    setup = fem_setup(prepare(brake, elements=40), brake)
+    setup = fem_wear_setup(prepare(brake, elements=40), brake)
     law = rigid.solve(brake)
     holds(setup, run_in(setup), law.torque)
     (surface,) = setup.surfaces
     np.testing.assert_allclose(
-        surface.along(target(setup).pressure),
+        surface.along(rigid_law_target(setup).pressure),
         law.shoes[0].pressure_at(surface.angles),
         atol=1e-5 * law.shoes[0].peak_pressure,
     )
@@ -117,40 +119,42 @@ def test_a_pivoted_shoe_comes_to_its_two_term_law():
 
 def test_a_guided_shoe_comes_to_the_cosine_law():
     brake = of("laws/block")
-    setup = fem_setup(prepare(guided(brake), elements=40), guided(brake))
+    setup = fem_wear_setup(
+        prepare(put_shoes_on_guides(brake), elements=40), put_shoes_on_guides(brake)
+    )
     holds(setup, run_in(setup), hinged.guided_torque(brake))
     (surface,) = setup.surfaces
-    p = surface.along(target(setup).pressure)
+    p = surface.along(rigid_law_target(setup).pressure)
     cosine = np.cos(surface.angles - math.pi / 2)
     np.testing.assert_allclose(p, p.max() * cosine, rtol=1e-6)
 
 
 def test_a_post_comes_to_the_sine_law_on_the_foundation_once_it_may_tilt():
     brake = of("post_brake/brake")
-    setup = foundation_setup(brake, sections=180, lift=("tilt",))
+    setup = foundation_wear_setup(brake, sections=180, lift=("tilt",))
     holds(setup, run_in(setup), hinged.sine(brake).torque)
-    published = target(foundation_setup(brake, sections=180)).torque
+    published = rigid_law_target(foundation_wear_setup(brake, sections=180)).torque
     # The shoes turn without tilt, which gives x cos(theta), not sin(phi).
     assert published > 1.04 * hinged.sine(brake).torque
 
 
 def test_shoes_that_meet_through_a_ring_wear_together():
     brake = of("post_brake/brake")
-    setup = fem_setup(prepare(brake, elements=24), brake)
+    setup = fem_wear_setup(prepare(brake, elements=24), brake)
     assert len(setup.interfaces) == 1 and len(setup.surfaces) == 2
     holds(setup, run_in(setup), hinged.sine(brake).torque)
 
 
 def test_a_square_law_of_wear_tends_to_the_root_of_the_sine(setup):
     law = WearLaw(COEFFICIENT, 2.0)
-    states, goal = run_in(setup, law), target(setup, law)
+    states, goal = run_in(setup, law), rigid_law_target(setup, law)
     for surface in setup.surfaces:
         phi = setup.brake.shoes[surface.shoe].frame.phi(surface.angles)
         p = surface.along(goal.pressure)
         np.testing.assert_allclose(
             p / p.max(), np.sqrt(np.sin(phi) / np.sin(phi)[p.argmax()]), rtol=1e-5
         )
-    assert max(map(abs, distance(setup, states[-1], goal))) < 1e-3
+    assert max(map(abs, distance_from_target(setup, states[-1], goal))) < 1e-3
 
 
 def test_constant_torque_needs_the_force_that_the_worn_brake_needs(scene, brake, setup):
@@ -163,21 +167,21 @@ def test_constant_torque_needs_the_force_that_the_worn_brake_needs(scene, brake,
             for i in (0, 1)
         }
         assert respond(
-            scene, vary(worn(setup, state), force), penalty=math.inf
+            scene, vary(brake_with_worn_linings(setup, state), force), penalty=math.inf
         ).torque == pytest.approx(450.0, rel=1e-9)
 
 
 def test_a_reversal_undoes_the_law_until_the_lining_has_run_in_anew(scene, brake, setup, states):
-    other = fem_setup(scene, vary(brake, {"rotation": "clockwise"}))
+    other = fem_wear_setup(scene, vary(brake, {"rotation": "clockwise"}))
     every = states[-1].s
     run = run_in(setup, backward=other, reverse=every, distance=2 * every)
     (turn,) = [i for i, (a, b) in enumerate(pairwise(run)) if a.forward != b.forward]
     before, after = run[turn], run[turn + 1]
     assert before.s == after.s == every
     assert (before.depth == after.depth).all()
-    assert distance(setup, before, target(setup)).pressure < 2e-3
-    assert distance(other, after, target(other)).pressure > 0.3
-    assert distance(other, run[-1], target(other)).pressure < 0.01
+    assert distance_from_target(setup, before, rigid_law_target(setup)).pressure < 2e-3
+    assert distance_from_target(other, after, rigid_law_target(other)).pressure > 0.3
+    assert distance_from_target(other, run[-1], rigid_law_target(other)).pressure < 0.01
     third = run_in(
         setup, backward=other, reverse=every / 3, distance=3.0 * (every / 3), tolerance=5e-3
     )
@@ -190,33 +194,35 @@ def test_a_reversal_undoes_the_law_until_the_lining_has_run_in_anew(scene, brake
 def test_the_part_of_life_does_not_depend_on_the_wear_coefficient_and_grows_with_the_force(
     brake, scene, setup, states
 ):
-    mine = life(setup, states, target(setup), LAW)
+    mine = lining_life(setup, states, rigid_law_target(setup), LAW)
     faster = WearLaw(7 * COEFFICIENT)
-    again = life(setup, run_in(setup, faster), target(setup), faster)
+    again = lining_life(setup, run_in(setup, faster), rigid_law_target(setup), faster)
     assert again.pressure == pytest.approx(mine.pressure, rel=1e-6)
-    assert unit_distance(setup, faster) == pytest.approx(unit_distance(setup, LAW) / 7)
-    heavy = fem_setup(scene, vary(brake, {"shoe.actuation.force": 4e3}))
-    assert life(heavy, run_in(heavy), target(heavy), LAW).pressure == pytest.approx(
-        2 * mine.pressure, rel=2e-3
+    assert unit_sliding_distance(setup, faster) == pytest.approx(
+        unit_sliding_distance(setup, LAW) / 7
     )
+    heavy = fem_wear_setup(scene, vary(brake, {"shoe.actuation.force": 4e3}))
+    assert lining_life(
+        heavy, run_in(heavy), rigid_law_target(heavy), LAW
+    ).pressure == pytest.approx(2 * mine.pressure, rel=2e-3)
     assert 0.1 < mine.pressure < 0.2 and 0.03 < mine.torque < 0.06
 
 
 def test_what_cannot_be_worn_in_is_refused(brake, scene, flexible):
     with pytest.raises(NoAnswer, match="no contact"):
-        fem_setup(scene, vary(brake, {"shoe.actuation.force": -1.0}))
+        fem_wear_setup(scene, vary(brake, {"shoe.actuation.force": -1.0}))
     with pytest.raises(BadInput, match="foundation does not apply"):
-        foundation_setup(flexible)
+        foundation_wear_setup(flexible)
     locking = vary(brake, {"friction": 1.0})
     with pytest.raises(NoAnswer):
-        target(fem_setup(prepare(locking, elements=10), locking))
+        rigid_law_target(fem_wear_setup(prepare(locking, elements=10), locking))
 
 
 def test_the_worn_brake_is_a_brake_file_apart(setup, states, brake):
     """Its clearance is that of the file plus the depth; the new one is the brake itself."""
-    new = worn(setup, states[0])
+    new = brake_with_worn_linings(setup, states[0])
     assert all(abs(c) < 1e-15 for shoe in new.shoes for _, c in shoe.lining.clearance)
-    end = worn(setup, states[-1])
+    end = brake_with_worn_linings(setup, states[-1])
     assert np.array(end.shoes[0].lining.clearance)[:, 1].max() == pytest.approx(
         states[-1].depth[setup.surfaces[0].part].max()
     )

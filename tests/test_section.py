@@ -21,8 +21,8 @@ from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.solid.mesh import solid_mesh
-from drumlin.verification.triangles.outline import outline_of
-from drumlin_studies.reduced import sketcher
+from drumlin.verification.triangles.outline import make_outline
+from drumlin_studies.reduced import surrogate_maker
 from held_shoes import BODY, brake_of
 
 S = {"E": 2.1e11, "nu": 0.3}
@@ -166,7 +166,7 @@ def test_a_t_section_is_what_its_layers_are(kind: str) -> None:
     np.testing.assert_allclose(a.pressure, b.pressure, atol=1e-9 * b.peak_pressure)
     assert new.torque == pytest.approx(old.torque, rel=1e-10)
     rows = [
-        np.diag(sketcher()(layered(kind, old=old)).bodies[0].closure_by_pressure)
+        np.diag(surrogate_maker()(layered(kind, old=old)).bodies[0].closure_by_pressure)
         for old in (False, True)
     ]
     # The surrogate has a mesh of the backing, and the table in the bar.
@@ -177,7 +177,7 @@ def test_the_second_solver_has_the_same_plates() -> None:
     hinged = [
         vary(layered("pivot", old=old), {"shoe.pivot": None}).shoes[0] for old in (False, True)
     ]
-    new, old = (outline_of(shoe, 0.11) for shoe in hinged)
+    new, old = (make_outline(shoe, 0.11) for shoe in hinged)
     assert len(new.layers) == len(old.layers) == 3
     for one, other in zip(new.layers, old.layers, strict=True):
         assert (one.start, one.end, one.elastic.width) == (

@@ -29,9 +29,13 @@ from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import scene_of, solve
 from drumlin.fem.substructure.body import FRAME, scalar_basis, stiffness
 from drumlin_studies import consistency_slopes
-from drumlin_studies.consistency_slopes import Divided, difference, slopes_of
+from drumlin_studies.consistency_slopes import (
+    DivisionForSlopes,
+    largest_slope_difference,
+    printed_slopes,
+)
 from drumlin_studies.random_brake import random_brake
-from drumlin_studies.random_kinds import random_kind
+from drumlin_studies.random_kinds import draw_brake_of_holding_kind
 from shared_parts import modulus_slopes
 
 ELEMENTS = 10
@@ -110,10 +114,10 @@ def central(
 WRONG = [
     (partial(random_brake, 51, "post"), "hinge", 1),
     (partial(random_brake, 12, "post"), "hinge", 1),
-    (partial(random_kind, 6, "pivot"), "pivot", 0),
+    (partial(draw_brake_of_holding_kind, 6, "pivot"), "pivot", 0),
     (partial(random_brake, 9, "post"), "hinge", 0),
-    (partial(random_kind, 15, "grip"), "pivot", 1),
-    (partial(random_kind, 11, "pivot"), "pivot", 1),
+    (partial(draw_brake_of_holding_kind, 15, "grip"), "pivot", 1),
+    (partial(draw_brake_of_holding_kind, 11, "pivot"), "pivot", 1),
 ]
 
 
@@ -150,7 +154,7 @@ def test_slopes_of_the_studies_are_those_of_solves_by_default(name):
 @pytest.mark.parametrize("support", ["free", "fixed"])
 @pytest.mark.parametrize("elements", [None, ELEMENTS])
 def test_a_grip_on_an_elastic_ring_moves_the_contact_of_the_ring_too(elements, support):
-    brake = vary(random_kind(0, "pivot"), RING | {"drum.ring.support": support})
+    brake = vary(draw_brake_of_holding_kind(0, "pivot"), RING | {"drum.ring.support": support})
     assert largest(brake, elements, "pivot") < 1e-4
 
 
@@ -187,7 +191,7 @@ def test_posts_under_a_cam_share_its_force_anew_as_their_hinges_move(elements):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("kind", "draw"), [("post", random_brake), ("rough abutment", random_kind)]
+    ("kind", "draw"), [("post", random_brake), ("rough abutment", draw_brake_of_holding_kind)]
 )
 def test_a_mesh_in_the_shoes_frame_turns_with_its_pin(kind, draw, tmp_path):
     brake = draw(3, kind)
@@ -206,12 +210,14 @@ def largest(brake: Brake, elements: int | None, key: str = "") -> float:
 
     Differences over three steps are the reference.
     """
-    divided = Divided(elements, consistency_slopes.Cache())
+    divided = DivisionForSlopes(elements, consistency_slopes.Cache())
     base = divided.solved(brake)
     table = [
-        slope for slope in slopes_of(brake, divided.slopes(brake)) if slope.what.startswith(key)
+        slope
+        for slope in printed_slopes(brake, divided.slopes(brake))
+        if slope.what.startswith(key)
     ]
-    apart = [difference(brake, slope, divided, base) for slope in table]
+    apart = [largest_slope_difference(brake, slope, divided, base) for slope in table]
     assert len(table) > 1
     assert None not in apart
     return max(each for each in apart if each is not None)
@@ -401,14 +407,16 @@ def test_displacements_by_way_of_the_sides_of_elements_are_those_of_the_whole_sy
 
 @pytest.mark.parametrize("seed", range(3, 2 * len(consistency_slopes.SLOPE_KINDS), 7))
 def test_random_brakes_of_all_kinds_keep_their_slopes(seed):
-    rows = consistency_slopes.checks(seed, 1)
+    rows = consistency_slopes.slope_rows_of_seed(seed, 1)
     assert all(row.outcome == "agrees" for row in rows), rows
 
 
 @pytest.mark.slow
 def test_more_random_brakes_keep_their_slopes():
     outcomes = [
-        row.outcome for seed in range(1000, 1104) for row in consistency_slopes.checks(seed)
+        row.outcome
+        for seed in range(1000, 1104)
+        for row in consistency_slopes.slope_rows_of_seed(seed)
     ]
     assert len(outcomes) > 280
     assert set(outcomes) == {"agrees"}

@@ -27,9 +27,9 @@ from drumlin.fem.solid.mesh import solid_mesh, width_levels
 from drumlin.fem.solve import solve
 from drumlin.response.balance import contact_resultant
 from drumlin.response.norms import pressure_distance, relative
-from drumlin.sweeps.cases import run
-from drumlin.sweeps.file import sweep_from
-from drumlin.verification.cost import solid_table
+from drumlin.sweeps.cases import solve_cases
+from drumlin.sweeps.file import sweep_from_data
+from drumlin.verification.cost import solid_cost_table_lines
 from drumlin_studies import solid_forms
 from picking import picked
 from sections import t_section
@@ -217,20 +217,20 @@ def test_the_mirror_image_of_a_brake_is_solved_alike(flexible):
 
 
 def test_lame_ring_with_free_faces():
-    errors = [solid_forms.lame_error(n, Material(E=2.0, nu=0.3)) for n in (2, 4)]
+    errors = [solid_forms.lame_displacement_error(n, Material(E=2.0, nu=0.3)) for n in (2, 4)]
     assert errors[1] < 2e-4
     assert np.log2(errors[0] / errors[1]) > 2.8
 
 
 def test_a_uniform_pressure_on_the_curved_face_makes_a_uniform_stress():
-    errors = [solid_forms.patch_error(n, Material(E=2.0, nu=0.3)) for n in (4, 8)]
+    errors = [solid_forms.patch_force_error(n, Material(E=2.0, nu=0.3)) for n in (4, 8)]
     assert errors[1] < 2e-7
     assert np.log2(errors[0] / errors[1]) > 3.8
 
 
 @pytest.mark.slow
 def test_hertz_point_contact():
-    found = solid_forms.point_contact(4)
+    found = solid_forms.hertz_point_contact(4)
     assert found.peak == pytest.approx(1, abs=0.01)
     assert found.distance < 0.07
 
@@ -408,7 +408,7 @@ def test_a_large_face_is_answered_on_every_other_node_and_settles_once_on_all(
 
 @pytest.mark.slow
 def test_the_cost_table_has_a_row_a_size(flexible):
-    heading, *rows = solid_table(flexible, (6, 12))
+    heading, *rows = solid_cost_table_lines(flexible, (6, 12))
     assert heading.split()[0] == "unknowns"
     unknowns, seconds = ([float(row.split()[k]) for row in rows] for k in (0, 2))
     assert unknowns == [model.prepare(flexible, elements=n).bodies[0].unknowns for n in (6, 12)]
@@ -430,7 +430,7 @@ def test_a_sweep_of_solid_shoes_makes_each_body_once(root, flexible, monkeypatch
         "model": {"solid": options, "sine": {}},
         "vary": {"friction": [0.2, 0.25, 0.3]},
     }
-    rows = run(sweep_from(sweep).cases)
+    rows = solve_cases(sweep_from_data(sweep).cases)
     assert made == [(6, 2)]
     torques = [
         model.solve(vary(flexible, {"friction": mu}), **options).torque for mu in (0.2, 0.25, 0.3)
@@ -452,7 +452,7 @@ def test_a_sweep_of_solid_shoes_makes_each_body_once(root, flexible, monkeypatch
 def test_options_that_a_sweep_of_solids_has_not(root, options, said):
     file = str(root / "studies" / "double_shoe" / "flexible.toml")
     with pytest.raises(BadInput, match=said):
-        sweep_from({"brake": file, "model": {"solid": options}, "vary": {"friction": [0.2]}})
+        sweep_from_data({"brake": file, "model": {"solid": options}, "vary": {"friction": [0.2]}})
 
 
 def guided(brake, **more):

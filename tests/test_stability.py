@@ -22,11 +22,11 @@ from drumlin.fem.solve import solve
 from drumlin.fem.substructure.body import stiffness
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 from drumlin.verification import triangles
-from drumlin_studies.extreme_cases import KnobCase, cases
+from drumlin_studies.extreme_cases import KnobCase, designed_cases
 from drumlin_studies.random_brake import random_brake
-from drumlin_studies.random_kinds import HOLDING_KINDS, random_kind
-from drumlin_studies.stated_true import by_triangles, errors
-from drumlin_studies.trial import trial, worth
+from drumlin_studies.random_kinds import HOLDING_KINDS, draw_brake_of_holding_kind
+from drumlin_studies.stated_true import true_errors, truth_by_triangles
+from drumlin_studies.trial import answer_accuracy, try_case
 from picking import having, picked, saying
 
 STUDY_NAME = "stability"
@@ -61,7 +61,7 @@ def everywhere(scene):
 
 
 def test_the_designed_set_turns_every_knob_to_its_end():
-    every = cases()
+    every = designed_cases()
     assert len(every) >= 300
     assert len(set(every)) == len(every)
     # A journal keeps the cases as JSON.
@@ -154,7 +154,7 @@ def test_a_soft_shoe_is_refined_instead_of_refused(assisted):
 @pytest.mark.parametrize("kind", sorted({*HOLDING_KINDS} - {"cam", "strut", "chain"}))
 def test_a_refined_reaction_is_that_of_the_strains_where_those_have_their_digits(kind, monkeypatch):
     """However a shoe is held; those that share a force are not refined."""
-    brake = random_kind(0, kind)
+    brake = draw_brake_of_holding_kind(0, kind)
     strained = solve(brake, elements=12)
     refined_anyway(monkeypatch)
     refined = solve(brake, elements=12)
@@ -181,7 +181,7 @@ def test_a_reaction_whose_strains_lose_their_digits_follows_from_the_pressure():
     }
     case = KnobCase(**knobs, penalty=5.8e8, force=72.4, lever=0.0229, nu=0.3634, elements=8)
     scene, brake, response = solved(case)
-    assert worth(scene, brake, response, case.penalty)["digits"] > 8
+    assert answer_accuracy(scene, brake, response, case.penalty)["digits"] > 8
     assert max(response.balance.force, response.balance.moment) < 1e-9
 
 
@@ -211,8 +211,8 @@ def test_digits_that_condensation_loses_on_a_fine_division_are_part_of_the_error
 @pytest.mark.parametrize("seed", [2342, 2474])
 def test_triangles_agree_where_digits_were_lost(seed):
     brake = random_brake(seed)
-    found, true = solve(brake, tolerance=1e-3), by_triangles(brake)
-    off = errors(brake, found.shoes, true.shoes)
+    found, true = solve(brake, tolerance=1e-3), truth_by_triangles(brake)
+    off = true_errors(brake, found.shoes, true.shoes)
     for name, error in off.items():
         assert error <= found.error[name] + true.unsure[name]
 
@@ -303,12 +303,12 @@ def test_units_do_not_matter():
 
 
 def test_a_trial_says_what_went_wrong():
-    row = trial(KnobCase(friction=1.5, elements=12))
+    row = try_case(KnobCase(friction=1.5, elements=12))
     assert row["outcome"] == "self-locking" and "mu_lock" in row["reason"]
-    assert trial(KnobCase(clearance=0.03, elements=12))["outcome"] == "out of reach"
-    assert trial(KnobCase(lever=-1e-6, elements=12))["outcome"] == "no contact"
-    assert trial(KnobCase(nu=0.5, elements=12))["outcome"] == "bad input"
-    assert trial(KnobCase(shoe=1e-13, elements=12))["outcome"] == "arithmetic"
+    assert try_case(KnobCase(clearance=0.03, elements=12))["outcome"] == "out of reach"
+    assert try_case(KnobCase(lever=-1e-6, elements=12))["outcome"] == "no contact"
+    assert try_case(KnobCase(nu=0.5, elements=12))["outcome"] == "bad input"
+    assert try_case(KnobCase(shoe=1e-13, elements=12))["outcome"] == "arithmetic"
 
 
 def test_an_empty_journal_is_one():

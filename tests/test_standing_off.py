@@ -15,9 +15,9 @@ from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin.laws import law
 from drumlin_studies import consistency_refused
-from drumlin_studies.consistency_refused import checks, drawn, force
+from drumlin_studies.consistency_refused import draw_brake, refusal_rows, total_contact_force
 from drumlin_studies.random_brake import random_brake
-from drumlin_studies.standing_off import standing_off
+from drumlin_studies.standing_off import draw_brake_with_clearances
 from picking import picked
 
 ONE_SHOE = {
@@ -63,8 +63,10 @@ def test_a_contact_that_moves_from_wide_columns_to_narrow_ones_does_not_lock():
 @pytest.mark.parametrize("seed", partly([2, 37, 107, 141, 172, 247, 257, 272, 286, 471], [286]))
 def test_a_brake_that_a_fine_mesh_answers_is_answered_by_default(seed):
     """Abutments, rough ones, struts and cams, whose contact moves by more than its length."""
-    brake = standing_off(seed)
-    assert force(solve(brake)) == pytest.approx(force(solve(brake, elements=80)), rel=0.01)
+    brake = draw_brake_with_clearances(seed)
+    assert total_contact_force(solve(brake)) == pytest.approx(
+        total_contact_force(solve(brake, elements=80)), rel=0.01
+    )
 
 
 def test_a_rigid_plank_on_a_curve_stands_on_the_two_nodes_beside_its_load():
@@ -135,7 +137,7 @@ def test_a_cam_that_would_have_to_pull_is_not_said_to_lock():
     The force of its second shoe falls to zero below the friction: at 0.0307 on a mesh of 80
     elements.
     """
-    brake = standing_off(2361)
+    brake = draw_brake_with_clearances(2361)
     assert solve(vary(brake, {"friction": 0.02}), elements=40).shoes[1].force > 0
     with pytest.raises(
         NoAnswer, match=r"^shoe 'second': no equilibrium, what pushes it would have to pull$"
@@ -145,19 +147,19 @@ def test_a_cam_that_would_have_to_pull_is_not_said_to_lock():
 
 @pytest.mark.parametrize("seed", range(15))
 def test_random_brakes_that_stand_off_press_by_the_law_and_are_drawn_again_from_their_seed(seed):
-    brake = standing_off(seed)
-    assert brake == standing_off(seed)
+    brake = draw_brake_with_clearances(seed)
+    assert brake == draw_brake_with_clearances(seed)
     assert all(picked(law(brake).shoes, "contact_arcs"))
     assert min(picked(brake.shoes, "lining.clearance")) > 0
 
 
 @pytest.mark.parametrize("seed", partly(range(0, 60), [4]))
 def test_what_is_refused_is_refused_on_meshes_too(seed):
-    assert [row for row in checks(seed) if row.outcome not in {"agrees", "refused"}] == []
+    assert [row for row in refusal_rows(seed) if row.outcome not in {"agrees", "refused"}] == []
 
 
 def test_a_refusal_that_three_meshes_do_not_share_differs(monkeypatch):
-    response = solve(drawn(4), elements=5)
+    response = solve(draw_brake(4), elements=5)
 
     def on_levels(brake, *, elements=None):
         if elements is None:
@@ -168,9 +170,11 @@ def test_a_refusal_that_three_meshes_do_not_share_differs(monkeypatch):
         raise NoAnswer("no equilibrium")
 
     monkeypatch.setattr(consistency_refused, "solve", on_levels)
-    (row,) = checks(4)
+    (row,) = refusal_rows(4)
     assert (
-        row.outcome == "differs" and "self-locking" in row.quantity and row.brake == drawn(4).title
+        row.outcome == "differs"
+        and "self-locking" in row.quantity
+        and row.brake == draw_brake(4).title
     )
     monkeypatch.setattr(consistency_refused, "solve", nowhere)
-    assert picked(checks(4), "outcome") == ["refused"]
+    assert picked(refusal_rows(4), "outcome") == ["refused"]

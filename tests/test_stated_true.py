@@ -22,20 +22,20 @@ from drumlin.response.response import NO_CHANGE, ShoeChange, reaction_size
 from drumlin.response.resultants import cross, integrate
 from drumlin.verification.triangles import TriangleLevel, solve_sequence
 from drumlin_studies import stated_true
-from drumlin_studies.calibration import drawn
+from drumlin_studies.calibration import draw_calibration_brake
 from drumlin_studies.random_brake import SHAPE_KINDS, random_brake
 from drumlin_studies.stated_true import (
     JUDGED_QUANTITIES,
     RELEVANT,
     Truth,
-    by_columns,
-    errors,
-    limit,
-    ratio,
-    row,
-    summary,
+    distance_from_limit,
+    stated_and_true_row,
+    stated_over_true,
+    summary_rows,
+    true_errors,
+    truth_by_hp_elements,
 )
-from drumlin_studies.stored_truth import by_finer
+from drumlin_studies.stored_truth import solve_by_finer_divisions
 from picking import keyed, picked
 from shared_parts import scaled_pressures
 
@@ -45,7 +45,7 @@ LEVELS = (TriangleLevel(3, 5, 1.4, 1.0), TriangleLevel(4, 7, 1.2, 1.0))
 @pytest.fixture(scope="module")
 def truth(brake):
     before, last = solve_sequence(brake, LEVELS)
-    return Truth(last, MappingProxyType(errors(brake, before, last)), 0.0)
+    return Truth(last, MappingProxyType(true_errors(brake, before, last)), 0.0)
 
 
 @pytest.mark.parametrize("kind", partly(SHAPE_KINDS, {"linings on ring", "post on ring"}))
@@ -67,23 +67,25 @@ def test_the_kinds_follow_each_other_by_seed():
 def test_what_a_response_states_is_held_against_the_truth(brake, truth):
     coarse = solve(brake, elements=12)
     stated = dict.fromkeys(JUDGED_QUANTITIES, 1e-2)
-    seen = row(brake, 1e-2, lambda brake, tolerance: replace(coarse, error=stated), truth)
+    seen = stated_and_true_row(
+        brake, 1e-2, lambda brake, tolerance: replace(coarse, error=stated), truth
+    )
     assert seen["outcome"] == "reached"
-    off = errors(brake, coarse.shoes, truth.shoes)
+    off = true_errors(brake, coarse.shoes, truth.shoes)
     assert {name: seen[f"true_{name}"] for name in JUDGED_QUANTITIES} == off
     torque = sum(picked(truth.shoes, "torque"))
     assert off["torque"] == pytest.approx(abs(coarse.torque - torque) / torque)
     assert 1e-3 < off["pressure"] < 0.1
-    liar = row(
+    liar = stated_and_true_row(
         brake,
         1e-2,
         lambda brake, tolerance: replace(coarse, error=dict.fromkeys(JUDGED_QUANTITIES, 1e-9)),
         truth,
     )
-    assert ratio(liar, "pressure") < 1e-5
-    table = keyed(summary([seen, liar]), "quantity")
+    assert stated_over_true(liar, "pressure") < 1e-5
+    table = keyed(summary_rows([seen, liar]), "quantity")
     assert table["pressure"]["above"] == pytest.approx(0.5 + 0.5 * (off["pressure"] > 1e-2))
-    assert table["pressure"]["judged"] == 2 and table["pressure"]["smallest"] == ratio(
+    assert table["pressure"]["judged"] == 2 and table["pressure"]["smallest"] == stated_over_true(
         liar, "pressure"
     )
 
@@ -98,14 +100,14 @@ def test_the_relevant_median_leaves_out_errors_that_nobody_asks_for():
         }
 
     rows = [judged(true) for true in (2 * RELEVANT, RELEVANT, 0.01 * RELEVANT, 0.01 * RELEVANT)]
-    torque = keyed(summary(rows), "quantity")["torque"]
+    torque = keyed(summary_rows(rows), "quantity")["torque"]
     assert torque["median_relevant"] == pytest.approx(3.0)
     assert torque["median"] == pytest.approx(202.0)
 
 
 def test_a_known_shift_of_the_pressure_is_the_error(brake, truth):
     shifted = scaled_pressures(truth.shoes, 1.01)
-    off = errors(brake, shifted, truth.shoes)
+    off = true_errors(brake, shifted, truth.shoes)
     assert off["pressure"] == pytest.approx(0.01, rel=1e-9)
     assert off["peak"] == pytest.approx(0.01, rel=1e-9)
     assert off["torque"] == off["reaction"] == 0
@@ -118,25 +120,34 @@ def test_what_fails_stays_in_the_table(brake, truth):
     def stumble(brake, tolerance):
         raise ValueError("no")
 
-    rows = [row(brake, 1e-2, refuse, truth), row(brake, 1e-2, stumble, truth)]
+    rows = [
+        stated_and_true_row(brake, 1e-2, refuse, truth),
+        stated_and_true_row(brake, 1e-2, stumble, truth),
+    ]
     assert picked(rows, "outcome") == ["not reached", "failed"]
     rows.append(
-        row(brake, 1e-2, lambda brake, tolerance: solve(brake, elements=12), None, "singular")
+        stated_and_true_row(
+            brake, 1e-2, lambda brake, tolerance: solve(brake, elements=12), None, "singular"
+        )
     )
     assert rows[-1]["outcome"] == "no truth" and rows[-1]["reason"] == "singular"
-    assert set(picked(summary(rows), ("brakes", "reached", "judged"))) == {(2, 0.0, 0)}
+    assert set(picked(summary_rows(rows), ("brakes", "reached", "judged"))) == {(2, 0.0, 0)}
 
 
 def test_uncertainty_of_a_sequence():
-    assert limit(4.0, 1.0) == pytest.approx(1 / 3)
-    assert limit(100.0, 1.0) == pytest.approx(1 / 3)
-    assert limit(1.0, 1.0) == 1.0
-    assert limit(1.0, 0.0) == 0.0
+    assert distance_from_limit(4.0, 1.0) == pytest.approx(1 / 3)
+    assert distance_from_limit(100.0, 1.0) == pytest.approx(1 / 3)
+    assert distance_from_limit(1.0, 1.0) == 1.0
+    assert distance_from_limit(1.0, 0.0) == 0.0
     assert math.isnan(
-        ratio({"stated_torque": math.nan, "true_torque": 1.0, "unsure_torque": 0.0}, "torque")
+        stated_over_true(
+            {"stated_torque": math.nan, "true_torque": 1.0, "unsure_torque": 0.0}, "torque"
+        )
     )
     assert np.isinf(
-        ratio({"stated_torque": 1e-3, "true_torque": 1e-6, "unsure_torque": 2e-6}, "torque")
+        stated_over_true(
+            {"stated_torque": 1e-3, "true_torque": 1e-6, "unsure_torque": 2e-6}, "torque"
+        )
     )
 
 
@@ -359,12 +370,14 @@ def test_columns_are_a_truth_that_triangles_share(brake, truth):
 
     Both see the error of a coarse answer.
     """
-    finer = by_columns(brake, 1e-2)
-    apart = errors(brake, finer.shoes, truth.shoes)
+    finer = truth_by_hp_elements(brake, 1e-2)
+    apart = true_errors(brake, finer.shoes, truth.shoes)
     for name in JUDGED_QUANTITIES:
         assert apart[name] <= 2 * (finer.unsure[name] + truth.unsure[name])
     coarse = solve(brake, elements=12)
-    one, other = (errors(brake, coarse.shoes, true.shoes)["pressure"] for true in (finer, truth))
+    one, other = (
+        true_errors(brake, coarse.shoes, true.shoes)["pressure"] for true in (finer, truth)
+    )
     assert one == pytest.approx(other, rel=0.1)
 
 
@@ -376,10 +389,10 @@ def test_columns_that_lost_digits_are_no_truth_beyond_them(brake, monkeypatch):
             shoes = tuple(replace(shoe, lost=ShoeChange(1e-4, 2e-4, 3e-4)) for shoe in found.shoes)
             yield SolvedLevel(made, replace(found, shoes=shoes))
 
-    sure = by_columns(brake, 1e-2).unsure
+    sure = truth_by_hp_elements(brake, 1e-2).unsure
     monkeypatch.setattr(stated_true, "solved_levels", losing)
     lost = {"pressure": 1e-4, "torque": 2e-4, "peak": 1e-4, "reaction": 3e-4}
-    for name, value in by_columns(brake, 1e-2).unsure.items():
+    for name, value in truth_by_hp_elements(brake, 1e-2).unsure.items():
         assert value == pytest.approx(sure[name] + lost[name], rel=1e-4)
 
 
@@ -399,13 +412,13 @@ def test_a_level_that_moves_away_again_is_no_truth(brake, monkeypatch):
 
         return some
 
-    before, sure = by_columns(brake, 1e-2), by_columns(brake, 1e-5)
+    before, sure = truth_by_hp_elements(brake, 1e-2), truth_by_hp_elements(brake, 1e-5)
     monkeypatch.setattr(stated_true, "solved_levels", straying(9))
-    for own, other in zip(by_columns(brake, 1e-5).shoes, before.shoes, strict=True):
+    for own, other in zip(truth_by_hp_elements(brake, 1e-5).shoes, before.shoes, strict=True):
         np.testing.assert_array_equal(own.pressure, other.pressure)
     monkeypatch.setattr(stated_true, "solved_levels", straying(3))
-    home = by_columns(brake, 1e-5)
-    assert errors(brake, home.shoes, sure.shoes)["pressure"] < 2 * sure.unsure["pressure"]
+    home = truth_by_hp_elements(brake, 1e-5)
+    assert true_errors(brake, home.shoes, sure.shoes)["pressure"] < 2 * sure.unsure["pressure"]
 
 
 def test_a_peak_at_an_end_of_the_lining_is_unbounded_and_so_is_its_error():
@@ -524,9 +537,9 @@ def test_a_reaction_that_two_levels_share_by_accident_is_not_stated_as_sure():
 
     Most of its stated error is the fraction `cancelled` of what chance signs would move it by.
     """
-    _, hinged = drawn(300_259)
-    truth = by_finer(hinged)
-    off = errors(hinged, solve(hinged).shoes, truth.shoes)["reaction"]
+    _, hinged = draw_calibration_brake(300_259)
+    truth = solve_by_finer_divisions(hinged)
+    off = true_errors(hinged, solve(hinged).shoes, truth.shoes)["reaction"]
     before, last = (step.response for step in islice(solved_levels(hinged, respond), 2))
     stated = estimate(hinged, before, last)
     by_step = estimate(hinged, before, last, FACTORS._replace(cancelled=0.0))

@@ -10,15 +10,15 @@ import numpy as np
 import pytest
 
 from drumlin_studies.sharpness import (
-    complaints,
     judge_folder,
-    losses,
+    lines_on_losses,
+    lines_on_stated_errors,
     read_sharpness,
-    scaled,
+    scale_stated_errors,
     truth_files,
 )
 from drumlin_studies.stated_true import JUDGED_QUANTITIES
-from drumlin_studies.stored_truth import FINER, STORED_BRAKES, make, read
+from drumlin_studies.stored_truth import FINER, STORED_BRAKES, make_stored_truth, read_stored_truth
 
 FOLDER = Path(__file__).parent / "truths"
 
@@ -35,11 +35,11 @@ def written():
 
 def test_stated_errors_are_large_enough_and_no_larger_than_they_were(rows, written):
     assert len(rows) >= 120
-    assert complaints(rows, written.spreads) == []
+    assert lines_on_stated_errors(rows, written.spreads) == []
 
 
 def test_answers_are_as_exact_and_as_cheap_as_they_were(rows, written):
-    assert losses(rows, written.worths) == []
+    assert lines_on_losses(rows, written.worths) == []
 
 
 @pytest.mark.parametrize(
@@ -51,7 +51,9 @@ def test_answers_are_as_exact_and_as_cheap_as_they_were(rows, written):
     ],
 )
 def test_answers_that_are_less_exact_or_cost_more_are_noticed(rows, written, change, said):
-    assert any(said in line for line in losses([change(one) for one in rows], written.worths))
+    assert any(
+        said in line for line in lines_on_losses([change(one) for one in rows], written.worths)
+    )
 
 
 def test_one_brake_that_takes_far_more_unknowns_is_noticed(rows, written):
@@ -59,7 +61,7 @@ def test_one_brake_that_takes_far_more_unknowns_is_noticed(rows, written):
         one._replace(unknowns=one.unknowns * 2) if one.name == "short_contact" else one
         for one in rows
     ]
-    assert any("short_contact takes" in line for line in losses(slow, written.worths))
+    assert any("short_contact takes" in line for line in lines_on_losses(slow, written.worths))
 
 
 BELOW_HALF = {
@@ -88,7 +90,7 @@ def test_no_other_stated_error_is_below_half_of_the_true_one(rows):
 def test_a_quantity_whose_stated_errors_are_halved_or_doubled_is_noticed(
     rows, written, quantity, factor
 ):
-    said = complaints(scaled(rows, quantity, factor), written.spreads)
+    said = lines_on_stated_errors(scale_stated_errors(rows, quantity, factor), written.spreads)
     assert said and all(line.startswith(quantity) for line in said)
 
 
@@ -141,8 +143,8 @@ def test_a_stored_truth_is_found_again_by_its_command(name):
     """To within the uncertainties of both, which would not hold if the file were of another brake
     or other meshes.
     """
-    stored = read(FOLDER / f"{name}.json")
-    again = make(name)
+    stored = read_stored_truth(FOLDER / f"{name}.json")
+    again = make_stored_truth(name)
     assert stored.by == again.by
     for one, other in zip(stored.true.shoes, again.true.shoes, strict=True):
         np.testing.assert_allclose(
@@ -153,14 +155,14 @@ def test_a_stored_truth_is_found_again_by_its_command(name):
 
 def test_finer_hp_elements_agree_with_triangles_where_both_have_an_answer():
     """What stands for the truth on planes is held against the independent solution on a drum."""
-    from drumlin_studies.stated_true import errors
-    from drumlin_studies.stored_truth import by_finer
+    from drumlin_studies.stated_true import true_errors
+    from drumlin_studies.stored_truth import solve_by_finer_divisions
 
-    stored = read(FOLDER / "hinge.json")
+    stored = read_stored_truth(FOLDER / "hinge.json")
     assert stored.by == "triangles" and len(FINER) == 3
     brake = stored.brake
-    finer = by_finer(brake)
-    for quantity, off in errors(brake, finer.shoes, stored.true.shoes).items():
+    finer = solve_by_finer_divisions(brake)
+    for quantity, off in true_errors(brake, finer.shoes, stored.true.shoes).items():
         assert off <= 2 * (finer.unsure[quantity] + stored.true.unsure[quantity]), quantity
 
 

@@ -71,9 +71,13 @@ def law_torques(result, module):
 def test_a_second_run_computes_no_case_again(result, module, journal, monkeypatch):
     kept = len(journal)
     assert kept > 300
-    monkeypatch.setattr(module, "healing", lambda *_, **__: pytest.fail("computed again"))
     monkeypatch.setattr(
-        "drumlin.sweeps.cases.solved", lambda *_, **__: pytest.fail("computed again")
+        module,
+        "torque_and_peak_during_run_in",
+        lambda *_, **__: pytest.fail("computed again"),
+    )
+    monkeypatch.setattr(
+        "drumlin.sweeps.cases.case_row", lambda *_, **__: pytest.fail("computed again")
     )
     again = module.study(short=True, journal=journal)
     assert len(journal) == kept

@@ -28,7 +28,7 @@ def test_throughput_and_kill(tmp_path):
 def test_what_dask_puts_into_the_environment_does_not_outlive_it(monkeypatch):
     monkeypatch.setenv("KEPT", "1")
     before = dict(os.environ)
-    with pytest.raises(RuntimeError), throughput._environment({"MALLOC_TRIM_THRESHOLD_": "1"}):
+    with pytest.raises(RuntimeError), throughput._set_environment({"MALLOC_TRIM_THRESHOLD_": "1"}):
         assert os.environ["MALLOC_TRIM_THRESHOLD_"] == "1"
         os.environ["OMP_NUM_THREADS"] = "77"
         del os.environ["KEPT"]

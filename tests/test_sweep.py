@@ -16,9 +16,9 @@ from drumlin.fem.preparation import meshes
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.solve import solve
 from drumlin.sweeps import file as sweep_file
-from drumlin.sweeps.cases import SweepCase, run, solved
-from drumlin.sweeps.file import read_sweep, sweep_from
-from drumlin.sweeps.table import table, write_table
+from drumlin.sweeps.cases import SweepCase, case_row, solve_cases
+from drumlin.sweeps.file import read_sweep, sweep_from_data
+from drumlin.sweeps.table import make_case_table, write_table
 from picking import picked
 from shared_parts import friction_cases
 
@@ -27,7 +27,7 @@ LAW = {"brake": BRAKE, "model": {"sine": {}}}
 
 
 def sweep(vary_, **more):
-    return sweep_from(LAW | {"vary": vary_} | more)
+    return sweep_from_data(LAW | {"vary": vary_} | more)
 
 
 def frictions(cases):
@@ -91,7 +91,7 @@ def test_draws_follow_their_distribution(name):
 def test_quantiles_are_those_of_scipy(name):
     given, law = LAWS[name]
     u = np.linspace(1e-6, 1 - 1e-6, 101)
-    inverse = sweep_file._inverse(
+    inverse = sweep_file._inverse_cumulative(
         "", sweep_file.DISTRIBUTIONS[name].model_validate({"distribution": name} | given), "", [0.3]
     )
     np.testing.assert_allclose(inverse(u), law.ppf(u), rtol=1e-13)
@@ -103,7 +103,10 @@ def test_quantiles_are_those_of_scipy(name):
 def test_a_normal_distribution_is_cut_in_its_tails_too(ends):
     u = np.linspace(1e-6, 1 - 1e-6, 101)
     np.testing.assert_allclose(
-        sweep_file._cut_normal(u, *ends), stats.truncnorm(*ends).ppf(u), rtol=1e-9, atol=1e-15
+        sweep_file._truncated_standard_normal(u, *ends),
+        stats.truncnorm(*ends).ppf(u),
+        rtol=1e-9,
+        atol=1e-15,
     )
 
 
@@ -237,15 +240,15 @@ def test_units_of_keys(brake):
 
 def test_a_failed_case_is_a_row_with_its_reason(brake, monkeypatch):
     cases = friction_cases(brake, (0.3, 0.9, -1.0))
-    good, locked, bad = run(cases)
+    good, locked, bad = solve_cases(cases)
     assert good["status"] == "solved" and good["torque"] > 0
     assert (
         "self-locking" in locked["status"]
         and "friction = -1" in bad["status"]
         and list(bad) == ["status"]
     )
-    monkeypatch.setattr("drumlin.sweeps.cases.row_of", lambda *_: 1 / 0)
-    assert solved(cases[0])["status"] == "failed: unexpected ZeroDivisionError: division by zero"
+    monkeypatch.setattr("drumlin.sweeps.cases.response_row", lambda *_: 1 / 0)
+    assert case_row(cases[0])["status"] == "failed: unexpected ZeroDivisionError: division by zero"
 
 
 def test_bodies_are_condensed_once_for_all_loads(brake, monkeypatch):
@@ -258,11 +261,11 @@ def test_bodies_are_condensed_once_for_all_loads(brake, monkeypatch):
         {"shoe[1].lining.clearance": 1e-4, "shoe.actuation.direction": 0.1},
         {"shoe[0].actuation.point.y": 0.09},
     ]
-    run([SweepCase(brake, change, "fem", {"elements": 10}) for change in loads])
+    solve_cases([SweepCase(brake, change, "fem", {"elements": 10}) for change in loads])
     # Both shoes share one body.
     assert len(made) == 1
     softer = [{"shoe[0].lining.material.E": 2e8, "friction": mu} for mu in (0.2, 0.3)]
-    run([SweepCase(brake, change, "fem", {"elements": 10}) for change in softer])
+    solve_cases([SweepCase(brake, change, "fem", {"elements": 10}) for change in softer])
     assert len(made) == 3
 
 
@@ -280,8 +283,8 @@ def test_shared_bodies_change_no_digit(brake, flexible):
         for base in (brake, flexible)
     ]
     cache = Cache()
-    shared = [solved(case, cache) for case in reversed(cases)][::-1]
-    assert shared == list(map(solved, cases)) == run(cases)
+    shared = [case_row(case, cache) for case in reversed(cases)][::-1]
+    assert shared == list(map(case_row, cases)) == solve_cases(cases)
     assert set(picked(shared, "status")) == {"solved"}
     own = [solve(vary(case.brake, case.changes), elements=8).torque for case in cases]
     assert picked(shared, "torque") == own
@@ -301,18 +304,18 @@ def test_any_executor_gives_the_same_rows(brake, count, tmp_path):
     cases = friction_cases(brake, np.linspace(0.1, 0.9, 41))
     told = []
     with ThreadPoolExecutor(count) as executor, Journal(tmp_path / "journal") as journal:
-        rows = run(
+        rows = solve_cases(
             cases,
             executor=executor,
             workers=count,
             journal=journal,
             done=lambda *at: told.append(at),
         )
-    assert rows == run(cases) and told == [(n, 41) for n in range(42)]
+    assert rows == solve_cases(cases) and told == [(n, 41) for n in range(42)]
     # All cases are in the journal; four more are asked for.
     with Journal(tmp_path / "journal") as journal:
         more = cases + friction_cases(brake, (0.11, 0.12, 0.13, 0.11))
-        run(more, journal=journal, done=lambda *at: told.append(at))
+        solve_cases(more, journal=journal, done=lambda *at: told.append(at))
         # The doubled case is not solved twice.
         assert told[42] == (42, 45)
         assert told[-1] == (45, 45) and len(journal) == 44
@@ -330,7 +333,7 @@ def test_tables(brake, tmp_path):
             "sine",
         )
     )
-    lines = table(cases, run(cases))
+    lines = make_case_table(cases, solve_cases(cases))
     assert list(lines[0])[:6] == [
         "case",
         "shoe.lining.clearance [m]",
@@ -366,9 +369,9 @@ def test_cases_that_share_bodies_cost_a_fraction_of_others():
         return time.process_time() - start
 
     loads = read_sweep(ROOT / "studies" / "sweeps" / "loads.toml")
-    rows = run(loads.cases[:1])
-    shared = spent(lambda: rows.extend(run(loads.cases[:12]))) / 12
-    alone = sorted(spent(lambda case=case: run([case])) for case in loads.cases[:3])[1]
+    rows = solve_cases(loads.cases[:1])
+    shared = spent(lambda: rows.extend(solve_cases(loads.cases[:12]))) / 12
+    alone = sorted(spent(lambda case=case: solve_cases([case])) for case in loads.cases[:3])[1]
     assert shared < 0.5 * alone
     for row in rows:
         assert row["status"] == "solved" and row["balance"] < 1e-9

@@ -15,9 +15,9 @@ from drumlin.brake.file import read_brake
 from drumlin.fem.preparation.cache import Cache
 from drumlin.sweeps import cases as sweeps
 from drumlin.sweeps import workers
-from drumlin.sweeps.cases import SweepCase, keys_of, run, solve_chunk, solved
+from drumlin.sweeps.cases import SweepCase, case_row, journal_keys, solve_cases, solve_chunk
 from drumlin.sweeps.file import read_sweep
-from drumlin.sweeps.table import table
+from drumlin.sweeps.table import make_case_table
 from picking import picked
 from shared_parts import friction_cases
 
@@ -38,7 +38,7 @@ def workers_of(pool, count):
 
 def failing(monkeypatch, error, times):
     """Let the case with friction 0.3 fail so many times; returns the list of attempts."""
-    respond, tried = sweeps.respond, []
+    respond, tried = sweeps.solve_case, []
 
     def at_times(case, cache=None):
         tried.append(case.changes["friction"])
@@ -46,7 +46,7 @@ def failing(monkeypatch, error, times):
             raise error
         return respond(case, cache)
 
-    monkeypatch.setattr(sweeps, "respond", at_times)
+    monkeypatch.setattr(sweeps, "solve_case", at_times)
     return tried
 
 
@@ -75,7 +75,7 @@ def test_only_answers_and_refusals_of_the_case_itself_are_kept(
     with monkeypatch.context() as patched, Journal(tmp_path / "j", "a") as journal:
         tried = failing(patched, error, 9)
         told = []
-        rows = run(cases, journal=journal, done=lambda *at: told.append(at))
+        rows = solve_cases(cases, journal=journal, done=lambda *at: told.append(at))
         assert (
             tried.count(0.3) == tries
             and tried.count(0.2) == 1
@@ -87,15 +87,15 @@ def test_only_answers_and_refusals_of_the_case_itself_are_kept(
         )
     with Journal(tmp_path / "j", "a") as journal:
         assert len(journal) == 2 + kept
-        again = run(cases, journal=journal)
-    assert (again[1] == rows[1]) if kept else (again == run(cases))
+        again = solve_cases(cases, journal=journal)
+    assert (again[1] == rows[1]) if kept else (again == solve_cases(cases))
 
 
 def test_a_passing_failure_is_tried_again(brake, monkeypatch):
     cases = friction_cases(brake, (0.2, 0.3, 0.4))
-    expected = run(cases)
+    expected = solve_cases(cases)
     failing(monkeypatch, MemoryError(), 2)
-    assert run(cases) == expected
+    assert solve_cases(cases) == expected
 
 
 @pytest.fixture
@@ -115,27 +115,27 @@ def test_mesh_paths_count_from_the_sweep_file(meshed, monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
     made = read_sweep(meshed.relative_to(tmp_path))
     monkeypatch.chdir("/")
-    rows = run(made.cases)
+    rows = solve_cases(made.cases)
     for row in rows:
         assert "no such file" not in row["status"]
-    lines = table(made.cases, rows, meshed.parent)
+    lines = make_case_table(made.cases, rows, meshed.parent)
     assert picked(lines, "shoe[0].mesh") == ["mesh.msh", "other/mesh.msh"]
 
 
 def test_what_is_in_a_mesh_file_tells_cases_apart_not_its_name(meshed):
     cases = read_sweep(meshed).cases
-    first, second = keys_of(cases)
+    first, second = journal_keys(cases)
     assert first != second
     mesh = meshed.parent / "mesh.msh"
     shutil.copy(meshed.parent / "other" / "mesh.msh", mesh)
-    again, _ = keys_of(cases)
+    again, _ = journal_keys(cases)
     assert again["changes"] == second["changes"] != first["changes"]
     brake = read_brake(STUDY / "brake.toml")
     shoes = (brake.shoes[0].model_copy(update={"mesh": mesh}), brake.shoes[1])
     based = [SweepCase(brake.model_copy(update={"shoes": shoes}), {})]
-    before = list(keys_of(based))
+    before = list(journal_keys(based))
     mesh.write_text(mesh.read_text() + "\n")
-    assert list(keys_of(based)) != before
+    assert list(journal_keys(based)) != before
 
 
 def test_bodies_in_the_cache_follow_their_mesh_file(tmp_path):
@@ -145,9 +145,9 @@ def test_bodies_in_the_cache_follow_their_mesh_file(tmp_path):
     shutil.copy(brake.shoes[left].mesh, mesh)
     case = SweepCase(brake, {f"shoe[{left}].mesh": str(mesh)})
     cache = Cache()
-    assert solved(case, cache)["status"] == "solved"
+    assert case_row(case, cache)["status"] == "solved"
     mesh.write_text("no mesh")
-    assert "is not a mesh that can be read" in solved(case, cache)["status"]
+    assert "is not a mesh that can be read" in case_row(case, cache)["status"]
 
 
 def test_a_mesh_file_that_is_gone_is_no_answer_of_the_brake(meshed, tmp_path):
@@ -159,11 +159,11 @@ def test_a_mesh_file_that_is_gone_is_no_answer_of_the_brake(meshed, tmp_path):
         read_sweep(meshed)
     with Journal(tmp_path / "j", "a") as journal:
         assert (
-            "no such file" in run(made.cases[:1], journal=journal)[0]["status"]
+            "no such file" in solve_cases(made.cases[:1], journal=journal)[0]["status"]
             and len(journal) == 0
         )
         mesh.write_bytes(data)
-        assert run(made.cases[:1], journal=journal) == run(made.cases[:1])
+        assert solve_cases(made.cases[:1], journal=journal) == solve_cases(made.cases[:1])
 
 
 class Deadly(Executor):
@@ -184,10 +184,10 @@ class Deadly(Executor):
 
 def test_a_case_that_kills_its_workers_is_a_failed_row_and_the_rest_goes_on(brake, tmp_path):
     cases = friction_cases(brake, (0.1, 0.2, 0.3, 0.4, 0.5))
-    expected = run(cases)
+    expected = solve_cases(cases)
     deadly = Deadly()
     with Journal(tmp_path / "j", "a") as journal:
-        rows = run(cases, executor=deadly, workers=2, journal=journal)
+        rows = solve_cases(cases, executor=deadly, workers=2, journal=journal)
         assert len(journal) == 4
     assert rows[:2] + rows[3:] == expected[:2] + expected[3:]
     assert rows[2] == {"status": "failed: its worker was lost (BrokenExecutor: its process died)"}
@@ -201,7 +201,7 @@ def environment(name):
 
 def test_a_process_that_dies_takes_its_own_work_alone_and_threads_are_one(monkeypatch):
     monkeypatch.delenv("OPENBLAS_NUM_THREADS", raising=False)
-    with workers.executor(2) as (pool, _):
+    with workers.provide_workers(2) as (pool, _):
         ids = workers_of(pool, 2)
         with pytest.raises(BrokenExecutor):
             pool.submit(os._exit, 3).result(60)
@@ -219,7 +219,7 @@ def test_processes_that_die_as_they_start_are_one_line(monkeypatch):
 
     monkeypatch.setattr("multiprocessing.context.SpawnProcess.start", never)
     with (
-        workers.executor(2) as (pool, _),
+        workers.provide_workers(2) as (pool, _),
         pytest.raises(NoAnswer, match="worker processes cannot be started"),
     ):
         pool.submit(os.getpid).result(60)
@@ -232,7 +232,7 @@ def die_while_answering():
 
 
 def test_a_process_that_dies_while_it_sends_its_answer_costs_that_answer_alone():
-    with workers.executor(2) as (pool, _):
+    with workers.provide_workers(2) as (pool, _):
         with pytest.raises(BrokenExecutor):
             pool.submit(die_while_answering).result(60)
         assert workers_of(pool, 4)
@@ -242,7 +242,7 @@ def test_a_process_that_dies_while_it_sends_its_answer_costs_that_answer_alone()
 def test_jobs_have_bounds(jobs):
     with (
         pytest.raises(BadInput, match=f"--jobs = {jobs}: must be from 1 to 1000"),
-        workers.executor(jobs),
+        workers.provide_workers(jobs),
     ):
         pass
 
@@ -259,7 +259,7 @@ def test_waiting_is_said_once(brake, monkeypatch):
             return future
 
     said = []
-    run([SweepCase(brake, {"friction": 0.3}, "sine")], executor=Slow(), say=said.append)
+    solve_cases([SweepCase(brake, {"friction": 0.3}, "sine")], executor=Slow(), say=said.append)
     assert len(said) == 1 and said[0].startswith("waiting for workers since ")
 
 
@@ -276,5 +276,5 @@ def test_a_scheduler_of_an_older_dask_is_not_called_lost():
     with pytest.raises(
         NoAnswer, match=rf"is of a Dask older than {workers.OLDEST_DASK} \(.*'n_workers'\)"
     ):
-        workers._ask(Old(), "tcp://127.0.0.1:1")
+        workers._scheduler_workers(Old(), "tcp://127.0.0.1:1")
     assert f'"distributed>={workers.OLDEST_DASK}"' in (ROOT / "pyproject.toml").read_text()

@@ -11,15 +11,15 @@ from drumlin.brake.fields import Part
 from drumlin.brake.file import is_interval, unit_of, values_of, vary
 from drumlin.cli import terminal
 from drumlin.sweeps import file as sweep_file
-from drumlin.sweeps.file import sweep_from
+from drumlin.sweeps.file import sweep_from_data
 from drumlin_studies.random_brake import random_brake
-from drumlin_studies.random_kinds import random_kind
+from drumlin_studies.random_kinds import draw_brake_of_holding_kind
 
 BRAKE = str(STUDY / "brake.toml")
 
 
 def sweep(vary_, done=lambda judged, of: None, **more):
-    return sweep_from({"brake": BRAKE, "model": {"sine": {}}, "vary": vary_} | more, done=done)
+    return sweep_from_data({"brake": BRAKE, "model": {"sine": {}}, "vary": vary_} | more, done=done)
 
 
 @pytest.fixture
@@ -87,7 +87,7 @@ def taken(brake, key, value):
 def test_what_lies_between_two_numbers_of_one_sign_that_a_brake_takes_is_taken(seed):
     """Of every key that is said to be an interval, on brakes of all kinds."""
     rng = random.Random(seed)
-    brake = random_brake(seed) if seed % 2 else random_kind(seed)
+    brake = random_brake(seed) if seed % 2 else draw_brake_of_holding_kind(seed)
     keys = [key for key in numbers(brake) if is_interval(brake, key)]
     assert len(keys) > 5
     for key in keys:
@@ -152,10 +152,10 @@ def test_a_number_that_is_bad_near_nothing_is_found_between_both_signs():
     """A pad's face ground to a circle: any radius either way, but not a small one."""
     data = {"brake": str(ROOT / "studies" / "brakes" / "rail_clamp.toml"), "model": {"fem": {}}}
     key = {"shoe.lining.misfit.radius": {"from": "-9 m", "to": "9 m", "count": 6}}
-    assert len(sweep_from(data | {"vary": key}).cases) == 6
+    assert len(sweep_from_data(data | {"vary": key}).cases) == 6
     key["shoe.lining.misfit.radius"]["count"] = 6001
     with pytest.raises(BadInput, match=r"misfit.radius = .*: must be at least .* either way"):
-        sweep_from(data | {"vary": key})
+        sweep_from_data(data | {"vary": key})
 
 
 def test_many_values_that_fit_only_together_are_taken_and_judged_once(judged):

@@ -18,9 +18,9 @@ from pathlib import Path
 import pytest
 
 from conftest import STUDY
-from drumlin.sweeps.cases import run
+from drumlin.sweeps.cases import solve_cases
 from drumlin.sweeps.file import read_sweep
-from drumlin.sweeps.table import table, write_table
+from drumlin.sweeps.table import make_case_table, write_table
 from picking import picked, saying
 
 pytestmark = pytest.mark.slow
@@ -55,10 +55,10 @@ def sweep_file(tmp_path_factory):
 @pytest.fixture(scope="module")
 def undisturbed(sweep_file):
     sweep = read_sweep(sweep_file)
-    rows = run(sweep.cases)
+    rows = solve_cases(sweep.cases)
     assert 0 < len(saying(picked(rows, "status"), "self-locking")) < 100
     path = sweep_file.with_name("undisturbed.csv")
-    write_table(table(sweep.cases, rows), path)
+    write_table(make_case_table(sweep.cases, rows), path)
     return path.read_bytes()
 
 

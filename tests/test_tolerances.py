@@ -11,20 +11,24 @@ from drumlin.laws import sine
 from drumlin.sweeps import cases as sweep
 from drumlin.sweeps.tolerances import (
     ManufacturingTolerance,
-    between,
-    cases,
-    draw,
-    numbers,
-    shares,
-    spread,
-    within,
+    draw_deviates,
+    sample_spread,
+    sobol_indices_of_tolerances,
+    tolerance_cases,
+    truncated_normal_deviate,
+    uniform_deviate,
+    values_of_rows,
 )
 
 TOLERANCES = (
-    ManufacturingTolerance("friction", within(0.006), {"friction": 1.0}),
-    ManufacturingTolerance("force", within(0.03), {"shoe.actuation.force": 2e3}),
-    ManufacturingTolerance("line of force", within(1e-3), {"shoe.actuation.point.y": 1.0}),
-    ManufacturingTolerance("modulus", within(0.2), {"shoe.lining.material.E": 3e8}),
+    ManufacturingTolerance("friction", truncated_normal_deviate(0.006), {"friction": 1.0}),
+    ManufacturingTolerance("force", truncated_normal_deviate(0.03), {"shoe.actuation.force": 2e3}),
+    ManufacturingTolerance(
+        "line of force", truncated_normal_deviate(1e-3), {"shoe.actuation.point.y": 1.0}
+    ),
+    ManufacturingTolerance(
+        "modulus", truncated_normal_deviate(0.2), {"shoe.lining.material.E": 3e8}
+    ),
 )
 
 
@@ -36,35 +40,39 @@ def test_the_shares_of_the_sine_laws_torque_are_those_of_its_derivatives(brake):
     agree.
     """
     n = 128
-    deviates = draw(TOLERANCES, n, seed=3)
-    torque = numbers(sweep.run(cases(brake, TOLERANCES, deviates, "sine")), "torque").reshape(-1, n)
+    deviates = draw_deviates(TOLERANCES, n, seed=3)
+    torque = values_of_rows(
+        sweep.solve_cases(tolerance_cases(brake, TOLERANCES, deviates, "sine")), "torque"
+    ).reshape(-1, n)
     parts = []
     for i, tolerance in enumerate(TOLERANCES):
         step = 0.1 * tolerance.distribution.std() * np.eye(len(TOLERANCES))[i]
         high, low = (
             sine(vary(brake, case.changes)).torque
-            for case in cases(brake, TOLERANCES, np.array([step, -step]))
+            for case in tolerance_cases(brake, TOLERANCES, np.array([step, -step]))
         )
         # The slope is taken per standard deviation.
         parts.append(5 * (high - low))
     exact = np.square(parts) / np.sum(np.square(parts))
     assert exact[3] == 0 and exact[:3].min() > 0.01
-    found = shares(TOLERANCES, torque, seed=1, confidence=0.99, resamples=200)
+    found = sobol_indices_of_tolerances(TOLERANCES, torque, seed=1, confidence=0.99, resamples=200)
     for share, true in zip(found, exact, strict=True):
         for index in (share.first, share.total):
             assert index.low - 0.005 <= true <= index.high + 0.005
             assert index.high - index.low < 0.5
         assert share.total.value == pytest.approx(true, abs=0.06)
-    both = spread(torque[:2].ravel())
+    both = sample_spread(torque[:2].ravel())
     assert both.deviation == pytest.approx(math.sqrt(np.sum(np.square(parts))), rel=0.06)
     assert both.mean == pytest.approx(sine(brake).torque, rel=2e-3)
 
 
 def test_shares_of_a_product_with_interaction():
     """f = x (1 + y) of two even deviates on (-1, 1): first 3/4 and 0, total 1 and 1/4."""
-    tolerances = [ManufacturingTolerance(name, between(-1, 1), {}) for name in "xy"]
-    deviates = draw(tolerances, 1024, seed=1)
-    found = shares(tolerances, deviates[..., 0] * (1 + deviates[..., 1]), seed=2)
+    tolerances = [ManufacturingTolerance(name, uniform_deviate(-1, 1), {}) for name in "xy"]
+    deviates = draw_deviates(tolerances, 1024, seed=1)
+    found = sobol_indices_of_tolerances(
+        tolerances, deviates[..., 0] * (1 + deviates[..., 1]), seed=2
+    )
     for share, first, total in zip(found, (0.75, 0.0), (1.0, 0.25), strict=True):
         assert (
             share.first.value == pytest.approx(first, abs=0.05)
@@ -75,33 +83,35 @@ def test_shares_of_a_product_with_interaction():
 
 def test_draws_are_what_saltelli_asks_for():
     tolerances = [
-        ManufacturingTolerance("a", within(2.0), {}),
-        ManufacturingTolerance("b", between(3, 5), {}),
+        ManufacturingTolerance("a", truncated_normal_deviate(2.0), {}),
+        ManufacturingTolerance("b", uniform_deviate(3, 5), {}),
     ]
-    x = draw(tolerances, 64, seed=1)
+    x = draw_deviates(tolerances, 64, seed=1)
     assert x.shape == (4, 64, 2)
     assert (x[2, :, 0] == x[1, :, 0]).all() and (x[2, :, 1] == x[0, :, 1]).all()
     assert (x[3, :, 0] == x[0, :, 0]).all() and (x[3, :, 1] == x[1, :, 1]).all()
     assert np.abs(x[..., 0]).max() <= 2 and x[..., 1].min() >= 3 and x[..., 1].max() <= 5
-    assert (draw(tolerances, 64, seed=1) == x).all() and (draw(tolerances, 64, seed=2) != x).any()
+    assert (draw_deviates(tolerances, 64, seed=1) == x).all() and (
+        draw_deviates(tolerances, 64, seed=2) != x
+    ).any()
     with pytest.raises(BadInput, match="power of 2"):
-        draw(tolerances, 48, seed=1)
+        draw_deviates(tolerances, 48, seed=1)
 
 
 def test_deviates_add_up_on_the_keys_that_they_share(brake):
     tolerances = [
-        ManufacturingTolerance("one", within(1), {"drum.angle": 1.0}),
-        ManufacturingTolerance("two", within(1), {"drum.angle": -2.0}),
+        ManufacturingTolerance("one", truncated_normal_deviate(1), {"drum.angle": 1.0}),
+        ManufacturingTolerance("two", truncated_normal_deviate(1), {"drum.angle": -2.0}),
     ]
-    (case,) = cases(brake, tolerances, np.array([[0.5, 0.1]]), elements=40)
+    (case,) = tolerance_cases(brake, tolerances, np.array([[0.5, 0.1]]), elements=40)
     assert case.changes == {"drum.angle": pytest.approx(0.3)} and case.options == {"elements": 40}
     assert value_of(brake, "shoe.lining.thickness") == pytest.approx(8e-3)
     with pytest.raises(BadInput, match="name each"):
         clash = [
-            ManufacturingTolerance("all", within(1), {"shoe.width": 1.0}),
-            ManufacturingTolerance("one", within(1), {"shoe[0].width": 1.0}),
+            ManufacturingTolerance("all", truncated_normal_deviate(1), {"shoe.width": 1.0}),
+            ManufacturingTolerance("one", truncated_normal_deviate(1), {"shoe[0].width": 1.0}),
         ]
-        cases(brake, clash, np.zeros((1, 2)))
+        tolerance_cases(brake, clash, np.zeros((1, 2)))
     for key, words in (
         ("shoe.lining.tickness", "unknown key"),
         ("shoe.name", "right"),
@@ -112,10 +122,12 @@ def test_deviates_add_up_on_the_keys_that_they_share(brake):
 
 
 def test_shares_need_an_answer_of_every_case(brake):
-    tolerances = [ManufacturingTolerance("friction", between(0.2, 1.2), {"friction": 1.0})]
-    rows = sweep.run(cases(brake, tolerances, draw(tolerances, 8, seed=1), "sine"))
+    tolerances = [ManufacturingTolerance("friction", uniform_deviate(0.2, 1.2), {"friction": 1.0})]
+    rows = sweep.solve_cases(
+        tolerance_cases(brake, tolerances, draw_deviates(tolerances, 8, seed=1), "sine")
+    )
     assert any(row["status"] == "solved" for row in rows)
     with pytest.raises(
         NoAnswer, match=r"of 24 cases have no answer; the first: failed: .*self-locking"
     ):
-        numbers(rows, "torque")
+        values_of_rows(rows, "torque")

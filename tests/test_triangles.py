@@ -14,14 +14,14 @@ from drumlin.brake.fields import Material
 from drumlin.brake.file import brake_from, read_brake, vary
 from drumlin.fem.solve import solve
 from drumlin.verification.triangles import TriangleLevel, contact, lagrange, levels, solve_sequence
-from drumlin.verification.triangles.face import edge_nodes, edge_quadrature, meshed_body
+from drumlin.verification.triangles.face import edge_nodes, edge_quadrature, mesh_body
 from drumlin.verification.triangles.outline import Outline
 from drumlin.verification.triangles.triangulation import (
     TriangleLayer,
-    bisect,
-    edges_of,
+    bisect_triangles,
     graded_mesh,
     initial_mesh,
+    mesh_edges,
 )
 from drumlin_studies.random_brake import random_brake
 from drumlin_studies.stated_true import pressure_error
@@ -49,14 +49,14 @@ def area(mesh):
 def test_bisection_keeps_area_and_fits(seed):
     rng, mesh = np.random.default_rng(seed), block(2.0, 1.0)
     for _ in range(5):
-        mesh = bisect(mesh, rng.random(len(mesh.layer)) < 0.2)
+        mesh = bisect_triangles(mesh, rng.random(len(mesh.layer)) < 0.2)
     assert area(mesh).sum() == pytest.approx(2.0, rel=1e-12)
     places = {}
     for number, at in zip(mesh.vertices.ravel(), mesh.at.reshape(-1, 2), strict=True):
         # A corner of several triangles has one place.
         assert places.setdefault(int(number), tuple(at)) == tuple(at)
     assert len(set(places.values())) == len(places)
-    edges, of = edges_of(mesh)
+    edges, of = mesh_edges(mesh)
     once = np.flatnonzero(np.bincount(of.ravel()) == 1)
     ends = np.array([[places[int(a)], places[int(b)]] for a, b in edges[once]])
     on_border = (ends == np.array([0.0, 0.0])) | (ends == np.array([2.0, 1.0]))
@@ -112,7 +112,7 @@ def test_ring_under_even_pressure_is_lames():
     mesh = initial_mesh(
         np.linspace(0, 2 * math.pi, 25), [np.linspace(0, 1, 3)], [layer], 2 * math.pi
     )
-    body = meshed_body(shape, mesh, 4)
+    body = mesh_body(shape, mesh, 4)
     nodes, kept = body.nodes, body.surface
     tri, edge = mesh.surface
     edges = edge_nodes(nodes, tri, edge, 4)
@@ -121,7 +121,7 @@ def test_ring_under_even_pressure_is_lames():
     outwards = x / np.hypot(x[..., 0], x[..., 1])[..., None]
     np.add.at(loads, edges, width * p * np.einsum("aq,kqc,kq->kac", psi, outwards, ds))
     held = np.repeat(nodes.at[:, 1] > 1 - 1e-12, 2)
-    found = lagrange.condense(body.K, nodes, held, kept, loads.reshape(-1, 1))
+    found = lagrange.condense_body(body.K, nodes, held, kept, loads.reshape(-1, 1))
     by_forces = found.of @ loads[kept].ravel()
     assert by_forces == pytest.approx(
         found.loaded[:, 0], rel=1e-9, abs=1e-9 * np.abs(by_forces).max()
@@ -145,7 +145,7 @@ def test_contact_sets_settle_on_the_one_that_fits(seed, skew):
     A = X @ X.T + 0.3 * np.eye(n) + skew * (Y - Y.T)
     B, q = -(0.5 + rng.random((n, 1))), 0.1 * rng.normal(size=n)
     C, h = -B.T, np.array([1.0])
-    found = contact.complementarity_solution(A, q, B, C, h, np.ones(n), np.ones(n, dtype=bool))
+    found = contact.solve_complementarity(A, q, B, C, h, np.ones(n), np.ones(n, dtype=bool))
     right = []
     for size in range(1, n + 1):
         for members in combinations(range(n), size):

@@ -17,9 +17,9 @@ from drumlin.response.balance import shoe_balance, worst
 from drumlin.response.norms import pressure_distance
 from drumlin.response.response import Balance, Response, ShoeResponse
 from drumlin.response.resultants import InnerPart, cross, edge_left_out, lobatto
-from drumlin_studies.fuzzing.endings import fault_of, in_process
+from drumlin_studies.fuzzing.endings import find_fault, run_in_this_process
 from drumlin_studies.fuzzing.inputs import BrokenInput, brake_text
-from drumlin_studies.textbook_brakes import hinged
+from drumlin_studies.textbook_brakes import hinged_shoe_brake
 from picking import picked, saying
 
 
@@ -227,8 +227,8 @@ def test_running_in_says_no_number_that_is_not_finite(tmp_path, words):
         ["wear", "b.toml", "--json", "r.json", *words],
     )
     given.words.extend(more)
-    end = in_process(given)
-    assert end.status == 0 and "balance: volume" in end.out and fault_of(given, end) == ""
+    end = run_in_this_process(given)
+    assert end.status == 0 and "balance: volume" in end.out and find_fault(given, end) == ""
     assert ("energy" in end.out) == ("--exponent" not in words)
 
 
@@ -244,7 +244,7 @@ def test_eta_is_its_own_formula_wherever_the_lining_lies(start, end, rotation, d
     """
     changes = {"rotation": rotation, "shoe[0].actuation.direction": direction}
     changes |= {"shoe[0].lining.start": start, "shoe[0].lining.end": end}
-    brake = vary(hinged(R=0.15, a=0.1, arc=(3.5, 5.2), moment=300.0, mu=0.08), changes)
+    brake = vary(hinged_shoe_brake(R=0.15, a=0.1, arc=(3.5, 5.2), moment=300.0, mu=0.08), changes)
     merit = drumlin.solve(brake, elements=20).merits[0]
     if merit.m is not None:
         assert merit.mechanical_advantage == pytest.approx(

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drumlin_studies.uncertainty import grid_convergence, validate
+from drumlin_studies.uncertainty import compare_with_data, grid_convergence
 
 
 def test_nasas_example():
@@ -48,11 +48,11 @@ def test_without_an_order_there_is_no_index(values):
 
 
 def test_the_comparison_error_and_its_uncertainty():
-    found = validate(103.0, 100.0, numerical=0.3, inputs=1.2, of_data=0.4)
+    found = compare_with_data(103.0, 100.0, numerical=0.3, inputs=1.2, of_data=0.4)
     assert found.error == 3.0
     assert found.uncertainty == pytest.approx(1.3)
     assert found.model_error == pytest.approx((1.7, 4.3))
     assert (
         found.resolved
-        and not validate(101.0, 100.0, numerical=0.3, inputs=1.2, of_data=0.4).resolved
+        and not compare_with_data(101.0, 100.0, numerical=0.3, inputs=1.2, of_data=0.4).resolved
     )

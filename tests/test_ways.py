@@ -5,10 +5,10 @@ from itertools import chain
 import pytest
 
 from drumlin.studies import load
-from drumlin_studies.consistency import Check, counted
+from drumlin_studies.consistency import Check, count_outcomes
 from picking import having, picked
 
-WAYS = load("stability")[0].ways.WAYS
+WAYS = load("stability")[0].ways.PATH_CHECKS
 # Seeds of brakes on which nothing was mended, nor shown by the study.
 FIRST_SEED = 300_000
 SHARE = {"refusals": 30, "holding": 12, "wear": 10, "slopes": 10, "blocks": 2}
@@ -38,5 +38,5 @@ def test_a_difference_beyond_what_is_allowed_counts_unless_it_is_said():
         "refused",
         "agrees",
     ]
-    (count,) = counted([row, said, refused, near, near])
+    (count,) = count_outcomes([row, said, refused, near, near])
     assert count == ("holding", 4, 2, 1, 1, 1, 0.5)

@@ -12,14 +12,14 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.lining_wear.archard import (
     WearLaw,
     WearState,
-    _eroded,
-    at,
-    explicit,
-    last_beyond,
-    ripple,
-    run,
-    run_on,
-    together,
+    _erode_mask,
+    checkerboard_amplitude,
+    interpolate_state,
+    join_interfaces,
+    settling_distance,
+    wear_linings,
+    wear_linings_by_explicit_euler,
+    wear_linings_in_given_steps,
 )
 from picking import picked
 from winkler_lining import FORCE, LAW, MU, RADIUS, UNIT, winkler
@@ -31,7 +31,7 @@ def test_a_rigid_shoe_on_springs_forgets_its_shape_exponentially():
     The lining is in contact all along: rigid-body modes and equilibrium do not change this decay.
     """
     interface, phi = winkler(lambda phi: 2e-6 * np.cos(3 * phi))
-    states = run([interface], LAW, distance=6 * UNIT, tolerance=1e-3)
+    states = wear_linings([interface], LAW, distance=6 * UNIT, tolerance=1e-3)
     assert (states[0].pressure > 0).all()
     amplitude = FORCE / float(interface.problem.C[0] @ np.sin(phi))
     law = amplitude * np.sin(phi)
@@ -43,7 +43,9 @@ def test_a_rigid_shoe_on_springs_forgets_its_shape_exponentially():
     # of second order: four times the steps, a sixteenth of the error
     errors = [
         np.abs(
-            run_on([interface], LAW, np.linspace(0, UNIT, n + 1)[1:])[-1].pressure
+            wear_linings_in_given_steps([interface], LAW, np.linspace(0, UNIT, n + 1)[1:])[
+                -1
+            ].pressure
             - law
             - math.exp(-1) * off
         ).max()
@@ -62,7 +64,7 @@ def test_any_misfit_wears_to_the_law_in_balance(depth, lobes, phase, exponent):
     """From partial contact too; no depth shrinks, and the volume is the integral of the rate."""
     interface, phi = winkler(lambda phi: depth * (1 + np.cos(lobes * phi + phase)), elements=12)
     law = WearLaw(LAW.coefficient, exponent, 2e5)
-    states = run([interface], law, distance=1e4 * UNIT)
+    states = wear_linings([interface], law, distance=1e4 * UNIT)
     shape = np.sin(phi) ** (1 / exponent)
     goal = shape * FORCE / float(interface.problem.C[0] @ shape)
     inner = slice(2, -2)
@@ -77,7 +79,7 @@ def test_any_misfit_wears_to_the_law_in_balance(depth, lobes, phase, exponent):
 
 def test_only_what_is_pressed_wears():
     interface, _ = winkler(lambda phi: 4e-5 * (phi - 0.3))
-    first = run([interface], LAW, distance=1e-4 * UNIT)
+    first = wear_linings([interface], LAW, distance=1e-4 * UNIT)
     never = (first[0].pressure == 0) & (first[-1].pressure == 0)
     assert 0.2 < never.mean() < 0.9
     assert (first[-1].depth[never] == 0).all()
@@ -86,19 +88,19 @@ def test_only_what_is_pressed_wears():
 
 def test_without_wear_nothing_changes():
     interface, _ = winkler(lambda phi: 2e-6 * np.cos(3 * phi))
-    states = run([interface], WearLaw(0.0), distance=1e6)
+    states = wear_linings([interface], WearLaw(0.0), distance=1e6)
     assert states[-1].s == 1e6
     assert (states[-1].depth == 0).all() and states[-1].removed == 0
     np.testing.assert_allclose(states[-1].pressure, states[0].pressure, rtol=1e-12)
     with pytest.raises(BadInput, match="a distance in m must be given"):
-        run([interface], WearLaw(0.0))
+        wear_linings([interface], WearLaw(0.0))
 
 
 def test_a_held_torque_is_held_and_the_force_follows_from_moments():
     interface, phi = winkler(lambda phi: 2e-6 * np.cos(3 * phi))
     interface = interface._replace(loaded=np.zeros(len(phi)))
-    free = run([interface], LAW, distance=20 * UNIT)
-    held = run([interface], LAW, distance=20 * UNIT, torque=1.3 * free[-1].torque)
+    free = wear_linings([interface], LAW, distance=20 * UNIT)
+    held = wear_linings([interface], LAW, distance=20 * UNIT, torque=1.3 * free[-1].torque)
     assert held[0].force != pytest.approx(1.3, rel=1e-2)
     for state in held:
         assert state.torque == pytest.approx(1.3 * free[-1].torque, rel=1e-10)
@@ -110,33 +112,33 @@ def test_a_held_torque_is_held_and_the_force_follows_from_moments():
 
 def test_the_ripple_sees_an_alternation_and_nothing_smooth():
     smooth = 1 + np.sin(3 * np.linspace(0, 1, 101))
-    assert ripple(smooth) < 1e-6
+    assert checkerboard_amplitude(smooth) < 1e-6
     alternating = smooth + 0.01 * (-1.0) ** np.arange(101)
-    assert ripple(alternating) == pytest.approx(
+    assert checkerboard_amplitude(alternating) == pytest.approx(
         0.01 / np.sqrt(np.mean(smooth[5:-5] ** 2)), rel=0.02
     )
     every_second = np.where(np.arange(101) % 2, 2.0, 0.0)
-    assert ripple(every_second) > 0.5
-    assert math.isnan(ripple(np.zeros(20)))
+    assert checkerboard_amplitude(every_second) > 0.5
+    assert math.isnan(checkerboard_amplitude(np.zeros(20)))
 
 
 def test_explicit_steps_on_nodal_pressures_break_into_a_checkerboard_and_implicit_ones_do_not():
     """On springs the limit of the explicit step is 2/(k K)."""
     interface, _ = winkler(lambda phi: 2e-6 * np.cos(3 * phi))
     size = 2.1 * UNIT
-    bad = explicit([interface], LAW, size, 60)[-1]
-    good = run_on([interface], LAW, size * np.arange(1, 61))[-1]
-    assert ripple(good.pressure) < 1e-4
+    bad = wear_linings_by_explicit_euler([interface], LAW, size, 60)[-1]
+    good = wear_linings_in_given_steps([interface], LAW, size * np.arange(1, 61))[-1]
+    assert checkerboard_amplitude(good.pressure) < 1e-4
     assert np.abs(bad.pressure - good.pressure).max() > 0.5 * good.pressure.max()
 
 
 def test_a_state_between_two_is_interpolated():
     interface, _ = winkler(lambda phi: 2e-6 * np.cos(3 * phi))
-    states = run([interface], LAW, distance=UNIT)
+    states = wear_linings([interface], LAW, distance=UNIT)
     middle = 0.5 * (states[1].s + states[2].s)
-    between = at(states, middle)
+    between = interpolate_state(states, middle)
     np.testing.assert_allclose(between.depth, 0.5 * (states[1].depth + states[2].depth))
-    assert at(states, states[2].s) is states[2]
+    assert interpolate_state(states, states[2].s) is states[2]
 
 
 @pytest.mark.parametrize(
@@ -151,7 +153,7 @@ def test_a_state_between_two_is_interpolated():
 def test_bad_input_is_named(law, options, word):
     interface, _ = winkler(np.zeros_like)
     with pytest.raises(BadInput, match=word):
-        run([interface], law, distance=1.0, **options)
+        wear_linings([interface], law, distance=1.0, **options)
 
 
 @pytest.mark.parametrize("exponent", [0.5, 1.0, 2.0, 3.0])
@@ -175,29 +177,29 @@ def test_the_rate_and_its_slope(exponent):
 
 def test_the_distance_from_which_on_values_stay_small():
     s = [0.0, 1.0, 2.0, 4.0]
-    assert last_beyond(s, [0.1, -0.2, 0.1, 0.2], 0.2) == 0.0
-    assert last_beyond(s, [3.0, 0.0, -2.0, 0.0], 0.5) == pytest.approx(3.5)
-    assert last_beyond(s, [0.0, -1.0, -0.4, 0.0], 0.7) == pytest.approx(1.5)
-    assert last_beyond(s, [1.0, 0.0, 0.0, 3.0], 0.5) == math.inf
+    assert settling_distance(s, [0.1, -0.2, 0.1, 0.2], 0.2) == 0.0
+    assert settling_distance(s, [3.0, 0.0, -2.0, 0.0], 0.5) == pytest.approx(3.5)
+    assert settling_distance(s, [0.0, -1.0, -0.4, 0.0], 0.7) == pytest.approx(1.5)
+    assert settling_distance(s, [1.0, 0.0, 0.0, 3.0], 0.5) == math.inf
 
 
 def test_every_number_of_a_state_between_two_is_interpolated():
     a = WearState(1.0, np.array([0.0, 2]), np.array([4.0, 8]), 10.0, 1.0, True, 2.0, 3.0, 4.0)
     b = WearState(3.0, np.array([4.0, 6]), np.array([0.0, 4]), 30.0, 3.0, False, 6.0, 7.0, 8.0)
-    found = at([a, b], 1.5)
+    found = interpolate_state([a, b], 1.5)
     assert (found.s, found.torque, found.force, found.forward) == (1.5, 15.0, 1.5, False)
     assert (found.removed, found.pressed, found.work) == (3.0, 4.0, 5.0)
     assert found.depth.tolist() == [1, 3] and found.pressure.tolist() == [3, 7]
-    assert at([a, b], 0.5) is a and at([a, b], 3.0) is b
+    assert interpolate_state([a, b], 0.5) is a and interpolate_state([a, b], 3.0) is b
     # Beyond the last state the straight line goes on.
-    assert at([a, b], 4.0).torque == 40.0
+    assert interpolate_state([a, b], 4.0).torque == 40.0
 
 
 def test_rubs_together_are_block_by_block_and_wear_as_each_alone():
     (one, _), (two, _) = (
         winkler(lambda phi, k=k: 2e-6 * np.cos(k * phi), elements=8) for k in (2, 3)
     )
-    both = together([one, two])
+    both = join_interfaces([one, two])
     n = len(one.area)
     for whole, parts in (
         (both.problem.A, (one.problem.A, two.problem.A)),
@@ -211,8 +213,14 @@ def test_rubs_together_are_block_by_block_and_wear_as_each_alone():
         and len(both.problem.h) == 2
     )
     steps = UNIT * np.array([0.2, 0.6])
-    alone = [run_on([one], LAW, steps)[-1], run_on([two], LAW, steps)[-1]]
-    for state in (run_on([both], LAW, steps)[-1], run_on([one, two], LAW, steps)[-1]):
+    alone = [
+        wear_linings_in_given_steps([one], LAW, steps)[-1],
+        wear_linings_in_given_steps([two], LAW, steps)[-1],
+    ]
+    for state in (
+        wear_linings_in_given_steps([both], LAW, steps)[-1],
+        wear_linings_in_given_steps([one, two], LAW, steps)[-1],
+    ):
         np.testing.assert_allclose(state.depth, np.concatenate(picked(alone, "depth")), rtol=1e-9)
         assert state.torque == pytest.approx(sum(picked(alone, "torque")), rel=1e-12)
         assert state.removed == pytest.approx(sum(picked(alone, "removed")), rel=1e-12)
@@ -221,17 +229,19 @@ def test_rubs_together_are_block_by_block_and_wear_as_each_alone():
 
 def test_steps_keep_their_tolerance_and_end_where_they_are_asked_to():
     interface, _ = winkler(lambda phi: 2e-6 * np.cos(3 * phi), elements=8)
-    fine = run([interface], LAW, distance=3 * UNIT, tolerance=1e-5)
-    coarse = run([interface], LAW, distance=3 * UNIT, tolerance=1e-2)
+    fine = wear_linings([interface], LAW, distance=3 * UNIT, tolerance=1e-5)
+    coarse = wear_linings([interface], LAW, distance=3 * UNIT, tolerance=1e-2)
     assert coarse[-1].s == fine[-1].s == 3 * UNIT
     assert 3 < len(coarse) < len(fine) / 5
     for state in coarse:
-        exact = at(fine, state.s).pressure
+        exact = interpolate_state(fine, state.s).pressure
         assert np.linalg.norm(state.pressure - exact) < 1e-2 * np.linalg.norm(exact)
     assert max(b.s - a.s for a, b in pairwise(coarse)) < 4.001 * (coarse[-1].s - coarse[-4].s)
-    stopped = run([interface], LAW, until=lambda state: state.removed > 0.3 * coarse[-1].removed)
+    stopped = wear_linings(
+        [interface], LAW, until=lambda state: state.removed > 0.3 * coarse[-1].removed
+    )
     assert stopped[-2].removed <= 0.3 * coarse[-1].removed < stopped[-1].removed
-    third = run([interface], LAW, distance=3 * UNIT, tolerance=1e-2)
+    third = wear_linings([interface], LAW, distance=3 * UNIT, tolerance=1e-2)
     # A run must not keep anything of the one before.
     assert picked(third, "s") == picked(coarse, "s")
 
@@ -244,7 +254,9 @@ def test_a_drum_that_turns_back_and_forth():
     (ahead, _), (back, _) = (
         winkler(lambda phi: 2e-6 * np.cos(3 * phi), elements=8, mu=mu) for mu in (MU, -MU)
     )
-    states = run([ahead], LAW, backward=[back], reverse=UNIT, distance=2.5 * UNIT, tolerance=1e-2)
+    states = wear_linings(
+        [ahead], LAW, backward=[back], reverse=UNIT, distance=2.5 * UNIT, tolerance=1e-2
+    )
     turns = [i for i, (a, b) in enumerate(pairwise(states)) if a.forward != b.forward]
     assert [states[i].s for i in turns] == pytest.approx([UNIT, 2 * UNIT], rel=1e-12)
     assert [states[i].forward for i in (0, turns[0], turns[1], -1)] == [True, True, False, True]
@@ -252,13 +264,13 @@ def test_a_drum_that_turns_back_and_forth():
     for i in turns:
         assert states[i + 1].s == states[i].s and (states[i + 1].depth == states[i].depth).all()
         assert states[i + 1].removed == states[i].removed and states[i + 1].work == states[i].work
-    (turned,) = run_on([back], LAW, [])
+    (turned,) = wear_linings_in_given_steps([back], LAW, [])
     assert states[turns[0] + 1].torque * turned.torque > 0 > states[turns[0]].torque * turned.torque
 
 
 def test_explicit_steps_add_up_what_they_wear():
     interface, _ = winkler(lambda phi: 2e-6 * np.cos(3 * phi), elements=8)
-    states = explicit([interface], LAW, 0.1 * UNIT, 3)
+    states = wear_linings_by_explicit_euler([interface], LAW, 0.1 * UNIT, 3)
     assert picked(states, "s") == pytest.approx([0, 0.1 * UNIT, 0.2 * UNIT, 0.3 * UNIT])
     for a, b in pairwise(states):
         np.testing.assert_allclose(
@@ -277,10 +289,10 @@ def test_what_never_settles_or_locks_is_given_up(monkeypatch):
     interface, _ = winkler(lambda phi: 2e-6 * np.cos(3 * phi), elements=8)
     monkeypatch.setattr("drumlin.lining_wear.archard.MAX_WEAR_STEPS", 5)
     with pytest.raises(NoAnswer, match="not settled after 5 steps"):
-        run([interface], LAW, tolerance=1e-4)
+        wear_linings([interface], LAW, tolerance=1e-4)
     C = -interface.problem.C
     with pytest.raises(NoAnswer, match="self-locking"):
-        run(
+        wear_linings(
             [interface._replace(problem=interface.problem._replace(C=C, h=-interface.problem.h))],
             LAW,
             distance=UNIT,
@@ -289,10 +301,23 @@ def test_what_never_settles_or_locks_is_given_up(monkeypatch):
 
 def test_margins_are_taken_off_on_both_sides():
     where = np.array([0, 1, 1, 1, 0, 1, 1, 1, 1, 1], bool)
-    assert _eroded(where, 1, beyond=False).astype(int).tolist() == [0, 0, 1, 0, 0, 0, 1, 1, 1, 0]
-    assert _eroded(where, 1, beyond=True).astype(int).tolist() == [0, 0, 1, 0, 0, 0, 1, 1, 1, 1]
+    assert _erode_mask(where, 1, beyond=False).astype(int).tolist() == [
+        0,
+        0,
+        1,
+        0,
+        0,
+        0,
+        1,
+        1,
+        1,
+        0,
+    ]
+    assert _erode_mask(where, 1, beyond=True).astype(int).tolist() == [0, 0, 1, 0, 0, 0, 1, 1, 1, 1]
     p = np.where(np.arange(40) < 20, 0.0, 1.0) * (1 + 0.1 * (-1.0) ** np.arange(40))
     # The rates are 1.1 and 0.9 in turn from node 20 on. The node before might be one of a
     # checkerboard, so that nodes 24 to 34 count.
-    assert ripple(p) == pytest.approx(0.1 / math.sqrt((6 * 1.1**2 + 5 * 0.9**2) / 11), rel=1e-9)
-    assert math.isnan(ripple(np.where(np.arange(40) < 8, 1.0, 0.0)))
+    assert checkerboard_amplitude(p) == pytest.approx(
+        0.1 / math.sqrt((6 * 1.1**2 + 5 * 0.9**2) / 11), rel=1e-9
+    )
+    assert math.isnan(checkerboard_amplitude(np.where(np.arange(40) < 8, 1.0, 0.0)))

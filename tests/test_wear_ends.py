@@ -13,20 +13,25 @@ from drumlin.fem.model import respond
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import scene_of
 from drumlin.laws import law
-from drumlin.lining_wear.archard import WearLaw, run, run_on, steady
-from drumlin.lining_wear.linings import fem_setup
+from drumlin.lining_wear.archard import (
+    WearLaw,
+    solve_steady_wear,
+    wear_linings,
+    wear_linings_in_given_steps,
+)
+from drumlin.lining_wear.linings import fem_wear_setup
 from drumlin.lining_wear.run_in import (
     COEFFICIENT,
-    discrete_end,
-    distance,
+    brake_with_worn_linings,
+    discrete_wear_target,
+    distance_from_target,
     report_lines,
+    rigid_law_target,
     run_in,
-    target,
-    worn,
 )
-from drumlin.lining_wear.worn_in import worn_in
+from drumlin.lining_wear.worn_in import worn_in_brake
 from drumlin_studies import consistency_wear
-from drumlin_studies.random_kinds import random_kind
+from drumlin_studies.random_kinds import draw_brake_of_holding_kind
 from picking import picked, saying
 from winkler_lining import FORCE, LAW, MU, PIN, RADIUS, UNIT, WIDTH, winkler
 
@@ -34,7 +39,7 @@ ARCHARD = WearLaw(COEFFICIENT)
 
 
 def drawn(kind: str, seed: int) -> Brake:
-    return random_kind(seed, kind)
+    return draw_brake_of_holding_kind(seed, kind)
 
 
 @pytest.mark.parametrize(("bend", "middle"), partly([(0.1, 0.7), (0.01, 0.31)], [(0.1, 0.7)]))
@@ -44,10 +49,10 @@ def test_steps_are_not_blind_where_one_node_presses(bend: float, middle: float) 
     Where one node presses, equilibrium fixes its pressure, and no wear of the node changes it.
     """
     interface, _ = winkler(lambda phi: bend * (phi - middle) ** 2, elements=6)
-    states = run([interface], LAW, distance=100 * UNIT)
+    states = wear_linings([interface], LAW, distance=100 * UNIT)
     assert int((states[0].pressure > 0).sum()) <= 2
     for state in states[1 :: len(states) // 5]:
-        equal = run_on([interface], LAW, state.s * np.arange(1, 201) / 200)[-1]
+        equal = wear_linings_in_given_steps([interface], LAW, state.s * np.arange(1, 201) / 200)[-1]
         assert state.torque == pytest.approx(equal.torque, rel=1e-3)
 
 
@@ -60,7 +65,7 @@ def test_wear_ends_at_the_law_where_that_presses_a_part_only(
         lambda phi: 1e-6 * (1 + np.cos(3 * phi)), elements=24, arc=(-0.61, 2.0)
     )
     wears = WearLaw(LAW.coefficient, exponent, 2e5)
-    found = steady(interface, wears).contact
+    found = solve_steady_wear(interface, wears).contact
     # the law's moments of pressure and friction about the hinge, by quadrature
     x = np.linspace(0, 2.0, 4001)
     shape = np.sin(x) ** (1 / exponent)
@@ -71,7 +76,7 @@ def test_wear_ends_at_the_law_where_that_presses_a_part_only(
     assert (found.p[phi < -0.05] == 0).all()
     # The lifted part must move away from the drum.
     assert (found.w[phi < -0.05] > 0).all()
-    last = run([interface], wears, distance=1e5 * UNIT)[-1]
+    last = wear_linings([interface], wears, distance=1e5 * UNIT)[-1]
     assert last.torque == pytest.approx(torque, rel=within)
     assert np.linalg.norm(last.pressure - found.p) < 1e-3 * np.linalg.norm(found.p)
 
@@ -111,7 +116,7 @@ def test_worn_in_linings_bear_by_the_law_where_it_presses_a_part(
 )
 def test_worn_in_unloaded_linings_do_not_lie_in_the_drum(kind: str, seed: int) -> None:
     brake = drawn(kind, seed)
-    shoes = worn_in(prepare(brake, elements=20), brake).shoes
+    shoes = worn_in_brake(prepare(brake, elements=20), brake).shoes
     gaps = [np.array(shoe.lining.clearance)[:, 1] for shoe in shoes]  # type: ignore[union-attr]
     assert min(gap.min() for gap in gaps) >= -1e-12 * brake.size
 
@@ -121,7 +126,7 @@ def test_wear_begins_where_the_feet_slide_as_they_do(elements: int) -> None:
     """With the friction of the rigid shoe's feet it began at 265.15 N m; 262.42 N m is right."""
     brake = read_brake(ROOT / "studies" / "brakes" / "simplex_abutted.toml")
     scene = prepare(brake, elements=elements)
-    (first,) = run_on(fem_setup(scene, brake).interfaces, ARCHARD, [])
+    (first,) = wear_linings_in_given_steps(fem_wear_setup(scene, brake).interfaces, ARCHARD, [])
     assert first.torque == pytest.approx(respond(scene, brake).torque, rel=1e-7)
     assert first.torque == pytest.approx(262.42, rel=1e-3)
 
@@ -130,7 +135,9 @@ def test_wear_begins_where_the_feet_slide_as_they_do(elements: int) -> None:
 def test_wear_begins_where_only_a_soft_lining_shows_the_contact() -> None:
     """`solve` begins each level with the contact of the one before; here there is none before."""
     brake = drawn("cam", 30564)
-    (first,) = run_on(fem_setup(scene_of(brake), brake).interfaces, ARCHARD, [])
+    (first,) = wear_linings_in_given_steps(
+        fem_wear_setup(scene_of(brake), brake).interfaces, ARCHARD, []
+    )
     by_meshes = [drumlin.solve(brake, elements=40).torque, drumlin.solve(brake, elements=80).torque]
     assert first.torque == pytest.approx(by_meshes[1], rel=2e-5)
     assert by_meshes[0] == pytest.approx(by_meshes[1], rel=2e-5)
@@ -140,9 +147,13 @@ def test_wear_begins_where_only_a_soft_lining_shows_the_contact() -> None:
 def test_wear_begins_where_the_answer_is_followed_from_no_friction() -> None:
     """From all nodes no contact set is found; 20, 40, 80 elements and the levels agree."""
     brake = drawn("strut", 60412)
-    (first,) = run_on(fem_setup(prepare(brake, elements=40), brake).interfaces, ARCHARD, [])
+    (first,) = wear_linings_in_given_steps(
+        fem_wear_setup(prepare(brake, elements=40), brake).interfaces, ARCHARD, []
+    )
     assert first.torque == pytest.approx(2820.99, rel=1e-4)
-    (first,) = run_on(fem_setup(scene_of(brake), brake).interfaces, ARCHARD, [])
+    (first,) = wear_linings_in_given_steps(
+        fem_wear_setup(scene_of(brake), brake).interfaces, ARCHARD, []
+    )
     assert first.torque == pytest.approx(2820.99, rel=1e-5)
 
 
@@ -153,11 +164,11 @@ def test_wear_without_a_distance_ends_where_its_mesh_ends_and_says_how_far_that_
     kind: str, seed: int
 ) -> None:
     brake = drawn(kind, seed)
-    setup = fem_setup(prepare(brake, elements=20), brake)
-    states, goal, own = run_in(setup), target(setup), discrete_end(setup)
+    setup = fem_wear_setup(prepare(brake, elements=20), brake)
+    states, goal, own = run_in(setup), rigid_law_target(setup), discrete_wear_target(setup)
     assert math.isfinite(states[-1].s) and len(states) < 200
-    assert max(map(abs, distance(setup, states[-1], own))) <= 1e-3
-    assert 1e-3 < distance(setup, states[-1], goal).pressure < 1e-2
+    assert max(map(abs, distance_from_target(setup, states[-1], own))) <= 1e-3
+    assert 1e-3 < distance_from_target(setup, states[-1], goal).pressure < 1e-2
     assert states[-1].torque == pytest.approx(law(brake).torque, rel=1e-3)
     assert goal.torque == pytest.approx(law(brake).torque, rel=1e-9)
     (line,) = saying(report_lines(setup, states, goal, ARCHARD), "on this mesh")
@@ -169,21 +180,23 @@ def test_feet_slide_otherwise_as_the_linings_wear_and_each_state_is_an_answer() 
     """Each worn brake, solved as any other, finds the friction at its feet by itself."""
     brake = drawn("rough abutment", 60177)
     scene = prepare(brake, elements=10)
-    setup = fem_setup(scene, brake)
+    setup = fem_wear_setup(scene, brake)
     states = run_in(setup)
     (interface,) = setup.interfaces
     assert interface.settle is not None
     footings = [interface.settle(state.depth)[0] for state in states[::10]]
     assert len(set(footings)) > 1
     for state in states[::20]:
-        assert state.torque == pytest.approx(respond(scene, worn(setup, state)).torque, rel=1e-7)
+        assert state.torque == pytest.approx(
+            respond(scene, brake_with_worn_linings(setup, state)).torque, rel=1e-7
+        )
 
 
 def test_a_held_torque_finds_the_feet_too() -> None:
     """The force at a held torque is that under which the worn brake has this torque."""
     brake = read_brake(ROOT / "studies" / "brakes" / "simplex_abutted.toml")
     scene = prepare(brake, elements=10)
-    setup = fem_setup(scene, brake)
+    setup = fem_wear_setup(scene, brake)
     states = run_in(setup, torque=200.0, distance=1e5)
     for state in states[:: len(states) // 2]:
         force = {
@@ -191,13 +204,13 @@ def test_a_held_torque_finds_the_feet_too() -> None:
             for i, shoe in enumerate(brake.shoes)
         }
         alone = vary(brake.model_copy(update={"actuation": None}), force)
-        loaded = worn(setup._replace(brake=alone), state)
+        loaded = brake_with_worn_linings(setup._replace(brake=alone), state)
         assert respond(scene, loaded).torque == pytest.approx(200.0, rel=1e-7)
 
 
 @pytest.mark.parametrize("seed", partly([17, 28], [28]))
 def test_beginning_middle_and_end_agree_on_random_brakes(seed: int) -> None:
-    rows = consistency_wear.checks(seed)
+    rows = consistency_wear.wear_rows(seed)
     assert set(picked(rows, "outcome")) <= {"agrees", "refused"}
     assert set(picked(rows, "check")) >= {
         "wear's start = solve",
@@ -209,4 +222,4 @@ def test_beginning_middle_and_end_agree_on_random_brakes(seed: int) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(100, 100 + len(consistency_wear.WEAR_KINDS)))
 def test_beginning_middle_and_end_agree_on_brakes_of_every_kind(seed: int) -> None:
-    assert set(picked(consistency_wear.checks(seed), "outcome")) <= {"agrees", "refused"}
+    assert set(picked(consistency_wear.wear_rows(seed), "outcome")) <= {"agrees", "refused"}

@@ -255,7 +255,7 @@ def sweep(path: Path | str, *, jobs: int | None = 1) -> list[Row]:
     >>> [row["friction"] for row in rows], rows[0]["status"]
     ([0.3, 0.4], 'solved')
     """
-    from drumlin.sweeps.run import sweep as all_rows
+    from drumlin.sweeps.run import solve_sweep_file as all_rows
 
     return all_rows(path, jobs=jobs)
 
@@ -323,19 +323,19 @@ def wear(
 
     worn, notes = _corrected(_brake_of(brake), finite_width and model == "fem")
     # Guides are data of the brake, so that wear needs no option for them.
-    worn = linings.guided(worn) if guided else worn
+    worn = linings.put_shoes_on_guides(worn) if guided else worn
     worn.check_meshable()
     on_mesh = _given(elements=elements, kind=kind)
     on_springs = _given(sections=sections, lift=lift)
     # Options of one model are refused for the other one by name.
     only_mesh = on_mesh | _given(guided=guided, finite_width=finite_width)
     whole_brake.check_wear_options(model, only_mesh, on_springs)
-    law = whole_brake.wear_law(coefficient, exponent)
+    law = whole_brake.make_wear_law(coefficient, exponent)
     held = None if torque is None else _in_si("--torque", torque, worn.surface.effect_unit)
     options = on_mesh if model == "fem" else on_springs
     setups = whole_brake.wear_setups(worn, model, both_ways=reverse is not None, **options)
     say("wearing")
-    return whole_brake.wear_in(
+    return whole_brake.run_wear(
         setups,
         law,
         distance=distance,
@@ -568,15 +568,15 @@ def reference(brake: BrakeOrPath, output: Path | str | None = None) -> Reference
     (20.0995, True)
     """
     from drumlin.base.files import check_outputs
-    from drumlin.verification.reference import reference as values_of
-    from drumlin.verification.reference_file import as_dict, write_values
+    from drumlin.verification.reference import compute_reference as values_of
+    from drumlin.verification.reference_file import reference_data, write_reference
 
     source = _source_of(brake)
     path = None if output is None else Path(output)
     check_outputs(path)
     found = values_of(source.brake, source.text, source.command)
     if path is not None:
-        write_values(as_dict(found), path)
+        write_reference(reference_data(found), path)
     return found
 
 
@@ -595,15 +595,15 @@ class CheckResult(NamedTuple):
     @property
     def within(self) -> bool:
         """Whether every shoe is within the tolerance."""
-        from drumlin.verification.check import within
+        from drumlin.verification.check import are_within_tolerance
 
-        return within(self.verdicts, self.tolerance)
+        return are_within_tolerance(self.verdicts, self.tolerance)
 
     def lines(self) -> list[str]:
         """The verdicts for people; the last line is the verdict on all shoes."""
-        from drumlin.verification.check import lines
+        from drumlin.verification.check import verdict_lines
 
-        return lines(self.verdicts, self.tolerance, self.surface)
+        return verdict_lines(self.verdicts, self.tolerance, self.surface)
 
 
 def check(
@@ -647,10 +647,10 @@ def check(
     --tolerance = 2: must be greater than 0 and less than 1
     """
     from drumlin.studies import REPOSITORY
-    from drumlin.verification.check import check as verdicts_on
+    from drumlin.verification.check import judge_curves as verdicts_on
     from drumlin.verification.check import read_curves
-    from drumlin.verification.reference import reference as values_of
-    from drumlin.verification.reference_file import read_reference, stored
+    from drumlin.verification.reference import compute_reference as values_of
+    from drumlin.verification.reference_file import read_reference, stored_reference_path
 
     if not 0 < tolerance < 1:
         raise BadInput(f"--tolerance = {tolerance:g}: must be greater than 0 and less than 1")
@@ -659,7 +659,7 @@ def check(
     # Reference values are looked for beside the brake file first, then among drumlin's own.
     values = Path("reports") / "reference" / "values"
     beside = () if source.folder is None else (source.folder,)
-    known = reference or stored(source.text, *beside, values, REPOSITORY / values)
+    known = reference or stored_reference_path(source.text, *beside, values, REPOSITORY / values)
     if known is None:
         say("no stored reference: columns of high degree, then triangles")
         found, name = values_of(source.brake, source.text, source.command), "made anew"

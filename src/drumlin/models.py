@@ -37,7 +37,7 @@ class Model(NamedTuple):
 def _fem(brake: Brake, *, worn_in: bool = False, **options: Any) -> Response:
     """Solve by finite elements; `worn_in`: with linings that are worn in."""
     if worn_in:
-        from drumlin.lining_wear.worn_in import solve as by_worn_in
+        from drumlin.lining_wear.worn_in import solve_worn_in_brake as by_worn_in
 
         return by_worn_in(brake, **options)
     from drumlin.fem.solve import solve as by_elements

@@ -20,7 +20,7 @@ MOST_REVISIONS = 100
 """Revisions of the contact after which the iteration counts as not converged."""
 
 
-class Iterated(NamedTuple):
+class IterationAnswer(NamedTuple):
     """The answer of the iteration.
 
     Attributes
@@ -39,7 +39,7 @@ class Iterated(NamedTuple):
     rounds: int
 
 
-def iterate(brake: Brake, index: int, sections: int) -> Iterated:
+def solve_by_paper_iteration(brake: Brake, index: int, sections: int) -> IterationAnswer:
     """The answer of a shoe by the paper's iteration, with all of the paper's simplifications.
 
     index : number of the shoe; sections : number of sectors along the lining.
@@ -52,10 +52,10 @@ def iterate(brake: Brake, index: int, sections: int) -> Iterated:
     # The first guess of the contact is the whole lining.
     pressed = np.ones(len(p.theta), dtype=bool)
     for rounds in range(1, MOST_REVISIONS + 1):
-        w, z = _displacements(p, c, np.where(pressed, p.k, 0.0))
+        w, z = _beam_and_rim_displacements(p, c, np.where(pressed, p.k, 0.0))
         t = w[p.under] * np.cos(p.theta) - z - p.gap
         if np.array_equal(t > 0, pressed):
-            return Iterated(w, z, np.where(pressed, p.k * t, 0.0), rounds)
+            return IterationAnswer(w, z, np.where(pressed, p.k * t, 0.0), rounds)
         pressed = t > 0
     raise NoAnswer(
         f"shoe {brake.shoes[index].name!r}: not converged: "
@@ -63,7 +63,7 @@ def iterate(brake: Brake, index: int, sections: int) -> Iterated:
     )
 
 
-def _displacements(p: Post, c: Floats, k: Floats) -> tuple[Floats, Floats]:
+def _beam_and_rim_displacements(p: Post, c: Floats, k: Floats) -> tuple[Floats, Floats]:
     """Displacements w (m,) and z (n,) [m] for a contact.
 
     Parameters

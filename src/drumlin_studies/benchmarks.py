@@ -71,7 +71,7 @@ class Benchmark(NamedTuple):
     figures: Mapping[str, float]
 
 
-def workload() -> float:
+def run_reference_workload() -> float:
     """Do the fixed work that times are divided by; returns a number, so that all of it is needed.
 
     A change of this function makes the earlier lines of the history incomparable.
@@ -86,14 +86,14 @@ def workload() -> float:
     return total
 
 
-def processor_time(call: Callable[[], object]) -> float:
+def measure_processor_time(call: Callable[[], object]) -> float:
     """Processor time that this process spends in a call [s]."""
     start = time.process_time()
     call()
     return time.process_time() - start
 
 
-def child_time(*arguments: str) -> float:
+def measure_child_process_time(*arguments: str) -> float:
     """Processor time of a Python process with these arguments [s]."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     subprocess.run([sys.executable, *arguments], stdout=subprocess.DEVNULL, check=True)
@@ -101,7 +101,7 @@ def child_time(*arguments: str) -> float:
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 
-def time_ratio(
+def median_time_ratio(
     timed: Callable[[], float], compared: Callable[[], float], repeats: int = USUAL_REPEATS
 ) -> float:
     """Median of `timed` over `compared`, two functions that measure a time [s].
@@ -116,7 +116,7 @@ def time_ratio(
     return median(ratios)
 
 
-def solve_ratios(repeats: int = USUAL_REPEATS) -> dict[str, float]:
+def solve_time_ratios(repeats: int = USUAL_REPEATS) -> dict[str, float]:
     """Times of solves and of questions about a solved brake, over the time of the workload."""
     calls: dict[str, Callable[[], object]] = {}
     for name in TIMED_SOLVES:
@@ -128,16 +128,16 @@ def solve_ratios(repeats: int = USUAL_REPEATS) -> dict[str, float]:
         "sensitivity": partial(drumlin.sensitivity, first),
         "hold": partial(drumlin.hold, first),
     }
-    compared = partial(processor_time, workload)
+    compared = partial(measure_processor_time, run_reference_workload)
     ratios = {}
     for name, call in calls.items():
         # The first call loads modules and is not timed.
         call()
-        ratios[name] = time_ratio(partial(processor_time, call), compared, repeats)
+        ratios[name] = median_time_ratio(partial(measure_processor_time, call), compared, repeats)
     return ratios
 
 
-def unknowns(brake: Brake) -> int:
+def count_unknowns(brake: Brake) -> int:
     """Degrees of freedom of the shoes in the prepared model that a default solve ends on."""
     counted: dict[int, int] = {}
     # Equal shoes share one body, which is condensed once and counted once.
@@ -146,29 +146,29 @@ def unknowns(brake: Brake) -> int:
     return sum(counted.values())
 
 
-def solve_counts() -> dict[str, float]:
+def count_unknowns_and_iterations() -> dict[str, float]:
     """Unknowns and active-set iterations of default solves. They do not depend on the machine."""
     found: dict[str, float] = {}
     for name in COUNTED:
         brake = drumlin.read_brake(examples()[name])
-        found[f"unknowns {name}"] = unknowns(brake)
+        found[f"unknowns {name}"] = count_unknowns(brake)
         found[f"iterations {name}"] = drumlin.solve(brake).iterations
     return found
 
 
-def start_ratios(repeats: int = USUAL_REPEATS) -> dict[str, float]:
+def start_time_ratios(repeats: int = USUAL_REPEATS) -> dict[str, float]:
     """Times of whole commands, over the time that a process needs for the imports alone."""
     brake = str(examples()[TIMED_SOLVES[0]])
-    compared = partial(child_time, "-c", IMPORTS)
+    compared = partial(measure_child_process_time, "-c", IMPORTS)
     commands = {
-        "command init": partial(child_time, "-c", COMMAND, "init"),
-        "command solve": partial(child_time, "-c", COMMAND, "solve", brake),
-        "import drumlin": partial(child_time, "-c", "import drumlin"),
+        "command init": partial(measure_child_process_time, "-c", COMMAND, "init"),
+        "command solve": partial(measure_child_process_time, "-c", COMMAND, "solve", brake),
+        "import drumlin": partial(measure_child_process_time, "-c", "import drumlin"),
     }
-    return {name: time_ratio(timed, compared, repeats) for name, timed in commands.items()}
+    return {name: median_time_ratio(timed, compared, repeats) for name, timed in commands.items()}
 
 
-def git(*arguments: str) -> str:
+def git_output(*arguments: str) -> str:
     """The output of a git command on the repository of this checkout, without spaces around it."""
     command = ["git", "-C", str(REPOSITORY), *arguments]
     return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
@@ -177,8 +177,8 @@ def git(*arguments: str) -> str:
 def commit_name() -> str:
     """Short name of the commit that is checked out, with a + if a source file differs from it."""
     # The list is empty where every source file is as committed.
-    changed = git("status", "--porcelain", "--", "src")
-    return git("rev-parse", "--short=7", "HEAD") + ("+" if changed else "")
+    changed = git_output("status", "--porcelain", "--", "src")
+    return git_output("rev-parse", "--short=7", "HEAD") + ("+" if changed else "")
 
 
 def measure_figures(repeats: int = USUAL_REPEATS) -> Benchmark:
@@ -186,13 +186,17 @@ def measure_figures(repeats: int = USUAL_REPEATS) -> Benchmark:
 
     Raises subprocess.CalledProcessError outside of a git repository.
     """
-    figures = {**solve_ratios(repeats), **solve_counts(), **start_ratios(repeats)}
+    figures = {
+        **solve_time_ratios(repeats),
+        **count_unknowns_and_iterations(),
+        **start_time_ratios(repeats),
+    }
     # Digits beyond the fourth are noise of the timing.
     rounded = {name: float(f"{value:.4g}") for name, value in figures.items()}
     return Benchmark(commit_name(), f"{datetime.now(UTC):%Y-%m-%d}", rounded)
 
 
-def append(path: Path, benchmark: Benchmark) -> None:
+def append_to_history(path: Path, benchmark: Benchmark) -> None:
     """Add a line to a history, which is created where it does not exist."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with path.open("a", encoding="utf-8") as file:
@@ -208,7 +212,7 @@ def read_history(path: Path = HISTORY) -> list[Benchmark]:
 def main(path: str = str(HISTORY), repeats: str = str(USUAL_REPEATS)) -> None:
     """Measure, append a line to the history at `path`, and print the line."""
     benchmark = measure_figures(int(repeats))
-    append(Path(path), benchmark)
+    append_to_history(Path(path), benchmark)
     sys.stdout.write(json.dumps(benchmark._asdict()) + "\n")
 
 

@@ -23,7 +23,7 @@ from drumlin.models import MODELS, applicable
 from drumlin.response.merit import brake_factor
 from drumlin.response.norms import pressure_distance, relative
 from drumlin.response.response import Response
-from drumlin_studies.tables import column
+from drumlin_studies.tables import values_of_key
 
 TRUSTED = 0.05
 """Relative error up to which a law can be trusted."""
@@ -61,12 +61,14 @@ class BrakeInMotion(NamedTuple):
     others: Mapping[str, Outcome]
 
 
-def both_ways(brake: Brake) -> tuple[Brake, Brake]:
+def brake_and_reversed_brake(brake: Brake) -> tuple[Brake, Brake]:
     """The brake as in its file, and with the opposite motion of the drum or the body."""
     return brake, brake.reversed()
 
 
-def case(file: str, brake: Brake, elements: int, *, solid: bool = False) -> BrakeInMotion:
+def solve_by_all_models(
+    file: str, brake: Brake, elements: int, *, solid: bool = False
+) -> BrakeInMotion:
     """A brake by its law, by finite elements and by the other models that apply.
 
     Parameters
@@ -94,11 +96,11 @@ def case(file: str, brake: Brake, elements: int, *, solid: bool = False) -> Brak
         # The law and the default finite elements have places of their own in the result.
         if model.name not in {"fem", by_law.model}:
             others[model.name] = run(model.name, partial(model.solve, brake))
-    worn = worn_in.solve(brake, elements=elements)
+    worn = worn_in.solve_worn_in_brake(brake, elements=elements)
     return BrakeInMotion(file, brake, by_law, solve(brake), worn, others)
 
 
-def mu_lock(brake: Brake, most: float = 2.0, elements: int = 20) -> float:
+def locking_friction(brake: Brake, most: float = 2.0, elements: int = 20) -> float:
     """The coefficient of friction up to which the elastic brake has an answer.
 
     The result is inf where the brake has an answer up to the friction `most`, and nan where it has
@@ -112,7 +114,7 @@ def mu_lock(brake: Brake, most: float = 2.0, elements: int = 20) -> float:
     return min((end.friction for end in found.values()), default=math.inf)
 
 
-def row_of(found: BrakeInMotion, limit: float | None) -> dict[str, Any]:
+def law_error_row(found: BrakeInMotion, limit: float | None) -> dict[str, Any]:
     """The row of a brake: its law against finite elements, with new and with worn-in linings.
 
     `factor` and `factor_worn` are brake factors by finite elements, `p` and `p_worn` the relative
@@ -149,7 +151,7 @@ def row_of(found: BrakeInMotion, limit: float | None) -> dict[str, Any]:
     }
 
 
-def others_of(found: BrakeInMotion) -> list[dict[str, Any]]:
+def other_model_rows(found: BrakeInMotion) -> list[dict[str, Any]]:
     """Relative errors of each other model against finite elements, new and worn in: a row each."""
     base: dict[str, Any] = {"file": found.file, "motion": found.brake.sense}
     rows: list[dict[str, Any]] = []
@@ -171,6 +173,7 @@ def cam_factor(brake: Brake) -> float:
     """
 
     def shoe_factor(shoe: Shoe) -> float:
+        """The shoe factor T/(F R) of a shoe that is pushed alone by 1 kN."""
         # The shoe alone under 1 kN.
         alone = brake.model_copy(update={"actuation": None, "shoes": (shoe.under(1e3),)})
         return law(alone).torque / (1e3 * brake.size)
@@ -179,20 +182,20 @@ def cam_factor(brake: Brake) -> float:
     return 4 * one * two / (one + two)
 
 
-def verdict(rows: list[dict[str, Any]]) -> str:
+def law_verdict(rows: list[dict[str, Any]]) -> str:
     """Whether the law of a brake can be trusted, in words, by its rows of both senses of motion."""
     surface, name = PLANE if rows[0]["unit"] == PLANE.effect_unit else DRUM, rows[0]["law"]
     effect_ = surface.effect
 
     def judged(key: str) -> str:
         """Whether the larger error of both rows allows trust, with this error in percent."""
-        error = np.abs(column(rows, key)).max()
+        error = np.abs(values_of_key(rows, key)).max()
         word = "is an estimate" if error <= ROUGH else "cannot be trusted"
         word = "can be trusted" if error <= TRUSTED else word
         size = f"up to {100 * error:.2g}" if error > 1e-4 else "less than 0.01"
         return f"{word} (off by {size} %)"
 
-    if np.abs(column(rows, "new")).max() < NO_EFFECT_ERROR:
+    if np.abs(values_of_key(rows, "new")).max() < NO_EFFECT_ERROR:
         return (
             f"The {effect_} follows from equilibrium alone, whatever the pressure. "
             f"The pressure of the law {name!r} "

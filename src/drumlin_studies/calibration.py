@@ -1,10 +1,10 @@
 """The factors of the error estimate, fitted on random brakes of every kind, and their file.
 
-For each brake `observe` takes the levels of a solve one by one. It records by how much the answer
-changes from level to level and how far each answer is from a far finer solution. `fit` finds the
-factors with which the stated errors are at least the true errors, except for a small share of
-1 - QUANTILE. `as_text` writes the factors together with the brakes that they were fitted on. The
-command
+For each brake `observe_levels` takes the levels of a solve one by one. It records by how much the
+answer changes from level to level and how far each answer is from a far finer solution.
+`fit_safety_factors` finds the factors with which the stated errors are at least the true errors,
+except for a small share of 1 - QUANTILE. `factors_as_text` writes the factors together with the
+brakes that they were fitted on. The command
 
     make calibrate
 
@@ -32,9 +32,9 @@ from drumlin_studies.random_brake import SHAPE_KINDS as KINDS
 from drumlin_studies.random_brake import random_brake
 from drumlin_studies.random_corners import CORNER_KINDS, random_corner
 from drumlin_studies.random_kinds import HOLDING_KINDS as KINDS_OF_HOLDING
-from drumlin_studies.random_kinds import random_kind
-from drumlin_studies.stated_true import RELEVANT, Truth, errors
-from drumlin_studies.stored_truth import CERTAIN, by_deep_triangles, by_finer
+from drumlin_studies.random_kinds import draw_brake_of_holding_kind
+from drumlin_studies.stated_true import RELEVANT, Truth, true_errors
+from drumlin_studies.stored_truth import CERTAIN, solve_by_deep_triangles, solve_by_finer_divisions
 
 FIRST_SEED, FITTED_BRAKES = 300_000, 260
 """Seed of the first random brake of the fit, and the number of these brakes: ten of each kind. The
@@ -56,8 +56,8 @@ solution itself."""
 
 CHANCE_WEIGHTS = tuple(2.0**-k for k in range(4, 14))
 """Candidates for the weight of the force change that random signs of the hp elements' contributions
-would cause, relative to the weight of the actual change. `fit` takes the candidate with the
-smallest median of stated over true error."""
+would cause, relative to the weight of the actual change. `fit_safety_factors` takes the candidate
+with the smallest median of stated over true error."""
 
 HALF = 0.999
 """Share of the true errors that are at most twice as large as the stated errors. QUANTILE bounds
@@ -86,7 +86,7 @@ class LevelRecord(NamedTuple):
     unsure: Mapping[str, float]
 
 
-def drawn(seed: int) -> tuple[str, Brake]:
+def draw_calibration_brake(seed: int) -> tuple[str, Brake]:
     """The kind and the random brake of a seed.
 
     Consecutive seeds go through all kinds. Seeds from FIRST_CORNER on give brakes that press with a
@@ -97,16 +97,18 @@ def drawn(seed: int) -> tuple[str, Brake]:
         return names[seed % len(names)], random_corner(seed)
     kinds = [*KINDS, *KINDS_OF_HOLDING]
     kind = kinds[seed % len(kinds)]
-    return kind, (random_brake if kind in KINDS else random_kind)(seed, kind)
+    return kind, (random_brake if kind in KINDS else draw_brake_of_holding_kind)(seed, kind)
 
 
-def observe(seed: int) -> dict[str, Any]:
+def observe_levels(seed: int) -> dict[str, Any]:
     """The levels of a seed's brake as plain data, or in words why the brake has no answer."""
     kind = ""
     try:
-        kind, brake = drawn(seed)
-        truth = (by_deep_triangles if seed >= FIRST_CORNER else by_finer)(brake)
-        levels = observed(brake, truth, islice(solved_levels(brake, respond), FITTED))
+        kind, brake = draw_calibration_brake(seed)
+        truth = (solve_by_deep_triangles if seed >= FIRST_CORNER else solve_by_finer_divisions)(
+            brake
+        )
+        levels = level_errors(brake, truth, islice(solved_levels(brake, respond), FITTED))
     except (NoAnswer, AssertionError) as error:
         # Rounding turns over triangles that are too small.
         return {"seed": seed, "kind": kind, "reason": str(error), "levels": []}
@@ -118,7 +120,7 @@ def observe(seed: int) -> dict[str, Any]:
     }
 
 
-def observed(brake: Brake, truth: Truth, found: Iterable[SolvedLevel]) -> list[LevelRecord]:
+def level_errors(brake: Brake, truth: Truth, found: Iterable[SolvedLevel]) -> list[LevelRecord]:
     """Errors and estimates of the levels of a brake, from the second level on.
 
     The true error of a quantity is nan where a solve says that the quantity is not known, as for an
@@ -133,14 +135,14 @@ def observed(brake: Brake, truth: Truth, found: Iterable[SolvedLevel]) -> list[L
             unknown, _ = errors_with_singularities(nothing, brake, response)
             true = {
                 name: math.nan if unknown.brake[name] > 0 else value
-                for name, value in errors(brake, response.shoes, truth.shoes).items()
+                for name, value in true_errors(brake, response.shoes, truth.shoes).items()
             }
             moved = distances(brake, before, response)
             levels.append(
                 LevelRecord(
-                    step=_worst(moved.steps),
-                    chance=_worst(moved.chance),
-                    beside=_worst(beside(response.shoes)),
+                    step=_largest_of_shoes(moved.steps),
+                    chance=_largest_of_shoes(moved.chance),
+                    beside=_largest_of_shoes(beside(response.shoes)),
                     true=true,
                     unsure=dict(truth.unsure),
                 )
@@ -149,7 +151,7 @@ def observed(brake: Brake, truth: Truth, found: Iterable[SolvedLevel]) -> list[L
     return levels
 
 
-def _worst(values: Floats) -> dict[str, float]:
+def _largest_of_shoes(values: Floats) -> dict[str, float]:
     """The value for the brake's torque and the largest of all shoes for the other quantities.
 
     values : (1 + 4 shoes,) in the order of `Distances`, the brake's torque first
@@ -185,7 +187,7 @@ class Samples(NamedTuple):
         needed = np.maximum(most, 0.0) / np.maximum(
             self.step + weight * self.chance, np.finfo(float).tiny
         )
-        return _up(
+        return _round_up(
             max(float(np.quantile(needed, QUANTILE)), 0.5 * float(np.quantile(needed, HALF)))
         )
 
@@ -195,7 +197,7 @@ class Samples(NamedTuple):
         return stated[self.known] / self.true[self.known]
 
 
-def samples(levels: Sequence[LevelRecord], quantity: str) -> Samples:
+def samples_of_quantity(levels: Sequence[LevelRecord], quantity: str) -> Samples:
     """The samples of a quantity from all levels on which the quantity has a true error."""
     rows = [
         [of[quantity] for of in level] for level in levels if not math.isnan(level.true[quantity])
@@ -203,28 +205,32 @@ def samples(levels: Sequence[LevelRecord], quantity: str) -> Samples:
     return Samples(*np.array(rows).reshape(-1, len(LevelRecord._fields)).T)
 
 
-def fit(levels: Sequence[LevelRecord]) -> Factors:
+def fit_safety_factors(levels: Sequence[LevelRecord]) -> Factors:
     """The smallest factors with which QUANTILE and HALF are satisfied for each quantity.
 
     Torque and reaction share a factor, the larger of the two. The weight of chance is the one of
     CHANCE_WEIGHTS that gives the smallest median of stated over true error.
     """
-    forces = [samples(levels, name) for name in ("torque", "reaction")]
+    forces = [samples_of_quantity(levels, name) for name in ("torque", "reaction")]
 
-    def factor(weight: float) -> float:
+    def force_factor(weight: float) -> float:
+        """The factor of the forces with a weight of the change by random signs."""
         return max(of.factor(weight) for of in forces)
 
-    def sharpness(weight: float) -> float:
+    def median_error_ratio(weight: float) -> float:
+        """The median of stated over true error of the forces with this weight."""
         return float(
-            np.median(np.concatenate([of.ratios(factor(weight), weight) for of in forces]))
+            np.median(np.concatenate([of.ratios(force_factor(weight), weight) for of in forces]))
         )
 
-    weight = min(CHANCE_WEIGHTS, key=sharpness)
-    pressure, peak = (samples(levels, name).factor(0.0) for name in ("pressure", "peak"))
-    return Factors(pressure, factor(weight), _up(factor(weight) * weight), peak)
+    weight = min(CHANCE_WEIGHTS, key=median_error_ratio)
+    pressure, peak = (
+        samples_of_quantity(levels, name).factor(0.0) for name in ("pressure", "peak")
+    )
+    return Factors(pressure, force_factor(weight), _round_up(force_factor(weight) * weight), peak)
 
 
-def _up(value: float) -> float:
+def _round_up(value: float) -> float:
     """The value rounded up to SIGNIFICANT_DIGITS significant digits."""
     scale = 10.0 ** (math.floor(math.log10(value)) - SIGNIFICANT_DIGITS + 1)
     return float(f"{math.ceil(value / scale - 1e-9) * scale:.{SIGNIFICANT_DIGITS}g}")
@@ -267,7 +273,7 @@ class Provenance(NamedTuple):
     date: str
 
 
-def as_text(factors: Factors, provenance: Provenance) -> str:
+def factors_as_text(factors: Factors, provenance: Provenance) -> str:
     """The text of the factors' file: the brakes of the fit, and each factor with its meaning."""
     data = {
         "written by": "make calibrate; read by drumlin.fem.error_control.estimate; "

@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 from drumlin.base.arrays import Floats
 
 
-def hertz(load: float, radius: float, modulus: float) -> tuple[float, float]:
+def hertz_line_contact(load: float, radius: float, modulus: float) -> tuple[float, float]:
     """Half-width a [m] and peak pressure p_0 [Pa] of a line contact (Hertz 1881).
 
         a^2 = 4 P R/(pi E*),   p_0 = 2 P/(pi a)
@@ -50,7 +50,7 @@ def persson_pressure(b: float, theta: Floats) -> Floats:
     return np.where(np.abs(theta) < 2 * math.atan(b), p, 0.0)
 
 
-def westergaard(mean: float, full: float, psi: Floats) -> Floats:
+def westergaard_pressure(mean: float, full: float, psi: Floats) -> Floats:
     """Pressure [Pa] of a wavy half-plane (Westergaard 1939).
 
     Parameters
@@ -70,7 +70,9 @@ def westergaard(mean: float, full: float, psi: Floats) -> Floats:
     return np.asarray(2 * mean * np.abs(np.cos(psi)) / share * root)
 
 
-def lame(inner: float, outer: float, pressure: float, E: float, nu: float) -> tuple[float, float]:
+def lame_displacements(
+    inner: float, outer: float, pressure: float, E: float, nu: float
+) -> tuple[float, float]:
     """Radial displacements [m] of the inner and outer edge of a ring under inner pressure.
 
     After Lame (1852). The radii `inner` and `outer` are in m, `pressure` and E in Pa.
@@ -82,7 +84,7 @@ def lame(inner: float, outer: float, pressure: float, E: float, nu: float) -> tu
     )
 
 
-def ring_yield(n: int, free: float, held: float, E: float, nu: float) -> float:
+def ring_compliance(n: int, free: float, held: float, E: float, nu: float) -> float:
     """Radial displacement [m/Pa] of a ring's free edge under the pressure cos(n theta) there.
 
     The displacement goes with cos(n theta) as well. It is negative where the ring lies inside its
@@ -193,12 +195,12 @@ def corner_exponent(mu: float, nu: float) -> float:
     return 1.0
 
 
-def capstan(mu: float, angle: float) -> float:
+def capstan_tension_ratio(mu: float, angle: float) -> float:
     """Ratio of the tensions at the ends of a belt, e^(mu angle) (Euler 1769; Eytelwein 1808)."""
     return math.exp(mu * angle)
 
 
-def sine_shoe_limit(R: float, a: float, phi_1: float, phi_2: float) -> float:
+def sine_shoe_locking_friction(R: float, a: float, phi_1: float, phi_2: float) -> float:
     """Friction at which a rigid shoe with a lining of springs locks itself.
 
     The moments of p ~ sin phi and of its friction about the hinge balance each other.
@@ -221,12 +223,12 @@ def sine_shoe_limit(R: float, a: float, phi_1: float, phi_2: float) -> float:
     return normal / friction
 
 
-def bonded_layer(E: float, nu: float, thickness: float) -> float:
+def bonded_layer_stiffness(E: float, nu: float, thickness: float) -> float:
     """Stiffness E/((1 - nu^2) t) [Pa/m] of a thin layer that cannot spread along its back."""
     return E / ((1 - nu**2) * thickness)
 
 
-def flat_punch(load: float, half: float, x: Floats) -> Floats:
+def flat_punch_pressure(load: float, half: float, x: Floats) -> Floats:
     """Pressure (n,) [Pa] under a rigid frictionless flat punch (Sadowsky 1928).
 
         p = P/(pi sqrt(a^2 - x^2)),   |x| < a
@@ -243,7 +245,7 @@ def flat_punch(load: float, half: float, x: Floats) -> Floats:
     return np.asarray(load / (math.pi * np.sqrt(half**2 - x**2)))
 
 
-def equivalent_block(half: float) -> float:
+def block_friction_ratio(half: float) -> float:
     """Equivalent over actual friction of a block under p = p_0 cos phi (NPTEL lesson 12.1).
 
         mu'/mu = 4 sin half/(2 half + sin 2 half)

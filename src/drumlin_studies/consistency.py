@@ -81,7 +81,7 @@ class Count(NamedTuple):
     largest: float
 
 
-def counted(rows: Sequence[Check]) -> list[Count]:
+def count_outcomes(rows: Sequence[Check]) -> list[Count]:
     """The number of rows of each outcome, for each check in the order of its first row."""
     rows_of: dict[str, list[Check]] = {}
     for row in rows:

@@ -18,8 +18,8 @@ from drumlin.fem.solve import solve
 from drumlin.response.response import Response, ShoeResponse
 from drumlin_studies import random_brake, random_kinds
 from drumlin_studies.consistency import Check
-from drumlin_studies.random_kinds import brake_of_kind
-from drumlin_studies.stated_true import JUDGED_QUANTITIES, Truth, by_columns, errors
+from drumlin_studies.random_kinds import draw_brake_of_kind
+from drumlin_studies.stated_true import JUDGED_QUANTITIES, Truth, true_errors, truth_by_hp_elements
 
 BLOCKS_CHECK = "blocks: error stated by the default solve, error against finer levels"
 """Name of the check in rows."""
@@ -64,7 +64,7 @@ def random_blocks(seed: int, steps: int | None = None) -> Brake:
         drawn = int(rng.integers(FEWEST_BLOCK_STEPS, MOST_BLOCK_STEPS + 1))
         depth = 10 ** rng.uniform(*STEP_DEPTH_DECADES)
         try:
-            brake = brake_of_kind(seed + len(BLOCK_KINDS) * (attempt + 1), kind)
+            brake = draw_brake_of_kind(seed + len(BLOCK_KINDS) * (attempt + 1), kind)
             # The drawn number of steps must fit, so that `steps` never changes the brake.
             found = _with_blocks(brake, rng, drawn, depth)
             return found if steps is None else _with_blocks(brake, rng, steps, depth)
@@ -100,7 +100,7 @@ def _with_blocks(brake: Brake, rng: Rng, steps: int, depth: float) -> Brake:
     changes: dict[str, list[list[float]]] = {}
     for i, (shoe, found) in enumerate(zip(brake.shoes, fitting.shoes, strict=True)):
         places = _step_places(rng, shoe, steps)
-        depths = depth * _compression(brake, shoe, found) * rng.uniform(0, 1, steps)
+        depths = depth * _mean_compression(brake, shoe, found) * rng.uniform(0, 1, steps)
         changes[f"shoe[{i}].lining.misfit.blocks"] = np.column_stack([places, depths]).tolist()
     other = vary(brake, changes)
     # Every shoe must press, because a shoe that does not touch would have no error to judge.
@@ -122,7 +122,7 @@ def _step_places(rng: Rng, shoe: Shoe, steps: int) -> np.ndarray:
     return lining.start + np.sort(rng.uniform(0, free, steps)) + room * np.arange(1, steps + 1)
 
 
-def _compression(brake: Brake, shoe: Shoe, found: ShoeResponse) -> float:
+def _mean_compression(brake: Brake, shoe: Shoe, found: ShoeResponse) -> float:
     """Compression of a lining by the mean pressure of its shoe [m]."""
     lining = shoe.lining
     area = brake.scale_factor * (lining.end - lining.start) * lining.width
@@ -137,17 +137,17 @@ class StatedAndTrue(NamedTuple):
     errors: dict[str, float]
 
 
-def stated_and_true(brake: Brake) -> StatedAndTrue:
+def stated_and_true_errors(brake: Brake) -> StatedAndTrue:
     """The default solve of a brake and its truth by finer levels.
 
     Raises NoAnswer where the solve or the truth has no answer.
     """
     response = solve_to_tolerance(brake, DEFAULT_TOLERANCE, respond, must=False).response
-    true = by_columns(brake, BLOCKS_TRUTH_TOLERANCE)
-    return StatedAndTrue(response, true, errors(brake, response.shoes, true.shoes))
+    true = truth_by_hp_elements(brake, BLOCKS_TRUTH_TOLERANCE)
+    return StatedAndTrue(response, true, true_errors(brake, response.shoes, true.shoes))
 
 
-def checks(seed: int) -> list[Check]:
+def block_error_rows(seed: int) -> list[Check]:
     """A row for each of JUDGED_QUANTITIES of the brake of a seed: true against stated error.
 
     The stated error plus the uncertainty of the truth is the allowed difference. The stated error
@@ -156,7 +156,7 @@ def checks(seed: int) -> list[Check]:
     brake = random_blocks(seed)
     name = f"{BLOCK_KINDS[seed % len(BLOCK_KINDS)]} {seed}"
     try:
-        response, truth, true_errors = stated_and_true(brake)
+        response, truth, true_errors = stated_and_true_errors(brake)
     except NoAnswer as error:
         return [Check(BLOCKS_CHECK, name, "p", 0.0, 0.0, str(error), refused=True)]
     assert response.error is not None

@@ -17,7 +17,7 @@ from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin_studies import random_brake, random_kinds
 from drumlin_studies.consistency import Check
-from drumlin_studies.random_kinds import brake_of_kind
+from drumlin_studies.random_kinds import draw_brake_of_kind
 
 HOLD_CHECK = "hold's end = solve"
 """Name of the check in rows."""
@@ -33,7 +33,7 @@ TWO_ANSWERS_LINE = "more than one answer"
 """Words of the line in which `full_slip_rotation` tells the moments of both paths."""
 
 
-def checks(seed: int) -> list[Check]:
+def hold_against_solve_rows(seed: int) -> list[Check]:
     """The row of the random brake of a seed: its torque at full slip against that of `solve`.
 
     Seeds go through the kinds of both generators, on a mesh and on hp elements in turn. There is no
@@ -41,17 +41,17 @@ def checks(seed: int) -> list[Check]:
     """
     kind = HOLD_KINDS[seed % len(HOLD_KINDS)]
     try:
-        brake = brake_of_kind(seed, kind)
+        brake = draw_brake_of_kind(seed, kind)
     except NoAnswer:
         return []
     if brake.friction == 0:
         return []
     on_hp_elements = seed // len(HOLD_KINDS) % 2 == 1
     scene = prepare(brake, LEVELS[1]) if on_hp_elements else prepare(brake, elements=MESH_ELEMENTS)
-    return [_check(f"{kind} {seed}", scene, brake)]
+    return [_hold_row(f"{kind} {seed}", scene, brake)]
 
 
-def _check(name: str, scene: PreparedModel, brake: Brake) -> Check:
+def _hold_row(name: str, scene: PreparedModel, brake: Brake) -> Check:
     """The row of a brake: the torques of `hold` and `solve` on the same prepared model."""
     row = Check(
         check=HOLD_CHECK, brake=name, quantity="torque", difference=math.inf, allowed=TWO_ANSWERS
@@ -60,7 +60,7 @@ def _check(name: str, scene: PreparedModel, brake: Brake) -> Check:
     try:
         sliding = respond(scene, brake).torque
     except NoAnswer as error:
-        held = _end(scene, brake, LOCKED_ROTATION)
+        held = _state_after_rotation(scene, brake, LOCKED_ROTATION)
         locked = held is None or held.sticking > 0
         return row._replace(said=str(error) if locked else "", refused=locked)
     # A refusal counts as told only where it names the moments of both paths.
@@ -68,13 +68,13 @@ def _check(name: str, scene: PreparedModel, brake: Brake) -> Check:
         end = full_slip_rotation(scene, brake)
     except NoAnswer as error:
         return row._replace(said=str(error) if TWO_ANSWERS_LINE in str(error) else "")
-    last = _end(scene, brake, end)
+    last = _state_after_rotation(scene, brake, end)
     if last is None:
         return row
     return row._replace(difference=abs(last.torque / sliding - 1), said=" ".join(last.notes))
 
 
-def _end(scene: PreparedModel, brake: Brake, rotation: float) -> Hold | None:
+def _state_after_rotation(scene: PreparedModel, brake: Brake, rotation: float) -> Hold | None:
     """The state of the brake after a rotation [rad], or None where there is no answer."""
     try:
         return hold(scene, brake, np.linspace(0.0, rotation, HOLD_STEPS + 1))[-1]

@@ -13,8 +13,8 @@ from drumlin.fem.solve import solve
 from drumlin.response.response import Response
 from drumlin_studies import random_brake, random_kinds
 from drumlin_studies.consistency import Check
-from drumlin_studies.random_kinds import brake_of_kind
-from drumlin_studies.standing_off import standing_off
+from drumlin_studies.random_kinds import draw_brake_of_kind
+from drumlin_studies.standing_off import draw_brake_with_clearances
 
 MESH_SIZES = 20, 40, 80
 """Elements along a lining of the three meshes."""
@@ -30,54 +30,54 @@ A refused brake is always solved on the meshes. They cost about one second a bra
 """
 
 
-def checks(seed: int) -> list[Check]:
+def refusal_rows(seed: int) -> list[Check]:
     """The row of the brake of a seed: the default solve against three meshes.
 
     There is no row for a brake with an answer whose meshes are not asked for or disagree.
     """
-    brake = drawn(seed)
-    found = _answer(brake, None)
+    brake = draw_brake(seed)
+    found = _response_or_refusal(brake, None)
     refused = isinstance(found, str)
     if not refused and seed // 2 % HELD_AGAINST:
         return []
     # Meshes with one common answer prove that the brake has an answer.
-    on_meshes = [_answer(brake, elements) for elements in MESH_SIZES]
-    forces = [force(mesh) for mesh in on_meshes if not isinstance(mesh, str)]
-    one_answer = len(forces) == len(MESH_SIZES) and spread(forces) <= SAME_FORCE
+    on_meshes = [_response_or_refusal(brake, elements) for elements in MESH_SIZES]
+    forces = [total_contact_force(mesh) for mesh in on_meshes if not isinstance(mesh, str)]
+    one_answer = len(forces) == len(MESH_SIZES) and relative_spread(forces) <= SAME_FORCE
     if isinstance(found, str):
         if one_answer:
             # Hp elements lose more digits than a mesh. Drumlin gives this as the reason.
             said = found if TOO_FAR in found else ""
-            return [_row(brake, f"an answer, refused: {found}", 1.0, 0.0, said=said)]
-        return [_row(brake, "an answer", 0.0, 0.0, said=found, refused=True)]
+            return [_check_row(brake, f"an answer, refused: {found}", 1.0, 0.0, said=said)]
+        return [_check_row(brake, "an answer", 0.0, 0.0, said=found, refused=True)]
     if not one_answer:
         return []
-    difference = max(abs(each / force(found) - 1) for each in forces)
+    difference = max(abs(each / total_contact_force(found) - 1) for each in forces)
     # The error of the coarsest mesh is about the spread. Twice the spread allows for slow
     # convergence.
-    return [_row(brake, "contact force", difference, max(2 * spread(forces), 1e-3))]
+    return [_check_row(brake, "contact force", difference, max(2 * relative_spread(forces), 1e-3))]
 
 
-def drawn(seed: int) -> Brake:
+def draw_brake(seed: int) -> Brake:
     """The brake of a seed: even seeds stand off the drum, odd ones are of all kinds."""
     half, odd = divmod(seed, 2)
     if not odd:
-        return standing_off(half)
+        return draw_brake_with_clearances(half)
     kinds = [*random_brake.SHAPE_KINDS, *random_kinds.HOLDING_KINDS]
-    return brake_of_kind(half, kinds[half % len(kinds)])
+    return draw_brake_of_kind(half, kinds[half % len(kinds)])
 
 
-def force(response: Response) -> float:
+def total_contact_force(response: Response) -> float:
     """The sum of the contact forces of all shoes [N]."""
     return sum(shoe.normal_force for shoe in response.shoes)
 
 
-def spread(values: list[float]) -> float:
+def relative_spread(values: list[float]) -> float:
     """The largest difference of some values, relative to the last value."""
     return (max(values) - min(values)) / values[-1]
 
 
-def _answer(brake: Brake, elements: int | None) -> Response | str:
+def _response_or_refusal(brake: Brake, elements: int | None) -> Response | str:
     """The response of the default solve (None) or on a mesh, or the line of the refusal."""
     try:
         return solve(brake, elements=elements)
@@ -85,7 +85,7 @@ def _answer(brake: Brake, elements: int | None) -> Response | str:
         return str(refusal)
 
 
-def _row(
+def _check_row(
     brake: Brake,
     quantity: str,
     difference: float,

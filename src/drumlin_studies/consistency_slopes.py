@@ -28,7 +28,7 @@ from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin_studies import random_brake, random_kinds
 from drumlin_studies.consistency import Check
-from drumlin_studies.random_kinds import brake_of_kind
+from drumlin_studies.random_kinds import draw_brake_of_kind
 
 SLOPE_MESH_ELEMENTS = 10
 """Elements along a lining of the meshes.
@@ -110,7 +110,7 @@ class TorqueOnDivision(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Divided:
+class DivisionForSlopes:
     """How a brake is divided into elements.
 
     Attributes
@@ -146,12 +146,12 @@ class Divided:
         return sensitivity(self.scene(brake), brake)
 
 
-def scaled(key: str, value: float) -> Changes:
+def scaled_key_changes(key: str, value: float) -> Changes:
     """Changes of a key by a fraction of its value."""
     return lambda s: {key: value * (1 + s)}
 
 
-def scaled_moduli(key: str, material: AnyMaterial) -> Changes:
+def scaled_moduli_changes(key: str, material: AnyMaterial) -> Changes:
     """Changes of all moduli of a part's material by the same fraction of their values.
 
     key : path of the part in the brake file, with a dot at its end.
@@ -161,19 +161,26 @@ def scaled_moduli(key: str, material: AnyMaterial) -> Changes:
     }
 
 
-def shifted(key: str, value: float) -> Changes:
+def shifted_key_changes(key: str, value: float) -> Changes:
     """Changes of a key by a step."""
     return lambda s: {key: value + s}
 
 
-def moved(key: str, x: float, y: float, way: int) -> Changes:
+def moved_point_changes(key: str, x: float, y: float, way: int) -> Changes:
     """Changes of a point along x (way 0) or y (way 1)."""
     return lambda s: {key: {"x": x + s * (way == 0), "y": y + s * (way == 1)}}
 
 
-def slopes_of(brake: Brake, found: Sensitivity) -> list[Slope]:
+def printed_slopes(brake: Brake, found: Sensitivity) -> list[Slope]:
     """All slopes that `drumlin sensitivity` prints of a brake."""
-    table = [Slope("friction", found.friction, shifted("friction", brake.friction), brake.friction)]
+    table = [
+        Slope(
+            "friction",
+            found.friction,
+            shifted_key_changes("friction", brake.friction),
+            brake.friction,
+        )
+    ]
     table += _slopes_of_drive(brake, found)
     table += _slopes_of_ring(brake, found)
     for i in range(len(brake.shoes)):
@@ -187,10 +194,10 @@ def _slopes_of_ring(brake: Brake, found: Sensitivity) -> Iterator[Slope]:
     if ring is None:
         return
     if found.ring is not None and ring.material is not None:
-        yield Slope("E of the ring", found.ring, scaled_moduli("drum.ring.", ring.material))
+        yield Slope("E of the ring", found.ring, scaled_moduli_changes("drum.ring.", ring.material))
     # A bending stiffness that follows from the modulus has no slope of its own.
     if found.ring_bending_stiffness is not None and ring.bending_stiffness is not None:
-        EI = scaled("drum.ring.bending_stiffness", ring.bending_stiffness)
+        EI = scaled_key_changes("drum.ring.bending_stiffness", ring.bending_stiffness)
         yield Slope("bending_stiffness of the ring", found.ring_bending_stiffness, EI)
 
 
@@ -202,7 +209,7 @@ def _slopes_of_drive(brake: Brake, found: Sensitivity) -> Iterator[Slope]:
     for key in ("force", "pressure", "torque"):
         value = getattr(drive, key)
         if value is not None:
-            yield Slope("actuation", found.drive, scaled(f"actuation.{key}", value))
+            yield Slope("actuation", found.drive, scaled_key_changes(f"actuation.{key}", value))
 
 
 def _slopes_of_shoe(brake: Brake, found: Sensitivity, i: int) -> Iterator[Slope]:
@@ -212,12 +219,12 @@ def _slopes_of_shoe(brake: Brake, found: Sensitivity, i: int) -> Iterator[Slope]
     behind_strut = any(link.to == shoe.name for link in brake.links)
     if own.force is not None and own.torque and brake.actuation is None and not behind_strut:
         force = shoe.actuation.force
-        yield Slope("force", own.force * force, scaled(f"{key}actuation.force", force))
+        yield Slope("force", own.force * force, scaled_key_changes(f"{key}actuation.force", force))
     yield from _slopes_of_stiffness(shoe, own, key)
     clearance = shoe.lining.clearance
     if isinstance(clearance, float):
-        changes = shifted(f"{key}lining.clearance", clearance)
-        yield Slope("clearance", own.clearance, changes, _compression(brake, shoe))
+        changes = shifted_key_changes(f"{key}lining.clearance", clearance)
+        yield Slope("clearance", own.clearance, changes, _lining_compression(brake, shoe))
     for what, value in own.held.items():
         yield from _slopes_of_support(brake, i, what, value)
 
@@ -225,22 +232,22 @@ def _slopes_of_shoe(brake: Brake, found: Sensitivity, i: int) -> Iterator[Slope]
 def _slopes_of_stiffness(shoe: Shoe, own: ShoeSensitivity, key: str) -> Iterator[Slope]:
     """The slopes over the moduli and the bending stiffness of a shoe."""
     moduli, body = own.moduli, shoe.body
-    lining = scaled_moduli(f"{key}lining.", shoe.lining.material)
+    lining = scaled_moduli_changes(f"{key}lining.", shoe.lining.material)
     yield Slope("E of the lining", moduli["lining"], lining)
     if "backing" in moduli and shoe.backing is not None:
-        backing = scaled_moduli(f"{key}backing.", shoe.backing.material)
+        backing = scaled_moduli_changes(f"{key}backing.", shoe.backing.material)
         yield Slope("E of the backing", moduli["backing"], backing)
     if body is None:
         return
     if "shoe" in moduli and body.material is not None:
-        changes = scaled_moduli(f"{key}body.", body.material)
+        changes = scaled_moduli_changes(f"{key}body.", body.material)
         yield Slope("E of the body", moduli["shoe"], changes)
     if own.bending_stiffness is not None and isinstance(body.bending_stiffness, float):
-        EI = scaled(f"{key}body.bending_stiffness", body.bending_stiffness)
+        EI = scaled_key_changes(f"{key}body.bending_stiffness", body.bending_stiffness)
         yield Slope("bending_stiffness of the body", own.bending_stiffness, EI)
 
 
-def _compression(brake: Brake, shoe: Shoe) -> float:
+def _lining_compression(brake: Brake, shoe: Shoe) -> float:
     """Compression of a lining [m] by the force of its shoe.
 
     For a shoe without a force, the largest force of all shoes counts.
@@ -263,15 +270,15 @@ def _slopes_of_support(brake: Brake, i: int, what: str, value: Floats) -> Iterat
     # A number of a support has one slope, a point one along each axis.
     if len(value) == 1:
         size = at if what.endswith("friction") else 1.0
-        yield Slope(what, float(value[0]), shifted(key, at), size)
+        yield Slope(what, float(value[0]), shifted_key_changes(key, at), size)
         return
     for way, axis in enumerate("xy"):
-        changes = moved(key, at.x, at.y, way)
+        changes = moved_point_changes(key, at.x, at.y, way)
         yield Slope(f"{what} along {axis}", float(value[way]), changes, brake.size)
 
 
-def difference(
-    brake: Brake, slope: Slope, divided: Divided, base: TorqueOnDivision
+def largest_slope_difference(
+    brake: Brake, slope: Slope, divided: DivisionForSlopes, base: TorqueOnDivision
 ) -> float | None:
     """The largest relative difference of a slope from the central differences over three steps.
 
@@ -293,7 +300,9 @@ def difference(
     for factor in STEP_FACTORS:
         largest = 0.0
         for step in DIFFERENCE_STEPS:
-            apart = _difference_at(brake, slope, divided, base, factor * step * slope.size)
+            apart = _slope_difference_at_step(
+                brake, slope, divided, base, factor * step * slope.size
+            )
             if apart is None:
                 break
             largest = max(largest, apart)
@@ -302,8 +311,8 @@ def difference(
     return None
 
 
-def _difference_at(
-    brake: Brake, slope: Slope, divided: Divided, base: TorqueOnDivision, step: float
+def _slope_difference_at_step(
+    brake: Brake, slope: Slope, divided: DivisionForSlopes, base: TorqueOnDivision, step: float
 ) -> float | None:
     """Relative difference of a slope from the central difference over a step in its unit.
 
@@ -325,17 +334,17 @@ SLOPE_KINDS = (*random_brake.SHAPE_KINDS, *random_kinds.HOLDING_KINDS)
 """Kinds of both generators, in the order in which seeds draw them."""
 
 
-def brake_of(seed: int) -> tuple[str, Brake]:
+def draw_brake_with_friction(seed: int) -> tuple[str, Brake]:
     """Kind and brake of a seed, with friction.
 
     In half of the brakes the body and the ring are given a bending stiffness.
     """
     kind = SLOPE_KINDS[seed % len(SLOPE_KINDS)]
-    brake = brake_of_kind(seed, kind)
+    brake = draw_brake_of_kind(seed, kind)
     # Without friction a drum brake has no torque, and slopes have nothing to be relative to.
     while brake.friction == 0:
         seed += 10**6
-        brake = brake_of_kind(seed, kind)
+        brake = draw_brake_of_kind(seed, kind)
     if seed // len(SLOPE_KINDS) % 2:
         return kind, brake
     return kind, _with_bending_stiffness(brake, np.random.default_rng(seed))
@@ -356,14 +365,14 @@ def _with_bending_stiffness(brake: Brake, rng: np.random.Generator) -> Brake:
     return vary(brake, changes)
 
 
-def checks(seed: int, most: int | None = SLOPES_PER_BRAKE) -> list[Check]:
+def slope_rows_of_seed(seed: int, most: int | None = SLOPES_PER_BRAKE) -> list[Check]:
     """The printed slopes of the brake of a seed against differences of solves.
 
     most : largest number of slopes that are compared; None for all.
     """
-    kind, brake = brake_of(seed)
+    kind, brake = draw_brake_with_friction(seed)
     on_hp_elements = bool(seed // len(SLOPE_KINDS) // 2 % 2)
-    divided = Divided(None if on_hp_elements else SLOPE_MESH_ELEMENTS, Cache())
+    divided = DivisionForSlopes(None if on_hp_elements else SLOPE_MESH_ELEMENTS, Cache())
     name = f"{kind} {seed}, {'columns' if on_hp_elements else 'mesh'}"
     no_slopes = Check("slopes", name, "all", math.inf, ALLOWED_SLOPE_DIFFERENCE)
     # Either both paths have an answer, or both must refuse the brake.
@@ -377,12 +386,12 @@ def checks(seed: int, most: int | None = SLOPES_PER_BRAKE) -> list[Check]:
         return [no_slopes._replace(said=str(error), refused=base is None)]
     if base is None:
         return [no_slopes._replace(said=refusal)]
-    table = slopes_of(brake, found)
+    table = printed_slopes(brake, found)
     if most is not None:
         table = [table[k] for k in np.random.default_rng(seed).permutation(len(table))[:most]]
     rows = []
     for slope in table:
-        apart = difference(brake, slope, divided, base)
+        apart = largest_slope_difference(brake, slope, divided, base)
         if apart is not None:
             rows.append(Check("slopes", name, slope.what, apart, ALLOWED_SLOPE_DIFFERENCE))
     return rows

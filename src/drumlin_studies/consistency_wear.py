@@ -21,17 +21,17 @@ from drumlin.fem.model import REFINED, respond
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.solve import scene_of
-from drumlin.lining_wear.archard import WearLaw, WearState, run_on
-from drumlin.lining_wear.linings import WearSetup, fem_setup
+from drumlin.lining_wear.archard import WearLaw, WearState, wear_linings_in_given_steps
+from drumlin.lining_wear.linings import WearSetup, fem_wear_setup
 from drumlin.lining_wear.run_in import (
     COEFFICIENT,
     WEAR_SETTLED,
-    apart,
+    brake_with_worn_linings,
+    pressure_distance,
+    rigid_law_target,
     run_in,
-    target,
-    worn,
 )
-from drumlin.lining_wear.worn_in import worn_in
+from drumlin.lining_wear.worn_in import worn_in_brake
 from drumlin.response import Response
 from drumlin_studies import random_brake, random_kinds
 from drumlin_studies.consistency import Check
@@ -99,42 +99,50 @@ class _TorqueAndPressure(NamedTuple):
     said: str = ""
 
 
-def checks(seed: int) -> list[Check]:
+def wear_rows(seed: int) -> list[Check]:
     """The rows of the brake of a seed. The seed modulo the number of WEAR_KINDS chooses the kind.
 
     There are no rows where the generator has no brake of the seed.
     """
     kind = WEAR_KINDS[seed % len(WEAR_KINDS)]
     try:
-        brake = _drawn(seed, kind)
+        brake = _draw_brake(seed, kind)
     except NoAnswer:
         return []
     name = f"{kind} {seed}"
     return _rows_of_start(name, brake) + _rows_of_wear(name, brake.round())
 
 
-def _drawn(seed: int, kind: str) -> Brake:
+def _draw_brake(seed: int, kind: str) -> Brake:
     """The brake of a seed and one of WEAR_KINDS."""
     if kind.startswith("rigid "):
-        return random_kinds.random_kind(seed, kind.removeprefix("rigid "), rigid=True)
-    return random_kinds.brake_of_kind(seed, kind)
+        return random_kinds.draw_brake_of_holding_kind(
+            seed, kind.removeprefix("rigid "), rigid=True
+        )
+    return random_kinds.draw_brake_of_kind(seed, kind)
 
 
 def _rows_of_start(name: str, brake: Brake) -> list[Check]:
     """Rows of the unworn linings, on the last division of `solve`."""
     scene = scene_of(brake)
-    setup = fem_setup(scene, brake)
+    setup = fem_wear_setup(scene, brake)
 
-    def solved() -> _TorqueAndPressure:
+    def answer_by_solve() -> _TorqueAndPressure:
+        """Torque and pressure of the unworn brake by a solve."""
         # As in `solve`, each level starts from the contact set of the level before.
-        return _of_response(
+        return _response_torque_and_pressure(
             setup, solve_to_tolerance(brake, DEFAULT_TOLERANCE, EXACT_CONTACT, must=False).response
         )
 
-    def begun() -> _TorqueAndPressure:
-        return _of_state(run_on(setup.interfaces, WearLaw(COEFFICIENT), [])[0])
+    def answer_at_start_of_wear() -> _TorqueAndPressure:
+        """Torque and pressure of the first state of a wear run."""
+        return _state_torque_and_pressure(
+            wear_linings_in_given_steps(setup.interfaces, WearLaw(COEFFICIENT), [])[0]
+        )
 
-    return _compared(name, "wear's start = solve", setup, (begun, solved))
+    return _comparison_rows(
+        name, "wear's start = solve", setup, (answer_at_start_of_wear, answer_by_solve)
+    )
 
 
 def _rows_of_wear(name: str, brake: Brake) -> list[Check]:
@@ -143,34 +151,50 @@ def _rows_of_wear(name: str, brake: Brake) -> list[Check]:
     The linings are on a mesh, and the drum is round.
     """
     scene = prepare(brake, elements=WORN_ELEMENTS)
-    setup = fem_setup(scene, brake)
+    setup = fem_wear_setup(scene, brake)
 
-    def at_end() -> _TorqueAndPressure:
-        return _solved(setup, scene, worn_in(scene, brake))
+    def answer_of_worn_in_brake() -> _TorqueAndPressure:
+        """Torque and pressure of the worn-in brake by its contact."""
+        return _contact_torque_and_pressure(setup, scene, worn_in_brake(scene, brake))
 
-    def by_law() -> _TorqueAndPressure:
-        goal = target(setup)
+    def answer_by_law() -> _TorqueAndPressure:
+        """Torque and pressure that wear tends to on this mesh."""
+        goal = rigid_law_target(setup)
         return _TorqueAndPressure(goal.torque, goal.pressure)
 
     try:
         states = run_in(setup)
     except NoAnswer as error:
-        return _compared(name, "wear's end = worn in", setup, (partial(_refused, error), at_end))
-    ends = partial(_of_state, states[-1]), at_end
-    rows = _compared(name, "wear's end = worn in", setup, ends, END_REACHED, END_REACHED)
-    rows += _compared(name, "worn in = law", setup, (at_end, by_law), LAW_TORQUE, LAW_PRESSURE)
+        return _comparison_rows(
+            name,
+            "wear's end = worn in",
+            setup,
+            (partial(_raise_refusal, error), answer_of_worn_in_brake),
+        )
+    ends = partial(_state_torque_and_pressure, states[-1]), answer_of_worn_in_brake
+    rows = _comparison_rows(name, "wear's end = worn in", setup, ends, END_REACHED, END_REACHED)
+    rows += _comparison_rows(
+        name,
+        "worn in = law",
+        setup,
+        (answer_of_worn_in_brake, answer_by_law),
+        LAW_TORQUE,
+        LAW_PRESSURE,
+    )
     # Linings that fit the law from the start have no middle of wear.
     middle = states[len(states) // 2]
     if middle.s == 0:
         return rows
-    solved = partial(_solved, setup, scene, worn(setup, middle))
-    middles = partial(_of_state, middle), solved
-    rows += _compared(name, "wear's middle = solve of the worn linings", setup, middles)
-    backward = fem_setup(scene, brake.reversed())
-    return rows + _turned_back(name, setup, backward, scene, middle.s)
+    solved = partial(
+        _contact_torque_and_pressure, setup, scene, brake_with_worn_linings(setup, middle)
+    )
+    middles = partial(_state_torque_and_pressure, middle), solved
+    rows += _comparison_rows(name, "wear's middle = solve of the worn linings", setup, middles)
+    backward = fem_wear_setup(scene, brake.reversed())
+    return rows + _rows_after_reversal(name, setup, backward, scene, middle.s)
 
 
-def _turned_back(
+def _rows_after_reversal(
     name: str, setup: WearSetup, backward: WearSetup, scene: PreparedModel, s: float
 ) -> list[Check]:
     """Rows of the linings as the drum begins to turn back.
@@ -188,31 +212,38 @@ def _turned_back(
     """
     forward = run_in(setup, distance=s)[-1]
 
-    def turned() -> _TorqueAndPressure:
+    def answer_after_reversal() -> _TorqueAndPressure:
+        """Torque and pressure by wear as the drum begins to turn back."""
         # The first state backward follows at once, before the drum wears the linings further.
         states = run_in(setup, backward=backward, reverse=s, distance=s * (1 + 1e-9))
-        return _of_state(next(state for state in states if not state.forward))
+        return _state_torque_and_pressure(next(state for state in states if not state.forward))
 
-    then = partial(_solved, backward, scene, worn(backward, forward))
-    return _compared(name, "turned back = solve of the worn linings", backward, (turned, then))
+    then = partial(
+        _contact_torque_and_pressure, backward, scene, brake_with_worn_linings(backward, forward)
+    )
+    return _comparison_rows(
+        name, "turned back = solve of the worn linings", backward, (answer_after_reversal, then)
+    )
 
 
-def _refused(error: NoAnswer) -> _TorqueAndPressure:
+def _raise_refusal(error: NoAnswer) -> _TorqueAndPressure:
     """Raise the error of a path that has no answer, in place of its torque and pressure."""
     raise error
 
 
-def _of_state(state: WearState) -> _TorqueAndPressure:
+def _state_torque_and_pressure(state: WearState) -> _TorqueAndPressure:
     """Torque and pressure of a state of wear."""
     return _TorqueAndPressure(state.torque, state.pressure)
 
 
-def _solved(setup: WearSetup, scene: PreparedModel, brake: Brake) -> _TorqueAndPressure:
+def _contact_torque_and_pressure(
+    setup: WearSetup, scene: PreparedModel, brake: Brake
+) -> _TorqueAndPressure:
     """Torque and pressure by the contact of a brake whose linings are worn."""
-    return _of_response(setup, EXACT_CONTACT(scene, brake))
+    return _response_torque_and_pressure(setup, EXACT_CONTACT(scene, brake))
 
 
-def _of_response(setup: WearSetup, response: Response) -> _TorqueAndPressure:
+def _response_torque_and_pressure(setup: WearSetup, response: Response) -> _TorqueAndPressure:
     """Torque and pressure of a response, at the unknowns of a setup."""
     by_lining = []
     for surface in setup.surfaces:
@@ -221,7 +252,7 @@ def _of_response(setup: WearSetup, response: Response) -> _TorqueAndPressure:
     return _TorqueAndPressure(response.torque, np.concatenate(by_lining), said)
 
 
-def _compared(
+def _comparison_rows(
     brake: str,
     check: str,
     setup: WearSetup,
@@ -258,7 +289,7 @@ def _compared(
         return [Check(check, brake, "answer", math.inf, 0.0, said, refused=both)]
     first, second = answers
     said = first.said or second.said
-    difference = apart(setup, first.pressure, second.pressure)
+    difference = pressure_distance(setup, first.pressure, second.pressure)
     rows = [Check(check, brake, "pressure", difference, pressure, said)]
     # Two zero torques, without friction, agree and have no relative difference.
     if second.torque == 0:

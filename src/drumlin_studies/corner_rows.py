@@ -17,9 +17,9 @@ from drumlin.brake.brake import Brake
 from drumlin.fem.hp.corner import unbounded_corners
 from drumlin.fem.solve import solve
 from drumlin_studies.random_corners import random_corner
-from drumlin_studies.stated_true import ratio, row
-from drumlin_studies.stored_truth import by_deep_triangles
-from drumlin_studies.tables import column, where
+from drumlin_studies.stated_true import stated_and_true_row, stated_over_true
+from drumlin_studies.stored_truth import solve_by_deep_triangles
+from drumlin_studies.tables import matching_rows, values_of_key
 
 CORNER_TOLERANCES = (5e-3, 1e-3, 1e-4)
 """Relative tolerances to which each brake is solved."""
@@ -37,11 +37,11 @@ powers belong to a friction of 0.31, 0.42 and 0.52 that drags away from the corn
 """
 
 
-def rows(seed: int) -> list[dict[str, Any]]:
+def error_rows_of_seed(seed: int) -> list[dict[str, Any]]:
     """A row of stated and true errors of the brake of a seed, for each tolerance.
 
-    The rows are those of `stated_true.row` with the `kind` of the brake and the smallest `power` of
-    p at its pressed corners (0 without a pressed corner).
+    The rows are those of `stated_true.stated_and_true_row` with the `kind` of the brake and the
+    smallest `power` of p at its pressed corners (0 without a pressed corner).
     """
     base: dict[str, Any] = {"seed": seed, "kind": "none", "power": 0.0}
     try:
@@ -52,14 +52,17 @@ def rows(seed: int) -> list[dict[str, Any]]:
     # The second solver, on triangles that are refined towards the corners, serves as truth.
     failure, true = "", None
     try:
-        true = by_deep_triangles(brake)
+        true = solve_by_deep_triangles(brake)
     except (NoAnswer, BadInput, AssertionError) as error:
         failure = str(error)
-    base |= {"kind": kind, "power": power_of(brake)}
-    return [base | row(brake, tolerance, solve, true, failure) for tolerance in CORNER_TOLERANCES]
+    base |= {"kind": kind, "power": smallest_corner_power(brake)}
+    return [
+        base | stated_and_true_row(brake, tolerance, solve, true, failure)
+        for tolerance in CORNER_TOLERANCES
+    ]
 
 
-def power_of(brake: Brake) -> float:
+def smallest_corner_power(brake: Brake) -> float:
     """The smallest power of p at the pressed corners of a brake; 0 without a pressed corner."""
     smallest = math.inf
     for i, shoe in enumerate(solve(brake).shoes):
@@ -68,24 +71,24 @@ def power_of(brake: Brake) -> float:
     return smallest if smallest < math.inf else 0.0
 
 
-def by_kind(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+def summary_by_kind(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
     """A row for each kind and tolerance: number of brakes, share that reaches it, error ratios.
 
     The ratios are of stated to true errors of p. The last two groups hold all brakes, and all but
     those with a power below STEEPEST_JUDGED.
     """
     kinds: dict[str, list[Mapping[str, Any]]] = {}
-    for kind in sorted(set(column(rows, "kind"))):
-        kinds[kind] = where(rows, kind=kind)
+    for kind in sorted(set(values_of_key(rows, "kind"))):
+        kinds[kind] = matching_rows(rows, kind=kind)
     gentle = [one for one in rows if one["power"] >= STEEPEST_JUDGED]
     table = []
     for kind, mine in {**kinds, "all": list(rows), "all but the steepest corners": gentle}.items():
         for tolerance in CORNER_TOLERANCES:
-            own = where(mine, tolerance=tolerance)
+            own = matching_rows(mine, tolerance=tolerance)
             # The ratio of a brake without a truth, or without an answer, is not finite.
-            ratios = np.array([ratio(one, "pressure") for one in own])
+            ratios = np.array([stated_over_true(one, "pressure") for one in own])
             known = ratios[np.isfinite(ratios)]
-            outcomes = Counter(column(own, "outcome"))
+            outcomes = Counter(values_of_key(own, "outcome"))
             reached = outcomes["reached"] + outcomes["no truth"]
             table.append(
                 {

@@ -133,7 +133,8 @@ class KnobCase:
         start = CASE_PIN[1] + math.radians(5.0)
         pin = CASE_PIN[0] * size * np.array([math.cos(CASE_PIN[1]), math.sin(CASE_PIN[1])])
 
-        def placed(a: float, b: float) -> dict[str, float]:
+        def arc_on_side(a: float, b: float) -> dict[str, float]:
+            """An arc from a to b [rad] on the side of the shoe."""
             return (
                 {"start": a, "end": b} if side > 0 else {"start": math.pi - b, "end": math.pi - a}
             )
@@ -149,7 +150,7 @@ class KnobCase:
             "side": "internal",
             "hinge": {"x": side * float(pin[0]), "y": float(pin[1])},
             "lining": {
-                **placed(start, start + arc),
+                **arc_on_side(start, start + arc),
                 "thickness": self.thickness * CASE_RADIUS * size,
                 "width": CASE_WIDTH * size,
                 "material": {"E": CASE_MODULUS * self.pressure, "nu": self.nu},
@@ -163,7 +164,7 @@ class KnobCase:
         }
         if self.shoe is not None:
             shoe["body"] = {
-                **placed(CASE_PIN[1], start + arc + math.radians(5.0)),
+                **arc_on_side(CASE_PIN[1], start + arc + math.radians(5.0)),
                 "thickness": 0.024 * size,
                 "width": CASE_WIDTH * size,
                 "material": {"E": CASE_MODULUS * self.shoe * self.pressure, "nu": 0.3},
@@ -172,10 +173,10 @@ class KnobCase:
 
     def mesher(self) -> Callable[[Shoe, float], Any] | None:
         """The mesher of the shoes, where the case has elements of a given aspect ratio."""
-        return None if self.aspect is None else partial(_slender, self)
+        return None if self.aspect is None else partial(_mesh_of_aspect_ratio, self)
 
 
-def _slender(case: KnobCase, shoe: Shoe, radius: float) -> Any:
+def _mesh_of_aspect_ratio(case: KnobCase, shoe: Shoe, radius: float) -> Any:
     """The mesh whose elements at the heel's surface have the aspect ratio of the case.
 
     From there each element is ten times as large as the one before.
@@ -186,91 +187,91 @@ def _slender(case: KnobCase, shoe: Shoe, radius: float) -> Any:
     assert case.aspect is not None
     if case.aspect >= 1:
         angles = np.linspace(start, end, case.elements + 1)
-        depths = _growing(step * radius / case.aspect, shoe.lining.thickness)
+        depths = _geometric_points(step * radius / case.aspect, shoe.lining.thickness)
     else:
         depths = np.array([0.0, shoe.lining.thickness])
-        first = start + _growing(shoe.lining.thickness * case.aspect / radius, step)
+        first = start + _geometric_points(shoe.lining.thickness * case.aspect / radius, step)
         angles = np.concatenate([first, np.linspace(start, end, case.elements + 1)[2:]])
     return shoe_mesh(shoe, radius, LiningDivision(angles, depths, division.step), case.kind)
 
 
-def _growing(first: float, whole: float) -> Floats:
+def _geometric_points(first: float, whole: float) -> Floats:
     """Points from 0 to `whole`: the first at a distance `first`, each next ten times as far."""
     steps = max(0, math.ceil(math.log10(whole / first) - 0.5)) if first < whole else 0
     return np.array([0.0, *(first * 10.0**k for k in range(steps)), whole])
 
 
-def cases(*, short: bool = False) -> list[KnobCase]:
+def designed_cases(*, short: bool = False) -> list[KnobCase]:
     """The designed set of cases.
 
     short : whether coarser meshes, the ends and the middle of each sweep, and about a tenth of the
     other cases are enough.
     """
-    sweeps = [_sweep(knob, settings) for knob, settings in _sweeps().items()]
+    sweeps = [_cases_of_sweep(knob, settings) for knob, settings in _sweep_settings().items()]
     if not short:
-        return [*itertools.chain(*sweeps), *_corners(), *_grids(), *_hypercube(100)]
+        return [*itertools.chain(*sweeps), *_corner_cases(), *_grid_cases(), *_hypercube_cases(100)]
     ends: list[KnobCase] = []
     for sweep in sweeps:
         ends += [sweep[i] for i in sorted({0, len(sweep) // 2, len(sweep) - 1})]
-    chosen = ends + _corners()[::8] + _grids()[::12] + _hypercube(8)
+    chosen = ends + _corner_cases()[::8] + _grid_cases()[::12] + _hypercube_cases(8)
     coarse = (
         dataclasses.replace(case, elements=min(case.elements, SHORT_ELEMENTS)) for case in chosen
     )
     return list(dict.fromkeys(coarse))
 
 
-def _decades(first: int, last: int, step: int = 1) -> list[float]:
+def _powers_of_ten(first: int, last: int, step: int = 1) -> list[float]:
     """Powers of ten from 10^first to 10^last."""
     return [10.0**k for k in range(first, last + 1, step)]
 
 
-def _over(name: str, values: list[Any], **rest: Any) -> list[dict[str, Any]]:
+def _vary_knob(name: str, values: list[Any], **rest: Any) -> list[dict[str, Any]]:
     """A knob over its values, with further knobs fixed."""
     return [{name: value, **rest} for value in values]
 
 
-def _sweeps() -> dict[str, list[dict[str, Any]]]:
+def _sweep_settings() -> dict[str, list[dict[str, Any]]]:
     """The sweeps: for each its changes of the knobs, case by case."""
     # Values of the knobs that several sweeps share, in the units of KnobCase.
     arcs = [0.1, 0.3, 1.0, 5.0, 20.0, 60.0, 180.0, 240.0, 300.0, 340.0]
     gaps = [-1e-2, -1e-3, -1e-4, -1e-6, -1e-9, 1e-9, 1e-6, 1e-5, 1e-4, 1e-3, 3e-3, 1e-2, 3e-2]
     mu = [0.0, 1e-9, 0.05, 0.2, 0.5, 0.8, 1.0, 1.1, 1.15, 1.17, 1.18, 1.19, 1.2, 1.3, 1.5, 2.0]
     mu += [3.0, 5.0]
-    moduli = _decades(-8, 8)
+    moduli = _powers_of_ten(-8, 8)
     return {
-        "shoe over lining": _over("shoe", moduli)
-        + _over("shoe", moduli, assisted=False)
+        "shoe over lining": _vary_knob("shoe", moduli)
+        + _vary_knob("shoe", moduli, assisted=False)
         + [{"shoe": None}],
-        "ring over lining": _over("ring", moduli[::2], shoes=2)
-        + _over("ring", moduli[::2], shoes=2, support="free"),
-        "penalty": _over("penalty", [*_decades(-2, 16), math.inf])
-        + _over(
+        "ring over lining": _vary_knob("ring", moduli[::2], shoes=2)
+        + _vary_knob("ring", moduli[::2], shoes=2, support="free"),
+        "penalty": _vary_knob("penalty", [*_powers_of_ten(-2, 16), math.inf])
+        + _vary_knob(
             "penalty",
-            [*_decades(-2, 6), 1e9, 1e12, math.inf],
+            [*_powers_of_ten(-2, 6), 1e9, 1e12, math.inf],
             clearance=1e-4,
             assisted=False,
             shoe=70.0,
         ),
-        "friction": _over("friction", mu) + _over("friction", mu[1:], assisted=False),
-        "lining thickness": _over(
+        "friction": _vary_knob("friction", mu) + _vary_knob("friction", mu[1:], assisted=False),
+        "lining thickness": _vary_knob(
             "thickness", [*(1 / t for t in (1e5, 1e4, 1e3, 100, 30, 10, 5, 3))]
         )
-        + _over("thickness", [1e-5, 1e-3, 1 / 3], penalty=math.inf),
-        "arc": _over("arc", arcs) + _over("arc", arcs, assisted=False),
-        "clearance": _over("clearance", gaps),
-        "force": _over("force", [*_decades(-9, 12), 0.0, -2000.0], clearance=1e-4),
-        "contact": _over("clearance", list(CLEARANCES))
-        + _over("clearance", list(CLEARANCES), assisted=False, penalty=math.inf)
-        + _over("clearance", list(CLEARANCES), elements=2),
-        "aspect": _over("aspect", [*_decades(0, 4), *_decades(-4, -1)])
-        + _over("aspect", [1e4, 1e-4], kind="tri2"),
+        + _vary_knob("thickness", [1e-5, 1e-3, 1 / 3], penalty=math.inf),
+        "arc": _vary_knob("arc", arcs) + _vary_knob("arc", arcs, assisted=False),
+        "clearance": _vary_knob("clearance", gaps),
+        "force": _vary_knob("force", [*_powers_of_ten(-9, 12), 0.0, -2000.0], clearance=1e-4),
+        "contact": _vary_knob("clearance", list(CLEARANCES))
+        + _vary_knob("clearance", list(CLEARANCES), assisted=False, penalty=math.inf)
+        + _vary_knob("clearance", list(CLEARANCES), elements=2),
+        "aspect": _vary_knob("aspect", [*_powers_of_ten(0, 4), *_powers_of_ten(-4, -1)])
+        + _vary_knob("aspect", [1e4, 1e-4], kind="tri2"),
         "elements": [
-            *_over("elements", [1, 2, 3, 5, 10, 20, 80, 160]),
-            *_over("elements", [320, 640], shoe=None),
-            *_over("elements", [1000, 2000], shoe=None, kind="quad1"),
+            *_vary_knob("elements", [1, 2, 3, 5, 10, 20, 80, 160]),
+            *_vary_knob("elements", [320, 640], shoe=None),
+            *_vary_knob("elements", [1000, 2000], shoe=None, kind="quad1"),
         ],
-        "Poisson's ratio": _over("nu", [-0.99, -0.5, 0.0, 0.4, 0.45, 0.49, 0.499, 0.4999]),
-        "lever": _over("lever", [*_decades(-12, -1), 0.0, -1e-6]),
+        "Poisson's ratio": _vary_knob("nu", [-0.99, -0.5, 0.0, 0.4, 0.45, 0.49, 0.499, 0.4999]),
+        "lever": _vary_knob("lever", [*_powers_of_ten(-12, -1), 0.0, -1e-6]),
         "size": [
             {"size": 1e3, "pressure": 1e-6},
             {"size": 1e3, "pressure": 1e-6, "penalty": math.inf},
@@ -280,17 +281,17 @@ def _sweeps() -> dict[str, list[dict[str, Any]]]:
             {"size": 1e3, "force": 2e9},
             {"size": 1e-3, "force": 2e-3, "kind": "tri2"},
         ],
-        "kind": _over("kind", ["quad1", "tri2", "tri1"])
-        + _over("kind", ["quad1", "tri2", "tri1"], shoe=1e-4),
+        "kind": _vary_knob("kind", ["quad1", "tri2", "tri1"])
+        + _vary_knob("kind", ["quad1", "tri2", "tri1"], shoe=1e-4),
     }
 
 
-def _sweep(knob: str, settings: list[dict[str, Any]]) -> list[KnobCase]:
+def _cases_of_sweep(knob: str, settings: list[dict[str, Any]]) -> list[KnobCase]:
     """The cases of a sweep, from their changes of the knobs."""
     return [KnobCase(knob=knob, **setting) for setting in settings]
 
 
-def _corners() -> list[KnobCase]:
+def _corner_cases() -> list[KnobCase]:
     """All combinations of five knobs at both ends."""
     ends: dict[str, tuple[Any, Any]] = {
         "shoe": (1e-4, 1e6),
@@ -301,13 +302,16 @@ def _corners() -> list[KnobCase]:
     }
     combinations = itertools.product(*ends.values())
     settings = [dict(zip(ends, chosen, strict=True)) for chosen in combinations]
-    return _sweep("corners", settings)
+    return _cases_of_sweep("corners", settings)
 
 
-def _grids() -> list[KnobCase]:
+def _grid_cases() -> list[KnobCase]:
     """Two pairs of knobs, each pair over the whole ranges of both."""
-    moduli, mu = _decades(-8, 8, 2), [0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 1.1, 1.5, 2.5, 5.0]
-    thicknesses, penalties = [1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1 / 3], [*_decades(-2, 16, 3), math.inf]
+    moduli, mu = _powers_of_ten(-8, 8, 2), [0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 1.1, 1.5, 2.5, 5.0]
+    thicknesses, penalties = (
+        [1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1 / 3],
+        [*_powers_of_ten(-2, 16, 3), math.inf],
+    )
     result = []
     for E, friction in itertools.product(moduli, mu):
         result.append(KnobCase(knob="shoe × friction", shoe=E, friction=friction))
@@ -316,30 +320,31 @@ def _grids() -> list[KnobCase]:
     return result
 
 
-def _hypercube(count: int) -> list[KnobCase]:
+def _hypercube_cases(count: int) -> list[KnobCase]:
     """A Latin hypercube over all knobs, most of them on a logarithmic scale."""
     rng = np.random.default_rng(HYPERCUBE_SEED)
     strata = np.array([rng.permutation(count) for _ in range(13)]).T
     samples = (strata + rng.random(strata.shape)) / count
-    return [_sampled(row.tolist()) for row in samples]
+    return [_case_from_sample(row.tolist()) for row in samples]
 
 
-def _sampled(sample: list[float]) -> KnobCase:
+def _case_from_sample(sample: list[float]) -> KnobCase:
     """A case of the hypercube, from 13 numbers between 0 and 1."""
     u = iter(sample)
 
-    def log(low: float, high: float) -> float:
+    def log_uniform(low: float, high: float) -> float:
+        """A number between 10^low and 10^high, even on a logarithmic scale."""
         return float(f"{10 ** (low + (high - low) * next(u)):.3g}")
 
     # The numbers are used up in the order of these lines.
-    shoe = log(-8, 8)
-    penalty = log(-2, 16)
-    thickness = log(-5, math.log10(1 / 3))
-    arc = log(-1, math.log10(340))
-    force = log(-9, 12)
-    lever = log(-6, math.log10(0.25))
-    elements = round(log(math.log10(2), 2))
-    gap = log(-8, -2)
+    shoe = log_uniform(-8, 8)
+    penalty = log_uniform(-2, 16)
+    thickness = log_uniform(-5, math.log10(1 / 3))
+    arc = log_uniform(-1, math.log10(340))
+    force = log_uniform(-9, 12)
+    lever = log_uniform(-6, math.log10(0.25))
+    elements = round(log_uniform(math.log10(2), 2))
+    gap = log_uniform(-8, -2)
     friction = round(5 * next(u) ** 2.5, 3)
     return KnobCase(
         knob="hypercube",

@@ -17,12 +17,12 @@ from drumlin_studies.ladder_pads import PAD_CASES as PADS
 LADDER_CASES: tuple[KnownAnswer, ...] = (*LAWS, *BODIES, *CONTACT, *PADS, *FRICTION)
 
 
-def families(cases: Sequence[KnownAnswer] = LADDER_CASES) -> tuple[str, ...]:
+def case_families(cases: Sequence[KnownAnswer] = LADDER_CASES) -> tuple[str, ...]:
     """The families of some cases, each once, in the order of the cases."""
     return tuple(dict.fromkeys(case.family for case in cases))
 
 
-def within(case: KnownAnswer, value: float) -> bool:
+def is_within_tolerance(case: KnownAnswer, value: float) -> bool:
     """Whether a value agrees with the expected one to the tolerance of the case.
 
     nan never agrees.
@@ -30,7 +30,7 @@ def within(case: KnownAnswer, value: float) -> bool:
     return abs(value - case.expected) <= case.tolerance * abs(case.expected)
 
 
-def row(case: KnownAnswer) -> dict[str, Any]:
+def case_row(case: KnownAnswer) -> dict[str, Any]:
     """The row of a case: what is expected, and what drumlin finds."""
     value = case.found()
     return {
@@ -43,5 +43,5 @@ def row(case: KnownAnswer) -> dict[str, Any]:
         "difference": value / case.expected - 1,
         "tolerance": case.tolerance,
         "tier": case.tier,
-        "status": "within" if within(case, value) else "failed: outside",
+        "status": "within" if is_within_tolerance(case, value) else "failed: outside",
     }

@@ -22,7 +22,7 @@ from drumlin.fem.substructure.interface import (
 from drumlin.foundation.ring import two_forces
 from drumlin_studies import closed_forms
 from drumlin_studies.ladder_case import DISCRETE, EXACT, PRINTED, KnownAnswer
-from drumlin_studies.two_bodies import LADDER_STEEL, closed
+from drumlin_studies.two_bodies import LADDER_STEEL, closed_ring_mesh
 from drumlin_studies.uncertainty import Index, grid_convergence
 
 ROACHE = (0.96178, 0.96854, 0.97050)
@@ -31,7 +31,7 @@ ON_AXIS = 1e-9
 """Distance from a line or an edge up to which a node lies on it [m]."""
 
 
-def _roache() -> Index:
+def _roache_convergence_index() -> Index:
     """The grid convergence index of Roache's values."""
     coarse, medium, fine = ROACHE
     return grid_convergence(fine, medium, coarse)
@@ -50,17 +50,17 @@ def _rectangle(length: float, height: float, along: int, through: int) -> tuple[
     x = np.linspace(0, length, along + 1)
     y = np.linspace(-height / 2, height / 2, through + 1)
     grid = skfem.MeshQuad.init_tensor(x, y)
-    return _stiff(skfem.MeshQuad2.from_mesh(grid), LADDER_STEEL)
+    return _basis_and_stiffness(skfem.MeshQuad2.from_mesh(grid), LADDER_STEEL)
 
 
-def _stiff(mesh: Any, material: Material) -> tuple[Any, Any]:
+def _basis_and_stiffness(mesh: Any, material: Material) -> tuple[Any, Any]:
     """Basis and stiffness matrix of a body of one material and unit width."""
     mesh = mesh.with_subdomains({"body": np.arange(mesh.nelements)})
     basis = scalar_basis(mesh)
     return basis, stiffness(basis, {"body": ElasticLayer.of(material, 1.0)}).tocsc()
 
 
-def solved(K: Any, f: Floats, held: Any, at: Floats | float = 0.0) -> Floats:
+def solve_displacements(K: Any, f: Floats, held: Any, at: Floats | float = 0.0) -> Floats:
     """Displacements (2 nodes,) under forces, with some unknowns given.
 
     Parameters
@@ -82,7 +82,7 @@ def solved(K: Any, f: Floats, held: Any, at: Floats | float = 0.0) -> Floats:
     return u
 
 
-def _stretched() -> float:
+def _stretched_bar_force() -> float:
     """End force [N] of a bar under the strain e = 1e-3: u = e x, v = -nu e y."""
     basis, K = _rectangle(2, 1, 4, 3)
     x, y = basis.doflocs
@@ -90,7 +90,7 @@ def _stretched() -> float:
     return float((K @ u)[0::2][x > 2 - 1e-12].sum())
 
 
-def _bent() -> float:
+def _bent_bar_moment() -> float:
     """End moment [N m] of a bar of height 1 m, bent to the curvature k = 1e-3 1/m.
 
     The displacements are u = -k x y, v = k (x^2 + nu y^2)/2.
@@ -102,7 +102,7 @@ def _bent() -> float:
     return float(-((K @ u)[0::2] * y)[end].sum())
 
 
-def _cantilever() -> float:
+def _cantilever_tip_force_ratio() -> float:
     """Tip force of a cantilever of length 4 and height 1 over the closed form.
 
     The displacements of both ends are given (Timoshenko & Goodier, art. 21). They are cubic, so
@@ -118,11 +118,11 @@ def _cantilever() -> float:
     both = np.column_stack([u, v]).ravel()
     ends = np.flatnonzero((x < 1e-12) | (x > L - 1e-12))
     held = np.concatenate([2 * ends, 2 * ends + 1])
-    displacements = solved(K, np.zeros(2 * basis.N), held, both[held])
+    displacements = solve_displacements(K, np.zeros(2 * basis.N), held, both[held])
     return abs(float((K @ displacements)[1::2][x < 1e-12].sum()))
 
 
-def _curved_bar() -> float:
+def _curved_bar_work() -> float:
     """Work P u_0 of a quarter ring between the radii 1 and 2, moved by u_0 = 0.01 at its end.
 
     The ring has E = 1e4 and nu = 1/4.
@@ -131,14 +131,14 @@ def _curved_bar() -> float:
     mesh = skfem.MeshQuad2.from_mesh(grid)
     r, phi = mesh.doflocs
     curved = skfem.MeshQuad2(np.array([r * np.cos(phi), r * np.sin(phi)]), mesh.t)
-    basis, K = _stiff(curved, Material(E=1e4, nu=0.25))
+    basis, K = _basis_and_stiffness(curved, Material(E=1e4, nu=0.25))
     x, y = basis.doflocs
     # The base slides along y but for one node; the tip is moved along y by 0.01.
     base, tip = np.flatnonzero(np.abs(x) < 1e-12), np.flatnonzero(np.abs(y) < 1e-12)
     pinned = base[np.argmin(np.abs(y[base] - 1))]
     held = np.concatenate([2 * base, [2 * pinned + 1], 2 * tip])
     at = np.where(np.isin(held, 2 * tip), 0.01, 0.0)
-    u = solved(K, np.zeros(2 * basis.N), held, at)
+    u = solve_displacements(K, np.zeros(2 * basis.N), held, at)
     return float(u @ (K @ u))
 
 
@@ -150,10 +150,10 @@ class EdgeDisplacements(NamedTuple):
 
 
 @cache
-def _lame() -> EdgeDisplacements:
+def _lame_ring_displacements() -> EdgeDisplacements:
     """A ring between the radii 0.1 m and 0.2 m under 60 MPa inside."""
-    mesh = closed(np.linspace(-math.pi, math.pi, 33)[:-1], np.linspace(0, 0.1, 7), 0.1, 1)
-    basis, K = _stiff(mesh, Material(E=200e9, nu=0.3))
+    mesh = closed_ring_mesh(np.linspace(-math.pi, math.pi, 33)[:-1], np.linspace(0, 0.1, 7), 0.1, 1)
+    basis, K = _basis_and_stiffness(mesh, Material(E=200e9, nu=0.3))
     line = make_contact_line(basis, mesh.boundaries["contact"], 0.0)
     # Consistent nodal forces of the pressure on the inner edge.
     force = couple_with_counterface(line, 1.0, drum_directions(1)).N.T @ np.full(
@@ -163,7 +163,7 @@ def _lame() -> EdgeDisplacements:
     f[line.nodes] = force.reshape(-1, 2)
     x, y = basis.doflocs
     on_x, on_y = np.flatnonzero(np.abs(y) < ON_AXIS), np.flatnonzero(np.abs(x) < ON_AXIS)
-    u = solved(K, f.ravel(), np.concatenate([2 * on_x + 1, 2 * on_y]))
+    u = solve_displacements(K, f.ravel(), np.concatenate([2 * on_x + 1, 2 * on_y]))
     r = np.hypot(x, y)
     radial_u = (u[0::2] * x + u[1::2] * y) / r
     inner, outer = radial_u[r < 0.1 + 1e-9], radial_u[r > 0.2 - 1e-9]
@@ -178,11 +178,13 @@ class DiameterChanges(NamedTuple):
 
 
 @cache
-def _thin_ring() -> DiameterChanges:
+def _thin_ring_diameter_changes() -> DiameterChanges:
     """A thin ring, t/R = 0.02, under a diametral pair of forces."""
     R, t, E = 1.0, 0.02, 1e9
-    mesh = closed(np.linspace(-math.pi, math.pi, 241)[:-1], np.array([0.0, t]), R - t / 2, 1)
-    basis, K = _stiff(mesh, Material(E=E, nu=0.0))
+    mesh = closed_ring_mesh(
+        np.linspace(-math.pi, math.pi, 241)[:-1], np.array([0.0, t]), R - t / 2, 1
+    )
+    basis, K = _basis_and_stiffness(mesh, Material(E=E, nu=0.0))
     x, y = basis.doflocs
     f = np.zeros((basis.N, 2))
     # The forces act on the middle line of the ring, at its top and its bottom.
@@ -192,13 +194,13 @@ def _thin_ring() -> DiameterChanges:
     right = np.flatnonzero(middle & (np.abs(y) < ON_AXIS) & (x > 0))
     f[top, 1], f[bottom, 1] = -1.0, 1.0
     on_x, on_y = np.flatnonzero(np.abs(y) < ON_AXIS), np.flatnonzero(np.abs(x) < ON_AXIS)
-    u = solved(K, f.ravel(), np.concatenate([2 * on_x + 1, 2 * on_y]))
+    u = solve_displacements(K, f.ravel(), np.concatenate([2 * on_x + 1, 2 * on_y]))
     size = E * t**3 / 12 / R**3
     closing, widening = -2 * u[2 * top[0] + 1] * size, 2 * u[2 * right[0]] * size
     return DiameterChanges(float(closing), float(widening))
 
 
-def _rate(kind: str) -> float:
+def _observed_order(kind: str) -> float:
     """Observed order of the L2 error on a manufactured solution, of "quad2" or "tri1" elements."""
     return math.log2(_manufactured_error(kind, 8) / _manufactured_error(kind, 16))
 
@@ -209,7 +211,9 @@ def _manufactured_error(kind: str, n: int) -> float:
     E, nu, pi = 1000.0, 0.3, math.pi
     lam, mu = E * nu / (1 - nu**2), E / (2 * (1 + nu))
     grid = make.init_tensor(np.linspace(0, 1, n + 1), np.linspace(0, 1, n + 1))
-    basis, K = _stiff(raised.from_mesh(grid) if raised else grid, Material(E=E, nu=nu))
+    basis, K = _basis_and_stiffness(
+        raised.from_mesh(grid) if raised else grid, Material(E=E, nu=nu)
+    )
     points = np.asarray(basis.global_coordinates())
     ss = np.sin(pi * points[0]) * np.sin(pi * points[1])
     cc = np.cos(pi * points[0]) * np.cos(pi * points[1])
@@ -220,21 +224,21 @@ def _manufactured_error(kind: str, n: int) -> float:
         for c in (0, 1):
             np.add.at(f[:, c], dofs, (psi[0] * force[c] * basis.dx).sum(axis=1))
     # The displacements of the whole edge are given.
-    exact = _manufactured(*basis.doflocs)
+    exact = _manufactured_displacements(*basis.doflocs)
     edge = basis.get_dofs().flatten()
     held = np.concatenate([2 * edge, 2 * edge + 1])
-    u = solved(K, f.ravel(), held, exact.T.ravel()[held])
+    u = solve_displacements(K, f.ravel(), held, exact.T.ravel()[held])
     computed = np.array([np.asarray(basis.interpolate(u[c::2])) for c in (0, 1)])
-    error = computed - _manufactured(*points)
+    error = computed - _manufactured_displacements(*points)
     return math.sqrt(float(((error**2).sum(axis=0) * basis.dx).sum()))
 
 
-def _manufactured(x: Floats, y: Floats) -> Floats:
+def _manufactured_displacements(x: Floats, y: Floats) -> Floats:
     """The displacements (2, ...) u = (sin pi x sin pi y, x y) of the manufactured solution."""
     return np.array([np.sin(math.pi * x) * np.sin(math.pi * y), x * y])
 
 
-def _murty() -> float:
+def _murty_largest_pressure() -> float:
     """Largest pressure of a contact problem on which a simpler active-set method cycles.
 
     The simpler method swaps the state of all wrong nodes in each step.
@@ -244,7 +248,7 @@ def _murty() -> float:
     return float(active_set.solve(Problem(A, -np.ones(3), none, none.T, np.zeros(0))).p.max())
 
 
-def _lever() -> float:
+def _lever_spring_force() -> float:
     """Force [N] of the outer spring of a hinged rigid lever under 3 N at 2 m.
 
     Two equal springs support the lever at 1 m and 2 m from the hinge.
@@ -254,7 +258,7 @@ def _lever() -> float:
     return float(active_set.solve(problem).p[1])
 
 
-LAME_EDGES = closed_forms.lame(0.1, 0.2, 60e6, 200e9, 0.3)
+LAME_EDGES = closed_forms.lame_displacements(0.1, 0.2, 60e6, 200e9, 0.3)
 STEEL_MODULUS, STEEL_POISSON = LADDER_STEEL.E, LADDER_STEEL.nu
 ROACHE_SAYS = (
     "Roache, Verification and Validation (1998): f = .97050, .96854, .96178, r = 2; "
@@ -270,7 +274,7 @@ BODY_CASES = (
         expected=1.78618479,
         tolerance=1e-5,
         tier=PRINTED,
-        found=lambda: _roache().order,
+        found=lambda: _roache_convergence_index().order,
     ),
     KnownAnswer(
         family="grid convergence index",
@@ -280,7 +284,7 @@ BODY_CASES = (
         expected=0.971300304,
         tolerance=1e-7,
         tier=PRINTED,
-        found=lambda: _roache().extrapolated,
+        found=lambda: _roache_convergence_index().extrapolated,
     ),
     KnownAnswer(
         family="grid convergence index",
@@ -290,7 +294,7 @@ BODY_CASES = (
         expected=0.103080,
         tolerance=5e-5,
         tier=PRINTED,
-        found=lambda: 100 * _roache().fine,
+        found=lambda: 100 * _roache_convergence_index().fine,
     ),
     KnownAnswer(
         family="grid convergence index",
@@ -300,7 +304,7 @@ BODY_CASES = (
         expected=0.356244,
         tolerance=5e-5,
         tier=PRINTED,
-        found=lambda: 100 * _roache().coarse,
+        found=lambda: 100 * _roache_convergence_index().coarse,
     ),
     KnownAnswer(
         family="uniaxial stress",
@@ -310,7 +314,7 @@ BODY_CASES = (
         expected=STEEL_MODULUS * 1e-3,
         tolerance=1e-11,
         tier=EXACT,
-        found=_stretched,
+        found=_stretched_bar_force,
     ),
     KnownAnswer(
         family="pure bending",
@@ -320,7 +324,7 @@ BODY_CASES = (
         expected=STEEL_MODULUS * 1e-3 / 12,
         tolerance=1e-11,
         tier=EXACT,
-        found=_bent,
+        found=_bent_bar_moment,
     ),
     KnownAnswer(
         family="cantilever under end shear",
@@ -330,7 +334,7 @@ BODY_CASES = (
         expected=1.0,
         tolerance=1e-4,
         tier=DISCRETE,
-        found=_cantilever,
+        found=_cantilever_tip_force_ratio,
     ),
     KnownAnswer(
         family="curved bar under end shear",
@@ -340,7 +344,7 @@ BODY_CASES = (
         expected=(math.log(2) - 0.6) / math.pi,
         tolerance=2e-5,
         tier=DISCRETE,
-        found=_curved_bar,
+        found=_curved_bar_work,
     ),
     KnownAnswer(
         family="ring under inner pressure",
@@ -350,7 +354,7 @@ BODY_CASES = (
         expected=LAME_EDGES[0],
         tolerance=2e-4,
         tier=DISCRETE,
-        found=lambda: _lame().inner,
+        found=lambda: _lame_ring_displacements().inner,
     ),
     KnownAnswer(
         family="ring under inner pressure",
@@ -360,7 +364,7 @@ BODY_CASES = (
         expected=LAME_EDGES[1],
         tolerance=2e-4,
         tier=DISCRETE,
-        found=lambda: _lame().outer,
+        found=lambda: _lame_ring_displacements().outer,
     ),
     KnownAnswer(
         family="thin ring under a diametral pair, by elements",
@@ -370,7 +374,7 @@ BODY_CASES = (
         expected=math.pi / 4 - 2 / math.pi,
         tolerance=3e-3,
         tier=DISCRETE,
-        found=lambda: _thin_ring().closing,
+        found=lambda: _thin_ring_diameter_changes().closing,
     ),
     KnownAnswer(
         family="thin ring under a diametral pair, by elements",
@@ -380,7 +384,7 @@ BODY_CASES = (
         expected=2 / math.pi - 0.5,
         tolerance=3e-3,
         tier=DISCRETE,
-        found=lambda: _thin_ring().widening,
+        found=lambda: _thin_ring_diameter_changes().widening,
     ),
     KnownAnswer(
         family="thin ring under a diametral pair, as a series",
@@ -410,7 +414,7 @@ BODY_CASES = (
         expected=3.0,
         tolerance=0.03,
         tier=DISCRETE,
-        found=partial(_rate, "quad2"),
+        found=partial(_observed_order, "quad2"),
     ),
     KnownAnswer(
         family="manufactured solution",
@@ -420,7 +424,7 @@ BODY_CASES = (
         expected=2.0,
         tolerance=0.03,
         tier=DISCRETE,
-        found=partial(_rate, "tri1"),
+        found=partial(_observed_order, "tri1"),
     ),
     KnownAnswer(
         family="Murty's cycle",
@@ -430,7 +434,7 @@ BODY_CASES = (
         expected=1 / 3,
         tolerance=1e-13,
         tier=EXACT,
-        found=_murty,
+        found=_murty_largest_pressure,
     ),
     KnownAnswer(
         family="lever on two springs",
@@ -440,6 +444,6 @@ BODY_CASES = (
         expected=2.4,
         tolerance=1e-12,
         tier=EXACT,
-        found=_lever,
+        found=_lever_spring_force,
     ),
 )

@@ -29,15 +29,15 @@ from drumlin.fem.substructure.interface import (
 )
 from drumlin.laws import sine
 from drumlin.laws.simscape import DoubleShoe
-from drumlin.lining_wear.archard import WearInterface, WearLaw, WearState, run
+from drumlin.lining_wear.archard import WearInterface, WearLaw, WearState, wear_linings
 from drumlin.response.response import Response
 from drumlin_studies import closed_forms
 from drumlin_studies.ladder_case import DISCRETE, EXACT, MODEL, PRINTED, KnownAnswer
-from drumlin_studies.ladder_contact import GAP_RADIUS, HALF_WIDTH, half_plane
-from drumlin_studies.two_bodies import LADDER_STEEL, BodyPair, nested_start
+from drumlin_studies.ladder_contact import GAP_RADIUS, HALF_WIDTH, half_plane_body
+from drumlin_studies.two_bodies import LADDER_STEEL, BodyPair, coarse_contact_set
 
 
-def _spring(push: float, shift: float, k: float = 100.0) -> FrictionalProblem:
+def _node_on_springs(push: float, shift: float, k: float = 100.0) -> FrictionalProblem:
     """One node on springs, pushed against a drum that has moved.
 
     Parameters
@@ -67,14 +67,14 @@ def _spring(push: float, shift: float, k: float = 100.0) -> FrictionalProblem:
     )
 
 
-def _traction(shift: float) -> float:
+def _node_traction(shift: float) -> float:
     """Traction of one node under 10 N at mu = 0.5, after a displacement of the drum [m]."""
     untouched = History(np.zeros(1), np.zeros(1))
-    answer = stick_slip.solve(_spring(10.0, shift), 0.5, untouched, np.array([STICK]))
+    answer = stick_slip.solve(_node_on_springs(10.0, shift), 0.5, untouched, np.array([STICK]))
     return float(answer.t[0])
 
 
-def _loop() -> float:
+def _loop_dissipation() -> float:
     """Energy [J] that one node dissipates as the drum moves in a closed loop between +-0.2 m."""
     # From the start to one end, to the other end, and back to the first.
     path = np.concatenate(
@@ -82,7 +82,7 @@ def _loop() -> float:
     )
     history, state, dissipated = History(np.zeros(1), np.zeros(1)), np.array([STICK]), 0.0
     for i, shift in enumerate(path):
-        answer = stick_slip.solve(_spring(10.0, shift), 0.5, history, state)
+        answer = stick_slip.solve(_node_on_springs(10.0, shift), 0.5, history, state)
         # The first 21 positions lead from zero to the loop.
         if i > 20:
             dissipated += float(answer.t[0] * (answer.s[0] - history.s[0]))
@@ -90,43 +90,46 @@ def _loop() -> float:
     return dissipated
 
 
-def _along(normal: Floats, tangent: Floats) -> Directions:
+def _constant_directions(normal: Floats, tangent: Floats) -> Directions:
     """Directions of a plane contact: the same normal and tangent (2,) at all points."""
 
-    def directions(points: Floats) -> tuple[Floats, Floats]:
+    def directions_at(points: Floats) -> tuple[Floats, Floats]:
+        """The same normal and tangent at each of the points."""
         shape = (2, *([1] * (points.ndim - 1)))
         ones = np.ones_like(points)
         return normal.reshape(shape) * ones, tangent.reshape(shape) * ones
 
-    return directions
+    return directions_at
 
 
-def _wedge() -> float:
+def _wedge_push_ratio() -> float:
     """Push over weight of a block that slides up a wedge of slope 0.1 at mu = 0.3."""
     slope, x = math.atan(0.1), np.linspace(0, 1, 5)
     up = np.array([math.cos(slope), math.sin(slope)])
     # A straight contact line of two quadratic edges.
     line = ContactLine(np.arange(5), up[:, None] * x, x, np.array([[0, 2], [1, 3], [2, 4]]))
-    coupling = couple_with_counterface(line, 1.0, _along(np.array([up[1], -up[0]]), -up))
+    coupling = couple_with_counterface(
+        line, 1.0, _constant_directions(np.array([up[1], -up[0]]), -up)
+    )
     p = np.full(5, 7.0)
     on_block = (-coupling.N.T @ p + 0.3 * coupling.T.T @ p).reshape(-1, 2).sum(axis=0)
     return float(-on_block[0] / on_block[1])
 
 
 @cache
-def _cattaneo(share: float) -> float:
+def _sticking_half_width_ratio(share: float) -> float:
     """Half-width c of the sticking zone over half-width a of contact.
 
     The tangential load is `share` times mu P. The ratio follows from the tractions in the middle,
     (1 - t/(mu p))^2 = c^2/a^2, because the ends of a zone depend on where nodes lie.
     """
     mu, load = 0.3, HALF_WIDTH**2 * math.pi * LADDER_STEEL.E / 2 / (4 * GAP_RADIUS)
-    pair = BodyPair.of(half_plane(-1, 14), half_plane(1, 12), motions="xy")
+    pair = BodyPair.of(half_plane_body(-1, 14), half_plane_body(1, 12), motions="xy")
     s = pair.angle
     gap, n = s**2 / (2 * GAP_RADIUS), len(s)
     along = BodyPair(pair.inner, pair.coupling, pair.pressed, pair.dragged, pair.motions[:, :1])
     pressing = along.normal(gap, [load])
-    state = np.where(active_set.solve(pressing, nested_start(pressing)).active, STICK, OPEN)
+    state = np.where(active_set.solve(pressing, coarse_contact_set(pressing)).active, STICK, OPEN)
     # The normal load comes first, then the tangential load in two steps.
     untouched = History(np.zeros(n), np.zeros(n))
     found = stick_slip.solve(pair.frictional(gap, [load, 0.0]), mu, untouched, state)
@@ -143,7 +146,7 @@ def _cattaneo(share: float) -> float:
     return float(1 - ratio + (exact_t.mean() / exact_p.mean() - (1 - c)))
 
 
-class Flexible(NamedTuple):
+class FlexibleBody(NamedTuple):
     """An elastic body with some unknowns held.
 
     Attributes
@@ -165,7 +168,7 @@ class Flexible(NamedTuple):
     @classmethod
     def of(
         cls, mesh: Any, material: Material, held: Ints, directions: Directions, middle: float
-    ) -> "Flexible":
+    ) -> "FlexibleBody":
         """The body of a mesh with the boundary "contact".
 
         Parameters
@@ -208,7 +211,7 @@ class Flexible(NamedTuple):
         return u
 
 
-def _meshed(grid: Any, to: Any, held: Any) -> Any:
+def _quadratic_grid_mesh(grid: Any, to: Any, held: Any) -> Any:
     """Quadratic mesh of a tensor grid, in contact where the first coordinate is zero.
 
     Parameters
@@ -233,17 +236,17 @@ def _meshed(grid: Any, to: Any, held: Any) -> Any:
     )
 
 
-def _belt(mu: float, wrap: float) -> float:
+def _belt_tension_ratio(mu: float, wrap: float) -> float:
     """Ratio of the tensions at the held and the pulled end of a belt around a sliding drum."""
     t = 0.002
     grid = skfem.MeshQuad.init_tensor(np.array([0.0, t]), np.linspace(0, wrap, 161))
-    mesh = _meshed(
+    mesh = _quadratic_grid_mesh(
         grid,
         lambda d, phi: np.array([(1 + d) * np.cos(phi), (1 + d) * np.sin(phi)]),
         lambda d, phi: phi > wrap - 1e-9,
     )
     at = scalar_basis(mesh).get_dofs(mesh.boundaries["support"]).flatten()
-    belt = Flexible.of(
+    belt = FlexibleBody.of(
         mesh, LADDER_STEEL, np.concatenate([2 * at, 2 * at + 1]), drum_directions(-1), wrap / 2
     )
     N, T = belt.coupling.N, belt.coupling.T
@@ -263,7 +266,7 @@ def _belt(mu: float, wrap: float) -> float:
     return float(np.array([-math.sin(wrap), math.cos(wrap)]) @ reaction)
 
 
-def _flat_patch(turned: float) -> float:
+def _patch_largest_pressure(turned: float) -> float:
     """Largest pressure [Pa] of a strip that is pressed by 0.05 m on an inclined plane.
 
     The strip is 1 m high and has nu = 0, so that the pressure is uniform. turned : inclination of
@@ -271,15 +274,15 @@ def _flat_patch(turned: float) -> float:
     """
     c, s = math.cos(turned), math.sin(turned)
     grid = skfem.MeshQuad.init_tensor(np.array([0, 0.4, 0.5, 1.0]), np.array([0, 0.3, 1.1, 2.0]))
-    mesh = _meshed(
+    mesh = _quadratic_grid_mesh(
         grid,
         lambda d, x: np.array([3 + c * x - s * d, 1 + s * x + c * d]),
         lambda d, x: d > 1 - 1e-9,
     )
     top = scalar_basis(mesh).get_dofs(mesh.boundaries["support"]).flatten()
-    directions = _along(np.array([s, -c]), np.array([c, s]))
+    directions = _constant_directions(np.array([s, -c]), np.array([c, s]))
     held = np.concatenate([2 * top, 2 * top + 1])
-    strip = Flexible.of(mesh, Material(E=2e6, nu=0.0), held, directions, 0.3)
+    strip = FlexibleBody.of(mesh, Material(E=2e6, nu=0.0), held, directions, 0.3)
     N, M = strip.coupling.N, strip.coupling.M
     n = len(M)
     # Closure of the gap by unit pressures, on a plane that lies 0.05 m inside the strip.
@@ -305,7 +308,7 @@ class Plate(NamedTuple):
 
 
 @cache
-def pressed_plate() -> Plate:
+def press_and_push_plate() -> Plate:
     """An elastic plate on a rigid plane at mu = 1, pressed from above and pushed from its side.
 
     After Raous, Chabrand & Lebon (1988): 40 by 40, nu = 0.2, 5 MPa from above and 10 MPa from the
@@ -314,23 +317,25 @@ def pressed_plate() -> Plate:
     """
     L, mu = 40.0, 1.0
     grid = skfem.MeshQuad.init_tensor(np.linspace(0, L, 13), np.linspace(0, L, 25))
-    mesh = _meshed(grid, lambda depth, x: np.array([x, depth]), lambda depth, x: x < 1e-9)
+    mesh = _quadratic_grid_mesh(
+        grid, lambda depth, x: np.array([x, depth]), lambda depth, x: x < 1e-9
+    )
     basis = scalar_basis(mesh)
     left = basis.get_dofs(mesh.boundaries["support"]).flatten()
     x, y = basis.doflocs
     corner = left[np.argmax(y[left])]
     held = np.concatenate([2 * left, [2 * corner + 1]])
-    plate = Flexible.of(
+    plate = FlexibleBody.of(
         mesh,
         Material(E=130e9, nu=0.2),
         held,
-        _along(np.array([0.0, -1.0]), np.array([1.0, 0.0])),
+        _constant_directions(np.array([0.0, -1.0]), np.array([1.0, 0.0])),
         math.pi / 4,
     )
     # The loads act on the upper edge and on the side.
     f = np.zeros((basis.N, 2))
-    f[:, 1] -= 5e6 * _edge(x, np.flatnonzero(y > L - 1e-9))
-    f[:, 0] -= 10e6 * _edge(y, np.flatnonzero(x > L - 1e-9))
+    f[:, 1] -= 5e6 * _edge_nodal_forces(x, np.flatnonzero(y > L - 1e-9))
+    f[:, 0] -= 10e6 * _edge_nodal_forces(y, np.flatnonzero(x > L - 1e-9))
     N, T = plate.coupling.N, plate.coupling.T
     on, n = plate.contact_unknowns, len(N)
     u = plate.moved(np.column_stack([f.ravel(), plate.spread(N), plate.spread(T)]))
@@ -365,7 +370,7 @@ def pressed_plate() -> Plate:
     )
 
 
-def _edge(along: Floats, nodes: Ints) -> Floats:
+def _edge_nodal_forces(along: Floats, nodes: Ints) -> Floats:
     """Consistent nodal forces (all nodes,) of a unit traction on a straight edge.
 
     along : coordinate along the edge of all nodes; nodes : the nodes of the edge.
@@ -389,7 +394,7 @@ WEAR_UNIT = 1 / (SPRING_WEAR.coefficient * SPRING_STIFFNESS)
 """Distance 1/(k K) over which the deviation from the law falls to 1/e [m]."""
 
 
-def _winkler(mu: float) -> tuple[WearInterface, Floats]:
+def _winkler_shoe(mu: float) -> tuple[WearInterface, Floats]:
     """A hinged rigid shoe with an unevenly worn lining of springs, and its nodes' angles (n,)."""
     phi = np.linspace(*SPRING_ARC, 49)
     xy = SPRING_RADIUS * np.array([np.cos(phi), np.sin(phi)])
@@ -414,34 +419,34 @@ def _winkler(mu: float) -> tuple[WearInterface, Floats]:
     return interface, phi
 
 
-def _winkler_limit() -> float:
+def _winkler_locking_friction() -> float:
     """Friction at which the hinged rigid shoe with a lining of springs locks itself."""
     # The equations are linear in friction, so that two problems give those of every friction.
-    still, unit = _winkler(0.0)[0].problem, _winkler(-1.0)[0].problem
+    still, unit = _winkler_shoe(0.0)[0].problem, _winkler_shoe(-1.0)[0].problem
     return self_locking.limit(self_locking.Sliding.through(still, unit)).friction
 
 
 @cache
-def _worn() -> tuple[list[WearState], Floats]:
+def _run_in_winkler_shoe() -> tuple[list[WearState], Floats]:
     """The states of the shoe as it runs in, and the pressure (n,) of the sine law at 1 N m."""
-    interface, phi = _winkler(SPRING_MU)
-    states = run([interface], SPRING_WEAR, distance=2 * WEAR_UNIT, tolerance=1e-4)
+    interface, phi = _winkler_shoe(SPRING_MU)
+    states = wear_linings([interface], SPRING_WEAR, distance=2 * WEAR_UNIT, tolerance=1e-4)
     # The sine law gives the shape of the pressure; the balance of moments gives its size.
     return states, np.sin(phi) / float(interface.problem.C[0] @ np.sin(phi))
 
 
-def _forgotten() -> float:
+def _remaining_deviation() -> float:
     """Fraction of the deviation from the sine law that is left after a distance of 2/(k K)."""
-    states, law = _worn()
+    states, law = _run_in_winkler_shoe()
     first = states[0].pressure - SPRING_MOMENT * law
     last = states[-1].pressure - SPRING_MOMENT * law
     return float(first @ last / (first @ first))
 
 
-def _volume() -> float:
+def _worn_volume_ratio() -> float:
     """Worn volume over k times the normal force integrated over the distance."""
-    states, _ = _worn()
-    area = _winkler(SPRING_MU)[0].area
+    states, _ = _run_in_winkler_shoe()
+    area = _winkler_shoe(SPRING_MU)[0].area
     worn_volume = area @ (states[-1].depth - states[0].depth)
     return float(worn_volume / (SPRING_WEAR.coefficient * states[-1].pressed))
 
@@ -461,7 +466,7 @@ def _thin_linings() -> ThinLinings:
     return ThinLinings(sine(rigid).torque, solve(rigid, elements=24), rigid)
 
 
-def _equilibrium() -> float:
+def _moment_imbalance() -> float:
     """Moment of all actuations and hinges about the drum's centre, over the torque."""
     response, brake = _thin_linings().response, _thin_linings().brake
     # Moments of the actuation and of the hinge reaction of each shoe.
@@ -483,7 +488,7 @@ FRICTION_CASES = (
             expected=min(100 * shift, 5.0),
             tolerance=1e-12,
             tier=EXACT,
-            found=partial(_traction, shift),
+            found=partial(_node_traction, shift),
         )
         for shift in (0.02, 0.05, 0.2)
     ),
@@ -495,7 +500,7 @@ FRICTION_CASES = (
         expected=4 * 0.5 * 10 * (0.2 - 0.5 * 10 / 100),
         tolerance=1e-9,
         tier=EXACT,
-        found=_loop,
+        found=_loop_dissipation,
     ),
     *(
         KnownAnswer(
@@ -506,7 +511,7 @@ FRICTION_CASES = (
             expected=1e5,
             tolerance=1e-10,
             tier=EXACT,
-            found=partial(_flat_patch, turned),
+            found=partial(_patch_largest_pressure, turned),
         )
         for turned in (0.0, 0.4)
     ),
@@ -518,7 +523,7 @@ FRICTION_CASES = (
         expected=0.412371,
         tolerance=1e-6,
         tier=PRINTED,
-        found=_wedge,
+        found=_wedge_push_ratio,
     ),
     KnownAnswer(
         family="tangentially loaded cylinders",
@@ -528,17 +533,17 @@ FRICTION_CASES = (
         expected=math.sqrt(0.5),
         tolerance=1e-2,
         tier=DISCRETE,
-        found=partial(_cattaneo, 0.5),
+        found=partial(_sticking_half_width_ratio, 0.5),
     ),
     KnownAnswer(
         family="belt on a drum",
         shows="drag of a flexible body",
         source="capstan: e^(mu theta)",
         quantity="ratio of tensions, mu = .3, 120 deg",
-        expected=closed_forms.capstan(0.3, 2 * math.pi / 3),
+        expected=closed_forms.capstan_tension_ratio(0.3, 2 * math.pi / 3),
         tolerance=1e-2,
         tier=MODEL,
-        found=partial(_belt, 0.3, 2 * math.pi / 3),
+        found=partial(_belt_tension_ratio, 0.3, 2 * math.pi / 3),
     ),
     KnownAnswer(
         family="plate on a rigid plane",
@@ -548,17 +553,17 @@ FRICTION_CASES = (
         expected=1.0,
         tolerance=1e-9,
         tier=EXACT,
-        found=lambda: pressed_plate().moment,
+        found=lambda: press_and_push_plate().moment,
     ),
     KnownAnswer(
         family="shoe on springs, self-locking",
         shows="limit of friction",
         source="moments of p ~ sin about the hinge",
         quantity="mu_lock",
-        expected=closed_forms.sine_shoe_limit(SPRING_RADIUS, SPRING_PIN, *SPRING_ARC),
+        expected=closed_forms.sine_shoe_locking_friction(SPRING_RADIUS, SPRING_PIN, *SPRING_ARC),
         tolerance=1e-5,
         tier=DISCRETE,
-        found=_winkler_limit,
+        found=_winkler_locking_friction,
     ),
     KnownAnswer(
         family="shoe on springs, running in",
@@ -568,7 +573,7 @@ FRICTION_CASES = (
         expected=math.exp(-2),
         tolerance=1e-3,
         tier=DISCRETE,
-        found=_forgotten,
+        found=_remaining_deviation,
     ),
     KnownAnswer(
         family="worn volume",
@@ -578,7 +583,7 @@ FRICTION_CASES = (
         expected=1.0,
         tolerance=1e-9,
         tier=EXACT,
-        found=_volume,
+        found=_worn_volume_ratio,
     ),
     KnownAnswer(
         family="rigid shoe with a thin lining",
@@ -598,6 +603,6 @@ FRICTION_CASES = (
         expected=1.0,
         tolerance=1e-8,
         tier=EXACT,
-        found=_equilibrium,
+        found=_moment_imbalance,
     ),
 )

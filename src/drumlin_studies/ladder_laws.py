@@ -17,15 +17,15 @@ from drumlin.response.merit import rated, sensitivity
 from drumlin.response.response import Response
 from drumlin_studies import closed_forms
 from drumlin_studies.ladder_case import EXACT, PRINTED, KnownAnswer
-from drumlin_studies.textbook_brakes import hinged, lever_block, pad
+from drumlin_studies.textbook_brakes import hinged_pad_brake, hinged_shoe_brake, lever_block_brake
 
 
-def _solve(model: str, brake: object) -> Response:
+def _solve_by_named_law(model: str, brake: object) -> Response:
     """The response of a brake by a law, given its name."""
     return MODELS[model].solve(brake)
 
 
-def _shigley_16_2() -> float:
+def _shigley_16_2_torques() -> float:
     """Torque [N m] of both shoes, the self-energising one under a peak pressure of 1 MPa."""
     shoe = {
         "R": 0.15,
@@ -34,13 +34,13 @@ def _shigley_16_2() -> float:
         "mu": 0.32,
         "width": 0.032,
     }
-    helped = rated(hinged(**shoe, moment=100.0, spin=-1), MODELS["sine"].solve, 1e6)  # type: ignore[arg-type]
-    opposed = hinged(**shoe, moment=helped.shoes[0].actuation.force, spin=1)  # type: ignore[arg-type]
-    return _solve("sine", helped).torque + _solve("sine", opposed).torque
+    helped = rated(hinged_shoe_brake(**shoe, moment=100.0, spin=-1), MODELS["sine"].solve, 1e6)  # type: ignore[arg-type]
+    opposed = hinged_shoe_brake(**shoe, moment=helped.shoes[0].actuation.force, spin=1)  # type: ignore[arg-type]
+    return _solve_by_named_law("sine", helped).torque + _solve_by_named_law("sine", opposed).torque
 
 
 @cache
-def _shigley_p16_1() -> Response:
+def _shigley_p16_1_answer() -> Response:
     """Two internal shoes under 2.2 kN each."""
     block = DoubleShoe(
         r_D=0.15,
@@ -51,14 +51,14 @@ def _shigley_p16_1() -> Response:
         theta_s=radians(120),
         mu_Coulomb=0.28,
     )
-    return _solve("sine", block.brake(2200.0, "clockwise"))
+    return _solve_by_named_law("sine", block.brake(2200.0, "clockwise"))
 
 
 @cache
-def _bhandari_12_7() -> Response:
+def _bhandari_12_7_answer() -> Response:
     """A block on the pivot of a lever, at a peak pressure of 0.5 MPa."""
     h = float(pivot_radius(0.25, radians(50)))
-    lever = hinged(
+    lever = hinged_shoe_brake(
         R=0.25,
         a=0.45,
         arc=(radians(30), radians(130)),
@@ -68,7 +68,7 @@ def _bhandari_12_7() -> Response:
         width=0.1,
         pivot=(h, radians(80)),
     )
-    return _solve("pivoted", rated(lever, MODELS["pivoted"].solve, 0.5e6))
+    return _solve_by_named_law("pivoted", rated(lever, MODELS["pivoted"].solve, 0.5e6))
 
 
 class ForceAndTorque(NamedTuple):
@@ -79,7 +79,7 @@ class ForceAndTorque(NamedTuple):
 
 
 @cache
-def _bhandari_12_8() -> ForceAndTorque:
+def _bhandari_12_8_force_and_torque() -> ForceAndTorque:
     """Two internal shoes on either side of a cylinder, the helped one at a peak of 1 MPa."""
     shoe = {
         "R": 0.125,
@@ -88,42 +88,48 @@ def _bhandari_12_8() -> ForceAndTorque:
         "mu": 0.32,
         "width": 0.04,
     }
-    helped = rated(hinged(**shoe, moment=100.0, spin=-1), MODELS["sine"].solve, 1e6)  # type: ignore[arg-type]
-    # The shoe of `hinged` has a unit arm, so that its force is the moment.
+    helped = rated(hinged_shoe_brake(**shoe, moment=100.0, spin=-1), MODELS["sine"].solve, 1e6)  # type: ignore[arg-type]
+    # The shoe of `hinged_shoe_brake` has a unit arm, so that its force is the moment.
     moment = helped.shoes[0].actuation.force
-    opposed = hinged(**shoe, moment=moment, spin=1)  # type: ignore[arg-type]
+    opposed = hinged_shoe_brake(**shoe, moment=moment, spin=1)  # type: ignore[arg-type]
     arm = 0.1875
-    torque = _solve("sine", helped).torque + _solve("sine", opposed).torque
+    torque = (
+        _solve_by_named_law("sine", helped).torque + _solve_by_named_law("sine", opposed).torque
+    )
     return ForceAndTorque(moment / arm, torque)
 
 
-def _block(a: float = 0.05, spin: int = 1, mu: float = 0.35, x: float = 0.2) -> Brake:
-    """A block on a lever with a half-arc of 45 degrees; see `lever_block` for the lengths."""
-    return lever_block(R=0.125, arm=0.45, x=x, a=a, P=700.0, mu=mu, half=radians(45), spin=spin)
+def _block_on_lever(a: float = 0.05, spin: int = 1, mu: float = 0.35, x: float = 0.2) -> Brake:
+    """A block on a lever with a half-arc of 45 degrees; see `lever_block_brake` for the lengths."""
+    return lever_block_brake(
+        R=0.125, arm=0.45, x=x, a=a, P=700.0, mu=mu, half=radians(45), spin=spin
+    )
 
 
-def _block_by_statics() -> float:
-    """Torque [N m] of the block of `_block` by statics.
+def _block_torque_by_statics() -> float:
+    """Torque [N m] of the block of `_block_on_lever` by statics.
 
     Under the pressure p_0 cos phi the friction acts at psi R from the drum's centre.
     """
-    psi = closed_forms.equivalent_block(radians(45))
+    psi = closed_forms.block_friction_ratio(radians(45))
     # Moments about the pin of the lever give the normal force.
     normal = 700.0 * 0.45 / (0.2 - 0.35 * (0.125 + 0.05 - psi * 0.125))
     return 0.35 * psi * 0.125 * normal
 
 
-def _lock_of_block() -> float:
+def _block_locking_friction() -> float:
     """Friction at which a block with a high pin locks itself."""
-    brake = lever_block(
+    brake = lever_block_brake(
         R=0.125, arm=0.45, x=0.03, a=0.15, P=700.0, mu=0.1, half=radians(20), spin=1
     )
     return float(locking_friction(brake, brake.shoes[0], LAWS["block"]))
 
 
-def _double_block() -> float:
+def _double_block_torque_ratio() -> float:
     """Torque of two opposite blocks over that of one block."""
-    one = lever_block(R=0.125, arm=0.45, x=0.2, a=0.0, P=700.0, mu=0.35, half=radians(45), spin=1)
+    one = lever_block_brake(
+        R=0.125, arm=0.45, x=0.2, a=0.0, P=700.0, mu=0.35, half=radians(45), spin=1
+    )
     # The second block is the mirror image of the first about the x axis.
     data = one.shoes[0].model_dump()
     data["name"] = "below"
@@ -131,26 +137,28 @@ def _double_block() -> float:
     data["lining"] |= {"start": -one.shoes[0].lining.end, "end": -one.shoes[0].lining.start}
     data["actuation"] |= {"direction": math.pi / 2, "point": {"x": 0.25, "y": -0.125}}
     both = vary(one, {"shoe": [one.shoes[0].model_dump(), data]})
-    return _solve("block", both).torque / _solve("block", one).torque
+    return _solve_by_named_law("block", both).torque / _solve_by_named_law("block", one).torque
 
 
-def _gate() -> Response:
+def _short_shoe_on_lever() -> Response:
     """A short shoe on a lever of 1 m."""
-    return _solve(
+    return _solve_by_named_law(
         "short",
-        lever_block(R=0.25, arm=1.0, x=0.5, a=0.2, P=100.0, mu=0.35, half=radians(10), spin=1),
+        lever_block_brake(
+            R=0.25, arm=1.0, x=0.5, a=0.2, P=100.0, mu=0.35, half=radians(10), spin=1
+        ),
     )
 
 
-def _two_short_shoes() -> float:
+def _two_short_shoes_torque() -> float:
     """Torque [N m] of two short shoes opposite each other, at 90 degrees from their pins.
 
     With a = R the normal forces are N = M/(R (1 -+ mu)): 400 N and 160 N.
     """
     shoe = {"R": 0.2, "a": 0.2, "arc": (radians(88), radians(92)), "mu": 0.25, "side": "external"}
-    first = hinged(**shoe, moment=60.0, hand=1, turned=-math.pi / 2)  # type: ignore[arg-type]
-    second = hinged(**shoe, moment=40.0, hand=-1, turned=-math.pi / 2)  # type: ignore[arg-type]
-    return _solve("short", first).torque + _solve("short", second).torque
+    first = hinged_shoe_brake(**shoe, moment=60.0, hand=1, turned=-math.pi / 2)  # type: ignore[arg-type]
+    second = hinged_shoe_brake(**shoe, moment=40.0, hand=-1, turned=-math.pi / 2)  # type: ignore[arg-type]
+    return _solve_by_named_law("short", first).torque + _solve_by_named_law("short", second).torque
 
 
 PAD_MOMENT = 90.0  # N m
@@ -159,14 +167,14 @@ PAD_START, PAD_END = 0.05, 0.2  # m from the pin
 PAD_MU = 0.4
 
 
-def _long_pad() -> float:
+def _long_pad_peak_pressure() -> float:
     """Peak pressure [Pa] of a long flat shoe."""
     span = (PAD_START, PAD_END)
-    brake = pad(h=PIN_HEIGHT, span=span, moment=PAD_MOMENT, mu=PAD_MU, width=0.03)
-    return _solve("linear", brake).shoes[0].peak_pressure
+    brake = hinged_pad_brake(h=PIN_HEIGHT, span=span, moment=PAD_MOMENT, mu=PAD_MU, width=0.03)
+    return _solve_by_named_law("linear", brake).shoes[0].peak_pressure
 
 
-def _long_pad_by_statics() -> float:
+def _long_pad_peak_by_statics() -> float:
     """Peak pressure [Pa] of the long flat shoe by statics.
 
     The pressure grows linearly from the pin. Its moment and that of friction balance the actuation.
@@ -176,10 +184,10 @@ def _long_pad_by_statics() -> float:
     return PAD_MOMENT * PAD_END / 0.03 / (normal + friction)
 
 
-def _short_pad() -> float:
+def _short_pad_normal_force() -> float:
     """Normal force [N] of a short flat shoe."""
-    brake = pad(h=PIN_HEIGHT, span=(0.1, 0.16), moment=PAD_MOMENT, mu=PAD_MU)
-    return _solve("short", brake).shoes[0].normal_force
+    brake = hinged_pad_brake(h=PIN_HEIGHT, span=(0.1, 0.16), moment=PAD_MOMENT, mu=PAD_MU)
+    return _solve_by_named_law("short", brake).shoes[0].normal_force
 
 
 NPTEL_SHOE = {
@@ -193,7 +201,7 @@ NPTEL_SHOE = {
 """The long shoe of the NPTEL lesson; lengths in m."""
 
 
-def _nptel_moment() -> float:
+def _nptel_actuating_moment() -> float:
     """Actuating moment [N m] for a peak of 0.8 MPa: M_p of the pressure less M_f of friction."""
     p, b, R, d, mu, t_1, t_2 = 0.8e6, 0.05, 0.2, 0.23, 0.3, radians(20), radians(130)
     M_p = 0.5 * p * b * R * d * ((t_2 - t_1) + 0.5 * (sin(2 * t_1) - sin(2 * t_2)))
@@ -201,9 +209,11 @@ def _nptel_moment() -> float:
     return M_p - M_f
 
 
-def _nptel_long_shoe() -> float:
+def _nptel_long_shoe_torque() -> float:
     """Torque [N m] of the long shoe at 0.8 MPa."""
-    return _solve("sine", hinged(**NPTEL_SHOE, moment=_nptel_moment(), spin=1)).torque  # type: ignore[arg-type]
+    moment = _nptel_actuating_moment()
+    brake = hinged_shoe_brake(**NPTEL_SHOE, moment=moment, spin=1)  # type: ignore[arg-type]
+    return _solve_by_named_law("sine", brake).torque
 
 
 SHORT_SHOE = {
@@ -215,19 +225,19 @@ SHORT_SHOE = {
 }
 
 
-def _sensitivity() -> float:
+def _torque_sensitivity() -> float:
     """Relative change of a short shoe's torque over that of friction, by differences."""
-    return sensitivity(hinged(**SHORT_SHOE, moment=50.0), MODELS["short"].solve)  # type: ignore[arg-type]
+    return sensitivity(hinged_shoe_brake(**SHORT_SHOE, moment=50.0), MODELS["short"].solve)  # type: ignore[arg-type]
 
 
-def _sensitivity_by_formula() -> float:
+def _torque_sensitivity_by_formula() -> float:
     """Relative change of a short shoe's torque over that of friction, by the formula m/(m - n)."""
     m, n = 0.25 * sin(radians(75)) / (0.3 * 0.2), 1 - 0.25 * cos(radians(75)) / 0.2
     assert np.allclose(m_and_n(0.3, radians(75), 0.2, 0.25), (m, n))
     return m / (m - n)
 
 
-def _simscape(what: str) -> float:
+def _simscape_double_shoe(what: str) -> float:
     """Torque over force [m] of the double-shoe block ("T/F"), or the friction that locks it."""
     block = DoubleShoe()
     return float(sum(block.shoe_torques(1.0, 1.0))) if what == "T/F" else block.mu_lock
@@ -247,7 +257,7 @@ LAW_CASES = (
         expected=527.761,
         tolerance=1e-6,
         tier=PRINTED,
-        found=_shigley_16_2,
+        found=_shigley_16_2_torques,
     ),
     KnownAnswer(
         family="internal shoes under a force",
@@ -257,7 +267,7 @@ LAW_CASES = (
         expected=734.0,
         tolerance=7e-4,
         tier=PRINTED,
-        found=lambda: _shigley_p16_1().shoes[0].peak_pressure * 1e-3,
+        found=lambda: _shigley_p16_1_answer().shoes[0].peak_pressure * 1e-3,
     ),
     KnownAnswer(
         family="internal shoes under a force",
@@ -267,7 +277,7 @@ LAW_CASES = (
         expected=422.004,
         tolerance=1.2e-6,
         tier=PRINTED,
-        found=lambda: _shigley_p16_1().torque,
+        found=lambda: _shigley_p16_1_answer().torque,
     ),
     KnownAnswer(
         family="pivoted block",
@@ -277,7 +287,7 @@ LAW_CASES = (
         expected=957555.554,
         tolerance=1e-9,
         tier=PRINTED,
-        found=lambda: _bhandari_12_7().torque * 1e3,
+        found=lambda: _bhandari_12_7_answer().torque * 1e3,
     ),
     KnownAnswer(
         family="internal shoes of a car",
@@ -287,7 +297,7 @@ LAW_CASES = (
         expected=2089.795894,
         tolerance=1e-9,
         tier=PRINTED,
-        found=lambda: _bhandari_12_8().force,
+        found=lambda: _bhandari_12_8_force_and_torque().force,
     ),
     KnownAnswer(
         family="internal shoes of a car",
@@ -297,7 +307,7 @@ LAW_CASES = (
         expected=434831.0515,
         tolerance=1e-9,
         tier=PRINTED,
-        found=lambda: _bhandari_12_8().torque * 1e3,
+        found=lambda: _bhandari_12_8_force_and_torque().torque * 1e3,
     ),
     KnownAnswer(
         family="block on a lever",
@@ -307,17 +317,17 @@ LAW_CASES = (
         expected=83.87,
         tolerance=5e-4,
         tier=PRINTED,
-        found=lambda: _solve("block", _block()).torque,
+        found=lambda: _solve_by_named_law("block", _block_on_lever()).torque,
     ),
     KnownAnswer(
         family="block on a lever, exact statics",
         shows="cosine law",
         source="statics of p_0 cos, mu N at psi R",
         quantity="torque [N m]",
-        expected=_block_by_statics(),
+        expected=_block_torque_by_statics(),
         tolerance=1e-11,
         tier=EXACT,
-        found=lambda: _solve("cosine", _block()).torque,
+        found=lambda: _solve_by_named_law("cosine", _block_on_lever()).torque,
     ),
     *(
         KnownAnswer(
@@ -325,7 +335,7 @@ LAW_CASES = (
             shows="block law",
             source=LESSON,
             quantity=f"mu'/mu, half-arc {angle} deg",
-            expected=closed_forms.equivalent_block(radians(angle)),
+            expected=closed_forms.block_friction_ratio(radians(angle)),
             tolerance=1e-13,
             tier=EXACT,
             found=partial(lambda half: float(equivalent_friction(half)), radians(angle)),
@@ -337,10 +347,10 @@ LAW_CASES = (
         shows="self-locking of a block",
         source=f"{LESSON}: mu' = x/a",
         quantity="mu_lock",
-        expected=0.03 / 0.15 / closed_forms.equivalent_block(radians(20)),
+        expected=0.03 / 0.15 / closed_forms.block_friction_ratio(radians(20)),
         tolerance=1e-9,
         tier=EXACT,
-        found=_lock_of_block,
+        found=_block_locking_friction,
     ),
     KnownAnswer(
         family="double block",
@@ -350,7 +360,7 @@ LAW_CASES = (
         expected=2.0,
         tolerance=1e-12,
         tier=EXACT,
-        found=_double_block,
+        found=_double_block_torque_ratio,
     ),
     KnownAnswer(
         family="short shoe on a lever",
@@ -360,7 +370,7 @@ LAW_CASES = (
         expected=232.558,
         tolerance=2e-6,
         tier=PRINTED,
-        found=lambda: _gate().shoes[0].normal_force,
+        found=lambda: _short_shoe_on_lever().shoes[0].normal_force,
     ),
     KnownAnswer(
         family="short shoe on a lever",
@@ -370,7 +380,7 @@ LAW_CASES = (
         expected=20.35,
         tolerance=2.5e-4,
         tier=PRINTED,
-        found=lambda: _gate().torque,
+        found=lambda: _short_shoe_on_lever().torque,
     ),
     KnownAnswer(
         family="two short shoes",
@@ -380,17 +390,17 @@ LAW_CASES = (
         expected=28.0,
         tolerance=1e-9,
         tier=EXACT,
-        found=_two_short_shoes,
+        found=_two_short_shoes_torque,
     ),
     KnownAnswer(
         family="long shoe on a plane",
         shows="linear law",
         source=f"{UWA}, eq. iv",
         quantity="peak pressure [Pa]",
-        expected=_long_pad_by_statics(),
+        expected=_long_pad_peak_by_statics(),
         tolerance=1e-12,
         tier=EXACT,
-        found=_long_pad,
+        found=_long_pad_peak_pressure,
     ),
     KnownAnswer(
         family="short shoe on a plane",
@@ -400,7 +410,7 @@ LAW_CASES = (
         expected=PAD_MOMENT / (0.13 + PAD_MU * PIN_HEIGHT),
         tolerance=1e-12,
         tier=EXACT,
-        found=_short_pad,
+        found=_short_pad_normal_force,
     ),
     KnownAnswer(
         family="external long shoe",
@@ -410,17 +420,17 @@ LAW_CASES = (
         expected=0.3 * 0.8e6 * 0.05 * 0.2**2 * (cos(radians(20)) - cos(radians(130))),
         tolerance=1e-12,
         tier=EXACT,
-        found=_nptel_long_shoe,
+        found=_nptel_long_shoe_torque,
     ),
     KnownAnswer(
         family="sensitivity to friction",
         shows="S by differences",
         source=f"{UWA}, S = m/(m - n)",
         quantity="S",
-        expected=_sensitivity_by_formula(),
+        expected=_torque_sensitivity_by_formula(),
         tolerance=1e-6,
         tier=EXACT,
-        found=_sensitivity,
+        found=_torque_sensitivity,
     ),
     KnownAnswer(
         family="double-shoe block of Simscape",
@@ -430,7 +440,7 @@ LAW_CASES = (
         expected=0.2176081,
         tolerance=5e-7,
         tier=PRINTED,
-        found=partial(_simscape, "T/F"),
+        found=partial(_simscape_double_shoe, "T/F"),
     ),
     KnownAnswer(
         family="double-shoe block of Simscape",
@@ -440,6 +450,6 @@ LAW_CASES = (
         expected=0.823082,
         tolerance=1e-6,
         tier=PRINTED,
-        found=partial(_simscape, "mu_lock"),
+        found=partial(_simscape_double_shoe, "mu_lock"),
     ),
 )

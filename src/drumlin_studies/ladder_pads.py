@@ -20,7 +20,7 @@ PAD_FORCE = 500.0  # N
 SOFT_LINING = Material(E=3e8, nu=0.25)
 
 
-def guided(thickness: float, mu: float, lining: Material) -> Brake:
+def pad_on_guide(thickness: float, mu: float, lining: Material) -> Brake:
     """A pad with a rigid back, on a guide that is normal to the plane.
 
     Parameters
@@ -52,7 +52,7 @@ def guided(thickness: float, mu: float, lining: Material) -> Brake:
     return any_from(data)
 
 
-def _squeezed() -> float:
+def _compression_ratio() -> float:
     """The compression of a thin lining over the closed form p (1 - nu^2) t/E.
 
     The closed form neglects the ends of the lining. Their effect halves with the thickness t and
@@ -61,7 +61,7 @@ def _squeezed() -> float:
     pressure = PAD_FORCE / (PAD_LENGTH * PAD_WIDTH)
     ratios = []
     for t in (1e-3, 5e-4):
-        (pad,) = solve(guided(t, 0.0, SOFT_LINING), penalty=math.inf).shoes
+        (pad,) = solve(pad_on_guide(t, 0.0, SOFT_LINING), penalty=math.inf).shoes
         assert pad.motion is not None
         closed_form = pressure * t * (1 - SOFT_LINING.nu**2) / SOFT_LINING.E
         ratios.append(-pad.motion[1] / closed_form)
@@ -69,9 +69,9 @@ def _squeezed() -> float:
     return 2 * ratios[1] - ratios[0]
 
 
-def _edge(mu: float, nu: float) -> float:
+def _leading_edge_exponent(mu: float, nu: float) -> float:
     """The exponent lambda of p ~ r^(lambda - 1) at the leading edge of a pad."""
-    brake = guided(0.02, mu, Material(E=3e8, nu=nu))
+    brake = pad_on_guide(0.02, mu, Material(E=3e8, nu=nu))
     (pad,) = respond(prepare(brake, LEVELS[5]), brake).shoes
     # Distances [m] from the edge that are far below the thickness of 20 mm.
     r = np.geomspace(2e-6, 4e-5, 12)
@@ -87,7 +87,7 @@ PAD_CASES = (
         expected=1.0,
         tolerance=1e-3,
         tier=DISCRETE,
-        found=_squeezed,
+        found=_compression_ratio,
     ),
     *(
         KnownAnswer(
@@ -98,7 +98,7 @@ PAD_CASES = (
             expected=closed_forms.corner_exponent(mu, 0.3),
             tolerance=1e-2,
             tier=DISCRETE,
-            found=partial(_edge, mu, 0.3),
+            found=partial(_leading_edge_exponent, mu, 0.3),
         )
         for mu in (0.1, 0.3, 0.5)
     ),

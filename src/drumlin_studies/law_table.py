@@ -63,7 +63,7 @@ def shoe_row(response: Response, index: int) -> Row:
     }
 
 
-def reasons(rows: Sequence[Row]) -> list[Row]:
+def refusal_rows(rows: Sequence[Row]) -> list[Row]:
     """The laws without an answer among the rows of `law_rows`: a row for each file and reason."""
     laws: dict[tuple[str, str], Row] = {}
     for row in rows:
@@ -117,7 +117,7 @@ def shoe_factor_rows(brake: Brake) -> list[Row]:
     return rows
 
 
-def first_shoes(block: Brake, pad: Brake) -> dict[str, ShoeResponse]:
+def first_shoe_by_law(block: Brake, pad: Brake) -> dict[str, ShoeResponse]:
     """The first shoe by every law.
 
     Drum laws solve the first shoe of the brake `block`. The law of the pivot gets a pivot away from

@@ -29,18 +29,25 @@ from drumlin.base.errors import NoAnswer
 from drumlin.fem.error_control.estimate import QUANTITIES, Factors
 from drumlin.fem.error_control.levels import LEVEL_RULE, LevelRule, SolvedLevel, solved_levels
 from drumlin.fem.model import respond
-from drumlin_studies.calibration import FIRST_SEED, FITTED_BRAKES, LevelRecord, drawn, fit, observed
+from drumlin_studies.calibration import (
+    FIRST_SEED,
+    FITTED_BRAKES,
+    LevelRecord,
+    draw_calibration_brake,
+    fit_safety_factors,
+    level_errors,
+)
 from drumlin_studies.sharpness import ASKED
 from drumlin_studies.side_by_side import PROCESSES
 from drumlin_studies.stated_true import Truth
-from drumlin_studies.stored_truth import CERTAIN, by_finer
+from drumlin_studies.stored_truth import CERTAIN, solve_by_finer_divisions
 
 LEVELS_TRIED = 4
 """Number of levels that a rule is judged on. The fifth takes more time than the first four together
 and few answers need it."""
 
 
-class Tried(NamedTuple):
+class LevelsOfRule(NamedTuple):
     """One brake on the levels of a rule.
 
     Attributes
@@ -53,17 +60,17 @@ class Tried(NamedTuple):
     seconds: list[float]
 
 
-def true_solution(seed: int) -> Truth | None:
+def solve_true_solution(seed: int) -> Truth | None:
     """The far finer solution of the brake of a seed; None where the brake has no answer."""
     try:
-        return by_finer(drawn(seed)[1])
+        return solve_by_finer_divisions(draw_calibration_brake(seed)[1])
     except NoAnswer:
         return None
 
 
-def tried(seed: int, truth: Truth | None, rule: LevelRule) -> Tried | None:
+def try_rule_on_brake(seed: int, truth: Truth | None, rule: LevelRule) -> LevelsOfRule | None:
     """The brake of a seed on the levels of a rule; None where the brake has no answer."""
-    brake = drawn(seed)[1]
+    brake = draw_calibration_brake(seed)[1]
     if truth is None:
         return None
     found: list[SolvedLevel] = []
@@ -78,10 +85,10 @@ def tried(seed: int, truth: Truth | None, rule: LevelRule) -> Tried | None:
             begin = time.process_time()
     except NoAnswer:
         return None
-    return Tried(observed(brake, truth, found), seconds)
+    return LevelsOfRule(level_errors(brake, truth, found), seconds)
 
 
-class Stop(NamedTuple):
+class StoppingLevel(NamedTuple):
     """The level where a solve stops, or the last level tried if no level suffices.
 
     Attributes
@@ -98,17 +105,19 @@ class Stop(NamedTuple):
     level: LevelRecord
 
 
-def stop(brake: Tried, factors: Factors, pressure: float, torque: float) -> Stop:
+def find_stopping_level(
+    brake: LevelsOfRule, factors: Factors, pressure: float, torque: float
+) -> StoppingLevel:
     """The level where a solve to given tolerances of p and of the torque stops."""
     for k, level in enumerate(brake.levels, 2):
-        stated = _stated(level, factors)
+        stated = _stated_errors(level, factors)
         reached = stated["pressure"] <= pressure and stated["torque"] <= torque
         if reached or k == len(brake.seconds):
-            return Stop(sum(brake.seconds[:k]), reached, stated, level)
+            return StoppingLevel(sum(brake.seconds[:k]), reached, stated, level)
     raise ValueError("a brake that was tried on one level alone")
 
 
-def _stated(level: LevelRecord, factors: Factors) -> dict[str, float]:
+def _stated_errors(level: LevelRecord, factors: Factors) -> dict[str, float]:
     """The stated errors of a level by quantity, with given factors of the estimate."""
     factor = {"pressure": factors.pressure, "peak": factors.peak}
     stated = {}
@@ -119,20 +128,20 @@ def _stated(level: LevelRecord, factors: Factors) -> dict[str, float]:
     return stated
 
 
-def report(brakes: Sequence[Tried]) -> str:
+def report_lines(brakes: Sequence[LevelsOfRule]) -> str:
     """The lines that `main` prints for a rule."""
-    factors = fit([level for brake in brakes for level in brake.levels])
+    factors = fit_safety_factors([level for brake in brakes for level in brake.levels])
     lines = [f"  {factors}"]
     for asked, tolerance in ASKED.items():
-        stops = [stop(brake, factors, *tolerance) for brake in brakes]
+        stops = [find_stopping_level(brake, factors, *tolerance) for brake in brakes]
         seconds = sum(each.seconds for each in stops)
         share = sum(each.reached for each in stops) / len(stops)
         lines.append(f"  {asked}: {seconds:.1f} s, {100 * share:.1f} % reached")
-        lines += [f"    {name}: {_ratios(stops, name)}" for name in QUANTITIES]
+        lines += [f"    {name}: {_ratio_text(stops, name)}" for name in QUANTITIES]
     return "\n".join(lines)
 
 
-def _ratios(stops: Sequence[Stop], quantity: str) -> str:
+def _ratio_text(stops: Sequence[StoppingLevel], quantity: str) -> str:
     """In words the median of stated over true error and the number of too small stated errors."""
     certain = [
         stop.stated[quantity] / stop.level.true[quantity]
@@ -143,7 +152,7 @@ def _ratios(stops: Sequence[Stop], quantity: str) -> str:
     return f"median {np.median(certain):.1f}, {small} of {len(certain)} too small"
 
 
-def changed(words: Sequence[str]) -> LevelRule:
+def changed_rule(words: Sequence[str]) -> LevelRule:
     """The rule LEVEL_RULE with the numbers that words such as `fall=6` give.
 
     Raises ValueError for a word of another form.
@@ -158,13 +167,13 @@ def changed(words: Sequence[str]) -> LevelRule:
 def main(words: Sequence[str]) -> int:
     """Try the rule LEVEL_RULE and, if there are words, the changed rule; return the exit status."""
     seeds = range(FIRST_SEED, FIRST_SEED + FITTED_BRAKES)
-    rules = {"as it is": LEVEL_RULE} | ({" ".join(words): changed(words)} if words else {})
+    rules = {"as it is": LEVEL_RULE} | ({" ".join(words): changed_rule(words)} if words else {})
     with ProcessPoolExecutor(PROCESSES, mp_context=get_context("spawn")) as pool:
-        truths = list(pool.map(true_solution, seeds))
+        truths = list(pool.map(solve_true_solution, seeds))
         for name, rule in rules.items():
             print(f"{name}: {rule}", flush=True)  # noqa: T201
-            found = pool.map(tried, seeds, truths, [rule] * len(seeds))
-            print(report([brake for brake in found if brake is not None]), flush=True)  # noqa: T201
+            found = pool.map(try_rule_on_brake, seeds, truths, [rule] * len(seeds))
+            print(report_lines([brake for brake in found if brake is not None]), flush=True)  # noqa: T201
     return 0
 
 

@@ -8,7 +8,7 @@ from drumlin.models import refusals
 from drumlin_studies.work_precision import Method
 
 
-def methods(brake: Brake, *, peers: bool = False, short: bool = False) -> list[Method]:
+def all_methods(brake: Brake, *, peers: bool = False, short: bool = False) -> list[Method]:
     """Laws, foundation model, finite elements of all kinds and sizes, and textbook contact.
 
     Parameters
@@ -23,14 +23,14 @@ def methods(brake: Brake, *, peers: bool = False, short: bool = False) -> list[M
     """
     result = [Method("law", law, {"model": law}) for law in ("sine", "cosine", "uniform")]
     if "foundation" not in refusals(brake):
-        result += _foundations()
-    result += _meshes(brake, short=short)
-    result += _levels(short=short)
-    result += _penalties(short=short)
-    return result + (list(_with_peers()) if peers else [])
+        result += _foundation_methods()
+    result += _mesh_methods(brake, short=short)
+    result += _level_methods(short=short)
+    result += _penalty_methods(short=short)
+    return result + (list(_peer_methods()) if peers else [])
 
 
-def _foundations() -> Iterator[Method]:
+def _foundation_methods() -> Iterator[Method]:
     """The foundation model as published and with all simplifications lifted."""
     for sections in (20, 60, 180):
         options = {"model": "foundation", "sections": sections}
@@ -38,7 +38,7 @@ def _foundations() -> Iterator[Method]:
         yield Method("foundation", f"{sections} sections, lifted", options | {"lift": ["all"]})
 
 
-def _meshes(brake: Brake, *, short: bool) -> Iterator[Method]:
+def _mesh_methods(brake: Brake, *, short: bool) -> Iterator[Method]:
     """Uniform and graded meshes of several kinds and sizes."""
     sizes = (20, 40) if short else (20, 40, 80)
     # An elastic ring makes a fine mesh cost much more.
@@ -46,13 +46,13 @@ def _meshes(brake: Brake, *, short: bool) -> Iterator[Method]:
         sizes = (*sizes, 160)
     for kind in ("quad2", "tri1"):
         for elements in sizes:
-            yield _meshed("even mesh", kind, elements, even=True)
+            yield _mesh_method("even mesh", kind, elements, even=True)
     for kind in ("quad2", "tri1") if short else tuple(MESH_KINDS):
         for elements in sizes:
-            yield _meshed("graded mesh", kind, elements)
+            yield _mesh_method("graded mesh", kind, elements)
 
 
-def _levels(*, short: bool) -> Iterator[Method]:
+def _level_methods(*, short: bool) -> Iterator[Method]:
     """Hp elements of fixed levels, and to tolerances."""
     for level in range(2 if short else 5):
         yield Method("columns", f"level {level + 1}", {"level": level})
@@ -61,7 +61,7 @@ def _levels(*, short: bool) -> Iterator[Method]:
         yield Method("columns, error stated", f"tolerance {tolerance:g}", options)
 
 
-def _penalties(*, short: bool) -> Iterator[Method]:
+def _penalty_methods(*, short: bool) -> Iterator[Method]:
     """Penalty contact of several stiffnesses, at nodes and at quadrature points."""
     elements = 40 if short else 80
     penalties = (1e3, 1e6) if short else (1e1, 1e3, 1e6)
@@ -71,15 +71,15 @@ def _penalties(*, short: bool) -> Iterator[Method]:
             yield Method(family, f"{penalty:g} E/t, {elements} elements", options)
 
 
-def _with_peers() -> Iterator[Method]:
+def _peer_methods() -> Iterator[Method]:
     """The peers on meshes of several sizes, and drumlin on two of these meshes."""
     # On these two meshes the error of p is half a percent.
-    yield _meshed("graded mesh", "quad2", 56)
-    yield _meshed("graded mesh", "quad1", 112)
+    yield _mesh_method("graded mesh", "quad2", 56)
+    yield _mesh_method("graded mesh", "quad1", 112)
     for elements in (20, 40, 56, 80, 112):
-        yield _meshed("GetFEM", "quad2", elements)
+        yield _mesh_method("GetFEM", "quad2", elements)
     for elements in (40, 80, 112):
-        yield _meshed("GetFEM", "quad1", elements)
+        yield _mesh_method("GetFEM", "quad1", elements)
     # The error of p on these meshes falls from half a percent to a hundredth of a percent.
     for elements, layers in ((42, 5), (62, 6), (81, 7), (144, 9)):
         options = {"kind": "quad2", "elements": elements, "layers": layers}
@@ -88,10 +88,10 @@ def _with_peers() -> Iterator[Method]:
         options = {"kind": "quad2", "elements": elements, "even": True}
         yield Method("GetFEM", f"even, quad2, {elements} elements", options)
     for elements in (40, 56, 112):
-        yield _meshed("CalculiX", "quad2", elements)
+        yield _mesh_method("CalculiX", "quad2", elements)
 
 
-def _meshed(family: str, kind: str, elements: int, **more: bool) -> Method:
+def _mesh_method(family: str, kind: str, elements: int, **more: bool) -> Method:
     """A method on a mesh of a kind, with a number of elements along each lining."""
     name = f"{kind}, {elements} elements"
     return Method(family, name, {"kind": kind, "elements": elements, **more})

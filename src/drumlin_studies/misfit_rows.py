@@ -13,8 +13,14 @@ from drumlin.brake.clearance import ground_to, set_off
 from drumlin.brake.file import vary
 from drumlin.response.norms import relative
 from drumlin.response.response import Response
-from drumlin.sweeps.cases import Row, row_of
-from drumlin.sweeps.tolerances import PERCENTILES, ManufacturingTolerance, Shares, numbers, spread
+from drumlin.sweeps.cases import Row, response_row
+from drumlin.sweeps.tolerances import (
+    PERCENTILES,
+    ManufacturingTolerance,
+    SobolIndices,
+    sample_spread,
+    values_of_rows,
+)
 
 DRAWN_QUANTITIES = {
     "torque": "torque [N m]",
@@ -45,7 +51,7 @@ def single_rows(
         Solves a brake.
     """
     fits = solve(brake)
-    law_peak = _peak(law)
+    law_peak = _peak_pressure(law)
     rows = []
     for name, changes in _single_misfits(brake).items():
         response = solve(vary(brake, changes))
@@ -54,15 +60,15 @@ def single_rows(
             "torque": response.torque,
             "from_fit": relative(response.torque, fits.torque),
             "from_law": relative(response.torque, law.torque),
-            "peak": _peak(response),
-            "peak_from_law": relative(_peak(response), law_peak),
-            "touching": touching(brake, response),
+            "peak": _peak_pressure(response),
+            "peak_from_law": relative(_peak_pressure(response), law_peak),
+            "touching": contact_fraction(brake, response),
         }
         rows.append(row)
     return rows
 
 
-def _peak(response: Response) -> float:
+def _peak_pressure(response: Response) -> float:
     """The largest peak pressure of all shoes [Pa]."""
     return max(shoe.peak_pressure for shoe in response.shoes)
 
@@ -95,7 +101,7 @@ def _single_misfits(brake: Brake) -> Mapping[str, Mapping[str, Any]]:
     }
 
 
-def touching(brake: Brake, response: Response) -> float:
+def contact_fraction(brake: Brake, response: Response) -> float:
     """Fraction of the arc of all linings that is in contact."""
     arcs: float = 0
     for shoe in response.shoes:
@@ -104,7 +110,7 @@ def touching(brake: Brake, response: Response) -> float:
     return arcs / sum(shoe.lining.end - shoe.lining.start for shoe in brake.shoes)
 
 
-def turn_torques(
+def torques_over_turn(
     brake: Brake, solve: Callable[[Brake], Response], amplitude: float, angles: Sequence[float]
 ) -> dict[str, Floats]:
     """Torque (angles,) [N m] over the angle of a drum with lobes, by the name of the lobes.
@@ -128,12 +134,12 @@ def turn_torques(
     return found
 
 
-def peak_to_valley(torques: Mapping[str, Floats]) -> dict[str, float]:
+def relative_torque_ranges(torques: Mapping[str, Floats]) -> dict[str, float]:
     """Range over mean of each torque, by name."""
     return {name: float(np.ptp(torque) / np.mean(torque)) for name, torque in torques.items()}
 
 
-def over_law(
+def error_maps_of_law(
     rows: Sequence[Row], brake: Brake, law: Response, shape: tuple[int, int]
 ) -> dict[str, Floats]:
     """Relative errors of the law's torque and peak pressure as maps: value over law, minus 1.
@@ -149,10 +155,10 @@ def over_law(
     shape : tuple of two int
         Shape of the maps.
     """
-    nominal = row_of(brake, law)
+    nominal = response_row(brake, law)
     maps = {}
     for name in ("torque", "peak_pressure"):
-        maps[name] = numbers(rows, name).reshape(shape) / nominal[name] - 1
+        maps[name] = values_of_rows(rows, name).reshape(shape) / nominal[name] - 1
     return maps
 
 
@@ -164,7 +170,7 @@ class DrawnBrakes:
     ----------
     rows : mapping
         Rows by state: "new" and "worn in" by finite elements, "law" by the sine law. The first 2 n
-        rows of each state are the independent samples A and B of `tolerances.draw`.
+        rows of each state are the independent samples A and B of `tolerances.draw_deviates`.
     n : int
         Size of each of the two samples.
     """
@@ -174,7 +180,7 @@ class DrawnBrakes:
 
     def sample(self, state: str, name: str) -> Floats:
         """A quantity of the independent samples (2 n,); the peak pressure in MPa."""
-        values = numbers(self.rows[state][: 2 * self.n], name)
+        values = values_of_rows(self.rows[state][: 2 * self.n], name)
         return values * 1e-6 if name == "peak_pressure" else values
 
     def off_law(self, state: str) -> Floats:
@@ -189,7 +195,7 @@ class DrawnBrakes:
 
     def relative_spread(self, state: str) -> float:
         """Standard deviation of the torque over its mean."""
-        return spread(self.sample(state, "torque")).relative
+        return sample_spread(self.sample(state, "torque")).relative
 
     def peaks_over(self, pressure: float) -> tuple[float, float]:
         """Mean and 95th percentile of the peak pressure of new brakes, over a pressure [MPa]."""
@@ -201,14 +207,14 @@ class DrawnBrakes:
 
         What remains comes from friction, force, levers and the drum.
         """
-        new = spread(self.sample("new", "torque")).deviation
-        worn = spread(self.sample("worn in", "torque")).deviation
+        new = sample_spread(self.sample("new", "torque")).deviation
+        worn = sample_spread(self.sample("worn in", "torque")).deviation
         return 1 - (worn / new) ** 2
 
 
-def nominal(brake: Brake, law: Response) -> dict[str, float]:
+def nominal_quantities(brake: Brake, law: Response) -> dict[str, float]:
     """DRAWN_QUANTITIES of the nominal brake by the law; the peak pressure in MPa."""
-    row = row_of(brake, law)
+    row = response_row(brake, law)
     row["peak_pressure"] *= 1e-6
     return {name: row[name] for name in DRAWN_QUANTITIES}
 
@@ -226,7 +232,7 @@ def spread_rows(drawn: DrawnBrakes) -> list[dict[str, Any]]:
         values["torque over the sine law's of the same brake", state] = drawn.off_law(state)
     rows = []
     for (quantity, state), sample in values.items():
-        found = spread(sample)
+        found = sample_spread(sample)
         row: dict[str, Any] = {
             "quantity": quantity,
             "state": state if state != "law" else "sine law",
@@ -240,7 +246,7 @@ def spread_rows(drawn: DrawnBrakes) -> list[dict[str, Any]]:
 
 def share_rows(
     tolerances: Sequence[ManufacturingTolerance],
-    shares: Mapping[str, Mapping[str, Sequence[Shares]]],
+    shares: Mapping[str, Mapping[str, Sequence[SobolIndices]]],
 ) -> list[dict[str, Any]]:
     """A row for each tolerance with its total Sobol indices.
 
@@ -256,7 +262,7 @@ def share_rows(
     return rows
 
 
-def healed_after(distances: Sequence[float], torque: Floats, within: float) -> float:
+def torque_settling_distance(distances: Sequence[float], torque: Floats, within: float) -> float:
     """The sliding distance [m] after which the distribution of the torque has settled.
 
     Parameters

@@ -24,7 +24,7 @@ from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.response.norms import pressure_distance
 from drumlin.response.response import Response, ShoeResponse
-from drumlin_studies.reduced import sketcher
+from drumlin_studies.reduced import surrogate_maker
 
 Make = Callable[[Brake], PreparedModel]
 """A function that prepares a brake."""
@@ -37,19 +37,19 @@ class Omission(NamedTuple):
     in_brake: Callable[[Brake], bool]
 
 
-def _follows_drum(shoe: Shoe) -> bool:
+def _body_follows_drum(shoe: Shoe) -> bool:
     """Whether the body of a shoe follows the drum: neither a mesh of its own nor a beam."""
     return shoe.mesh is None and not isinstance(shoe.body, Beam)
 
 
 def _has_elastic_bar(brake: Brake) -> bool:
     """Whether a shoe of the brake has an elastic body that follows the drum."""
-    return any(isinstance(shoe.body, Bar) and _follows_drum(shoe) for shoe in brake.shoes)
+    return any(isinstance(shoe.body, Bar) and _body_follows_drum(shoe) for shoe in brake.shoes)
 
 
 def _has_backing(brake: Brake) -> bool:
     """Whether a shoe of the brake that follows the drum has a backing."""
-    return any(shoe.backing is not None and _follows_drum(shoe) for shoe in brake.shoes)
+    return any(shoe.backing is not None and _body_follows_drum(shoe) for shoe in brake.shoes)
 
 
 OMISSIONS = {
@@ -101,7 +101,7 @@ class OmissionChange(NamedTuple):
     each: float
 
 
-def change(simple: Response, whole: Response) -> OmissionChange:
+def omission_change(simple: Response, whole: Response) -> OmissionChange:
     """The change from the response of the whole brake to that of the simpler brake."""
     torques, pressures, reactions, peaks, each = [], [], [], [], []
     # Where the shoe of the whole brake has no torque, peak or reaction, the change itself counts.
@@ -128,12 +128,12 @@ def _pressure_change(a: ShoeResponse, b: ShoeResponse) -> float:
     return pressure_distance(a, b) if b.pressure.any() else float(a.pressure.any())
 
 
-def present(brake: Brake) -> list[str]:
+def parts_present(brake: Brake) -> list[str]:
     """Names of the parts of a brake that can be neglected."""
     return [name for name, part in OMISSIONS.items() if part.in_brake(brake)]
 
 
-def simplified(brake: Brake, names: Iterable[str]) -> Brake:
+def simplified_brake(brake: Brake, names: Iterable[str]) -> Brake:
     """The brake without some of the parts ring, shoe and backing.
 
     The other parts of OMISSIONS are no parts of a brake file: see `scene_without`.
@@ -149,7 +149,7 @@ def simplified(brake: Brake, names: Iterable[str]) -> Brake:
     shoes = []
     for shoe in brake.shoes:
         # A mesh of its own and the beam of a post cannot do without these parts.
-        shoes.append(shoe.model_copy(update=gone) if _follows_drum(shoe) else shoe)
+        shoes.append(shoe.model_copy(update=gone) if _body_follows_drum(shoe) else shoe)
     left = brake.without_ring() if "ring" in names else brake
     return left.model_copy(update={"shoes": tuple(shoes)})
 
@@ -169,16 +169,16 @@ def scene_without(
         Prepares a brake.
     """
     names = set(names)
-    simple = simplified(brake, names)
+    simple = simplified_brake(brake, names)
     # A model without friction has no friction to deform it.
     if "drag" in names and brake.friction > 0:
-        scene = _undragged(make(simple.model_copy(update={"friction": 0.0})), simple)
+        scene = _scene_without_friction(make(simple.model_copy(update={"friction": 0.0})), simple)
     else:
         scene = make(simple)
     return replace(scene, apart="coupling" in names), simple
 
 
-def _undragged(scene: PreparedModel, brake: Brake) -> PreparedModel:
+def _scene_without_friction(scene: PreparedModel, brake: Brake) -> PreparedModel:
     """A model that is prepared without friction, for a brake with friction.
 
     Friction then acts on the balance of moments and causes no deformation.
@@ -211,7 +211,8 @@ def prepare_straight(brake: Brake, *, elements: int) -> PreparedModel:
     """The prepared model of a brake on quadratic quadrilaterals with straight edges."""
     import skfem  # noqa: PLC0415  (meshes alone load it)
 
-    def mesher(shoe: Shoe, radius: float) -> Any:
+    def mesh_with_straight_edges(shoe: Shoe, radius: float) -> Any:
+        """The mesh of a shoe with straight edges between its corners."""
         mesh = shoe_mesh(shoe, radius, elements)
         corners = skfem.MeshQuad(
             np.ascontiguousarray(mesh.p[:, : mesh.nvertices]), mesh.t, validate=False
@@ -219,10 +220,10 @@ def prepare_straight(brake: Brake, *, elements: int) -> PreparedModel:
         straight = skfem.MeshQuad2.from_mesh(corners)
         return replace(straight, _subdomains=mesh.subdomains, _boundaries=mesh.boundaries)
 
-    return prepare(brake, elements=elements, mesher=mesher)
+    return prepare(brake, elements=elements, mesher=mesh_with_straight_edges)
 
 
-def predict(
+def predict_omission_change(
     brake: Brake, names: Sequence[str], respond: ResponseFunction, sketch: Make | None = None
 ) -> OmissionChange:
     """The change by an omission, predicted on sketches in some milliseconds.
@@ -243,6 +244,6 @@ def predict(
     NoAnswer
         One of the two sketches has no equilibrium.
     """
-    sketch = sketch or sketcher()
+    sketch = sketch or surrogate_maker()
     whole = respond(sketch(brake), brake)
-    return change(respond(*scene_without(brake, names, sketch)), whole)
+    return omission_change(respond(*scene_without(brake, names, sketch)), whole)

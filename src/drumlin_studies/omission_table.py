@@ -26,14 +26,14 @@ from drumlin.response.response import Response
 from drumlin_studies.omission import (
     OMISSIONS,
     OmissionChange,
-    change,
-    predict,
+    omission_change,
+    parts_present,
+    predict_omission_change,
     prepare_straight,
-    present,
     scene_without,
 )
-from drumlin_studies.reduced import sketcher
-from drumlin_studies.tables import where
+from drumlin_studies.reduced import surrogate_maker
+from drumlin_studies.tables import matching_rows
 
 EXACT_OMISSIONS = {
     "interior fields": "not recovered",
@@ -50,7 +50,7 @@ class WholeAndSimple(NamedTuple):
     simple: Callable[[], Response]
 
 
-def omissions(
+def omission_rows(
     brake: Brake, name: str, *, elements: int = ELEMENTS, repeats: int = 5
 ) -> list[dict[str, Any]]:
     """A row for each omission of a brake: the exact omissions, each other alone, all together.
@@ -74,17 +74,21 @@ def omissions(
     for part, instead, names in _omission_rows(brake):
         exact = names is None
         pair = (
-            _exact_pair(brake, part, elements) if names is None else _pair(brake, names, elements)
+            _exact_omission_solves(brake, part, elements)
+            if names is None
+            else _whole_and_simple_solves(brake, names, elements)
         )
         if pair is None:
             continue
         row: dict[str, Any] = {"brake": name, "part": part, "instead": instead}
         row["exact"] = "yes" if exact else "no"
         try:
-            row |= _change_row(change(pair.simple(), pair.whole()), "")
+            row |= _change_row(omission_change(pair.simple(), pair.whole()), "")
             if names is not None:
-                row |= _change_row(_predicted(brake, names, elements), "predicted_")
-            row |= (saved(pair, repeats) if repeats else {}) | {"status": "converged"}
+                row |= _change_row(_predicted_change(brake, names, elements), "predicted_")
+            row |= (saved_time_and_memory(pair, repeats) if repeats else {}) | {
+                "status": "converged"
+            }
         except NoAnswer as error:
             row["status"] = f"failed: {error}"
         rows.append(row)
@@ -104,7 +108,9 @@ def prediction_ratios(rows: Sequence[Mapping[str, Any]], key: str) -> list[float
     return ratios
 
 
-def time_saved(rows: Sequence[Mapping[str, Any]], least: float) -> dict[str, tuple[float, float]]:
+def saved_time_range(
+    rows: Sequence[Mapping[str, Any]], least: float
+) -> dict[str, tuple[float, float]]:
     """Smallest and largest saved fraction of time by each omission alone.
 
     least : an omission that never saves more is left out.
@@ -120,9 +126,9 @@ def time_saved(rows: Sequence[Mapping[str, Any]], least: float) -> dict[str, tup
     return ranges
 
 
-def worst_straight(rows: Sequence[Mapping[str, Any]]) -> Mapping[str, Any] | None:
+def row_of_worst_straight_edges(rows: Sequence[Mapping[str, Any]]) -> Mapping[str, Any] | None:
     """The row in which straight edges change p most, or None."""
-    straight = where(rows, part="curvature")
+    straight = matching_rows(rows, part="curvature")
     # A row without an answer has no change of p.
     worst = max(straight, key=lambda row: row.get("pressure") or 0.0, default=None)
     return worst if worst and worst.get("pressure") else None
@@ -147,7 +153,7 @@ class _OmissionRow(NamedTuple):
 def _omission_rows(brake: Brake) -> list[_OmissionRow]:
     """The omissions of a brake: the exact ones, each other alone, and all together."""
     rows = [_OmissionRow(part, instead, None) for part, instead in EXACT_OMISSIONS.items()]
-    names = present(brake)
+    names = parts_present(brake)
     together = []
     for part in names:
         rows.append(_OmissionRow(part, OMISSIONS[part].instead, [part]))
@@ -167,23 +173,26 @@ def _change_row(found: OmissionChange, prefix: str) -> dict[str, float]:
     return {prefix + key: value for key, value in found._asdict().items()}
 
 
-def saved(pair: WholeAndSimple, repeats: int) -> dict[str, float]:
+def saved_time_and_memory(pair: WholeAndSimple, repeats: int) -> dict[str, float]:
     """Fractions of time and of peak memory that the simpler solve saves.
 
     The time is the median of the ratios of several runs, which alternate with whole solves.
     """
-    ratios = [_seconds(pair.simple) / _seconds(pair.whole) for _ in range(repeats)]
-    return {"seconds": 1 - median(ratios), "memory": 1 - _memory(pair.simple) / _memory(pair.whole)}
+    ratios = [_solve_seconds(pair.simple) / _solve_seconds(pair.whole) for _ in range(repeats)]
+    return {
+        "seconds": 1 - median(ratios),
+        "memory": 1 - _solve_peak_memory(pair.simple) / _solve_peak_memory(pair.whole),
+    }
 
 
-def _seconds(solve: Callable[[], object]) -> float:
+def _solve_seconds(solve: Callable[[], object]) -> float:
     """Processor time of a solve [s]."""
     start = time.process_time()
     solve()
     return time.process_time() - start
 
 
-def _memory(solve: Callable[[], object]) -> int:
+def _solve_peak_memory(solve: Callable[[], object]) -> int:
     """Peak memory of Python and NumPy during a solve [bytes]."""
     tracemalloc.start()
     try:
@@ -193,7 +202,7 @@ def _memory(solve: Callable[[], object]) -> int:
         tracemalloc.stop()
 
 
-def _pair(brake: Brake, names: list[str], elements: int) -> WholeAndSimple:
+def _whole_and_simple_solves(brake: Brake, names: list[str], elements: int) -> WholeAndSimple:
     """The solves of the whole brake and of the brake without some of OMISSIONS."""
     whole = partial(prepare, elements=elements)
     make = partial(prepare_straight, elements=elements) if "curvature" in names else whole
@@ -202,36 +211,42 @@ def _pair(brake: Brake, names: list[str], elements: int) -> WholeAndSimple:
     )
 
 
-def _exact_pair(brake: Brake, part: str, elements: int) -> WholeAndSimple | None:
+def _exact_omission_solves(brake: Brake, part: str, elements: int) -> WholeAndSimple | None:
     """The solves with and without an exact omission; None where a brake does not have the part."""
     make = partial(prepare, elements=elements)
 
-    def simple() -> Response:
+    def solve_without_part() -> Response:
+        """The response of the prepared model without the part."""
         return respond(make(brake), brake)
 
     if part == "interior fields":
 
-        def with_fields() -> Response:
+        def solve_with_fields() -> Response:
+            """The response after the fields of stress have been recovered as well."""
             scene = make(brake)
             response = respond(scene, brake)
             for i in range(len(brake.shoes)):
                 fields(scene, brake, response, i)
             return response
 
-        return WholeAndSimple(with_fields, simple)
+        return WholeAndSimple(solve_with_fields, solve_without_part)
     if part == "second of equal shoes":
         shapes = {shape_of(brake, shoe) for shoe in brake.shoes}
         # A model without its other shoes would lack their share of the ring.
         if len(shapes) == len(brake.shoes) or brake.ring is not None:
             return None
-        return WholeAndSimple(lambda: respond(_each_alone(brake, make), brake), simple)
+        return WholeAndSimple(
+            lambda: respond(_scene_without_shared_bodies(brake, make), brake), solve_without_part
+        )
     if brake.friction > 0:
         return None
     rubbing = vary(brake, {"friction": 0.3})
-    return WholeAndSimple(lambda: respond(make(rubbing), brake), simple)
+    return WholeAndSimple(lambda: respond(make(rubbing), brake), solve_without_part)
 
 
-def _each_alone(brake: Brake, make: Callable[[Brake], PreparedModel]) -> PreparedModel:
+def _scene_without_shared_bodies(
+    brake: Brake, make: Callable[[Brake], PreparedModel]
+) -> PreparedModel:
     """The prepared model of a brake whose shoes are all condensed, even equal shoes."""
     bodies: list[Any] = []
     for shoe in brake.shoes:
@@ -240,27 +255,27 @@ def _each_alone(brake: Brake, make: Callable[[Brake], PreparedModel]) -> Prepare
     return replace(alone, brake=brake, bodies=tuple(bodies))
 
 
-def _predicted(brake: Brake, names: Iterable[str], elements: int) -> OmissionChange:
+def _predicted_change(brake: Brake, names: Iterable[str], elements: int) -> OmissionChange:
     """The predicted change; the part of "curvature" is in closed form.
 
     The effect of straight edges depends on the number of elements of the mesh.
     """
     names = list(names)
     if "curvature" not in names:
-        return predict(brake, names, respond)
-    sketch = sketcher()
+        return predict_omission_change(brake, names, respond)
+    sketch = surrogate_maker()
     whole = respond(sketch(brake), brake)
     # The other omissions are predicted on a sketch whose linings have the mean gap of the chords.
     scene, simple = scene_without(brake, set(names) - {"curvature"}, sketch)
     rest = respond(scene, simple)
-    straightened = tuple(_straightened(brake, shoe, elements) for shoe in simple.shoes)
+    straightened = tuple(_shoe_with_chord_gap(brake, shoe, elements) for shoe in simple.shoes)
     straight = simple.model_copy(update={"shoes": straightened})
-    found = change(respond(scene, straight), whole)
+    found = omission_change(respond(scene, straight), whole)
     # The sketch does not see the waves of p within an element: a closed form adds them.
     waves = []
     for shoe, answer in zip(brake.shoes, rest.shoes, strict=True):
-        size = _mean_square(answer.theta, answer.pressure)
-        waves.append(straight_edges(brake, shoe, elements) / size if size else 0.0)
+        size = _root_mean_square(answer.theta, answer.pressure)
+        waves.append(straight_edge_pressure(brake, shoe, elements) / size if size else 0.0)
     return found._replace(pressure=math.hypot(found.pressure, max(waves)))
 
 
@@ -270,7 +285,7 @@ def _sagittas(brake: Brake, shoe: Shoe, elements: int) -> tuple[Floats, Floats]:
     return angles, brake.size * (1 - np.cos(np.diff(angles) / 2))
 
 
-def _straightened(brake: Brake, shoe: Shoe, elements: int) -> Shoe:
+def _shoe_with_chord_gap(brake: Brake, shoe: Shoe, elements: int) -> Shoe:
     """The shoe with the mean gap of its straight edges, 2/3 of the sagitta, as a clearance."""
     angles, height = _sagittas(brake, shoe, elements)
     # Angles of the shoe's frame fall with theta where the frame is turned over.
@@ -281,7 +296,7 @@ def _straightened(brake: Brake, shoe: Shoe, elements: int) -> Shoe:
     return shoe.model_copy(update={"lining": shoe.lining.model_copy(update={"clearance": table})})
 
 
-def straight_edges(brake: Brake, shoe: Shoe, elements: int) -> float:
+def straight_edge_pressure(brake: Brake, shoe: Shoe, elements: int) -> float:
     """Root mean square over the lining of the pressure waves [Pa] by straight edges.
 
     A chord of length h has the sagitta s = R (1 - cos(dphi/2)). It leaves a periodic gap
@@ -307,6 +322,6 @@ def straight_edges(brake: Brake, shoe: Shoe, elements: int) -> float:
     )
 
 
-def _mean_square(theta: Floats, p: Floats) -> float:
+def _root_mean_square(theta: Floats, p: Floats) -> float:
     """Root mean square of p over theta, by the trapezoidal rule."""
     return math.sqrt(float(np.trapezoid(p**2, theta)) / float(theta[-1] - theta[0]))

@@ -21,15 +21,15 @@ from drumlin.fem.solve import solve
 from drumlin.laws import sine
 from drumlin.response.norms import pressure_distance, relative
 from drumlin.response.response import Response, ShoeResponse
-from drumlin.verification.reference import Refinement, responses
-from drumlin_studies.tables import column
+from drumlin.verification.reference import Refinement, solve_reference_responses
+from drumlin_studies.tables import values_of_key
 
 RIGID_CHANGES = {"shoe.body.material.E": 2.1e15, "shoe.lining.thickness": 3e-3}
 """Changes that make a shoe nearly rigid: E of steel times 1e4, and a lining of R/50."""
 Row = dict[str, Any]
 
 
-def distance(response: Response, reference: Response) -> float:
+def largest_pressure_distance(response: Response, reference: Response) -> float:
     """Relative L2 distance of p outside the edge zones, the largest of all shoes."""
     return max(map(pressure_distance, response.shoes, reference.shoes))
 
@@ -61,7 +61,7 @@ def order_rows(
             "case": case,
             "kind": kind,
             "elements": n,
-            "pressure": distance(response, reference),
+            "pressure": largest_pressure_distance(response, reference),
             "torque": abs(relative(response.torque, reference.torque)),
             "steps": response.iterations,
         }
@@ -94,16 +94,16 @@ def level_rows(brake: Brake, refinement: Refinement = LEVEL_REFERENCE) -> list[R
     are graded (Babuska & Guo 1986). The rows end at twice the distance between both divisions of
     the reference. Above this floor an error is known to within a half.
     """
-    reference = responses(brake, refinement)
+    reference = solve_reference_responses(brake, refinement)
     true, places = reference.value, singular_points_of(brake, reference.value)
-    floor = 2 * distance(reference.before, true)
+    floor = 2 * largest_pressure_distance(reference.before, true)
     rows = []
     for level in (COARSE_LEVEL, *LEVELS):
         made = prepare(brake, level, places)
         # Exact contact, from the contact set of the reference.
         response = respond(made, brake, penalty=math.inf, start=true)
         unknowns = max(body.unknowns for body in made.bodies)
-        error = distance(response, true)
+        error = largest_pressure_distance(response, true)
         torque = abs(relative(response.torque, true.torque))
         # Below the floor an error is not known to within a half.
         if error < floor:
@@ -138,10 +138,10 @@ class FittedLine(NamedTuple):
     decades: float
 
 
-def line(rows: Sequence[Row]) -> FittedLine:
+def fit_error_line(rows: Sequence[Row]) -> FittedLine:
     """The straight line through `level_rows`."""
-    x = np.array(column(rows, "root"))
-    y = np.array(list(map(math.log10, column(rows, "pressure"))))
+    x = np.array(values_of_key(rows, "root"))
+    y = np.array(list(map(math.log10, values_of_key(rows, "pressure"))))
     return FittedLine(
         -float(np.polyfit(x, y, 1)[0]), -float(np.corrcoef(x, y)[0, 1]), float(np.ptp(y))
     )
@@ -174,7 +174,7 @@ def estimate_row(
     seconds = time.perf_counter() - start
     # A solve to a tolerance always estimates its errors.
     assert response.error is not None
-    true = distance(response, reference)
+    true = largest_pressure_distance(response, reference)
     below = "converged; truth below what the reference knows"
     return {
         **row,
@@ -213,7 +213,7 @@ def convergence_rows(convergence: Convergence) -> list[Row]:
     return rows
 
 
-def rigid_limit(brake: Brake, elements: int) -> list[Row]:
+def rigid_limit_rows(brake: Brake, elements: int) -> list[Row]:
     """The sine law against finite elements with a nearly rigid shoe and a thin lining.
 
     `spread` is the range of p/sin(phi) over its mean; by the law it is zero. The last row has the
@@ -225,7 +225,7 @@ def rigid_limit(brake: Brake, elements: int) -> list[Row]:
     for spec, a, b in zip(rigid.shoes, law.shoes, fem.shoes, strict=True):
         # Five thicknesses from an end, p of an elastic lining is as inside.
         edge = 5 * spec.lining.thickness / rigid.size
-        ratio = amplitude(spec.frame.phi(b.theta), b, edge)
+        ratio = sine_amplitude(spec.frame.phi(b.theta), b, edge)
         rows.append(
             {
                 "rotation": brake.direction,
@@ -248,7 +248,7 @@ def rigid_limit(brake: Brake, elements: int) -> list[Row]:
     return rows
 
 
-def amplitude(phi: Floats, shoe: ShoeResponse, edge: float) -> Floats:
+def sine_amplitude(phi: Floats, shoe: ShoeResponse, edge: float) -> Floats:
     """p/sin(phi) [Pa] at the nodes that are farther than `edge` [rad] from both ends."""
     inside = (phi > phi.min() + edge) & (phi < phi.max() - edge)
     return np.asarray(shoe.pressure[inside] / np.sin(phi[inside]))

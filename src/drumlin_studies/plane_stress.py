@@ -24,12 +24,12 @@ from drumlin.fem.solid.face import ContactFace
 from drumlin.fem.solve import solve as by_elements
 from drumlin.foundation import model as foundation
 from drumlin.laws import LAWS, hinged, sine
-from drumlin.lining_wear.archard import WearLaw, run_on
-from drumlin.lining_wear.linings import fem_setup
+from drumlin.lining_wear.archard import WearLaw, wear_linings_in_given_steps
+from drumlin.lining_wear.linings import fem_wear_setup
 from drumlin.response.norms import pressure_distance, relative, vector_distance
 from drumlin.response.response import PressureOverWidth, Response, ShoeResponse, edge_zone
-from drumlin_studies.tables import column
-from drumlin_studies.uncertainty import Index, Validation, grid_convergence, validate
+from drumlin_studies.tables import values_of_key
+from drumlin_studies.uncertainty import Index, Validation, compare_with_data, grid_convergence
 
 WIDTH_QUANTITIES = {
     "torque": "torque",
@@ -47,7 +47,7 @@ READER_LIMITS = (0.01, 0.05, 0.20)
 """Relative errors for which the range of plane stress is told."""
 
 
-class Three(NamedTuple):
+class SolidAndPlane(NamedTuple):
     """The responses of a brake by solid shoes, plane stress, and plane stress with a correction.
 
     The correction is for the finite width.
@@ -59,7 +59,7 @@ class Three(NamedTuple):
     corrected: Response
 
 
-def solve(brake: Brake, elements: int, across: int | None = None) -> Three:
+def solve_by_three_models(brake: Brake, elements: int, across: int | None = None) -> SolidAndPlane:
     """A brake by all three models, on one mesh of the section.
 
     Parameters
@@ -72,17 +72,20 @@ def solve(brake: Brake, elements: int, across: int | None = None) -> Three:
         Elements across the width of the solid.
     """
     other = finite_width(brake)
-    return Three(
-        brake, _solid(brake, elements, across), _plane(brake, elements), _plane(other, elements)
+    return SolidAndPlane(
+        brake,
+        _solve_solid(brake, elements, across),
+        _solve_plane_stress(brake, elements),
+        _solve_plane_stress(other, elements),
     )
 
 
-def uneven(shoe: ShoeResponse, zone: float) -> float:
+def pressure_unevenness(shoe: ShoeResponse, zone: float) -> float:
     """How uneven p is across the width: its standard deviation over its mean.
 
     Both are root mean squares over the lining. A zone [rad] at each end of the lining is left out.
     """
-    theta, surface = shoe.theta, surface_of(shoe)
+    theta, surface = shoe.theta, solid_face_pressure(shoe)
     inside = (theta > theta[0] + zone) & (theta < theta[-1] - zone)
     weights = np.gradient(theta)[inside]
     z = surface.z
@@ -97,19 +100,19 @@ def uneven(shoe: ShoeResponse, zone: float) -> float:
     return float(np.sqrt(variance / size)) if size > 0 else 0.0
 
 
-def surface_of(shoe: ShoeResponse) -> PressureOverWidth:
+def solid_face_pressure(shoe: ShoeResponse) -> PressureOverWidth:
     """The pressure of a solid shoe on its face."""
     assert shoe.surface is not None
     return shoe.surface
 
 
-def highest(shoe: ShoeResponse, zone: float) -> float:
+def largest_face_pressure(shoe: ShoeResponse, zone: float) -> float:
     """The largest pressure on the face [Pa], without a zone [rad] at each end of the lining."""
     inside = (shoe.theta > shoe.theta[0] + zone) & (shoe.theta < shoe.theta[-1] - zone)
-    return float(surface_of(shoe).pressure[inside].max())
+    return float(solid_face_pressure(shoe).pressure[inside].max())
 
 
-def rows(three: Three, case: str = "") -> list[dict[str, Any]]:
+def plane_error_rows(three: SolidAndPlane, case: str = "") -> list[dict[str, Any]]:
     """A row for each shoe: relative errors of plane stress against the solid.
 
     Keys: `torque`; `pressure`, the L2 error of the mean over the width; `peak`, plane stress
@@ -127,23 +130,23 @@ def rows(three: Three, case: str = "") -> list[dict[str, Any]]:
             "shoe": true.name,
             "friction": "assists" if true.self_energising else "opposes",
             "solid_torque": true.torque,
-            "uneven": uneven(true, zone),
-            "mid_over_side": middle_over_side(true),
+            "uneven": pressure_unevenness(true, zone),
+            "mid_over_side": middle_over_side_pressure(true),
         }
         for name, found in (("", plane), ("corrected_", other)):
             row |= {
                 f"{name}torque": relative(found.torque, true.torque),
                 f"{name}pressure": pressure_distance(found, true, zone),
-                f"{name}peak": relative(found.peak_pressure, highest(true, zone)),
+                f"{name}peak": relative(found.peak_pressure, largest_face_pressure(true, zone)),
                 f"{name}reaction": vector_distance(found.hinge_reaction, true.hinge_reaction),
             }
         table.append(row)
     return table
 
 
-def middle_over_side(shoe: ShoeResponse) -> float:
+def middle_over_side_pressure(shoe: ShoeResponse) -> float:
     """Pressure at the mid-plane over the pressure at the sides, in the middle of the contact."""
-    p = surface_of(shoe).pressure
+    p = solid_face_pressure(shoe).pressure
     # Rows of nodes across the width that touch the drum with all nodes.
     pressed = np.flatnonzero((p > 0).all(axis=1))
     if not len(pressed):
@@ -152,13 +155,13 @@ def middle_over_side(shoe: ShoeResponse) -> float:
     return float(row[len(row) // 2] / row[-1])
 
 
-def worst(table: Sequence[dict[str, Any]], key: str) -> float:
+def largest_of_shoes(table: Sequence[dict[str, Any]], key: str) -> float:
     """The value of largest size among the rows of all shoes."""
-    return float(max(column(table, key), key=abs))
+    return float(max(values_of_key(table, key), key=abs))
 
 
 @dataclass(frozen=True)
-class Map:
+class PlaneErrorMap:
     """Relative errors of plane stress over two quantities.
 
     Attributes
@@ -200,7 +203,7 @@ class Map:
         return " or ".join(found) or "for no whole row or column of the map"
 
 
-def chart(
+def map_plane_errors(
     name: str,
     axes: tuple[str, str],
     brake_at: Callable[[float, float], Brake],
@@ -208,13 +211,13 @@ def chart(
     y: Sequence[float],
     elements: int,
     say: Callable[[str], None],
-) -> Map:
+) -> PlaneErrorMap:
     """The errors over a grid of brakes.
 
     Parameters
     ----------
     name, axes : str, tuple of two str
-        As of `Map`.
+        As of `PlaneErrorMap`.
     brake_at : function
         The brake for a value of each quantity.
     x, y : sequence of float
@@ -229,13 +232,13 @@ def chart(
     for j, b in enumerate(y):
         for i, a in enumerate(x):
             say(f"{name}: {j * len(x) + i} of {len(x) * len(y)}")
-            table = rows(solve(brake_at(a, b), elements))
+            table = plane_error_rows(solve_by_three_models(brake_at(a, b), elements))
             for key in keys:
-                errors[key][j, i] = worst(table, key)
-    return Map(name, axes, np.asarray(x), np.asarray(y), errors)
+                errors[key][j, i] = largest_of_shoes(table, key)
+    return PlaneErrorMap(name, axes, np.asarray(x), np.asarray(y), errors)
 
 
-def shares(charts: Sequence[Map]) -> list[dict[str, Any]]:
+def share_rows(charts: Sequence[PlaneErrorMap]) -> list[dict[str, Any]]:
     """A row for each quantity of each map: its largest error and the share within READER_LIMITS."""
     table = []
     for chart in charts:
@@ -248,7 +251,7 @@ def shares(charts: Sequence[Map]) -> list[dict[str, Any]]:
     return table
 
 
-class Certain(NamedTuple):
+class TorqueOnThreeMeshes(NamedTuple):
     """A torque on three meshes, each twice as fine as the one before.
 
     Attributes
@@ -272,7 +275,9 @@ class Certain(NamedTuple):
         return self.found.fine * abs(fine) if self.found else float(np.ptp(self.values))
 
 
-def certain(torque: Callable[[int], float], elements: Sequence[int]) -> Certain:
+def torque_on_three_meshes(
+    torque: Callable[[int], float], elements: Sequence[int]
+) -> TorqueOnThreeMeshes:
     """The torque on three meshes, coarse to fine, by a function of the number of elements."""
     values = tuple(map(torque, elements))
     # Without an order of convergence, the range of the values is the uncertainty.
@@ -280,17 +285,17 @@ def certain(torque: Callable[[int], float], elements: Sequence[int]) -> Certain:
         index = grid_convergence(*values[::-1])
     except ValueError:
         index = None
-    return Certain(tuple(elements), values, index)
+    return TorqueOnThreeMeshes(tuple(elements), values, index)
 
 
-def validation(plane: Certain, true: Certain) -> Validation:
+def validate_plane_stress(plane: TorqueOnThreeMeshes, true: TorqueOnThreeMeshes) -> Validation:
     """The error of plane stress against the solid, with the uncertainty of both meshes."""
-    return validate(
+    return compare_with_data(
         plane.values[-1], true.values[-1], numerical=plane.uncertainty, of_data=true.uncertainty
     )
 
 
-class Rung(NamedTuple):
+class TimeAndErrors(NamedTuple):
     """Time and errors of a model on a brake.
 
     Errors are relative and of the shoe with the largest error. That of the pressure is the L2 error
@@ -325,7 +330,9 @@ class ModelOnBrake(NamedTuple):
     solve: Callable[[], Response]
 
 
-def ladder(brake: Brake, fine: int, meshes: Sequence[int], solids: Sequence[int]) -> list[Rung]:
+def time_and_errors_of_models(
+    brake: Brake, fine: int, meshes: Sequence[int], solids: Sequence[int]
+) -> list[TimeAndErrors]:
     """Time and errors of laws, foundation model, plane stress and solids on a brake.
 
     The truths are a fine solid, and plane stress to 1e-4.
@@ -341,7 +348,7 @@ def ladder(brake: Brake, fine: int, meshes: Sequence[int], solids: Sequence[int]
     solids : sequence of int
         Elements along a lining of the solids.
     """
-    truths = _solid(brake, fine), by_elements(brake)
+    truths = _solve_solid(brake, fine), by_elements(brake)
     rungs = []
     for method, setting, solve_once in _models_on(brake, meshes, solids):
         seconds = []
@@ -353,12 +360,14 @@ def ladder(brake: Brake, fine: int, meshes: Sequence[int], solids: Sequence[int]
         errors: list[float] = []
         for truth in truths:
             errors += _largest_errors(brake, response, truth)
-        rungs.append(Rung(method, setting, float(np.median(seconds[1:] or seconds)), *errors))
+        rungs.append(
+            TimeAndErrors(method, setting, float(np.median(seconds[1:] or seconds)), *errors)
+        )
     return rungs
 
 
 def _models_on(brake: Brake, meshes: Sequence[int], solids: Sequence[int]) -> list[ModelOnBrake]:
-    """The models of `ladder`, from the laws to the finest solid."""
+    """The models of `time_and_errors_of_models`, from the laws to the finest solid."""
     models = []
     for name in ("sine", "cosine", "uniform"):
         models.append(ModelOnBrake(name, "", partial(hinged.solve, LAWS[name], brake)))
@@ -369,11 +378,11 @@ def _models_on(brake: Brake, meshes: Sequence[int], solids: Sequence[int]) -> li
     corrected = finite_width(brake)
     for n in meshes:
         setting = f"{n} elements"
-        models.append(ModelOnBrake("plane stress", setting, partial(_plane, brake, n)))
-        by_corrected = partial(_plane, corrected, n)
+        models.append(ModelOnBrake("plane stress", setting, partial(_solve_plane_stress, brake, n)))
+        by_corrected = partial(_solve_plane_stress, corrected, n)
         models.append(ModelOnBrake("plane stress, corrected", setting, by_corrected))
     for n in solids:
-        models.append(ModelOnBrake("solid", f"{n} elements", partial(_solid, brake, n)))
+        models.append(ModelOnBrake("solid", f"{n} elements", partial(_solve_solid, brake, n)))
     return models
 
 
@@ -387,12 +396,12 @@ def _largest_errors(brake: Brake, response: Response, truth: Response) -> tuple[
     return torque, pressure
 
 
-def _plane(brake: Brake, elements: int) -> Response:
+def _solve_plane_stress(brake: Brake, elements: int) -> Response:
     """The response of a brake in plane stress, on a mesh."""
     return respond(prepare(brake, elements=elements), brake)
 
 
-def _solid(brake: Brake, elements: int, across: int | None = None) -> Response:
+def _solve_solid(brake: Brake, elements: int, across: int | None = None) -> Response:
     """The response of a brake with solid shoes, on a mesh."""
     return respond(solid.prepare(brake, elements=elements, across=across), brake)
 
@@ -418,7 +427,7 @@ class WornSolid(NamedTuple):
     last: tuple[ShoeResponse, ...]
 
 
-def wear(
+def wear_solid_linings(
     brake: Brake, elements: int, distances: Sequence[float], across: int | None = None
 ) -> WornSolid:
     """Run the solid linings of a brake in by Archard's law of wear.
@@ -436,26 +445,28 @@ def wear(
     """
     scene = solid.prepare(brake, elements=elements, across=across)
     start, law = respond(scene, brake), sine(brake)
-    setup = fem_setup(scene, brake)
+    setup = fem_wear_setup(scene, brake)
     # With a wear coefficient of 1/Pa this is the distance 1/(k K).
     unit = 1 / setup.stiffness
-    states = run_on(setup.interfaces, WearLaw(1.0), [s * unit for s in distances[1:]])
+    states = wear_linings_in_given_steps(
+        setup.interfaces, WearLaw(1.0), [s * unit for s in distances[1:]]
+    )
     all_uneven, all_from_law, last = [], [], []
     for surface in setup.surfaces:
         line, first = scene.bodies[surface.shoe].line, start.shoes[surface.shoe]
         shoes = []
         for state in states:
             pressure = state.pressure[surface.part]
-            shoes.append(_worn(line, first, surface.forward, pressure))
+            shoes.append(_worn_shoe_response(line, first, surface.forward, pressure))
         zone = edge_zone(brake.shoes[surface.shoe], brake.scale_factor)
         by_law = law.shoes[surface.shoe]
-        all_uneven.append(tuple(uneven(shoe, zone) for shoe in shoes))
+        all_uneven.append(tuple(pressure_unevenness(shoe, zone) for shoe in shoes))
         all_from_law.append(tuple(pressure_distance(shoe, by_law, zone) for shoe in shoes))
         last.append(shoes[-1])
     return WornSolid(tuple(distances), tuple(all_uneven), tuple(all_from_law), tuple(last))
 
 
-def _worn(line: Any, first: ShoeResponse, forward: slice, p: Floats) -> ShoeResponse:
+def _worn_shoe_response(line: Any, first: ShoeResponse, forward: slice, p: Floats) -> ShoeResponse:
     """The response of a worn shoe.
 
     Parameters
@@ -476,7 +487,7 @@ def _worn(line: Any, first: ShoeResponse, forward: slice, p: Floats) -> ShoeResp
     return replace(first, pressure=mean[forward], surface=surface)
 
 
-def plain(brake: Brake, width: float, modulus: float) -> Brake:
+def plain_brake(brake: Brake, width: float, modulus: float) -> Brake:
     """The brake with one width [m] and no table, its lining of this modulus [Pa]."""
     return vary(
         brake,
@@ -489,7 +500,9 @@ def plain(brake: Brake, width: float, modulus: float) -> Brake:
     )
 
 
-def along(curves: Mapping[str, Sequence[tuple[float, list[dict[str, Any]]]]]) -> list[str]:
+def sentences_on_curves(
+    curves: Mapping[str, Sequence[tuple[float, list[dict[str, Any]]]]],
+) -> list[str]:
     """Sentences on where plane stress has its largest errors, one for each quantity that varies.
 
     curves : by name of the quantity its values, each with the rows of the brake.
@@ -499,14 +512,14 @@ def along(curves: Mapping[str, Sequence[tuple[float, list[dict[str, Any]]]]]) ->
         largest = []
         for key, said in SAID.items():
             # Of equal errors, that at the largest value of the quantity is told.
-            error, at = max((abs(worst(table, key)), at) for at, table in points)
+            error, at = max((abs(largest_of_shoes(table, key)), at) for at, table in points)
             largest.append(f"{said} by {formatted(error, '.1%')} (at {at:g})")
         values = f"{name} from {points[0][0]:g} to {points[-1][0]:g}"
         lines.append(f"T-section over {values}, off at most: {', '.join(largest)}")
     return lines
 
 
-def sentence(charts: Sequence[Map]) -> list[str]:
+def sentences_on_maps(charts: Sequence[PlaneErrorMap]) -> list[str]:
     """Sentences on the ranges in which plane stress is within READER_LIMITS, for each map."""
     lines = []
     for chart in charts:
@@ -514,12 +527,12 @@ def sentence(charts: Sequence[Map]) -> list[str]:
         worst_of = torque.ravel()[np.abs(torque).argmax()]
         for key, said in SAID.items():
             end = f" (at worst {formatted(worst_of, '+.1%')})" if key == "torque" else ""
-            parts = "; ".join(_ranges(chart, key))
+            parts = "; ".join(_range_within_limits(chart, key))
             lines.append(f"{chart.name}: plane stress has {said}{end} within {parts}")
     return lines
 
 
-def _ranges(chart: Map, key: str) -> list[str]:
+def _range_within_limits(chart: PlaneErrorMap, key: str) -> list[str]:
     """The range of a map within each of READER_LIMITS, up to the first that holds everywhere."""
     parts = []
     for limit in READER_LIMITS:

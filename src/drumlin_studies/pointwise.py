@@ -43,7 +43,7 @@ MOST_POINT_STEPS = 60
 """Newton steps after which the contact counts as not converged."""
 
 
-def solve(
+def solve_by_pointwise_penalty(
     brake: Brake,
     *,
     elements: int = ELEMENTS,
@@ -99,7 +99,7 @@ def solve(
 
 
 @dataclass(frozen=True)
-class _Points:
+class _ContactPoints:
     """Quadrature points of the contact.
 
     Attributes
@@ -152,10 +152,10 @@ def _solve_shoe(
     force = abs(shoe.actuation.force)
     with clock(seconds, "contact"):
         A = (parts.constraints.matrix.T @ parts.K @ parts.constraints.matrix).tocsc()
-        points = _points(parts, brake, shoe, drag)
+        points = _contact_points(parts, brake, shoe, drag)
         # Displacements of all unknowns as the shoe turns about its pin by 1 rad.
         turned = np.zeros(A.shape[0])
-        turned[2 * -len(parts.line.nodes) - FRAME : -FRAME] = _turn(parts, shoe)
+        turned[2 * -len(parts.line.nodes) - FRAME : -FRAME] = _displacement_per_turn(parts, shoe)
         turned[-1] = 1.0
         if force == 0 or not (moment * (points.closing @ turned) > 0).any():
             return PointwiseAnswer(untouched(shoe, -shoe.actuation.vector), Balance(0.0, 0.0), 0)
@@ -163,7 +163,7 @@ def _solve_shoe(
         free = np.delete(np.arange(A.shape[0]), [-FRAME, 1 - FRAME])
         load = force * (parts.loads[ACTUATION] @ parts.columns.factors_of(ACTUATION, unit))
         stiffness = contact_stiffness(shoe, penalty)
-        contact_state = _newton(A, load, points, stiffness, free, shoe.name)
+        contact_state = _solve_by_newton(A, load, points, stiffness, free, shoe.name)
         u, on = contact_state.u, contact_state.touching
         p = np.where(on, stiffness * (points.closing @ u - points.gap), 0.0)
         nodal = points.pushing.T @ (points.weight * p)
@@ -184,11 +184,11 @@ def _solve_shoe(
     friction_work = float((points.weight * p) @ ((points.pushing + points.closing) @ turned))
     to_brake, turn = shoe.frame.to_brake(reaction), float(u[-1])
     assists = friction_work * moment > 0
-    response = _response(shoe, points, p, abs(drag), to_brake, assists, turn)
+    response = _shoe_response(shoe, points, p, abs(drag), to_brake, assists, turn)
     return PointwiseAnswer(response, balance, contact_state.steps)
 
 
-def _points(parts: Assembled, brake: Brake, shoe: Shoe, drag: float) -> _Points:
+def _contact_points(parts: Assembled, brake: Brake, shoe: Shoe, drag: float) -> _ContactPoints:
     """The quadrature points of a shoe, with the drag of friction along growing angles."""
     line = parts.line
     at, weights = np.polynomial.legendre.leggauss(line.order + 1)
@@ -212,7 +212,7 @@ def _points(parts: Assembled, brake: Brake, shoe: Shoe, drag: float) -> _Points:
             (values.ravel(), (rows.ravel(), columns.ravel())), shape=(edges * q, unknowns)
         )
 
-    return _Points(
+    return _ContactPoints(
         weight=(shoe.lining.width * ds).ravel(),
         phi=phi.ravel(),
         radius=radius.ravel(),
@@ -222,7 +222,7 @@ def _points(parts: Assembled, brake: Brake, shoe: Shoe, drag: float) -> _Points:
     )
 
 
-def _turn(parts: Assembled, shoe: Shoe) -> Floats:
+def _displacement_per_turn(parts: Assembled, shoe: Shoe) -> Floats:
     """Displacement (2n,) of the contact nodes per angle of turn about the pin [m/rad]."""
     x, y = parts.line.xy - shoe.own_pin[:, None]
     return np.column_stack([-y, x]).ravel()
@@ -236,8 +236,8 @@ class _PointContact(NamedTuple):
     steps: int
 
 
-def _newton(
-    A: Any, load: Floats, points: _Points, stiffness: float, free: Ints, name: str
+def _solve_by_newton(
+    A: Any, load: Floats, points: _ContactPoints, stiffness: float, free: Ints, name: str
 ) -> _PointContact:
     """The contact by Newton's method, which starts with all points touching.
 
@@ -291,9 +291,9 @@ def _newton(
     )
 
 
-def _response(
+def _shoe_response(
     shoe: Shoe,
-    points: _Points,
+    points: _ContactPoints,
     p: Floats,
     friction: float,
     reaction: Floats,

@@ -24,7 +24,7 @@ from drumlin.fem.model import respond
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.solve import solve
 from drumlin.laws import sine
-from drumlin.lining_wear.worn_in import worn_in_foundation
+from drumlin.lining_wear.worn_in import worn_in_foundation_brake
 from drumlin.response.merit import with_merits
 from drumlin.response.norms import relative
 from drumlin.response.response import Merit, Response
@@ -90,14 +90,14 @@ class ErrorMap:
     error: Floats
 
 
-def torques(response: Response) -> Floats:
+def shoe_torques(response: Response) -> Floats:
     """Torque of each shoe (shoes,) [N m]."""
     return np.array([shoe.torque for shoe in response.shoes])
 
 
-def worst(response: Response, true: Response) -> float:
+def largest_torque_error(response: Response, true: Response) -> float:
     """The relative error of largest size among the torques of the shoes."""
-    errors = torques(response) / torques(true) - 1
+    errors = shoe_torques(response) / shoe_torques(true) - 1
     return float(errors[np.argmax(np.abs(errors))])
 
 
@@ -116,7 +116,7 @@ def lift_rows(brake: Brake, fem: Response) -> list[dict[str, Any]]:
     return rows
 
 
-def with_clearance(brake: Brake, gap: Callable[[Floats], Floats]) -> Brake:
+def brake_with_clearance(brake: Brake, gap: Callable[[Floats], Floats]) -> Brake:
     """The brake with a clearance on every lining.
 
     gap : clearance [m] over the angle from the beam's normal [rad].
@@ -130,7 +130,7 @@ def with_clearance(brake: Brake, gap: Callable[[Floats], Floats]) -> Brake:
     return vary(brake, changes)
 
 
-def radius_gap(brake: Brake, larger: float) -> Brake:
+def brake_with_other_lining_radius(brake: Brake, larger: float) -> Brake:
     """The brake with linings of another radius, which touch the drum in one place.
 
     larger : radius of the lining less that of the drum [m]. A larger lining touches with its
@@ -138,33 +138,35 @@ def radius_gap(brake: Brake, larger: float) -> Brake:
     """
     end = math.cos(0.5 * (brake.shoes[0].lining.end - brake.shoes[0].lining.start))
     zero_at = 1.0 if larger > 0 else end
-    return with_clearance(brake, lambda theta: larger * (zero_at - np.cos(theta)))
+    return brake_with_clearance(brake, lambda theta: larger * (zero_at - np.cos(theta)))
 
 
 def clearance_rows(brake: Brake, scene: PreparedModel) -> list[dict[str, Any]]:
     """Rows on clearances: linings that fit, of another radius, displaced, and worn in."""
     cases = {
         "fits": brake,
-        "new lining, radius 1 mm larger": radius_gap(brake, 1e-3),
-        "new lining, radius 1 mm smaller": radius_gap(brake, -1e-3),
-        "set 1 mm towards the loaded end": with_clearance(
+        "new lining, radius 1 mm larger": brake_with_other_lining_radius(brake, 1e-3),
+        "new lining, radius 1 mm smaller": brake_with_other_lining_radius(brake, -1e-3),
+        "set 1 mm towards the loaded end": brake_with_clearance(
             brake, lambda theta: 1e-3 * (np.sin(theta) - np.sin(theta).min())
         ),
-        "set 1 mm towards the hinge": with_clearance(
+        "set 1 mm towards the hinge": brake_with_clearance(
             brake, lambda theta: 1e-3 * (np.sin(theta).max() - np.sin(theta))
         ),
-        "worn in": worn_in_foundation(brake, lift=ALL_LIFTS),
+        "worn in": worn_in_foundation_brake(brake, lift=ALL_LIFTS),
     }
     nominal, rows = sine(brake), []
     for case, varied in cases.items():
         answers = {"fem": respond(scene, varied), "lifted": POST_MODELS["lifted"](varied)}
         for model, response in answers.items():
             base = {"case": case, "model": MODEL_NAMES[model]}
-            rows += [base | row for row in _clearance_rows(varied, response, nominal)]
+            rows += [base | row for row in _shoe_rows_of_clearance(varied, response, nominal)]
     return rows
 
 
-def _clearance_rows(brake: Brake, response: Response, law: Response) -> list[dict[str, Any]]:
+def _shoe_rows_of_clearance(
+    brake: Brake, response: Response, law: Response
+) -> list[dict[str, Any]]:
     """A row for each shoe of a response, against the sine law of the brake that fits."""
     rows = []
     merits = with_merits(brake, response).merits
@@ -185,20 +187,20 @@ def _clearance_rows(brake: Brake, response: Response, law: Response) -> list[dic
     return rows
 
 
-def radius_errors(brake: Brake, scene: PreparedModel, errors: Floats) -> Offsets:
+def torque_over_radius_error(brake: Brake, scene: PreparedModel, errors: Floats) -> Offsets:
     """Torques over the radius of the lining, relative to the sine law, minus 1.
 
     errors : radius of the lining less that of the drum (n,) [m].
     """
-    nominal = torques(sine(brake))
+    nominal = shoe_torques(sine(brake))
     found: Offsets = {}
     # The sine law knows no clearance and is the measure here.
     solvers: dict[str, Solver] = {**POST_MODELS, "fem": partial(respond, scene)}
     del solvers["sine"]
     for larger in errors.tolist():
-        varied = radius_gap(brake, larger)
+        varied = brake_with_other_lining_radius(brake, larger)
         for name, solver in solvers.items():
-            off = torques(solver(varied)) / nominal - 1
+            off = shoe_torques(solver(varied)) / nominal - 1
             for shoe, error in zip(brake.shoes, off.tolist(), strict=True):
                 of_shoe = found.setdefault(shoe.name, {})
                 of_shoe.setdefault(name, []).append((larger, error))
@@ -223,7 +225,7 @@ def merits_over_friction(brake: Brake, scene: PreparedModel, friction: Floats) -
     return found
 
 
-def with_arc(brake: Brake, half: float) -> dict[str, float]:
+def lining_arc_changes(brake: Brake, half: float) -> dict[str, float]:
     """Changes by which each lining has an arc of +-half [deg] about its middle."""
     changes = {}
     for i, shoe in enumerate(brake.shoes):
@@ -239,24 +241,25 @@ def assumption_rows(brake: Brake, elements: int) -> list[dict[str, Any]]:
     The first brake meets all assumptions. Each row has the relative errors of the torque by
     COMPARED_MODELS, of the shoe with the largest error.
     """
-    base = vary(brake, MATCHED_ASSUMPTIONS | with_arc(brake, 15))
+    base = vary(brake, MATCHED_ASSUMPTIONS | lining_arc_changes(brake, 15))
     ring = brake.ring
     assert ring is not None
     cases: dict[str, dict[str, Any]] = {
         "all met: 30 deg of arc, E/t of lining 1/36 of the block's, nu = 0": {},
-        "60 deg of arc": with_arc(brake, 30),
-        "80 deg of arc": with_arc(brake, 40),
+        "60 deg of arc": lining_arc_changes(brake, 30),
+        "80 deg of arc": lining_arc_changes(brake, 40),
         "nu = 0.45 in lining and block": {
             "shoe.lining.material.nu": 0.45,
             "shoe.backing.material.nu": 0.45,
         },
         "lining 100 times stiffer: the block is the spring": {"shoe.lining.material.E": 2e8},
-        "the same, 80 deg of arc": {"shoe.lining.material.E": 2e8} | with_arc(brake, 40),
+        "the same, 80 deg of arc": {"shoe.lining.material.E": 2e8} | lining_arc_changes(brake, 40),
         "beam 10 times softer": {"shoe.body.bending_stiffness": 4.5e7},
         "beam 10 times softer, 80 deg of arc": {"shoe.body.bending_stiffness": 4.5e7}
-        | with_arc(brake, 40),
+        | lining_arc_changes(brake, 40),
         "elastic ring": {"drum.ring": ring.model_dump()},
-        "elastic ring, 80 deg of arc": {"drum.ring": ring.model_dump()} | with_arc(brake, 40),
+        "elastic ring, 80 deg of arc": {"drum.ring": ring.model_dump()}
+        | lining_arc_changes(brake, 40),
         "the brake of this study": brake.model_dump(by_alias=True),
     }
     rows = []
@@ -265,12 +268,12 @@ def assumption_rows(brake: Brake, elements: int) -> list[dict[str, Any]]:
         fem = solve(varied, elements=elements)
         row: dict[str, Any] = {"case": case}
         for name in COMPARED_MODELS:
-            row[name] = worst(TILT_AND_MODELS[name](varied), fem)
+            row[name] = largest_torque_error(TILT_AND_MODELS[name](varied), fem)
         rows.append(row)
     return rows
 
 
-def groups(brake: Brake) -> tuple[float, float]:
+def dimensionless_groups(brake: Brake) -> tuple[float, float]:
     """The groups k R^4/EI of beam and ring, where k is the layers' stiffness per length of arc."""
     shoe, ring, R = brake.shoes[0], brake.ring, brake.size
     assert shoe.backing is not None and shoe.body is not None and ring is not None
@@ -304,21 +307,21 @@ def error_maps(
     rows, places = [], []
     for said, layers in (("soft lining", soft_lining), ("wooden block", {})):
         varied = vary(brake, layers)
-        error = _errors_over(varied, x, y, elements)
+        error = _errors_over_groups(varied, x, y, elements)
         maps = []
         for name in MAPPED_MODELS:
             maps.append(ErrorMap(f"{MODEL_NAMES[name]}, {said}", x, y, error[name]))
         rows.append(maps)
-        places.append(groups(varied))
+        places.append(dimensionless_groups(varied))
     return rows, places
 
 
-def _errors_over(brake: Brake, x: Floats, y: Floats, elements: int) -> dict[str, Floats]:
+def _errors_over_groups(brake: Brake, x: Floats, y: Floats, elements: int) -> dict[str, Floats]:
     """Errors (m, n) of each model over the groups of the beam (n,) and of the ring (m,).
 
     An error is nan where a model has no answer.
     """
-    beam, ring = groups(brake)
+    beam, ring = dimensionless_groups(brake)
     body = brake.shoes[0].body
     assert brake.ring is not None and body is not None
     # Bending stiffnesses [N m^2] of the beam and of the ring for which the groups are 1.
@@ -334,7 +337,7 @@ def _errors_over(brake: Brake, x: Floats, y: Floats, elements: int) -> dict[str,
             try:
                 fem = solve(varied, elements=elements)
                 for name, model in POST_MODELS.items():
-                    error[name][i, j] = worst(model(varied), fem)
+                    error[name][i, j] = largest_torque_error(model(varied), fem)
             except NoAnswer:
                 continue
     return error
@@ -381,7 +384,7 @@ def grid_rows(brake: Brake, repeats: int) -> list[dict[str, Any]]:
     return rows
 
 
-def beam_curves(
+def beam_deflections(
     scene: PreparedModel, brake: Brake, responses: Mapping[str, Response]
 ) -> list[dict[str, Curve]]:
     """Deflection [m] along the beam [m] of each shoe, by model.
@@ -400,7 +403,7 @@ def beam_curves(
     return made
 
 
-def rim_curves(
+def rim_displacements(
     scene: PreparedModel, brake: Brake, responses: Mapping[str, Response]
 ) -> tuple[dict[str, Curve], dict[str, Curve]]:
     """Radial displacement [m] of the rim over the angle [rad].

@@ -63,18 +63,18 @@ def random_brake(seed: int, kind: str | None = None) -> Brake:
         No brake of the kind passes in SHAPE_ATTEMPTS draws.
     """
     if kind in LOCKING_KINDS:
-        return _one_shoe(seed, str(kind))
+        return _draw_near_locking_brake(seed, str(kind))
     names = list(SHAPE_KINDS)
     kind = names[seed % len(names)] if kind is None else kind
     for attempt in range(SHAPE_ATTEMPTS):
         rng = np.random.default_rng([seed, names.index(kind), attempt])
-        brake = _attempt(rng, kind, f"random {kind} {seed}")
+        brake = _try_drawing_brake(rng, kind, f"random {kind} {seed}")
         if brake is not None:
             return brake
     raise NoAnswer(f"no brake of kind {kind} from seed {seed} in {SHAPE_ATTEMPTS} attempts")
 
 
-def _attempt(rng: np.random.Generator, kind: str, title: str) -> Brake | None:
+def _try_drawing_brake(rng: np.random.Generator, kind: str, title: str) -> Brake | None:
     """A brake of a kind, or None where the draw makes no brake whose shoes all press."""
     data = SHAPE_KINDS[kind](rng)
     drawn_friction, rotation = rng.uniform(0.02, 0.6), str(rng.choice(SENSES))
@@ -85,27 +85,29 @@ def _attempt(rng: np.random.Generator, kind: str, title: str) -> Brake | None:
         locking = min(locking_friction(brake, shoe) for shoe in brake.shoes)
         friction = 0.0 if without_friction else min(drawn_friction, BELOW_LOCKING * locking)
         brake = vary(brake, {"friction": float(f"{friction:.4g}")})
-        presses = _all_press(brake, SHAPE_FRICTION_MARGIN) and _all_press(brake, 1.0)
+        presses = _do_all_shoes_press(brake, SHAPE_FRICTION_MARGIN) and _do_all_shoes_press(
+            brake, 1.0
+        )
     except (BadInput, NoAnswer):
         return None
     return brake if presses else None
 
 
-def _all_press(brake: Brake, factor: float) -> bool:
+def _do_all_shoes_press(brake: Brake, factor: float) -> bool:
     """Whether all shoes touch the drum when the friction is multiplied by a factor."""
     varied = vary(brake, {"friction": factor * brake.friction})
     response = solve(varied, elements=SHAPE_TRIAL_ELEMENTS)
     return all(shoe.contact_arcs for shoe in response.shoes)
 
 
-def _power_of_ten(rng: np.random.Generator, low: float, high: float) -> float:
+def _draw_log_uniform(rng: np.random.Generator, low: float, high: float) -> float:
     """A number between 10^low and 10^high, even on a logarithmic scale, of four digits."""
     return float(f"{10 ** rng.uniform(low, high):.4g}")
 
 
-def _material(rng: np.random.Generator, low: float, high: float) -> dict[str, float]:
+def _draw_material(rng: np.random.Generator, low: float, high: float) -> dict[str, float]:
     """A material whose Young's modulus lies between 10^low and 10^high Pa."""
-    return {"E": _power_of_ten(rng, low, high), "nu": round(float(rng.uniform(0.0, 0.45)), 3)}
+    return {"E": _draw_log_uniform(rng, low, high), "nu": round(float(rng.uniform(0.0, 0.45)), 3)}
 
 
 class ShoeOnArc(NamedTuple):
@@ -135,7 +137,7 @@ class ShoeOnArc(NamedTuple):
     largest_angle: float = 2.9
 
 
-def _arc_shoe(rng: np.random.Generator, R: float, ranges: ShoeOnArc) -> dict[str, Any]:
+def _draw_arc_shoe(rng: np.random.Generator, R: float, ranges: ShoeOnArc) -> dict[str, Any]:
     """A shoe whose lining lies on an arc, from its hinge at a random angle."""
     u = rng.uniform
     inside = bool(rng.random() < 0.6)
@@ -148,8 +150,8 @@ def _arc_shoe(rng: np.random.Generator, R: float, ranges: ShoeOnArc) -> dict[str
     start, end = sorted([hinge_angle + hand * gap, hinge_angle + hand * (gap + span)])
     far = hinge_angle + hand * (gap + span)
     # Width and thickness of the lining follow the radius of the drum.
-    width = R * _power_of_ten(rng, -0.9, -0.2)
-    thickness = R * _power_of_ten(rng, *ranges.thickness)
+    width = R * _draw_log_uniform(rng, -0.9, -0.2)
+    thickness = R * _draw_log_uniform(rng, *ranges.thickness)
     shoe: dict[str, Any] = {
         "name": "shoe",
         "side": "internal" if inside else "external",
@@ -159,7 +161,7 @@ def _arc_shoe(rng: np.random.Generator, R: float, ranges: ShoeOnArc) -> dict[str
             "end": end,
             "thickness": thickness,
             "width": width,
-            "material": _material(rng, *ranges.modulus),
+            "material": _draw_material(rng, *ranges.modulus),
         },
         "actuation": {
             "direction": far + (0 if inside else math.pi) + u(-0.6, 0.6),
@@ -171,46 +173,49 @@ def _arc_shoe(rng: np.random.Generator, R: float, ranges: ShoeOnArc) -> dict[str
     }
     if ranges.backing:
         shoe["backing"] = {
-            "thickness": R * _power_of_ten(rng, -2.3, -1.0),
-            "material": _material(rng, 8.7, 11.3),
+            "thickness": R * _draw_log_uniform(rng, -2.3, -1.0),
+            "material": _draw_material(rng, 8.7, 11.3),
         }
     if ranges.body:
         # The body reaches beyond the lining, at the hinge by a part of the gap.
         overhang = [gap * u(0.1, 0.9), u(0.005, 0.12)][::hand]
         shoe["body"] = {
-            "thickness": R * _power_of_ten(rng, *ranges.body_thickness),
-            "width": width * _power_of_ten(rng, -0.8, 0.2),
+            "thickness": R * _draw_log_uniform(rng, *ranges.body_thickness),
+            "width": width * _draw_log_uniform(rng, -0.8, 0.2),
             "start": start - overhang[0],
             "end": end + overhang[1],
-            "material": _material(rng, *ranges.body_modulus),
+            "material": _draw_material(rng, *ranges.body_modulus),
         }
-    shoe["actuation"]["force"] = _force(rng, shoe, R)
+    shoe["actuation"]["force"] = _draw_force(rng, shoe, R)
     return shoe
 
 
-def _force(rng: np.random.Generator, shoe: dict[str, Any], R: float) -> float:
+def _draw_force(rng: np.random.Generator, shoe: dict[str, Any], R: float) -> float:
     """A force [N] whose mean pressure is 1e-4 to 1e-2 of the lining's modulus.
 
     The mean is taken over a third of the lining.
     """
     lining = shoe["lining"]
-    pressure = lining["material"]["E"] * _power_of_ten(rng, -4, -2)
+    pressure = lining["material"]["E"] * _draw_log_uniform(rng, -4, -2)
     return float(f"{pressure * R * (lining['end'] - lining['start']) * lining['width'] / 3:.4g}")
 
 
-def _compression(shoe: dict[str, Any], R: float) -> float:
+def _mean_lining_compression(shoe: dict[str, Any], R: float) -> float:
     """By how much the shoe's force compresses its lining [m], as a mean over the lining."""
     lining = shoe["lining"]
     area = R * (lining["end"] - lining["start"]) * lining["width"]
     return shoe["actuation"]["force"] / area * lining["thickness"] / lining["material"]["E"]
 
 
-def _post(rng: np.random.Generator, R: float) -> dict[str, Any]:
+def _draw_post(rng: np.random.Generator, R: float) -> dict[str, Any]:
     """A straight beam outside the drum, with a block between the beam and the lining."""
     u = rng.uniform
     # The beam's normal through the drum's centre has the angle `turn`; the hinge lies at its foot.
     turn, hand = u(-math.pi, math.pi), int(rng.choice([-1, 1]))
-    thickness, depth = R * _power_of_ten(rng, -2.2, -1.1), R * _power_of_ten(rng, -0.9, -0.35)
+    thickness, depth = (
+        R * _draw_log_uniform(rng, -2.2, -1.1),
+        R * _draw_log_uniform(rng, -0.9, -0.35),
+    )
     back = R + thickness
     distance = back + R * u(0.04, 0.3) + depth / 2
     half = u(0.25, 0.85)
@@ -225,7 +230,7 @@ def _post(rng: np.random.Generator, R: float) -> dict[str, Any]:
 
     # The lining lies about the foot of the normal.
     start, end = sorted([turn + hand * first, turn + hand * last])
-    width = R * _power_of_ten(rng, -0.9, -0.3)
+    width = R * _draw_log_uniform(rng, -0.9, -0.3)
     shoe: dict[str, Any] = {
         "name": "shoe",
         "side": "external",
@@ -235,31 +240,33 @@ def _post(rng: np.random.Generator, R: float) -> dict[str, Any]:
             "end": end,
             "thickness": thickness,
             "width": width,
-            "material": _material(rng, 7.7, 9.3),
+            "material": _draw_material(rng, 7.7, 9.3),
         },
-        "backing": {"thickness": 0.2 * R, "material": _material(rng, 8.5, 11.0)},
+        "backing": {"thickness": 0.2 * R, "material": _draw_material(rng, 8.5, 11.0)},
         "body": {
             "shape": "beam",
             "thickness": depth,
-            "width": width * _power_of_ten(rng, -0.9, 0.2),
-            "material": _material(rng, 9.8, 11.4),
+            "width": width * _draw_log_uniform(rng, -0.9, 0.2),
+            "material": _draw_material(rng, 9.8, 11.4),
         },
         "actuation": {"direction": turn + math.pi + u(-0.4, 0.4), "point": point(far)},
     }
-    shoe["actuation"]["force"] = _force(rng, shoe, R)
+    shoe["actuation"]["force"] = _draw_force(rng, shoe, R)
     return shoe
 
 
-def _mirrored(shoe: dict[str, Any], about: float) -> dict[str, Any]:
+def _mirror_shoe(shoe: dict[str, Any], about: float) -> dict[str, Any]:
     """The mirror image of a shoe about the line through the drum's centre at an angle [rad]."""
     c, s = math.cos(2 * about), math.sin(2 * about)
 
     def mirrored_point(point: dict[str, float]) -> dict[str, float]:
+        """The mirror image of a point."""
         if "radius" in point:
             return {"radius": point["radius"], "angle": 2 * about - point["angle"]}
         return {"x": c * point["x"] + s * point["y"], "y": s * point["x"] - c * point["y"]}
 
     def mirrored_arc(part: dict[str, Any]) -> dict[str, Any]:
+        """The part with its arc mirrored."""
         if "start" not in part:
             return part
         return part | {"start": 2 * about - part["end"], "end": 2 * about - part["start"]}
@@ -278,76 +285,90 @@ def _mirrored(shoe: dict[str, Any], about: float) -> dict[str, Any]:
     return other | ({"body": mirrored_arc(shoe["body"])} if "body" in shoe else {})
 
 
-def _ring(rng: np.random.Generator, R: float, width: float) -> dict[str, Any]:
+def _draw_ring(rng: np.random.Generator, R: float, width: float) -> dict[str, Any]:
     """An elastic drum ring beside a lining of a width [m]."""
     return {
-        "thickness": R * _power_of_ten(rng, -1.5, -0.7),
-        "width": width * _power_of_ten(rng, -0.2, 0.3),
-        "material": _material(rng, 10.0, 11.4),
+        "thickness": R * _draw_log_uniform(rng, -1.5, -0.7),
+        "width": width * _draw_log_uniform(rng, -0.2, 0.3),
+        "material": _draw_material(rng, 10.0, 11.4),
         "support": str(rng.choice(["fixed", "free"])),
     }
 
 
-def _radius(rng: np.random.Generator) -> float:
+def _draw_radius(rng: np.random.Generator) -> float:
     """A drum's radius between 20 mm and 2.8 m [m]."""
-    return _power_of_ten(rng, -1.7, 0.45)
+    return _draw_log_uniform(rng, -1.7, 0.45)
 
 
-def _arc(rng: np.random.Generator) -> dict[str, Any]:
-    R = _radius(rng)
-    return {"drum": {"radius": R}, "shoe": [_arc_shoe(rng, R, ShoeOnArc())]}
+def _draw_arc_brake(rng: np.random.Generator) -> dict[str, Any]:
+    """The data of a brake with one shoe on an arc."""
+    R = _draw_radius(rng)
+    return {"drum": {"radius": R}, "shoe": [_draw_arc_shoe(rng, R, ShoeOnArc())]}
 
 
-def _backed(rng: np.random.Generator) -> dict[str, Any]:
-    R = _radius(rng)
-    return {"drum": {"radius": R}, "shoe": [_arc_shoe(rng, R, ShoeOnArc(backing=True))]}
+def _draw_backed_brake(rng: np.random.Generator) -> dict[str, Any]:
+    """The data of a brake with one shoe on an arc, with a backing."""
+    R = _draw_radius(rng)
+    return {"drum": {"radius": R}, "shoe": [_draw_arc_shoe(rng, R, ShoeOnArc(backing=True))]}
 
 
-def _rigid(rng: np.random.Generator) -> dict[str, Any]:
-    R = _radius(rng)
+def _draw_rigid_brake(rng: np.random.Generator) -> dict[str, Any]:
+    """The data of a brake with one rigid shoe."""
+    R = _draw_radius(rng)
     ranges = ShoeOnArc(body=False, backing=rng.random() < 0.5)
-    return {"drum": {"radius": R}, "shoe": [_arc_shoe(rng, R, ranges)]}
+    return {"drum": {"radius": R}, "shoe": [_draw_arc_shoe(rng, R, ranges)]}
 
 
-def _post_brake(rng: np.random.Generator) -> dict[str, Any]:
-    R = _radius(rng)
-    return {"drum": {"radius": R}, "shoe": [_post(rng, R)]}
+def _draw_post_brake(rng: np.random.Generator) -> dict[str, Any]:
+    """The data of a brake with one straight beam."""
+    R = _draw_radius(rng)
+    return {"drum": {"radius": R}, "shoe": [_draw_post(rng, R)]}
 
 
-def _post_ring(rng: np.random.Generator) -> dict[str, Any]:
+def _draw_posts_on_ring(rng: np.random.Generator) -> dict[str, Any]:
     """One post on a ring, or two that face each other."""
-    R = _radius(rng)
-    shoe = _post(rng, R)
+    R = _draw_radius(rng)
+    shoe = _draw_post(rng, R)
     middle = 0.5 * (shoe["lining"]["start"] + shoe["lining"]["end"])
-    shoes = [shoe, _mirrored(shoe, middle + math.pi / 2)] if rng.random() < 0.4 else [shoe]
-    return {"drum": {"radius": R, "ring": _ring(rng, R, shoe["lining"]["width"])}, "shoe": shoes}
+    shoes = [shoe, _mirror_shoe(shoe, middle + math.pi / 2)] if rng.random() < 0.4 else [shoe]
+    return {
+        "drum": {"radius": R, "ring": _draw_ring(rng, R, shoe["lining"]["width"])},
+        "shoe": shoes,
+    }
 
 
-def _arc_ring(rng: np.random.Generator) -> dict[str, Any]:
-    R = _radius(rng)
-    shoe = _arc_shoe(rng, R, ShoeOnArc())
-    return {"drum": {"radius": R, "ring": _ring(rng, R, shoe["lining"]["width"])}, "shoe": [shoe]}
+def _draw_arc_shoe_on_ring(rng: np.random.Generator) -> dict[str, Any]:
+    """The data of a brake with one shoe on an elastic ring."""
+    R = _draw_radius(rng)
+    shoe = _draw_arc_shoe(rng, R, ShoeOnArc())
+    return {
+        "drum": {"radius": R, "ring": _draw_ring(rng, R, shoe["lining"]["width"])},
+        "shoe": [shoe],
+    }
 
 
-def _linings_on_ring(rng: np.random.Generator) -> dict[str, Any]:
+def _draw_two_shoes_on_ring(rng: np.random.Generator) -> dict[str, Any]:
     """Two shoes on a ring, mirror images about their common hinge."""
-    R = _radius(rng)
-    shoe = _arc_shoe(rng, R, ShoeOnArc(arc=(0.3, 2.2), largest_angle=2.6))
-    shoes = [shoe, _mirrored(shoe, shoe["hinge"]["angle"])]
-    return {"drum": {"radius": R, "ring": _ring(rng, R, shoe["lining"]["width"])}, "shoe": shoes}
+    R = _draw_radius(rng)
+    shoe = _draw_arc_shoe(rng, R, ShoeOnArc(arc=(0.3, 2.2), largest_angle=2.6))
+    shoes = [shoe, _mirror_shoe(shoe, shoe["hinge"]["angle"])]
+    return {
+        "drum": {"radius": R, "ring": _draw_ring(rng, R, shoe["lining"]["width"])},
+        "shoe": shoes,
+    }
 
 
-def _maybe_backed(rng: np.random.Generator, R: float) -> dict[str, Any]:
+def _draw_maybe_backed_shoe(rng: np.random.Generator, R: float) -> dict[str, Any]:
     """A shoe on an arc, with a backing in three of ten cases."""
-    return _arc_shoe(rng, R, ShoeOnArc(backing=rng.random() < 0.3))
+    return _draw_arc_shoe(rng, R, ShoeOnArc(backing=rng.random() < 0.3))
 
 
-def _misfitted(rng: np.random.Generator) -> dict[str, Any]:
+def _draw_misfitted_brake(rng: np.random.Generator) -> dict[str, Any]:
     """A lining with a clearance, a table of clearances, a taper, another radius or blocks."""
-    R, u = _radius(rng), rng.uniform
+    R, u = _draw_radius(rng), rng.uniform
     on_post = rng.random() < 0.25
-    shoe = _post(rng, R) if on_post else _maybe_backed(rng, R)
-    lining, size = shoe["lining"], _compression(shoe, R)
+    shoe = _draw_post(rng, R) if on_post else _draw_maybe_backed_shoe(rng, R)
+    lining, size = shoe["lining"], _mean_lining_compression(shoe, R)
     how = rng.integers(5)
     if how == 0:
         lining["clearance"] = size * u(0.0, 2.0)
@@ -367,11 +388,11 @@ def _misfitted(rng: np.random.Generator) -> dict[str, Any]:
     return {"drum": {"radius": R}, "shoe": [shoe]}
 
 
-def _out_of_round(rng: np.random.Generator) -> dict[str, Any]:
+def _draw_out_of_round_brake(rng: np.random.Generator) -> dict[str, Any]:
     """A drum with one to three lobes of random orders."""
-    R, u = _radius(rng), rng.uniform
-    shoe = _maybe_backed(rng, R)
-    size = _compression(shoe, R)
+    R, u = _draw_radius(rng), rng.uniform
+    shoe = _draw_maybe_backed_shoe(rng, R)
+    size = _mean_lining_compression(shoe, R)
     lobes = []
     for _ in range(int(rng.integers(1, 4))):
         lobe = {
@@ -383,25 +404,25 @@ def _out_of_round(rng: np.random.Generator) -> dict[str, Any]:
     return {"drum": {"radius": R, "out_of_round": lobes, "angle": float(u(0, 6))}, "shoe": [shoe]}
 
 
-def _small_contact(rng: np.random.Generator) -> dict[str, Any]:
+def _draw_small_contact_brake(rng: np.random.Generator) -> dict[str, Any]:
     """A lining of another radius whose contact by Hertz's formula is 0.5 to 8 degrees long."""
-    R, u = _radius(rng), rng.uniform
+    R, u = _draw_radius(rng), rng.uniform
     ranges = ShoeOnArc(arc=(0.35, 1.2), thickness=(-1.3, -0.6), body=rng.random() < 0.6)
-    shoe = _arc_shoe(rng, R, ranges)
+    shoe = _draw_arc_shoe(rng, R, ranges)
     lining, inside = shoe["lining"], shoe["side"] == "internal"
     r = R * (1 - u(0.003, 0.04)) if inside else R * (1 + u(0.003, 0.04))
     lining["misfit"] = {"radius": float(r)}
     # The force gives a contact of this half-width by Hertz's formula.
-    half = R * math.radians(0.5 * _power_of_ten(rng, -0.3, 0.9))
+    half = R * math.radians(0.5 * _draw_log_uniform(rng, -0.3, 0.9))
     E = lining["material"]["E"]
     load = math.pi / 4 * half**2 * E * abs(1 / r - 1 / R) * lining["width"]
     shoe["actuation"]["force"] = float(f"{load * u(0.5, 1.0):.4g}")
     return {"drum": {"radius": R}, "shoe": [shoe]}
 
 
-def _extreme(rng: np.random.Generator) -> dict[str, Any]:
+def _draw_extreme_brake(rng: np.random.Generator) -> dict[str, Any]:
     """A shoe whose stiffnesses, thicknesses and arcs lie far apart."""
-    R = _radius(rng)
+    R = _draw_radius(rng)
     ranges = ShoeOnArc(
         backing=rng.random() < 0.4,
         arc=(0.02, 2.85),
@@ -410,44 +431,44 @@ def _extreme(rng: np.random.Generator) -> dict[str, Any]:
         body_modulus=(7.0, 13.0),
         body_thickness=(-2.5, -0.5),
     )
-    return {"drum": {"radius": R}, "shoe": [_arc_shoe(rng, R, ranges)]}
+    return {"drum": {"radius": R}, "shoe": [_draw_arc_shoe(rng, R, ranges)]}
 
 
 SHAPE_KINDS: dict[str, Draw] = {
-    "arc": _arc,
-    "backed": _backed,
-    "rigid": _rigid,
-    "post": _post_brake,
-    "post on ring": _post_ring,
-    "arc on ring": _arc_ring,
-    "linings on ring": _linings_on_ring,
-    "misfit": _misfitted,
-    "out of round": _out_of_round,
-    "small contact": _small_contact,
-    "extreme": _extreme,
+    "arc": _draw_arc_brake,
+    "backed": _draw_backed_brake,
+    "rigid": _draw_rigid_brake,
+    "post": _draw_post_brake,
+    "post on ring": _draw_posts_on_ring,
+    "arc on ring": _draw_arc_shoe_on_ring,
+    "linings on ring": _draw_two_shoes_on_ring,
+    "misfit": _draw_misfitted_brake,
+    "out of round": _draw_out_of_round_brake,
+    "small contact": _draw_small_contact_brake,
+    "extreme": _draw_extreme_brake,
 }
 """How a brake of each kind is drawn. The order decides which seed draws which kind."""
 LOCKING_KINDS = ("locking", "opposed")
 """Brakes of one shoe: one that locks itself as friction grows, and one that never does."""
 
 
-def _one_shoe(seed: int, kind: str, attempt: int = 0) -> Brake:
+def _draw_near_locking_brake(seed: int, kind: str, attempt: int = 0) -> Brake:
     """A brake of LOCKING_KINDS, drawn again until one of its two senses of rotation is right."""
     rng = np.random.default_rng([seed, attempt])
-    data = _one_shoe_data(rng, seed)
+    data = _draw_one_shoe_data(rng, seed)
     try:
         for rotation in SENSES:
             brake = brake_from(data | {"rotation": rotation})
             locking = locking_friction(brake, brake.shoes[0])
             is_of_kind = locking < 1.5 if kind == "locking" else math.isinf(locking)
-            if is_of_kind and _presses_without_friction(brake, locking):
+            if is_of_kind and _does_press_without_friction(brake, locking):
                 return brake
     except (BadInput, NoAnswer):
         pass
-    return _one_shoe(seed, kind, attempt + 1)
+    return _draw_near_locking_brake(seed, kind, attempt + 1)
 
 
-def _presses_without_friction(brake: Brake, locking: float) -> bool:
+def _does_press_without_friction(brake: Brake, locking: float) -> bool:
     """Whether the shoe touches the drum without friction. Raises NoAnswer where its law fails."""
     # The law refuses a shoe that is not pressed, and a clearance that it does not cover.
     sine(vary(brake, {"friction": 0.1 * min(locking, 1.0)}))
@@ -456,7 +477,7 @@ def _presses_without_friction(brake: Brake, locking: float) -> bool:
     return bool(response.shoes[0].contact_arcs)
 
 
-def _one_shoe_data(rng: np.random.Generator, seed: int) -> dict[str, Any]:
+def _draw_one_shoe_data(rng: np.random.Generator, seed: int) -> dict[str, Any]:
     """The data of a brake with one shoe on a drum of 150 mm, without its sense of rotation."""
     u, R, inside = rng.uniform, 0.15, bool(rng.random() < 0.6)
     hinge_angle, hand = u(-3, 3), rng.choice([-1, 1])

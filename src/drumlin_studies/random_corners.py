@@ -117,7 +117,9 @@ def random_corner(seed: int, kind: str | None = None) -> Brake:
     for attempt in range(MOST_ATTEMPTS):
         rng = np.random.default_rng([seed, names.index(kind), attempt])
         try:
-            brake = _scaled_to_length(rng, _drawn(rng, kind, seed), CORNER_KINDS[kind].presses)
+            brake = _scale_to_contact_length(
+                rng, _draw_scalable_brake(rng, kind, seed), CORNER_KINDS[kind].presses
+            )
         except (BadInput, NoAnswer):
             continue
         if brake is not None:
@@ -125,7 +127,7 @@ def random_corner(seed: int, kind: str | None = None) -> Brake:
     raise NoAnswer(f"no brake of kind {kind} from seed {seed} in {MOST_ATTEMPTS} attempts")
 
 
-def _drawn(rng: Rng, kind: str, seed: int) -> Callable[[float], Brake]:
+def _draw_scalable_brake(rng: Rng, kind: str, seed: int) -> Callable[[float], Brake]:
     """A random brake of a kind, as a function of the factor on its gaps.
 
     Each shoe has a random line of force and a random gap.
@@ -135,28 +137,32 @@ def _drawn(rng: Rng, kind: str, seed: int) -> Callable[[float], Brake]:
     rotation = str(rng.choice(["clockwise", "counter-clockwise"]))
     friction = 0.0 if rng.random() < 0.12 else float(f"{rng.uniform(0.01, 0.6):.4g}")
     data |= {"title": f"random {kind} {seed}", "rotation": rotation, "friction": friction}
-    data["shoe"] = [_pushed_anywhere(rng, shoe) for shoe in data["shoe"]]
+    data["shoe"] = [_turn_force_randomly(rng, shoe) for shoe in data["shoe"]]
     gaps = [
-        _gap(rng, shoe, data["drum"]["radius"], CORNER_KINDS[kind].presses) for shoe in data["shoe"]
+        _draw_gap(rng, shoe, data["drum"]["radius"], CORNER_KINDS[kind].presses)
+        for shoe in data["shoe"]
     ]
 
-    def scaled(factor: float) -> Brake:
+    def brake_with_scaled_gaps(factor: float) -> Brake:
+        """The brake with all gaps of its linings times a factor."""
         shoes = [
             shoe | {"lining": shoe["lining"] | gap(factor)}
             for shoe, gap in zip(data["shoe"], gaps, strict=True)
         ]
         return brake_from(data | {"shoe": shoes})
 
-    return scaled
+    return brake_with_scaled_gaps
 
 
-def _pushed_anywhere(rng: Rng, shoe: dict[str, Any]) -> dict[str, Any]:
+def _turn_force_randomly(rng: Rng, shoe: dict[str, Any]) -> dict[str, Any]:
     """The shoe with its force turned by up to 1 rad, towards the heel or the toe."""
     push = shoe["actuation"]
     return shoe | {"actuation": push | {"direction": push["direction"] + rng.uniform(-1.0, 1.0)}}
 
 
-def _gap(rng: Rng, shoe: Mapping[str, Any], radius: float, presses: str) -> Callable[[float], Gap]:
+def _draw_gap(
+    rng: Rng, shoe: Mapping[str, Any], radius: float, presses: str
+) -> Callable[[float], Gap]:
     """The gap of a lining as a function of a factor on its size.
 
     At a factor of 1 the gap is about as large as the compression of the lining.
@@ -176,13 +182,13 @@ def _gap(rng: Rng, shoe: Mapping[str, Any], radius: float, presses: str) -> Call
     area = radius * (lining["end"] - lining["start"]) * lining["width"]
     size = shoe["actuation"]["force"] / area * lining["thickness"] / lining["material"]["E"]
     if presses == "corner":
-        return _gap_to_corner(rng, lining, radius, size)
+        return _draw_gap_to_corner(rng, lining, radius, size)
     if presses == "tip":
-        return _gap_to_tip(rng, lining, size)
-    return _gap_of_rows(rng, lining, size)
+        return _draw_gap_to_tip(rng, lining, size)
+    return _draw_gap_of_rows(rng, lining, size)
 
 
-def _gap_to_corner(
+def _draw_gap_to_corner(
     rng: Rng, lining: Mapping[str, Any], radius: float, size: float
 ) -> Callable[[float], Gap]:
     """A gap that is smallest at one corner of the lining, or at both.
@@ -199,10 +205,10 @@ def _gap_to_corner(
     # A table of clearances that grow away from one corner.
     rises = np.cumsum([0.0, *rng.uniform(0.2, 1.0, int(rng.integers(1, 4)))])
     rises = rises[:: int(sign)] / rises.max()
-    return lambda factor: {"clearance": _rows(lining, factor * size * rises)}
+    return lambda factor: {"clearance": _clearance_table(lining, factor * size * rises)}
 
 
-def _gap_to_tip(rng: Rng, lining: Mapping[str, Any], size: float) -> Callable[[float], Gap]:
+def _draw_gap_to_tip(rng: Rng, lining: Mapping[str, Any], size: float) -> Callable[[float], Gap]:
     """A gap that opens to both sides of one angle."""
     start, end = lining["start"], lining["end"]
     at = start + rng.uniform(0.1, 0.9) * (end - start)
@@ -212,19 +218,21 @@ def _gap_to_tip(rng: Rng, lining: Mapping[str, Any], size: float) -> Callable[[f
     }
 
 
-def _gap_of_rows(rng: Rng, lining: Mapping[str, Any], size: float) -> Callable[[float], Gap]:
+def _draw_gap_of_rows(rng: Rng, lining: Mapping[str, Any], size: float) -> Callable[[float], Gap]:
     """A gap by a table of three to seven random clearances."""
     rows = rng.uniform(0.0, 1.0, int(rng.integers(3, 8)))
-    return lambda factor: {"clearance": _rows(lining, factor * size * rows)}
+    return lambda factor: {"clearance": _clearance_table(lining, factor * size * rows)}
 
 
-def _rows(lining: Mapping[str, Any], gaps: Floats) -> list[list[float]]:
+def _clearance_table(lining: Mapping[str, Any], gaps: Floats) -> list[list[float]]:
     """A table of clearances [m] at even distances along the lining."""
     angles = np.linspace(lining["start"], lining["end"], len(gaps))
     return np.stack([angles, gaps], axis=1).tolist()
 
 
-def _scaled_to_length(rng: Rng, drawn: Callable[[float], Brake], presses: str) -> Brake | None:
+def _scale_to_contact_length(
+    rng: Rng, drawn: Callable[[float], Brake], presses: str
+) -> Brake | None:
     """The brake whose shortest contact has a random length, or None where no factor gives it.
 
     The length of contact falls as the inverse of the gap where the gap is a wedge, and as its
@@ -244,39 +252,39 @@ def _scaled_to_length(rng: Rng, drawn: Callable[[float], Brake], presses: str) -
     for _ in range(MOST_SCALINGS):
         factor = float(f"{factor:.{FACTOR_DIGITS}g}")
         brake = drawn(factor)
-        found = _answer(brake)
-        length = min((_length(shoe) for shoe in found.shoes), default=0.0)
+        found = _solve_first_levels(brake)
+        length = min((_contact_length(shoe) for shoe in found.shoes), default=0.0)
         if not length > 0:
             return None
         if 1 / LENGTH_TOLERANCE_FACTOR < length / wanted < LENGTH_TOLERANCE_FACTOR:
-            return brake if _as_drawn(brake, found, presses) else None
+            return brake if _does_press_as_drawn(brake, found, presses) else None
         factor *= min(max(length / wanted, 0.1), 10.0) ** 0.8
     return None
 
 
-def _answer(brake: Brake) -> Response:
+def _solve_first_levels(brake: Brake) -> Response:
     """The response on the first FEW_LEVELS levels of a solve. Raises NoAnswer."""
     *_, last = islice(solved_levels(brake, respond), FEW_LEVELS)
     return last.response
 
 
-def _length(shoe: ShoeResponse) -> float:
+def _contact_length(shoe: ShoeResponse) -> float:
     """Length of all contact of a shoe [rad]."""
     return math.fsum(end - start for start, end in shoe.contact_arcs)
 
 
-def _as_drawn(brake: Brake, found: Response, presses: str) -> bool:
+def _does_press_as_drawn(brake: Brake, found: Response, presses: str) -> bool:
     """Whether all shoes press, also with more friction, and one of them where its kind says."""
     more = solve(vary(brake, {"friction": MORE_FRICTION * brake.friction}), elements=16)
     if not all(shoe.contact_arcs for shoe in (*found.shoes, *more.shoes)):
         return False
     pairs = list(zip(brake.shoes, found.shoes, strict=True))
-    corner = any(at_corner(shoe, response) for shoe, response in pairs)
-    tip = any(at_tip(shoe, response) for shoe, response in pairs)
+    corner = any(touches_corner(shoe, response) for shoe, response in pairs)
+    tip = any(touches_tip(shoe, response) for shoe, response in pairs)
     return {"corner": corner, "tip": tip, "table": corner or tip}[presses]
 
 
-def at_corner(shoe: Shoe, found: ShoeResponse) -> bool:
+def touches_corner(shoe: Shoe, found: ShoeResponse) -> bool:
     """Whether the contact of a shoe reaches an end of its lining."""
     ends = np.array(found.contact_arcs).ravel()
     corners = np.array([shoe.lining.start, shoe.lining.end])
@@ -284,7 +292,7 @@ def at_corner(shoe: Shoe, found: ShoeResponse) -> bool:
     return bool((distances < END_ANGLE).any())
 
 
-def at_tip(shoe: Shoe, found: ShoeResponse) -> bool:
+def touches_tip(shoe: Shoe, found: ShoeResponse) -> bool:
     """Whether a tip of the gap lies within the contact of a shoe."""
     for angle, _ in clearance.tips(shoe.lining):
         if any(start < angle < end for start, end in found.contact_arcs):

@@ -34,7 +34,7 @@ Draw = Callable[[Rng], dict[str, Any]]
 """A function that draws the data of a brake file, without title and friction."""
 
 
-def random_kind(seed: int, kind: str | None = None, *, rigid: bool = False) -> Brake:
+def draw_brake_of_holding_kind(seed: int, kind: str | None = None, *, rigid: bool = False) -> Brake:
     """The brake of a seed, whose shoes all press up to HOLDING_FRICTION_MARGIN of its friction.
 
     Parameters
@@ -59,8 +59,10 @@ def random_kind(seed: int, kind: str | None = None, *, rigid: bool = False) -> B
         data["friction"] = round(float(rng.uniform(0.03, 0.5)), 4)
         turn, mirrored = float(rng.uniform(-3, 3)), bool(rng.random() < 0.5)
         try:
-            brake = any_from(_rigid(data) if rigid else data)
-            brake = placed(brake, turn=0.0 if brake.surface.straight else turn, mirrored=mirrored)
+            brake = any_from(_rigid_brake_data(data) if rigid else data)
+            brake = place_brake(
+                brake, turn=0.0 if brake.surface.straight else turn, mirrored=mirrored
+            )
             for friction in (brake.friction, HOLDING_FRICTION_MARGIN * brake.friction):
                 _check_all_press(vary(brake, {"friction": friction}))
             return brake
@@ -69,14 +71,14 @@ def random_kind(seed: int, kind: str | None = None, *, rigid: bool = False) -> B
     raise NoAnswer(f"no brake of kind {kind} from seed {seed} in {HOLDING_ATTEMPTS} attempts")
 
 
-def brake_of_kind(seed: int, kind: str) -> Brake:
+def draw_brake_of_kind(seed: int, kind: str) -> Brake:
     """The brake of a seed and a kind, which is one of SHAPE_KINDS or of HOLDING_KINDS.
 
     Raises NoAnswer where the generator of the kind has no brake of the seed.
     """
     if kind in SHAPE_KINDS:
         return random_brake(seed, kind)
-    return random_kind(seed, kind)
+    return draw_brake_of_holding_kind(seed, kind)
 
 
 def _check_all_press(brake: Brake) -> None:
@@ -87,7 +89,7 @@ def _check_all_press(brake: Brake) -> None:
         raise NoAnswer("a shoe does not press")
 
 
-def _rigid(data: dict[str, Any]) -> dict[str, Any]:
+def _rigid_brake_data(data: dict[str, Any]) -> dict[str, Any]:
     """The data of a brake without elastic bodies, clearances and misfits, with thin linings."""
     size = data.get("drum", {"radius": 0.1})["radius"]
     # The law of a cam asks for linings of one thickness and one material.
@@ -100,12 +102,12 @@ def _rigid(data: dict[str, Any]) -> dict[str, Any]:
     return data | {"shoe": shoes}
 
 
-def log_between(rng: Rng, low: float, high: float) -> float:
+def draw_log_uniform(rng: Rng, low: float, high: float) -> float:
     """A number between low and high, even on a logarithmic scale, of four digits."""
     return float(f"{math.exp(rng.uniform(math.log(low), math.log(high))):.4g}")
 
 
-def _drum(
+def _drum_brake_data(
     rng: Rng, shoes: Callable[[Rng, float], list[dict[str, Any]]], **more: Any
 ) -> dict[str, Any]:
     """The data of a drum brake.
@@ -119,20 +121,20 @@ def _drum(
     **more
         Further keys of the brake file.
     """
-    R = log_between(rng, 0.06, 1.2)
+    R = draw_log_uniform(rng, 0.06, 1.2)
     rotation = str(rng.choice(["clockwise", "counter-clockwise"]))
     return {"rotation": rotation, "drum": {"radius": R}, "shoe": shoes(rng, R)} | more
 
 
-def _lining(rng: Rng, R: float, *, inside: bool = True) -> dict[str, Any]:
+def _draw_lining(rng: Rng, R: float, *, inside: bool = True) -> dict[str, Any]:
     """A lining about the x axis, on an elastic body in seven of ten cases, else on a rigid shoe.
 
     The shoe has neither support nor actuation.
     """
     u = rng.uniform
     half, middle, width = u(0.45, 1.0), u(-0.1, 0.1), R * u(0.2, 0.6)
-    thickness = R * log_between(rng, 1 / 60, 1 / 8)
-    material = {"E": log_between(rng, 1e8, 1e9), "nu": round(float(u(0.1, 0.4)), 3)}
+    thickness = R * draw_log_uniform(rng, 1 / 60, 1 / 8)
+    material = {"E": draw_log_uniform(rng, 1e8, 1e9), "nu": round(float(u(0.1, 0.4)), 3)}
     shoe: dict[str, Any] = {
         "name": "first",
         "side": "internal" if inside else "external",
@@ -150,12 +152,12 @@ def _lining(rng: Rng, R: float, *, inside: bool = True) -> dict[str, Any]:
             "width": width,
             "start": middle - half - u(0.03, 0.2),
             "end": middle + half + u(0.03, 0.2),
-            "material": {"E": log_between(rng, 7e10, 2.1e11), "nu": 0.3},
+            "material": {"E": draw_log_uniform(rng, 7e10, 2.1e11), "nu": 0.3},
         }
     return shoe
 
 
-def _push(
+def _draw_actuation(
     rng: Rng, shoe: dict[str, Any], R: float, direction: float, at: tuple[float, float]
 ) -> dict[str, Any]:
     """The actuation of a shoe: a force that compresses its lining by 1e-4 to 3e-3.
@@ -175,87 +177,93 @@ def _push(
     """
     lining = shoe["lining"]
     area = R * (lining["end"] - lining["start"]) * lining["width"]
-    force = float(f"{lining['material']['E'] * area * log_between(rng, 1e-4, 3e-3):.4g}")
+    force = float(f"{lining['material']['E'] * area * draw_log_uniform(rng, 1e-4, 3e-3):.4g}")
     return {"force": force, "direction": direction, "point": {"x": R * at[0], "y": R * at[1]}}
 
 
-def _point(R: float, x: float, y: float) -> dict[str, float]:
+def _scaled_point(R: float, x: float, y: float) -> dict[str, float]:
     """A point whose coordinates are given over the drum's radius."""
     return {"x": R * x, "y": R * y}
 
 
-def _abutted(rng: Rng, R: float, *, rough: bool) -> dict[str, Any]:
+def _draw_shoe_on_abutment(rng: Rng, R: float, *, rough: bool) -> dict[str, Any]:
     """An internal shoe whose foot slides on an abutment, with friction where this is rough."""
-    u, shoe = rng.uniform, _lining(rng, R)
-    face = {"point": _point(R, u(0.1, 0.4), -u(0.65, 0.85)), "direction": u(-0.3, 0.3)}
+    u, shoe = rng.uniform, _draw_lining(rng, R)
+    face = {"point": _scaled_point(R, u(0.1, 0.4), -u(0.65, 0.85)), "direction": u(-0.3, 0.3)}
     face |= {"friction": round(float(u(0.05, 0.4)), 3)} if rough else {}
-    push = _push(rng, shoe, R, u(-0.2, 0.2), (u(0.1, 0.4), u(0.65, 0.85)))
+    push = _draw_actuation(rng, shoe, R, u(-0.2, 0.2), (u(0.1, 0.4), u(0.65, 0.85)))
     return shoe | {"abutment": face, "actuation": push}
 
 
-def _hinged(rng: Rng, R: float) -> dict[str, Any]:
+def _draw_hinged_shoe(rng: Rng, R: float) -> dict[str, Any]:
     """An internal shoe on a hinge."""
-    u, shoe = rng.uniform, _lining(rng, R)
-    push = _push(rng, shoe, R, u(-0.2, 0.2), (u(0.1, 0.4), u(0.65, 0.85)))
-    return shoe | {"hinge": _point(R, u(0.05, 0.3), -u(0.65, 0.85)), "actuation": push}
+    u, shoe = rng.uniform, _draw_lining(rng, R)
+    push = _draw_actuation(rng, shoe, R, u(-0.2, 0.2), (u(0.1, 0.4), u(0.65, 0.85)))
+    return shoe | {"hinge": _scaled_point(R, u(0.05, 0.3), -u(0.65, 0.85)), "actuation": push}
 
 
-def _pivoted(rng: Rng, R: float) -> dict[str, Any]:
+def _draw_pivoted_shoe(rng: Rng, R: float) -> dict[str, Any]:
     """A shoe on the pivot of a hinged lever."""
     u, inside = rng.uniform, bool(rng.random() < 0.3)
-    shoe = _lining(rng, R, inside=inside)
+    shoe = _draw_lining(rng, R, inside=inside)
     if inside:
-        lever = _point(R, u(-0.3, 0.3), -u(0.6, 0.9))
-        pivot = _point(R, u(0.55, 0.85), u(-0.1, 0.1))
-        push = _push(rng, shoe, R, u(-0.2, 0.2), (u(0.0, 0.3), u(0.6, 0.85)))
+        lever = _scaled_point(R, u(-0.3, 0.3), -u(0.6, 0.9))
+        pivot = _scaled_point(R, u(0.55, 0.85), u(-0.1, 0.1))
+        push = _draw_actuation(rng, shoe, R, u(-0.2, 0.2), (u(0.0, 0.3), u(0.6, 0.85)))
     else:
-        lever = _point(R, u(1.1, 1.3), -u(1.1, 1.5))
-        pivot = _point(R, u(1.1, 1.3), u(-0.1, 0.1))
-        push = _push(rng, shoe, R, math.pi + u(-0.2, 0.2), (u(1.1, 1.4), u(1.2, 1.7)))
+        lever = _scaled_point(R, u(1.1, 1.3), -u(1.1, 1.5))
+        pivot = _scaled_point(R, u(1.1, 1.3), u(-0.1, 0.1))
+        push = _draw_actuation(rng, shoe, R, math.pi + u(-0.2, 0.2), (u(1.1, 1.4), u(1.2, 1.7)))
     return shoe | {"hinge": lever, "pivot": pivot, "actuation": push}
 
 
-def _guided(rng: Rng, R: float) -> dict[str, Any]:
+def _draw_guided_shoe(rng: Rng, R: float) -> dict[str, Any]:
     """A shoe on a guide, pushed nearly along the guide."""
     u, inside = rng.uniform, bool(rng.random() < 0.5)
-    shoe = _lining(rng, R, inside=inside)
+    shoe = _draw_lining(rng, R, inside=inside)
     guide = (0.0 if inside else math.pi) + u(-0.3, 0.3)
     direction = guide + u(-0.2, 0.2)
     at = u(0.7, 0.9) if inside else u(1.1, 1.3), u(-0.15, 0.15)
-    push = _push(rng, shoe, R, direction, at)
+    push = _draw_actuation(rng, shoe, R, direction, at)
     return shoe | {"guide": {"direction": guide}, "actuation": push}
 
 
-def _unforced(shoe: dict[str, Any]) -> dict[str, Any]:
+def _remove_force(shoe: dict[str, Any]) -> dict[str, Any]:
     """The shoe with the place and direction of its actuation, without the force."""
     actuation = {key: value for key, value in shoe["actuation"].items() if key != "force"}
     return shoe | {"actuation": actuation}
 
 
-def facing(shoe: dict[str, Any]) -> dict[str, Any]:
+def mirror_to_other_side(shoe: dict[str, Any]) -> dict[str, Any]:
     """The data of a shoe that is drawn here, mirrored to the other side of the drum."""
-    return _shoe_placed(shoe | {"name": "second"}, math.pi, mirrored=True)
+    return _place_shoe_data(shoe | {"name": "second"}, math.pi, mirrored=True)
 
 
-def _cam(rng: Rng) -> dict[str, Any]:
+def _draw_cam_brake(rng: Rng) -> dict[str, Any]:
     """Two shoes that a cam spreads, both on hinges or both on abutments."""
     on_hinges = rng.random() < 0.6
 
     def make(rng: Rng, R: float) -> dict[str, Any]:
         if on_hinges:
-            return _hinged(rng, R)
-        return _abutted(rng, R, rough=bool(rng.random() < 0.5))
+            return _draw_hinged_shoe(rng, R)
+        return _draw_shoe_on_abutment(rng, R, rough=bool(rng.random() < 0.5))
 
-    data = _drum(rng, lambda rng, R: [make(rng, R), facing(make(rng, R))])
+    data = _drum_brake_data(rng, lambda rng, R: [make(rng, R), mirror_to_other_side(make(rng, R))])
     # The cam shares its force between both shoes.
     force = 2 * min(shoe["actuation"]["force"] for shoe in data["shoe"])
-    shoes = [_unforced(shoe) for shoe in data["shoe"]]
+    shoes = [_remove_force(shoe) for shoe in data["shoe"]]
     return data | {"shoe": shoes, "actuation": {"force": force}}
 
 
-def _cylinder(rng: Rng) -> dict[str, Any]:
+def _draw_cylinder_brake(rng: Rng) -> dict[str, Any]:
     """A shoe on a rough abutment and a hinged shoe, spread by a hydraulic cylinder."""
-    data = _drum(rng, lambda rng, R: [_abutted(rng, R, rough=True), facing(_hinged(rng, R))])
+    data = _drum_brake_data(
+        rng,
+        lambda rng, R: [
+            _draw_shoe_on_abutment(rng, R, rough=True),
+            mirror_to_other_side(_draw_hinged_shoe(rng, R)),
+        ],
+    )
     force = min(shoe["actuation"]["force"] for shoe in data["shoe"])
     bore, efficiency = data["drum"]["radius"] / 5, 0.95
     drive = {
@@ -263,26 +271,26 @@ def _cylinder(rng: Rng) -> dict[str, Any]:
         "diameter": bore,
         "efficiency": efficiency,
     }
-    return data | {"shoe": [_unforced(shoe) for shoe in data["shoe"]], "actuation": drive}
+    return data | {"shoe": [_remove_force(shoe) for shoe in data["shoe"]], "actuation": drive}
 
 
-def _strut(rng: Rng) -> dict[str, Any]:
+def _draw_strut_brake(rng: Rng) -> dict[str, Any]:
     """A pushed shoe that pushes a hinged shoe through a strut."""
 
     def shoes(rng: Rng, R: float) -> list[dict[str, Any]]:
-        u, second = rng.uniform, _lining(rng, R)
+        u, second = rng.uniform, _draw_lining(rng, R)
         second |= {
-            "hinge": _point(R, u(0.05, 0.3), u(0.65, 0.85)),
-            "actuation": _push(rng, second, R, 0.0, (0.0, 0.0)),
+            "hinge": _scaled_point(R, u(0.05, 0.3), u(0.65, 0.85)),
+            "actuation": _draw_actuation(rng, second, R, 0.0, (0.0, 0.0)),
         }
-        other = facing(second)
+        other = mirror_to_other_side(second)
         del other["actuation"]
-        return [_abutted(rng, R, rough=False), other]
+        return [_draw_shoe_on_abutment(rng, R, rough=False), other]
 
-    return _drum(rng, shoes, link=[{"from": "first", "to": "second"}])
+    return _drum_brake_data(rng, shoes, link=[{"from": "first", "to": "second"}])
 
 
-def _elastic(
+def _draw_elastic_shoe(
     rng: Rng, R: float, makes: Sequence[Callable[[Rng, float], dict[str, Any]]]
 ) -> dict[str, Any]:
     """A shoe by a random one of the functions `makes`, drawn until it has an elastic body."""
@@ -292,26 +300,38 @@ def _elastic(
     return shoe
 
 
-def _sloped(rng: Rng, R: float) -> dict[str, Any]:
+def _draw_shoe_on_rough_abutment(rng: Rng, R: float) -> dict[str, Any]:
     """A shoe on a rough abutment."""
-    return _abutted(rng, R, rough=True)
+    return _draw_shoe_on_abutment(rng, R, rough=True)
 
 
-def _tee(rng: Rng, R: float) -> dict[str, Any]:
+def _draw_tee_shoe(rng: Rng, R: float) -> dict[str, Any]:
     """A shoe of T-section: its body is a web under a table."""
-    shoe, u = _elastic(rng, R, (_hinged, _sloped, _pivoted, _guided)), rng.uniform
+    shoe, u = (
+        _draw_elastic_shoe(
+            rng,
+            R,
+            (
+                _draw_hinged_shoe,
+                _draw_shoe_on_rough_abutment,
+                _draw_pivoted_shoe,
+                _draw_guided_shoe,
+            ),
+        ),
+        rng.uniform,
+    )
     body, width = shoe["body"], shoe["lining"]["width"]
     table = {"thickness": u(0.1, 0.5) * body["thickness"], "width": u(1.0, 1.3) * width}
     return shoe | {"body": body | {"width": u(0.1, 0.6) * width, "table": table}}
 
 
-def _gripped(rng: Rng, R: float) -> dict[str, Any]:
+def _draw_gripped_shoe(rng: Rng, R: float) -> dict[str, Any]:
     """A shoe that is held along a length of its body's back."""
-    shoe = _elastic(rng, R, (_hinged, _pivoted, _guided))
+    shoe = _draw_elastic_shoe(rng, R, (_draw_hinged_shoe, _draw_pivoted_shoe, _draw_guided_shoe))
     return shoe | {"body": shoe["body"] | {"grip": R * rng.uniform(0.05, 0.4)}}
 
 
-def _chain(rng: Rng) -> dict[str, Any]:
+def _draw_chain_of_blocks(rng: Rng) -> dict[str, Any]:
     """Two to four blocks outside the drum, each linked to the next by a strap."""
     names = ("first", "second", "third", "fourth")[: int(rng.integers(2, 5))]
 
@@ -319,45 +339,45 @@ def _chain(rng: Rng) -> dict[str, Any]:
         strap, angle = rng.uniform(1.05, 1.15), float(rng.uniform(-1.5, -0.5))
         blocks: list[dict[str, Any]] = []
         for name in names:
-            block, end = _block_of_chain(rng, R, name, angle, strap)
+            block, end = _draw_block_of_chain(rng, R, name, angle, strap)
             if not blocks:
                 pulled = angle
                 point = strap * math.cos(pulled), strap * math.sin(pulled)
-                block["actuation"] = _push(rng, block, R, pulled - math.pi / 2, point)
+                block["actuation"] = _draw_actuation(rng, block, R, pulled - math.pi / 2, point)
             blocks.append(block)
             angle = end
         return blocks
 
-    return _drum(rng, shoes, link=[{"from": a, "to": b} for a, b in pairwise(names)])
+    return _drum_brake_data(rng, shoes, link=[{"from": a, "to": b} for a, b in pairwise(names)])
 
 
-def _block_of_chain(
+def _draw_block_of_chain(
     rng: Rng, R: float, name: str, angle: float, strap: float
 ) -> tuple[dict[str, Any], float]:
     """A block that begins at an angle [rad], on an abutment at its end; and the angle of its end.
 
     strap : radius of the abutment over the drum's radius.
     """
-    block, half = _lining(rng, R, inside=False), rng.uniform(0.15, 0.35)
+    block, half = _draw_lining(rng, R, inside=False), rng.uniform(0.15, 0.35)
     ends = {"start": angle + 0.05, "end": angle + 0.05 + 2 * half}
     block |= {"name": name, "lining": block["lining"] | ends}
     if "body" in block:
         block["body"] |= {"start": ends["start"] - 0.03, "end": ends["end"] + 0.03}
     end = ends["end"] + 0.05
     block["abutment"] = {
-        "point": _point(R, strap * math.cos(end), strap * math.sin(end)),
+        "point": _scaled_point(R, strap * math.cos(end), strap * math.sin(end)),
         "direction": end + math.pi / 2,
     }
     return block, end
 
 
-def _pad(rng: Rng, support: str) -> dict[str, Any]:
+def _draw_pad(rng: Rng, support: str) -> dict[str, Any]:
     """A pad on a plane: on a "hinge", a "pivot", a "guide" or an "abutment"."""
     u = rng.uniform
-    length, start = log_between(rng, 0.04, 0.3), float(u(-0.3, 0.3))
+    length, start = draw_log_uniform(rng, 0.04, 0.3), float(u(-0.3, 0.3))
     middle, width = start + length / 2, length * u(0.2, 0.8)
-    thickness = length * log_between(rng, 1 / 40, 1 / 8)
-    material = {"E": log_between(rng, 1e8, 1e10), "nu": round(float(u(0.1, 0.4)), 3)}
+    thickness = length * draw_log_uniform(rng, 1 / 40, 1 / 8)
+    material = {"E": draw_log_uniform(rng, 1e8, 1e10), "nu": round(float(u(0.1, 0.4)), 3)}
     lining = {
         "start": start,
         "end": start + length,
@@ -396,15 +416,15 @@ def _pad(rng: Rng, support: str) -> dict[str, Any]:
             shoe |= {"guide": {"direction": -math.pi / 2 + u(-0.2, 0.2)}}
         else:
             shoe |= {"abutment": abutment}
-    force = float(f"{material['E'] * length * width * log_between(rng, 1e-4, 3e-3):.4g}")
+    force = float(f"{material['E'] * length * width * draw_log_uniform(rng, 1e-4, 3e-3):.4g}")
     shoe["actuation"] = {"force": force, "direction": direction, "point": at}
     compression = force / (material["E"] * length * width) * thickness
     # Misfits draw from random numbers of their own, so that they change nothing else of a pad.
-    lining |= _ill_fitting(rng.spawn(1)[0], lining, compression)
+    lining |= _draw_pad_misfit(rng.spawn(1)[0], lining, compression)
     return {"plane": {"sliding": str(rng.choice(["+x", "-x"]))}, "shoe": [shoe]}
 
 
-def _ill_fitting(rng: Rng, lining: dict[str, Any], size: float) -> dict[str, Any]:
+def _draw_pad_misfit(rng: Rng, lining: dict[str, Any], size: float) -> dict[str, Any]:
     """Clearance and misfit of a pad; seven of ten pads have none.
 
     size : compression of the lining by the pad's force [m]; the gaps are of this size.
@@ -424,26 +444,30 @@ def _ill_fitting(rng: Rng, lining: dict[str, Any], size: float) -> dict[str, Any
 
 
 HOLDING_KINDS: dict[str, Draw] = {
-    "hinge": lambda rng: _drum(rng, lambda rng, R: [_hinged(rng, R)]),
-    "abutment": lambda rng: _drum(rng, lambda rng, R: [_abutted(rng, R, rough=False)]),
-    "rough abutment": lambda rng: _drum(rng, lambda rng, R: [_abutted(rng, R, rough=True)]),
-    "pivot": lambda rng: _drum(rng, lambda rng, R: [_pivoted(rng, R)]),
-    "guide": lambda rng: _drum(rng, lambda rng, R: [_guided(rng, R)]),
-    "cylinder": _cylinder,
-    "cam": _cam,
-    "strut": _strut,
-    "pad on a hinge": lambda rng: _pad(rng, "hinge"),
-    "pad on a pivot": lambda rng: _pad(rng, "pivot"),
-    "pad on a guide": lambda rng: _pad(rng, "guide"),
-    "pad on an abutment": lambda rng: _pad(rng, "abutment"),
-    "table": lambda rng: _drum(rng, lambda rng, R: [_tee(rng, R)]),
-    "grip": lambda rng: _drum(rng, lambda rng, R: [_gripped(rng, R)]),
-    "chain": _chain,
+    "hinge": lambda rng: _drum_brake_data(rng, lambda rng, R: [_draw_hinged_shoe(rng, R)]),
+    "abutment": lambda rng: _drum_brake_data(
+        rng, lambda rng, R: [_draw_shoe_on_abutment(rng, R, rough=False)]
+    ),
+    "rough abutment": lambda rng: _drum_brake_data(
+        rng, lambda rng, R: [_draw_shoe_on_abutment(rng, R, rough=True)]
+    ),
+    "pivot": lambda rng: _drum_brake_data(rng, lambda rng, R: [_draw_pivoted_shoe(rng, R)]),
+    "guide": lambda rng: _drum_brake_data(rng, lambda rng, R: [_draw_guided_shoe(rng, R)]),
+    "cylinder": _draw_cylinder_brake,
+    "cam": _draw_cam_brake,
+    "strut": _draw_strut_brake,
+    "pad on a hinge": lambda rng: _draw_pad(rng, "hinge"),
+    "pad on a pivot": lambda rng: _draw_pad(rng, "pivot"),
+    "pad on a guide": lambda rng: _draw_pad(rng, "guide"),
+    "pad on an abutment": lambda rng: _draw_pad(rng, "abutment"),
+    "table": lambda rng: _drum_brake_data(rng, lambda rng, R: [_draw_tee_shoe(rng, R)]),
+    "grip": lambda rng: _drum_brake_data(rng, lambda rng, R: [_draw_gripped_shoe(rng, R)]),
+    "chain": _draw_chain_of_blocks,
 }
 """How a brake of each kind is drawn. The order decides which seed draws which kind."""
 
 
-def _shoe_placed(
+def _place_shoe_data(
     shoe: dict[str, Any], turn: float, *, mirrored: bool, shift: float = 0.0
 ) -> dict[str, Any]:
     """The data of a shoe after it is mirrored, turned and shifted, in this order.
@@ -463,18 +487,22 @@ def _shoe_placed(
     c, s = math.cos(turn), math.sin(turn)
 
     def placed_point(point: dict[str, float]) -> dict[str, float]:
+        """The point after mirroring, turning and shifting."""
         x, y = point["x"], sign * point["y"]
         return {"x": c * x - s * y + shift, "y": s * x + c * y}
 
     def placed_direction(part: dict[str, Any]) -> dict[str, Any]:
+        """The part with its direction and its point placed."""
         moved = part | {"direction": turn + sign * part["direction"]}
         return moved | ({"point": placed_point(part["point"])} if "point" in part else {})
 
     def placed_end(lining: float) -> float:
+        """The end of a lining after mirroring, turning and shifting."""
         # On a plane the image is about the y axis: the shoe is mirrored and turned by 180 degrees.
         return turn + sign * lining if "side" in shoe else c * lining + shift
 
     def placed_ends(part: dict[str, Any]) -> dict[str, Any]:
+        """The part with its two ends placed; a mirror exchanges them."""
         start, end = sorted(placed_end(part[key]) for key in ("start", "end"))
         moved = part | {"start": start, "end": end}
         if isinstance(part.get("clearance"), list | tuple):
@@ -501,7 +529,9 @@ def _shoe_placed(
     return result
 
 
-def placed(brake: Brake, *, turn: float = 0.0, mirrored: bool = False, shift: float = 0.0) -> Brake:
+def place_brake(
+    brake: Brake, *, turn: float = 0.0, mirrored: bool = False, shift: float = 0.0
+) -> Brake:
     """The brake after it is mirrored, turned and shifted, in this order.
 
     A drum brake is mirrored about the x axis, a brake on a plane about the y axis. The forces of
@@ -522,7 +552,7 @@ def placed(brake: Brake, *, turn: float = 0.0, mirrored: bool = False, shift: fl
     if brake.surface.straight:
         turn = math.pi if mirrored else 0.0
     data["shoe"] = [
-        _shoe_placed(shoe, turn, mirrored=mirrored, shift=shift) for shoe in data["shoe"]
+        _place_shoe_data(shoe, turn, mirrored=mirrored, shift=shift) for shoe in data["shoe"]
     ]
     return validated(type(brake), data)
 
@@ -533,7 +563,7 @@ FORCE_KEYS = {"force"}
 """Keys of a brake file whose numbers are forces."""
 
 
-def scaled(brake: Brake, length: float, modulus: float) -> Brake:
+def scale_brake(brake: Brake, length: float, modulus: float) -> Brake:
     """The brake with all lengths and all moduli times a factor, at unchanged strains.
 
     Forces grow with modulus times length squared, torques with modulus times length cubed.
@@ -552,11 +582,13 @@ def scaled(brake: Brake, length: float, modulus: float) -> Brake:
     along = length if on_plane else 1.0
 
     def scaled_part(value: Any) -> Any:
+        """A part of the brake's data with its lengths, moduli and forces scaled."""
         if isinstance(value, dict):
             return {key: scaled_value(key, each) for key, each in value.items()}
         return [scaled_part(each) for each in value] if isinstance(value, list | tuple) else value
 
     def scaled_value(key: str, value: Any) -> Any:
+        """The value of a key, scaled as its dimension asks."""
         if key in {"clearance", "blocks"} and isinstance(value, list | tuple):
             return [[place * along, size * length] for place, size in value]
         if isinstance(value, bool | str) or value is None or not isinstance(value, int | float):

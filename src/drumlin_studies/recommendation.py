@@ -7,7 +7,7 @@ the name of their `brake`. Floors are the uncertainties of the references, by br
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from drumlin_studies.work_precision import PEER_FAMILIES, enough
+from drumlin_studies.work_precision import PEER_FAMILIES, rows_within_error
 
 TARGETS = {
     "torque_error": (0.1, 0.05, 0.01, 1e-3, 1e-4),
@@ -31,12 +31,12 @@ Row = Mapping[str, Any]
 Floors = Mapping[str, float]
 
 
-def of_brake(rows: Iterable[Row], name: str) -> list[Row]:
+def rows_of_brake(rows: Iterable[Row], name: str) -> list[Row]:
     """The rows of one brake."""
     return [row for row in rows if row["brake"] == name]
 
 
-def offered(rows: Iterable[Row]) -> list[Row]:
+def rows_to_recommend(rows: Iterable[Row]) -> list[Row]:
     """The rows among which a method is recommended.
 
     Peers and penalties are left out. A penalty costs at least as much as the exact contact on the
@@ -46,21 +46,23 @@ def offered(rows: Iterable[Row]) -> list[Row]:
     return [row for row in rows if row["family"] not in left_out]
 
 
-def best_rows(rows: Sequence[Row], floors: Mapping[str, Floors]) -> list[dict[str, Any]]:
+def fastest_rows(rows: Sequence[Row], floors: Mapping[str, Floors]) -> list[dict[str, Any]]:
     """For each brake and target a row with the fastest method that keeps the target."""
     best = []
     for name in floors:
-        candidates = offered(of_brake(rows, name))
+        candidates = rows_to_recommend(rows_of_brake(rows, name))
         for key, targets in TARGETS.items():
             for target in targets:
                 row = {"brake": name, "quantity": TARGET_NAMES[key], "target": target}
-                best.append(row | _best(candidates, key, target, floors[name]))
+                best.append(row | _fastest_row_or_reason(candidates, key, target, floors[name]))
     return best
 
 
-def _best(rows: Sequence[Row], key: str, target: float, floors: Floors) -> dict[str, Any]:
+def _fastest_row_or_reason(
+    rows: Sequence[Row], key: str, target: float, floors: Floors
+) -> dict[str, Any]:
     """The fastest of some rows on one brake that keeps a target, or why there is no such row."""
-    fit = enough(rows, key, target, floors)
+    fit = rows_within_error(rows, key, target, floors)
     if not fit:
         below = target < floors[key]
         reason = "not claimed: below what the reference knows" if below else "none of those tried"
@@ -84,7 +86,7 @@ class Cell(NamedTuple):
     sort : str
         "law", "foundation", "elastic" or "none", the class of the cell on the page.
     row : mapping
-        The row of `best_rows`.
+        The row of `fastest_rows`.
     """
 
     what: str
@@ -113,14 +115,14 @@ class Matrix(NamedTuple):
     by_law: list[int]
 
 
-def matrices(best: Sequence[Row]) -> list[Matrix]:
-    """`best_rows` as a matrix of brake and target for each quantity."""
+def recommendation_matrices(best: Sequence[Row]) -> list[Matrix]:
+    """`fastest_rows` as a matrix of brake and target for each quantity."""
     found = []
     for key, targets in TARGETS.items():
         lines: dict[str, list[Cell]] = {}
         for row in best:
             if row["quantity"] == TARGET_NAMES[key]:
-                lines.setdefault(row["brake"], []).append(_cell(row))
+                lines.setdefault(row["brake"], []).append(_matrix_cell(row))
         by_law = []
         for k in range(len(targets)):
             by_law.append(sum(cells[k].sort == "law" for cells in lines.values()))
@@ -128,7 +130,8 @@ def matrices(best: Sequence[Row]) -> list[Matrix]:
     return found
 
 
-def _cell(row: Row) -> Cell:
+def _matrix_cell(row: Row) -> Cell:
+    """The cell of the matrix for a row of `fastest_rows`."""
     family, method = row["family"], row.get("method")
     if method is None:
         return Cell(family, "none", row)
@@ -143,7 +146,7 @@ def fastest_seconds(
     """Times [s] of the fastest method with at most an error of p, on each brake that has one."""
     seconds = []
     for name, known in floors.items():
-        fastest = _fastest(offered(of_brake(rows, name)), target, known)
+        fastest = _fastest_within_error(rows_to_recommend(rows_of_brake(rows, name)), target, known)
         if fastest is not None:
             seconds.append(fastest["seconds"])
     return seconds
@@ -193,30 +196,36 @@ class AgainstPeers(NamedTuple):
     even: tuple[Row, Row] | None
 
 
-def against_peers(rows: Sequence[Row], floors: Mapping[str, Floors]) -> list[AgainstPeers]:
+def compare_with_peers(rows: Sequence[Row], floors: Mapping[str, Floors]) -> list[AgainstPeers]:
     """The peers on each brake on which some were tried."""
     names = dict.fromkeys(row["brake"] for row in rows if row["family"] in PEER_FAMILIES)
-    return [_against_peers(name, of_brake(rows, name), floors[name]) for name in names]
+    return [
+        _compare_with_peers_on_brake(name, rows_of_brake(rows, name), floors[name])
+        for name in names
+    ]
 
 
-def _against_peers(name: str, rows: Sequence[Row], floors: Floors) -> AgainstPeers:
-    own = offered(rows)
+def _compare_with_peers_on_brake(name: str, rows: Sequence[Row], floors: Floors) -> AgainstPeers:
+    """Times of the peers on one brake, and of drumlin on the same meshes."""
+    own = rows_to_recommend(rows)
     times = []
     for peer, aims in AIMS.items():
         theirs = [row for row in rows if row["family"] == peer and not row.get("even")]
         for target, aim in aims.items():
-            best = _fastest(theirs, target, floors)
-            times.append(PeerTimes(peer, target, best, _fastest(own, target, floors), aim))
+            best = _fastest_within_error(theirs, target, floors)
+            times.append(
+                PeerTimes(peer, target, best, _fastest_within_error(own, target, floors), aim)
+            )
     of_peers = [row for row in rows if row["family"] in PEER_FAMILIES]
     of_peers = [row for row in of_peers if row["status"] == "converged"]
     even = [row for row in of_peers if row.get("even")]
     finest = max(even, key=lambda row: row["elements"], default=None)
-    fastest = _fastest(own, HALF_PERCENT, floors)
+    fastest = _fastest_within_error(own, HALF_PERCENT, floors)
     finest_and_own = (finest, fastest) if finest and fastest else None
-    return AgainstPeers(name, times, _on_same_mesh(of_peers, own), finest_and_own)
+    return AgainstPeers(name, times, _pairs_on_same_mesh(of_peers, own), finest_and_own)
 
 
-def _on_same_mesh(of_peers: Sequence[Row], own: Sequence[Row]) -> list[tuple[Row, Row]]:
+def _pairs_on_same_mesh(of_peers: Sequence[Row], own: Sequence[Row]) -> list[tuple[Row, Row]]:
     """Rows of peers within HALF_PERCENT, each with the row of drumlin on the same graded mesh."""
     meshes = {(row["kind"], row["elements"]): row for row in own if row["family"] == "graded mesh"}
     pairs = []
@@ -228,6 +237,6 @@ def _on_same_mesh(of_peers: Sequence[Row], own: Sequence[Row]) -> list[tuple[Row
     return pairs
 
 
-def _fastest(rows: Sequence[Row], target: float, floors: Floors) -> Row | None:
+def _fastest_within_error(rows: Sequence[Row], target: float, floors: Floors) -> Row | None:
     """The row that keeps an error of p in the shortest time, or None."""
-    return next(iter(enough(rows, "pressure_error", target, floors)), None)
+    return next(iter(rows_within_error(rows, "pressure_error", target, floors)), None)

@@ -65,14 +65,15 @@ SECTION_SHEAR_FACTOR = 6 / 5
 """Shear coefficient kappa of a rectangular section."""
 
 
-def sketcher(elements: int = SKETCH_ELEMENTS) -> Callable[[Brake], PreparedModel]:
+def surrogate_maker(elements: int = SKETCH_ELEMENTS) -> Callable[[Brake], PreparedModel]:
     """A function that prepares the sketch of a brake. It meshes equal linings once.
 
     The function raises BadInput for a brake that finite elements do not cover.
     """
     meshed: dict[Brake, PreparedModel] = {}
 
-    def sketch(brake: Brake) -> PreparedModel:
+    def prepare_surrogate(brake: Brake) -> PreparedModel:
+        """The surrogate of a brake; the rigid-shoe model of equal linings is meshed once."""
         reason = (
             why_not(brake)
             or isotropic_only(brake, "a sketch")
@@ -80,14 +81,14 @@ def sketcher(elements: int = SKETCH_ELEMENTS) -> Callable[[Brake], PreparedModel
         )
         if reason is not None:
             raise BadInput(f"fem does not apply to this brake: {reason}")
-        bare = _rigid(brake)
+        bare = _rigid_brake(brake)
         if bare not in meshed:
             meshed[bare] = prepare(bare, elements=elements, kind=DEFAULT_KIND)
         return _with_closed_forms(
             meshed[bare], brake, min(end - start for start, end in (s.arc for s in brake.shoes))
         )
 
-    return sketch
+    return prepare_surrogate
 
 
 def _with_closed_forms(scene: PreparedModel, brake: Brake, shortest: float) -> PreparedModel:
@@ -112,24 +113,27 @@ def _with_closed_forms(scene: PreparedModel, brake: Brake, shortest: float) -> P
     for body, shoe, bare in zip(scene.bodies, brake.shoes, scene.brake.shoes, strict=True):
         key = shape_of(brake, shoe)
         if key not in made:
-            made[key] = body if shoe.body == bare.body else _flexible(body, shoe, brake.size)
+            made[key] = (
+                body if shoe.body == bare.body else _add_shoe_flexibility(body, shoe, brake.size)
+            )
         bodies.append(made[key])
     ring = scene.ring
     if ring is None and brake.ring is not None:
         count = max(LEAST_RING_MODES, math.ceil(2 * math.pi * CONTACT_WAVES / max(shortest, 1e-9)))
         if count > MOST_RING_MODES:
             raise NoAnswer(f"a contact of {shortest:.1e} rad is too short for the waves of a ring")
-        ring = _ring(brake, brake.ring, tuple(bodies), count)
+        ring = _ring_flexibility_roots(brake, brake.ring, tuple(bodies), count)
     return replace(scene, brake=brake, bodies=tuple(bodies), ring=ring)
 
 
-def _rigid(brake: Brake) -> Brake:
+def _rigid_brake(brake: Brake) -> Brake:
     """The brake without ring and with rigid shoes.
 
     A straight beam stays, because the block of a post begins at the beam, and becomes stiff.
     """
 
-    def rigid(shoe: Shoe) -> Shoe:
+    def rigid_shoe(shoe: Shoe) -> Shoe:
+        """The shoe without an elastic body."""
         if not isinstance(shoe.body, Beam):
             return shoe.model_copy(update={"body": None}) if shoe.mesh is None else shoe
         section = shoe.body.section
@@ -143,16 +147,16 @@ def _rigid(brake: Brake) -> Brake:
         return shoe.model_copy(update={"body": body})
 
     return brake.without_ring().model_copy(
-        update={"shoes": tuple(rigid(shoe) for shoe in brake.shoes)}
+        update={"shoes": tuple(rigid_shoe(shoe) for shoe in brake.shoes)}
     )
 
 
-def _flexible(body: ShoeSubstructure, shoe: Shoe, radius: float) -> ShoeSubstructure:
+def _add_shoe_flexibility(body: ShoeSubstructure, shoe: Shoe, radius: float) -> ShoeSubstructure:
     """The body of a rigid shoe with the flexibility of the shoe added.
 
     radius : radius of the drum [m].
     """
-    bar, coupling = _bar(shoe, radius), body.coupling
+    bar, coupling = _shoe_as_bar(shoe, radius), body.coupling
     nodal = bar.half(body.line.xy)
     pressed, dragged = -nodal @ coupling.N.T, nodal @ coupling.T.T
     load = bar.half(body.load_centre[:, None], beyond=np.ones((len(bar.along), 1)))
@@ -219,17 +223,18 @@ class _Bar(NamedTuple):
         normal = np.broadcast_to(self.tangent[:, None], arm.shape)
         shear = np.stack([-normal[..., 1], normal[..., 0]], axis=-1)
 
-        def weighted(part: Floats, root: Floats) -> Floats:
+        def weighted_rows(part: Floats, root: Floats) -> Floats:
+            """A part of the square root of the flexibility, times a root of its compliance."""
             # Only the sections between a force and the hinge carry the force.
             scaled = part * (beyond * root[:, None])[..., None]
             return np.asarray(scaled.reshape(len(root), -1))
 
-        bending = weighted(moment, self.bending)
-        stretching = weighted(normal, self.stretching)
-        return np.concatenate([bending, stretching, weighted(shear, self.shearing)])
+        bending = weighted_rows(moment, self.bending)
+        stretching = weighted_rows(normal, self.stretching)
+        return np.concatenate([bending, stretching, weighted_rows(shear, self.shearing)])
 
 
-def _bar(shoe: Shoe, radius: float) -> _Bar:
+def _shoe_as_bar(shoe: Shoe, radius: float) -> _Bar:
     """The bar of a shoe. An arc bends as one section with the backing and the lining on it."""
     body = shoe.body
     assert body is not None
@@ -239,7 +244,9 @@ def _bar(shoe: Shoe, radius: float) -> _Bar:
         near, far = sorted(shoe.frame.phis((body.start, body.end)), key=abs)
         phi = near + (far - near) * middle
         start, end = shoe.arc
-        over = [_layer(shoe, layer) for layer in (shoe.backing, shoe.lining) if layer is not None]
+        over = [
+            _layer_of_bar(shoe, layer) for layer in (shoe.backing, shoe.lining) if layer is not None
+        ]
         alone, together = bonded(plates), bonded([*plates, *over])
         lined = (phi > start) & (phi < end)
         depth, EI, EA, GA = np.where(lined, np.array(together)[:, None], np.array(alone)[:, None])
@@ -267,11 +274,12 @@ def _bar(shoe: Shoe, radius: float) -> _Bar:
     )
 
 
-def _layer(shoe: Shoe, layer: Lining | Backing) -> Section:
+def _layer_of_bar(shoe: Shoe, layer: Lining | Backing) -> Section:
+    """A layer of the shoe's body as a section of the bar, as wide as the lining."""
     return Section(layer.thickness, shoe.lining.width, layer.material)
 
 
-def _ring(
+def _ring_flexibility_roots(
     brake: Brake, ring: Ring, bodies: tuple[ShoeSubstructure, ...], count: int
 ) -> RingSubstructure:
     """The ring under the linings of all shoes, as square roots (2 count + 2, n) of its flexibility.
@@ -288,14 +296,14 @@ def _ring(
     sign, radius, section = brake.shoes[0].sign, brake.size, ring.section
     assert section is not None
     k = np.arange(count + 1)
-    radial, shear = ring_modes(ring, radius, sign, k)
+    radial, shear = ring_mode_compliances(ring, radius, sign, k)
     # Fourier coefficients of a traction on a ring of this width, for each mode.
     share = np.where(k == 0, 0.5, 1.0) / (math.pi * radius * section.width)
     root = np.sqrt(share * radial)
     turned = np.where(k == 0, 0.0, sign * share * shear / root)
     pressed, dragged = [], []
     for body, shoe in zip(bodies, brake.shoes, strict=True):
-        c, s = _waves(body, shoe, k)
+        c, s = _wave_integrals(body, shoe, k)
         pressed.append(np.vstack([root[:, None] * c, root[:, None] * s]))
         dragged.append(np.vstack([-turned[:, None] * s, turned[:, None] * c]))
     return RingSubstructure(
@@ -311,7 +319,7 @@ def _ring(
     )
 
 
-def _waves(body: ShoeSubstructure, shoe: Shoe, k: Ints) -> tuple[Floats, Floats]:
+def _wave_integrals(body: ShoeSubstructure, shoe: Shoe, k: Ints) -> tuple[Floats, Floats]:
     """Integrals b Int psi_i cos k theta ds and b Int psi_i sin k theta ds: arrays (modes, n) [m^2].
 
     psi_i are the shape functions of the contact nodes, theta is the angle of the brake.
@@ -326,7 +334,9 @@ def _waves(body: ShoeSubstructure, shoe: Shoe, k: Ints) -> tuple[Floats, Floats]
     return found.real, found.imag
 
 
-def ring_modes(ring: Ring, radius: float, sign: int, modes: Ints) -> tuple[Floats, Floats]:
+def ring_mode_compliances(
+    ring: Ring, radius: float, sign: int, modes: Ints
+) -> tuple[Floats, Floats]:
     """Radial displacement [m/Pa] of the friction surface under two tractions, for each mode.
 
     The first (m,) is for the radial traction cos k theta, the second (m,) for the traction
@@ -351,7 +361,7 @@ def ring_modes(ring: Ring, radius: float, sign: int, modes: Ints) -> tuple[Float
     long = modes * section.thickness <= HALF_PLANE_WAVE * radius
     if not long.all():
         over = radius / (E * modes[~long])
-        found = ring_modes(ring, radius, sign, modes[long])
+        found = ring_mode_compliances(ring, radius, sign, modes[long])
         return np.append(found[0], 2 * over), np.append(found[1], (1 - nu) * over)
     # Lagrange polynomials on Chebyshev points, as sums of Legendre polynomials.
     x = -np.cos(math.pi * np.arange(RING_DEGREE + 1) / RING_DEGREE)
@@ -372,10 +382,15 @@ def ring_modes(ring: Ring, radius: float, sign: int, modes: Ints) -> tuple[Float
     g = np.concatenate([-n * over, d - over + 0 * n], axis=2)
     weight = (w * abs(half) * r)[:, None] * E / (1 - nu**2)
 
-    def product(a: Floats, b: Floats) -> Floats:
+    def weighted_product(a: Floats, b: Floats) -> Floats:
+        """Integrals over the section of the products of two fields, for each mode."""
         return np.asarray(a.transpose(0, 2, 1) @ (weight * b))
 
-    K = product(e_r, e_r + nu * e_t) + product(e_t, e_t + nu * e_r) + (1 - nu) / 2 * product(g, g)
+    K = (
+        weighted_product(e_r, e_r + nu * e_t)
+        + weighted_product(e_t, e_t + nu * e_r)
+        + (1 - nu) / 2 * weighted_product(g, g)
+    )
     size, rim = RING_DEGREE + 1, RING_DEGREE
     hold = np.zeros((len(modes), 2 * size, 2))
     if ring.support == "fixed":

@@ -2,8 +2,8 @@
 
 The tables are of brakes that run in from new (`brake_row`, `ratio_row`), of steps of half the size
 (`half_row`), of exponents of the pressure (`exponent_row`), of a drum that turns both ways
-(`reversed_run`), and of implicit against explicit steps (`step_rows`). Distances are in units of
-1/(k K), with the stiffness K = E/t of the lining and the wear coefficient k.
+(`run_with_reversals`), and of implicit against explicit steps (`step_rows`). Distances are in units
+of 1/(k K), with the stiffness K = E/t of the lining and the wear coefficient k.
 """
 
 import math
@@ -26,19 +26,32 @@ from drumlin.fem.model import respond
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.preparation.scene import PreparedModel, why_not
 from drumlin.laws import hinged, law
-from drumlin.lining_wear.archard import TOLERANCE, WearLaw, WearState, at, explicit, ripple, run_on
-from drumlin.lining_wear.linings import WearSetup, fem_setup, foundation_setup, guided
+from drumlin.lining_wear.archard import (
+    TOLERANCE,
+    WearLaw,
+    WearState,
+    checkerboard_amplitude,
+    interpolate_state,
+    wear_linings_by_explicit_euler,
+    wear_linings_in_given_steps,
+)
+from drumlin.lining_wear.linings import (
+    WearSetup,
+    fem_wear_setup,
+    foundation_wear_setup,
+    put_shoes_on_guides,
+)
 from drumlin.lining_wear.run_in import (
     COEFFICIENT,
     WearTarget,
-    checks,
-    distance,
-    life,
-    norm,
+    brake_with_worn_linings,
+    compute_run_checks,
+    distance_from_target,
+    lining_life,
+    lining_pressure_norm,
+    rigid_law_target,
     run_in,
-    target,
-    unit_distance,
-    worn,
+    unit_sliding_distance,
 )
 from drumlin.response.norms import relative
 
@@ -82,17 +95,19 @@ class Run:
 
     def ripple(self, state: WearState) -> float:
         """Checkerboard of the pressure, the largest of all linings."""
-        return max(ripple(surface.along(state.pressure)) for surface in self.setup.surfaces)
+        return max(
+            checkerboard_amplitude(surface.along(state.pressure)) for surface in self.setup.surfaces
+        )
 
 
-def settle(name: str, setup: WearSetup, law: WearLaw = ARCHARD, **options: Any) -> Run:
+def run_until_settled(name: str, setup: WearSetup, law: WearLaw = ARCHARD, **options: Any) -> Run:
     """The run of a setup until wear has settled; options as of `run_in`."""
     states = run_in(setup, law, **options)
-    goal = target(setup, law, options.get("torque"))
-    return Run(name, setup, states, goal, unit_distance(setup, law))
+    goal = rigid_law_target(setup, law, options.get("torque"))
+    return Run(name, setup, states, goal, unit_sliding_distance(setup, law))
 
 
-def ways(brake: Brake) -> tuple[list[tuple[str, str, Brake]], str | None]:
+def wearing_models_of(brake: Brake) -> tuple[list[tuple[str, str, Brake]], str | None]:
     """The ways to run in a brake, and why finite elements cannot (None where they can).
 
     A way is a suffix to the brake's name, a model and a brake. A single shoe also runs in with the
@@ -103,7 +118,7 @@ def ways(brake: Brake) -> tuple[list[tuple[str, str, Brake]], str | None]:
     if reason is None:
         found.append(("", "fem", brake))
         if len(brake.shoes) == 1:
-            found.append((", turned back", "fem", turned_back(brake)))
+            found.append((", turned back", "fem", reversed_brake(brake)))
         rigid = all(shoe.body is None and shoe.pivot is None for shoe in brake.shoes)
         if rigid and brake.shoes[0].side == "external":
             found.append((", guided", "guided", brake))
@@ -112,20 +127,20 @@ def ways(brake: Brake) -> tuple[list[tuple[str, str, Brake]], str | None]:
     return found, reason
 
 
-def turned_back(brake: Brake) -> Brake:
+def reversed_brake(brake: Brake) -> Brake:
     """The brake with the opposite rotation."""
     return vary(brake, {"rotation": "clockwise" if brake.spin > 0 else "counter-clockwise"})
 
 
-def setup_of(model: str, brake: Brake, elements: int) -> WearSetup:
-    """The setup of a brake by one of the models of `ways`."""
+def wear_setup_by_model(model: str, brake: Brake, elements: int) -> WearSetup:
+    """The setup of a brake by one of the models of `wearing_models_of`."""
     if model.startswith("foundation"):
-        return foundation_setup(brake, lift=("all",) if "lifted" in model else ())
-    own = guided(brake) if model == "guided" else brake
-    return fem_setup(prepare(own, elements=elements), own)
+        return foundation_wear_setup(brake, lift=("all",) if "lifted" in model else ())
+    own = put_shoes_on_guides(brake) if model == "guided" else brake
+    return fem_wear_setup(prepare(own, elements=elements), own)
 
 
-def law_of(model: str, brake: Brake) -> tuple[str, float]:
+def law_and_torque_of_model(model: str, brake: Brake) -> tuple[str, float]:
     """The form of the pressure that a model tends to, and the torque [N m] of the brake's law."""
     if model == "guided":
         return "cos", hinged.guided_torque(brake)
@@ -145,7 +160,7 @@ def brake_row(
     name : str
         Name of the brake.
     model : str
-        A model of `ways`.
+        A model of `wearing_models_of`.
     brake : Brake
         The brake.
     elements : int
@@ -154,9 +169,9 @@ def brake_row(
     row: dict[str, Any] = {"brake": name, "model": model}
     begin = time.perf_counter()
     try:
-        setup = setup_of(model, brake, elements)
-        one = settle(f"{name}, {model}", setup)
-        row["law"], torque = law_of(model, brake)
+        setup = wear_setup_by_model(model, brake, elements)
+        one = run_until_settled(f"{name}, {model}", setup)
+        row["law"], torque = law_and_torque_of_model(model, brake)
     except NoAnswer as error:
         return {**row, "status": f"failed: {error}"}, None
     row |= {
@@ -172,15 +187,18 @@ def brake_row(
 def run_row(one: Run) -> dict[str, Any]:
     """A run as a row: the brake new and worn in, the distance of running in, the balances."""
     setup, states, goal, unit = one.setup, one.states, one.goal, one.unit
-    new, end = distance(setup, states[0], goal), distance(setup, states[-1], goal)
-    spent = life(setup, states, goal, ARCHARD, within=SPENT_WITHIN)
-    close = life(setup, states, goal, ARCHARD, within=TORQUE_AT_LAW)
-    balance = checks(setup, states, ARCHARD)
+    new, end = (
+        distance_from_target(setup, states[0], goal),
+        distance_from_target(setup, states[-1], goal),
+    )
+    spent = lining_life(setup, states, goal, ARCHARD, within=SPENT_WITHIN)
+    close = lining_life(setup, states, goal, ARCHARD, within=TORQUE_AT_LAW)
+    balance = compute_run_checks(setup, states, ARCHARD)
     holds = end.pressure <= PRESSURE_AT_LAW and abs(end.torque) <= TORQUE_AT_LAW
     return {
         "new_pressure": new.pressure,
         "new_torque": new.torque,
-        "least_torque": min(distance(setup, state, goal).torque for state in states),
+        "least_torque": min(distance_from_target(setup, state, goal).torque for state in states),
         "pressure_distance": spent.pressure * spent.distance / unit,
         "torque_distance": spent.torque * spent.distance / unit,
         "close_distance": close.torque * close.distance / unit,
@@ -202,8 +220,8 @@ def ratio_row(brake: Brake, ratio: float, elements: int) -> dict[str, Any]:
     body = brake.shoes[0].body
     assert body is not None and body.material is not None
     changed = vary(brake, {"shoe.lining.material.E": ratio * body.material.E_along})
-    setup = fem_setup(prepare(changed, elements=elements), changed)
-    return {"ratio": ratio, **run_row(settle("", setup))}
+    setup = fem_wear_setup(prepare(changed, elements=elements), changed)
+    return {"ratio": ratio, **run_row(run_until_settled("", setup))}
 
 
 def half_row(one: Run) -> dict[str, Any]:
@@ -213,20 +231,25 @@ def half_row(one: Run) -> dict[str, Any]:
     """
     s = [state.s for state in one.states]
     middles = [(a + b) / 2 for a, b in pairwise(s)]
-    halved = run_on(one.setup.interfaces, ARCHARD, sorted([*s[1:], *middles]))[::2]
+    halved = wear_linings_in_given_steps(one.setup.interfaces, ARCHARD, sorted([*s[1:], *middles]))[
+        ::2
+    ]
     area = np.concatenate([interface.area for interface in one.setup.interfaces])
 
-    def size(p: Floats) -> float:
+    def pressure_norm(p: Floats) -> float:
+        """The L2 norm of p over the linings."""
         return math.sqrt(float(area @ p**2))
 
     # Every second state of the halved run is at the distance of a state of the run.
     pairs = list(zip(one.states, halved, strict=True))
     long = run_in(one.setup, ARCHARD, distance=10 * s[-1])
-    after = distance(one.setup, long[-1], one.goal)
+    after = distance_from_target(one.setup, long[-1], one.goal)
     return {
         "brake": one.name,
         "asked": TOLERANCE,
-        "pressure": max(size(a.pressure - b.pressure) / size(b.pressure) for a, b in pairs),
+        "pressure": max(
+            pressure_norm(a.pressure - b.pressure) / pressure_norm(b.pressure) for a, b in pairs
+        ),
         "torque": max(abs(relative(a.torque, b.torque)) for a, b in pairs),
         "depth": max(float(np.abs(a.depth - b.depth).max() / b.depth.max()) for a, b in pairs[1:]),
         "long_pressure": after.pressure,
@@ -237,15 +260,15 @@ def half_row(one: Run) -> dict[str, Any]:
 def exponent_row(setup: WearSetup, m: float) -> dict[str, Any]:
     """The row of a hinged brake whose wear goes with p^m: its law is then sin^(1/m)."""
     law = WearLaw(COEFFICIENT, m)
-    states, goal = run_in(setup, law), target(setup, law)
-    end = distance(setup, states[-1], goal)
+    states, goal = run_in(setup, law), rigid_law_target(setup, law)
+    end = distance_from_target(setup, states[-1], goal)
     return {
         "exponent": m,
         "goal": goal.torque,
         "sine": relative(goal.torque, hinged.sine(setup.brake).torque),
         "end_pressure": end.pressure,
         "end_torque": end.torque,
-        "volume": checks(setup, states, law).volume,
+        "volume": compute_run_checks(setup, states, law).volume,
         "steps": len(states) - 1,
     }
 
@@ -282,7 +305,7 @@ class Reversals:
         return {"every": self.every, "after": max(later), "before": min(later), "mean": self.mean}
 
 
-def reversed_run(scene: PreparedModel, brake: Brake, every: float, turns: int) -> Reversals:
+def run_with_reversals(scene: PreparedModel, brake: Brake, every: float, turns: int) -> Reversals:
     """A brake that wears over several reversals.
 
     Parameters
@@ -296,9 +319,12 @@ def reversed_run(scene: PreparedModel, brake: Brake, every: float, turns: int) -
     turns : int
         Number of reversals.
     """
-    setups = {True: fem_setup(scene, brake), False: fem_setup(scene, turned_back(brake))}
-    goals = {sense: target(setup) for sense, setup in setups.items()}
-    size = every * unit_distance(setups[True], ARCHARD)
+    setups = {
+        True: fem_wear_setup(scene, brake),
+        False: fem_wear_setup(scene, reversed_brake(brake)),
+    }
+    goals = {sense: rigid_law_target(setup) for sense, setup in setups.items()}
+    size = every * unit_sliding_distance(setups[True], ARCHARD)
     states = run_in(
         setups[True],
         ARCHARD,
@@ -310,7 +336,7 @@ def reversed_run(scene: PreparedModel, brake: Brake, every: float, turns: int) -
     far = []
     for state in states:
         sense = state.forward
-        far.append(distance(setups[sense], state, goals[sense]).pressure)
+        far.append(distance_from_target(setups[sense], state, goals[sense]).pressure)
     # The last state before each reversal, and the last state of all.
     turned = [state for state, after in pairwise(states) if state.forward != after.forward]
     turned.append(states[-1])
@@ -318,12 +344,15 @@ def reversed_run(scene: PreparedModel, brake: Brake, every: float, turns: int) -
     worn_off = turned[-1].depth - turned[-3].depth
     law = ARCHARD.coefficient * size * (goals[True].pressure + goals[False].pressure)
     surfaces = setups[True].surfaces
-    mean = max(norm(s, s.along(worn_off - law)) / norm(s, s.along(law)) for s in surfaces)
+    mean = max(
+        lining_pressure_norm(s, s.along(worn_off - law)) / lining_pressure_norm(s, s.along(law))
+        for s in surfaces
+    )
     return Reversals(every, states, far, mean)
 
 
 @dataclass(frozen=True)
-class Board:
+class EqualStepsEnd:
     """The end of a run of equal steps: title, state, and checkerboard of the pressure."""
 
     title: str
@@ -333,7 +362,7 @@ class Board:
 
 def step_rows(
     one: Run, end: float, steps: Sequence[float]
-) -> tuple[list[dict[str, Any]], list[Board]]:
+) -> tuple[list[dict[str, Any]], list[EqualStepsEnd]]:
     """Rows and ends of implicit and explicit runs of equal steps.
 
     Parameters
@@ -346,9 +375,9 @@ def step_rows(
         Sizes of the steps [1/(k K)].
     """
     length = end * one.unit
-    exact = at(run_in(one.setup, ARCHARD, distance=length, tolerance=1e-4), length)
-    rows, boards = list[dict[str, Any]](), list[Board]()
-    for way, size, run in _ways_to_step(one, end, steps):
+    exact = interpolate_state(run_in(one.setup, ARCHARD, distance=length, tolerance=1e-4), length)
+    rows, boards = list[dict[str, Any]](), list[EqualStepsEnd]()
+    for way, size, run in _stepping_methods(one, end, steps):
         row: dict[str, Any] = {"way": way, "step": size}
         try:
             last = run()[-1]
@@ -360,22 +389,30 @@ def step_rows(
         row["torque"] = last.torque
         row["torque_error"] = relative(last.torque, exact.torque)
         rows.append({**row, "status": "ended"})
-        boards.append(Board(f"{way}\nsteps of {size:g}/(k K)", last, row["ripple"]))
+        boards.append(EqualStepsEnd(f"{way}\nsteps of {size:g}/(k K)", last, row["ripple"]))
     return rows, boards
 
 
-def _ways_to_step(
+def _stepping_methods(
     one: Run, end: float, steps: Sequence[float]
 ) -> Iterator[tuple[str, float, Callable[[], list[WearState]]]]:
     """Each way to step, with the size of its steps and the function that runs it."""
     for size in steps:
         count, ds = round(end / size), size * one.unit
         stations = [(i + 1) * size * one.unit for i in range(count)]
-        yield "implicit", size, partial(run_on, one.setup.interfaces, ARCHARD, stations)
-        yield "explicit", size, partial(explicit, one.setup.interfaces, ARCHARD, ds, count)
+        yield (
+            "implicit",
+            size,
+            partial(wear_linings_in_given_steps, one.setup.interfaces, ARCHARD, stations),
+        )
+        yield (
+            "explicit",
+            size,
+            partial(wear_linings_by_explicit_euler, one.setup.interfaces, ARCHARD, ds, count),
+        )
 
 
-def least_touching(runs: Iterable[Run]) -> Run:
+def run_of_smallest_contact(runs: Iterable[Run]) -> Run:
     """The run whose new linings have the smallest contact."""
     return min(runs, key=lambda one: float((one.states[0].pressure > 0).mean()))
 
@@ -389,7 +426,7 @@ class RunFrame:
     turns: Sequence[float]
 
 
-def frames(scene: PreparedModel, one: Run, count: int) -> list[RunFrame]:
+def run_frames(scene: PreparedModel, one: Run, count: int) -> list[RunFrame]:
     """Moments of a run with the fields of its shoes, even over the logarithm of the distance.
 
     Parameters
@@ -404,8 +441,8 @@ def frames(scene: PreparedModel, one: Run, count: int) -> list[RunFrame]:
     end = one.states[-1].s
     moments = []
     for s in [0.0, *np.geomspace(3e-4 * end, end, count - 1)]:
-        state = at(one.states, s)
-        brake = worn(one.setup, state)
+        state = interpolate_state(one.states, s)
+        brake = brake_with_worn_linings(one.setup, state)
         response = respond(scene, brake, penalty=math.inf)
         shown = [fields(scene, brake, response, i) for i in range(len(brake.shoes))]
         moments.append(RunFrame(state, shown, [shoe.turn or 0.0 for shoe in response.shoes]))

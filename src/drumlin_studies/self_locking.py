@@ -43,14 +43,14 @@ AGREEMENT_COUNTS = ("starts", "same", "others", "unstable", "lost")
 Row = dict[str, Any]
 
 
-def limit_row(brake: Brake, elements: int) -> Row:
+def locking_limit_row(brake: Brake, elements: int) -> Row:
     """The friction that locks a brake, elastic and by the sine law.
 
     It is that of the first group of shoes to lock. elements : elements along a lining.
     """
     scene = prepare(brake, elements=elements)
     found = min(limits(scene, brake, FARTHEST_FRICTION).values(), key=lambda end: end.friction)
-    law = _locking_by_law(brake)
+    law = _locking_friction_by_law(brake)
     mu, t_over_R = found.friction, brake.shoes[0].lining.thickness / brake.size
     off = mu / law - 1
     return {
@@ -63,7 +63,7 @@ def limit_row(brake: Brake, elements: int) -> Row:
     }
 
 
-def torque_row(brake: Brake, name: str, elements: int) -> Row:
+def torque_over_friction_row(brake: Brake, name: str, elements: int) -> Row:
     """Torque [N m] over friction, elastic and by the sine law, each up to its own limit.
 
     Parameters
@@ -77,7 +77,7 @@ def torque_row(brake: Brake, name: str, elements: int) -> Row:
     """
     scene = prepare(brake, elements=elements)
     end = min(found.friction for found in limits(scene, brake, FARTHEST_FRICTION).values())
-    law = _locking_by_law(brake)
+    law = _locking_friction_by_law(brake)
     # The fractions of the limit are even up to 0.9 and then approach 1 in even ratios.
     fractions = (*np.linspace(0.02, 0.9, 45), *(1 - np.logspace(-1, -6, 26)[1:]))
     mu = [end * fraction for fraction in fractions]
@@ -93,16 +93,16 @@ def torque_row(brake: Brake, name: str, elements: int) -> Row:
     }
 
 
-def _locking_by_law(brake: Brake) -> float:
+def _locking_friction_by_law(brake: Brake) -> float:
     """Friction at which the first shoe locks by the sine law."""
     return min(locking_friction(brake, shoe) for shoe in brake.shoes)
 
 
-def pole(row: Row) -> tuple[float, float]:
+def torque_pole(row: Row) -> tuple[float, float]:
     """The product T (mu_lock - mu) [N m] at the limit, and its relative change near the limit.
 
     At a pole of the torque the product is constant near the limit. The change is taken over the
-    last 1e-5 of the friction. row : a row of `torque_row`.
+    last 1e-5 of the friction. row : a row of `torque_over_friction_row`.
     """
     limit_friction, products, near = row["mu_lock"], [], []
     for mu, torque in zip(row["mu"], row["torque"], strict=True):
@@ -132,13 +132,13 @@ def uniqueness_row(seed: int, way: str) -> Row:
     starts = [np.ones(n, bool), np.zeros(n, bool)]
     starts += [rng.random(n) < 0.5 for _ in range(RANDOM_STARTS)]
     top = min(end.friction, LARGEST_FRICTION)
-    counts, disagreeing = _agreement_below(problems, top, starts)
+    counts, disagreeing = _count_agreements_below(problems, top, starts)
     # Beyond the limit no contact set should be a stable answer, and drumlin should give none.
     beyond = answered = None
     if end.friction <= 10:
         mu_beyond = [end.friction * x for x in BEYOND_LIMIT]
         beyond = sum(agreement(problems.at(mu), end.last, starts, 0.0).others for mu in mu_beyond)
-        answered = sum(_answers(scene, vary(brake, {"friction": mu})) for mu in mu_beyond)
+        answered = sum(_has_answer(scene, vary(brake, {"friction": mu})) for mu in mu_beyond)
     # On a coarse mesh all contact sets can be tried: the first that becomes singular.
     coarse = prepare(brake, elements=ALL_SETS_ELEMENTS)
     any_set = first_singular(ShoeGroup(coarse, brake, (0,)).sliding)
@@ -154,14 +154,16 @@ def uniqueness_row(seed: int, way: str) -> Row:
         "beyond": beyond,
         "answered": answered,
         "any_set": None if math.isinf(any_set) else any_set,
-        "clearance": _clearance(brake),
+        "clearance": _clearance_kind(brake),
         "shoe": "elastic" if shoe.body else "rigid",
         "t_over_R": shoe.lining.thickness / brake.size,
         **counts,
     }
 
 
-def _agreement_below(problems: Sliding, top: float, starts: list[Bools]) -> tuple[Row, list[float]]:
+def _count_agreements_below(
+    problems: Sliding, top: float, starts: list[Bools]
+) -> tuple[Row, list[float]]:
     """Counts of the answers below a friction, and the fractions of it at which answers disagree.
 
     Parameters
@@ -186,7 +188,7 @@ def _agreement_below(problems: Sliding, top: float, starts: list[Bools]) -> tupl
     return counts, disagreeing
 
 
-def _answers(scene: PreparedModel, brake: Brake) -> bool:
+def _has_answer(scene: PreparedModel, brake: Brake) -> bool:
     """Whether drumlin itself has an answer, with the exact contact whose limit was followed."""
     try:
         respond(scene, brake, penalty=math.inf)
@@ -195,7 +197,7 @@ def _answers(scene: PreparedModel, brake: Brake) -> bool:
     return True
 
 
-def _clearance(brake: Brake) -> str:
+def _clearance_kind(brake: Brake) -> str:
     """Whether the first lining has an uneven clearance, an even one or none."""
     given = brake.shoes[0].lining.clearance
     return "uneven" if isinstance(given, tuple) else "none" if given == 0 else "even"

@@ -1,15 +1,16 @@
 """Whether the stated errors of brakes with stored truths are large enough and not needlessly large.
 
 A stated error that is too small is a wrong number. A stated error that is ten times too large costs
-a level of hp elements that nobody needed. The ratio of stated to true error shows both. `judged`
-takes one brake through all levels once and reads from the levels which errors a solve states by
-default and at two tolerances. `sharpness` reduces the ratios of each quantity to two numbers. The
-command
+a level of hp elements that nobody needed. The ratio of stated to true error shows both.
+`judge_stored_truth` takes one brake through all levels once and reads from the levels which errors
+a solve states by default and at two tolerances. `error_ratio_spreads` reduces the ratios of each
+quantity to two numbers. The command
 
     python -m drumlin_studies.sharpness FOLDER
 
-writes these numbers to a file whenever the factors of the estimate are fitted. `complaints`
-compares new numbers with the file, so that a test notices a halved factor as well as a doubled one.
+writes these numbers to a file whenever the factors of the estimate are fitted.
+`lines_on_stated_errors` compares new numbers with the file, so that a test notices a halved factor
+as well as a doubled one.
 """
 
 import json
@@ -32,8 +33,8 @@ from drumlin.fem.model import respond
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.response.response import Response
 from drumlin_studies.stated_true import JUDGED_QUANTITIES as QUANTITIES
-from drumlin_studies.stated_true import errors, ratio
-from drumlin_studies.stored_truth import CERTAIN, StoredTruth, read
+from drumlin_studies.stated_true import stated_over_true, true_errors
+from drumlin_studies.stored_truth import CERTAIN, StoredTruth, read_stored_truth
 
 ASKED = {"default": DEFAULT_TOLERANCE, "1e-3": Tolerance(1e-3, 1e-3), "1e-4": Tolerance(1e-4, 1e-4)}
 """The tolerances that a solve is asked for: the default one and two others, by name."""
@@ -63,7 +64,7 @@ FILE = "sharpness.json"
 """Name of the file with the numbers of the last fit, in the folder of the stored truths."""
 
 
-class Judged(NamedTuple):
+class StatedTrueErrors(NamedTuple):
     """Stated and true errors of one brake at one tolerance of ASKED.
 
     Attributes
@@ -90,7 +91,9 @@ class Judged(NamedTuple):
         is not judged.
         """
         kinds = {"stated": self.stated, "true": self.true, "unsure": self.unsure}
-        return ratio({f"{kind}_{quantity}": of[quantity] for kind, of in kinds.items()}, quantity)
+        return stated_over_true(
+            {f"{kind}_{quantity}": of[quantity] for kind, of in kinds.items()}, quantity
+        )
 
     def certain(self, quantity: str) -> bool:
         """Whether the true error is certain enough for the ratio of stated to true error.
@@ -107,7 +110,7 @@ class Spread(NamedTuple):
     tenth: float
 
 
-class Worth(NamedTuple):
+class AccuracyAndCost(NamedTuple):
     """Accuracy and cost of the answers of all brakes at one tolerance of ASKED.
 
     Attributes
@@ -123,7 +126,7 @@ class Worth(NamedTuple):
     unknowns: dict[str, int]
 
 
-def judged(name: str, stored: StoredTruth) -> list[Judged]:
+def judge_stored_truth(name: str, stored: StoredTruth) -> list[StatedTrueErrors]:
     """Stated and true errors of a brake with a stored truth, for each tolerance that it reaches."""
     brake = stored.brake
     solved: list[int] = []
@@ -136,15 +139,19 @@ def judged(name: str, stored: StoredTruth) -> list[Judged]:
     sequences: tuple[Iterable[SolvedLevel], ...] = tee(solved_levels(brake, counted), len(ASKED))
     found = []
     for (asked, tolerance), sequence in zip(ASKED.items(), sequences, strict=True):
-        response = _answer(brake, tolerance, sequence)
+        response = _solve_to_tolerance(brake, tolerance, sequence)
         if response is not None:
-            true = errors(brake, response.shoes, stored.true.shoes)
+            true = true_errors(brake, response.shoes, stored.true.shoes)
             stated = response.error or {}
-            found.append(Judged(name, asked, stated, true, stored.true.unsure, sum(solved)))
+            found.append(
+                StatedTrueErrors(name, asked, stated, true, stored.true.unsure, sum(solved))
+            )
     return found
 
 
-def _answer(brake: Brake, tolerance: Tolerance, sequence: Iterable[SolvedLevel]) -> Response | None:
+def _solve_to_tolerance(
+    brake: Brake, tolerance: Tolerance, sequence: Iterable[SolvedLevel]
+) -> Response | None:
     """The answer that a solve would give, or None where the solve would miss the tolerance."""
     try:
         return solve_to_tolerance(
@@ -154,9 +161,13 @@ def _answer(brake: Brake, tolerance: Tolerance, sequence: Iterable[SolvedLevel])
         return None
 
 
-def judge_folder(folder: Path) -> list[Judged]:
+def judge_folder(folder: Path) -> list[StatedTrueErrors]:
     """Stated and true errors of all brakes with stored truths in a folder."""
-    return [one for path in truth_files(folder) for one in judged(path.stem, read(path))]
+    return [
+        one
+        for path in truth_files(folder)
+        for one in judge_stored_truth(path.stem, read_stored_truth(path))
+    ]
 
 
 def truth_files(folder: Path) -> list[Path]:
@@ -164,7 +175,7 @@ def truth_files(folder: Path) -> list[Path]:
     return sorted(path for path in folder.glob("*.json") if path.name != FILE)
 
 
-def sharpness(rows: Sequence[Judged]) -> dict[str, Spread]:
+def error_ratio_spreads(rows: Sequence[StatedTrueErrors]) -> dict[str, Spread]:
     """Median and smallest tenth of the ratios of stated to true error, for each quantity."""
     found = {}
     for quantity in QUANTITIES:
@@ -173,7 +184,7 @@ def sharpness(rows: Sequence[Judged]) -> dict[str, Spread]:
     return found
 
 
-def worths(rows: Sequence[Judged]) -> dict[str, Worth]:
+def accuracy_and_costs(rows: Sequence[StatedTrueErrors]) -> dict[str, AccuracyAndCost]:
     """Accuracy and cost of the answers, for each tolerance of ASKED."""
     found = {}
     for asked, tolerance in ASKED.items():
@@ -183,17 +194,19 @@ def worths(rows: Sequence[Judged]) -> dict[str, Worth]:
             float(np.median([one.true[name] for one in own])) for name in ("pressure", "torque")
         )
         unknowns = {one.name: one.unknowns for one in own}
-        found[asked] = Worth(len(reached), pressure, torque, unknowns)
+        found[asked] = AccuracyAndCost(len(reached), pressure, torque, unknowns)
     return found
 
 
-def losses(rows: Sequence[Judged], written: Mapping[str, Worth]) -> list[str]:
+def lines_on_losses(
+    rows: Sequence[StatedTrueErrors], written: Mapping[str, AccuracyAndCost]
+) -> list[str]:
     """Lines that say what has become worse for a user since the last fit; empty if nothing has.
 
     written : accuracy and cost of the answers at the last fit, by ASKED
     """
     found = []
-    for asked, now in worths(rows).items():
+    for asked, now in accuracy_and_costs(rows).items():
         before = written[asked]
         if now.answers < before.answers:
             found.append(f"{asked}: {now.answers} brakes reach it, {before.answers} did")
@@ -212,13 +225,15 @@ def losses(rows: Sequence[Judged], written: Mapping[str, Worth]) -> list[str]:
     return found
 
 
-def complaints(rows: Sequence[Judged], written: Mapping[str, Spread]) -> list[str]:
+def lines_on_stated_errors(
+    rows: Sequence[StatedTrueErrors], written: Mapping[str, Spread]
+) -> list[str]:
     """Lines that say what is wrong with the stated errors of `rows`; empty if nothing is.
 
     written : median and smallest tenth of the ratios at the last fit, by quantity
     """
     found = []
-    for quantity, spread in sharpness(rows).items():
+    for quantity, spread in error_ratio_spreads(rows).items():
         ratios = [(one.ratio(quantity), one) for one in rows]
         known = [(value, one) for value, one in ratios if not math.isnan(value)]
         small = [f"{one.name} at {one.asked} ({value:.2f})" for value, one in known if value < 1]
@@ -235,7 +250,9 @@ def complaints(rows: Sequence[Judged], written: Mapping[str, Spread]) -> list[st
     return found
 
 
-def scaled(rows: Iterable[Judged], quantity: str, factor: float) -> list[Judged]:
+def scale_stated_errors(
+    rows: Iterable[StatedTrueErrors], quantity: str, factor: float
+) -> list[StatedTrueErrors]:
     """The rows with the stated errors of one quantity multiplied by a factor."""
     return [
         one._replace(stated={**one.stated, quantity: factor * one.stated[quantity]}) for one in rows
@@ -246,14 +263,16 @@ class Written(NamedTuple):
     """The contents of FILE: spreads by quantity, and accuracy and cost by tolerance of ASKED."""
 
     spreads: dict[str, Spread]
-    worths: dict[str, Worth]
+    worths: dict[str, AccuracyAndCost]
 
 
 def read_sharpness(folder: Path) -> Written:
     """The contents of FILE in a folder of stored truths."""
     data = json.loads((folder / FILE).read_text(encoding="utf-8"))
     spreads = {quantity: Spread(**values) for quantity, values in data["sharpness"].items()}
-    return Written(spreads, {asked: Worth(**values) for asked, values in data["worth"].items()})
+    return Written(
+        spreads, {asked: AccuracyAndCost(**values) for asked, values in data["worth"].items()}
+    )
 
 
 def main(folder: str) -> None:
@@ -261,7 +280,7 @@ def main(folder: str) -> None:
     rows = judge_folder(Path(folder))
     spreads = {
         quantity: {which: round(value, 2) for which, value in spread._asdict().items()}
-        for quantity, spread in sharpness(rows).items()
+        for quantity, spread in error_ratio_spreads(rows).items()
     }
     worth = {
         asked: {
@@ -270,7 +289,7 @@ def main(folder: str) -> None:
             "torque": float(f"{of.torque:.3g}"),
             "unknowns": of.unknowns,
         }
-        for asked, of in worths(rows).items()
+        for asked, of in accuracy_and_costs(rows).items()
     }
     data = {"sharpness": spreads, "worth": worth}
     write_text(Path(folder) / FILE, json.dumps(data, indent=1) + "\n")

@@ -14,7 +14,7 @@ PROCESSES = 2
 Case = Mapping[str, Any]
 
 
-def kept(
+def compute_and_keep_cases(
     cases: Sequence[Case],
     work: Callable[[Case], dict[str, Any]],
     journal: Journal,

@@ -28,14 +28,14 @@ PART = "lining"
 """Name of the only part of a body."""
 
 
-def _section(grid: Any, at: Floats, groups: Mapping[str, Any]) -> Any:
+def _section_mesh(grid: Any, at: Floats, groups: Mapping[str, Any]) -> Any:
     """A section of quadratic quadrilaterals, a grid whose nodes are moved to `at` (2, nodes)."""
     return skfem.MeshQuad2(
         at, grid.t, _subdomains={PART: np.arange(grid.nelements)}, _boundaries=dict(groups)
     )
 
 
-def ring_sector(radii: Floats, angles: Floats, z: Floats) -> Solid:
+def ring_sector_mesh(radii: Floats, angles: Floats, z: Floats) -> Solid:
     """A sector of a ring, with the boundary "contact" outside and "hinge" inside.
 
     Parameters
@@ -53,13 +53,13 @@ def ring_sector(radii: Floats, angles: Floats, z: Floats) -> Solid:
     quadratic = skfem.MeshQuad2.from_mesh(grid)
     r, phi = radii[-1] - quadratic.doflocs[0], quadratic.doflocs[1]
     return extrude(
-        _section(grid, np.array([r * np.cos(phi), r * np.sin(phi)]), groups),
+        _section_mesh(grid, np.array([r * np.cos(phi), r * np.sin(phi)]), groups),
         {PART: float(z[-1])},
         z,
     )
 
 
-def face_on(solid: Solid) -> ContactFace:
+def contact_face_of(solid: Solid) -> ContactFace:
     """The contact face of a sector whose middle has the angle 0."""
     return contact_face(
         make_contact_line(solid.plane, solid.section.boundaries["contact"], 0.0),
@@ -68,7 +68,7 @@ def face_on(solid: Solid) -> ContactFace:
     )
 
 
-def lame_error(
+def lame_displacement_error(
     elements: int, material: Material, radii: tuple[float, float] = (0.6, 1.0), half: float = 0.5
 ) -> float:
     """Error of a quarter ring under outer pressure: largest error of u over the largest u.
@@ -88,14 +88,14 @@ def lame_error(
         Half of the width [m].
     """
     a, b = radii
-    solid = ring_sector(
+    solid = ring_sector_mesh(
         np.linspace(a, b, elements + 1),
         np.linspace(0, math.pi / 2, 3 * elements + 1),
         np.linspace(0, half, 3),
     )
     E, nu, p = material.E, material.nu, 1.0
     K = stiffness(solid.basis, {PART: ElasticLayer(solid_elasticity_matrix(material), HALVES)})
-    face, x = face_on(solid), solid.basis.doflocs
+    face, x = contact_face_of(solid), solid.basis.doflocs
     load = np.zeros((solid.basis.N, 3))
     load[face.nodes, :2] = -(
         face.couple_with_counterface(0.0, drum_directions(1)).N.T @ np.full(len(face.nodes), p)
@@ -114,18 +114,18 @@ def lame_error(
     return float(np.abs(u.reshape(-1, 3).T - exact).max() / np.abs(exact).max())
 
 
-def patch_error(elements: int, material: Material) -> float:
+def patch_force_error(elements: int, material: Material) -> float:
     """Error of the coupling on a curved face: largest error of a nodal force over the largest.
 
     Under the uniform strain of a hydrostatic pressure p = 1 the nodal forces on the surface are
     K u. On the inner nodes of the friction face they must be -N^T p.
     """
     z = np.array([0.0, 0.1, 0.15])
-    solid = ring_sector(np.linspace(0.6, 1.0, 3), np.linspace(-0.5, 0.5, elements + 1), z)
+    solid = ring_sector_mesh(np.linspace(0.6, 1.0, 3), np.linspace(-0.5, 0.5, elements + 1), z)
     K = stiffness(solid.basis, {PART: ElasticLayer(solid_elasticity_matrix(material), HALVES)})
     u = -(1 - 2 * material.nu) / material.E * solid.basis.doflocs.T
     forces = (K @ u.ravel()).reshape(-1, 3)
-    face = face_on(solid)
+    face = contact_face_of(solid)
     mine = -(
         face.couple_with_counterface(0.0, drum_directions(1)).N.T @ np.ones(len(face.nodes))
     ).reshape(-1, 2)
@@ -154,13 +154,13 @@ class PointContact(NamedTuple):
     unknowns: int
 
 
-def _upwards(x: Floats) -> tuple[Floats, Floats]:
+def _upward_normal_and_tangent(x: Floats) -> tuple[Floats, Floats]:
     """Normal along y and tangent along x at points (2, ...)."""
     zero, one = np.zeros_like(x[0]), np.ones_like(x[0])
     return np.stack([zero, one]), np.stack([one, zero])
 
 
-def point_contact(
+def hertz_point_contact(
     per_radius: int, nu: float = 0.3, size: float = 6.0, growth: float = 1.6
 ) -> PointContact:
     """A rigid sphere of radius 1 in a block, with a contact of radius 1 (Hertz 1882).
@@ -187,15 +187,15 @@ def point_contact(
         "contact": np.flatnonzero(middle[1] > -1e-12),
         "hinge": np.flatnonzero(middle[1] < 1e-9 - size),
     }
-    section = _section(grid, skfem.MeshQuad2.from_mesh(grid).doflocs, groups)
+    section = _section_mesh(grid, skfem.MeshQuad2.from_mesh(grid).doflocs, groups)
     solid = extrude(section, {PART: size}, s)
     material = Material(E=1.0, nu=nu)
-    face = contact_face(_flat_line(solid), solid.node, solid.z)
+    face = contact_face(_flat_contact_line(solid), solid.node, solid.z)
     held = np.unique(edge_nodes(solid.plane, groups["hinge"]))
     ties = constrain_solid(solid, face.nodes, solid.node[held].ravel(), np.zeros(2), bonded=True)
     K = stiffness(solid.basis, {PART: ElasticLayer(solid_elasticity_matrix(material), HALVES)})
     body = condense_body(K, ties, {}, 2 * len(face.nodes))
-    coupling = face.couple_with_counterface(0.0, _upwards)
+    coupling = face.couple_with_counterface(0.0, _upward_normal_and_tangent)
     half = body.half_flexibility(coupling.N.T)
     r = np.hypot(face.xy[0], np.tile(face.z, len(face.line.nodes)))
     load, area = 4 / 3 / (1 - nu**2), coupling.area
@@ -216,7 +216,7 @@ def point_contact(
     )
 
 
-def _flat_line(solid: Solid) -> ContactLine:
+def _flat_contact_line(solid: Solid) -> ContactLine:
     """The flat top of a block as a contact line. Its x coordinates take the place of angles."""
     ends = edge_nodes(solid.plane, solid.section.boundaries["contact"])
     at = solid.plane.doflocs

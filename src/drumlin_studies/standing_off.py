@@ -16,9 +16,9 @@ from drumlin_studies.random_kinds import (
     HOLDING_ATTEMPTS,
     HOLDING_KINDS,
     Rng,
-    facing,
-    log_between,
-    placed,
+    draw_log_uniform,
+    mirror_to_other_side,
+    place_brake,
 )
 
 LINING_MODULI = 3e8, 1e11
@@ -29,7 +29,7 @@ FORCE_DIVISORS = 1.0, 300.0
 """Smallest and largest divisor of the force that `random_kinds` draws."""
 
 
-def standing_off(seed: int, kind: str | None = None) -> Brake:
+def draw_brake_with_clearances(seed: int, kind: str | None = None) -> Brake:
     """The brake of a seed, in which all shoes press by the rigid-shoe law.
 
     Finite elements are not asked: by them some of these brakes have no answer.
@@ -50,13 +50,15 @@ def standing_off(seed: int, kind: str | None = None) -> Brake:
     kind = names[seed % len(names)] if kind is None else kind
     for attempt in range(HOLDING_ATTEMPTS):
         rng = np.random.default_rng([seed, names.index(kind), attempt, 1])
-        data = _off(rng, HOLDING_KINDS[kind](rng)) | {"title": f"standing off {kind} {seed}"}
+        data = _brake_data_with_clearances(rng, HOLDING_KINDS[kind](rng)) | {
+            "title": f"standing off {kind} {seed}"
+        }
         data["friction"] = round(float(rng.uniform(0.03, 0.5)), 4)
         turn, mirrored = float(rng.uniform(-3, 3)), bool(rng.random() < 0.5)
         try:
             brake = any_from(data)
             turn = 0.0 if brake.surface.straight else turn
-            brake = placed(brake, turn=turn, mirrored=mirrored)
+            brake = place_brake(brake, turn=turn, mirrored=mirrored)
             if all(shoe.contact_arcs for shoe in law(brake).shoes):
                 return brake
         except (BadInput, NoAnswer):
@@ -64,38 +66,40 @@ def standing_off(seed: int, kind: str | None = None) -> Brake:
     raise NoAnswer(f"no brake of kind {kind} from seed {seed} in {HOLDING_ATTEMPTS} attempts")
 
 
-def _off(rng: Rng, data: dict[str, Any]) -> dict[str, Any]:
+def _brake_data_with_clearances(rng: Rng, data: dict[str, Any]) -> dict[str, Any]:
     """The data of a brake with clearances, other moduli of the linings and smaller forces.
 
     The shoes of a cam become mirror images. A cam moves both tips by the same distance, so that of
     two shoes with different clearances only one would press.
     """
-    divisor = log_between(rng, *FORCE_DIVISORS)
-    shoes = [_shoe_off(rng, shoe, data.get("drum"), divisor) for shoe in data["shoe"]]
+    divisor = draw_log_uniform(rng, *FORCE_DIVISORS)
+    shoes = [
+        _shoe_data_with_clearance(rng, shoe, data.get("drum"), divisor) for shoe in data["shoe"]
+    ]
     result = data | {"shoe": shoes}
     if "actuation" in data:
-        result["actuation"] = _weaker(data["actuation"], divisor)
+        result["actuation"] = _weaken_actuation(data["actuation"], divisor)
         has_cam = "force" in data["actuation"]
         if has_cam:
-            result["shoe"] = [shoes[0], facing(shoes[0])]
+            result["shoe"] = [shoes[0], mirror_to_other_side(shoes[0])]
     return result
 
 
-def _shoe_off(
+def _shoe_data_with_clearance(
     rng: Rng, shoe: dict[str, Any], drum: dict[str, Any] | None, divisor: float
 ) -> dict[str, Any]:
     """The data of a shoe with a clearance, another modulus of the lining and a smaller force."""
     lining = {key: value for key, value in shoe["lining"].items() if key != "misfit"}
     size = lining["end"] - lining["start"] if drum is None else drum["radius"]
-    lining["clearance"] = size * log_between(rng, *CLEARANCE_FRACTIONS)
-    lining["material"] = lining["material"] | {"E": log_between(rng, *LINING_MODULI)}
+    lining["clearance"] = size * draw_log_uniform(rng, *CLEARANCE_FRACTIONS)
+    lining["material"] = lining["material"] | {"E": draw_log_uniform(rng, *LINING_MODULI)}
     result = shoe | {"lining": lining}
     if "actuation" in shoe:
-        result["actuation"] = _weaker(shoe["actuation"], divisor)
+        result["actuation"] = _weaken_actuation(shoe["actuation"], divisor)
     return result
 
 
-def _weaker(actuation: dict[str, Any], divisor: float) -> dict[str, Any]:
+def _weaken_actuation(actuation: dict[str, Any], divisor: float) -> dict[str, Any]:
     """The actuation with its force or pressure divided by a number."""
     return {
         key: value / divisor if key in {"force", "pressure"} else value

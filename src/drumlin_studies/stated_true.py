@@ -102,13 +102,13 @@ class Truth:
     seconds: float
 
 
-def by_triangles(brake: Brake) -> Truth:
+def truth_by_triangles(brake: Brake) -> Truth:
     """The truth of a brake by curved triangles. Raises as `triangles.solve`."""
     begin = time.process_time()
-    return of_last_three(brake, triangles.solve_sequence(brake), begin)
+    return truth_of_last_three(brake, triangles.solve_sequence(brake), begin)
 
 
-def by_columns(brake: Brake, tolerance: float) -> Truth:
+def truth_by_hp_elements(brake: Brake, tolerance: float) -> Truth:
     """The truth of a brake by finer and finer levels of hp elements, with exact contact.
 
     The levels go on until p changes by less than TRUTH_FINENESS of the tolerance, or until they
@@ -124,7 +124,7 @@ def by_columns(brake: Brake, tolerance: float) -> Truth:
         for _, response in solved_levels(brake, partial(respond, penalty=math.inf)):
             change = math.inf
             if solutions:
-                change = errors(brake, solutions[-1], response.shoes)["pressure"]
+                change = true_errors(brake, solutions[-1], response.shoes)["pressure"]
             changes.append(change)
             solutions.append(response.shoes)
             if len(solutions) > 2 and change <= TRUTH_FINENESS * tolerance:
@@ -137,16 +137,16 @@ def by_columns(brake: Brake, tolerance: float) -> Truth:
         raise NoAnswer(f"only {len(solutions)} levels of columns have an answer")
     best = 2 + int(np.argmin(changes[2:]))
     last_three = solutions[best - 2 : best + 1]
-    return of_last_three(brake, last_three, begin, round_off(solutions[best]))
+    return truth_of_last_three(brake, last_three, begin, round_off_errors(solutions[best]))
 
 
-def round_off(shoes: Sequence[ShoeResponse]) -> ShoeChange:
+def round_off_errors(shoes: Sequence[ShoeResponse]) -> ShoeChange:
     """The largest relative round-off error of each quantity by the elimination, over all shoes."""
     by_quantity = zip(*(shoe.lost for shoe in shoes), strict=True)
     return ShoeChange(*(max(parts) for parts in by_quantity))
 
 
-def of_last_three(
+def truth_of_last_three(
     brake: Brake, last: Sequence[Sequence[TrueShoe]], begin: float, lost: ShoeChange = NO_CHANGE
 ) -> Truth:
     """The truth from the last three solutions of a sequence.
@@ -162,14 +162,17 @@ def of_last_three(
     lost : Change
         Relative round-off of the finest solution. It is added to the uncertainty.
     """
-    early = errors(brake, last[0], last[1])
-    late = errors(brake, last[1], last[2])
+    early = true_errors(brake, last[0], last[1])
+    late = true_errors(brake, last[1], last[2])
     digits = lost._asdict() | {"peak": max(lost.pressure, lost.peak)}
-    unsure = {name: limit(early[name], late[name]) + digits[name] for name in JUDGED_QUANTITIES}
+    unsure = {
+        name: distance_from_limit(early[name], late[name]) + digits[name]
+        for name in JUDGED_QUANTITIES
+    }
     return Truth(last[2], unsure, time.process_time() - begin)
 
 
-def limit(early: float, late: float) -> float:
+def distance_from_limit(early: float, late: float) -> float:
     """The distance of the last member of a sequence from its limit, from its last two steps.
 
     Each step is taken to be r times shorter than the one before, so that the rest is the last step
@@ -183,7 +186,7 @@ def limit(early: float, late: float) -> float:
     return late / (ratio_of_steps - 1)
 
 
-def errors(brake: Brake, found: Sequence[Any], true: Sequence[TrueShoe]) -> dict[str, float]:
+def true_errors(brake: Brake, found: Sequence[Any], true: Sequence[TrueShoe]) -> dict[str, float]:
     """Relative errors of the shoes of a response, by JUDGED_QUANTITIES.
 
     Parameters
@@ -234,7 +237,7 @@ def pressure_error(found: PressureField, true: TrueShoe, edge: float = EDGE_ZONE
     return math.sqrt(square / size)
 
 
-def peak(shoe: Shoe, scale_factor: float, found: PressureField) -> float:
+def peak_pressure(shoe: Shoe, scale_factor: float, found: PressureField) -> float:
     """Largest pressure [Pa] of a shoe outside the edge zones.
 
     The edge zones are included where half of the force acts there.
@@ -260,13 +263,15 @@ def _peak_error(shoe: Shoe, scale_factor: float, found: Any, true: TrueShoe) -> 
 
     A response states its peak. The peak of a plain solution is looked for here.
     """
-    true_peak = peak(shoe, scale_factor, true)
+    true_peak = peak_pressure(shoe, scale_factor, true)
     states_peak = hasattr(found, "peak_pressure")
-    found_peak = float(found.peak_pressure) if states_peak else peak(shoe, scale_factor, found)
+    found_peak = (
+        float(found.peak_pressure) if states_peak else peak_pressure(shoe, scale_factor, found)
+    )
     return abs(found_peak / true_peak - 1) if true_peak else math.nan
 
 
-def row(
+def stated_and_true_row(
     brake: Brake,
     tolerance: float,
     solve: Callable[..., Response],
@@ -297,21 +302,21 @@ def row(
     try:
         response = solve(brake, tolerance=tolerance)
     except (BadInput, NoAnswer, ArithmeticError, ValueError, AssertionError) as error:
-        return base | _failure(error) | {"seconds": time.process_time() - begin}
+        return base | _outcome_of_failure(error) | {"seconds": time.process_time() - begin}
     base["seconds"] = time.process_time() - begin
     stated = response.error or {}
     for name in JUDGED_QUANTITIES:
         base[f"stated_{name}"] = float(stated.get(name, math.nan))
     if true is None:
         return base | {"outcome": "no truth"}
-    true_errors = errors(brake, response.shoes, true.shoes)
+    errors = true_errors(brake, response.shoes, true.shoes)
     base["outcome"] = "reached"
-    base |= {f"true_{name}": true_errors[name] for name in JUDGED_QUANTITIES}
+    base |= {f"true_{name}": errors[name] for name in JUDGED_QUANTITIES}
     base |= {f"unsure_{name}": true.unsure[name] for name in JUDGED_QUANTITIES}
     return base
 
 
-def _failure(error: Exception) -> dict[str, str]:
+def _outcome_of_failure(error: Exception) -> dict[str, str]:
     """Outcome and reason of a solve that raised an error."""
     if isinstance(error, NoAnswer):
         outcome = "not reached" if "not reached" in str(error) else "failed"
@@ -319,7 +324,7 @@ def _failure(error: Exception) -> dict[str, str]:
     return {"outcome": "failed", "reason": f"{type(error).__name__}: {error}"}
 
 
-def ratio(one: Mapping[str, Any], name: str) -> float:
+def stated_over_true(one: Mapping[str, Any], name: str) -> float:
     """The stated error of a quantity in a row over its true error.
 
     The uncertainty of the truth is taken off the true error. nan where the row lacks one of the
@@ -334,7 +339,7 @@ def ratio(one: Mapping[str, Any], name: str) -> float:
     return stated / certain if certain > 0 else math.inf
 
 
-def summary(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+def summary_rows(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
     """A row for each tolerance and quantity: how far stated errors can be trusted.
 
     Keys of a row, all shares as fractions: `brakes`: their number; `reached`: share that reached
@@ -354,8 +359,8 @@ def summary(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
 
 
 def _summary_row(rows: Sequence[Mapping[str, Any]], tolerance: float, name: str) -> dict[str, Any]:
-    """The row of `summary` for the rows of one tolerance and for one quantity."""
-    ratios = np.array([ratio(one, name) for one in rows])
+    """The row of `summary_rows` for the rows of one tolerance and for one quantity."""
+    ratios = np.array([stated_over_true(one, name) for one in rows])
     is_judged = ~np.isnan(ratios)
     judged_rows = [one for one, judged in zip(rows, is_judged, strict=True) if judged]
     judged_ratios = ratios[is_judged]

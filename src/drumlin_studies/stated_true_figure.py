@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from drumlin.base.arrays import Floats
-from drumlin.report.figures import STYLE, key
+from drumlin.report.figures import STYLE, draw_legend
 from drumlin.report.palette import BLUE, GREEN, INK, PURPLE, RED
 
 PANEL_TITLES = {
@@ -32,7 +32,7 @@ PALE_POINTS_NOTE = (
 )
 
 
-def cloud(rows: Sequence[Mapping[str, Any]]) -> Figure:
+def draw_error_cloud(rows: Sequence[Mapping[str, Any]]) -> Figure:
     """Stated over true error against the true error, a panel for each quantity.
 
     Each tolerance has a mark of its own.
@@ -48,7 +48,7 @@ def cloud(rows: Sequence[Mapping[str, Any]]) -> Figure:
             axes.set_xlabel("true error")
             axes.set_ylabel("stated over true error")
         if drawn is not None:
-            key(figure, drawn)
+            draw_legend(figure, drawn)
         figure.suptitle(PALE_POINTS_NOTE, fontsize="medium")
     return figure
 
@@ -60,7 +60,7 @@ def _draw_points(axes: Any, rows: Sequence[Mapping[str, Any]], name: str) -> boo
     for tolerance, (mark, color) in zip(tolerances, PANEL_MARKS, strict=False):
         own = [row for row in rows if row["tolerance"] == tolerance]
         for known in (True, False):
-            points = [point for row in own if (point := _point(row, name, known)) is not None]
+            points = [point for row in own if (point := _error_point(row, name, known)) is not None]
             if not points:
                 continue
             true, ratios = zip(*points, strict=True)
@@ -78,7 +78,7 @@ def _draw_points(axes: Any, rows: Sequence[Mapping[str, Any]], name: str) -> boo
     return drawn
 
 
-def _point(row: Mapping[str, Any], name: str, known: bool) -> tuple[float, float] | None:
+def _error_point(row: Mapping[str, Any], name: str, known: bool) -> tuple[float, float] | None:
     """True error, and stated over true error, of a quantity of a row.
 
     None where one of them is missing, or where the true error is well known and `known` is false,
@@ -92,7 +92,7 @@ def _point(row: Mapping[str, Any], name: str, known: bool) -> tuple[float, float
     return true, stated / true
 
 
-def shares(ratios: Mapping[str, Floats]) -> Figure:
+def draw_ratio_shares(ratios: Mapping[str, Floats]) -> Figure:
     """Share of the levels over their ratio of stated to true error, a line for each quantity.
 
     ratios : the ratios (n,) of each quantity.
@@ -106,11 +106,11 @@ def shares(ratios: Mapping[str, Floats]) -> Figure:
         axes.axvline(1.0, color=INK, lw=1)
         axes.set_xlabel("stated over true error")
         axes.set_ylabel("share of the levels [%]")
-        key(figure, axes)
+        draw_legend(figure, axes)
     return figure
 
 
-def levels(rows: Sequence[Mapping[str, Any]]) -> Figure:
+def draw_level_errors(rows: Sequence[Mapping[str, Any]]) -> Figure:
     """Errors of p and of the torque over the cube root of the unknowns of a shoe.
 
     The polynomial degree stands beside each point.
@@ -133,5 +133,5 @@ def levels(rows: Sequence[Mapping[str, Any]]) -> Figure:
             )
         axes.set_xlabel("(unknowns of a shoe)$^{1/3}$")
         axes.set_ylabel("relative error")
-        key(figure, axes)
+        draw_legend(figure, axes)
     return figure

@@ -51,9 +51,9 @@ from drumlin_studies.random_brake import SHAPE_KINDS as DRAWN_KINDS
 from drumlin_studies.random_brake import random_brake
 from drumlin_studies.random_corners import CORNER_KINDS as CORNERS
 from drumlin_studies.random_corners import random_corner
-from drumlin_studies.random_kinds import random_kind
+from drumlin_studies.random_kinds import draw_brake_of_holding_kind
 from drumlin_studies.stated_true import TrueShoe as Solved
-from drumlin_studies.stated_true import Truth, of_last_three, round_off
+from drumlin_studies.stated_true import Truth, round_off_errors, truth_of_last_three
 
 TRIANGLES = (*TRIANGLE_LEVELS, TriangleLevel(6, 17, 0.7, 0.8))
 """Meshes of triangles: the meshes of the studies and one of a higher degree with more halvings. On
@@ -115,7 +115,7 @@ class StoredTruth(NamedTuple):
     true: Truth
 
 
-class Drawn(NamedTuple):
+class DrawnBrake(NamedTuple):
     """How the brake of a stored truth is drawn.
 
     Attributes
@@ -137,7 +137,7 @@ class Drawn(NamedTuple):
             if self.kind in DRAWN_KINDS
             else random_corner
             if self.kind in CORNERS
-            else random_kind
+            else draw_brake_of_holding_kind
         )
         found = drawn(self.seed, self.kind)
         return vary(found, dict(self.changes)) if self.changes else found
@@ -149,101 +149,109 @@ other seeds, from `calibration.FIRST_SEED` on, so that no fit has seen the brake
 
 TIP = ((1.756715664026018, 1e-5), (2.3, 0.0), (3.440991216768881, 1.5e-5))
 """Angles theta [rad] and clearances [m] of a lining that points to the drum with a tip, for the
-brake `random_kind(SEED + 1, "hinge")`. The tip is as high as the force compresses the lining, so
-that nearly the whole lining presses."""
+brake `draw_brake_of_holding_kind(SEED + 1, "hinge")`. The tip is as high as the force compresses
+the lining, so that nearly the whole lining presses."""
 
-STORED_BRAKES: dict[str, Drawn] = {
-    "arc": Drawn("elastic arc on a hinge, partial contact", "arc", SEED + 0),
-    "arc_second": Drawn("elastic arc on a hinge", "arc", SEED + 1),
-    "arc_incompressible": Drawn(
+STORED_BRAKES: dict[str, DrawnBrake] = {
+    "arc": DrawnBrake("elastic arc on a hinge, partial contact", "arc", SEED + 0),
+    "arc_second": DrawnBrake("elastic arc on a hinge", "arc", SEED + 1),
+    "arc_incompressible": DrawnBrake(
         "Poisson's ratio 0.49", "arc", SEED + 2, {"shoe[0].lining.material.nu": 0.49}
     ),
-    "arc_stiff_friction": Drawn("elastic arc, much friction", "arc", SEED + 3),
-    "backed_corner": Drawn(
+    "arc_stiff_friction": DrawnBrake("elastic arc, much friction", "arc", SEED + 3),
+    "backed_corner": DrawnBrake(
         "lining on a backing, pressed with its corner: unbounded p at the lining's end",
         "backed",
         SEED + 0,
     ),
-    "backed": Drawn("lining on a backing", "backed", SEED + 1),
-    "rigid": Drawn("rigid shoe", "rigid", SEED + 0),
-    "rigid_second": Drawn("rigid shoe", "rigid", SEED + 2),
-    "post": Drawn("straight post with a block", "post", SEED + 0),
-    "post_second": Drawn("straight post with a block", "post", SEED + 1),
-    "post_on_free_ring": Drawn(
+    "backed": DrawnBrake("lining on a backing", "backed", SEED + 1),
+    "rigid": DrawnBrake("rigid shoe", "rigid", SEED + 0),
+    "rigid_second": DrawnBrake("rigid shoe", "rigid", SEED + 2),
+    "post": DrawnBrake("straight post with a block", "post", SEED + 0),
+    "post_second": DrawnBrake("straight post with a block", "post", SEED + 1),
+    "post_on_free_ring": DrawnBrake(
         "post on an elastic ring with a free rim, no friction", "post on ring", SEED + 1
     ),
-    "post_on_fixed_ring": Drawn(
+    "post_on_fixed_ring": DrawnBrake(
         "post on an elastic ring with a fixed rim", "post on ring", SEED + 2
     ),
-    "arc_on_fixed_ring": Drawn("arc on an elastic ring with a fixed rim", "arc on ring", SEED + 1),
-    "arc_on_free_ring": Drawn("arc on an elastic ring with a free rim", "arc on ring", SEED + 2),
-    "linings_on_fixed_ring": Drawn(
+    "arc_on_fixed_ring": DrawnBrake(
+        "arc on an elastic ring with a fixed rim", "arc on ring", SEED + 1
+    ),
+    "arc_on_free_ring": DrawnBrake(
+        "arc on an elastic ring with a free rim", "arc on ring", SEED + 2
+    ),
+    "linings_on_fixed_ring": DrawnBrake(
         "two shoes on one elastic ring with a fixed rim", "linings on ring", SEED + 2
     ),
-    "linings_on_free_ring": Drawn(
+    "linings_on_free_ring": DrawnBrake(
         "two shoes on one elastic ring with a free rim", "linings on ring", SEED + 3
     ),
-    "blocks": Drawn("lining of three blocks of unlike height on a post", "misfit", SEED + 0),
-    "clearance_table": Drawn("clearance given as a table of two rows", "misfit", SEED + 1),
-    "radius_without_friction": Drawn(
+    "blocks": DrawnBrake("lining of three blocks of unlike height on a post", "misfit", SEED + 0),
+    "clearance_table": DrawnBrake("clearance given as a table of two rows", "misfit", SEED + 1),
+    "radius_without_friction": DrawnBrake(
         "lining ground to another radius, no friction", "misfit", SEED + 2
     ),
-    "clearance": Drawn("even clearance under a post", "misfit", SEED + 3),
-    "clearance_arc": Drawn("even clearance under an arc, much friction", "misfit", SEED + 4),
-    "radius": Drawn("lining ground to another radius, on a post", "misfit", SEED + 5),
-    "out_of_round": Drawn("drum out of round", "out of round", SEED + 0),
-    "out_of_round_second": Drawn(
+    "clearance": DrawnBrake("even clearance under a post", "misfit", SEED + 3),
+    "clearance_arc": DrawnBrake("even clearance under an arc, much friction", "misfit", SEED + 4),
+    "radius": DrawnBrake("lining ground to another radius, on a post", "misfit", SEED + 5),
+    "out_of_round": DrawnBrake("drum out of round", "out of round", SEED + 0),
+    "out_of_round_second": DrawnBrake(
         "drum out of round, an opening in the contact", "out of round", SEED + 1
     ),
-    "short_contact": Drawn(
+    "short_contact": DrawnBrake(
         "short contact of a lining of another radius", "small contact", SEED + 0, {"friction": 0.2}
     ),
-    "short_contact_second": Drawn(
+    "short_contact_second": DrawnBrake(
         "short contact of a lining of another radius", "small contact", SEED + 3
     ),
-    "extreme": Drawn(
+    "extreme": DrawnBrake(
         "stiffnesses and thicknesses far apart", "extreme", SEED + 0, {"friction": 0.2}
     ),
-    "hinge": Drawn("drum brake shoe on a hinge", "hinge", SEED + 0),
-    "tip": Drawn(
+    "hinge": DrawnBrake("drum brake shoe on a hinge", "hinge", SEED + 0),
+    "tip": DrawnBrake(
         "tip of the gap towards the drum",
         "hinge",
         SEED + 1,
         {"shoe[0].lining.clearance": TIP},
     ),
-    "abutment": Drawn("shoe that slides on an abutment", "abutment", SEED + 0),
-    "rough_abutment": Drawn("shoe on an abutment with friction", "rough abutment", SEED + 2),
-    "pivot": Drawn("shoe on a pivot of a lever", "pivot", SEED + 0),
-    "guide": Drawn("shoe in a guide", "guide", SEED + 1),
-    "cylinder": Drawn("two shoes under a wheel cylinder", "cylinder", SEED + 0),
-    "cam": Drawn("two shoes under an S-cam", "cam", SEED + 0),
-    "cam_second": Drawn("two shoes under an S-cam", "cam", SEED + 1),
-    "strut": Drawn("two shoes joined by a strut", "strut", SEED + 0),
-    "pad_on_a_hinge": Drawn("pad on a plane, on a hinge", "pad on a hinge", SEED + 1),
-    "pad_on_a_pivot": Drawn("pad on a plane, on a pivot", "pad on a pivot", SEED + 1),
-    "pad_on_a_guide": Drawn("pad on a plane, in a guide", "pad on a guide", SEED + 0),
-    "pad_on_an_abutment": Drawn("pad on a plane, on an abutment", "pad on an abutment", SEED + 2),
-    "table": Drawn("T-section: table and web", "table", SEED + 0),
-    "table_second": Drawn("T-section: table and web", "table", SEED + 1),
-    "grip": Drawn("body held over a length of its back", "grip", SEED + 0),
-    "chain": Drawn("blocks linked by straps", "chain", SEED + 0),
-    "corner_little_friction": Drawn(
+    "abutment": DrawnBrake("shoe that slides on an abutment", "abutment", SEED + 0),
+    "rough_abutment": DrawnBrake("shoe on an abutment with friction", "rough abutment", SEED + 2),
+    "pivot": DrawnBrake("shoe on a pivot of a lever", "pivot", SEED + 0),
+    "guide": DrawnBrake("shoe in a guide", "guide", SEED + 1),
+    "cylinder": DrawnBrake("two shoes under a wheel cylinder", "cylinder", SEED + 0),
+    "cam": DrawnBrake("two shoes under an S-cam", "cam", SEED + 0),
+    "cam_second": DrawnBrake("two shoes under an S-cam", "cam", SEED + 1),
+    "strut": DrawnBrake("two shoes joined by a strut", "strut", SEED + 0),
+    "pad_on_a_hinge": DrawnBrake("pad on a plane, on a hinge", "pad on a hinge", SEED + 1),
+    "pad_on_a_pivot": DrawnBrake("pad on a plane, on a pivot", "pad on a pivot", SEED + 1),
+    "pad_on_a_guide": DrawnBrake("pad on a plane, in a guide", "pad on a guide", SEED + 0),
+    "pad_on_an_abutment": DrawnBrake(
+        "pad on a plane, on an abutment", "pad on an abutment", SEED + 2
+    ),
+    "table": DrawnBrake("T-section: table and web", "table", SEED + 0),
+    "table_second": DrawnBrake("T-section: table and web", "table", SEED + 1),
+    "grip": DrawnBrake("body held over a length of its back", "grip", SEED + 0),
+    "chain": DrawnBrake("blocks linked by straps", "chain", SEED + 0),
+    "corner_little_friction": DrawnBrake(
         "rigid shoe that presses with a corner", "corner of a rigid shoe", SEED + 0
     ),
-    "corner_dragged_inwards": Drawn(
+    "corner_dragged_inwards": DrawnBrake(
         "corner that friction drags into the lining: p as x^-0.21",
         "corner of a rigid shoe",
         SEED + 1,
         {"friction": 0.2, "shoe[0].actuation.force": 708.0},
     ),
-    "corner_dragged_outwards": Drawn(
+    "corner_dragged_outwards": DrawnBrake(
         "elastic shoe that presses with its trailing corner", "corner", SEED + 3
     ),
-    "tip_short": Drawn("short contact under a tip of the gap", "tip of a rigid shoe", SEED + 1),
+    "tip_short": DrawnBrake(
+        "short contact under a tip of the gap", "tip of a rigid shoe", SEED + 1
+    ),
 }
 
 
-def make(name: str) -> StoredTruth:
+def make_stored_truth(name: str) -> StoredTruth:
     """The stored truth of a brake of STORED_BRAKES.
 
     The meshes DEEP or DEEPEST solve a brake that presses with a corner or under a tip. Other brakes
@@ -253,26 +261,26 @@ def make(name: str) -> StoredTruth:
     drawn = STORED_BRAKES[name]
     brake = drawn.brake()
     if drawn.kind in CORNERS:
-        return StoredTruth(drawn.covers, brake, "deep triangles", by_deep_triangles(brake))
+        return StoredTruth(drawn.covers, brake, "deep triangles", solve_by_deep_triangles(brake))
     try:
         if brake.surface.straight:
             raise BadInput("triangles have no brakes on a plane")
-        by, true = "triangles", by_triangles(brake)
+        by, true = "triangles", solve_by_triangles(brake)
     except (BadInput, NoAnswer):
-        by, true = "finer hp elements", by_finer(brake)
+        by, true = "finer hp elements", solve_by_finer_divisions(brake)
     return StoredTruth(drawn.covers, brake, by, true)
 
 
-def by_triangles(brake: Brake) -> Truth:
+def solve_by_triangles(brake: Brake) -> Truth:
     """The far finer solution of a brake on a drum by the meshes TRIANGLES.
 
     Raises BadInput and NoAnswer as `triangles.solve` does.
     """
     begin = time.process_time()
-    return of_last_three(brake, triangles.solve_sequence(brake, TRIANGLES)[-3:], begin)
+    return truth_of_last_three(brake, triangles.solve_sequence(brake, TRIANGLES)[-3:], begin)
 
 
-def by_deep_triangles(brake: Brake) -> Truth:
+def solve_by_deep_triangles(brake: Brake) -> Truth:
     """The far finer solution of a brake that presses with a corner or under a tip.
 
     The meshes are DEEPEST under a tip and DEEP at a corner. No triangle is small enough for p next
@@ -286,13 +294,15 @@ def by_deep_triangles(brake: Brake) -> Truth:
         meshes = triangles.solve_sequence(brake, DEEPEST if sharp else DEEP)
     except AssertionError:
         meshes = triangles.solve_sequence(brake, DEEP)
-    found = [[_steep(brake, i, one) for i, one in enumerate(each)] for each in meshes]
-    true = of_last_three(brake, found, begin)
+    found = [
+        [_add_corner_power_law(brake, i, one) for i, one in enumerate(each)] for each in meshes
+    ]
+    true = truth_of_last_three(brake, found, begin)
     left = max(pressure_error_at_corners(brake, i, one) for i, one in enumerate(found[-1]))
     return replace(true, unsure={**true.unsure, "pressure": true.unsure["pressure"] + left})
 
 
-def _steep(brake: Brake, index: int, found: ShoeSolution) -> ShoeSolution:
+def _add_corner_power_law(brake: Brake, index: int, found: ShoeSolution) -> ShoeSolution:
     """The solution of shoe `index` with the power law of its corners next to pressed corners."""
     for corner in unbounded_corners(brake, index, found):
         at_corner = found.theta[0 if corner.at_start else -1]
@@ -308,7 +318,7 @@ def _steep(brake: Brake, index: int, found: ShoeSolution) -> ShoeSolution:
     return found
 
 
-def by_finer(brake: Brake) -> Truth:
+def solve_by_finer_divisions(brake: Brake) -> Truth:
     """The far finer solution of a brake by the divisions FINER with exact contact.
 
     Raises NoAnswer where one of the divisions has no answer.
@@ -318,10 +328,10 @@ def by_finer(brake: Brake) -> Truth:
     found = [step.response.shoes for step in answers]
     if len(found) < len(FINER):
         raise NoAnswer(f"only {len(found)} of {len(FINER)} divisions have an answer")
-    return of_last_three(brake, found, begin, round_off(found[-1]))
+    return truth_of_last_three(brake, found, begin, round_off_errors(found[-1]))
 
 
-def as_text(stored: StoredTruth) -> str:
+def stored_truth_as_text(stored: StoredTruth) -> str:
     """A stored truth as JSON in SI units, with pressures of STORED_DIGITS significant digits."""
     data = {
         "covers": stored.covers,
@@ -346,15 +356,15 @@ def _shoe_data(shoe: Solved) -> dict[str, Any]:
     }
 
 
-def read(path: Path) -> StoredTruth:
+def read_stored_truth(path: Path) -> StoredTruth:
     """The stored truth of a file that `main` wrote."""
     data = json.loads(path.read_text(encoding="utf-8"))
-    shoes = [_shoe_from(shoe) for shoe in data["shoes"]]
+    shoes = [_shoe_from_data(shoe) for shoe in data["shoes"]]
     true = Truth(shoes, data["uncertainty"], data["seconds"])
     return StoredTruth(data["covers"], any_from(data["brake"]), data["by"], true)
 
 
-def _shoe_from(data: Mapping[str, Any]) -> ShoeSolution:
+def _shoe_from_data(data: Mapping[str, Any]) -> ShoeSolution:
     """The solution of a shoe from the data of `_shoe_data`."""
     return ShoeSolution(
         theta=np.array(data["theta"]),
@@ -374,8 +384,8 @@ def main(folder: str, *names: str) -> None:
     Without names the stored truths of all brakes in STORED_BRAKES are written.
     """
     for name in names or STORED_BRAKES:
-        stored = make(name)
-        write_text(Path(folder) / f"{name}.json", as_text(stored))
+        stored = make_stored_truth(name)
+        write_text(Path(folder) / f"{name}.json", stored_truth_as_text(stored))
         unsure = ", ".join(
             f"{quantity} {value:.1e}" for quantity, value in stored.true.unsure.items()
         )

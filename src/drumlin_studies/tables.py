@@ -6,16 +6,16 @@ from typing import Any, TypeVar
 RowType = TypeVar("RowType", bound=Mapping[str, Any])
 
 
-def column(rows: Sequence[Mapping[str, Any]], key: str) -> list[Any]:
+def values_of_key(rows: Sequence[Mapping[str, Any]], key: str) -> list[Any]:
     """The value of a key in each row. Every row must have the key."""
     return [row[key] for row in rows]
 
 
-def where(rows: Sequence[RowType], **values: Any) -> list[RowType]:
+def matching_rows(rows: Sequence[RowType], **values: Any) -> list[RowType]:
     """The rows that have the given value for each given key."""
     return [row for row in rows if all(row.get(key) == value for key, value in values.items())]
 
 
-def known(rows: Sequence[RowType], key: str) -> list[RowType]:
+def rows_with_value(rows: Sequence[RowType], key: str) -> list[RowType]:
     """The rows that have a value other than None for a key."""
     return [row for row in rows if row.get(key) is not None]

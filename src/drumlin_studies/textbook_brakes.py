@@ -10,7 +10,7 @@ TEXTBOOK_LINING = {"thickness": 0.01, "width": 0.04, "material": {"E": 3e8, "nu"
 """The lining of all textbook brakes, in SI units. The laws do not depend on its modulus."""
 
 
-def hinged(
+def hinged_shoe_brake(
     *,
     R: float,
     a: float,
@@ -79,7 +79,7 @@ def hinged(
     )
 
 
-def lever_block(
+def lever_block_brake(
     *,
     R: float,
     arm: float,
@@ -127,7 +127,7 @@ def lever_block(
     )
 
 
-def pad(
+def hinged_pad_brake(
     *,
     h: float,
     span: tuple[float, float],

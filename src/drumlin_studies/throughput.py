@@ -16,8 +16,8 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.base.journal import Journal
-from drumlin.sweeps.cases import Row, SweepCase, run
-from drumlin.sweeps.workers import Workers, executor
+from drumlin.sweeps.cases import Row, SweepCase, solve_cases
+from drumlin.sweeps.workers import Workers, provide_workers
 
 KEEP = {"MALLOC_TRIM_THRESHOLD_": str(2**28), "MALLOC_MMAP_THRESHOLD_": str(2**25)}
 """Environment by which glibc keeps freed memory below these sizes [bytes].
@@ -60,34 +60,35 @@ class Throughput(NamedTuple):
         return self.cases / self.seconds
 
 
-def processes(cases: Sequence[SweepCase], workers: int) -> Throughput:
+def time_with_processes(cases: Sequence[SweepCase], workers: int) -> Throughput:
     """The time of the cases by processes of this machine."""
-    start, before = time.perf_counter(), _processor()
-    with executor(workers) as found:
-        made = _timed("processes", cases, found, start)
-    return made._replace(processor=_processor() - before)
+    start, before = time.perf_counter(), _processor_time()
+    with provide_workers(workers) as found:
+        made = _time_sweep("processes", cases, found, start)
+    return made._replace(processor=_processor_time() - before)
 
 
-def dask(cases: Sequence[SweepCase], workers: int) -> Throughput:
+def time_with_dask(cases: Sequence[SweepCase], workers: int) -> Throughput:
     """The time of the cases by Dask workers, processes of one thread on the loopback interface."""
-    return _dask("Dask workers", cases, workers, {})
+    return _time_with_dask_workers("Dask workers", cases, workers, {})
 
 
-def dask_keeping(cases: Sequence[SweepCase], workers: int) -> Throughput:
+def time_with_dask_keeping_memory(cases: Sequence[SweepCase], workers: int) -> Throughput:
     """The time of the cases by Dask workers that keep freed memory.
 
     By default a Dask worker returns freed memory to the system at once.
     """
-    return _dask("Dask workers that keep memory", cases, workers, KEEP)
+    return _time_with_dask_workers("Dask workers that keep memory", cases, workers, KEEP)
 
 
-def _dask(
+def _time_with_dask_workers(
     by: str, cases: Sequence[SweepCase], workers: int, environment: dict[str, str]
 ) -> Throughput:
+    """The time of the cases by Dask workers that start in an environment."""
     distributed: Any = importlib.import_module("distributed")
-    start, before = time.perf_counter(), _processor()
+    start, before = time.perf_counter(), _processor_time()
     with (
-        _environment(environment),
+        _set_environment(environment),
         distributed.LocalCluster(
             n_workers=workers,
             threads_per_worker=1,
@@ -95,14 +96,14 @@ def _dask(
             dashboard_address=None,
             silence_logs=50,
         ) as cluster,
-        executor(scheduler=cluster.scheduler_address) as found,
+        provide_workers(scheduler=cluster.scheduler_address) as found,
     ):
-        made = _timed(by, cases, found, start)
-    return made._replace(processor=_processor() - before)
+        made = _time_sweep(by, cases, found, start)
+    return made._replace(processor=_processor_time() - before)
 
 
 @contextmanager
-def _environment(more: dict[str, str]) -> Iterator[None]:
+def _set_environment(more: dict[str, str]) -> Iterator[None]:
     """Set environment variables for a block, and restore the environment afterwards.
 
     Dask sets further variables for its workers and does not remove them. They would slow down what
@@ -117,12 +118,12 @@ def _environment(more: dict[str, str]) -> Iterator[None]:
         os.environ.update(before)
 
 
-def _processor() -> float:
+def _processor_time() -> float:
     """Processor time [s] of this process and of its child processes that have ended."""
     return sum(os.times()[:4])
 
 
-def _timed(by: str, cases: Sequence[SweepCase], found: Workers, start: float) -> Throughput:
+def _time_sweep(by: str, cases: Sequence[SweepCase], found: Workers, start: float) -> Throughput:
     """The time of the cases by workers that are started already.
 
     The sine law solves some cases first, so that all workers are awake. The condensation of shared
@@ -140,14 +141,14 @@ def _timed(by: str, cases: Sequence[SweepCase], found: Workers, start: float) ->
         Time at which the workers were started [s].
     """
     warm = [case._replace(model="sine", options={}) for case in cases[: 20 * found.workers]]
-    run(warm, executor=found.executor, workers=found.workers)
+    solve_cases(warm, executor=found.executor, workers=found.workers)
     ready = time.perf_counter()
-    rows = run(cases, executor=found.executor, workers=found.workers)
+    rows = solve_cases(cases, executor=found.executor, workers=found.workers)
     spent = time.perf_counter() - ready
     return Throughput(by, found.workers, len(cases), ready - start, spent, rows)
 
 
-def rates(measured: Sequence[Throughput]) -> list[Row]:
+def rate_rows(measured: Sequence[Throughput]) -> list[Row]:
     """A row for each measurement, with its `rate` and its `gain` over one worker."""
     found = []
     for one in measured:
@@ -157,12 +158,14 @@ def rates(measured: Sequence[Throughput]) -> list[Row]:
     return found
 
 
-def torques(rows: Sequence[Row]) -> Floats:
+def solved_torques(rows: Sequence[Row]) -> Floats:
     """Torques of the rows that are solved (n,) [N m]."""
     return np.array([row["torque"] for row in rows if row["status"] == "solved"])
 
 
-def coarser(cases: Sequence[SweepCase], elements: Sequence[int | None], fine: int) -> list[Row]:
+def coarser_mesh_rows(
+    cases: Sequence[SweepCase], elements: Sequence[int | None], fine: int
+) -> list[Row]:
     """Time and error of coarser meshes, a row for each number of elements.
 
     Parameters
@@ -174,12 +177,14 @@ def coarser(cases: Sequence[SweepCase], elements: Sequence[int | None], fine: in
     fine : int
         Elements of the mesh against which errors of the torque are taken.
     """
-    true = torques(run([case._replace(options={"elements": fine}) for case in cases]))
+    true = solved_torques(
+        solve_cases([case._replace(options={"elements": fine}) for case in cases])
+    )
     rows = []
     for n in elements:
         start = time.process_time()
         options = {} if n is None else {"elements": n}
-        found = torques(run([case._replace(options=options) for case in cases]))
+        found = solved_torques(solve_cases([case._replace(options=options) for case in cases]))
         spent = time.process_time() - start
         error = float(np.abs(found / true - 1).max())
         nodes = None if n is None else 2 * n + 1
@@ -189,7 +194,7 @@ def coarser(cases: Sequence[SweepCase], elements: Sequence[int | None], fine: in
 
 def torque_spread(rows: Sequence[Row]) -> Row:
     """Mean, relative standard deviation, and 2.5 and 97.5 percentiles of the torque [N m]."""
-    torque = torques(rows)
+    torque = solved_torques(rows)
     low, high = np.percentile(torque, [2.5, 97.5])
     return {
         "cases": len(rows),
@@ -216,7 +221,7 @@ class Kill(NamedTuple):
     left: int
 
 
-def killed(
+def kill_and_finish_sweep(
     cases: Sequence[SweepCase],
     path: Path,
     kills: int,
@@ -251,9 +256,9 @@ def killed(
     path.unlink(missing_ok=True)
     for number, moment in enumerate(at):
         say(f"kill {number + 1} of {kills}")
-        found = _rows_in(path)
-        with _process(spawn.Process(target=_run, args=(cases, path))) as process:
-            while _rows_in(path) < moment:
+        found = _count_journal_rows(path)
+        with _start_process(spawn.Process(target=_run_sweep, args=(cases, path))) as process:
+            while _count_journal_rows(path) < moment:
                 if process.exitcode is not None:
                     raise NoAnswer(
                         "killed: the run ended before it could be killed; take more cases"
@@ -263,13 +268,14 @@ def killed(
             process.join()
             if process.exitcode != -signal.SIGKILL:
                 raise NoAnswer("killed: the run ended before it could be killed; take more cases")
-        done.append(Kill(found, _rows_in(path)))
+        done.append(Kill(found, _count_journal_rows(path)))
     with Journal(path) as journal:
-        return done, run(cases, journal=journal)
+        return done, solve_cases(cases, journal=journal)
 
 
 @contextmanager
-def _process(process: Any) -> Iterator[Any]:
+def _start_process(process: Any) -> Iterator[Any]:
+    """Provide a started process while a block runs, then kill the process."""
     process.start()
     try:
         yield process
@@ -278,11 +284,12 @@ def _process(process: Any) -> Iterator[Any]:
         process.join()
 
 
-def _run(cases: Sequence[SweepCase], path: Path) -> None:
+def _run_sweep(cases: Sequence[SweepCase], path: Path) -> None:
+    """Solve the cases with the journal at `path`."""
     with Journal(path) as journal:
-        run(cases, journal=journal)
+        solve_cases(cases, journal=journal)
 
 
-def _rows_in(journal: Path) -> int:
+def _count_journal_rows(journal: Path) -> int:
     """Number of complete rows of a journal. Its first line is a stamp."""
     return max(journal.read_bytes().count(b"\n") - 1, 0) if journal.exists() else 0

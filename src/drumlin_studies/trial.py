@@ -68,9 +68,13 @@ A smaller difference is within the errors of the meshes.
 """
 
 
-def trial(case: KnobCase) -> dict[str, Any]:
+def try_case(case: KnobCase) -> dict[str, Any]:
     """The row of a case: its outcome with a reason, and the accuracy of an answer."""
-    row: dict[str, Any] = {"knob": case.knob, "case": said(case), "knobs": dataclasses.asdict(case)}
+    row: dict[str, Any] = {
+        "knob": case.knob,
+        "case": changed_knobs_text(case),
+        "knobs": dataclasses.asdict(case),
+    }
     start = time.perf_counter()
     brake = scene = response = None
     try:
@@ -83,19 +87,19 @@ def trial(case: KnobCase) -> dict[str, Any]:
         row["outcome"] = "answer" if touches else "no contact"
     # Any exception becomes a row, because an unexpected one is what a trial looks for.
     except Exception as error:
-        row |= _failure(error)
+        row |= _outcome_of_failure(error)
     row["seconds"] = time.perf_counter() - start
     if response is not None:
         assert brake is not None and scene is not None
-        row |= _judged(row, scene, brake, response, case.penalty)
+        row |= _judged_row(row, scene, brake, response, case.penalty)
     if brake is not None and scene is not None:
         too_large = max(body.unknowns for body in scene.bodies) > LARGEST_POINTWISE
         not_tried = {"pointwise": "not tried: too large"}
-        row |= not_tried if too_large else beside(case, brake, response)
+        row |= not_tried if too_large else compare_with_pointwise(case, brake, response)
     return row
 
 
-def _failure(error: Exception) -> dict[str, str]:
+def _outcome_of_failure(error: Exception) -> dict[str, str]:
     """Outcome and reason of a case that raised an error."""
     if isinstance(error, BadInput):
         return {"outcome": "bad input", "reason": str(error)}
@@ -105,7 +109,7 @@ def _failure(error: Exception) -> dict[str, str]:
     return {"outcome": "traceback", "reason": f"{type(error).__name__}: {error}"}
 
 
-def _judged(
+def _judged_row(
     row: dict[str, Any], scene: PreparedModel, brake: Brake, response: Response, penalty: float
 ) -> dict[str, Any]:
     """The row of a response with its accuracy, and with an outcome "inaccurate" where it fails."""
@@ -116,13 +120,13 @@ def _judged(
         "refined": any(REFINED in note for note in response.notes),
     }
     if row["outcome"] == "answer":
-        row |= worth(scene, brake, response, penalty)
-        if not sound(row):
+        row |= answer_accuracy(scene, brake, response, penalty)
+        if not is_sound(row):
             row |= {"outcome": "inaccurate"}
     return row
 
 
-def said(case: KnobCase) -> str:
+def changed_knobs_text(case: KnobCase) -> str:
     """The knobs that a case changes, in a few words."""
     words = []
     for key, value in case.changes.items():
@@ -130,7 +134,7 @@ def said(case: KnobCase) -> str:
     return ", ".join(words)
 
 
-def sound(row: dict[str, Any]) -> bool:
+def is_sound(row: dict[str, Any]) -> bool:
     """Whether an answer has small residuals, and as many digits as its condition allows."""
     if row["digits"] is None:
         return False
@@ -138,7 +142,9 @@ def sound(row: dict[str, Any]) -> bool:
     return residual <= LARGEST_RESIDUAL and row["digits"] >= min(TORQUE_DIGITS, row["allowed"])
 
 
-def worth(scene: PreparedModel, brake: Brake, response: Response, penalty: float) -> dict[str, Any]:
+def answer_accuracy(
+    scene: PreparedModel, brake: Brake, response: Response, penalty: float
+) -> dict[str, Any]:
     """Residuals, condition and digits of an answer, the worst of all groups of shoes.
 
     Keys of the result: `complementarity`, the residual of the reported pressures with the gaps of
@@ -149,7 +155,7 @@ def worth(scene: PreparedModel, brake: Brake, response: Response, penalty: float
     itself is known, which limit `digits`; `pressure_error`, the relative error of p in the maximum
     norm; `sets`, the contact sets of the refinement; `seconds_whole`, its time.
     """
-    rows = [_worth(response, group) for group in groups_of(scene, brake, penalty)]
+    rows = [_group_accuracy(response, group) for group in groups_of(scene, brake, penalty)]
     worst: dict[str, Any] = {
         key: max(row[key] for row in rows) for key in ("condition", "seconds_whole")
     }
@@ -169,8 +175,11 @@ def worth(scene: PreparedModel, brake: Brake, response: Response, penalty: float
     }
 
 
-def _worth(response: Response, group: ShoeGroup) -> dict[str, Any]:
-    """As `worth`, for one group of shoes; `whole` tells why its refined solution failed."""
+def _group_accuracy(response: Response, group: ShoeGroup) -> dict[str, Any]:
+    """The keys of `answer_accuracy` for one group of shoes.
+
+    Under `whole` stands why the refined solution of the group failed.
+    """
     group, _ = group.settled()
     size, shoes = group.unit_force, [response.shoes[i] for i in group.members]
     # The reported pressures per unit force, in the order of the group's unknowns.
@@ -193,21 +202,23 @@ def _worth(response: Response, group: ShoeGroup) -> dict[str, Any]:
     known_condition = not math.isnan(refined.condition)
     return row | {
         "complementarity": float(max(-refined.gap.min(), products.max() / p.max())),
-        "digits": min(digits_of(off), digits_of(refined.correction)),
-        "sure": digits_of(refined.correction),
-        "allowed": digits_of(EPSILON * refined.condition if known_condition else 0.0),
+        "digits": min(correct_digits(off), correct_digits(refined.correction)),
+        "sure": correct_digits(refined.correction),
+        "allowed": correct_digits(EPSILON * refined.condition if known_condition else 0.0),
         "torque_condition": refined.condition if known_condition else None,
         "pressure_error": float(np.abs(p - exact).max() / exact.max()),
         "sets": refined.contact_sets,
     }
 
 
-def digits_of(error: float) -> float:
+def correct_digits(error: float) -> float:
     """Number of correct digits under a relative error, from 0 to 16."""
     return float(np.clip(-math.log10(max(error, 1e-16)), 0, 16))
 
 
-def beside(case: KnobCase, brake: Brake, response: Response | None) -> dict[str, Any]:
+def compare_with_pointwise(
+    case: KnobCase, brake: Brake, response: Response | None
+) -> dict[str, Any]:
     """What becomes of a case by the pointwise penalty.
 
     The result has the outcome `pointwise`, the relative difference of the torques, the Newton steps
@@ -226,7 +237,7 @@ def beside(case: KnobCase, brake: Brake, response: Response | None) -> dict[str,
     row: dict[str, Any] = {}
     try:
         with np.errstate(all="ignore"):
-            other = pointwise.solve(
+            other = pointwise.solve_by_pointwise_penalty(
                 brake,
                 elements=case.elements,
                 kind=case.kind,

@@ -31,10 +31,10 @@ from drumlin.fem.substructure.interface import (
     drum_directions,
     make_contact_line,
 )
-from drumlin.fem.substructure.ring import closed_ring_mesh, ring_coupling_matrices
+from drumlin.fem.substructure.ring import quadratic_ring_mesh, ring_coupling_matrices
 
 
-def towards(fine: float, growth: float, end: float) -> Floats:
+def growing_steps_to(fine: float, growth: float, end: float) -> Floats:
     """Points from 0 to `end`, whose steps begin with about `fine` and grow by a factor."""
     steps = [fine]
     while sum(steps) < end:
@@ -43,14 +43,14 @@ def towards(fine: float, growth: float, end: float) -> Floats:
     return np.asarray(x / x[-1] * end)
 
 
-def both_sides(fine_half: float, count: int, growth: float, end: float) -> Floats:
+def symmetric_angles(fine_half: float, count: int, growth: float, end: float) -> Floats:
     """Angles from -end to end: `count` even steps within +-fine_half, growing steps outside."""
     inner = np.linspace(-fine_half, fine_half, count + 1)
-    outer = fine_half + towards(inner[1] - inner[0], growth, end - fine_half)[1:]
+    outer = fine_half + growing_steps_to(inner[1] - inner[0], growth, end - fine_half)[1:]
     return np.concatenate([-outer[::-1], inner, outer])
 
 
-def sector(angles: Floats, depths: Floats, radius: float, sign: int) -> Any:
+def sector_mesh(angles: Floats, depths: Floats, radius: float, sign: int) -> Any:
     """Mesh of a sector of a ring, in contact at depth 0 and held at the greatest depth.
 
     Parameters
@@ -80,9 +80,9 @@ def sector(angles: Floats, depths: Floats, radius: float, sign: int) -> Any:
     )
 
 
-def closed(angles: Floats, depths: Floats, radius: float, sign: int) -> Any:
-    """Mesh of a closed ring; parameters as of `sector`."""
-    return closed_ring_mesh(angles, depths, radius, sign, "body")
+def closed_ring_mesh(angles: Floats, depths: Floats, radius: float, sign: int) -> Any:
+    """Mesh of a closed ring; parameters as of `sector_mesh`."""
+    return quadratic_ring_mesh(angles, depths, radius, sign, "body")
 
 
 @dataclass(frozen=True)
@@ -94,7 +94,9 @@ class ContactBody:
     condensed: CondensedBody
 
 
-def body(mesh: Any, material: Material, width: float = 1.0, middle: float = 0.0) -> ContactBody:
+def condense_contact_body(
+    mesh: Any, material: Material, width: float = 1.0, middle: float = 0.0
+) -> ContactBody:
     """The condensed body of a mesh, held at its support.
 
     Parameters
@@ -158,14 +160,17 @@ class BodyPair:
             Directions in which the holder of the inner body moves: "", "x", "y" or "xy".
         """
         coupling = couple_with_counterface(inner.line, 1.0, drum_directions(sign))
-        halves = [_half(inner, -coupling.N), _half(inner, coupling.T)]
+        halves = [
+            _flexibility_root_times(inner, -coupling.N),
+            _flexibility_root_times(inner, coupling.T),
+        ]
         if outer is not None:
             N, T = ring_coupling_matrices(inner.line, outer.line, 1.0, sign)
             # The flexibilities of both bodies add up: their square roots are stacked.
             pressed, dragged = halves
             halves = [
-                np.vstack([pressed, _half(outer, -N)]),
-                np.vstack([dragged, _half(outer, T)]),
+                np.vstack([pressed, _flexibility_root_times(outer, -N)]),
+                np.vstack([dragged, _flexibility_root_times(outer, T)]),
             ]
         # Displacements of the contact nodes as the holder moves by 1 m.
         x = inner.line.xy[0]
@@ -239,7 +244,7 @@ class BodyPair:
         return self.inner.line.phi
 
 
-def nested_start(problem: Problem, share: int = 6) -> Bools:
+def coarse_contact_set(problem: Problem, share: int = 6) -> Bools:
     """A contact set to start from: the set of the same problem on fewer nodes.
 
     The coarse problem keeps every `share`-th node, with p linear between the nodes. It starts in
@@ -251,11 +256,11 @@ def nested_start(problem: Problem, share: int = 6) -> Bools:
     coarse = Problem(
         P.T @ problem.A @ P, P.T @ problem.q, P.T @ problem.B, problem.C @ P, problem.h
     )
-    start = nested_start(coarse) if len(kept) > 40 else None
+    start = coarse_contact_set(coarse) if len(kept) > 40 else None
     return np.asarray(P @ active_set.solve(coarse, start).p > 0)
 
 
-def _half(one: ContactBody, forces: Floats) -> Floats:
+def _flexibility_root_times(one: ContactBody, forces: Floats) -> Floats:
     """Square root of the flexibility of a body times nodal forces (n, 2 nodes)."""
     return one.condensed.half_flexibility(forces.T)
 

@@ -103,7 +103,7 @@ class Validation(NamedTuple):
         return abs(self.error) > self.uncertainty
 
 
-def validate(
+def compare_with_data(
     simulation: float, data: float, *, numerical: float, inputs: float = 0.0, of_data: float
 ) -> Validation:
     """The comparison error E = S - D and its u_val^2 = u_num^2 + u_input^2 + u_D^2.

@@ -36,7 +36,7 @@ from drumlin.models import pick
 from drumlin.response.norms import pressure_distance, relative, vector_distance
 from drumlin.response.response import Response, edge_zone
 from drumlin.verification.cost import peak_memory
-from drumlin.verification.reference import Trio, peak_away
+from drumlin.verification.reference import ReferenceResponses, peak_pressure_inside
 from drumlin_studies import pointwise
 
 TIMED_REPEATS = 5
@@ -107,19 +107,19 @@ class ColdSolve(NamedTuple):
     unknowns: Callable[[], int] | None = None
 
 
-def _further_case(brake: Brake) -> Brake:
+def _brake_of_further_case(brake: Brake) -> Brake:
     """The brake of the further load case."""
     return vary(brake, {"friction": FURTHER_FRICTION * brake.friction})
 
 
-def _by_model(brake: Brake, *, model: str, **options: Any) -> ColdSolve:
+def _solve_by_model(brake: Brake, *, model: str, **options: Any) -> ColdSolve:
     """A brake by a law or by the foundation model."""
     solver = pick(model, brake).solve
-    further = partial(solver, _further_case(brake), **options)
+    further = partial(solver, _brake_of_further_case(brake), **options)
     return ColdSolve(solver(brake, **options), further)
 
 
-def even_mesh(shoe: Shoe, radius: float, elements: int, kind: str) -> Any:
+def uniform_mesh(shoe: Shoe, radius: float, elements: int, kind: str) -> Any:
     """A mesh of a shoe with uniform elements along the lining."""
     depths = np.linspace(0, shoe.lining.thickness, lining_layers(elements) + 1)
     step = (shoe.arc[1] - shoe.arc[0]) / elements
@@ -162,7 +162,7 @@ def refined_division(shoe: Shoe, radius: float, elements: int, layers: int) -> L
     )
 
 
-def _by_mesh(
+def _solve_on_mesh(
     brake: Brake,
     *,
     elements: int,
@@ -171,21 +171,23 @@ def _by_mesh(
     penalty: float = math.inf,
 ) -> ColdSolve:
     """A brake on one mesh, uniform along the lining or graded to its ends."""
-    mesher = partial(even_mesh, elements=elements, kind=kind) if even else None
+    mesher = partial(uniform_mesh, elements=elements, kind=kind) if even else None
     scene = prepare(brake, elements=elements, kind=kind, mesher=mesher)
-    return _on_scene(brake, scene, respond(scene, brake, penalty=penalty), penalty)
+    return _cold_solve_of_scene(brake, scene, respond(scene, brake, penalty=penalty), penalty)
 
 
-def _on_scene(brake: Brake, scene: PreparedModel, response: Response, penalty: float) -> ColdSolve:
+def _cold_solve_of_scene(
+    brake: Brake, scene: PreparedModel, response: Response, penalty: float
+) -> ColdSolve:
     """The cold solve whose further load case reuses the prepared scene."""
 
     def further() -> Response:
-        return respond(scene, _further_case(brake), penalty=penalty)
+        return respond(scene, _brake_of_further_case(brake), penalty=penalty)
 
-    return ColdSolve(response, further, partial(_unknowns, scene))
+    return ColdSolve(response, further, partial(_count_unknowns, scene))
 
 
-def _unknowns(scene: PreparedModel) -> int:
+def _count_unknowns(scene: PreparedModel) -> int:
     """The number of unknowns of the ring and of the distinct bodies.
 
     Shoes of equal shape share one body, which is counted once.
@@ -196,55 +198,55 @@ def _unknowns(scene: PreparedModel) -> int:
     return of_bodies + of_ring
 
 
-def _by_level(brake: Brake, *, level: int) -> ColdSolve:
+def _solve_on_level(brake: Brake, *, level: int) -> ColdSolve:
     """A brake by hp elements of a level, without an error estimate.
 
     The coarsest level finds the ends of the contact first.
     """
     levels = (LEVELS[0], LEVELS[level])[-level - 1 :]
     *_, (scene, response) = solved_levels(brake, partial(respond, penalty=math.inf), levels=levels)
-    return _on_scene(brake, scene, response, math.inf)
+    return _cold_solve_of_scene(brake, scene, response, math.inf)
 
 
-def _by_tolerance(brake: Brake, *, tolerance: float) -> ColdSolve:
+def _solve_to_tolerance(brake: Brake, *, tolerance: float) -> ColdSolve:
     """A brake by hp elements to an estimated tolerance.
 
     The torque keeps the default tolerance where this is smaller.
     """
     allowed = Tolerance(tolerance, min(tolerance, DEFAULT_TOLERANCE.torque))
     scene, response = solve_to_tolerance(brake, allowed, partial(respond, penalty=math.inf))
-    return _on_scene(brake, scene, response, math.inf)
+    return _cold_solve_of_scene(brake, scene, response, math.inf)
 
 
-def _by_points(brake: Brake, *, elements: int, penalty: float) -> ColdSolve:
+def _solve_by_pointwise_penalty(brake: Brake, *, elements: int, penalty: float) -> ColdSolve:
     """A brake by the textbook penalty at quadrature points."""
-    solver = partial(pointwise.solve, elements=elements, penalty=penalty)
+    solver = partial(pointwise.solve_by_pointwise_penalty, elements=elements, penalty=penalty)
 
     def unknowns() -> int:
-        return _unknowns(prepare(brake, elements=elements))
+        return _count_unknowns(prepare(brake, elements=elements))
 
     def further() -> Response:
-        return solver(_further_case(brake))
+        return solver(_brake_of_further_case(brake))
 
     return ColdSolve(solver(brake), further, unknowns)
 
 
 METHOD_FAMILIES: Mapping[str, Callable[..., ColdSolve]] = {
-    "law": _by_model,
-    "foundation": _by_model,
-    "even mesh": _by_mesh,
-    "graded mesh": _by_mesh,
-    "columns": _by_level,
-    "columns, error stated": _by_tolerance,
-    "weak penalty": _by_mesh,
-    "pointwise penalty": _by_points,
+    "law": _solve_by_model,
+    "foundation": _solve_by_model,
+    "even mesh": _solve_on_mesh,
+    "graded mesh": _solve_on_mesh,
+    "columns": _solve_on_level,
+    "columns, error stated": _solve_to_tolerance,
+    "weak penalty": _solve_on_mesh,
+    "pointwise penalty": _solve_by_pointwise_penalty,
 }
 """The solver of each family of drumlin's own methods."""
 PEER_FAMILIES = {written: name for name, written in peers.PEERS.items()}
 """The name of each peer in `drumlin.peers`, by its written name."""
 
 
-def solved(brake: Brake, method: Method) -> ColdSolve:
+def solve_cold(brake: Brake, method: Method) -> ColdSolve:
     """The cold solve of a brake by a method.
 
     Raises BadInput where the method does not apply, NoAnswer where it fails.
@@ -252,7 +254,7 @@ def solved(brake: Brake, method: Method) -> ColdSolve:
     return METHOD_FAMILIES[method.family](brake, **method.options)
 
 
-def errors(brake: Brake, response: Response, truth: Response) -> dict[str, float]:
+def relative_errors(brake: Brake, response: Response, truth: Response) -> dict[str, float]:
     """Relative errors of a response against a truth, by ERROR_KEYS.
 
     The torque is that of the brake. Of the other errors the largest of all shoes counts. Peak and
@@ -261,7 +263,9 @@ def errors(brake: Brake, response: Response, truth: Response) -> dict[str, float
     by_key: dict[str, list[float]] = {key: [] for key in ERROR_KEYS[1:]}
     for spec, a, b in zip(brake.shoes, response.shoes, truth.shoes, strict=True):
         edge = edge_zone(spec, brake.scale_factor)
-        by_key["peak_error"].append(abs(relative(peak_away(a, edge), peak_away(b, edge))))
+        by_key["peak_error"].append(
+            abs(relative(peak_pressure_inside(a, edge), peak_pressure_inside(b, edge)))
+        )
         by_key["pressure_error"].append(pressure_distance(a, b))
         by_key["reaction_error"].append(vector_distance(a.hinge_reaction, b.hinge_reaction))
     result = {"torque_error": abs(relative(response.torque, truth.torque))}
@@ -271,7 +275,7 @@ def errors(brake: Brake, response: Response, truth: Response) -> dict[str, float
     return result
 
 
-def floor(brake: Brake, trio: Trio) -> dict[str, float]:
+def reference_uncertainty(brake: Brake, trio: ReferenceResponses) -> dict[str, float]:
     """The uncertainty of a reference, by ERROR_KEYS: no error below it is claimed.
 
     It is the largest distance of the other responses of the reference from its value. For the
@@ -281,7 +285,7 @@ def floor(brake: Brake, trio: Trio) -> dict[str, float]:
     for other in trio.others:
         pairs = zip(trio.value.shoes, other.shoes, strict=True)
         apart = math.fsum(abs(a.torque - b.torque) for a, b in pairs)
-        own = errors(brake, other, trio.value)
+        own = relative_errors(brake, other, trio.value)
         own["torque_error"] = apart / trio.value.torque if apart else 0.0
         largest = {name: max(value, largest.get(name, 0.0)) for name, value in own.items()}
     return largest
@@ -307,7 +311,7 @@ class Timing(NamedTuple):
     repeats: int
 
 
-def timing(call: Callable[[], object], unit: Callable[[], object], first: float) -> Timing:
+def time_call(call: Callable[[], object], unit: Callable[[], object], first: float) -> Timing:
     """Time a call, and before each of its repeats the unit.
 
     Parameters
@@ -323,15 +327,16 @@ def timing(call: Callable[[], object], unit: Callable[[], object], first: float)
     samples: list[float] = []
     ratios: list[float] = []
 
-    def too_short() -> bool:
+    def needs_another_repeat() -> bool:
+        """Whether the repeats so far are too short and too few for a median."""
         return sum(samples) * loops < LEAST_SECONDS and len(samples) < MOST_REPEATS
 
-    while len(samples) < TIMED_REPEATS or too_short():
+    while len(samples) < TIMED_REPEATS or needs_another_repeat():
         # The unit comes first, so that both see the same pace of the machine.
-        beside = _spent(unit, 1)
-        samples.append(_spent(call, loops))
+        beside = _processor_time_per_call(unit, 1)
+        samples.append(_processor_time_per_call(call, loops))
         ratios.append(samples[-1] / beside)
-    quartiles = _quartiles(samples)
+    quartiles = _sample_quartiles(samples)
     return Timing(*quartiles, median(ratios), len(samples))
 
 
@@ -343,14 +348,15 @@ class Quartiles(NamedTuple):
     upper: float
 
 
-def _quartiles(samples: list[float]) -> Quartiles:
+def _sample_quartiles(samples: list[float]) -> Quartiles:
+    """Median and quartiles of some samples."""
     if len(samples) == 1:
         return Quartiles(samples[0], samples[0], samples[0])
     lower, middle, upper = quantiles(samples, n=4, method="inclusive")
     return Quartiles(middle, lower, upper)
 
 
-def _spent(call: Callable[[], object], loops: int = 1) -> float:
+def _processor_time_per_call(call: Callable[[], object], loops: int = 1) -> float:
     """Processor time of one call [s], the mean of `loops` calls."""
     start = time.process_time()
     for _ in range(loops):
@@ -358,7 +364,7 @@ def _spent(call: Callable[[], object], loops: int = 1) -> float:
     return (time.process_time() - start) / loops
 
 
-def measure(
+def measure_method(
     brake: Brake, method: Method, truth: Response, unit: Callable[[], object]
 ) -> dict[str, Any]:
     """The row of a method of drumlin: errors, times, memory and unknowns.
@@ -379,37 +385,37 @@ def measure(
     row: dict[str, Any] = dict(method.case)
     start = time.process_time()
     try:
-        cold = solved(brake, method)
+        cold = solve_cold(brake, method)
     except DrumlinError as error:
-        return row | {"seconds": time.process_time() - start, "status": _reason(error)}
+        return row | {"seconds": time.process_time() - start, "status": _refusal_reason(error)}
     first = time.process_time() - start
-    row |= errors(brake, cold.response, truth)
+    row |= relative_errors(brake, cold.response, truth)
     row["unknowns"] = None if cold.unknowns is None else cold.unknowns()
-    row |= timing(partial(solved, brake, method), unit, first)._asdict()
+    row |= time_call(partial(solve_cold, brake, method), unit, first)._asdict()
     try:
-        further = timing(cold.further, unit, _spent(cold.further))
+        further = time_call(cold.further, unit, _processor_time_per_call(cold.further))
         row |= {"further": further.seconds, "further_ratio": further.ratio}
     except DrumlinError as error:
-        row["note"] = f"further load case: {_reason(error)}"
-    return row | {"memory": memory(brake, method), "status": "converged"}
+        row["note"] = f"further load case: {_refusal_reason(error)}"
+    return row | {"memory": solve_peak_memory(brake, method), "status": "converged"}
 
 
-def _reason(error: DrumlinError) -> str:
+def _refusal_reason(error: DrumlinError) -> str:
     """Why a method has no answer, as the `status` of its row."""
     return f"{'refused' if isinstance(error, BadInput) else 'failed'}: {error}"
 
 
-def memory(brake: Brake, method: Method) -> int:
+def solve_peak_memory(brake: Brake, method: Method) -> int:
     """Peak memory of a cold solve beyond that of the loaded program [bytes].
 
     The solve runs in a process of its own.
     """
-    with ProcessPoolExecutor(1, mp_context=_context()) as process:
+    with ProcessPoolExecutor(1, mp_context=_process_context()) as process:
         return process.submit(_memory_of_solve, brake, method).result()
 
 
 @cache
-def _context() -> Any:
+def _process_context() -> Any:
     """How new processes are started: by a fork of a server that has only loaded this module.
 
     Where the system has no fork server, a process starts afresh.
@@ -422,12 +428,13 @@ def _context() -> Any:
 
 
 def _memory_of_solve(brake: Brake, method: Method) -> int:
+    """Peak memory of a cold solve [bytes], beyond that before the solve."""
     before = peak_memory()
-    solved(brake, method)
+    solve_cold(brake, method)
     return peak_memory() - before
 
 
-def process_seconds(brake_file: Path, *options: str, repeats: int = TIMED_REPEATS) -> float:
+def solve_process_seconds(brake_file: Path, *options: str, repeats: int = TIMED_REPEATS) -> float:
     """Wall-clock time of a whole `drumlin solve` process [s], the median of some repeats.
 
     Parameters
@@ -455,7 +462,7 @@ def process_seconds(brake_file: Path, *options: str, repeats: int = TIMED_REPEAT
     return median(samples)
 
 
-def peer_row(
+def measure_peer(
     brake: Brake,
     method: Method,
     truth: Response,
@@ -487,15 +494,15 @@ def peer_row(
     answers, units = [], []
     try:
         for _ in range(repeats):
-            units.append(median(_spent(unit) for _ in range(TIMED_REPEATS)))
+            units.append(median(_processor_time_per_call(unit) for _ in range(TIMED_REPEATS)))
             answers.append(peers.solve(PEER_FAMILIES[method.family], brake, **options))
     except DrumlinError as error:
-        return row | {"seconds": time.perf_counter() - start, "status": _reason(error)}
+        return row | {"seconds": time.perf_counter() - start, "status": _refusal_reason(error)}
     pairs = list(zip(answers, units, strict=True))
-    quartiles = _quartiles([answer.seconds for answer in answers])
+    quartiles = _sample_quartiles([answer.seconds for answer in answers])
     return (
         row
-        | errors(brake, answers[0].response, truth)
+        | relative_errors(brake, answers[0].response, truth)
         | {
             "seconds": quartiles.median,
             "lower": quartiles.lower,
@@ -518,13 +525,13 @@ def _peer_options(method: Method) -> dict[str, Any]:
     even, layers = options.pop("even", False), options.pop("layers", None)
     if even:
         kind = options.get("kind", DEFAULT_KIND)
-        options["mesher"] = partial(even_mesh, elements=options["elements"], kind=kind)
+        options["mesher"] = partial(uniform_mesh, elements=options["elements"], kind=kind)
     if layers is not None:
         options["mesher"] = partial(refined_mesh, layers=layers, **options)
     return options
 
 
-def enough(
+def rows_within_error(
     rows: Iterable[Mapping[str, Any]], key: str, target: float, floors: Mapping[str, float]
 ) -> list[Any]:
     """The rows that keep an error below a target, fastest first.
@@ -542,12 +549,12 @@ def enough(
     target : float
         Largest error. No row keeps a target below the floor of the reference.
     floors : mapping
-        Uncertainties of the reference, as from `floor`.
+        Uncertainties of the reference, as from `reference_uncertainty`.
     """
     if target < floors[key]:
         return []
     enough_rows = []
-    for members in series(rows).values():
+    for members in rows_by_series(rows).values():
         # Only meshes beyond the last one that misses the target count.
         above = [k for k, row in enumerate(members) if row[key] > target]
         enough_rows += members[above[-1] + 1 if above else 0 :]
@@ -556,10 +563,11 @@ def enough(
     return sorted(ties, key=lambda row: row[key]) + enough_rows[len(ties) :]
 
 
-def series(rows: Iterable[Mapping[str, Any]]) -> dict[tuple[str, str], list[Any]]:
+def rows_by_series(rows: Iterable[Mapping[str, Any]]) -> dict[tuple[str, str], list[Any]]:
     """Converged rows by family and name of the series, coarse to fine."""
 
-    def fineness(row: Mapping[str, Any]) -> tuple[float, float]:
+    def sort_key_by_fineness(row: Mapping[str, Any]) -> tuple[float, float]:
+        """Elements or unknowns of a row, then its tolerance: coarse rows come first."""
         size = row.get("elements") or row.get("sections") or row.get("level") or 0
         return size, -(row.get("tolerance") or 0)
 
@@ -568,7 +576,7 @@ def series(rows: Iterable[Mapping[str, Any]]) -> dict[tuple[str, str], list[Any]
         if row["status"] == "converged":
             by_series.setdefault((row["family"], series_name(row)), []).append(row)
     for members in by_series.values():
-        members.sort(key=fineness)
+        members.sort(key=sort_key_by_fineness)
     return by_series
 
 
@@ -586,12 +594,12 @@ def series_name(row: Mapping[str, Any]) -> str:
     return str(row.get("kind", DEFAULT_KIND)) + (graded if row["family"] in PEER_FAMILIES else "")
 
 
-def unit_seconds(rows: Iterable[Mapping[str, Any]]) -> float:
+def median_unit_seconds(rows: Iterable[Mapping[str, Any]]) -> float:
     """Time of the unit [s], the median over the rows of time over ratio."""
     return median(row["seconds"] / row["ratio"] for row in rows if "ratio" in row)
 
 
-def spread(rows: Iterable[Mapping[str, Any]]) -> float:
+def timing_scatter(rows: Iterable[Mapping[str, Any]]) -> float:
     """The typical scatter of the timings: interquartile range of the repeats over their median.
 
     It is the median over the rows with at least TIMED_REPEATS repeats.

@@ -21,12 +21,12 @@ from drumlin.response.response import Response
 Row = dict[str, Any]
 
 
-def _lock(brake: Brake) -> float:
+def _locking_friction(brake: Brake) -> float:
     """Friction at which the first shoe locks by the sine law."""
     return min(locking_friction(brake, shoe) for shoe in brake.shoes)
 
 
-def _pivot(response: Response, axis: int) -> float:
+def _pivot_reaction(response: Response, axis: int) -> float:
     """Size of a component [N] of the pivot reaction of the first shoe; nan without a pivot."""
     reaction = response.shoes[0].pivot_reaction
     return math.nan if reaction is None else abs(float(reaction[axis]))
@@ -47,10 +47,10 @@ PRINTED_QUANTITIES: dict[str, Callable[[Brake, Response], float]] = {
         np.linalg.norm(r.shoes[1].hinge_reaction)
     ),
     "normal force [N]": lambda b, r: r.shoes[0].normal_force,
-    "pivot reaction, along [N]": lambda b, r: _pivot(r, 0),
-    "pivot reaction, across [N]": lambda b, r: _pivot(r, 1),
+    "pivot reaction, along [N]": lambda b, r: _pivot_reaction(r, 0),
+    "pivot reaction, across [N]": lambda b, r: _pivot_reaction(r, 1),
     "force [kN]": lambda b, r: b.shoes[0].actuation.force * 1e-3,
-    "mu_lock": lambda b, r: _lock(b),
+    "mu_lock": lambda b, r: _locking_friction(b),
 }
 """Functions of a brake and its response for each quantity that sources print."""
 
@@ -75,7 +75,7 @@ def example_rows(example: Mapping[str, Any], folder: Path) -> list[Row]:
     response = solve(brake)
     origin, remark = example["origin"], example.get("remark", "")
     return [
-        compared(
+        printed_and_computed_row(
             law,
             source,
             quantity,
@@ -88,7 +88,7 @@ def example_rows(example: Mapping[str, Any], folder: Path) -> list[Row]:
     ]
 
 
-def compared(
+def printed_and_computed_row(
     law: str,
     source: str,
     quantity: str,
@@ -128,7 +128,7 @@ def compared(
     }
 
 
-def simscape_rows() -> list[Row]:
+def simscape_double_shoe_rows() -> list[Row]:
     """Rows on the double-shoe block with its default parameters, under 1 N.
 
     The angle theta_s of its manual can be read as the end or as the span of the lining.
@@ -143,19 +143,29 @@ def simscape_rows() -> list[Row]:
         leading, trailing = (float(T) for T in block.shoe_torques(1.0, 1.0))
         p_a, p_b = block.line_pressures(1.0, 1.0)
         if reading == "end":
-            rows.append(compared("sine", source, "T/F, leading shoe [m]", "0.1484614", leading))
-            rows.append(compared("sine", source, "T/F, trailing shoe [m]", "0.0691468", trailing))
-            rows.append(compared("sine", source, "p_b/p_a", "0.465756", float(p_b / p_a)))
-        rows.append(compared("sine", source, "T/F [m]", torque, leading + trailing))
-        rows.append(compared("sine", source, "mu_lock", mu_lock, block.mu_lock))
+            rows.append(
+                printed_and_computed_row(
+                    "sine", source, "T/F, leading shoe [m]", "0.1484614", leading
+                )
+            )
+            rows.append(
+                printed_and_computed_row(
+                    "sine", source, "T/F, trailing shoe [m]", "0.0691468", trailing
+                )
+            )
+            rows.append(
+                printed_and_computed_row("sine", source, "p_b/p_a", "0.465756", float(p_b / p_a))
+            )
+        rows.append(printed_and_computed_row("sine", source, "T/F [m]", torque, leading + trailing))
+        rows.append(printed_and_computed_row("sine", source, "mu_lock", mu_lock, block.mu_lock))
     return rows
 
 
-def friction_rows() -> list[Row]:
+def equivalent_friction_rows() -> list[Row]:
     """Rows on the equivalent friction of a block over its half-arc."""
     printed = {15: "1.011408", 30: "1.045356", 45: "1.100214", 60: "1.170138", 90: "1.273240"}
     return [
-        compared(
+        printed_and_computed_row(
             "block",
             "mu'/mu",
             f"half-arc {angle} deg",

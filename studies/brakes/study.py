@@ -12,17 +12,17 @@ from drumlin.brake.plane_brake import read_any
 from drumlin.comparison import as_csv
 from drumlin.report import figures
 from drumlin.report.drawing import draw_brake
-from drumlin.report.page import fill
+from drumlin.report.page import write_page
 from drumlin_studies.brake_kinds import (
     TRUSTED,
     BrakeInMotion,
-    both_ways,
+    brake_and_reversed_brake,
     cam_factor,
-    case,
-    mu_lock,
-    others_of,
-    row_of,
-    verdict,
+    law_error_row,
+    law_verdict,
+    locking_friction,
+    other_model_rows,
+    solve_by_all_models,
 )
 
 HERE = Path(__file__).parent
@@ -66,18 +66,19 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     for path in sorted(HERE.glob("*.toml")):
         if short and path.stem not in SHORT:
             continue
+        # Both senses of motion of the brake.
         own = []
-        for brake in both_ways(read_any(path)):
+        for brake in brake_and_reversed_brake(read_any(path)):
             say(f"{path.stem}: {brake.sense}")
-            found = case(path.stem, brake, 24 if short else 60, solid=not short)
+            found = solve_by_all_models(path.stem, brake, 24 if short else 60, solid=not short)
             cases.append(found)
-            own.append(row_of(found, None if short else mu_lock(brake)))
+            own.append(law_error_row(found, None if short else locking_friction(brake)))
         rows += own
-        verdicts[path.stem] = verdict(own)
+        verdicts[path.stem] = law_verdict(own)
         brake = cases[-1].brake
         if not brake.surface.straight and brake.actuation is not None and brake.actuation.is_cam:
             cams[path.stem] = cam_factor(brake)
-    others = [row for found in cases for row in others_of(found)]
+    others = [row for found in cases for row in other_model_rows(found)]
     return Result(cases, rows, others, verdicts, cams)
 
 
@@ -89,6 +90,7 @@ def report(result: Result, folder: Path) -> Path:
     for found in result.cases:
         drawn.setdefault(found.file, found.brake)
     for file, brake in drawn.items():
+        # One panel for each shoe and sense: new, worn in, and by the law.
         panels = []
         for found in result.cases:
             if found.file != file:
@@ -100,20 +102,34 @@ def report(result: Result, folder: Path) -> Path:
                     found.law.model: found.law.shoes[i],
                 }
                 panels.append((f"{shoe.name}, {found.brake.sense}", of))
-        drawn_pressures = figures.pressures(panels, surface=brake.surface)
+        drawn_pressures = figures.draw_pressure_panels(panels, surface=brake.surface)
         for ending in ("svg", "png") if file == SHOWN else ("svg",):
-            figures.save(drawn_pressures, folder / f"{file}.{ending}")
+            figures.save_figure(drawn_pressures, folder / f"{file}.{ending}")
         figure = Figure(figsize=(4.5, 4.5), layout="constrained")
         draw_brake(figure.subplots(), brake)
-        figures.save(figure, folder / f"{file}_drawing.svg")
-    errors = {key: [abs(row[key]) for row in result.rows] for key in ("new", "worn", "p")}
-    rough = {row["file"] for row in result.rows if abs(row["new"]) > TRUSTED}
-    return fill(
+        figures.save_figure(figure, folder / f"{file}_drawing.svg")
+    errors = {}
+    for key in ("new", "worn", "p"):
+        errors[key] = [abs(row[key]) for row in result.rows]
+    rough = set()
+    for row in result.rows:
+        if abs(row["new"]) > TRUSTED:
+            rough.add(row["file"])
+    titles = {}
+    for f, b in drawn.items():
+        titles[f] = b.title
+    worst = {}
+    for key, values in errors.items():
+        worst[key] = max(values)
+    least = {}
+    for key, values in errors.items():
+        least[key] = min(values)
+    return write_page(
         HERE / "page.html",
         folder / "index.html",
         result=result,
-        titles={f: b.title for f, b in drawn.items()},
-        worst={key: max(values) for key, values in errors.items()},
-        least={key: min(values) for key, values in errors.items()},
+        titles=titles,
+        worst=worst,
+        least=least,
         trusted=sorted(set(result.verdicts) - rough),
     )

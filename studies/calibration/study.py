@@ -14,7 +14,7 @@ from drumlin.base.files import write_text
 from drumlin.base.journal import Journal
 from drumlin.fem.error_control.estimate import QUANTITIES, Factors
 from drumlin.report import figures
-from drumlin.report.page import fill
+from drumlin.report.page import write_page
 from drumlin_studies.calibration import (
     CORNER_BRAKES,
     FIRST_CORNER,
@@ -24,14 +24,14 @@ from drumlin_studies.calibration import (
     QUANTILE,
     LevelRecord,
     Provenance,
-    as_text,
-    fit,
-    observe,
-    samples,
+    factors_as_text,
+    fit_safety_factors,
+    observe_levels,
+    samples_of_quantity,
 )
-from drumlin_studies.side_by_side import PROCESSES, Case, kept
+from drumlin_studies.side_by_side import PROCESSES, Case, compute_and_keep_cases
 from drumlin_studies.stated_true import RELEVANT
-from drumlin_studies.stated_true_figure import shares
+from drumlin_studies.stated_true_figure import draw_ratio_shares
 
 HERE = Path(__file__).parent
 FEW = 4
@@ -64,24 +64,34 @@ def study(
     short : whether few brakes are enough; their factors mean nothing.
     """
     journal = journal or Journal()
+    # Random brakes of all kinds, and brakes that press with corners.
     seeds = range(FIRST_SEED, FIRST_SEED + (FEW if short else FITTED_BRAKES))
     corners = range(FIRST_CORNER, FIRST_CORNER + (1 if short else CORNER_BRAKES))
-    cases = [{"seed": seed} for seed in (*seeds, *corners)]
-    rows = kept(cases, _observed, journal, say, 0 if short else PROCESSES)
+    cases = []
+    for seed in (*seeds, *corners):
+        cases.append({"seed": seed})
+    rows = compute_and_keep_cases(cases, _observe_case, journal, say, 0 if short else PROCESSES)
     levels = levels_of(rows)
     commit, date = last_commit()
     brakes = sum(bool(row["levels"]) for row in rows)
     words = f"{seeds[0]} to {seeds[-1]}, {corners[0]} to {corners[-1]}"
-    return Result(rows, fit(levels), Provenance(words, brakes, len(levels), commit, date))
+    return Result(
+        rows, fit_safety_factors(levels), Provenance(words, brakes, len(levels), commit, date)
+    )
 
 
-def _observed(case: Case) -> dict[str, Any]:
-    return observe(case["seed"])
+def _observe_case(case: Case) -> dict[str, Any]:
+    """The levels of the brake of a case, as `observe_levels` returns them."""
+    return observe_levels(case["seed"])
 
 
 def levels_of(rows: list[dict[str, Any]]) -> list[LevelRecord]:
     """The levels of all brakes."""
-    return [LevelRecord(**level) for row in rows for level in row["levels"]]
+    levels: list[LevelRecord] = []
+    for row in rows:
+        for level in row["levels"]:
+            levels.append(LevelRecord(**level))
+    return levels
 
 
 def last_commit() -> tuple[str, str]:
@@ -100,8 +110,9 @@ def last_commit() -> tuple[str, str]:
 
 def report(result: Result, folder: Path) -> Path:
     """Write the file of the factors, figure and page, and return the path of the page."""
-    write_text(folder / "factors.json", as_text(result.factors, result.provenance))
+    write_text(folder / "factors.json", factors_as_text(result.factors, result.provenance))
     levels = levels_of(result.rows)
+    # Factor of each quantity, and weight of the change by random signs.
     force = result.factors.force
     factors = {
         "pressure": (result.factors.pressure, 0.0),
@@ -109,21 +120,28 @@ def report(result: Result, folder: Path) -> Path:
         "reaction": (force, result.factors.cancelled / force),
         "peak": (result.factors.peak, 0.0),
     }
-    ratios = {name: samples(levels, name).ratios(*factors[name]) for name in QUANTITIES}
-    figures.save(shares(ratios), folder / "factors.svg")
-    spread = [
-        {
-            "quantity": name,
-            "factor": factors[name][0],
-            "levels": len(found),
-            "below": float(np.mean(found < 1)),
-            "smallest": float(found.min()),
-            "tenth": float(np.quantile(found, 0.1)),
-            "median": float(np.median(found)),
-        }
-        for name, found in ratios.items()
-    ]
-    return fill(
+    ratios = {}
+    for name in QUANTITIES:
+        ratios[name] = samples_of_quantity(levels, name).ratios(*factors[name])
+    figures.save_figure(draw_ratio_shares(ratios), folder / "factors.svg")
+    spread = []
+    for name, found in ratios.items():
+        spread.append(
+            {
+                "quantity": name,
+                "factor": factors[name][0],
+                "levels": len(found),
+                "below": float(np.mean(found < 1)),
+                "smallest": float(found.min()),
+                "tenth": float(np.quantile(found, 0.1)),
+                "median": float(np.median(found)),
+            }
+        )
+    failed = []
+    for row in result.rows:
+        if not row["levels"]:
+            failed.append(row)
+    return write_page(
         HERE / "page.html",
         folder / "index.html",
         result=result,
@@ -131,5 +149,5 @@ def report(result: Result, folder: Path) -> Path:
         meaning=MEANING,
         quantile=QUANTILE,
         relevant=RELEVANT,
-        failed=[row for row in result.rows if not row["levels"]],
+        failed=failed,
     )

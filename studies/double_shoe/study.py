@@ -13,11 +13,11 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake, vary
 from drumlin.comparison import COLUMNS, Comparison, Convergence, as_csv, compare, converge
 from drumlin.report import figures
-from drumlin.report.comparison import draw_fields, panels, results_json
-from drumlin.report.page import fill
+from drumlin.report.comparison import draw_fields, pressure_panels, results_as_json
+from drumlin.report.page import write_page
 from drumlin.response.norms import relative
-from drumlin.verification.cost import Cost, cost
-from drumlin_studies.orders import convergence_rows, largest_residual, rigid_limit
+from drumlin.verification.cost import Cost, measure_fem_cost
+from drumlin_studies.orders import convergence_rows, largest_residual, rigid_limit_rows
 
 HERE = Path(__file__).parent
 ROTATIONS = ("counter-clockwise", "clockwise")
@@ -50,10 +50,12 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
             turning = vary(brake, {"rotation": rotation})
             comparisons.append(compare(turning, case, repeats, ("fem", "sine"), elements=elements))
     brake = comparisons[0].brake
+    # With a stiff shoe and a thin lining the finite elements approach the law.
     say("limit of a rigid shoe")
     limit: list[dict[str, Any]] = []
     for rotation in ROTATIONS:
-        limit += rigid_limit(vary(brake, {"rotation": rotation}), elements)
+        limit += rigid_limit_rows(vary(brake, {"rotation": rotation}), elements)
+    # Meshes that double show the order of the error.
     say("convergence")
     convergence = converge(brake, (10, 20, 40) if short else (20, 40, 80, 160, 320))
     say("cost")
@@ -61,7 +63,7 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
         comparisons,
         limit,
         convergence,
-        cost(brake, repeats=1 if short else 7),
+        measure_fem_cost(brake, repeats=1 if short else 7),
         elements,
         time.perf_counter() - start,
     )
@@ -69,7 +71,10 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
 
 def report(result: Result, folder: Path) -> Path:
     """Write page, figures, fields, CSV and JSON, and return the path of the page."""
-    rows = [row for comparison in result.comparisons for row in comparison.rows]
+    rows = []
+    for comparison in result.comparisons:
+        for row in comparison.rows:
+            rows.append(row)
     meshes = convergence_rows(result.convergence)
     limit = result.convergence.torque
     write_text(folder / "results.csv", as_csv(rows))
@@ -79,53 +84,61 @@ def report(result: Result, folder: Path) -> Path:
         "torque_limit": limit._asdict(),
         "cost": result.cost._asdict(),
     }
-    write_text(folder / "results.json", results_json(result.comparisons, **extra))
-    draw(result, folder)
+    write_text(folder / "results.json", results_as_json(result.comparisons, **extra))
+    draw_figures(result, folder)
+    # The stress picture is that of the stiff brake.
     main = result.comparisons[0]
     not_drawn = draw_fields(
         main.brake, main.responses["fem"], folder, "fields", elements=result.elements
     )
-    return fill(
+    missed = {}
+    for row in rows:
+        if (row["model"], row["shoe"]) == ("sine", "all"):
+            missed[row["case"]] = row["torque_error"]
+    orders = []
+    for i in range(2):
+        orders.append(result.convergence.pressure(i))
+    brakes = {}
+    for name in FILES:
+        brakes[f"studies/double_shoe/{name}"] = (HERE / name).read_text()
+    return write_page(
         HERE / "page.html",
         folder / "index.html",
         result=result,
         rows=rows,
         columns=COLUMNS,
-        missed={
-            row["case"]: row["torque_error"]
-            for row in rows
-            if (row["model"], row["shoe"]) == ("sine", "all")
-        },
+        missed=missed,
         not_drawn=not_drawn,
         meshes=meshes,
         limit=limit,
-        orders=[result.convergence.pressure(i) for i in range(2)],
+        orders=orders,
         residual=largest_residual(
             [comparison.responses["fem"] for comparison in result.comparisons]
         ),
         left_out=main.responses["fem"].left_out,
-        brakes={f"studies/double_shoe/{name}": (HERE / name).read_text() for name in FILES},
+        brakes=brakes,
     )
 
 
-def draw(result: Result, folder: Path) -> None:
+def draw_figures(result: Result, folder: Path) -> None:
     """Write the figures, which are of kinds that several reports share."""
-    stiff, flexible = (
-        [p for c in result.comparisons if c.case == case for p in panels(c)]
-        for case in FILES.values()
-    )
+    panels: dict[str, list[figures.Panel]] = {case: [] for case in FILES.values()}
+    for comparison in result.comparisons:
+        panels[comparison.case] += pressure_panels(comparison)
+    stiff, flexible = panels.values()
     for ending in ("svg", "png"):
-        figures.save(figures.pressures(stiff), folder / f"pressure.{ending}")
-    figures.save(figures.pressures(flexible), folder / "pressure_flexible.svg")
+        figures.save_figure(figures.draw_pressure_panels(stiff), folder / f"pressure.{ending}")
+    figures.save_figure(figures.draw_pressure_panels(flexible), folder / "pressure_flexible.svg")
     convergence = result.convergence
-    steps = {
-        f"p, {shoe.name} shoe (L2, to the next finer mesh)": list(
+    steps = {}
+    for i, shoe in enumerate(convergence.responses[0].shoes):
+        steps[f"p, {shoe.name} shoe (L2, to the next finer mesh)"] = list(
             zip(convergence.elements, convergence.pressure_steps(i), strict=False)
         )
-        for i, shoe in enumerate(convergence.responses[0].shoes)
-    }
     steps["torque, from its limit"] = [
         (n, abs(relative(r.torque, convergence.torque.value)))
         for n, r in zip(convergence.elements, convergence.responses, strict=True)
     ]
-    figures.save(figures.convergence(steps, "relative distance"), folder / "convergence.svg")
+    figures.save_figure(
+        figures.draw_convergence(steps, "relative distance"), folder / "convergence.svg"
+    )

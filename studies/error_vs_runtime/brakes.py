@@ -15,7 +15,7 @@ IRON, LAYER = {"E": 1.2e11, "nu": 0.25}, {"E": 1e10, "nu": 0.3}
 """Materials of rings and backings in SI units."""
 
 
-def covered() -> tuple[dict[str, Path], dict[str, str]]:
+def brakes_with_elements() -> tuple[dict[str, Path], dict[str, str]]:
     """The brake files of studies/ that finite elements cover, and why others are left out.
 
     Both are by name of the brake.
@@ -40,7 +40,8 @@ def covered() -> tuple[dict[str, Path], dict[str, str]]:
     return found, refused
 
 
-def _ring(support: str, thickness: float = 0.015, E: float = 1.2e11) -> dict[str, Any]:
+def _ring_changes(support: str, thickness: float = 0.015, E: float = 1.2e11) -> dict[str, Any]:
+    """Changes that give a brake an elastic ring: thickness [m] and Young's modulus E [Pa]."""
     material = {**IRON, "E": E}
     return {
         "drum.ring": {
@@ -52,52 +53,53 @@ def _ring(support: str, thickness: float = 0.015, E: float = 1.2e11) -> dict[str
     }
 
 
-def _backing(thickness: float = 0.005, E: float = 1e10) -> dict[str, Any]:
+def _backing_changes(thickness: float = 0.005, E: float = 1e10) -> dict[str, Any]:
+    """Changes that give each shoe a backing: thickness [m] and Young's modulus E [Pa]."""
     return {"shoe.backing": {"thickness": thickness, "material": {**LAYER, "E": E}}}
 
 
-def simplified(*, short: bool = False) -> dict[str, Brake]:
+def brakes_with_omissions(*, short: bool = False) -> dict[str, Brake]:
     """The brakes on which omissions are timed, by name."""
     main = read_brake(MAIN)
     found = {
         "double shoe": main,
-        "double shoe, ring fixed": vary(main, _ring("fixed")),
+        "double shoe, ring fixed": vary(main, _ring_changes("fixed")),
     }
     if short:
         return found
     return found | {
-        "double shoe, ring free": vary(main, _ring("free")),
-        "double shoe, backing": vary(main, _backing()),
+        "double shoe, ring free": vary(main, _ring_changes("free")),
+        "double shoe, backing": vary(main, _backing_changes()),
         "double shoe, mu = 0": vary(main, {"friction": 0.0}),
         "flexible double shoe": read_brake(STUDIES / "double_shoe" / "flexible.toml"),
         "post brake": read_brake(STUDIES / "post_brake" / "brake.toml"),
     }
 
 
-def stiff_to_soft(*, short: bool = False) -> dict[str, Brake]:
+def brakes_from_stiff_to_soft(*, short: bool = False) -> dict[str, Brake]:
     """The brakes on which only the predictions of omissions are checked, by name."""
     main = read_brake(MAIN)
-    shoes = {
-        f"shoe E = {E:.0e} Pa": vary(main, {"shoe.body.material.E": E})
-        for E in (2.1e12, 2.1e13, 2.1e14, 2.1e15)
-    }
+    shoes = {}
+    for E in (2.1e12, 2.1e13, 2.1e14, 2.1e15):
+        shoes[f"shoe E = {E:.0e} Pa"] = vary(main, {"shoe.body.material.E": E})
     if short:
         return dict(list(shoes.items())[::2])
-    free = {
-        f"free ring, E = {E:.0e} Pa": vary(main, _ring("free", 0.03, E))
-        for E in (1e9, 1.2e11, 2e12, 2e13, 2e14)
-    }
-    fixed = {
-        f"fixed ring, E = {E:.0e} Pa": vary(main, _ring("fixed", 0.015, E))
-        for E in (3e8, 1e9, 1e10, 1e13)
-    }
-    layers = {f"backing E = {E:.0e} Pa": vary(main, _backing(0.003, E)) for E in (3e8, 3e9, 1e11)}
-    rigid = {
-        f"rigid shoe, backing E = {E:.0e} Pa": vary(main, {"shoe.body": None} | _backing(0.003, E))
-        for E in (3e8, 3e9, 3e10)
-    }
-    friction = {
-        f"rigid shoe, mu = {mu:g}": vary(main, {"shoe.body": None, "friction": mu})
-        for mu in (0.02, 0.5)
-    }
+    # Rings and layers from soft to nearly rigid.
+    free = {}
+    for E in (1e9, 1.2e11, 2e12, 2e13, 2e14):
+        free[f"free ring, E = {E:.0e} Pa"] = vary(main, _ring_changes("free", 0.03, E))
+    fixed = {}
+    for E in (3e8, 1e9, 1e10, 1e13):
+        fixed[f"fixed ring, E = {E:.0e} Pa"] = vary(main, _ring_changes("fixed", 0.015, E))
+    layers = {}
+    for E in (3e8, 3e9, 1e11):
+        layers[f"backing E = {E:.0e} Pa"] = vary(main, _backing_changes(0.003, E))
+    rigid = {}
+    for E in (3e8, 3e9, 3e10):
+        rigid[f"rigid shoe, backing E = {E:.0e} Pa"] = vary(
+            main, {"shoe.body": None} | _backing_changes(0.003, E)
+        )
+    friction = {}
+    for mu in (0.02, 0.5):
+        friction[f"rigid shoe, mu = {mu:g}"] = vary(main, {"shoe.body": None, "friction": mu})
     return shoes | free | fixed | layers | rigid | friction

@@ -21,7 +21,8 @@ from drumlin.report.palette import (
     SHADE,
     SKY,
 )
-from drumlin_studies.work_precision import series
+from drumlin_studies.tables import matching_rows, values_of_key
+from drumlin_studies.work_precision import rows_by_series
 
 COLORS = {
     "law": FAINT,
@@ -63,7 +64,7 @@ LEAST = 1e-6
 CHANGES = (("shoes", "shoes' torques (sum of sizes)"), ("pressure", "pressure p (L2, worst shoe)"))
 
 
-def work_precision(
+def draw_error_over_time(
     title: str, rows: Sequence[Mapping[str, Any]], floors: Mapping[str, float]
 ) -> Figure:
     """Errors of torque and p over the time of a cold solve.
@@ -75,22 +76,31 @@ def work_precision(
         figure = Figure(figsize=(10.6, 4.9), layout="constrained")
         grid = figure.subplots(1, 2)
         for axes, (key, label) in zip(grid, PANELS.items(), strict=True):
-            _panel(axes, rows, key, floors[key])
+            _draw_error_panel(axes, rows, key, floors[key])
             axes.set_ylabel(label)
             axes.set_xlabel("run time of a cold solve [ms]")
         grid[0].set_title(title)
-        handles: list[Any] = [
-            mpl.lines.Line2D(
-                [], [], color=COLORS[family], ls=_style(family, "") or "-", lw=3, label=family
+        # The key names families by colour and kinds of elements by marker.
+        handles: list[Any] = []
+        for family in _converged_families(rows):
+            handles.append(
+                mpl.lines.Line2D(
+                    [],
+                    [],
+                    color=COLORS[family],
+                    ls=_line_style(family, "") or "-",
+                    lw=3,
+                    label=family,
+                )
             )
-            for family in _families(rows)
-        ]
-        marks = {series_.split(",")[0] for (_, series_) in series(rows)}
-        handles += [
-            mpl.lines.Line2D([], [], color=FAINT, marker=marker, ls="", ms=6, label=name)
-            for name, marker in MARKERS.items()
-            if name in marks
-        ]
+        marks = set()
+        for _, series_ in rows_by_series(rows):
+            marks.add(series_.split(",")[0])
+        for name, marker in MARKERS.items():
+            if name in marks:
+                handles.append(
+                    mpl.lines.Line2D([], [], color=FAINT, marker=marker, ls="", ms=6, label=name)
+                )
         if any("lower" in row for row in rows):
             words = "bars: quartiles of the repeats"
             handles.append(mpl.lines.Line2D([], [], color=FAINT, marker="|", ms=7, label=words))
@@ -99,31 +109,37 @@ def work_precision(
     return figure
 
 
-def _families(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+def _converged_families(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     """The families with a converged row, in the order of COLORS."""
-    found = {row["family"] for row in rows if row["status"] == "converged"}
+    found = set()
+    for row in rows:
+        if row["status"] == "converged":
+            found.add(row["family"])
     return [family for family in COLORS if family in found]
 
 
-def _style(family: str, name: str) -> str:
+def _line_style(family: str, name: str) -> str:
     """Line style of a series: dotted on uniform meshes, dashed where the error is stated."""
     if family == "law":
         return ""
     return ":" if name.endswith("even") else "--" if family.endswith("stated") else "-"
 
 
-def _panel(axes: Any, rows: Sequence[Mapping[str, Any]], key: str, floor: float) -> None:
+def _draw_error_panel(axes: Any, rows: Sequence[Mapping[str, Any]], key: str, floor: float) -> None:
+    """Draw the errors `key` of all methods over the time of a cold solve."""
+    # Below the uncertainty of the reference an error is drawn at a third of it.
     lowest = max(100 * floor, 1e-8)
     smallest = lowest / 3
-    for (family, name), members in series(rows).items():
-        seconds = np.array([row["seconds"] for row in members]) * 1e3
-        error = np.maximum(np.array([row[key] for row in members]) * 100, smallest)
+    for (family, name), members in rows_by_series(rows).items():
+        seconds = np.array(values_of_key(members, "seconds")) * 1e3
+        error = np.maximum(np.array(values_of_key(members, key)) * 100, smallest)
         spread = (
             np.array(
                 [[row["seconds"] - row["lower"], row["upper"] - row["seconds"]] for row in members]
             ).T
             * 1e3
         )
+        # Families that are not recommended are drawn lighter.
         light = family in {"even mesh", "weak penalty"}
         axes.errorbar(
             seconds,
@@ -134,40 +150,41 @@ def _panel(axes: Any, rows: Sequence[Mapping[str, Any]], key: str, floor: float)
             ms=9 if family == "law" else 4.5,
             lw=1.0 if light else 1.5,
             alpha=0.75 if light else 1.0,
-            ls=_style(family, name),
+            ls=_line_style(family, name),
             elinewidth=0.8,
         )
     axes.set_xscale("log")
     axes.set_yscale("log")
-    top = max(100 * row[key] for row in rows if row["status"] == "converged")
+    top = 100 * max(values_of_key(matching_rows(rows, status="converged"), key))
     axes.set_ylim(smallest * 0.8, 2.0 * max(top, lowest))
     axes.axhspan(smallest * 0.8, lowest, color=SHADE, alpha=0.7, lw=0)
     axes.xaxis.set_major_formatter("{x:g}")
     axes.minorticks_off()
 
 
-def predictions(rows: Sequence[Mapping[str, Any]]) -> Figure:
+def draw_predicted_changes(rows: Sequence[Mapping[str, Any]]) -> Figure:
     """Predicted over true changes of the shoes' torques and of p, a marker for each omission.
 
     On the line both are equal, in the band within a factor of two. Changes below LEAST are not
-    drawn. rows : from `omission_table.omissions`.
+    drawn. rows : from `omission_table.omission_rows`.
     """
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(10.4, 4.4), layout="constrained")
         grid = figure.subplots(1, len(CHANGES))
         for axes, (key, title) in zip(grid, CHANGES, strict=True):
             for part, (marker, color) in LOOKS.items():
-                points = [
-                    (row[key], row[f"predicted_{key}"])
-                    for row in rows
-                    if row["part"] == part
-                    and min(row.get(key) or 0.0, row.get(f"predicted_{key}") or 0.0) > LEAST
-                ]
+                points = []
+                for row in rows:
+                    if (
+                        row["part"] == part
+                        and min(row.get(key) or 0.0, row.get(f"predicted_{key}") or 0.0) > LEAST
+                    ):
+                        points.append((row[key], row[f"predicted_{key}"]))
                 if points:
                     x, y = zip(*points, strict=True)
                     axes.plot(
-                        [100 * v for v in x],
-                        [100 * v for v in y],
+                        100 * np.array(x),
+                        100 * np.array(y),
                         marker,
                         ms=7 if marker != "*" else 10,
                         color=color,
@@ -176,6 +193,7 @@ def predictions(rows: Sequence[Mapping[str, Any]]) -> Figure:
                         ls="",
                         label=part,
                     )
+            # On the line the prediction is exact; in the band it is within a factor of two.
             ends = [100 * LEAST, 1000]
             axes.plot(ends, ends, color=INK, lw=1, zorder=1)
             axes.fill_between(

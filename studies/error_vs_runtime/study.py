@@ -9,8 +9,13 @@ from functools import cache, partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from studies.error_vs_runtime.brakes import MAIN, covered, simplified, stiff_to_soft
-from studies.error_vs_runtime.figures import predictions, work_precision
+from studies.error_vs_runtime.brakes import (
+    MAIN,
+    brakes_from_stiff_to_soft,
+    brakes_with_elements,
+    brakes_with_omissions,
+)
+from studies.error_vs_runtime.figures import draw_error_over_time, draw_predicted_changes
 
 from drumlin.base.files import write_text
 from drumlin.base.journal import Journal
@@ -20,41 +25,42 @@ from drumlin.comparison import as_csv
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.preparation.meshes import ELEMENTS
 from drumlin.fem.solve import solve
-from drumlin.report.figures import save
-from drumlin.report.page import fill, versions
+from drumlin.report.figures import save_figure
+from drumlin.report.page import software_versions, write_page
 from drumlin.verification import triangles
 from drumlin.verification.reference import (
     FINE,
+    ReferenceResponses,
     Refinement,
-    Trio,
-    reference,
-    responses,
+    compute_reference,
+    solve_reference_responses,
 )
-from drumlin.verification.reference_file import as_dict, summary_rows, write_values
-from drumlin_studies.methods import methods
+from drumlin.verification.reference_file import reference_data, summary_rows, write_reference
+from drumlin_studies.methods import all_methods
 from drumlin_studies.omission_table import (
-    omissions,
+    omission_rows,
     prediction_ratios,
-    time_saved,
-    worst_straight,
+    row_of_worst_straight_edges,
+    saved_time_range,
 )
 from drumlin_studies.recommendation import (
-    against_peers,
-    best_rows,
+    compare_with_peers,
+    fastest_rows,
     fastest_seconds,
-    matrices,
-    of_brake,
+    recommendation_matrices,
+    rows_of_brake,
 )
+from drumlin_studies.tables import matching_rows, values_of_key
 from drumlin_studies.work_precision import (
     PEER_FAMILIES,
     TIMED_REPEATS,
     Method,
-    floor,
-    measure,
-    peer_row,
-    process_seconds,
-    spread,
-    unit_seconds,
+    measure_method,
+    measure_peer,
+    median_unit_seconds,
+    reference_uncertainty,
+    solve_process_seconds,
+    timing_scatter,
 )
 
 HERE = Path(__file__).parent
@@ -110,65 +116,80 @@ def study(
     """
     start = time.perf_counter()
     journal = journal or Journal()
-    paths, refused = covered()
+    paths, refused = brakes_with_elements()
     paths = {name: path for name, path in paths.items() if not short or name in SHORT}
     # The brakes with peers take longest and come first.
     order = sorted(paths, key=lambda name: name not in WITH_PEERS)
     paths = {name: paths[name] for name in order}
+    # The unit is solved once before, so that loading of code is not timed.
     unit = partial(solve, read_brake(MAIN), elements=UNIT_ELEMENTS)
     unit()
     rows, floors, references = [], {}, {}
     for name, path in paths.items():
         brake = read_brake(path)
-        trio = cache(partial(responses, read_brake(path), QUICK if short else FINE))
+        # The reference is computed when a method first needs it.
+        trio = cache(partial(solve_reference_responses, read_brake(path), QUICK if short else FINE))
         say(f"{name}: reference")
         known = journal.once(
-            {"brake": name, "reference": True}, partial(_reference, name, path, brake, trio)
+            {"brake": name, "reference": True}, partial(_reference_row, name, path, brake, trio)
         )
         floors[name], references[name] = known["floor"], known["values"]
         peers = name in WITH_PEERS and not short
-        for method in methods(brake, peers=peers, short=short):
+        for method in all_methods(brake, peers=peers, short=short):
             say(f"{name}: {method.family}, {method.name}")
             row = journal.once(
-                {"brake": name, **method.case}, partial(_row, brake, method, trio, unit)
+                {"brake": name, **method.case}, partial(_method_row, brake, method, trio, unit)
             )
             # Beside the processes of the peers stands the process of a whole `drumlin solve`.
             if peers and method.family == "columns, error stated":
                 case = {"brake": name, "process": row["tolerance"]}
-                row = row | journal.once(case, partial(_process, path, row["tolerance"]))
+                row = row | journal.once(case, partial(_process_row, path, row["tolerance"]))
             rows.append({"brake": name, **row})
-    left = _left_out(journal, short, say)
+    left = _omission_rows(journal, short, say)
     return Result(
-        rows, floors, references, refused, left, unit_seconds(rows), time.perf_counter() - start
+        rows,
+        floors,
+        references,
+        refused,
+        left,
+        median_unit_seconds(rows),
+        time.perf_counter() - start,
     )
 
 
-def _reference(name: str, path: Path, brake: Brake, trio: Callable[[], Trio]) -> Row:
+def _reference_row(
+    name: str, path: Path, brake: Brake, trio: Callable[[], ReferenceResponses]
+) -> Row:
     """The reference of a brake: its floor and its values."""
     command = f"drumlin reference studies/{name}.toml"
     return {
-        "floor": floor(brake, trio()),
-        "values": as_dict(reference(brake, path.read_text(), command, trio())),
+        "floor": reference_uncertainty(brake, trio()),
+        "values": reference_data(compute_reference(brake, path.read_text(), command, trio())),
     }
 
 
-def _row(brake: Brake, method: Method, trio: Callable[[], Trio], unit: Callable[[], object]) -> Row:
+def _method_row(
+    brake: Brake, method: Method, trio: Callable[[], ReferenceResponses], unit: Callable[[], object]
+) -> Row:
     """The row of a method on a brake. CalculiX takes long and runs only once."""
     if method.family in PEER_FAMILIES:
         repeats = 1 if method.family == "CalculiX" else TIMED_REPEATS
-        return peer_row(brake, method, trio().value, unit, repeats)
-    return measure(brake, method, trio().value, unit)
+        return measure_peer(brake, method, trio().value, unit, repeats)
+    return measure_method(brake, method, trio().value, unit)
 
 
-def _process(path: Path, tolerance: float) -> Row:
+def _process_row(path: Path, tolerance: float) -> Row:
     """Time of a whole `drumlin solve` of a brake file to a tolerance."""
-    return {"process": process_seconds(path, "--tolerance", str(tolerance))}
+    return {"process": solve_process_seconds(path, "--tolerance", str(tolerance))}
 
 
-def _left_out(journal: Journal, short: bool, say: Callable[[str], None]) -> list[Row]:
+def _omission_rows(journal: Journal, short: bool, say: Callable[[str], None]) -> list[Row]:
     """The rows of omissions, each brake a case. Brakes from stiff to soft are not timed."""
-    cases = [(name, brake, 1 if short else 5) for name, brake in simplified(short=short).items()]
-    cases += [(name, brake, 0) for name, brake in stiff_to_soft(short=short).items()]
+    cases = [
+        (name, brake, 1 if short else 5)
+        for name, brake in brakes_with_omissions(short=short).items()
+    ]
+    cases += [(name, brake, 0) for name, brake in brakes_from_stiff_to_soft(short=short).items()]
     rows: list[Row] = []
     for name, brake, repeats in cases:
         say(f"left out: {name}")
@@ -176,53 +197,77 @@ def _left_out(journal: Journal, short: bool, say: Callable[[str], None]) -> list
         rows += journal.once(
             {"left out": name, "short": short},
             lambda b=brake, n=name, e=elements, r=repeats: {
-                "rows": omissions(b, n, elements=e, repeats=r)
+                "rows": omission_rows(b, n, elements=e, repeats=r)
             },  # type: ignore[misc]
         )["rows"]
     return rows
 
 
+def _write_brake_files(result: Result, name: str, folder: Path) -> str:
+    """Write figure and reference values of a brake; returns the name of the figure's file."""
+    stem = name.replace("/", "_")
+    title = result.references[name]["title"]
+    own_rows = rows_of_brake(result.rows, name)
+    picture = draw_error_over_time(title, own_rows, result.floors[name])
+    for ending in ("png", "svg"):
+        save_figure(picture, folder / f"work_precision_{stem}.{ending}")
+    write_reference(result.references[name], folder / "values" / f"{stem}.json")
+    return f"work_precision_{stem}.svg"
+
+
 def report(result: Result, folder: Path) -> Path:
     """Write page, figures, tables and reference values, and return the path of the page."""
     rows, floors, left_out = result.rows, result.floors, result.left_out
-    best = best_rows(rows, floors)
+    best = fastest_rows(rows, floors)
     write_text(folder / "results.csv", as_csv(rows))
     write_text(folder / "recommended.csv", as_csv(best))
     write_text(folder / "left_out.csv", as_csv(left_out))
-    stems = {name: name.replace("/", "_") for name in floors}
-    for name, stem in stems.items():
-        picture = work_precision(
-            result.references[name]["title"], of_brake(rows, name), floors[name]
-        )
-        for ending in ("png", "svg"):
-            save(picture, folder / f"work_precision_{stem}.{ending}")
-        write_values(result.references[name], folder / "values" / f"{stem}.json")
-    save(predictions(left_out), folder / "left_out.svg")
+    pictures = {}
+    for name in floors:
+        pictures[name] = _write_brake_files(result, name, folder)
+    save_figure(draw_predicted_changes(left_out), folder / "left_out.svg")
     times = fastest_seconds(rows, floors, 0.01)
-    converged = [row for row in rows if row["status"] == "converged"]
     values: list[Row] = []
     for name, of_brake_ in result.references.items():
         values += summary_rows(of_brake_, name)
-    return fill(
+    by_law = matching_rows(rows, status="converged", model="sine")
+    ratios = {}
+    for key in ("pressure", "shoes", "torque"):
+        ratios[key] = prediction_ratios(left_out, key)
+    failed = []
+    for row in rows:
+        if row["status"] != "converged":
+            failed.append(row)
+    peer_rows = []
+    for row in rows:
+        if row["family"] in PEER_FAMILIES:
+            peer_rows.append(row)
+    timed = []
+    for row in left_out:
+        if "seconds" in row or row["status"] != "converged":
+            timed.append(row)
+    return write_page(
         HERE / "page.html",
         folder / "index.html",
         result=result,
-        laws=[row["torque_error"] for row in converged if row.get("model") == "sine"],
+        laws=values_of_key(by_law, "torque_error"),
         times=times,
-        matrices=matrices(best),
-        figures={name: f"work_precision_{stem}.svg" for name, stem in stems.items()},
+        matrices=recommendation_matrices(best),
+        figures=pictures,
         first=next(iter(floors)),
-        first_rows=of_brake(rows, next(iter(floors))),
-        failed=[row for row in rows if row["status"] != "converged"],
-        peer_rows=[row for row in rows if row["family"] in PEER_FAMILIES],
-        peers=against_peers(rows, floors),
-        timed=[row for row in left_out if "seconds" in row or row["status"] != "converged"],
-        ratios={key: prediction_ratios(left_out, key) for key in ("pressure", "shoes", "torque")},
-        saved=time_saved(left_out, 0.2),
-        straight=worst_straight(left_out),
+        first_rows=rows_of_brake(rows, next(iter(floors))),
+        failed=failed,
+        peer_rows=peer_rows,
+        peers=compare_with_peers(rows, floors),
+        timed=timed,
+        ratios=ratios,
+        saved=saved_time_range(left_out, 0.2),
+        straight=row_of_worst_straight_edges(left_out),
         values=values,
-        spread=spread(rows),
+        spread=timing_scatter(rows),
         repeats=TIMED_REPEATS,
         unit_elements=UNIT_ELEMENTS,
-        versions_text="\n".join(f"{name}: {version}" for name, version in versions().items()),
+        versions_text="\n".join(
+            f"{name}: {version}" for name, version in software_versions().items()
+        ),
     )

@@ -82,7 +82,7 @@ LATER = ("No such option", "No such command")
 """Words of an earlier drumlin about options that it does not have. They are no fault."""
 
 
-class Earlier:
+class EarlierDrumlin:
     """An earlier drumlin that runs one input after the other."""
 
     def __init__(self, checkout: Path) -> None:
@@ -109,8 +109,10 @@ class Earlier:
         """The ending of an input."""
         assert self._process.stdin is not None and self._process.stdout is not None
         with tempfile.TemporaryDirectory() as name, tempfile.TemporaryDirectory() as beside:
-            endings.lay_out(given, Path(name))
-            said = {stream: f"{beside}/{stream}" for stream in ("out", "err")}
+            endings.write_input_files(given, Path(name))
+            said = {}
+            for stream in ("out", "err"):
+                said[stream] = f"{beside}/{stream}"
             self._process.stdin.write(
                 json.dumps({"folder": name, "words": given.words, **said}) + "\n"
             )
@@ -121,11 +123,11 @@ class Earlier:
                 for stream in ("out", "err")
             )
             return endings.Ending(
-                int(status), out, err, endings.written(Path(name), given), float(seconds)
+                int(status), out, err, endings.read_written_files(Path(name), given), float(seconds)
             )
 
 
-def kind_of(fault: str, status: int) -> str:
+def fault_kind(fault: str, status: int) -> str:
     """The kind of a fault, by the judge's line.
 
     A process that its limits of time or memory have ended counts as a hang.
@@ -135,29 +137,33 @@ def kind_of(fault: str, status: int) -> str:
     return next((kind for words, kind in KINDS if words in fault), "other")
 
 
-def main(checkout: Path, share: float = 1.0) -> dict[str, Any]:
+def count_earlier_faults(checkout: Path, share: float = 1.0) -> dict[str, Any]:
     """The faults of an earlier drumlin by generator and kind.
 
     share : fraction of the inputs of each generator that are run.
     """
-    earlier = Earlier(checkout)
-    end = earlier.end(BrokenInput("sweep", broken_sweeps.sound_files(), broken_sweeps.SWEEP_WORDS))
+    earlier = EarlierDrumlin(checkout)
+    end = earlier.end(
+        BrokenInput("sweep", broken_sweeps.sound_sweep_files(), broken_sweeps.SWEEP_WORDS)
+    )
     if end.status:
         sys.exit(end.err or end.out)
+    # Table and journal as the earlier drumlin writes them.
     table, kept = end.written[broken_sweeps.SWEEP_TABLE], end.written[broken_sweeps.SWEEP_JOURNAL]
     rows = []
     for name, whole in INPUTS.items():
         count = round(share * whole)
         found: Counter[str] = Counter()
         for number in range(count):
-            given = trials.made(name, number)
+            given = trials.make_input(name, number)
+            # A damaged journal must be one of its own.
             if name == "journals":
                 rng = random.Random(f"{name} {number}")
-                given = broken_sweeps.damaged(rng, table, kept)
+                given = broken_sweeps.damage_journal(rng, table, kept)
             end = earlier.end(given)
-            if fault := endings.fault_of(given, end):
+            if fault := endings.find_fault(given, end):
                 later = name == "command lines" and any(word in end.err for word in LATER)
-                found[UNKNOWN if later else kind_of(fault, end.status)] += 1
+                found[UNKNOWN if later else fault_kind(fault, end.status)] += 1
         print(name, dict(found), file=sys.stderr, flush=True)  # noqa: T201  (goes on for half an hour)
         rows.append({"generator": name, "inputs": count, "faults": dict(found.most_common())})
     commit = subprocess.run(
@@ -167,4 +173,6 @@ def main(checkout: Path, share: float = 1.0) -> dict[str, Any]:
 
 
 if __name__ == "__main__":
-    json.dump(main(Path(sys.argv[1]), *map(float, sys.argv[2:])), sys.stdout, indent=1)
+    json.dump(
+        count_earlier_faults(Path(sys.argv[1]), *map(float, sys.argv[2:])), sys.stdout, indent=1
+    )

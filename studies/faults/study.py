@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from drumlin.base.journal import Journal
-from drumlin.report.page import fill
+from drumlin.report.page import write_page
 from drumlin_studies.fuzzing import kills, promises, trials
 
 HERE = Path(__file__).parent
@@ -67,44 +67,52 @@ def study(
     short : whether five inputs of each generator and no kills are enough.
     """
     journal = journal or Journal()
+    # Most inputs run in this process, which is faster; some run in their own.
     within = dict.fromkeys(INPUTS, 5) if short else INPUTS
     apart = {"words": 1} if short else dict.fromkeys(INPUTS, APART)
     processes = 0 if short else WORKERS
     return Result(
-        trials.try_all(within, journal, processes=processes, say=say),
-        trials.try_all(apart, journal, apart=True, processes=processes, say=say),
-        [] if short else kills.kill_all(SWEEPS, KILLS, journal, say),
+        trials.try_generators(within, journal, processes=processes, say=say),
+        trials.try_generators(apart, journal, apart=True, processes=processes, say=say),
+        [] if short else kills.kill_sweeps(SWEEPS, KILLS, journal, say),
     )
 
 
 def report(result: Result, folder: Path) -> Path:
     """Write the page and return its path."""
-    within, apart = trials.table(result.within), trials.table(result.apart)
+    within, apart = trials.verdict_table(result.within), trials.verdict_table(result.apart)
     before = json.loads((HERE / "before.json").read_text(encoding="utf-8"))
-    return fill(
+    return write_page(
         HERE / "page.html",
         folder / "index.html",
         within=within,
         apart=apart,
         before=before
-        | {"rows": [_before(row, result.within[row["generator"]]) for row in before["rows"]]},
-        killed=kills.table(result.killed),
+        | {
+            "rows": [
+                _earlier_and_present_row(row, result.within[row["generator"]])
+                for row in before["rows"]
+            ]
+        },
+        killed=kills.kill_table(result.killed),
         refusal_lines=trials.refusal_lines(result.within),
-        faults=_faults(result),
+        faults=_fault_lines(result),
         promises=promises.PROMISES,
         statuses=promises.STATUS_MEANINGS,
     )
 
 
-def _faults(result: Result) -> list[str]:
+def _fault_lines(result: Result) -> list[str]:
     """All faults, in words."""
     faults = []
     for verdicts in (*result.within.values(), *result.apart.values()):
-        faults += [verdict.fault for verdict in verdicts if verdict.fault]
+        for verdict in verdicts:
+            if verdict.fault:
+                faults.append(verdict.fault)
     return faults + [f"{row['way']}: {row['fault']}" for row in result.killed if row["fault"]]
 
 
-def _before(row: dict[str, Any], now: list[trials.InputVerdict]) -> dict[str, Any]:
+def _earlier_and_present_row(row: dict[str, Any], now: list[trials.InputVerdict]) -> dict[str, Any]:
     """The faults of an earlier drumlin beside those of the present one on the same inputs."""
     counts: dict[str, int] = row["faults"]
     later = counts.pop(UNKNOWN, 0)

@@ -14,14 +14,14 @@ from drumlin.brake.brake import Brake
 from drumlin.laws.shapes import SHORT_LAW, Layout, equivalent_friction
 from drumlin.laws.simscape import DoubleShoe
 from drumlin.report.drawing import draw_brake
-from drumlin.report.figures import STYLE, key, name_of
-from drumlin.report.palette import BLUE, FAINT, GREEN, GREY, PURPLE, RED, look_of
+from drumlin.report.figures import STYLE, draw_legend, model_title
+from drumlin.report.palette import BLUE, FAINT, GREEN, GREY, PURPLE, RED, line_style_of_model
 from drumlin.response.response import ShoeResponse
 
 HIGHEST = 4.0  # of eta and S in a figure; both grow without bound towards locking
 
 
-def drawing(brakes: Sequence[tuple[str, Brake]]) -> Figure:
+def draw_brakes_side_by_side(brakes: Sequence[tuple[str, Brake]]) -> Figure:
     """Brakes side by side, each under its title."""
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(5.2 * len(brakes), 4.8), layout="constrained")
@@ -33,7 +33,7 @@ def drawing(brakes: Sequence[tuple[str, Brake]]) -> Figure:
     return figure
 
 
-def short_shoe_merits(angles: Sequence[float], a_over_r: float, arc: float = 0.02) -> Figure:
+def draw_short_shoe_merits(angles: Sequence[float], a_over_r: float, arc: float = 0.02) -> Figure:
     """eta and S of short shoes over mu, for self-energising shoes (dD = +1) and others (dD = -1).
 
     Each angle theta_m [rad] from the hinge has a line.
@@ -43,6 +43,7 @@ def short_shoe_merits(angles: Sequence[float], a_over_r: float, arc: float = 0.0
         figure = Figure(figsize=(10.4, 4.2), layout="constrained")
         panels = figure.subplots(1, 2)
         for angle, color in zip(angles, (BLUE, RED, GREEN, PURPLE), strict=False):
+            # Full lines are self-energising shoes, dashed lines the others.
             for dD, style in ((1, "-"), (-1, "--")):
                 shoe = Layout(angle - arc, angle + arc, 1.0, a_over_r, dD)
                 label = (
@@ -52,6 +53,7 @@ def short_shoe_merits(angles: Sequence[float], a_over_r: float, arc: float = 0.0
                     panels, (SHORT_LAW.mechanical_advantage, SHORT_LAW.sensitivity), strict=True
                 ):
                     axes.plot(mu, merit(mu, shoe), style, color=color, lw=1.8, label=label)
+                # A dotted line marks the friction at which the shoe locks itself.
                 mu_lock = float(SHORT_LAW.locking_friction(shoe))
                 if mu_lock < mu[-1]:
                     for axes in panels:
@@ -63,11 +65,11 @@ def short_shoe_merits(angles: Sequence[float], a_over_r: float, arc: float = 0.0
             axes.set_xlabel("friction coefficient μ")
             axes.set_ylim(0, HIGHEST)
             axes.set_xlim(0, mu[-1])
-        key(figure, panels[0])
+        draw_legend(figure, panels[0])
     return figure
 
 
-def friction_over_arc() -> Figure:
+def draw_friction_over_arc() -> Figure:
     """mu'/mu over the arc of a block, for p = p_0 cos and for a uniform pressure."""
     half = np.radians(np.linspace(0.5, 90, 180))
     with mpl.rc_context(STYLE):
@@ -76,14 +78,14 @@ def friction_over_arc() -> Figure:
         axes.plot(
             np.degrees(2 * half),
             equivalent_friction(half),
-            **look_of("cosine"),
+            **line_style_of_model("cosine"),
             lw=1.8,
             label=r"$p = p_0\,\cos\theta$",
         )
         axes.plot(
             np.degrees(2 * half),
             half / np.sin(half),
-            **look_of("uniform"),
+            **line_style_of_model("uniform"),
             lw=1.8,
             label="uniform pressure",
         )
@@ -91,16 +93,17 @@ def friction_over_arc() -> Figure:
         axes.set_ylabel(r"friction force $T/R$ over $\mu N$:  $\mu'/\mu$ [–]")
         axes.set_xlim(0, 180)
         axes.set_ylim(1, None)
-        key(figure, axes)
+        draw_legend(figure, axes)
     return figure
 
 
-def torque_over_speed(block: DoubleShoe, forces: Sequence[float], viscous: float) -> Figure:
+def draw_torque_over_speed(block: DoubleShoe, forces: Sequence[float], viscous: float) -> Figure:
     """Torque of the double-shoe block over the speed, through zero.
 
     The dashed line has another coefficient of viscous friction.
     """
     omega = np.linspace(-4, 4, 801) * block.omega_threshold
+    # The same block with another coefficient of viscous friction.
     sticky = DoubleShoe(**{**vars(block), "mu_visc": viscous})
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(6.2, 3.8), layout="constrained")
@@ -110,15 +113,16 @@ def torque_over_speed(block: DoubleShoe, forces: Sequence[float], viscous: float
                 omega, block.torque(force, omega), color=color, lw=1.8, label=f"F = {force:g} N"
             )
             axes.plot(omega, sticky.torque(force, omega), "--", color=color, lw=1.2)
+        # Below the threshold of the speed the torque changes linearly.
         for side in (-1, 1):
             axes.axvline(side * block.omega_threshold, color=FAINT, lw=0.8, ls=":")
         axes.set_xlabel("speed ω [rad/s]; dotted: ± threshold")
         axes.set_ylabel("torque T [N m]")
-        key(figure, axes, title=rf"dashed: $\mu_\mathrm{{visc}}$ = {viscous:g} N m s/rad")
+        draw_legend(figure, axes, title=rf"dashed: $\mu_\mathrm{{visc}}$ = {viscous:g} N m s/rad")
     return figure
 
 
-def pressures(shoes: Mapping[str, ShoeResponse]) -> Figure:
+def draw_pressures_by_law(shoes: Mapping[str, ShoeResponse]) -> Figure:
     """Pressure by several laws over the angle, and its shape over the place along the lining.
 
     `shoes`: {law: response of one shoe}; the law "linear" of a plane is drawn only as a shape.
@@ -127,10 +131,12 @@ def pressures(shoes: Mapping[str, ShoeResponse]) -> Figure:
         figure = Figure(figsize=(10.4, 4.2), layout="constrained")
         left, right = figure.subplots(1, 2)
         for law, shoe in shoes.items():
-            look = {**look_of(law), "lw": 1.8, "label": name_of(law)}
+            look = {**line_style_of_model(law), "lw": 1.8, "label": model_title(law)}
             theta, p = shoe.curve()
+            # A plane has no angle, so that its law is drawn only as a shape.
             if law != "linear":
                 left.plot(np.degrees(theta), p * 1e-6, **look)
+            # The shape: p over its mean, against the place along the lining from 0 to 1.
             place = (theta - theta[0]) / np.ptp(theta)
             right.plot(place, p / np.trapezoid(p, place), **look)
         left.set_title("under the same force")
@@ -141,5 +147,5 @@ def pressures(shoes: Mapping[str, ShoeResponse]) -> Figure:
         right.set_ylabel("p / mean [–]")
         for axes in (left, right):
             axes.set_ylim(0, None)
-        key(figure, right)
+        draw_legend(figure, right)
     return figure

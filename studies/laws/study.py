@@ -11,22 +11,26 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from studies.laws.figures import (
-    drawing,
-    friction_over_arc,
-    pressures,
-    short_shoe_merits,
-    torque_over_speed,
+    draw_brakes_side_by_side,
+    draw_friction_over_arc,
+    draw_pressures_by_law,
+    draw_short_shoe_merits,
+    draw_torque_over_speed,
 )
 
 from drumlin.base.files import write_text
 from drumlin.brake.plane_brake import read_any
 from drumlin.comparison import as_csv
 from drumlin.laws.simscape import DoubleShoe
-from drumlin.report.figures import save
-from drumlin.report.page import fill, versions
+from drumlin.report.figures import save_figure
+from drumlin.report.page import software_versions, write_page
 from drumlin.response.response import ShoeResponse
-from drumlin_studies.law_table import first_shoes, law_rows, reasons, shoe_factor_rows
-from drumlin_studies.worked_examples import example_rows, friction_rows, simscape_rows
+from drumlin_studies.law_table import first_shoe_by_law, law_rows, refusal_rows, shoe_factor_rows
+from drumlin_studies.worked_examples import (
+    equivalent_friction_rows,
+    example_rows,
+    simscape_double_shoe_rows,
+)
 
 HERE = Path(__file__).parent
 FILES = (
@@ -76,18 +80,20 @@ class Result(NamedTuple):
 
 def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -> Result:
     """Compute all tables. The study is fast, so that `short` changes nothing."""
+    # Printed numbers of textbooks against the laws.
     say("worked examples")
     given = tomllib.loads((HERE / "examples.toml").read_text())["example"]
     examples: list[dict[str, Any]] = []
     for example in given:
         examples += example_rows(example, HERE)
-    examples += simscape_rows() + friction_rows()
+    examples += simscape_double_shoe_rows() + equivalent_friction_rows()
+    # Each brake file by each law that applies to it.
     say("brake files")
     applies: list[dict[str, Any]] = []
     for file in FILES:
         applies += law_rows(read_any(HERE.parent / file), file)
     post_brake = read_any(HERE.parent / "post_brake/brake.toml")
-    shoes = first_shoes(read_any(HERE / "block.toml"), read_any(HERE / "pad.toml"))
+    shoes = first_shoe_by_law(read_any(HERE / "block.toml"), read_any(HERE / "pad.toml"))
     return Result(examples, applies, shoe_factor_rows(post_brake), shoes)
 
 
@@ -95,34 +101,46 @@ def report(result: Result, folder: Path) -> Path:
     """Write page, figures, CSV and JSON, and return the path of the page."""
     write_text(folder / "results.csv", as_csv(result.examples + result.applies + result.words))
     data = {
-        "versions": versions(),
+        "versions": software_versions(),
         "examples": result.examples,
         "files": result.applies,
         "words": result.words,
     }
     write_text(folder / "results.json", json.dumps(data, indent=1) + "\n")
+    # Drawings of the brakes, several brakes side by side.
     for name, files in DRAWINGS.items():
-        save(
-            drawing([(title, read_any(HERE.parent / file)) for title, file in files]),
+        save_figure(
+            draw_brakes_side_by_side(
+                [(title, read_any(HERE.parent / file)) for title, file in files]
+            ),
             folder / f"{name}.svg",
         )
-    angles = [math.radians(angle) for angle in (60, 90, 120)]
-    save(short_shoe_merits(angles, a_over_r=1.2), folder / "merits.svg")
-    save(friction_over_arc(), folder / "friction.svg")
-    save(torque_over_speed(DoubleShoe(), (0, 250, 500, 1000), 1000.0), folder / "speed.svg")
-    save(pressures(result.pressures), folder / "pressures.svg")
+    # Angles from the hinge to the middle of the short shoes.
+    angles = []
+    for angle in (60, 90, 120):
+        angles.append(math.radians(angle))
+    save_figure(draw_short_shoe_merits(angles, a_over_r=1.2), folder / "merits.svg")
+    save_figure(draw_friction_over_arc(), folder / "friction.svg")
+    save_figure(
+        draw_torque_over_speed(DoubleShoe(), (0, 250, 500, 1000), 1000.0), folder / "speed.svg"
+    )
+    save_figure(draw_pressures_by_law(result.pressures), folder / "pressures.svg")
 
     def examples_of(law: str, source: str, but: str | None) -> list[dict[str, Any]]:
-        rows = [r for r in result.examples if r["law"] == law and source in r["source"]]
+        """The rows of the worked examples of a law from one source, without those of another."""
+        rows = []
+        for r in result.examples:
+            if r["law"] == law and source in r["source"]:
+                rows.append(r)
         rows = [r for r in rows if but is None or but not in r["source"]]
         assert rows, f"no worked example of {law} from {source!r}"
         return rows
 
-    return fill(
+    return write_page(
         HERE / "page.html",
         folder / "index.html",
         result=result,
         examples_of=examples_of,
-        reasons=reasons(result.applies),
+        reasons=refusal_rows(result.applies),
         files={file: (HERE.parent / file).read_text() for file in FILES},
     )

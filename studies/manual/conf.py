@@ -37,24 +37,26 @@ html_static_path = ["static"]
 html_math_renderer = "mathml"
 
 
-def _mathml(text: str, display: str) -> str:
+def _formula_as_mathml(text: str, display: str) -> str:
     """TeX as MathML, which browsers draw by themselves."""
     return str(latex2mathml.converter.convert(text, display=display))
 
 
-def _inline(writer: Any, node: Any) -> None:
+def _write_inline_formula(writer: Any, node: Any) -> None:
+    """Write a formula that stands in a line of text."""
     from docutils import nodes  # noqa: PLC0415
 
-    writer.body.append(_mathml(node.astext(), "inline"))
+    writer.body.append(_formula_as_mathml(node.astext(), "inline"))
     raise nodes.SkipNode
 
 
-def _block(writer: Any, node: Any) -> None:
+def _write_displayed_formula(writer: Any, node: Any) -> None:
+    """Write a formula that stands in a line of its own, with its number."""
     from docutils import nodes  # noqa: PLC0415
 
     number = f'<span class="eqno">({node["number"]})</span>' if node.get("number") else ""
     for line in node.astext().split("\n\n"):
-        writer.body.append(f'<div class="math">{number}{_mathml(line, "block")}</div>')
+        writer.body.append(f'<div class="math">{number}{_formula_as_mathml(line, "block")}</div>')
     if not node.astext().strip():
         writer.body.append(escape(""))
     raise nodes.SkipNode
@@ -62,4 +64,6 @@ def _block(writer: Any, node: Any) -> None:
 
 def setup(app: Any) -> None:
     """Register the renderer of formulas."""
-    app.add_html_math_renderer("mathml", (_inline, None), (_block, None))
+    app.add_html_math_renderer(
+        "mathml", (_write_inline_formula, None), (_write_displayed_formula, None)
+    )

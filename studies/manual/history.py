@@ -18,7 +18,7 @@ PANEL_SIZE = (8.0, 2.6)
 """Width and height of a panel of the picture [inch]."""
 
 
-def table(history: Sequence[Benchmark]) -> str:
+def history_table(history: Sequence[Benchmark]) -> str:
     """A Markdown table of each figure in the first and in the last line of a history."""
     first, last = history[0], history[-1]
     lines = [
@@ -31,7 +31,7 @@ def table(history: Sequence[Benchmark]) -> str:
     return "\n".join(lines)
 
 
-def picture(history: Sequence[Benchmark]) -> Figure:
+def draw_history(history: Sequence[Benchmark]) -> Figure:
     """Each figure over the commits, in per cent of its oldest value; one panel a group."""
     width, height = PANEL_SIZE
     figure = Figure(figsize=(width, height * len(GROUPS)), layout="constrained")
@@ -43,13 +43,20 @@ def picture(history: Sequence[Benchmark]) -> Figure:
                 draw_figure(axes, history, name)
         axes.set_ylabel("% of the first")
         axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize="small")
-    commits = [f"{benchmark.commit}\n{benchmark.date}" for benchmark in history]
+    commits = []
+    for benchmark in history:
+        commits.append(f"{benchmark.commit}\n{benchmark.date}")
     panels[-1].set_xticks(range(len(history)), commits, fontsize="small")
     return figure
 
 
 def draw_figure(axes: Axes, history: Sequence[Benchmark], name: str) -> None:
     """Draw one figure over the lines of a history that have it."""
-    places = [place for place, line in enumerate(history) if name in line.figures]
-    values = [history[place].figures[name] for place in places]
+    places = []
+    for place, line in enumerate(history):
+        if name in line.figures:
+            places.append(place)
+    values = []
+    for place in places:
+        values.append(history[place].figures[name])
     axes.plot(places, [100 * value / values[0] for value in values], marker="o", label=name)

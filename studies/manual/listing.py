@@ -25,7 +25,7 @@ from drumlin_studies.ladder import LADDER_CASES
 ROOT = Path(__file__).resolve().parents[2]
 
 
-def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+def markdown_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """A table in Markdown."""
     lines = [head, ["---"] * len(head), *rows]
     return (
@@ -39,45 +39,53 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 # keys of files
 
 
-def brake_file() -> str:
+def brake_file_page() -> str:
     """The keys of the brake file, below an example."""
-    return _example("double_shoe/brake.toml") + _tables(keys.BRAKE)
+    return _example_file("double_shoe/brake.toml") + _key_tables(keys.BRAKE)
 
 
-def sweep_file() -> str:
+def sweep_file_page() -> str:
     """The keys of the sweep file, below an example."""
-    return _example("sweeps/loads.toml") + _tables(keys.SWEEP)
+    return _example_file("sweeps/loads.toml") + _key_tables(keys.SWEEP)
 
 
-def _example(name: str) -> str:
+def _example_file(name: str) -> str:
+    """The text of an example file as a block of code."""
     return f"```toml\n{(ROOT / 'studies' / name).read_text(encoding='utf-8')}```\n\n"
 
 
-def _tables(tables: Sequence[keys.Table]) -> str:
+def _key_tables(tables: Sequence[keys.Table]) -> str:
+    """A heading and a table of keys for each part of a file."""
     head = ("key", "value", "meaning")
     return "\n".join(
-        f"## {heading}\n\n{table(head, _rows(kind, words))}" for heading, kind, words in tables
+        f"## {heading}\n\n{markdown_table(head, _key_rows(kind, words))}"
+        for heading, kind, words in tables
     )
 
 
-def _rows(kind: type[Part], meanings: dict[str, str]) -> list[tuple[str, str, str]]:
+def _key_rows(kind: type[Part], meanings: dict[str, str]) -> list[tuple[str, str, str]]:
     """A row for each key of a part.
 
     Raises KeyError for a key without a meaning, ValueError for a meaning without a key.
     """
-    fields = {field.alias or name: field for name, field in kind.model_fields.items()}
+    fields = {}
+    for name, field in kind.model_fields.items():
+        fields[field.alias or name] = field
     if unknown := set(meanings) - set(fields):
         raise ValueError(f"{kind.__name__}: has no key {sorted(unknown)}")
-    return [(f"`{key}`", _value(field), meanings[key]) for key, field in fields.items()]
+    rows: list[tuple[str, str, str]] = []
+    for key, field in fields.items():
+        rows.append((f"`{key}`", _value_in_words(field), meanings[key]))
+    return rows
 
 
-def _value(field: FieldInfo) -> str:
+def _value_in_words(field: FieldInfo) -> str:
     """The values that a key takes, and its default, in words."""
     annotation = (
         Annotated[field.annotation, *field.metadata] if field.metadata else field.annotation
     )
-    said = _kind(annotation)
-    said += "".join(f", {words}" for words in _limits(annotation))
+    said = _kind_of_value(annotation)
+    said += "".join(f", {words}" for words in _limits_in_words(annotation))
     if field.is_required():
         return f"{said}; required"
     default = field.get_default(call_default_factory=True)
@@ -85,9 +93,9 @@ def _value(field: FieldInfo) -> str:
     return f"{said}; default `{default}`" if plain else f"{said}; may be left out"
 
 
-def _kind(annotation: Any) -> str:
+def _kind_of_value(annotation: Any) -> str:
     """The kind of value that a key takes, in words."""
-    words = _literals(annotation)
+    words = _allowed_words(annotation)
     if words:
         return " or ".join(f'`"{word}"`' for word in words)
     unit, row = unit_in(annotation), row_units_in(annotation)
@@ -100,9 +108,11 @@ def _kind(annotation: Any) -> str:
         return rows
     if unit == "":
         return (
-            "a number" if str not in _plain(annotation) else "a number, or a quantity with its unit"
+            "a number"
+            if str not in _plain_types(annotation)
+            else "a number, or a quantity with its unit"
         )
-    plain = _plain(annotation)
+    plain = _plain_types(annotation)
     for kind, said in (
         (bool, "`true` or `false`"),
         (int, "a whole number"),
@@ -114,32 +124,34 @@ def _kind(annotation: Any) -> str:
     return "a list" if plain & {tuple, list} else "a table"
 
 
-def _plain(annotation: Any) -> set[Any]:
+def _plain_types(annotation: Any) -> set[Any]:
     """The plain types in an annotation."""
     if get_origin(annotation) is None:
         return {annotation}
     return {get_origin(annotation)} | {
-        kind for part in get_args(annotation) for kind in _plain(part)
+        kind for part in get_args(annotation) for kind in _plain_types(part)
     }
 
 
-def _literals(annotation: Any) -> tuple[str, ...]:
+def _allowed_words(annotation: Any) -> tuple[str, ...]:
     """The words that an annotation allows, where it allows only certain words."""
     if get_origin(annotation) is Literal:
         return tuple(map(str, get_args(annotation)))
-    return next((found for part in get_args(annotation) if (found := _literals(part))), ())
+    return next((found for part in get_args(annotation) if (found := _allowed_words(part))), ())
 
 
-def _limits(annotation: Any) -> Iterator[str]:
+def _limits_in_words(annotation: Any) -> Iterator[str]:
     """The limits of a number, in words."""
-    marks = [m for mark in _marks(annotation) for m in (mark, *getattr(mark, "metadata", ()))]
+    marks = [
+        m for mark in _annotations_of(annotation) for m in (mark, *getattr(mark, "metadata", ()))
+    ]
     for name, sign in (("gt", ">"), ("ge", "≥"), ("lt", "<"), ("le", "≤")):
         for mark in marks:
             if getattr(mark, name, None) is not None:
                 yield f"{sign} {getattr(mark, name):g}"
 
 
-def _marks(annotation: Any) -> tuple[Any, ...]:
+def _annotations_of(annotation: Any) -> tuple[Any, ...]:
     """The annotations of a type, or of each of its alternatives."""
     own = getattr(annotation, "__metadata__", ())
     return own or tuple(
@@ -150,25 +162,35 @@ def _marks(annotation: Any) -> tuple[Any, ...]:
 # commands
 
 
-def commands() -> str:
+def commands_page() -> str:
     """The page of the commands, with all their options."""
     import typer  # noqa: PLC0415
 
     from drumlin.cli.commands import app  # noqa: PLC0415
 
+    # The commands as the command line itself has them.
     made = typer.main.get_command(app)
     parts = []
     for name, command in made.commands.items():  # type: ignore[attr-defined]
-        given = [p for p in command.params if not p.opts[0].startswith("-")]
-        options = [p for p in command.params if p.opts[0].startswith("-") and p.name != "help"]
+        given = []
+        for p in command.params:
+            if not p.opts[0].startswith("-"):
+                given.append(p)
+        options = []
+        for p in command.params:
+            if p.opts[0].startswith("-") and p.name != "help":
+                options.append(p)
         words = " ".join(p.metavar or p.name.upper() for p in given)
         parts.append(f"## `drumlin {name} {words}`\n\n{inspect.cleandoc(command.help or '')}\n")
-        rows = [(_names(p), _words(p.help), _default(p)) for p in [*given, *options]]
-        parts.append(table(("argument or option", "meaning", "default"), rows))
+        rows = []
+        for p in [*given, *options]:
+            rows.append((_option_names(p), _help_text(p.help), _default_in_words(p)))
+        parts.append(markdown_table(("argument or option", "meaning", "default"), rows))
     return "\n".join(parts)
 
 
-def _names(param: Any) -> str:
+def _option_names(param: Any) -> str:
+    """The names of an option with the word for its value, or the name of an argument."""
     names = param.opts if param.opts[0].startswith("-") else [param.metavar or param.name.upper()]
     other = [*names, *param.secondary_opts]
     flag = getattr(param, "is_flag", False) or not param.opts[0].startswith("-")
@@ -176,11 +198,13 @@ def _names(param: Any) -> str:
     return " or ".join(f"`{name}`" for name in other) + value
 
 
-def _words(text: str | None) -> str:
+def _help_text(text: str | None) -> str:
+    """The help of an option without the escapes of the terminal."""
     return (text or "").replace("\\[", "[")
 
 
-def _default(param: Any) -> str:
+def _default_in_words(param: Any) -> str:
+    """The default of an option, or "required"; empty where nothing is the default."""
     value = param.default
     if param.required:
         return "required"
@@ -190,29 +214,38 @@ def _default(param: Any) -> str:
 # laws, and the ladder
 
 
-def laws() -> str:
+def models_page() -> str:
     """Tables of the models, and of the simplifications of the foundation model."""
-    rows = [(f"`{name}`", model.assumes) for name, model in MODELS.items()]
-    lifts = [(f"`{name}`", words) for name, words in LIFTS.items()]
+    rows = []
+    for name, model in MODELS.items():
+        rows.append((f"`{name}`", model.assumes))
+    lifts = []
+    for name, words in LIFTS.items():
+        lifts.append((f"`{name}`", words))
     heading = "\n## Simplifications that `--lift` removes\n\n"
-    return table(("model", "assumes"), rows) + heading + table(("name", "in place of"), lifts)
+    return (
+        markdown_table(("model", "assumes"), rows)
+        + heading
+        + markdown_table(("name", "in place of"), lifts)
+    )
 
 
-def ladder() -> str:
+def ladder_page() -> str:
     """The table of all cases of the ladder."""
-    rows = [
-        (
-            case.family,
-            case.shows,
-            case.quantity,
-            f"{case.expected:.6g}",
-            f"{case.tolerance:.0e}",
-            case.tier,
-            case.source,
+    rows = []
+    for case in LADDER_CASES:
+        rows.append(
+            (
+                case.family,
+                case.shows,
+                case.quantity,
+                f"{case.expected:.6g}",
+                f"{case.tolerance:.0e}",
+                case.tier,
+                case.source,
+            )
         )
-        for case in LADDER_CASES
-    ]
-    return table(
+    return markdown_table(
         ("case", "judges", "quantity", "known answer", "tolerance", "tier", "source"), rows
     )
 
@@ -220,19 +253,19 @@ def ladder() -> str:
 # names
 
 
-def api() -> str:
+def api_page() -> str:
     """The page of all public names: those of `drumlin` first, then those of each module."""
     parts = ["## `import drumlin`\n"]
-    parts += [
-        _entry(f"drumlin.{name}", getattr(drumlin, name))
-        for name in drumlin.__all__
-        if name[0] != "_"
-    ]
+    for name in drumlin.__all__:
+        if name[0] != "_":
+            parts.append(_member_entry(f"drumlin.{name}", getattr(drumlin, name)))
     for module in public_modules():
-        names = [_entry(f"{module}.{name}", value) for name, value in members(module)]
+        names = []
+        for name, value in public_members(module):
+            names.append(_member_entry(f"{module}.{name}", value))
         if names:
             words = inspect.cleandoc(import_module(module).__doc__ or "")
-            parts += [f"## `{module}`\n\n{_literal(words)}", *names]
+            parts += [f"## `{module}`\n\n{_docstring_block(words)}", *names]
     return "\n".join(parts)
 
 
@@ -243,30 +276,32 @@ def public_modules() -> list[str]:
     return sorted(info.name for info in found if info.name.split(".")[1] not in aside)
 
 
-def members(module: str) -> list[tuple[str, Any]]:
+def public_members(module: str) -> list[tuple[str, Any]]:
     """Public functions and classes that a module defines, in its order."""
     made = import_module(module)
     tree = ast.parse(inspect.getsource(made))
     kinds = (ast.FunctionDef, ast.ClassDef)
-    return [
-        (node.name, getattr(made, node.name))
-        for node in tree.body
-        if isinstance(node, kinds) and node.name[0] != "_"
-    ]
+    found: list[tuple[str, Any]] = []
+    for node in tree.body:
+        if isinstance(node, kinds) and node.name[0] != "_":
+            found.append((node.name, getattr(made, node.name)))
+    return found
 
 
-def _entry(name: str, value: Any) -> str:
+def _member_entry(name: str, value: Any) -> str:
+    """The entry of a name: its signature, its docstring and its public methods."""
     words = inspect.getdoc(value) or ""
-    text = f"### `{name}`\n\n```python\n{_signature(name, value)}\n```\n\n{_literal(words)}"
+    text = f"### `{name}`\n\n```python\n{_signature(name, value)}\n```\n\n{_docstring_block(words)}"
     if inspect.isclass(value):
         for key, method in vars(value).items():
             if key[0] != "_" and (inspect.isfunction(method) or isinstance(method, property)):
                 head = "" if isinstance(method, property) else _parameters(method)
-                text += f"`{key}{head}`\n\n{_literal(inspect.getdoc(method) or '')}"
+                text += f"`{key}{head}`\n\n{_docstring_block(inspect.getdoc(method) or '')}"
     return text
 
 
 def _signature(name: str, value: Any) -> str:
+    """The name with its fields or parameters, as code."""
     short = name.rsplit(".", 1)[-1]
     if inspect.isclass(value):
         fields = typing.get_type_hints(value) if hasattr(value, "__dataclass_fields__") else {}
@@ -277,10 +312,12 @@ def _signature(name: str, value: Any) -> str:
 def _parameters(function: Any) -> str:
     """The parameters in short: `(self, x, *, y=1)`."""
     parameters = inspect.signature(function).parameters.values()
-    plain = [parameter.replace(annotation=inspect.Parameter.empty) for parameter in parameters]
+    plain = []
+    for parameter in parameters:
+        plain.append(parameter.replace(annotation=inspect.Parameter.empty))
     return str(inspect.Signature(plain))
 
 
-def _literal(words: str) -> str:
+def _docstring_block(words: str) -> str:
     """A docstring as it is written."""
     return f"```text\n{words}\n```\n\n" if words else ""

@@ -41,40 +41,45 @@ UP = (
 """The steps on the right, from the answer down; the path runs upwards through them."""
 
 
-def picture() -> str:
+def solve_path_picture() -> str:
     """The picture as raw HTML for a page in MyST Markdown."""
     right = WIDTH - BOX_WIDTH - MARGIN
-    parts = [_box(box, MARGIN, i) for i, box in enumerate(DOWN)]
-    parts += [_box(box, right, i) for i, box in enumerate(UP)]
+    parts = [_box_svg(box, MARGIN, i) for i, box in enumerate(DOWN)]
+    parts += [_box_svg(box, right, i) for i, box in enumerate(UP)]
     left_middle, right_middle = MARGIN + BOX_WIDTH / 2, right + BOX_WIDTH / 2
     for i in range(len(DOWN) - 1):
-        low, high = _top(i) + BOX_HEIGHT, _top(i + 1)
-        parts.append(_arrow([(left_middle, low), (left_middle, high)]))
-        parts.append(_arrow([(right_middle, high), (right_middle, low)]))
-    across = _top(len(DOWN) - 1) + BOX_HEIGHT / 2
-    parts.append(_arrow([(MARGIN + BOX_WIDTH, across), (right, across)]))
-    estimate, division = _top(1) + BOX_HEIGHT / 2, _top(2) + BOX_HEIGHT / 2
+        low, high = _top_of_row(i) + BOX_HEIGHT, _top_of_row(i + 1)
+        parts.append(_arrow_svg([(left_middle, low), (left_middle, high)]))
+        parts.append(_arrow_svg([(right_middle, high), (right_middle, low)]))
+    # The prepared model leads across to the contact problem.
+    across = _top_of_row(len(DOWN) - 1) + BOX_HEIGHT / 2
+    parts.append(_arrow_svg([(MARGIN + BOX_WIDTH, across), (right, across)]))
+    # If the error is too large, the path returns to the division.
+    estimate, division = _top_of_row(1) + BOX_HEIGHT / 2, _top_of_row(2) + BOX_HEIGHT / 2
     bend = (MARGIN + BOX_WIDTH + right) / 2
     back = [(right, estimate), (bend, estimate), (bend, division), (MARGIN + BOX_WIDTH, division)]
-    parts.append(_arrow(back))
-    parts.append(_label("too large:", bend, estimate - 22))
-    parts.append(_label("next level", bend, estimate - 8))
-    return f"```{{raw}} html\n{_svg(parts)}\n```"
+    parts.append(_arrow_svg(back))
+    parts.append(_label_svg("too large:", bend, estimate - 22))
+    parts.append(_label_svg("next level", bend, estimate - 8))
+    return f"```{{raw}} html\n{_svg_element(parts)}\n```"
 
 
-def rooms() -> list[str]:
+def rooms_in_picture() -> list[str]:
     """The rooms that the picture names, in the order of the path."""
-    return [box.room for box in (*DOWN, *reversed(UP))]
+    found: list[str] = []
+    for box in (*DOWN, *reversed(UP)):
+        found.append(box.room)
+    return found
 
 
-def _top(row: int) -> float:
+def _top_of_row(row: int) -> float:
     """Upper edge of the boxes of a row."""
     return MARGIN + row * STEP
 
 
-def _svg(parts: Sequence[str]) -> str:
+def _svg_element(parts: Sequence[str]) -> str:
     """The parts in an SVG element that takes its colours from the page."""
-    height = _top(len(DOWN) - 1) + BOX_HEIGHT + MARGIN
+    height = _top_of_row(len(DOWN) - 1) + BOX_HEIGHT + MARGIN
     head = (
         f'<svg viewBox="0 0 {WIDTH} {height:g}" role="img" xmlns="http://www.w3.org/2000/svg" '
         'style="max-width:100%;color:var(--color-foreground-primary,#111)" '
@@ -86,9 +91,9 @@ def _svg(parts: Sequence[str]) -> str:
     return "\n".join([head, *parts, "</svg>"])
 
 
-def _box(box: Box, x: float, row: int) -> str:
+def _box_svg(box: Box, x: float, row: int) -> str:
     """A box with its title, its text and its room."""
-    y, middle = _top(row), x + BOX_WIDTH / 2
+    y, middle = _top_of_row(row), x + BOX_WIDTH / 2
     return (
         f'<rect x="{x}" y="{y:g}" width="{BOX_WIDTH}" height="{BOX_HEIGHT}" rx="5" fill="none" '
         'stroke="currentColor"/>'
@@ -101,12 +106,12 @@ def _box(box: Box, x: float, row: int) -> str:
     )
 
 
-def _arrow(points: Sequence[tuple[float, float]]) -> str:
+def _arrow_svg(points: Sequence[tuple[float, float]]) -> str:
     """A line through points with a tip at its end."""
     path = " ".join(f"{x:g},{y:g}" for x, y in points)
     return f'<polyline points="{path}" fill="none" stroke="currentColor" marker-end="url(#tip)"/>'
 
 
-def _label(text: str, x: float, y: float) -> str:
+def _label_svg(text: str, x: float, y: float) -> str:
     """A text in the middle over a place."""
     return f'<text x="{x:g}" y="{y:g}" text-anchor="middle" font-size="11">{escape(text)}</text>'

@@ -15,10 +15,10 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from studies.manual import history, listing
-from studies.manual.values import filled, values
+from studies.manual.values import fill_in_values, quoted_values
 
 from drumlin.base.errors import NoAnswer
-from drumlin.report.figures import save
+from drumlin.report.figures import save_figure
 from drumlin_studies.benchmarks import read_history
 
 HERE = Path(__file__).parent
@@ -33,12 +33,12 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     """
     say("the reference")
     return {
-        "reference/brake_file.md": listing.brake_file(),
-        "reference/sweep_file.md": listing.sweep_file(),
-        "reference/commands.md": listing.commands(),
-        "reference/api.md": listing.api(),
-        "reference/laws.md": listing.laws(),
-        "researcher/ladder.md": listing.ladder(),
+        "reference/brake_file.md": listing.brake_file_page(),
+        "reference/sweep_file.md": listing.sweep_file_page(),
+        "reference/commands.md": listing.commands_page(),
+        "reference/api.md": listing.api_page(),
+        "reference/laws.md": listing.models_page(),
+        "researcher/ladder.md": listing.ladder_page(),
     }
 
 
@@ -51,17 +51,20 @@ def report(result: Mapping[str, str], folder: Path) -> Path:
         source = Path(place) / "pages"
         shutil.copytree(HERE / "pages", source)
         shutil.copytree(NOTEBOOKS, source / "notebooks")
-        known = values()
+        known = quoted_values()
         for page in source.rglob("*.md"):
-            page.write_text(filled(page.read_text(encoding="utf-8"), known), encoding="utf-8")
+            page.write_text(
+                fill_in_values(page.read_text(encoding="utf-8"), known), encoding="utf-8"
+            )
+        # The texts that are read off the program follow the hand-written ones.
         for name, text in result.items():
             page = source / name
             page.write_text(
                 page.read_text(encoding="utf-8") + text if page.exists() else text, encoding="utf-8"
             )
-        save(history.picture(read_history()), source / "researcher" / "benchmarks.png")
+        save_figure(history.draw_history(read_history()), source / "researcher" / "benchmarks.png")
         site = Path(place) / "site"
-        build(source, site)
+        build_site(source, site)
         if folder.exists():
             shutil.rmtree(folder)
         shutil.copytree(
@@ -70,24 +73,26 @@ def report(result: Mapping[str, str], folder: Path) -> Path:
     return folder / "index.html"
 
 
-def build(source: Path, site: Path) -> None:
+def build_site(source: Path, site: Path) -> None:
     """Build the pages in the folder `source` into the folder `site`.
 
     Raises NoAnswer with the words of Sphinx where Sphinx warns of anything.
     """
     options = ["-b", "html", "-W", "--keep-going", "-q", "-c", str(HERE)]
     command = [sys.executable, "-m", "sphinx", *options, str(source), str(site)]
-    done = subprocess.run(command, env=_environment(), capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        command, env=_example_environment(), capture_output=True, text=True, check=False
+    )
     if done.returncode:
         lines = re.sub(r"\x1b\[[\d;]*m", "", done.stderr).replace(str(source), "pages").splitlines()
-        faults = [line for line in lines if "rror: " in line] + [
-            line for line in lines if "WARNING: " in line
-        ]
+        # Errors come first: they are often the cause of the warnings.
+        faults = [line for line in lines if "rror: " in line]
+        faults += [line for line in lines if "WARNING: " in line]
         said = " | ".join(faults or lines[-3:])
         raise NoAnswer(f"the manual is not built: {' '.join(said.split())}")
 
 
-def _environment() -> dict[str, str]:
+def _example_environment() -> dict[str, str]:
     """The environment in which the manual's examples run: the repository's folder and its drumlin.
 
     The command `drumlin` is that of this interpreter.

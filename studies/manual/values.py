@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from functools import cache
 
 from studies.manual import history
-from studies.manual.solve_path import picture
+from studies.manual.solve_path import solve_path_picture
 
 from drumlin.base.errors import NoAnswer
 from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE
@@ -34,91 +34,94 @@ LEAST_WHOLE = 10
 """Milliseconds from which on a time is quoted without decimals."""
 
 
-def values() -> dict[str, str]:
+def quoted_values() -> dict[str, str]:
     """All values by name, as texts for pages."""
     return {
-        "penalty": _power(PENALTY),
+        "penalty": _power_of_ten_text(PENALTY),
         "penalty_tex": f"10^{{{round(math.log10(PENALTY))}}}",
-        "penalty_compression": _power(1 / PENALTY),
+        "penalty_compression": _power_of_ten_text(1 / PENALTY),
         "default_pressure": f"{100 * DEFAULT_TOLERANCE.pressure:g} %",
         "default_torque": f"{100 * DEFAULT_TOLERANCE.torque:g} %",
         "edge_zone": f"{math.degrees(EDGE_ZONE):g} deg",
         "lowest_degree": str(min(level.degree for level in LEVELS)),
         "highest_degree": str(max(level.degree for level in LEVELS)),
-        "largest_imbalance": _power(LARGEST_ANSWER_IMBALANCE),
-        "largest_loss": _power(LARGEST_LOSS),
-        "most_loss": _power(MOST_LOSS),
+        "largest_imbalance": _power_of_ten_text(LARGEST_ANSWER_IMBALANCE),
+        "largest_loss": _power_of_ten_text(LARGEST_LOSS),
+        "most_loss": _power_of_ten_text(MOST_LOSS),
         "width_poisson": f"{LARGEST_CHECKED_NU:g}",
         "solid_poisson": f"{SOFTEST:g}",
         "wear_coefficient": f"{1e9 * COEFFICIENT:g} mm³/(N m)",
         "wear_settled": f"{100 * WEAR_SETTLED:g} %",
         "worn_out": f"{100 * WORN_OUT:g} %",
-        "solve_path": picture(),
+        "solve_path": solve_path_picture(),
         "benchmark_equations": str(SYSTEM_SIZE),
-        "benchmark_table": history.table(read_history()),
-        **_work_values(),
+        "benchmark_table": history.history_table(read_history()),
+        **_error_and_time_values(),
     }
 
 
-def filled(text: str, known: Mapping[str, str]) -> str:
+def fill_in_values(text: str, known: Mapping[str, str]) -> str:
     """A page with its values in place. Raises NoAnswer for a name that is not known."""
 
-    def value(found: re.Match[str]) -> str:
+    def value_of_quote(found: re.Match[str]) -> str:
+        """The value for a quoted name. Raises NoAnswer for an unknown name."""
         if found[1] not in known:
             raise NoAnswer(f"the manual is not built: no value is called {found[1]!r}")
         return known[found[1]]
 
-    return QUOTED.sub(value, text)
+    return QUOTED.sub(value_of_quote, text)
 
 
-def _power(number: float) -> str:
+def _power_of_ten_text(number: float) -> str:
     """A power of ten as drumlin's options and messages spell it: 1e8, 1e-5."""
     return f"1e{round(math.log10(number))}"
 
 
 @cache
-def _rows() -> list[dict[str, str]]:
+def _kept_rows() -> list[dict[str, str]]:
     """The rows of the kept table."""
     with WORK.open(encoding="utf-8", newline="") as file:
         return list(csv.DictReader(file))
 
 
-def _solved(family: str, method: str) -> dict[str, str]:
+def _row_of_method(family: str, method: str) -> dict[str, str]:
     """The row of a way to solve the double-shoe brake."""
     sought = ("double_shoe/brake", family, method)
-    return next(row for row in _rows() if (row["brake"], row["family"], row["method"]) == sought)
+    return next(
+        row for row in _kept_rows() if (row["brake"], row["family"], row["method"]) == sought
+    )
 
 
-def _work_values() -> dict[str, str]:
+def _error_and_time_values() -> dict[str, str]:
     """Errors and times of ways to solve the double-shoe brake."""
-    hp_elements = _solved("columns", "level 1")
-    mesh = _solved("graded mesh", "quad2, 80 elements")
-    fine_mesh = _solved("graded mesh", "quad2, 160 elements")
-    fine_hp = _solved("columns", "level 2")
-    pointwise = _solved("pointwise penalty", "1e+06 E/t, 80 elements")
+    hp_elements = _row_of_method("columns", "level 1")
+    mesh = _row_of_method("graded mesh", "quad2, 80 elements")
+    fine_mesh = _row_of_method("graded mesh", "quad2, 160 elements")
+    fine_hp = _row_of_method("columns", "level 2")
+    pointwise = _row_of_method("pointwise penalty", "1e+06 E/t, 80 elements")
     return {
-        "hp_error": _percent(hp_elements["pressure_error"]),
-        "hp_time": _milliseconds(hp_elements["seconds"]),
-        "fine_hp_error": _percent(fine_hp["pressure_error"]),
-        "fine_hp_time": _milliseconds(fine_hp["seconds"]),
-        "mesh_error": _percent(mesh["pressure_error"]),
-        "mesh_time": _milliseconds(mesh["seconds"]),
-        "mesh_further": _milliseconds(mesh["further"]),
+        "hp_error": _percent_text(hp_elements["pressure_error"]),
+        "hp_time": _milliseconds_text(hp_elements["seconds"]),
+        "fine_hp_error": _percent_text(fine_hp["pressure_error"]),
+        "fine_hp_time": _milliseconds_text(fine_hp["seconds"]),
+        "mesh_error": _percent_text(mesh["pressure_error"]),
+        "mesh_time": _milliseconds_text(mesh["seconds"]),
+        "mesh_further": _milliseconds_text(mesh["further"]),
         "mesh_unknowns": mesh["unknowns"],
-        "fine_mesh_error": _percent(fine_mesh["pressure_error"]),
-        "fine_mesh_time": _milliseconds(fine_mesh["seconds"]),
-        "pointwise_error": _percent(pointwise["pressure_error"]),
-        "pointwise_time": _milliseconds(pointwise["seconds"]),
-        "pointwise_further": _milliseconds(pointwise["further"]),
+        "fine_mesh_error": _percent_text(fine_mesh["pressure_error"]),
+        "fine_mesh_time": _milliseconds_text(fine_mesh["seconds"]),
+        "pointwise_error": _percent_text(pointwise["pressure_error"]),
+        "pointwise_time": _milliseconds_text(pointwise["seconds"]),
+        "pointwise_further": _milliseconds_text(pointwise["further"]),
     }
 
 
-def _percent(fraction: str) -> str:
+def _percent_text(fraction: str) -> str:
     """A relative error in per cent, to two digits."""
     return f"{100 * float(fraction):.2g} %"
 
 
-def _milliseconds(seconds: str) -> str:
+def _milliseconds_text(seconds: str) -> str:
     """A time in milliseconds, to two digits at least."""
     value = 1e3 * float(seconds)
     return f"{value:.0f} ms" if value >= LEAST_WHOLE else f"{value:.2g} ms"

@@ -8,10 +8,10 @@ from matplotlib import patheffects
 from matplotlib.figure import Figure
 
 from drumlin.base.arrays import Floats
-from drumlin.report.figures import STYLE, key, mark_cut, smooth
+from drumlin.report.figures import STYLE, draw_legend, mark_cut_off_curve, smooth_pressure_curve
 from drumlin.report.palette import BLUE, FAINT, GREEN, INK, OCHRE, PURPLE, RED
 from drumlin.response.response import Response
-from drumlin.sweeps.tolerances import Shares, spread
+from drumlin.sweeps.tolerances import SobolIndices, sample_spread
 from drumlin_studies.misfit_rows import DRAWN_QUANTITIES, STATES, DrawnBrakes
 
 NEW, WORN, LAW = BLUE, GREEN, RED
@@ -41,7 +41,7 @@ LEVELS = (
 TINTS = {NEW: "#a9d3e5", WORN: "#b5dfc6"}
 
 
-def pressures(law: Response, family: Mapping[float, Response]) -> Figure:
+def draw_pressures_of_radii(law: Response, family: Mapping[float, Response]) -> Figure:
     """Pressures of linings of other radii, and by the law, a panel for each shoe.
 
     They are cut at 2.2 times the peak of the lining that fits. family : responses by the radius of
@@ -54,7 +54,7 @@ def pressures(law: Response, family: Mapping[float, Response]) -> Figure:
         shade = mpl.colors.TwoSlopeNorm(0.0, 1.15 * min(family), 1.15 * max(family))
         for i, (axes, shoe) in enumerate(zip(grid, law.shoes, strict=True)):
             for value, response in family.items():
-                theta, p = smooth(response.shoes[i], 600)
+                theta, p = smooth_pressure_curve(response.shoes[i], 600)
                 color = INK if value == 0 else mpl.colormaps["coolwarm"](shade(value))
                 axes.plot(
                     np.degrees(theta),
@@ -64,7 +64,7 @@ def pressures(law: Response, family: Mapping[float, Response]) -> Figure:
                     label=f"{value:+.0f} µm" if value else "fits",
                 )
                 axes.set_ylim(0, highest * 1e-6)
-                mark_cut(axes, np.degrees(theta), p * 1e-6, color)
+                mark_cut_off_curve(axes, np.degrees(theta), p * 1e-6, color)
             axes.plot(
                 np.degrees(shoe.theta),
                 shoe.pressure * 1e-6,
@@ -76,11 +76,11 @@ def pressures(law: Response, family: Mapping[float, Response]) -> Figure:
             axes.set_title(f"{'Leading' if shoe.self_energising else 'Trailing'} shoe")
             axes.set_xlabel("angle on the drum θ [deg]")
         grid[0].set_ylabel("pressure p [MPa]")
-        key(figure, grid[-1], title="radius of lining − radius of drum")
+        draw_legend(figure, grid[-1], title="radius of lining − radius of drum")
     return figure
 
 
-def maps(sides: tuple[Floats, Floats], ratios: Mapping[str, Floats]) -> Figure:
+def draw_ratio_maps(sides: tuple[Floats, Floats], ratios: Mapping[str, Floats]) -> Figure:
     """Maps of torque and peak pressure over those of the law.
 
     A thick line shows the value of the law.
@@ -100,14 +100,22 @@ def maps(sides: tuple[Floats, Floats], ratios: Mapping[str, Floats]) -> Figure:
         for axes, (title, ratio) in zip(grid, both.items(), strict=True):
             percent = 100 * ratio
             most = float(np.abs(percent).max())
-            lines = [level for level in LEVELS if percent.min() < level < percent.max()]
+            lines = []
+            for level in LEVELS:
+                if percent.min() < level < percent.max():
+                    lines.append(level)
             levels = [float(percent.min()), *lines, float(percent.max())]
+            # Colours are linear up to 20 %, logarithmic beyond, and white on the law.
             scale = mpl.colors.SymLogNorm(linthresh=20, linscale=1, vmin=-most, vmax=most)
             filled = axes.contourf(x, y, percent, levels=levels, cmap="RdBu_r", norm=scale)
-            others = [level for level in lines if level]
+            others = []
+            for level in lines:
+                if level:
+                    others.append(level)
             drawn = axes.contour(
                 x, y, percent, levels=others, colors="#46525e", linewidths=0.6, linestyles="solid"
             )
+            # A white outline makes the numbers on the lines legible.
             for text in axes.clabel(drawn, fmt="%+.0f %%", fontsize=7.5):
                 text.set_path_effects([patheffects.withStroke(linewidth=2, foreground="white")])
             axes.contour(x, y, percent, levels=[0.0], colors=LAW, linewidths=2.6)
@@ -118,11 +126,13 @@ def maps(sides: tuple[Floats, Floats], ratios: Mapping[str, Floats]) -> Figure:
             bar = figure.colorbar(filled, ax=axes, shrink=0.9, ticks=lines, format="%+.0f")
             bar.set_label("from the sine law [%]")
         grid[0].set_ylabel("linings moved along the pin's radius [µm]")
-        key(figure, grid[0])
+        draw_legend(figure, grid[0])
     return figure
 
 
-def turns(angles: Floats, states: Mapping[str, Mapping[str, Floats]], law: float) -> Figure:
+def draw_torque_over_turn(
+    angles: Floats, states: Mapping[str, Mapping[str, Floats]], law: float
+) -> Figure:
     """Torque over the angles [rad] of one turn of the drum, and the torque by the law [N m].
 
     There is a line for each state of the linings and each name of lobes.
@@ -147,11 +157,11 @@ def turns(angles: Floats, states: Mapping[str, Mapping[str, Floats]], law: float
             axes.set_xlim(0, 360)
             axes.set_xticks(range(0, 361, 60))
         grid[0].set_ylabel("torque of the brake [N m]")
-        key(figure, grid[-1])
+        draw_legend(figure, grid[-1])
     return figure
 
 
-def histograms(drawn: DrawnBrakes, nominal: Mapping[str, float]) -> Figure:
+def draw_histograms(drawn: DrawnBrakes, nominal: Mapping[str, float]) -> Figure:
     """Distributions of each quantity over new and worn-in brakes, a panel for each quantity.
 
     Above them stand the 5th, 50th and 95th percentile, and the law's value of the nominal brake.
@@ -162,6 +172,7 @@ def histograms(drawn: DrawnBrakes, nominal: Mapping[str, float]) -> Figure:
         for axes, (name, label) in zip(grid, DRAWN_QUANTITIES.items(), strict=True):
             new, worn = (drawn.sample(state, name) for state in STATES)
             every = np.concatenate([new, worn])
+            # The longest tail, 0.2 % of the brakes, is left out of the bins.
             bins = np.linspace(every.min(), np.quantile(every, 0.998), 36)
             counts = []
             for values, color, said in ((new, NEW, "new"), (worn, WORN, "worn in")):
@@ -170,6 +181,7 @@ def histograms(drawn: DrawnBrakes, nominal: Mapping[str, float]) -> Figure:
                 )
                 counts.append(float(count.max()))
             top = max(counts)
+            # Above the histograms: 5th, 50th and 95th percentile.
             for values, color, height in ((new, NEW, 1.08), (worn, WORN, 1.17)):
                 low, middle, high = np.percentile(values, (5, 50, 95))
                 axes.plot([low, high], [height * top] * 2, color=color, lw=2)
@@ -182,11 +194,11 @@ def histograms(drawn: DrawnBrakes, nominal: Mapping[str, float]) -> Figure:
             [], [], "|-", color=FAINT, ms=10, mew=2, lw=2, label="5th, 50th and 95th percentile"
         )
         grid[0].set_ylabel("density, linear from 0")
-        key(figure, grid[-1])
+        draw_legend(figure, grid[-1])
     return figure
 
 
-def shares(found: Mapping[str, Mapping[str, Sequence[Shares]]]) -> Figure:
+def draw_sobol_indices(found: Mapping[str, Mapping[str, Sequence[SobolIndices]]]) -> Figure:
     """Sobol indices as bars with confidence intervals, sorted by the totals of the first panel.
 
     found : indices by state and quantity.
@@ -205,8 +217,11 @@ def shares(found: Mapping[str, Mapping[str, Sequence[Shares]]]) -> Figure:
         at = np.arange(len(order))
         for axes, (title, several) in zip(grid, panels, strict=True):
             color = WORN if "worn" in title else NEW
+            # The total index above, the first-order index below.
             for kind, shift, fill in (("total", 0.19, TINTS[color]), ("first", -0.19, color)):
-                index = [getattr(several[i], kind) for i in order]
+                index = []
+                for i in order:
+                    index.append(getattr(several[i], kind))
                 value = np.array([one.value for one in index])
                 error = np.abs(
                     np.array([[one.value - one.low, one.high - one.value] for one in index]).T
@@ -232,11 +247,11 @@ def shares(found: Mapping[str, Mapping[str, Sequence[Shares]]]) -> Figure:
             capsize=2,
             label="confidence interval",
         )
-        key(figure, axes)
+        draw_legend(figure, axes)
     return figure
 
 
-def narrowing(
+def draw_percentiles_over_distance(
     distances: Floats, healed: Mapping[str, Floats], nominal: Mapping[str, float]
 ) -> Figure:
     """Percentiles of torque and peak pressure over the sliding distance.
@@ -258,7 +273,7 @@ def narrowing(
         figure = Figure(figsize=(5.6 * len(panels), 3.7), layout="constrained")
         grid = figure.subplots(1, len(panels), squeeze=False)[0]
         for axes, (label, values, law) in zip(grid, panels, strict=True):
-            rows = np.array([spread(column).percentiles for column in values.T]).T
+            rows = np.array([sample_spread(column).percentiles for column in values.T]).T
             axes.fill_between(
                 distances,
                 rows[0],
@@ -283,5 +298,5 @@ def narrowing(
             axes.set_xlim(0, distances[-1])
             axes.set_xlabel("sliding distance · k K [–]")
             axes.set_ylabel(label)
-        key(figure, grid[0])
+        draw_legend(figure, grid[0])
     return figure

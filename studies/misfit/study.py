@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 from studies.misfit import figures
-from studies.misfit.tolerances import assumed, nominal
+from studies.misfit.tolerances import assumed_tolerances, nominal_brake
 
 from drumlin.base.arrays import Floats
 from drumlin.base.files import write_text
@@ -22,25 +22,26 @@ from drumlin.fem.model import respond
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.laws import sine
 from drumlin.lining_wear.run_in import COEFFICIENT
-from drumlin.lining_wear.worn_in import worn_in
+from drumlin.lining_wear.worn_in import worn_in_brake
 from drumlin.report import figures as drawing
-from drumlin.report.page import fill
+from drumlin.report.page import write_page
 from drumlin.response.response import Response
 from drumlin.sweeps import cases as sweep
 from drumlin.sweeps.cases import Row, SweepCase
-from drumlin.sweeps.table import table, write_table
+from drumlin.sweeps.table import make_case_table, write_table
 from drumlin.sweeps.tolerances import (
     ManufacturingTolerance,
-    Shares,
-    cases,
-    draw,
-    healing,
-    numbers,
-    shares,
+    SobolIndices,
+    draw_deviates,
+    sobol_indices_of_tolerances,
+    tolerance_cases,
+    torque_and_peak_during_run_in,
+    values_of_rows,
 )
-from drumlin.sweeps.workers import executor
+from drumlin.sweeps.workers import provide_workers
 from drumlin_studies import misfit_rows
 from drumlin_studies.misfit_rows import DRAWN_QUANTITIES, STATES, DrawnBrakes
+from drumlin_studies.tables import values_of_key
 
 HERE = Path(__file__).parent
 BRAKE = HERE.parent / "double_shoe" / "brake.toml"
@@ -119,7 +120,7 @@ class Result:
     tolerances: tuple[ManufacturingTolerance, ...]
     deviates: Floats
     rows: dict[str, list[Row]]
-    shares: dict[str, dict[str, list[Shares]]]
+    shares: dict[str, dict[str, list[SobolIndices]]]
     healed: dict[str, Floats]
     unit: float
     seconds: float
@@ -143,26 +144,35 @@ def study(
     start = time.perf_counter()
     setting = SHORT if short else FULL
     journal = Journal() if journal is None else journal
-    elements, n = setting.elements, setting.draws
-    brake = nominal(read_brake(BRAKE))
+    elements = setting.elements
+    brake = nominal_brake(read_brake(BRAKE))
     law = sine(brake)
     scene = prepare(brake, elements=setting.fine)
     say("single misfits")
     single = misfit_rows.single_rows(brake, law, lambda changed: respond(scene, changed))
-    family = {dr: respond(scene, vary(brake, ground_to(brake, dr * 1e-6))) for dr in FAMILY}
+    family = {}
+    for dr in FAMILY:
+        family[dr] = respond(scene, vary(brake, ground_to(brake, dr * 1e-6)))
+    # Torque over one turn of a drum with lobes, with new and with worn-in linings.
     angles = np.linspace(0, 2 * math.pi, setting.angles, endpoint=False)
     turns = {
-        state: misfit_rows.turn_torques(
+        state: misfit_rows.torques_over_turn(
             stood, lambda turned: respond(scene, turned), AMPLITUDE, angles.tolist()
         )
-        for state, stood in (("new", brake), ("worn in", worn_in(scene, brake)))
+        for state, stood in (("new", brake), ("worn in", worn_in_brake(scene, brake)))
     }
-    tolerances = assumed(brake)
-    deviates = draw(tolerances, n, SEED)
-    with executor(setting.jobs) as (pool, workers):
+    tolerances = assumed_tolerances(brake)
+    deviates = draw_deviates(tolerances, setting.draws, SEED)
+    # The axes of the maps.
+    sides = (
+        np.linspace(-SIDES[0], SIDES[0], setting.wide),
+        np.linspace(-SIDES[1], SIDES[1], setting.high),
+    )
+    with provide_workers(setting.jobs) as (pool, workers):
 
         def solve(what: str, several: Sequence[SweepCase]) -> list[Row]:
-            return sweep.run(
+            """The rows of some cases, solved by the workers and kept in the journal."""
+            return sweep.solve_cases(
                 several,
                 executor=pool,
                 workers=workers,
@@ -170,98 +180,168 @@ def study(
                 done=lambda finished, of: say(f"{what}: {finished} of {of}"),
             )
 
-        sides = (
-            np.linspace(-SIDES[0], SIDES[0], setting.wide),
-            np.linspace(-SIDES[1], SIDES[1], setting.high),
-        )
-        grid = [ground_to(brake, dr) | set_off(brake, dc) for dc in sides[1] for dr in sides[0]]
-        found = solve(
-            "radius and offset",
-            [SweepCase(brake, changes, options={"elements": elements}) for changes in grid],
-        )
-        rows = {
-            "new": solve("new brakes", cases(brake, tolerances, deviates, elements=elements)),
-            "worn in": solve(
-                "worn-in brakes",
-                cases(brake, tolerances, deviates, elements=elements, worn_in=True),
-            ),
-            "law": solve("sine law", cases(brake, tolerances, deviates[:2], "sine")),
-        }
+        found = solve("radius and offset", _cases_of_map(brake, sides, elements))
+        rows = _rows_of_drawn_brakes(brake, tolerances, deviates, elements, solve)
+    # The sliding distance 1/(k K), with the stiffness K of the lining.
     lining = brake.shoes[0].lining
     unit = 1 / (COEFFICIENT * (lining.material.E_through / lining.thickness))
-    healing_rows = []
-    for i, case in enumerate(cases(brake, tolerances, deviates[0, : setting.healed])):
-        say(f"run-in: {i} of {setting.healed}")
-
-        def wear(case: SweepCase = case) -> dict[str, Any]:
-            return healing(
-                vary(brake, case.changes), [s * unit for s in DISTANCES], elements=elements
-            )
-
-        healing_rows.append(
-            journal.once({"healing": dict(case.changes), "elements": elements}, wear)
-        )
+    run_in_cases = tolerance_cases(brake, tolerances, deviates[0, : setting.healed])
+    healed = _run_in_brakes(run_in_cases, unit, elements, journal, say)
     return Result(
         brake=brake,
         law=law,
         single=single,
         family=family,
         sides=sides,
-        ratios=misfit_rows.over_law(found, brake, law, (setting.high, setting.wide)),
+        ratios=misfit_rows.error_maps_of_law(found, brake, law, (setting.high, setting.wide)),
         angles=angles,
         turns=turns,
         tolerances=tolerances,
         deviates=deviates,
         rows=rows,
-        shares={
-            state: {
-                name: shares(tolerances, numbers(rows[state], name).reshape(-1, n), seed=SEED)
-                for name in DRAWN_QUANTITIES
-            }
-            for state in STATES
-        },
-        healed={
-            name: np.array([row[name] for row in healing_rows])
-            for name in ("torque", "peak_pressure")
-        },
+        shares=_sobol_indices_by_state(tolerances, rows),
+        healed=healed,
         unit=unit,
         seconds=time.perf_counter() - start,
     )
 
 
+def _cases_of_map(brake: Brake, sides: tuple[Floats, Floats], elements: int) -> list[SweepCase]:
+    """The brakes of the maps: an offset of the linings in each row, a radius in each column.
+
+    Parameters
+    ----------
+    brake : the nominal brake
+    sides : differences of the radii, and offsets of the linings [m]
+    elements : along each lining
+    """
+    cases = []
+    for offset in sides[1]:
+        for radius in sides[0]:
+            changes = ground_to(brake, radius) | set_off(brake, offset)
+            cases.append(SweepCase(brake, changes, options={"elements": elements}))
+    return cases
+
+
+def _rows_of_drawn_brakes(
+    brake: Brake,
+    tolerances: tuple[ManufacturingTolerance, ...],
+    deviates: Floats,
+    elements: int,
+    solve: Callable[[str, Sequence[SweepCase]], list[Row]],
+) -> dict[str, list[Row]]:
+    """The rows of the brakes drawn from the tolerances: new, worn in, and by the sine law.
+
+    Parameters
+    ----------
+    brake : the nominal brake
+    tolerances : the tolerances of its manufacture
+    deviates : samples of the deviates, as from `draw_deviates`
+    elements : along each lining
+    solve : solves cases under a name that the progress shows
+    """
+    new = tolerance_cases(brake, tolerances, deviates, elements=elements)
+    worn = tolerance_cases(brake, tolerances, deviates, elements=elements, worn_in=True)
+    # The law needs only the two independent samples: it has no Sobol indices.
+    by_law = tolerance_cases(brake, tolerances, deviates[:2], "sine")
+    return {
+        "new": solve("new brakes", new),
+        "worn in": solve("worn-in brakes", worn),
+        "law": solve("sine law", by_law),
+    }
+
+
+def _run_in_brakes(
+    cases: Sequence[SweepCase],
+    unit: float,
+    elements: int,
+    journal: Journal,
+    say: Callable[[str], None],
+) -> dict[str, Floats]:
+    """Torque [N m] and peak pressure [Pa] (brakes, distances) of brakes that run in.
+
+    Parameters
+    ----------
+    cases : the brakes as cases of a sweep
+    unit : sliding distance 1/(k K) [m], whose multiples are DISTANCES
+    elements : along each lining
+    journal : keeps the row of each brake
+    say : told the progress in a line
+    """
+    rows = []
+    for i, case in enumerate(cases):
+        say(f"run-in: {i} of {len(cases)}")
+
+        def wear(case: SweepCase = case) -> dict[str, Any]:
+            """Torque and peak pressure of one brake at all DISTANCES."""
+            brake = vary(case.brake, case.changes)
+            distances = []
+            for s in DISTANCES:
+                distances.append(s * unit)
+            return torque_and_peak_during_run_in(brake, distances, elements=elements)
+
+        key = {"healing": dict(case.changes), "elements": elements}
+        rows.append(journal.once(key, wear))
+    healed = {}
+    for name in ("torque", "peak_pressure"):
+        healed[name] = np.array(values_of_key(rows, name))
+    return healed
+
+
+def _sobol_indices_by_state(
+    tolerances: tuple[ManufacturingTolerance, ...], rows: dict[str, list[Row]]
+) -> dict[str, dict[str, list[SobolIndices]]]:
+    """The Sobol indices of each quantity, for new and for worn-in brakes."""
+    indices: dict[str, dict[str, list[SobolIndices]]] = {}
+    for state in STATES:
+        indices[state] = {}
+        for name in DRAWN_QUANTITIES:
+            # One row for each of the samples A, B and AB_1 to AB_d.
+            values = values_of_rows(rows[state], name).reshape(len(tolerances) + 2, -1)
+            indices[state][name] = sobol_indices_of_tolerances(tolerances, values, seed=SEED)
+    return indices
+
+
 def report(result: Result, folder: Path) -> Path:
     """Write page, figures and tables, and return the path of the page."""
-    drawn, nominal_values = result.drawn, misfit_rows.nominal(result.brake, result.law)
+    drawn, nominal_values = result.drawn, misfit_rows.nominal_quantities(result.brake, result.law)
     made = {
-        "pressure": figures.pressures(result.law, result.family),
-        "map": figures.maps(result.sides, result.ratios),
-        "turn": figures.turns(result.angles, result.turns, result.law.torque),
-        "distribution": figures.histograms(drawn, nominal_values),
-        "shares": figures.shares(result.shares),
-        "run_in": figures.narrowing(np.array(DISTANCES), result.healed, nominal_values),
+        "pressure": figures.draw_pressures_of_radii(result.law, result.family),
+        "map": figures.draw_ratio_maps(result.sides, result.ratios),
+        "turn": figures.draw_torque_over_turn(result.angles, result.turns, result.law.torque),
+        "distribution": figures.draw_histograms(drawn, nominal_values),
+        "shares": figures.draw_sobol_indices(result.shares),
+        "run_in": figures.draw_percentiles_over_distance(
+            np.array(DISTANCES), result.healed, nominal_values
+        ),
     }
     for name, figure in made.items():
         for ending in ("svg", "png") if name in {"distribution", "map"} else ("svg",):
-            drawing.save(figure, folder / f"{name}.{ending}")
+            drawing.save_figure(figure, folder / f"{name}.{ending}")
     spreads = misfit_rows.spread_rows(drawn)
     ranked = misfit_rows.share_rows(result.tolerances, result.shares)
     for name, lines in (("single", result.single), ("spread", spreads), ("shares", ranked)):
         write_text(folder / f"{name}.csv", as_csv(lines))
     for state, rows in result.rows.items():
-        several = cases(result.brake, result.tolerances, result.deviates[: len(rows) // drawn.n])
-        write_table(table(several, rows), folder / f"cases_{state.replace(' ', '_')}.csv")
-    return fill(
+        several = tolerance_cases(
+            result.brake, result.tolerances, result.deviates[: len(rows) // drawn.n]
+        )
+        write_table(make_case_table(several, rows), folder / f"cases_{state.replace(' ', '_')}.csv")
+    return write_page(
         HERE / "page.html",
         folder / "index.html",
         result=result,
         drawn=drawn,
         peaks=drawn.peaks_over(nominal_values["peak_pressure"]),
-        healed_after=misfit_rows.healed_after(DISTANCES, result.healed["torque"], HEALED),
+        healed_after=misfit_rows.torque_settling_distance(
+            DISTANCES, result.healed["torque"], HEALED
+        ),
         healed_within=HEALED,
         spreads=spreads,
         ranked=ranked,
         valleys={
-            state: misfit_rows.peak_to_valley(series) for state, series in result.turns.items()
+            state: misfit_rows.relative_torque_ranges(series)
+            for state, series in result.turns.items()
         },
         amplitude=AMPLITUDE,
     )

@@ -6,10 +6,14 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.clearance import along_hinge, ground_to
 from drumlin.brake.file import vary
 from drumlin.laws import sine
-from drumlin.sweeps.tolerances import ManufacturingTolerance, between, within
+from drumlin.sweeps.tolerances import (
+    ManufacturingTolerance,
+    truncated_normal_deviate,
+    uniform_deviate,
+)
 
 
-def nominal(brake: Brake) -> Brake:
+def nominal_brake(brake: Brake) -> Brake:
     """The brake with the keys that tolerances change.
 
     They are a radius of the lining that equals the drum's, and an oval of amplitude zero.
@@ -18,7 +22,7 @@ def nominal(brake: Brake) -> Brake:
     return vary(brake, {"shoe.lining.misfit.radius": brake.size, "drum.out_of_round": oval})
 
 
-def assumed(brake: Brake) -> tuple[ManufacturingTolerance, ...]:
+def assumed_tolerances(brake: Brake) -> tuple[ManufacturingTolerance, ...]:
     """The tolerances: normal distributions that are cut at their limits, two standard deviations.
 
     The radii of drums and linings are made to some hundredths of a millimetre, pins and lines of
@@ -26,50 +30,62 @@ def assumed(brake: Brake) -> tuple[ManufacturingTolerance, ...]:
     """
     leading = 0 if sine(brake).shoes[0].self_energising else 1
     found = [
-        ManufacturingTolerance("friction ±0.03", within(0.03), {"friction": 1.0}),
+        ManufacturingTolerance("friction ±0.03", truncated_normal_deviate(0.03), {"friction": 1.0}),
         ManufacturingTolerance(
             "lining's modulus ±20 %",
-            within(0.2),
+            truncated_normal_deviate(0.2),
             {"shoe.lining.material.E": brake.shoes[0].lining.material.E_through},
         ),
         ManufacturingTolerance(
-            "lining's thickness ±0.2 mm", within(0.2e-3), {"shoe.lining.thickness": 1.0}
+            "lining's thickness ±0.2 mm",
+            truncated_normal_deviate(0.2e-3),
+            {"shoe.lining.thickness": 1.0},
         ),
         ManufacturingTolerance(
-            "drum's radius ±50 µm", within(50e-6), {key: -1.0 for key in ground_to(brake, 0.0)}
+            "drum's radius ±50 µm",
+            truncated_normal_deviate(50e-6),
+            {key: -1.0 for key in ground_to(brake, 0.0)},
         ),
     ]
     for name, i in (("leading", leading), ("trailing", 1 - leading)):
         own = f"shoe[{i}].lining.misfit"
         found += [
             ManufacturingTolerance(
-                f"lining's radius ±50 µm, {name}", within(50e-6), {f"{own}.radius": 1.0}
+                f"lining's radius ±50 µm, {name}",
+                truncated_normal_deviate(50e-6),
+                {f"{own}.radius": 1.0},
             ),
             ManufacturingTolerance(
                 f"centre of lining ±50 µm, {name}",
-                within(50e-6),
+                truncated_normal_deviate(50e-6),
                 along_hinge(brake, i, "lining.misfit.offset"),
             ),
-            ManufacturingTolerance(f"taper ±50 µm, {name}", within(50e-6), {f"{own}.taper": 1.0}),
+            ManufacturingTolerance(
+                f"taper ±50 µm, {name}", truncated_normal_deviate(50e-6), {f"{own}.taper": 1.0}
+            ),
         ]
     pins: dict[str, float] = {}
     for i in range(len(brake.shoes)):
         pins |= along_hinge(brake, i, "hinge")
     return (
         *found,
-        ManufacturingTolerance("pins' distance ±0.2 mm", within(0.2e-3), pins),
+        ManufacturingTolerance("pins' distance ±0.2 mm", truncated_normal_deviate(0.2e-3), pins),
         ManufacturingTolerance(
-            "force ±3 %", within(0.03), {"shoe.actuation.force": brake.shoes[0].actuation.force}
+            "force ±3 %",
+            truncated_normal_deviate(0.03),
+            {"shoe.actuation.force": brake.shoes[0].actuation.force},
         ),
         ManufacturingTolerance(
-            "line of force ±0.5 mm", within(0.5e-3), {"shoe.actuation.point.y": 1.0}
+            "line of force ±0.5 mm",
+            truncated_normal_deviate(0.5e-3),
+            {"shoe.actuation.point.y": 1.0},
         ),
         ManufacturingTolerance(
             "ovality of drum 0 to 30 µm",
-            between(0.0, 30e-6),
+            uniform_deviate(0.0, 30e-6),
             {"drum.out_of_round[0].amplitude": 1.0},
         ),
         ManufacturingTolerance(
-            "where the oval drum stands", between(0.0, 2 * math.pi), {"drum.angle": 1.0}
+            "where the oval drum stands", uniform_deviate(0.0, 2 * math.pi), {"drum.angle": 1.0}
         ),
     )

@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from drumlin.base.errors import BadInput
-from drumlin.report.page import fill
+from drumlin.report.page import write_page
+from drumlin_studies.tables import matching_rows, values_of_key
 from drumlin_studies.work_precision import PEER_FAMILIES
 
 HERE = Path(__file__).parent
@@ -25,24 +26,30 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     `short` changes nothing. Raises BadInput where a kept report is missing.
     """
     say("the kept reports")
-    return _double_shoe() | _run_time() | _others()
+    return _double_shoe_numbers() | _run_time_numbers() | _wear_and_post_numbers()
 
 
-def _rows(name: str) -> list[Row]:
+def _kept_rows(name: str) -> list[Row]:
     """The rows of a table of the kept reports."""
     try:
         with (KEPT / name).open(encoding="utf-8") as file:
-            return [
-                {key: _value(text) for key, text in row.items() if text != ""}
-                for row in csv.DictReader(file)
-            ]
+            return list(map(_row_of_values, csv.DictReader(file)))
     except OSError as error:
         raise BadInput(
             f"reports/reference/{name}: the paper quotes it, and it is missing"
         ) from error
 
 
-def _value(text: str) -> Any:
+def _row_of_values(cells: Mapping[str, str]) -> Row:
+    """The values of a row of text by key, without the empty cells."""
+    found = {}
+    for key, text in cells.items():
+        if text != "":
+            found[key] = _cell_value(text)
+    return found
+
+
+def _cell_value(text: str) -> Any:
     """A cell of a table, as a number where it is a number."""
     try:
         return float(text)
@@ -50,47 +57,48 @@ def _value(text: str) -> Any:
         return text
 
 
-def _double_shoe() -> Row:
+def _double_shoe_numbers() -> Row:
     """Errors of the sine law on the double-shoe brake."""
-    made = [
-        row for row in _rows("double_shoe/results.csv") if row["rotation"] == "counter-clockwise"
-    ]
-    sine = [row for row in made if row["model"] == "sine"]
-    shoes = [row for row in sine if row["case"] == "stiff shoes" and row["shoe"] != "all"]
-    total = {row["case"]: row["torque_error"] for row in sine if row["shoe"] == "all"}
+    rows = _kept_rows("double_shoe/results.csv")
+    sine = matching_rows(rows, rotation="counter-clockwise", model="sine")
+    # The rows named "all" hold the errors of the whole brake, the others those of single shoes.
+    shoes = []
+    for row in matching_rows(sine, case="stiff shoes"):
+        if row["shoe"] != "all":
+            shoes.append(row)
+    total = {}
+    for row in matching_rows(sine, shoe="all"):
+        total[row["case"]] = row["torque_error"]
     return {
         "stiff": total["stiff shoes"],
         "flexible": total["flexible shoes"],
-        "shoes": [row["torque_error"] for row in shoes],
-        "peak": min(row["peak_error"] for row in shoes),
+        "shoes": values_of_key(shoes, "torque_error"),
+        "peak": min(values_of_key(shoes, "peak_error")),
     }
 
 
-def _run_time() -> Row:
+def _run_time_numbers() -> Row:
     """Numbers on error against run time."""
-    rows = [row for row in _rows("error_vs_runtime/results.csv") if row["status"] == "converged"]
-    main = [row for row in rows if row["brake"] == MAIN]
-    best = _rows("error_vs_runtime/recommended.csv")
+    rows = matching_rows(_kept_rows("error_vs_runtime/results.csv"), status="converged")
+    main = matching_rows(rows, brake=MAIN)
+    best = _kept_rows("error_vs_runtime/recommended.csv")
     # There is one row for each brake, quantity and target.
-    of_p = [row for row in best if (row["brake"], row["quantity"]) == (MAIN, "p (L2)")]
-    (half,) = [row for row in of_p if row["target"] == HALF]
+    (half,) = matching_rows(best, brake=MAIN, quantity="p (L2)", target=HALF)
+    # On how many brakes a law is the fastest method that keeps a target.
+    by_law = {}
+    for name, quantity, target in LAW_ENOUGH:
+        by_law[name] = len(matching_rows(best, family="law", quantity=quantity, target=target))
     return {
-        "brakes": len({row["brake"] for row in best}),
-        "laws": [row["torque_error"] for row in rows if row.get("model") == "sine"],
-        "law_p": next(row["pressure_error"] for row in main if row.get("model") == "sine"),
+        "brakes": len(set(values_of_key(best, "brake"))),
+        "laws": values_of_key(matching_rows(rows, model="sine"), "torque_error"),
+        "law_p": matching_rows(main, model="sine")[0]["pressure_error"],
         "half": half["seconds"],
-        "by_law": {
-            name: sum(
-                (row["family"], row["quantity"], row["target"]) == ("law", quantity, target)
-                for row in best
-            )
-            for name, quantity, target in LAW_ENOUGH
-        },
-        "peers": _peers(main),
+        "by_law": by_law,
+        "peers": _peer_time_ratios(main),
     }
 
 
-def _peers(rows: list[Row]) -> dict[str, list[float]]:
+def _peer_time_ratios(rows: list[Row]) -> dict[str, list[float]]:
     """Times of peers over those of drumlin, cold and for a further load case.
 
     Each is on its fastest graded mesh of a kind with an error of p within HALF. Only equal meshes
@@ -99,37 +107,43 @@ def _peers(rows: list[Row]) -> dict[str, list[float]]:
     found: dict[str, list[float]] = {}
     for family in PEER_FAMILIES:
         for kind in ("quad1", "quad2"):
-            theirs, ours = (_quickest(rows, name, kind) for name in (family, "graded mesh"))
+            theirs = _fastest_graded_row(rows, family, kind)
+            ours = _fastest_graded_row(rows, "graded mesh", kind)
+            # A ratio of times has a meaning only on the same mesh.
             if theirs is not None and ours is not None and theirs["elements"] == ours["elements"]:
                 for key in ("seconds", "further"):
                     found.setdefault(f"{family} {key}", []).append(theirs[key] / ours[key])
     return found
 
 
-def _quickest(rows: list[Row], family: str, kind: str) -> Row | None:
+def _fastest_graded_row(rows: list[Row], family: str, kind: str) -> Row | None:
     """The fastest row of a family on graded meshes of a kind with an error of p within HALF."""
-    own = [row for row in rows if (row["family"], row.get("kind")) == (family, kind)]
-    graded = [row for row in own if row.get("even") != "True" and not row.get("layers")]
-    fit = [row for row in graded if row["pressure_error"] <= HALF]
+    fit = []
+    for row in matching_rows(rows, family=family, kind=kind):
+        is_graded = row.get("even") != "True" and not row.get("layers")
+        if is_graded and row["pressure_error"] <= HALF:
+            fit.append(row)
     return min(fit, key=lambda row: row["seconds"], default=None)
 
 
-def _others() -> Row:
+def _wear_and_post_numbers() -> Row:
     """Numbers on running in, on the post brake and on plane stress."""
-    worn = {row["brake"]: row for row in _rows("run_in/brakes.csv") if row["model"] == "fem"}
-    fits = [
-        row
-        for row in _rows("post_brake/results.csv")
-        if (row["case"], row["shoe"]) == ("fits", "all")
-    ]
-    post = {row["model"]: row for row in fits}
-    solid = _rows("plane_stress/errors.csv")
-    leading = next(row for row in solid if (row["case"], row["shoe"]) == ("T-section", "leading"))
+    worn = {}
+    for row in matching_rows(_kept_rows("run_in/brakes.csv"), model="fem"):
+        worn[row["brake"]] = row
+    # Errors of the torque of the whole post brake whose linings fit, by model.
+    post = {}
+    for row in matching_rows(_kept_rows("post_brake/results.csv"), case="fits", shoe="all"):
+        if row["model"] in {"sine", "foundation", "lifted"}:
+            post[row["model"]] = row["torque_error"]
+    # Errors of plane stress on the shoe of T-section that friction presses on.
+    solid = _kept_rows("plane_stress/errors.csv")
+    leading = matching_rows(solid, case="T-section", shoe="leading")[0]
     return {
         "worn": worn[MAIN]["end_pressure"],
         "worn_life": worn[MAIN]["pressure_life"],
         "flexible_life": worn["double_shoe/flexible"]["pressure_life"],
-        "post": {model: post[model]["torque_error"] for model in ("sine", "foundation", "lifted")},
+        "post": post,
         "plane": leading["torque"],
         "corrected": leading["corrected_torque"],
         "uneven": leading["uneven"],
@@ -138,4 +152,4 @@ def _others() -> Row:
 
 def report(result: Mapping[str, Any], folder: Path) -> Path:
     """Write the page and return its path."""
-    return fill(HERE / "page.html", folder / "index.html", **result)
+    return write_page(HERE / "page.html", folder / "index.html", **result)

@@ -11,9 +11,15 @@ from matplotlib.figure import Figure
 from drumlin.base.arrays import Floats
 from drumlin.base.texts import formatted
 from drumlin.report.figures import STYLE
-from drumlin.report.palette import BLUE, BROWN, FAINT, GREEN, INK, RED, color_of
+from drumlin.report.palette import BLUE, BROWN, FAINT, GREEN, INK, RED, color_of_model
 from drumlin.response.response import ShoeResponse, edge_zone
-from drumlin_studies.plane_stress import Map, Rung, Three, WornSolid, worst
+from drumlin_studies.plane_stress import (
+    PlaneErrorMap,
+    SolidAndPlane,
+    TimeAndErrors,
+    WornSolid,
+    largest_of_shoes,
+)
 
 PANELS = {
     "torque": "torque",
@@ -23,18 +29,19 @@ PANELS = {
 }
 
 
-def maps(charts: Sequence[Map]) -> Figure:
+def draw_error_maps(charts: Sequence[PlaneErrorMap]) -> Figure:
     """Maps of errors, a row for each map and a panel for each error of the worst shoe."""
     with mpl.rc_context(STYLE | {"axes.grid": False}):
         figure = Figure(figsize=(15.5, 3.9 * len(charts)), layout="constrained")
         grid = figure.subplots(len(charts), len(PANELS), squeeze=False)
         for row, chart in zip(grid, charts, strict=True):
             for axes, (key, title) in zip(row, PANELS.items(), strict=True):
-                _panel(axes, chart, key, f"{chart.name}: {title}")
+                _draw_map_panel(axes, chart, key, f"{chart.name}: {title}")
     return figure
 
 
-def _panel(axes: Axes, chart: Map, key: str, title: str) -> None:
+def _draw_map_panel(axes: Axes, chart: PlaneErrorMap, key: str, title: str) -> None:
+    """Draw a map of an error: a colour and a number [%] for each brake."""
     error = 100 * chart.errors[key]
     axes.imshow(
         np.log10(np.maximum(np.abs(error), 0.03)),
@@ -50,21 +57,22 @@ def _panel(axes: Axes, chart: Map, key: str, title: str) -> None:
         color = "white" if abs(error[j, i]) > 18 else INK
         axes.text(i, j, said, ha="center", va="center", fontsize=9, color=color)
     x, y = chart.axes
-    axes.set_xticks(range(len(chart.x)), [f"{value:g}" for value in chart.x])
-    axes.set_yticks(range(len(chart.y)), [f"{value:g}" for value in chart.y])
+    axes.set_xticks(range(len(chart.x)), list(map("{:g}".format, chart.x)))
+    axes.set_yticks(range(len(chart.y)), list(map("{:g}".format, chart.y)))
     axes.set_xlabel(x)
     axes.set_ylabel(y)
     axes.set_title(f"{title} [%]", fontsize=9.5)
 
 
-def faces(three: Three, worn: WornSolid) -> Figure:
+def draw_face_pressures(three: SolidAndPlane, worn: WornSolid) -> Figure:
     """Pressure on the faces of the linings, new and worn in, with one scale."""
     with mpl.rc_context(STYLE | {"axes.grid": False}):
         new = three.solid.shoes
         figure = Figure(figsize=(11.5, 2.7 * len(new) + 0.8), layout="constrained")
         grid = figure.subplots(len(new), 2, squeeze=False)
+        # The singular pressure at the ends of the linings is outside the scale.
         zones = [edge_zone(shoe, three.brake.size) for shoe in three.brake.shoes]
-        top = max(_top(shoe, zone) for shoe, zone in zip(new, zones, strict=True))
+        top = max(_largest_face_pressure(shoe, zone) for shoe, zone in zip(new, zones, strict=True))
         for row, a, b in zip(grid, new, worn.last, strict=True):
             for axes, shoe, state in ((row[0], a, "new"), (row[1], b, "worn in")):
                 assert shoe.surface is not None
@@ -85,19 +93,22 @@ def faces(three: Three, worn: WornSolid) -> Figure:
     return figure
 
 
-def _top(shoe: ShoeResponse, zone: float) -> float:
+def _largest_face_pressure(shoe: ShoeResponse, zone: float) -> float:
+    """The largest pressure [Pa] on the face, without a zone [rad] at each end of the lining."""
     assert shoe.surface is not None
     inside = (shoe.theta > shoe.theta[0] + zone) & (shoe.theta < shoe.theta[-1] - zone)
     return float(shoe.surface.pressure[inside].max())
 
 
-def curves(found: Mapping[str, Sequence[tuple[float, list[dict[str, Any]]]]]) -> Figure:
+def draw_error_curves(found: Mapping[str, Sequence[tuple[float, list[dict[str, Any]]]]]) -> Figure:
     """Errors of the worst shoe, a panel for each quantity that varies."""
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(11.5, 6.6), layout="constrained")
         panels = np.ravel(figure.subplots(2, len(found) // 2, sharey=True))
         for axes, (name, points) in zip(panels, found.items(), strict=True):
-            x = [value for value, _ in points]
+            x = []
+            for value, _ in points:
+                x.append(value)
             for key, label, marker in (
                 ("torque", "torque", "o"),
                 ("pressure", "p averaged over the width (L2)", "s"),
@@ -105,8 +116,11 @@ def curves(found: Mapping[str, Sequence[tuple[float, list[dict[str, Any]]]]]) ->
                 ("reaction", "hinge reaction", "D"),
                 ("corrected_torque", "torque, corrected", "^"),
             ):
-                y = [100 * abs(worst(table, key)) for _, table in points]
+                y = []
+                for _, table in points:
+                    y.append(100 * abs(largest_of_shoes(table, key)))
                 axes.semilogy(x, y, marker=marker, lw=1.5, label=label)
+            # Quantities that vary over more than a decade have a logarithmic axis.
             if max(x) > 10 * max(min(x), 0.1):
                 axes.set_xscale("log")
             axes.set_xlabel(name)
@@ -118,7 +132,7 @@ def curves(found: Mapping[str, Sequence[tuple[float, list[dict[str, Any]]]]]) ->
     return figure
 
 
-def wear(worn: WornSolid) -> Figure:
+def draw_unevenness_over_distance(worn: WornSolid) -> Figure:
     """How uneven p is across the width, and its mean against the sine law, over the distance."""
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(6.6, 3.9), layout="constrained")
@@ -162,7 +176,7 @@ WAYS = {
 COLORS = {"plane stress": BLUE, "plane stress, corrected": BROWN}
 
 
-def ladder(found: Mapping[str, Sequence[Rung]]) -> Figure:
+def draw_error_over_time(found: Mapping[str, Sequence[TimeAndErrors]]) -> Figure:
     """Error over processor time, a row for each brake.
 
     Full marks are errors against the solid truth, hollow marks against the truth in plane stress.
@@ -175,9 +189,10 @@ def ladder(found: Mapping[str, Sequence[Rung]]) -> Figure:
                 row, ("pressure", "torque"), ("p (L2)", "torque"), strict=True
             ):
                 for method, name in WAYS.items():
-                    _way(axes, [rung for rung in rungs if rung.method == method], key, name)
+                    _draw_method(axes, [rung for rung in rungs if rung.method == method], key, name)
                 axes.set_xlabel("processor time [ms]")
                 axes.set_title(f"{brake}: error of {title}, worst shoe [%]")
+        # Two entries of the key without points explain the marks.
         grid[0, 0].plot([], [], "o-", color=FAINT, label="full: against the solid")
         grid[0, 0].plot(
             [], [], "o--", color=FAINT, mfc="white", label="hollow: against plane stress"
@@ -193,16 +208,19 @@ def ladder(found: Mapping[str, Sequence[Rung]]) -> Figure:
     return figure
 
 
-def _way(axes: Axes, own: Sequence[Rung], key: str, name: str) -> None:
+def _draw_method(axes: Axes, own: Sequence[TimeAndErrors], key: str, name: str) -> None:
+    """Draw the errors of one method over the processor time."""
     if not own:
         return
     method, x = own[0].method, [1e3 * rung.seconds for rung in own]
-    color = COLORS.get(method) or color_of(method)
+    color = COLORS.get(method) or color_of_model(method)
     if method not in {
         "solid",
         "plane stress, corrected",
     }:  # whose answer is not meant to be that of plane stress
-        hollow = [100 * getattr(rung, f"plane_{key}") for rung in own]
+        hollow = []
+        for rung in own:
+            hollow.append(100 * getattr(rung, f"plane_{key}"))
         axes.loglog(x, hollow, "o--", color=color, lw=1.0, mfc="white")
     axes.loglog(
         x, [100 * getattr(rung, key) for rung in own], "o-", color=color, lw=1.5, label=name

@@ -22,10 +22,16 @@ from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solid import model as solid
 from drumlin.fem.solid.fields import recover
 from drumlin.report import figures as drawing
-from drumlin.report.page import fill
-from drumlin.report.solid_picture import render
+from drumlin.report.page import write_page
+from drumlin.report.solid_picture import render_solid_shoes
 from drumlin_studies import plane_stress as rows
-from drumlin_studies.plane_stress import Certain, Map, Rung, Three, WornSolid
+from drumlin_studies.plane_stress import (
+    PlaneErrorMap,
+    SolidAndPlane,
+    TimeAndErrors,
+    TorqueOnThreeMeshes,
+    WornSolid,
+)
 from drumlin_studies.uncertainty import Validation
 
 HERE = Path(__file__).parent
@@ -89,15 +95,15 @@ SHORT = Setting(10, 12, (6, 12, 24), 4, 20, (8, 16), (6, 12))
 class Result:
     """Everything that the report shows."""
 
-    three: Three
+    three: SolidAndPlane
     scene: Any
     table: list[dict[str, Any]]
-    certain: tuple[Certain, Certain]
+    certain: tuple[TorqueOnThreeMeshes, TorqueOnThreeMeshes]
     validation: Validation
-    maps: tuple[Map, Map]
+    maps: tuple[PlaneErrorMap, PlaneErrorMap]
     curves: dict[str, list[tuple[float, list[dict[str, Any]]]]]
     worn: WornSolid
-    ladder: dict[str, list[Rung]]
+    ladder: dict[str, list[TimeAndErrors]]
     seconds: float
 
 
@@ -111,64 +117,34 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     brake = read_brake(HERE / "brake.toml")
     say("the brake itself")
     scene = solid.prepare(brake, elements=setting.fine)
-    three = rows.solve(brake, setting.fine)
+    three = rows.solve_by_three_models(brake, setting.fine)
+    # Three meshes give the uncertainty of the torque in both models.
     say("meshes that double")
-    true = rows.certain(
+    true = rows.torque_on_three_meshes(
         lambda n: respond(solid.prepare(brake, elements=n), brake).torque, setting.doubled
     )
-    plane = rows.certain(
+    plane = rows.torque_on_three_meshes(
         lambda n: respond(prepare(brake, elements=n), brake).torque, setting.doubled
     )
-    t = brake.shoes[0].lining.thickness
-    b = brake.shoes[0].lining.width
-    n = setting.every
-    maps = (
-        rows.chart(
-            "one width",
-            ("lining width / thickness", "lining modulus [MPa]"),
-            lambda x, y: rows.plain(brake, x * t, y * 1e6),
-            WIDTHS[::n],
-            MODULI[::n],
-            setting.elements,
-            say,
-        ),
-        rows.chart(
-            "table and web",
-            ("web width / lining width", "table thickness [mm]"),
-            lambda x, y: vary(
-                brake, {"shoe.body.width": x * b, "shoe.backing.thickness": y * 1e-3}
-            ),
-            WEBS[::n],
-            TABLES[::n],
-            setting.elements,
-            say,
-        ),
-    )
-    curves = {}
-    for name, key, values, unit in (
-        ("friction", "friction", FRICTIONS, 1.0),
-        ("Poisson's ratio of the lining", "shoe.lining.material.nu", POISSON, 1.0),
-        ("lining width / thickness", "shoe.lining.width", WIDTHS, t),
-        ("lining modulus [MPa]", "shoe.lining.material.E", MODULI, 1e6),
-    ):
-        say(name)
-        found = [
-            (value, rows.rows(rows.solve(vary(brake, {key: unit * value}), setting.elements)))
-            for value in values[::n]
-        ]
-        curves[name] = found
+    maps = _map_errors(brake, setting, say)
+    curves = _error_curves(brake, setting, say)
     say("wear")
-    worn = rows.wear(brake, setting.elements, DISTANCES if not short else DISTANCES[::3])
+    worn = rows.wear_solid_linings(
+        brake, setting.elements, DISTANCES if not short else DISTANCES[::3]
+    )
+    # Time and error of each model, on the car brake and on the post brake.
     ladder = {}
-    for each in (brake, post()):
+    for each in (brake, post_brake_on_rigid_drum()):
         say(f"the ladder: {each.title}")
-        ladder[each.title] = rows.ladder(each, setting.truth, setting.meshes, setting.solids)
+        ladder[each.title] = rows.time_and_errors_of_models(
+            each, setting.truth, setting.meshes, setting.solids
+        )
     return Result(
         three=three,
         scene=scene,
-        table=rows.rows(three, "T-section"),
+        table=rows.plane_error_rows(three, "T-section"),
         certain=(plane, true),
-        validation=rows.validation(plane, true),
+        validation=rows.validate_plane_stress(plane, true),
         maps=maps,
         curves=curves,
         worn=worn,
@@ -177,7 +153,67 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     )
 
 
-def post() -> Brake:
+def _map_errors(
+    brake: Brake, setting: Setting, say: Callable[[str], None]
+) -> tuple[PlaneErrorMap, PlaneErrorMap]:
+    """Maps of the error: over width and modulus of a plain lining, and over web and table."""
+    thickness = brake.shoes[0].lining.thickness
+    width = brake.shoes[0].lining.width
+
+    def with_lining(x: float, y: float) -> Brake:
+        """The plain brake with a lining of the width x [thickness] and the modulus y [MPa]."""
+        return rows.plain_brake(brake, x * thickness, y * 1e6)
+
+    def with_section(x: float, y: float) -> Brake:
+        """The brake with a web of the width x [lining width] and a table of y [mm]."""
+        changes = {"shoe.body.width": x * width, "shoe.backing.thickness": y * 1e-3}
+        return vary(brake, changes)
+
+    every = setting.every
+    one_width = rows.map_plane_errors(
+        "one width",
+        ("lining width / thickness", "lining modulus [MPa]"),
+        with_lining,
+        WIDTHS[::every],
+        MODULI[::every],
+        setting.elements,
+        say,
+    )
+    table_and_web = rows.map_plane_errors(
+        "table and web",
+        ("web width / lining width", "table thickness [mm]"),
+        with_section,
+        WEBS[::every],
+        TABLES[::every],
+        setting.elements,
+        say,
+    )
+    return one_width, table_and_web
+
+
+def _error_curves(
+    brake: Brake, setting: Setting, say: Callable[[str], None]
+) -> dict[str, list[tuple[float, list[dict[str, Any]]]]]:
+    """Error rows over the values of single quantities, by the name of the quantity."""
+    thickness = brake.shoes[0].lining.thickness
+    curves = {}
+    for name, key, values, unit in (
+        ("friction", "friction", FRICTIONS, 1.0),
+        ("Poisson's ratio of the lining", "shoe.lining.material.nu", POISSON, 1.0),
+        ("lining width / thickness", "shoe.lining.width", WIDTHS, thickness),
+        ("lining modulus [MPa]", "shoe.lining.material.E", MODULI, 1e6),
+    ):
+        say(name)
+        points = []
+        for value in values[:: setting.every]:
+            changed = vary(brake, {key: unit * value})
+            three = rows.solve_by_three_models(changed, setting.elements)
+            points.append((value, rows.plane_error_rows(three)))
+        curves[name] = points
+    return curves
+
+
+def post_brake_on_rigid_drum() -> Brake:
     """The mine winder's post brake on a rigid drum, with a beam of full section.
 
     The width of the beam gives it the bending stiffness of the real beam.
@@ -200,21 +236,21 @@ ENDINGS = {"map": ("svg", "png"), "ladder": ("svg", "png"), "face": ("png",)}
 def report(result: Result, folder: Path) -> Path:
     """Write page, figures, tables and fields, and return the path of the page."""
     made = {
-        "map": figures.maps(result.maps),
-        "face": figures.faces(result.three, result.worn),
-        "curves": figures.curves(result.curves),
-        "worn": figures.wear(result.worn),
-        "ladder": figures.ladder(result.ladder),
+        "map": figures.draw_error_maps(result.maps),
+        "face": figures.draw_face_pressures(result.three, result.worn),
+        "curves": figures.draw_error_curves(result.curves),
+        "worn": figures.draw_unevenness_over_distance(result.worn),
+        "ladder": figures.draw_error_over_time(result.ladder),
     }
     for name, figure in made.items():
         for ending in ENDINGS.get(name, ("svg",)):
-            drawing.save(figure, folder / f"{name}.{ending}")
+            drawing.save_figure(figure, folder / f"{name}.{ending}")
     brake, response = result.three.brake, result.three.solid
     write_vtu(
         folder / "solid.vtu",
         [recover(result.scene, brake, response, i) for i in range(len(brake.shoes))],
     )
-    not_drawn = render(folder / "solid.vtu", folder / "solid.png", brake.title)
+    not_drawn = render_solid_shoes(folder / "solid.vtu", folder / "solid.png", brake.title)
     write_text(folder / "errors.csv", as_csv(result.table))
     rungs = [
         {"brake": name} | rung._asdict()
@@ -222,35 +258,36 @@ def report(result: Result, folder: Path) -> Path:
         for rung in ladder
     ]
     write_text(folder / "ladder.csv", as_csv(rungs))
-    points = [
-        {
-            "map": chart.name,
-            "x": x,
-            "y": y,
-            **{key: float(values[j, i]) for key, values in chart.errors.items()},
-        }
-        for chart in result.maps
-        for j, y in enumerate(chart.y)
-        for i, x in enumerate(chart.x)
-    ]
+    points = []
+    for chart in result.maps:
+        for j, y in enumerate(chart.y):
+            for i, x in enumerate(chart.x):
+                points.append(
+                    {
+                        "map": chart.name,
+                        "x": x,
+                        "y": y,
+                        **{key: float(values[j, i]) for key, values in chart.errors.items()},
+                    }
+                )
     write_text(folder / "maps.csv", as_csv(points))
-    return fill(
+    largest = {}
+    for key in rows.WIDTH_QUANTITIES:
+        largest[key] = max(float(np.abs(chart.errors[key]).max()) for chart in result.maps)
+    return write_page(
         HERE / "page.html",
         folder / "index.html",
         result=result,
         not_drawn=not_drawn,
-        within=partial(_within, result.maps),
-        largest={
-            key: max(float(np.abs(chart.errors[key]).max()) for chart in result.maps)
-            for key in rows.WIDTH_QUANTITIES
-        },
+        within=partial(_share_within, result.maps),
+        largest=largest,
         stated=(finite_width.TORQUE_DEVIATION, finite_width.PRESSURE_DEVIATION),
-        shares=rows.shares(result.maps),
-        sentence=rows.sentence(result.maps),
-        along=rows.along(result.curves),
+        shares=rows.share_rows(result.maps),
+        sentence=rows.sentences_on_maps(result.maps),
+        along=rows.sentences_on_curves(result.curves),
     )
 
 
-def _within(maps: tuple[Map, Map], limit: float, key: str) -> float:
+def _share_within(maps: tuple[PlaneErrorMap, PlaneErrorMap], limit: float, key: str) -> float:
     """Fraction of all brakes of the maps whose error is within a limit."""
     return float(np.mean([np.mean(np.abs(chart.errors[key]) <= limit) for chart in maps]))

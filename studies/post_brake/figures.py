@@ -11,32 +11,34 @@ from drumlin.base.arrays import Floats
 from drumlin.base.texts import formatted
 from drumlin.brake.beam_axis import axis_of
 from drumlin.brake.brake import Brake
-from drumlin.report.figures import STYLE, key, name_of
-from drumlin.report.palette import FAINT, GRADES, INK, look_of
+from drumlin.report.figures import STYLE, draw_legend, model_title
+from drumlin.report.palette import FAINT, GRADES, INK, line_style_of_model
 from drumlin_studies.post_brake_rows import Curve, ErrorMap, Merits, Offsets
 
 BOUNDS = (0.0, 0.01, 0.05, 0.20, np.inf)
 """Borders of the regions of a map: errors within 1, 5 and 20 %, and beyond."""
 
 
-def beams(brake: Brake, found: Sequence[Mapping[str, Curve]]) -> Figure:
+def draw_beam_deflections(brake: Brake, found: Sequence[Mapping[str, Curve]]) -> Figure:
     """Deflection r along each post, by each elastic model."""
-    panels = [
-        (f"{shoe.name} post", {name: (x, r * 1e3) for name, (x, r) in models.items()})
-        for shoe, models in zip(brake.shoes, found, strict=True)
-    ]
-    return curves(
+    panels = []
+    for shoe, models in zip(brake.shoes, found, strict=True):
+        panels.append(
+            (f"{shoe.name} post", {name: (x, r * 1e3) for name, (x, r) in models.items()})
+        )
+    return draw_curves_of_models(
         panels, "along the beam from the hinge [m]", "relative deformation r [mm]", zero=True
     )
 
 
-def clearance(offsets: Offsets) -> Figure:
+def draw_torque_over_radius_error(offsets: Offsets) -> Figure:
     """Relative change of each shoe's torque over the error of the lining's radius."""
-    panels = [
-        (shoe, {name: _columns(values, 1e3, 1e2) for name, values in models.items()})
-        for shoe, models in offsets.items()
-    ]
-    return curves(
+    panels = []
+    for shoe, models in offsets.items():
+        panels.append(
+            (shoe, {name: _scaled_curve(values, 1e3, 1e2) for name, values in models.items()})
+        )
+    return draw_curves_of_models(
         panels,
         "radius of the lining − radius of the drum [mm]",
         "torque off nominal [%]",
@@ -44,7 +46,7 @@ def clearance(offsets: Offsets) -> Figure:
     )
 
 
-def merits(brake: Brake, found: Merits, key: str, label: str) -> Figure:
+def draw_merit_over_friction(brake: Brake, found: Merits, key: str, label: str) -> Figure:
     """One figure of merit of each shoe over friction.
 
     Angles are in degrees from the middle of the lining.
@@ -55,20 +57,21 @@ def merits(brake: Brake, found: Merits, key: str, label: str) -> Figure:
         models = {}
         for model, values in found[shoe.name].items():
             mu, y = np.array([(mu, getattr(merit, key)) for mu, merit in values]).T
+            # The angle counts from the middle of the lining, along the beam.
             if key == "resultant_angle":
                 y = np.degrees(y - middle) * axis_of(shoe.pin.xy, shoe.actuation.point.xy).sense
             models[model] = (mu, y)
         panels.append((f"{shoe.name} shoe", models))
-    return curves(panels, "friction coefficient μ", label)
+    return draw_curves_of_models(panels, "friction coefficient μ", label)
 
 
-def _columns(values: Sequence[tuple[float, float]], x: float, y: float) -> Curve:
+def _scaled_curve(values: Sequence[tuple[float, float]], x: float, y: float) -> Curve:
     """Points as a curve, with a factor on each coordinate."""
     a, b = np.array(values).T
     return a * x, b * y
 
 
-def curves(
+def draw_curves_of_models(
     panels: Sequence[tuple[str, Mapping[str, Curve]]],
     xlabel: str,
     ylabel: str,
@@ -97,6 +100,7 @@ def curves(
         for axes, (title, models) in zip(grid.flat, panels, strict=False):
             for name, (x, y) in models.items():
                 model, _, rest = name.partition(" ")
+                # Few points are drawn as marks, many points as a line.
                 points = len(x) < 12
                 axes.plot(
                     x,
@@ -104,8 +108,8 @@ def curves(
                     marker="o" if points else None,
                     ms=4,
                     lw=0 if points else 1.8,
-                    **(look_of(model) | ({"ls": ":"} if rest else {})),
-                    label=f"{name_of(model)} {rest}".strip(),
+                    **(line_style_of_model(model) | ({"ls": ":"} if rest else {})),
+                    label=f"{model_title(model)} {rest}".strip(),
                 )
             axes.set_title(title)
             axes.set_xlabel(xlabel)
@@ -115,11 +119,11 @@ def curves(
             axes.set_ylabel(ylabel)
         for axes in grid.flat[len(panels) :]:
             axes.set_visible(False)
-        key(figure, grid.flat[0])
+        draw_legend(figure, grid.flat[0])
     return figure
 
 
-def rim(own: Mapping[str, Curve], one: Mapping[str, Curve]) -> Figure:
+def draw_rim_displacements(own: Mapping[str, Curve], one: Mapping[str, Curve]) -> Figure:
     """Displacement around the rim in polar axes, with inward displacements towards the centre.
 
     Parameters
@@ -132,13 +136,17 @@ def rim(own: Mapping[str, Curve], one: Mapping[str, Curve]) -> Figure:
     panels = (
         (
             "as printed: each with its twin opposite",
-            {f"foundation {name}": _mm(z) for name, z in own.items()},
+            {f"foundation {name}": _curve_in_mm(z) for name, z in own.items()},
         ),
-        ("both shoes on one rim", {f"{model} both shoes": _mm(z) for model, z in one.items()}),
+        (
+            "both shoes on one rim",
+            {f"{model} both shoes": _curve_in_mm(z) for model, z in one.items()},
+        ),
     )
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(5.2 * len(panels), 4.8), layout="constrained")
         grid = figure.subplots(1, len(panels), squeeze=False, subplot_kw={"projection": "polar"})
+        # Room inside and outside the rim for the largest displacement.
         largest = max(float(np.abs(z).max()) for _, models in panels for _, z in models.values())
         for axes, (title, models) in zip(grid.flat, panels, strict=True):
             turn = np.linspace(0, 2 * np.pi, 200)
@@ -149,8 +157,8 @@ def rim(own: Mapping[str, Curve], one: Mapping[str, Curve]) -> Figure:
                     theta,
                     -z,
                     lw=1.8,
-                    **(look_of(model) | {"ls": style}),
-                    label=f"{name_of(model)}, {rest}",
+                    **(line_style_of_model(model) | {"ls": style}),
+                    label=f"{model_title(model)}, {rest}",
                 )
             axes.set_ylim(-3 * largest, 1.3 * largest)
             axes.set_yticks(
@@ -161,13 +169,15 @@ def rim(own: Mapping[str, Curve], one: Mapping[str, Curve]) -> Figure:
     return figure
 
 
-def _mm(curve: Curve) -> Curve:
+def _curve_in_mm(curve: Curve) -> Curve:
     """A curve in m as a curve in mm."""
     theta, z = curve
     return theta, z * 1e3
 
 
-def maps(rows: Sequence[Sequence[ErrorMap]], mark: Sequence[tuple[float, float]]) -> Figure:
+def draw_error_maps(
+    rows: Sequence[Sequence[ErrorMap]], mark: Sequence[tuple[float, float]]
+) -> Figure:
     """Maps of errors. A cell is one pair of solutions with its error in %.
 
     Parameters
@@ -185,11 +195,13 @@ def maps(rows: Sequence[Sequence[ErrorMap]], mark: Sequence[tuple[float, float]]
         norm = BoundaryNorm([0, 1, 2, 3, 4], 4)
         for line, panels, place in zip(grid, rows, mark, strict=True):
             for axes, one in zip(line, panels, strict=True):
+                # The colour of a cell tells its region of errors; cells without an answer stay
+                # white.
                 region = np.digitize(np.abs(one.error), BOUNDS[1:-1])
                 shown = np.ma.masked_where(np.isnan(one.error), region)
                 axes.pcolormesh(
-                    _edges(one.x),
-                    _edges(one.y),
+                    _cell_edges(one.x),
+                    _cell_edges(one.y),
                     shown,
                     cmap=shades,
                     norm=norm,
@@ -211,10 +223,9 @@ def maps(rows: Sequence[Sequence[ErrorMap]], mark: Sequence[tuple[float, float]]
         for axes in grid[-1]:
             axes.set_xlabel(r"beam: $k R^4/EI$ [–]")
         words = ("within 1 %", "within 5 %", "within 20 %", "beyond 20 %")
-        handles = [
-            mpl.patches.Patch(color=shade, label=word)
-            for shade, word in zip(GRADES, words, strict=True)
-        ]
+        handles = []
+        for shade, word in zip(GRADES, words, strict=True):
+            handles.append(mpl.patches.Patch(color=shade, label=word))
         own = mpl.lines.Line2D(
             [], [], marker="s", ms=11, mfc="none", mec=INK, ls="", label="the study's own brake"
         )
@@ -222,7 +233,7 @@ def maps(rows: Sequence[Sequence[ErrorMap]], mark: Sequence[tuple[float, float]]
     return figure
 
 
-def _edges(centres: Floats) -> Floats:
+def _cell_edges(centres: Floats) -> Floats:
     """Edges (n + 1,) of cells around geometrically spaced centres (n,)."""
     ratio = np.sqrt(centres[1] / centres[0])
     return np.append(centres / ratio, centres[-1] * ratio)

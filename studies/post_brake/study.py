@@ -22,8 +22,8 @@ from drumlin.comparison import COLUMNS, Comparison, as_csv, run
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin.report import figures as drawing
-from drumlin.report.comparison import draw_fields, panels, results_json
-from drumlin.report.page import fill
+from drumlin.report.comparison import draw_fields, pressure_panels, results_as_json
+from drumlin.report.page import write_page
 from drumlin.response.norms import relative
 from drumlin_studies import post_brake_rows as post
 from drumlin_studies.post_brake_rows import ALL_LIFTS, POST_MODELS, Curve, ErrorMap, Merits, Offsets
@@ -66,25 +66,32 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     say("side by side")
     scene = prepare(brake, elements=elements)
     outcomes = [run("fem", partial(solve, brake, elements=elements), 1 if short else 3)]
-    outcomes += [run(name, partial(model, brake), repeats) for name, model in POST_MODELS.items()]
+    for name, model in POST_MODELS.items():
+        outcomes.append(run(name, partial(model, brake), repeats))
     comparison = Comparison("fits", brake, tuple(outcomes))
     responses = comparison.responses
+    # One simplification after the other is removed from the foundation model.
     say("what each simplification is worth")
     lifts = post.lift_rows(brake, responses["fem"])
+    # Linings that fit, of another radius, displaced, and worn in.
     say("clearance")
     clearances = post.clearance_rows(brake, scene)
-    offsets = post.radius_errors(brake, scene, np.linspace(-3e-3, 3e-3, 5 if short else 13))
+    offsets = post.torque_over_radius_error(
+        brake, scene, np.linspace(-3e-3, 3e-3, 5 if short else 13)
+    )
     say("friction")
     merits = post.merits_over_friction(brake, scene, np.linspace(0.05, 0.6, 4 if short else 12))
+    # Brakes that violate one assumption of the model each.
     say("where the assumptions end")
     assumptions = post.assumption_rows(brake, 16 if short else 40)
     say("map")
     maps, place = post.error_maps(brake, 3 if short else 7, 12 if short else 30)
+    # Steps of the foundation model along beam and ring.
     say("grids")
     grids = post.grid_rows(brake, repeats)
     beams, rims = (
-        post.beam_curves(scene, brake, responses),
-        post.rim_curves(scene, brake, responses),
+        post.beam_deflections(scene, brake, responses),
+        post.rim_displacements(scene, brake, responses),
     )
     return Result(
         comparison,
@@ -107,15 +114,17 @@ def report(result: Result, folder: Path) -> Path:
     """Write page, figures, fields, CSV and JSON, and return the path of the page."""
     comparison = result.comparison
     brake, responses = comparison.brake, comparison.responses
-    draw(result, folder)
+    draw_figures(result, folder)
     not_drawn = draw_fields(brake, responses["fem"], folder, "fields", elements=result.elements)
     write_text(folder / "results.csv", as_csv(comparison.rows))
     write_text(
         folder / "results.json",
-        results_json([comparison], **numbers(result)).replace("NaN", "null"),
+        results_as_json([comparison], **results_data(result)).replace("NaN", "null"),
     )
-    error = {row["lift"]: row["error"] for row in result.lifts}
-    return fill(
+    error = {}
+    for row in result.lifts:
+        error[row["lift"]] = row["error"]
+    return write_page(
         HERE / "page.html",
         folder / "index.html",
         result=result,
@@ -132,23 +141,26 @@ def report(result: Result, folder: Path) -> Path:
     )
 
 
-def draw(result: Result, folder: Path) -> None:
+def draw_figures(result: Result, folder: Path) -> None:
     """Write the figures."""
     brake = result.comparison.brake
     made = {
-        "pressure": drawing.pressures(panels(result.comparison)),
-        "map": figures.maps(result.maps, result.place),
-        "beams": figures.beams(brake, result.beams),
-        "rim": figures.rim(*result.rims),
-        "clearance": figures.clearance(result.offsets),
-        **{key: figures.merits(brake, result.merits, key, label) for key, label in MERITS.items()},
+        "pressure": drawing.draw_pressure_panels(pressure_panels(result.comparison)),
+        "map": figures.draw_error_maps(result.maps, result.place),
+        "beams": figures.draw_beam_deflections(brake, result.beams),
+        "rim": figures.draw_rim_displacements(*result.rims),
+        "clearance": figures.draw_torque_over_radius_error(result.offsets),
+        **{
+            key: figures.draw_merit_over_friction(brake, result.merits, key, label)
+            for key, label in MERITS.items()
+        },
     }
     for name, figure in made.items():
         for ending in ("svg", "png") if name in {"pressure", "map"} else ("svg",):
-            drawing.save(figure, folder / f"{name}.{ending}")
+            drawing.save_figure(figure, folder / f"{name}.{ending}")
 
 
-def numbers(result: Result) -> dict[str, Any]:
+def results_data(result: Result) -> dict[str, Any]:
     """The content of results.json beside the comparison, as plain data."""
     return {
         "lifts": result.lifts,

@@ -10,12 +10,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from drumlin.lining_wear.archard import at
+from drumlin.lining_wear.archard import interpolate_state
 from drumlin.lining_wear.linings import WornLining
-from drumlin.lining_wear.run_in import peak
-from drumlin.report.figures import STYLE, key, mark_cut
+from drumlin.lining_wear.run_in import peak_nodal_pressure
+from drumlin.report.figures import STYLE, draw_legend, mark_cut_off_curve
 from drumlin.report.palette import BLUE, INK, RED
-from drumlin_studies.run_in_limits import Board, Reversals, Run
+from drumlin_studies.run_in_limits import EqualStepsEnd, Reversals, Run
 
 NEW, LATE, LAW = BLUE, INK, RED
 DISTANCE = "sliding distance s k K"
@@ -30,7 +30,7 @@ class Series(NamedTuple):
     color: str | None = None
 
 
-def pressures(one: Run, curves: Sequence[float]) -> Figure:
+def draw_pressures_over_distance(one: Run, curves: Sequence[float]) -> Figure:
     """Pressure over angle and sliding distance, a row for each lining.
 
     curves : sliding distances of the curves [1/(k K)]; a picture beside them shows all distances.
@@ -40,17 +40,19 @@ def pressures(one: Run, curves: Sequence[float]) -> Figure:
         rows = len(setup.surfaces)
         figure = Figure(figsize=(10.6, 3.5 * rows), layout="constrained")
         grid = figure.subplots(rows, 2, squeeze=False, width_ratios=(1.0, 1.0))
-        top = 1.15 * peak(setup, states[0])
+        # The scale of pressure ends above the peak of the new brake.
+        top = 1.15 * peak_nodal_pressure(setup, states[0])
         shades = mpl.colormaps["viridis_r"](np.linspace(0.12, 1.0, len(curves)))
         for (left, right), surface in zip(grid, setup.surfaces, strict=True):
             theta = np.degrees(surface.angles)
+            # One curve for each chosen distance.
             for s, shade in zip(curves, shades, strict=True):
-                p = surface.along(at(states, s * one.unit).pressure)
+                p = surface.along(interpolate_state(states, s * one.unit).pressure)
                 left.plot(
                     theta, p * 1e-6, color=shade, lw=1.6, label=f"s k K = {s:g}" if s else "new"
                 )
                 left.set_ylim(0, top * 1e-6)
-                mark_cut(left, theta, p * 1e-6, shade)
+                mark_cut_off_curve(left, theta, p * 1e-6, shade)
             left.plot(
                 theta,
                 surface.along(one.goal.pressure) * 1e-6,
@@ -61,21 +63,24 @@ def pressures(one: Run, curves: Sequence[float]) -> Figure:
             )
             left.set(xlim=(theta[0], theta[-1]), ylabel="pressure p [MPa]")
             left.set_title(f"{surface.name} shoe")
-            _over_distance(right, one, surface, top)
+            _draw_pressure_map(right, one, surface, top)
             right.set_title(f"{surface.name} shoe, over the distance; white: no contact")
         for axes in grid[-1]:
             axes.set_xlabel("angle on the drum θ [deg]")
-        key(figure, grid[0, 0])
+        draw_legend(figure, grid[0, 0])
         bar = mpl.cm.ScalarMappable(mpl.colors.Normalize(0, top * 1e-6), "viridis")
         figure.colorbar(bar, ax=grid[:, 1].tolist(), label="pressure p [MPa]", shrink=0.8)
     return figure
 
 
-def _over_distance(axes: Axes, one: Run, surface: WornLining, top: float) -> None:
+def _draw_pressure_map(axes: Axes, one: Run, surface: WornLining, top: float) -> None:
     """Draw p over angle and logarithm of the distance. Places without contact are white."""
+    # Distances evenly spread on a logarithmic scale, over four decades.
     end = one.states[-1].s / one.unit
     levels = np.geomspace(end * 1e-4, end, 240)
-    p = np.array([surface.along(at(one.states, s * one.unit).pressure) for s in levels])
+    p = np.array(
+        [surface.along(interpolate_state(one.states, s * one.unit).pressure) for s in levels]
+    )
     axes.pcolormesh(
         np.degrees(surface.angles),
         levels,
@@ -91,40 +96,45 @@ def _over_distance(axes: Axes, one: Run, surface: WornLining, top: float) -> Non
     axes.grid(False)
 
 
-def torques(runs: Sequence[Run]) -> Figure:
+def draw_torques_over_distance(runs: Sequence[Run]) -> Figure:
     """Relative difference of the torque from the law over the distance, a line for each run."""
-    return lines(
-        [torque_off(one, one.name) for one in runs], "torque off the law [%]", law="law", band=0.1
+    return draw_lines_over_distance(
+        [torque_error_series(one, one.name) for one in runs],
+        "torque off the law [%]",
+        law="law",
+        band=0.1,
     )
 
 
-def torque_off(one: Run, label: str, color: str | None = None) -> Series:
+def torque_error_series(one: Run, label: str, color: str | None = None) -> Series:
     """Torque off the law [%] over the distance."""
     return Series(
         label, one.distances(), [100 * (s.torque / one.goal.torque - 1) for s in one.states], color
     )
 
 
-def held(one: Run) -> Figure:
+def draw_held_force(one: Run) -> Figure:
     """The force that holds the law's torque."""
-    force = [100 * (state.force - 1) for state in one.states]
+    force = []
+    for state in one.states:
+        force.append(100 * (state.force - 1))
     series = Series("force for the law's torque", one.distances(), force)
-    return lines([series], "force off the brake's own [%]", law="law: no change")
+    return draw_lines_over_distance([series], "force off the brake's own [%]", law="law: no change")
 
 
-def reversal(main: Run, turned: Reversals) -> Figure:
+def draw_reversals(main: Run, turned: Reversals) -> Figure:
     """Torque and pressure of the main brake off its laws as the drum turns both ways."""
     one = replace(main, states=turned.states)
     far = Series("p off the law (L2) / 10", one.distances(), [10 * x for x in turned.far], LATE)
-    return lines(
-        [torque_off(one, "torque off the law", NEW), far],
+    return draw_lines_over_distance(
+        [torque_error_series(one, "torque off the law", NEW), far],
         "distance from the law [%]",
         law="law",
         log=False,
     )
 
 
-def lines(
+def draw_lines_over_distance(
     series: Sequence[Series],
     ylabel: str,
     *,
@@ -143,6 +153,7 @@ def lines(
         shades = mpl.colormaps["viridis"](np.linspace(0, 0.9, max(len(series), 2)))
         for one, shade in zip(series, shades, strict=False):
             axes.plot(one.x, one.y, lw=1.6, color=one.color or shade, label=one.label)
+        # The symmetric logarithm shows the new brake at the distance 0, too.
         if log:
             axes.set_xscale("symlog", linthresh=0.01, linscale=0.3)
             ticks = [
@@ -154,11 +165,11 @@ def lines(
             axes.set_xlim(0, 1.1 * max(max(one.x) for one in series))
         axes.set_xlabel(f"{DISTANCE} (0: new)" if log else DISTANCE)
         axes.set_ylabel(ylabel)
-        key(figure, axes)
+        draw_legend(figure, axes)
     return figure
 
 
-def profiles(one: Run, curves: Sequence[float]) -> Figure:
+def draw_worn_profiles(one: Run, curves: Sequence[float]) -> Figure:
     """Worn depth over the angle at some distances, and the arcs in contact over the distance.
 
     Each lining has a column.
@@ -173,11 +184,13 @@ def profiles(one: Run, curves: Sequence[float]) -> Figure:
         for column, surface in zip(grid.T, setup.surfaces, strict=True):
             theta = np.degrees(surface.angles)
             for s, shade in zip(curves, shades, strict=True):
-                depth = surface.along(at(states, s * unit).depth)
+                depth = surface.along(interpolate_state(states, s * unit).depth)
                 column[0].plot(theta, depth * 1e6, color=shade, lw=1.6, label=f"s k K = {s:g}")
             column[0].set_yscale("symlog", linthresh=1)
             column[0].set_title(f"{surface.name} shoe")
-            touching = np.array([surface.along(at(states, s * unit).pressure) > 0 for s in levels])
+            touching = np.array(
+                [surface.along(interpolate_state(states, s * unit).pressure) > 0 for s in levels]
+            )
             column[1].contourf(
                 theta, levels, touching, levels=[0.5, 1.5], colors=[BLUE], alpha=0.35
             )
@@ -185,11 +198,11 @@ def profiles(one: Run, curves: Sequence[float]) -> Figure:
             column[1].set_xlabel("angle on the drum θ [deg]")
         grid[0, 0].set_ylabel("worn depth [µm]")
         grid[1, 0].set_ylabel(f"{DISTANCE}, in contact: filled")
-        key(figure, grid[0, -1])
+        draw_legend(figure, grid[0, -1])
     return figure
 
 
-def checkerboard(surface: WornLining, boards: Sequence[Board]) -> Figure:
+def draw_checkerboards(surface: WornLining, boards: Sequence[EqualStepsEnd]) -> Figure:
     """Nodal pressures of the most loaded third of a lining, a panel for each way to step.
 
     Titles tell the checkerboard of the pressure.
@@ -198,6 +211,7 @@ def checkerboard(surface: WornLining, boards: Sequence[Board]) -> Figure:
         figure = Figure(figsize=(10.6, 3.6), layout="constrained")
         grid = figure.subplots(1, len(boards), sharey=True, squeeze=False)[0]
         theta = np.degrees(surface.angles)
+        # The third of the lining about its largest pressure.
         third = (theta[-1] - theta[0]) / 3
         smooth = surface.along(boards[0].state.pressure)
         start = min(max(theta[smooth.argmax()] - third / 2, theta[0]), theta[-1] - third)

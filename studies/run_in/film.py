@@ -16,24 +16,26 @@ from studies.run_in.figures import DISTANCE, LATE, LAW, NEW
 
 from drumlin.base.files import replacing
 from drumlin.lining_wear.linings import WearSetup
-from drumlin.lining_wear.run_in import peak
+from drumlin.lining_wear.run_in import peak_nodal_pressure
 from drumlin.report.figures import STYLE
 from drumlin_studies.run_in_limits import Run, RunFrame
 
 
-def film(one: Run, frames: Sequence[RunFrame], path: Path) -> Path:
+def write_film(one: Run, frames: Sequence[RunFrame], path: Path) -> Path:
     """Write a GIF of shoes that run in, and return its path.
 
     It shows the deformed shoes with their stress, and the pressure on the drum and over the angle.
     """
-    top = 1.15 * peak(one.setup, frames[0].state)
+    # All pictures share the scales of the first one, where pressure and stress are largest.
+    top = 1.15 * peak_nodal_pressure(one.setup, frames[0].state)
     stresses = np.concatenate([f.von_mises for f in frames[0].fields])
     stress = float(np.percentile(stresses, 99)) * 1e-6
     move = max(float(np.abs(f.displacement).max()) for f in frames[0].fields)
+    # The largest displacement is drawn as 6 % of the drum radius.
     scale = float(f"{0.06 * one.setup.brake.size / move:.1g}")
     pictures = []
     for number in range(len(frames)):
-        figure = _frame(one, frames, number, (top, stress, scale))
+        figure = _draw_frame(one, frames, number, (top, stress, scale))
         buffer = io.BytesIO()
         FigureCanvasAgg(figure)
         figure.savefig(buffer, dpi=80, format="png")
@@ -50,7 +52,7 @@ def film(one: Run, frames: Sequence[RunFrame], path: Path) -> Path:
     return path
 
 
-def _frame(
+def _draw_frame(
     one: Run, frames: Sequence[RunFrame], number: int, scales: tuple[float, float, float]
 ) -> Figure:
     """One picture of the film.
@@ -62,8 +64,9 @@ def _frame(
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(10.4, 5.4), layout="constrained")
         left, right = np.asarray(figure.subfigures(1, 2, width_ratios=(1.0, 0.95)), dtype=object)
-        _shoes(left.subplots(), setup, frames[number], frames[0].turns, scales)
+        _draw_deformed_shoes(left.subplots(), setup, frames[number], frames[0].turns, scales)
         panels = right.subplots(len(setup.surfaces) + 1, 1)
+        # Pressure over the angle, a panel for each lining, with the law dashed.
         for axes, surface in zip(panels, setup.surfaces, strict=False):
             theta, p = np.degrees(surface.angles), surface.along(state.pressure) * 1e-6
             axes.fill_between(theta, np.minimum(p, top * 1e-6), color=NEW, alpha=0.25, lw=0)
@@ -71,9 +74,14 @@ def _frame(
             axes.plot(theta, surface.along(goal.pressure) * 1e-6, color=LAW, lw=1.4, ls="--")
             axes.set(ylim=(0, top * 1e-6), xlim=(theta[0], theta[-1]), ylabel="p [MPa]")
             axes.set_title(f"{surface.name} shoe: pressure over θ [deg]; dashed: law", fontsize=9)
+        # The last panel: torque over the distance, with a dot at the present moment.
         axes = panels[-1]
-        s = [max(frame.state.s / unit, 1e-3) for frame in frames]
-        torque = [frame.state.torque for frame in frames]
+        s = []
+        for frame in frames:
+            s.append(max(frame.state.s / unit, 1e-3))
+        torque = []
+        for frame in frames:
+            torque.append(frame.state.torque)
         axes.semilogx(s, torque, color="#c9d1d9", lw=1.4)
         axes.semilogx(s[: number + 1], torque[: number + 1], color=NEW, lw=1.8)
         axes.plot(s[number], torque[number], "o", color=NEW, ms=5)
@@ -89,7 +97,7 @@ def _frame(
     return figure
 
 
-def _shoes(
+def _draw_deformed_shoes(
     axes: Axes,
     setup: WearSetup,
     frame: RunFrame,
@@ -99,7 +107,7 @@ def _shoes(
     """Draw the deformed shoes with the pressure on the drum.
 
     The turn of a shoe that takes up the wear is left out, because it would move the shoe out of the
-    picture. first : turn of each shoe with new linings [rad]; scales : as of `_frame`.
+    picture. first : turn of each shoe with new linings [rad]; scales : as of `_draw_frame`.
     """
     top, stress, scale = scales
     brake = setup.brake
@@ -107,9 +115,11 @@ def _shoes(
     for fields, shoe, turn, start in zip(
         frame.fields, brake.shoes, frame.turns, first, strict=True
     ):
+        # The turn about the pin since the start would move the shoe out of the picture.
         arm = fields.points - shoe.pin.xy
         followed = (turn - start) * np.column_stack([-arm[:, 1], arm[:, 0]])
         x, y = (fields.points + scale * (fields.displacement - followed)).T
+        # Each quadrilateral is drawn as two triangles.
         quads = fields.cells[:, :4] if fields.cell_type.startswith("quad") else None
         corners = (
             fields.cells[:, :3]
@@ -128,12 +138,14 @@ def _shoes(
         )
     for surface in setup.surfaces:
         theta, p = surface.angles, np.minimum(surface.along(frame.state.pressure), top)
+        # Bars along the drum show the pressure.
         spread = np.linspace(theta[0], theta[-1], 70)
         tall = np.interp(spread, theta, p) / top * 0.3 * radius
         sign = brake.shoes[surface.shoe].sign
         ray = np.column_stack([np.cos(spread), np.sin(spread)])
         bars = np.stack([ray * radius, ray * (radius + sign * tall)[:, None]], axis=1)
         axes.add_collection(LineCollection(list(bars * 1e3), colors=LAW, linewidths=2.2))
+    # The drum as a circle.
     around = np.linspace(0, 2 * math.pi, 241)
     axes.plot(1e3 * radius * np.cos(around), 1e3 * radius * np.sin(around), color=LATE, lw=1.4)
     for shoe in brake.shoes:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from studies.run_in import figures
-from studies.run_in.film import film
+from studies.run_in.film import write_film
 
 from drumlin.base.errors import BadInput
 from drumlin.base.files import write_text
@@ -16,12 +16,13 @@ from drumlin.brake.file import read_brake
 from drumlin.brake.plane_brake import read_any
 from drumlin.comparison import as_csv
 from drumlin.fem.preparation.prepare import prepare
-from drumlin.lining_wear.linings import fem_setup
-from drumlin.lining_wear.run_in import distance
+from drumlin.lining_wear.linings import fem_wear_setup
+from drumlin.lining_wear.run_in import distance_from_target
 from drumlin.report import figures as drawing
-from drumlin.report.page import fill
+from drumlin.report.page import write_page
 from drumlin_studies import run_in_limits as limits
-from drumlin_studies.run_in_limits import Board, Reversals, Run, RunFrame
+from drumlin_studies.run_in_limits import EqualStepsEnd, Reversals, Run, RunFrame
+from drumlin_studies.tables import matching_rows, rows_with_value, values_of_key
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
@@ -62,7 +63,7 @@ class Result:
     held: Run
     reversals: list[Reversals]
     steps: list[dict[str, Any]]
-    boards: list[Board]
+    boards: list[EqualStepsEnd]
     frames: list[RunFrame]
     skipped: list[str]
     seconds: float
@@ -76,37 +77,45 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     start = time.perf_counter()
     elements = 30 if short else 80
     runs, brakes = list[Run](), list[dict[str, Any]]()
-    found, skipped = cases(short=short)
+    found, skipped = brakes_that_run_in(short=short)
     for name, model, brake in found:
         say(f"{name}, {model}")
         row, one = limits.brake_row(name, model, brake, elements)
         brakes.append(row)
         runs += [one] if one else []
+    # The main brake on one mesh, with stiff and with flexible shoes.
     say("the main brake")
     brake = read_brake(MAIN)
     scene = prepare(brake, elements=elements)
-    setup = fem_setup(scene, brake)
-    main = limits.settle("stiff shoes", setup)
+    setup = fem_wear_setup(scene, brake)
+    main = limits.run_until_settled("stiff shoes", setup)
     soft = read_brake(FLEXIBLE)
-    flexible = limits.settle("flexible shoes", fem_setup(prepare(soft, elements=elements), soft))
+    flexible = limits.run_until_settled(
+        "flexible shoes", fem_wear_setup(prepare(soft, elements=elements), soft)
+    )
     say("linings from soft to stiff")
-    ratios = [
-        limits.ratio_row(brake, ratio, elements) for ratio in (RATIOS[1::2] if short else RATIOS)
-    ]
+    ratios = []
+    for ratio in RATIOS[1::2] if short else RATIOS:
+        ratios.append(limits.ratio_row(brake, ratio, elements))
+    # A run with steps of half the size shows the error of the steps.
     say("half the step, twice the way")
     halves = [limits.half_row(one) for one in (main, flexible)]
     say("exponents")
-    exponents = [limits.exponent_row(setup, m) for m in ((2.0,) if short else EXPONENTS)]
+    exponents = []
+    for m in (2.0,) if short else EXPONENTS:
+        exponents.append(limits.exponent_row(setup, m))
+    # The actuation follows the friction so that the torque stays.
     say("held torque")
-    held = limits.settle("held torque", setup, torque=main.goal.torque)
+    held = limits.run_until_settled("held torque", setup, torque=main.goal.torque)
     reversals = []
     for every in REVERSALS[:1] if short else REVERSALS:
         say(f"reversed every {every:g}")
-        reversals.append(limits.reversed_run(scene, brake, every, 3 if short else 8))
+        reversals.append(limits.run_with_reversals(scene, brake, every, 3 if short else 8))
+    # Implicit and explicit steps of equal sizes.
     say("steps")
     steps, boards = limits.step_rows(main, END, STEPS)
     say("film")
-    frames = limits.frames(scene, main, 6 if short else 40)
+    frames = limits.run_frames(scene, main, 6 if short else 40)
     return Result(
         main,
         flexible,
@@ -125,7 +134,7 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     )
 
 
-def cases(*, short: bool) -> tuple[list[tuple[str, str, Brake]], list[str]]:
+def brakes_that_run_in(*, short: bool) -> tuple[list[tuple[str, str, Brake]], list[str]]:
     """Name, model and brake of all that can run in, and reasons for the files that cannot."""
     found, skipped = list[tuple[str, str, Brake]](), list[str]()
     for path in sorted([*(ROOT / "studies").glob("*/*.toml"), *(ROOT / "meshes").glob("*.toml")]):
@@ -140,8 +149,9 @@ def cases(*, short: bool) -> tuple[list[tuple[str, str, Brake]], list[str]]:
         if brake.surface.straight:
             skipped.append(f"{name}: shoes on a plane are not modelled elastically")
             continue
-        ways, reason = limits.ways(brake)
-        found += [(name + how, model, varied) for how, model, varied in ways]
+        ways, reason = limits.wearing_models_of(brake)
+        for how, model, varied in ways:
+            found.append((name + how, model, varied))
         skipped += [f"{name}: {reason}"] if reason else []
     return found, skipped
 
@@ -157,26 +167,36 @@ def report(result: Result, folder: Path) -> Path:
     }.items():
         write_text(folder / f"{name}.csv", as_csv(rows))
     reversal = result.reversals[min(1, len(result.reversals) - 1)]
-    least = limits.least_touching([result.main, *result.runs])
-    draw(result, least, reversal, folder)
-    lives = [row for row in result.brakes if "life" in row]
-    return fill(
+    least = limits.run_of_smallest_contact([result.main, *result.runs])
+    draw_figures(result, least, reversal, folder)
+    lives = []
+    for row in result.brakes:
+        if "life" in row:
+            lives.append(row)
+    far = []
+    for row in lives:
+        if abs(row["new_torque"]) > FAR:
+            far.append(row)
+    reversals = []
+    for one in result.reversals:
+        reversals.append(one.row)
+    return write_page(
         HERE / "page.html",
         folder / "index.html",
         result=result,
         stiff=limits.run_row(result.main),
         soft=limits.run_row(result.flexible),
-        met=sum(row["status"] == limits.AT_LAW for row in result.brakes),
+        met=len(matching_rows(result.brakes, status=limits.AT_LAW)),
         within=(limits.PRESSURE_AT_LAW, limits.TORQUE_AT_LAW),
         least=least,
-        far=[row for row in lives if abs(row["new_torque"]) > FAR],
-        volume=max(row["volume"] for row in result.brakes if "volume" in row),
+        far=far,
+        volume=max(values_of_key(rows_with_value(result.brakes, "volume"), "volume")),
         reversal=reversal.row,
-        reversals=[one.row for one in result.reversals],
+        reversals=reversals,
     )
 
 
-def draw(result: Result, least: Run, reversal: Reversals, folder: Path) -> None:
+def draw_figures(result: Result, least: Run, reversal: Reversals, folder: Path) -> None:
     """Write the figures and the film.
 
     Parameters
@@ -193,19 +213,26 @@ def draw(result: Result, least: Run, reversal: Reversals, folder: Path) -> None:
     main = result.main
     for key, one in (("stiff", main), ("flexible", result.flexible)):
         for ending in ("svg", "png"):
-            drawing.save(figures.pressures(one, CURVES[key]), folder / f"pressure_{key}.{ending}")
-    marks = [float(f"{least.distances()[-1] * part:.1g}") for part in OPEN_CURVES]
+            drawing.save_figure(
+                figures.draw_pressures_over_distance(one, CURVES[key]),
+                folder / f"pressure_{key}.{ending}",
+            )
+    marks = []
+    for part in OPEN_CURVES:
+        marks.append(float(f"{least.distances()[-1] * part:.1g}"))
     far = [
-        one for one in result.runs if abs(distance(one.setup, one.states[0], one.goal).torque) > FAR
+        one
+        for one in result.runs
+        if abs(distance_from_target(one.setup, one.states[0], one.goal).torque) > FAR
     ]
     made = {
-        "profiles": figures.profiles(least, marks),
-        "pressure_open": figures.pressures(least, [0.0, *marks]),
-        "torque": figures.torques(far or [main]),
-        "held": figures.held(result.held),
-        "reversal": figures.reversal(main, reversal),
-        "checkerboard": figures.checkerboard(main.setup.surfaces[0], result.boards),
+        "profiles": figures.draw_worn_profiles(least, marks),
+        "pressure_open": figures.draw_pressures_over_distance(least, [0.0, *marks]),
+        "torque": figures.draw_torques_over_distance(far or [main]),
+        "held": figures.draw_held_force(result.held),
+        "reversal": figures.draw_reversals(main, reversal),
+        "checkerboard": figures.draw_checkerboards(main.setup.surfaces[0], result.boards),
     }
     for name, figure in made.items():
-        drawing.save(figure, folder / f"{name}.svg")
-    film(main, result.frames, folder / "film.gif")
+        drawing.save_figure(figure, folder / f"{name}.svg")
+    write_film(main, result.frames, folder / "film.gif")

@@ -10,8 +10,20 @@ from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
-from drumlin.report.figures import STYLE, key
-from drumlin.report.palette import BLUE, BROWN, GREEN, GREY, INK, OCHRE, PURPLE, RED, SKY, color_of
+from drumlin.report.figures import STYLE, draw_legend
+from drumlin.report.palette import (
+    BLUE,
+    BROWN,
+    GREEN,
+    GREY,
+    INK,
+    OCHRE,
+    PURPLE,
+    RED,
+    SKY,
+    color_of_model,
+)
+from drumlin_studies.tables import matching_rows, values_of_key
 
 COLORS = {
     "answer": BLUE,
@@ -36,14 +48,15 @@ SHADES = (BLUE, GREEN, OCHRE)
 Row = Mapping[str, Any]
 
 
-def strips(rows: Sequence[Row], knobs: Sequence[str]) -> Figure:
+def draw_outcome_strips(rows: Sequence[Row], knobs: Sequence[str]) -> Figure:
     """The cases of each sweep as cells of a line, coloured by outcome, with their digits."""
     with mpl.rc_context(STYLE | {"axes.grid": False}):
-        longest = max(sum(row["knob"] == knob for row in rows) for knob in knobs)
+        longest = max(len(matching_rows(rows, knob=knob)) for knob in knobs)
         figure = Figure(figsize=(12.5, 0.36 * len(knobs) + 1.5), layout="constrained")
         axes = figure.subplots()
+        # One line of cells for each sweep; a cell without a number has no answer.
         for line, knob in enumerate(knobs):
-            for place, row in enumerate(row for row in rows if row["knob"] == knob):
+            for place, row in enumerate(matching_rows(rows, knob=knob)):
                 color = COLORS[row["outcome"]]
                 axes.add_patch(Rectangle((place, line), 0.94, 0.84, color=color, lw=0))
                 if row.get("digits") is not None:
@@ -63,19 +76,20 @@ def strips(rows: Sequence[Row], knobs: Sequence[str]) -> Figure:
         axes.tick_params(length=0)
         for side in ("left", "bottom"):
             axes.spines[side].set_visible(False)
-        _legend(figure, rows)
+        _draw_outcome_legend(figure, rows)
     return figure
 
 
-def grids(rows: Sequence[Row], x: str, y: str, labels: tuple[str, str]) -> Figure:
+def draw_outcome_grids(rows: Sequence[Row], x: str, y: str, labels: tuple[str, str]) -> Figure:
     """Outcome and digits over two knobs, with even distances of their values."""
-    across = sorted({row["knobs"][x] for row in rows})
-    up = sorted({row["knobs"][y] for row in rows})
+    knobs = values_of_key(rows, "knobs")
+    across, up = (sorted(set(values_of_key(knobs, name))) for name in (x, y))
     with mpl.rc_context(STYLE | {"axes.grid": False}):
         figure = Figure(figsize=(12.5, 0.36 * len(up) + 2.1), layout="constrained")
         left, right = figure.subplots(1, 2, sharey=True)
         norm = BoundaryNorm(LEVELS, DIGITS.N)
         for row in rows:
+            # Both panels show the same case in the same cell.
             at = (across.index(row["knobs"][x]), up.index(row["knobs"][y]))
             left.add_patch(Rectangle(at, 0.96, 0.94, color=COLORS[row["outcome"]], lw=0))
             digits = row.get("digits")
@@ -96,16 +110,16 @@ def grids(rows: Sequence[Row], x: str, y: str, labels: tuple[str, str]) -> Figur
             axes.set_title(title)
             axes.set_xlim(0, len(across))
             axes.set_ylim(0, len(up))
-            axes.set_xticks(np.arange(len(across)) + 0.48, [short(v) for v in across])
-            axes.set_yticks(np.arange(len(up)) + 0.47, [short(v) for v in up])
+            axes.set_xticks(np.arange(len(across)) + 0.48, list(map(tick_label, across)))
+            axes.set_yticks(np.arange(len(up)) + 0.47, list(map(tick_label, up)))
             axes.tick_params(length=0)
             axes.set_xlabel(labels[0])
         left.set_ylabel(labels[1])
-        _legend(figure, rows)
+        _draw_outcome_legend(figure, rows)
     return figure
 
 
-def condition(rows: Sequence[Row]) -> Figure:
+def draw_digits_over_condition(rows: Sequence[Row]) -> Figure:
     """Digits of the torque over its condition.
 
     A line shows the digits that the condition leaves to double precision.
@@ -117,10 +131,13 @@ def condition(rows: Sequence[Row]) -> Figure:
             (False, BLUE, "condensed bodies, double precision"),
             (True, RED, "refined: condensation had lost too many digits"),
         ):
-            chosen = [r for r in rows if r.get("torque_condition") and r["refined"] is again]
+            chosen = []
+            for r in rows:
+                if r.get("torque_condition") and r["refined"] is again:
+                    chosen.append(r)
             axes.semilogx(
-                [r["torque_condition"] for r in chosen],
-                [r["digits"] for r in chosen],
+                values_of_key(chosen, "torque_condition"),
+                values_of_key(chosen, "digits"),
                 "o",
                 ms=4,
                 alpha=0.65,
@@ -128,6 +145,7 @@ def condition(rows: Sequence[Row]) -> Figure:
                 mec="none",
                 label=label,
             )
+        # Double precision leaves the digits of 1/(condition times machine precision).
         k = np.array([1.0, 1e16])
         left = -np.log10(k * np.finfo(float).eps)
         axes.semilogx(
@@ -138,11 +156,11 @@ def condition(rows: Sequence[Row]) -> Figure:
         axes.set_ylim(0, 16.5)
         axes.set_xlabel("condition of the torque relative to each entry of the whole system [–]")
         axes.set_ylabel("digits of the torque that survive")
-        key(figure, axes, ncols=1)
+        draw_legend(figure, axes, ncols=1)
     return figure
 
 
-def softening(series: Mapping[str, Sequence[tuple[float, float]]]) -> Figure:
+def draw_change_by_penalty(series: Mapping[str, Sequence[tuple[float, float]]]) -> Figure:
     """Relative change of the torque by a finite penalty, over the penalty, and a slope of -1."""
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(7.2, 4.2), layout="constrained")
@@ -151,6 +169,7 @@ def softening(series: Mapping[str, Sequence[tuple[float, float]]]) -> Figure:
             penalty, change = np.array([(a, e) for a, e in values if e > 0]).T
             axes.loglog(penalty, change, marker=marker, ms=5, lw=1.3, color=color, label=name)
             middle = np.flatnonzero(penalty >= 1e3)[0]
+            # A dashed guide of slope -1 runs beside the curve.
             guide = penalty[middle - 1 : middle + 7]
             axes.loglog(
                 guide, 2.5 * change[middle] * penalty[middle] / guide, color=GREY, lw=1, ls="--"
@@ -160,11 +179,13 @@ def softening(series: Mapping[str, Sequence[tuple[float, float]]]) -> Figure:
         axes.axvline(1e6, color=GREY, lw=0.8, ls=":")
         axes.set_xlabel("penalty, multiple of E/t of the lining [–]")
         axes.set_ylabel("|torque / torque of exact contact − 1| [–]")
-        key(figure, axes)
+        draw_legend(figure, axes)
     return figure
 
 
-def limits(panels: Sequence[tuple[str, Mapping[str, Sequence[Row]]]], law: float) -> Figure:
+def draw_locking_limits(
+    panels: Sequence[tuple[str, Mapping[str, Sequence[Row]]]], law: float
+) -> Figure:
     """Friction that locks the brake over the stiffness of a part, a panel for each part.
 
     Parameters
@@ -179,17 +200,17 @@ def limits(panels: Sequence[tuple[str, Mapping[str, Sequence[Row]]]], law: float
         grid = figure.subplots(1, len(panels), squeeze=False, sharey=True)
         for axes, (part, curves) in zip(grid.flat, panels, strict=True):
             for (name, rows), color in zip(curves.items(), SHADES, strict=False):
-                x, y = ([row[which] for row in rows] for which in ("factor", "mu_lock"))
+                x, y = values_of_key(rows, "factor"), values_of_key(rows, "mu_lock")
                 axes.semilogx(x, y, marker="o", ms=3, lw=1.6, color=color, label=name)
-            axes.axhline(law, color=color_of("sine"), ls="--", lw=1.4, label="sine law")
+            axes.axhline(law, color=color_of_model("sine"), ls="--", lw=1.4, label="sine law")
             axes.set_title(f"Stiffness of the {part}")
             axes.set_xlabel(f"modulus of the {part}, times its own [–]")
-        key(figure, grid[0, 0])
+        draw_legend(figure, grid[0, 0])
         grid[0, 0].set_ylabel("limit of self-locking μ [–]")
     return figure
 
 
-def poles(rows: Sequence[Row]) -> Figure:
+def draw_torque_poles(rows: Sequence[Row]) -> Figure:
     """Torque over friction, and torque times distance from the limit over this distance.
 
     rows : `name`, `mu`, `torque` [N m], `mu_lock`, `law_mu`, `law_torque` [N m], `law`.
@@ -207,18 +228,18 @@ def poles(rows: Sequence[Row]) -> Figure:
         left.plot(
             row["law_mu"],
             np.array(row["law_torque"]) * 1e-3,
-            color=color_of("sine"),
+            color=color_of_model("sine"),
             ls="--",
             lw=1.6,
             label="sine law",
         )
-        left.axvline(row["law"], color=color_of("sine"), lw=1, ls=":")
+        left.axvline(row["law"], color=color_of_model("sine"), lw=1, ls=":")
         left.set_ylim(0, highest * 1e-3)
-        left.set_xlim(0, 1.08 * max(row["mu_lock"] for row in rows))
+        left.set_xlim(0, 1.08 * max(values_of_key(rows, "mu_lock")))
         left.set_title("Torque towards the limits (dotted)")
         left.set_xlabel("friction coefficient μ [–]")
         left.set_ylabel("torque T [kN m]")
-        key(figure, left)
+        draw_legend(figure, left)
         right.invert_xaxis()
         right.set_title("Torque times distance from its limit")
         right.set_xlabel("distance from the limit $1 - \\mu/\\mu_\\mathrm{lock}$ [–]")
@@ -226,7 +247,7 @@ def poles(rows: Sequence[Row]) -> Figure:
     return figure
 
 
-def short(value: float) -> str:
+def tick_label(value: float) -> str:
     """A value as the label of a tick; powers of ten as powers."""
     if value == 0 or math.isinf(value):
         return "0" if value == 0 else "∞"
@@ -236,7 +257,13 @@ def short(value: float) -> str:
     return f"{value:.3g}"
 
 
-def _legend(figure: Figure, rows: Sequence[Row]) -> None:
-    there = {row["outcome"] for row in rows}
-    handles = [Patch(color=color, label=name) for name, color in COLORS.items() if name in there]
+def _draw_outcome_legend(figure: Figure, rows: Sequence[Row]) -> None:
+    """Draw the key of the outcomes that occur among the rows."""
+    there = set()
+    for row in rows:
+        there.add(row["outcome"])
+    handles = []
+    for name, color in COLORS.items():
+        if name in there:
+            handles.append(Patch(color=color, label=name))
     figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))

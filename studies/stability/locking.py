@@ -5,10 +5,18 @@ from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from drumlin.base.journal import Journal
 from drumlin.brake.file import read_brake, vary
 from drumlin.fem.model import PENALTY
-from drumlin_studies.self_locking import limit_row, slope_rows, torque_row, uniqueness_row
+from drumlin_studies.self_locking import (
+    locking_limit_row,
+    slope_rows,
+    torque_over_friction_row,
+    uniqueness_row,
+)
+from drumlin_studies.tables import matching_rows
 
 FILE = Path(__file__).parents[1] / "double_shoe" / "brake.toml"
 THICKNESSES = (8e-3, 3e-3, 1e-3)
@@ -63,43 +71,51 @@ def study(
     elements = 16 if short else 40
     brake, every = read_brake(FILE), 4 if short else 1
 
-    def locked(**case: Any) -> Row:
-        changes = {key: case[key] for key in case if "." in key}
+    def limit_row_of_case(**case: Any) -> Row:
+        """The row of the limit of self-locking of a case; keys with a dot change the brake."""
+        changes = {}
+        # Names of keys of the brake file contain a dot; other words only name the case.
+        for key, value in case.items():
+            if "." in key:
+                changes[key] = value
         return journal.once(
             {"of": "limit", **case},
-            lambda: limit_row(vary(brake, changes), case.get("n", elements)) | case,
+            lambda: locking_limit_row(vary(brake, changes), case.get("n", elements)) | case,
         )
 
     say("limits of self-locking")
     E = brake.shoes[0].body.material.E  # type: ignore[union-attr]
     shoe, ring = [], []
     for t in THICKNESSES:
-        for k in [k / 2 for k in range(-6, 13)][::every]:
+        for k in np.arange(-3.0, 6.5, 0.5)[::every].tolist():
             changes = {"shoe.body.material.E": E * 10**k, "shoe.lining.thickness": t}
-            shoe.append(locked(**changes, factor=10**k))
+            shoe.append(limit_row_of_case(**changes, factor=10**k))
     for support in ("free", "fixed"):
-        for k in [k / 2 for k in range(-8, 9)][::every]:
+        for k in np.arange(-4.0, 4.5, 0.5)[::every].tolist():
             changes = {
                 "drum.ring": RING | {"support": support},
                 "drum.ring.material.E": 120e9 * 10**k,
             }
-            ring.append(locked(**changes, factor=10**k, support=support))
+            ring.append(limit_row_of_case(**changes, factor=10**k, support=support))
     rigid = [
-        locked(**{"shoe.body": None, "shoe.lining.thickness": 8e-3 / 2**k, "n": 2 * elements})
+        limit_row_of_case(
+            **{"shoe.body": None, "shoe.lining.thickness": 8e-3 / 2**k, "n": 2 * elements}
+        )
         for k in range(3 if short else 6)
     ]
-    mesh = [
-        locked(**{"friction": 0.3, "n": n}) for n in ((10, 20, 40) if short else (20, 40, 80, 160))
-    ]
+    mesh = []
+    for n in (10, 20, 40) if short else (20, 40, 80, 160):
+        mesh.append(limit_row_of_case(**{"friction": 0.3, "n": n}))
     say("torque up to the limit")
     drums = {"rigid drum": brake, "with a free ring": vary(brake, {"drum.ring": RING})}
     torque = [
         journal.once(
             {"of": "torque", "ring": name != "rigid drum", "n": elements},
-            partial(torque_row, drum, name, elements),
+            partial(torque_over_friction_row, drum, name, elements),
         )
         for name, drum in drums.items()
     ]
+    # Random brakes from many starts: one answer below the limit, none above it.
     say("uniqueness")
     unique = []
     for k in range(3 if short else 30):
@@ -110,16 +126,19 @@ def study(
     slopes = []
     for name, (changes, penalty) in list(SLOPES.items())[: 1 if short else None]:
         compute = partial(slope_rows, vary(brake, changes), name, penalty)
-        computed = partial(_as_rows, compute)
+        computed = partial(_rows_for_journal, compute)
         slopes += journal.once({"of": "slopes", "name": name}, computed)["rows"]
     return Result(shoe, ring, rigid, mesh, torque, unique, slopes)
 
 
-def _as_rows(compute: Callable[[], list[Row]]) -> dict[str, list[Row]]:
+def _rows_for_journal(compute: Callable[[], list[Row]]) -> dict[str, list[Row]]:
     """Rows in the form that a journal keeps."""
     return {"rows": compute()}
 
 
-def by_thickness(rows: list[Row]) -> dict[float, list[Row]]:
+def rows_by_thickness(rows: list[Row]) -> dict[float, list[Row]]:
     """The rows over the stiffness of the shoe, by the thickness of its lining [m]."""
-    return {t: [row for row in rows if row["shoe.lining.thickness"] == t] for t in THICKNESSES}
+    found: dict[float, list[Row]] = {}
+    for t in THICKNESSES:
+        found[t] = matching_rows(rows, **{"shoe.lining.thickness": t})
+    return found

@@ -17,27 +17,28 @@ from studies.stability import figures, locking, ways
 from drumlin.base.files import write_text
 from drumlin.base.journal import Journal
 from drumlin.comparison import as_csv
-from drumlin.report.figures import save
-from drumlin.report.page import fill
+from drumlin.report.figures import save_figure
+from drumlin.report.page import write_page
 from drumlin_studies import consistency, self_locking
-from drumlin_studies.extreme_cases import cases
+from drumlin_studies.extreme_cases import designed_cases
 from drumlin_studies.outcomes import (
     POINTWISE_OUTCOMES,
-    counted,
-    faults,
+    count_values_by_knob,
+    fault_rows,
+    penalty_error_slope,
     penalty_rows,
-    slope,
-    softening,
-    timings,
-    worst,
+    rows_of_fewest_digits,
+    time_rows_by_knob,
+    torque_change_by_penalty,
 )
+from drumlin_studies.tables import matching_rows, rows_with_value, values_of_key
 from drumlin_studies.trial import (
     ANSWERS,
     LARGEST_RESIDUAL,
     REFUSALS,
     TORQUE_DIGITS,
     TRIAL_OUTCOMES,
-    trial,
+    try_case,
 )
 
 HERE = Path(__file__).parent
@@ -93,14 +94,15 @@ def study(
     """
     start = time.perf_counter()
     journal = journal or Journal()
-    keys = {case: {"case": repr(case)} for case in cases(short=short)}
+    # Cases that the journal has are not tried again.
+    keys = {case: {"case": repr(case)} for case in designed_cases(short=short)}
     left = [case for case, key in keys.items() if key not in journal]
     if short:
         for case in left:
-            journal.add(keys[case], trial(case))
+            journal.add(keys[case], try_case(case))
     else:
         with ProcessPoolExecutor(WORKERS, mp_context=get_context("spawn")) as pool:
-            for done, (case, row) in enumerate(zip(left, pool.map(trial, left), strict=True), 1):
+            for done, (case, row) in enumerate(zip(left, pool.map(try_case, left), strict=True), 1):
                 journal.add(keys[case], row)
                 if done % 10 == 0:
                     say(f"{done} of {len(left)} cases")
@@ -117,65 +119,110 @@ def study(
 def report(result: Result, folder: Path) -> Path:
     """Write page, figures and tables, and return the path of the page."""
     rows = result.rows
-    compared = [row._asdict() | {"outcome": row.outcome} for row in result.compared]
+    compared = []
+    for check in result.compared:
+        compared.append(check._asdict() | {"outcome": check.outcome})
     write_text(folder / "ways.csv", as_csv(compared))
     write_text(
         folder / "cases.csv",
         as_csv([{k: v for k, v in row.items() if k != "knobs"} for row in rows]),
     )
-    known = [row for row in rows if row.get("digits") is not None]
-    softened = softening(rows)
+    known = rows_with_value(rows, "digits")
+    softened = torque_change_by_penalty(rows)
     swept = softened if softened and all(len(values) >= 4 for values in softened.values()) else {}
-    draw(result, known, swept, folder)
-    locked, table = result.locked, unique_rows(result.locked.unique)
-    return fill(
+    draw_figures(result, known, swept, folder)
+    locked = result.locked
+    grids = {}
+    for knob in GRIDS:
+        grids[knob] = _figure_file(knob)
+    # The slopes of the penalty error, and its largest value at the default penalty or above.
+    slopes = []
+    for values in swept.values():
+        slopes.append(penalty_error_slope(values))
+    changes = []
+    for values in swept.values():
+        for penalty, change in values:
+            if penalty >= 1e6:
+                changes.append(change)
+    ways_counted = []
+    for count in consistency.count_outcomes(result.compared):
+        ways_counted.append(count._asdict())
+    below = []
+    for row in known:
+        if row["digits"] < min(TORQUE_DIGITS, row["allowed"]):
+            below.append(row)
+    return write_page(
         HERE / "page.html",
         folder / "index.html",
         result=result,
         rows=rows,
-        answers=[row for row in rows if row["outcome"] in ANSWERS],
-        refused=[row for row in rows if row["outcome"] in (*REFUSALS.values(), "bad input")],
-        unanswered=[row for row in rows if row["outcome"] not in ANSWERS],
-        faults=faults(rows),
+        **_rows_by_ending(rows),
+        faults=fault_rows(rows),
         residual=LARGEST_RESIDUAL,
         required=TORQUE_DIGITS,
-        grids={knob: _file(knob) for knob in GRIDS},
+        grids=grids,
         outcome_names=TRIAL_OUTCOMES,
-        outcomes=counted(rows, "outcome", TRIAL_OUTCOMES),
+        outcomes=count_values_by_knob(rows, "outcome", TRIAL_OUTCOMES),
         known=known,
-        median_digits=statistics.median(row["digits"] for row in known),
-        below=[row for row in known if row["digits"] < min(TORQUE_DIGITS, row["allowed"])],
-        worst=worst(rows),
+        median_digits=statistics.median(values_of_key(known, "digits")),
+        below=below,
+        worst=rows_of_fewest_digits(rows),
         pointwise_names=POINTWISE_OUTCOMES,
-        pointwise=counted(rows, "pointwise", POINTWISE_OUTCOMES),
+        pointwise=count_values_by_knob(rows, "pointwise", POINTWISE_OUTCOMES),
         penalties=penalty_rows(rows) if swept else [],
-        stiff=max(
-            (change for values in swept.values() for a, change in values if a >= 1e6), default=None
-        ),
-        slopes=[slope(values) for values in swept.values()],
-        timings=timings(rows),
-        locked=locked,
-        law=locked.mesh[0]["law"],
-        stiffest=[
-            max(of, key=lambda row: row["factor"])
-            for of in locking.by_thickness(locked.shoe).values()
-        ],
-        rigid=[
-            row | {"per_thickness": row["difference"] / row["t_over_R"]} for row in locked.rigid
-        ],
-        own_ring=next(
-            row for row in locked.ring if row["support"] == "free" and row["factor"] == 1
-        ),
-        poles={row["name"]: self_locking.pole(row) for row in locked.torque},
-        agreeing=[row for row in table if not row["disagreeing"]],
-        disagreeing=[row for row in table if row["disagreeing"]],
+        stiff=max(changes, default=None),
+        slopes=slopes,
+        timings=time_rows_by_knob(rows),
+        **_locking_values(locked),
         limits=self_locking,
-        ways_counted=[count._asdict() for count in consistency.counted(result.compared)],
-        ways_differing=[row for row in compared if row["outcome"] == "differs"],
+        ways_counted=ways_counted,
+        ways_differing=matching_rows(compared, outcome="differs"),
     )
 
 
-def draw(
+def _rows_by_ending(rows: list[Row]) -> dict[str, list[Row]]:
+    """The rows with an answer, those refused for a stated reason, and all without an answer."""
+    endings: dict[str, list[Row]] = {"answers": [], "refused": [], "unanswered": []}
+    for row in rows:
+        has_answer = row["outcome"] in ANSWERS
+        endings["answers" if has_answer else "unanswered"].append(row)
+        if row["outcome"] in (*REFUSALS.values(), "bad input"):
+            endings["refused"].append(row)
+    return endings
+
+
+def _locking_values(locked: locking.Result) -> dict[str, Any]:
+    """The values on self-locking that the page quotes, by their names on the page."""
+    # The limit of the stiffest shoe, for each thickness of the lining.
+    stiffest = []
+    for of_thickness in locking.rows_by_thickness(locked.shoe).values():
+        stiffest.append(max(of_thickness, key=lambda row: row["factor"]))
+    # Difference from the law's limit over the relative thickness of the lining.
+    rigid = []
+    for row in locked.rigid:
+        rigid.append(row | {"per_thickness": row["difference"] / row["t_over_R"]})
+    poles = {}
+    for row in locked.torque:
+        poles[row["name"]] = self_locking.torque_pole(row)
+    # Random brakes whose answers agree, and those with several answers below the limit.
+    table = uniqueness_page_rows(locked.unique)
+    agreeing: list[Row] = []
+    disagreeing: list[Row] = []
+    for row in table:
+        (disagreeing if row["disagreeing"] else agreeing).append(row)
+    return {
+        "locked": locked,
+        "law": locked.mesh[0]["law"],
+        "stiffest": stiffest,
+        "rigid": rigid,
+        "own_ring": matching_rows(locked.ring, support="free", factor=1)[0],
+        "poles": poles,
+        "agreeing": agreeing,
+        "disagreeing": disagreeing,
+    }
+
+
+def draw_figures(
     result: Result, known: list[Row], swept: dict[str, list[tuple[float, float]]], folder: Path
 ) -> None:
     """Write the figures.
@@ -194,33 +241,35 @@ def draw(
     rows, locked = result.rows, result.locked
     knobs = [
         knob
-        for knob in dict.fromkeys(row["knob"] for row in rows)
+        for knob in dict.fromkeys(values_of_key(rows, "knob"))
         if " × " not in knob and knob != "hypercube"
     ]
-    save(figures.strips(rows, knobs), folder / "sweeps.svg")
+    save_figure(figures.draw_outcome_strips(rows, knobs), folder / "sweeps.svg")
     for knob, (x, y, labels) in GRIDS.items():
-        save(
-            figures.grids([row for row in rows if row["knob"] == knob], x, y, labels),
-            folder / _file(knob),
+        save_figure(
+            figures.draw_outcome_grids(matching_rows(rows, knob=knob), x, y, labels),
+            folder / _figure_file(knob),
         )
-    save(figures.condition(known), folder / "condition.svg")
+    save_figure(figures.draw_digits_over_condition(known), folder / "condition.svg")
     if swept:
-        save(figures.softening(swept), folder / "penalty.svg")
-    shoes = {f"lining {t * 1e3:g} mm": of for t, of in locking.by_thickness(locked.shoe).items()}
-    rings = {
-        f"{support} rim": [r for r in locked.ring if r["support"] == support]
-        for support in ("free", "fixed")
-    }
+        save_figure(figures.draw_change_by_penalty(swept), folder / "penalty.svg")
+    shoes = {}
+    for t, of in locking.rows_by_thickness(locked.shoe).items():
+        shoes[f"lining {t * 1e3:g} mm"] = of
+    rings = {}
+    for support in ("free", "fixed"):
+        rings[f"{support} rim"] = matching_rows(locked.ring, support=support)
     panels = [("shoe", shoes), ("drum ring", rings)]
-    save(figures.limits(panels, locked.mesh[0]["law"]), folder / "locking.svg")
-    save(figures.poles(locked.torque), folder / "locking_torque.svg")
+    save_figure(figures.draw_locking_limits(panels, locked.mesh[0]["law"]), folder / "locking.svg")
+    save_figure(figures.draw_torque_poles(locked.torque), folder / "locking_torque.svg")
 
 
-def _file(knob: str) -> str:
+def _figure_file(knob: str) -> str:
+    """The name of the file of a grid's figure."""
     return knob.replace(" × ", "_") + ".svg"
 
 
-def unique_rows(rows: list[Row]) -> list[Row]:
+def uniqueness_page_rows(rows: list[Row]) -> list[Row]:
     """Rows of the random brakes for the page: kind of the limit, and where answers disagree."""
     return [
         row

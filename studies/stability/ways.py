@@ -22,7 +22,7 @@ FIRST_SEED = 200_000
 """First seed of the brakes. No error of drumlin was found and repaired on these brakes."""
 
 
-class Ways(NamedTuple):
+class PathCheck(NamedTuple):
     """A check on random brakes: its title, the rows of a seed, and the number of brakes."""
 
     title: str
@@ -30,18 +30,26 @@ class Ways(NamedTuple):
     brakes: int
 
 
-WAYS = {
-    "refusals": Ways("Refused by levels, and by three meshes", consistency_refused.checks, 2000),
-    "holding": Ways(
-        "The holding brake at full slip, and the sliding brake", consistency_hold.checks, 600
+PATH_CHECKS = {
+    "refusals": PathCheck(
+        "Refused by levels, and by three meshes", consistency_refused.refusal_rows, 2000
     ),
-    "wear": Ways(
-        "Wear at its start and end, the sliding and the worn-in brake", consistency_wear.checks, 600
+    "holding": PathCheck(
+        "The holding brake at full slip, and the sliding brake",
+        consistency_hold.hold_against_solve_rows,
+        600,
     ),
-    "slopes": Ways("Printed slopes, and central differences", consistency_slopes.checks, 600),
-    "blocks": Ways(
+    "wear": PathCheck(
+        "Wear at its start and end, the sliding and the worn-in brake",
+        consistency_wear.wear_rows,
+        600,
+    ),
+    "slopes": PathCheck(
+        "Printed slopes, and central differences", consistency_slopes.slope_rows_of_seed, 600
+    ),
+    "blocks": PathCheck(
         "True errors of linings with 7 to 30 blocks, and stated ones",
-        consistency_blocks.checks,
+        consistency_blocks.block_error_rows,
         100,
     ),
 }
@@ -55,7 +63,7 @@ def study(
     short : whether two brakes of each check, in this process, are enough.
     """
     rows = []
-    for name, way in WAYS.items():
+    for name, way in PATH_CHECKS.items():
         say(way.title)
         count = 2 if short else way.brakes
         keys = {
@@ -63,7 +71,7 @@ def study(
             for seed in range(FIRST_SEED, FIRST_SEED + count)
         }
         left = [seed for seed, key in keys.items() if key not in journal]
-        make = partial(_rows, name)
+        make = partial(_check_rows, name)
         if short:
             for seed in left:
                 journal.add(keys[seed], make(seed))
@@ -78,6 +86,6 @@ def study(
     return rows
 
 
-def _rows(name: str, seed: int) -> dict[str, Any]:
+def _check_rows(name: str, seed: int) -> dict[str, Any]:
     """The rows of a check and a seed, in the form that a journal keeps."""
-    return {"rows": [check._asdict() for check in WAYS[name].checks(seed)]}
+    return {"rows": [check._asdict() for check in PATH_CHECKS[name].checks(seed)]}

@@ -1,19 +1,20 @@
 """The figures of the study of sweeps."""
 
 from collections.abc import Mapping, Sequence
+from operator import attrgetter
 
 import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
-from drumlin.report.figures import STYLE, key
+from drumlin.report.figures import STYLE, draw_legend
 from drumlin.report.palette import BLUE, GREEN, INK, OCHRE
-from drumlin_studies.throughput import Throughput, torques
+from drumlin_studies.throughput import Throughput, solved_torques
 
 COLORS = {"processes": BLUE, "Dask workers": OCHRE, "Dask workers that keep memory": GREEN}
 
 
-def throughput(measured: Mapping[str, Sequence[Throughput]]) -> Figure:
+def draw_throughput(measured: Mapping[str, Sequence[Throughput]]) -> Figure:
     """Cases a second as bars, a panel for each sweep."""
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(9.6, 3.4), layout="constrained")
@@ -34,17 +35,17 @@ def throughput(measured: Mapping[str, Sequence[Throughput]]) -> Figure:
                     xytext=(0, 2),
                     textcoords="offset points",
                 )
-            axes.set_xticks(range(len(those)), [str(one.workers) for one in those])
+            axes.set_xticks(range(len(those)), list(map(str, map(attrgetter("workers"), those))))
             axes.set_xlabel("workers")
             axes.set_title(name)
             axes.set_ylabel("throughput [cases/s]")
-            axes.set_ylim(0, 1.25 * max(one.rate for one in those))
+            axes.set_ylim(0, 1.25 * max(map(attrgetter("rate"), those)))
             axes.grid(visible=False, axis="x")
-        key(figure, figure.axes[0])
+        draw_legend(figure, figure.axes[0])
     return figure
 
 
-def torque(measured: Mapping[str, Sequence[Throughput]]) -> Figure:
+def draw_torque_distributions(measured: Mapping[str, Sequence[Throughput]]) -> Figure:
     """Distribution of the torque, a panel for each sweep.
 
     Lines show the median and the 2.5 and 97.5 percentiles.
@@ -53,7 +54,7 @@ def torque(measured: Mapping[str, Sequence[Throughput]]) -> Figure:
         figure = Figure(figsize=(9.6, 3.2), layout="constrained")
         panels = figure.subplots(1, 2, sharex=True)
         for axes, (name, those), color in zip(panels, measured.items(), (BLUE, GREEN), strict=True):
-            drawn = torques(those[0].rows)
+            drawn = solved_torques(those[0].rows)
             axes.hist(drawn, bins="auto", color=color, alpha=0.75)
             for percent in (2.5, 50, 97.5):
                 axes.axvline(

@@ -16,20 +16,20 @@ from studies.sweeps import figures
 
 from drumlin.base.files import write_text
 from drumlin.report import figures as drawing
-from drumlin.report.page import fill
-from drumlin.sweeps.cases import Row, run
+from drumlin.report.page import write_page
+from drumlin.sweeps.cases import Row, solve_cases
 from drumlin.sweeps.file import Sweep, read_sweep
-from drumlin.sweeps.table import table, write_table
+from drumlin.sweeps.table import make_case_table, write_table
 from drumlin_studies.throughput import (
     KEEP,
     Kill,
     Throughput,
-    coarser,
-    dask,
-    dask_keeping,
-    killed,
-    processes,
-    rates,
+    coarser_mesh_rows,
+    kill_and_finish_sweep,
+    rate_rows,
+    time_with_dask,
+    time_with_dask_keeping_memory,
+    time_with_processes,
     torque_spread,
 )
 
@@ -62,7 +62,11 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     """
     start = time.perf_counter()
     with_dask = not short and importlib.util.find_spec("distributed") is not None
-    ways = [processes, dask, dask_keeping] if with_dask else [processes]
+    ways = (
+        [time_with_processes, time_with_dask, time_with_dask_keeping_memory]
+        if with_dask
+        else [time_with_processes]
+    )
     counts = {SHARED: 60 if short else 1000, OWN: 4 if short else 150}
     sweeps = {name: read_sweep(HERE / file) for name, file in FILES.items()}
     measured: dict[str, list[Throughput]] = {name: [] for name in sweeps}
@@ -71,17 +75,21 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
             for workers in WORKERS:
                 say(f"{name}, {way.__name__}, {workers}")
                 measured[name].append(way(sweep.cases[: counts[name]], workers))
+    # Rows do not depend on who solved the cases.
     same = all(one.rows == those[0].rows for those in measured.values() for one in those)
     say("coarser meshes")
-    meshes = coarser(
+    meshes = coarser_mesh_rows(
         sweeps[OWN].cases[: 1 if short else 12],
         (20, 40, None) if short else (20, 40, 80, None),
         FINE,
     )
+    # A run that is killed several times must end with the same rows.
     cases = sweeps[SHARED].cases[: 100 if short else 1000]
     with tempfile.TemporaryDirectory() as folder:
-        kills, rows = killed(cases, Path(folder) / "journal", 1 if short else 5, seed=1, say=say)
-    expected = run(cases) if short else measured[SHARED][0].rows
+        kills, rows = kill_and_finish_sweep(
+            cases, Path(folder) / "journal", 1 if short else 5, seed=1, say=say
+        )
+    expected = solve_cases(cases) if short else measured[SHARED][0].rows
     return Result(
         measured,
         same,
@@ -96,19 +104,25 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
 
 def report(result: Result, folder: Path) -> Path:
     """Write page, figures and tables, and return the path of the page."""
-    drawing.save(figures.throughput(result.measured), folder / "throughput.svg")
-    drawing.save(figures.torque(result.measured), folder / "torque.svg")
+    drawing.save_figure(figures.draw_throughput(result.measured), folder / "throughput.svg")
+    drawing.save_figure(figures.draw_torque_distributions(result.measured), folder / "torque.svg")
     for name, those in result.measured.items():
         cases = result.sweeps[name].cases[: those[0].cases]
-        write_table(table(cases, those[0].rows), folder / f"{name.partition(':')[0]}.csv")
+        write_table(make_case_table(cases, those[0].rows), folder / f"{name.partition(':')[0]}.csv")
     rows = [
-        {"sweep": name} | row for name, those in result.measured.items() for row in rates(those)
+        {"sweep": name} | row for name, those in result.measured.items() for row in rate_rows(those)
     ]
     write_text(
         folder / "results.json",
         json.dumps({"throughput": rows, "meshes": result.meshes}, indent=1) + "\n",
     )
-    return fill(
+    kills = []
+    for i, kill in enumerate(result.kills):
+        kills.append({"run": i + 1} | kill._asdict())
+    files = {}
+    for file in FILES.values():
+        files[file] = (HERE / file).read_text()
+    return write_page(
         HERE / "page.html",
         folder / "index.html",
         result=result,
@@ -118,10 +132,10 @@ def report(result: Result, folder: Path) -> Path:
             {"sweep": name} | torque_spread(those[0].rows)
             for name, those in result.measured.items()
         ],
-        kills=[{"run": i + 1} | kill._asdict() for i, kill in enumerate(result.kills)],
+        kills=kills,
         with_dask=any(one.by != "processes" for those in result.measured.values() for one in those),
         keep=" and ".join(f"{name}={value}" for name, value in KEEP.items()),
         signal=int(signal.SIGKILL),
         fine=FINE,
-        files={file: (HERE / file).read_text() for file in FILES.values()},
+        files=files,
     )

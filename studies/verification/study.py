@@ -15,15 +15,28 @@ from drumlin.comparison import as_csv
 from drumlin.fem.mesh.arc import MESH_KINDS
 from drumlin.fem.solve import solve
 from drumlin.report import figures
-from drumlin.report.page import fill
+from drumlin.report.page import write_page
 from drumlin_studies import corner_rows, ladder, stated_true_figure
-from drumlin_studies.orders import distance, estimate_row, level_rows, line, order_rows
+from drumlin_studies.orders import (
+    estimate_row,
+    fit_error_line,
+    largest_pressure_distance,
+    level_rows,
+    order_rows,
+)
 from drumlin_studies.random_brake import random_brake
 from drumlin_studies.random_kinds import HOLDING_KINDS as KINDS_OF_HOLDING
-from drumlin_studies.random_kinds import random_kind
-from drumlin_studies.side_by_side import PROCESSES, Case, kept
-from drumlin_studies.stated_true import JUDGED_TOLERANCES, by_columns, by_triangles, row, summary
-from drumlin_studies.stated_true_figure import cloud
+from drumlin_studies.random_kinds import draw_brake_of_holding_kind
+from drumlin_studies.side_by_side import PROCESSES, Case, compute_and_keep_cases
+from drumlin_studies.stated_true import (
+    JUDGED_TOLERANCES,
+    stated_and_true_row,
+    summary_rows,
+    truth_by_hp_elements,
+    truth_by_triangles,
+)
+from drumlin_studies.stated_true_figure import draw_error_cloud
+from drumlin_studies.tables import matching_rows
 
 HERE = Path(__file__).parent
 BRAKE = HERE.parent / "double_shoe" / "brake.toml"
@@ -95,100 +108,124 @@ def study(
         reference = solve(brake, elements=fine, penalty=math.inf)
         # A mesh of another kind gives a second reference. No error below their distance is claimed.
         second = solve(brake, elements=other, kind="tri2", penalty=math.inf)
-        floor[case] = distance(second, reference)
+        floor[case] = largest_pressure_distance(second, reference)
         for kind in MESH_KINDS:
             say(f"{case}: {kind}")
             orders += order_rows(brake, case, kind, sizes, reference)
         for tolerance in tolerances:
             say(f"{case}: tolerance {tolerance:g}")
             estimates.append(estimate_row(brake, case, tolerance, reference, floor[case]))
+    # Errors of hp elements over the number of unknowns.
     say("columns, level by level")
     levels = level_rows(read_brake(BRAKE))
+    # Random brakes: each is solved to its tolerances and compared with its truth.
     processes = 0 if short else PROCESSES
-    cases = [
-        {"seed": seed, "tolerances": _tolerances(seed, short=short)}
-        for seed in _seeds(JUDGED, BRAKES, short)
-    ]
+    cases = []
+    for seed in _seeds_of_setting(JUDGED, BRAKES, short):
+        cases.append({"seed": seed, "tolerances": _tolerances_of_seed(seed, short=short)})
     say("random brakes")
     judged: list[dict[str, Any]] = []
-    for found in kept(cases, _judged, journal, say, processes):
+    for found in compute_and_keep_cases(cases, _stated_and_true_rows, journal, say, processes):
         judged += found["rows"]
+    # Brakes that press with a corner or under a tip, where p may be unbounded.
     count = 1 if short else CORNERS
-    cases = [{"corner": corner_rows.FIRST_JUDGED + k} for k in range(count)]
+    cases = []
+    for k in range(count):
+        cases.append({"corner": corner_rows.FIRST_JUDGED + k})
     say("random corners and tips")
     corners: list[dict[str, Any]] = []
-    for found in kept(cases, _cornered, journal, say, processes):
+    for found in compute_and_keep_cases(cases, _corner_case_rows, journal, say, processes):
         corners += found["rows"]
+    # Problems whose answer is known from a formula or a source.
     say("benchmark ladder")
-    known = [ladder.row(case) for case in ladder.LADDER_CASES]
+    known = list(map(ladder.case_row, ladder.LADDER_CASES))
     return Result(
         orders, levels, estimates, judged, corners, floor, known, time.perf_counter() - start
     )
 
 
-def _seeds(first: int, count: int, short: bool) -> range:
+def _seeds_of_setting(first: int, count: int, short: bool) -> range:
+    """Seeds from the first one on: `count` of them, or FEW in the short setting."""
     return range(first, first + (FEW if short else count))
 
 
-def _tolerances(seed: int, *, short: bool) -> list[float]:
+def _tolerances_of_seed(seed: int, *, short: bool) -> list[float]:
     """The tolerances to which the brake of a seed is solved."""
     if short:
         return list(JUDGED_TOLERANCES[:1])
     return list(JUDGED_TOLERANCES if seed % THIRD == 0 else JUDGED_TOLERANCES[:-1])
 
 
-def _cornered(case: Case) -> dict[str, Any]:
-    return {"rows": corner_rows.rows(case["corner"])}
+def _corner_case_rows(case: Case) -> dict[str, Any]:
+    """Stated and true errors of a brake that presses with a corner or under a tip."""
+    return {"rows": corner_rows.error_rows_of_seed(case["corner"])}
 
 
-def _drawn(seed: int) -> Brake:
+def _draw_brake(seed: int) -> Brake:
     """The brake of a seed: even seeds draw any shape, odd seeds any support of a drum brake."""
-    ways = [way for way in KINDS_OF_HOLDING if not way.startswith("pad")]
-    brake = random_kind(seed, ways[seed // 2 % len(ways)]) if seed % 2 else random_brake(seed)
+    ways = []
+    for way in KINDS_OF_HOLDING:
+        if not way.startswith("pad"):
+            ways.append(way)
+    brake = (
+        draw_brake_of_holding_kind(seed, ways[seed // 2 % len(ways)])
+        if seed % 2
+        else random_brake(seed)
+    )
     return brake
 
 
-def _judged(case: Case) -> dict[str, Any]:
+def _stated_and_true_rows(case: Case) -> dict[str, Any]:
     """Stated and true errors of a random brake, a row for each tolerance."""
     seed, tolerances = case["seed"], case["tolerances"]
-    brake, failure, true = _drawn(seed), "", None
+    brake, failure, true = _draw_brake(seed), "", None
+    # Triangles are independent of hp elements, but slow: they judge every TENTH brake.
     triangular = seed // 2 % TENTH == 0
     try:
-        true = by_triangles(brake) if triangular else by_columns(brake, tolerances[-1])
+        true = (
+            truth_by_triangles(brake) if triangular else truth_by_hp_elements(brake, tolerances[-1])
+        )
     except NoAnswer as error:
         failure = str(error)
     base = {"seed": seed, "truth": "triangles" if triangular else "columns"}
     return {
-        "rows": [base | row(brake, tolerance, solve, true, failure) for tolerance in tolerances]
+        "rows": [
+            base | stated_and_true_row(brake, tolerance, solve, true, failure)
+            for tolerance in tolerances
+        ]
     }
 
 
 def report(result: Result, folder: Path) -> Path:
     """Write page, figures and tables, and return the path of the page."""
+    # One figure for each contact, with a curve for each kind of mesh.
     for i, case in enumerate(CASES):
         series = {}
         for kind in MESH_KINDS:
-            rows = [r for r in result.orders if (r["case"], r["kind"]) == (case, kind)]
+            rows = []
+            for r in result.orders:
+                if (r["case"], r["kind"]) == (case, kind):
+                    rows.append(r)
             series[kind] = [(r["elements"], r["pressure"]) for r in rows]
-        figure = figures.convergence(series, "error of p in L2")
-        figures.save(figure, folder / f"orders_{i + 1}.svg")
-    figures.save(cloud(result.judged), folder / "stated_true.svg")
+        figure = figures.draw_convergence(series, "error of p in L2")
+        figures.save_figure(figure, folder / f"orders_{i + 1}.svg")
+    figures.save_figure(draw_error_cloud(result.judged), folder / "stated_true.svg")
     write_text(folder / "stated_true.csv", as_csv(result.judged))
     write_text(folder / "corners.csv", as_csv(result.corners))
-    figures.save(stated_true_figure.levels(result.levels), folder / "levels.svg")
+    figures.save_figure(stated_true_figure.draw_level_errors(result.levels), folder / "levels.svg")
     write_text(folder / "levels.csv", as_csv(result.levels))
     write_text(folder / "orders.csv", as_csv(result.orders))
     write_text(folder / "estimates.csv", as_csv(result.estimates))
     write_text(folder / "ladder.csv", as_csv(result.ladder))
-    return fill(
+    return write_page(
         HERE / "page.html",
         folder / "index.html",
         result=result,
         cases=list(CASES),
-        judged=summary(result.judged),
-        corners=corner_rows.by_kind(result.corners),
+        judged=summary_rows(result.judged),
+        corners=corner_rows.summary_by_kind(result.corners),
         steep=corner_rows.STEEPEST_JUDGED,
-        independent=summary([one for one in result.judged if one["truth"] == "triangles"]),
-        families=len(ladder.families()),
-        line=line(result.levels),
+        independent=summary_rows(matching_rows(result.judged, truth="triangles")),
+        families=len(ladder.case_families()),
+        line=fit_error_line(result.levels),
     )

@@ -28,12 +28,12 @@ def cost(
 
     The parts are assembly, one factorisation and one back-substitution.
     """
-    from drumlin.verification.cost import cost_lines
+    from drumlin.verification.cost import cost_report_lines
 
     brake = drumlin.read_brake(brake_file)
     options = given(elements=elements, penalty=penalty_number(penalty))
     with busy("measuring"):
-        lines = cost_lines(brake, model, by_size=by_size, **options)
+        lines = cost_report_lines(brake, model, by_size=by_size, **options)
         first = next(lines)
     tell(first, at_once=True)
     for line in lines:

@@ -21,8 +21,8 @@ def view(
 ) -> None:
     """Draw a brake and its mesh."""
     from drumlin.base.files import check_outputs
-    from drumlin.report.figures import save
-    from drumlin.report.view import draw
+    from drumlin.report.figures import save_figure
+    from drumlin.report.view import draw_brake_with_meshes
 
     brake = drumlin.read_brake(brake_file)
     picture = output or Path(f"{brake_file.stem}.png")
@@ -30,7 +30,7 @@ def view(
         raise BadInput(f"--output = {str(picture)!r}: must end in .png or .svg")
     check_outputs(picture)
     with busy("drawing"):
-        save(draw(brake, **given(elements=elements, kind=kind)), picture)
+        save_figure(draw_brake_with_meshes(brake, **given(elements=elements, kind=kind)), picture)
     tell(f"picture: {picture}")
 
 

@@ -160,7 +160,7 @@ def compare(
     """Solve a brake by all models that apply, side by side, and write one report."""
     from drumlin.base.files import check_folder
     from drumlin.brake.file import toml_text
-    from drumlin.report.comparison import write_comparison
+    from drumlin.report.comparison import write_comparison_page
 
     text = toml_text(brake_file)
     brake = drumlin.read_brake(brake_file, text)
@@ -173,7 +173,7 @@ def compare(
         finite_width=finite_width,
     )
     with busy("comparing the models"):
-        result = write_comparison(brake, text, folder, options)
+        result = write_comparison_page(brake, text, folder, options)
     tell(f"{brake.title}: {brake.motion}, mu = {brake.friction:g}")
     print_table(result.table, result.columns)
     for line in result.notes:

@@ -47,15 +47,17 @@ def sweep(
     """
     from drumlin.base.files import check_outputs
     from drumlin.sweeps.file import read_sweep
-    from drumlin.sweeps.run import kept_rows, table_rows
-    from drumlin.sweeps.table import check_output, write_table
+    from drumlin.sweeps.run import solve_and_keep_rows, table_rows
+    from drumlin.sweeps.table import check_table_file, write_table
 
     with progress_if_long(f"reading {sweep_file.name}") as judged:
         made = read_sweep(sweep_file, judged)
     table_file = output or Path(f"{sweep_file.stem}.csv")
-    check_output(table_file)
+    check_table_file(table_file)
     check_outputs(table_file)
-    rows = kept_rows(made, table_file, jobs=jobs, scheduler=scheduler, progress=progress, say=note)
+    rows = solve_and_keep_rows(
+        made, table_file, jobs=jobs, scheduler=scheduler, progress=progress, say=note
+    )
     with busy(f"writing {table_file.name}"):
         write_table(table_rows(made, rows, sweep_file), table_file)
     _tell_outcome(rows, table_file)

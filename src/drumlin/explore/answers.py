@@ -21,9 +21,15 @@ from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.solve import solve
 from drumlin.laws import LAWS, locking_friction
-from drumlin.lining_wear.archard import WearLaw, WearState, at
-from drumlin.lining_wear.linings import WearSetup, fem_setup
-from drumlin.lining_wear.run_in import COEFFICIENT, WORN_OUT, run_in, unit_distance, worn
+from drumlin.lining_wear.archard import WearLaw, WearState, interpolate_state
+from drumlin.lining_wear.linings import WearSetup, fem_wear_setup
+from drumlin.lining_wear.run_in import (
+    COEFFICIENT,
+    WORN_OUT,
+    brake_with_worn_linings,
+    run_in,
+    unit_sliding_distance,
+)
 from drumlin.models import pick
 from drumlin.response import Response
 from drumlin.response.merit import with_merits
@@ -170,7 +176,7 @@ class Explorer:
         Raises NoAnswer for a worn-out lining.
         """
         run = self._worn.get(brake, lambda: _run(scene, brake))
-        state = at(run.states, wear * run.unit)
+        state = interpolate_state(run.states, wear * run.unit)
         for surface in run.setup.surfaces:
             # A lining worn below the allowed thickness has no answer.
             deepest, lining = state.depth[surface.part].max(), brake.shoes[surface.shoe].lining
@@ -179,7 +185,7 @@ class Explorer:
                     f"shoe {surface.name!r}: worn out, "
                     f"{deepest * 1e3:.3g} mm would be worn off its lining"
                 )
-        return _WornBrake(worn(run.setup, state), wear * run.unit)
+        return _WornBrake(brake_with_worn_linings(run.setup, state), wear * run.unit)
 
     def locking(self, brake: Brake) -> LockingFriction:
         """The friction mu_lock at which shoes lock, if it is at most HIGHEST_FRICTION.
@@ -234,8 +240,8 @@ def _at_any_friction(brake: Brake) -> Brake:
 
 def _run(scene: PreparedModel, brake: Brake) -> _WearRun:
     """The wear of a brake up to the largest sliding distance that the page offers."""
-    setup, law = fem_setup(scene, brake), WearLaw(COEFFICIENT)
-    unit = unit_distance(setup, law)
+    setup, law = fem_wear_setup(scene, brake), WearLaw(COEFFICIENT)
+    unit = unit_sliding_distance(setup, law)
     states = run_in(setup, law, distance=LARGEST_WEAR * unit, tolerance=WEAR_TOLERANCE)
     return _WearRun(setup, states, unit)
 

@@ -43,8 +43,8 @@ from drumlin.explore.picture import (
     reach_of,
     table_html,
 )
-from drumlin.report.figures import name_of
-from drumlin.report.palette import color_of
+from drumlin.report.figures import model_title
+from drumlin.report.palette import color_of_model
 
 FORBIDDEN_LETTERS = frozenset('/\\:*?"<>|')
 """Letters that no file name can have on one operating system or another."""
@@ -123,9 +123,9 @@ def _reply_page(request: _Request) -> Reply:
     if not is_flat:
         signs = set(map(attrgetter("sign"), brake.shoes))
         rings = sorted(size * (1 + sign * PETAL) for sign in signs)
-    colors, laws = {"fem": color_of("fem")}, {}
+    colors, laws = {"fem": color_of_model("fem")}, {}
     for law in laws_of(brake):
-        colors[law], laws[law] = color_of(law), name_of(law)
+        colors[law], laws[law] = color_of_model(law), model_title(law)
     text = _template().render(
         title=brake.title,
         lines=request.lines,

@@ -23,7 +23,7 @@ from drumlin.explore.answers import (
     LockingFriction,
     StatedError,
 )
-from drumlin.report.figures import name_of, smooth
+from drumlin.report.figures import model_title, smooth_pressure_curve
 from drumlin.response import Response
 from drumlin.response.balance import loaded
 from drumlin.response.merit import brake_factor
@@ -171,7 +171,7 @@ def _pressure_curves(response: Response | None, brake: Brake) -> tuple[PressureC
     unit, curves = brake.surface.shown, []
     for shoe, part in zip(response.shoes, brake.shoes, strict=True):
         if shoe.contact_arcs:
-            theta, p = smooth(shoe, CURVE_POINTS)
+            theta, p = smooth_pressure_curve(shoe, CURVE_POINTS)
             curves.append(PressureCurve(theta * unit, p * PAGE_MPA, part.sign))
     return tuple(curves)
 
@@ -237,7 +237,7 @@ def answer_html(answer: ExploredAnswer) -> str:
     if answer.law is not None:
         by_law = answer.law.effect
         off = f" ({formatted(by_law / effect - 1, '+.1%')})" if effect else ""
-        words.append(f"{escape(name_of(answer.law.model))} {by_law:.6g} {unit}{off}")
+        words.append(f"{escape(model_title(answer.law.model))} {by_law:.6g} {unit}{off}")
     if answer.distance:
         words.append(f"worn over {answer.distance * 1e-3:.4g} km at k = 1e-5 mm³/(N m)")
     return " · ".join(words)
@@ -266,7 +266,7 @@ def locking_html(answer: ExploredAnswer, locking: LockingFriction | None) -> str
             words = f"none up to friction {HIGHEST_FRICTION:g}"
     law = answer.law_locking
     if law is not None:
-        name = escape(name_of(answer.law_name or ""))
+        name = escape(model_title(answer.law_name or ""))
         words += f"; by the {name} " + ("never" if math.isinf(law) else f"at {law:.4g}")
     return f"<p>self-locking {words}</p>"
 
@@ -323,7 +323,7 @@ def _table_row(brake: Brake, response: Response, i: int) -> tuple[str, ...]:
     force *= brake.scale_factor
     return (
         shoe.name,
-        name_of(response.model),
+        model_title(response.model),
         f"{effect:.6g}",
         f"{effect / force:.4g}" if force else "–",
         f"{shoe.peak_pressure * PAGE_MPA:.4g}",

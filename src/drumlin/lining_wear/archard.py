@@ -24,8 +24,8 @@ the equations above, differentiated by s, are
     w' = B y' + G rate(p),   p >= 0,  w' >= 0,  p w' = 0,   C x = h_load
 
 They contain neither stiffness nor gap: they are those of a rigid shoe on a bed of springs. Their
-answer (`steady`) is the end of wear on the given mesh. As the mesh is refined it becomes the
-rigid-shoe law.
+answer (`solve_steady_wear`) is the end of wear on the given mesh. As the mesh is refined it becomes
+the rigid-shoe law.
 
 The module knows nothing of brakes: `linings` makes its problems from them.
 """
@@ -101,7 +101,7 @@ SOFTENINGS = 20
 The last compliance is 4e-9 of the brake's own: without it the contact set hardly changes."""
 
 
-def always(_: Contact) -> bool:
+def is_always_allowed(_: Contact) -> bool:
     """Whether an answer allows the friction: always where no abutment is rough."""
     return True
 
@@ -117,7 +117,7 @@ class Footing(NamedTuple):
     """
 
     problem: Problem
-    stands: Callable[[Contact], bool] = always
+    stands: Callable[[Contact], bool] = is_always_allowed
 
 
 class WearInterface(NamedTuple):
@@ -144,7 +144,7 @@ class WearInterface(NamedTuple):
     pressure: Floats
     area: Floats
     torque: Floats
-    stands: Callable[[Contact], bool] = always
+    stands: Callable[[Contact], bool] = is_always_allowed
     others: tuple[Footing, ...] = ()
     settle: Callable[[Floats], tuple[int, Bools]] | None = None
 
@@ -219,7 +219,7 @@ WearInterfaces = Sequence[WearInterface]
 """The interfaces of a brake, each in equilibrium by itself."""
 
 
-def run(
+def wear_linings(
     forward: WearInterfaces,
     law: WearLaw,
     *,
@@ -256,18 +256,18 @@ def run(
     held = 1.0 if torque is None else torque
     _check_positive({"distance": distance, "reverse": reverse, "torque": held})
     _check_law(law, tolerance, distance)
-    course = _Course(
-        forward=_Stepper(forward, law, torque),
-        backward=_Stepper(backward or forward, law, torque),
+    wear_run = _WearRunInProgress(
+        forward=_WearStepper(forward, law, torque),
+        backward=_WearStepper(backward or forward, law, torque),
         reverse=reverse,
         distance=distance,
         tolerance=tolerance,
     )
-    while not course.is_over and not until(course.state):
-        if len(course.states) > MAX_WEAR_STEPS:
+    while not wear_run.has_reached_distance and not until(wear_run.state):
+        if len(wear_run.states) > MAX_WEAR_STEPS:
             raise NoAnswer(f"not converged: the wear is not settled after {MAX_WEAR_STEPS} steps")
-        course.advance()
-    return course.states
+        wear_run.take_step()
+    return wear_run.states
 
 
 def _check_positive(values: Mapping[str, float]) -> None:
@@ -289,7 +289,7 @@ def _check_law(law: WearLaw, tolerance: float, distance: float) -> None:
         raise BadInput("coefficient = 0: nothing wears, so that a distance in m must be given")
 
 
-class _Course:
+class _WearRunInProgress:
     """A wear run in progress: its states so far, and the length of its next step.
 
     Parameters
@@ -302,8 +302,8 @@ class _Course:
 
     def __init__(
         self,
-        forward: "_Stepper",
-        backward: "_Stepper",
+        forward: "_WearStepper",
+        backward: "_WearStepper",
         reverse: float,
         distance: float,
         tolerance: float,
@@ -312,8 +312,8 @@ class _Course:
         self._reverse, self._distance, self._tolerance = reverse, distance, tolerance
         self._forward = True
         self._next_turn = reverse
-        self.states = [forward.start()]
-        self._step = forward.first(self.state, tolerance)
+        self.states = [forward.initial_state()]
+        self._step = forward.first_step_length(self.state, tolerance)
         # A reversal begins with the step that the last reversal, or the start, could have taken.
         self._opening_step = self._step
         self._just_turned = True
@@ -324,11 +324,11 @@ class _Course:
         return self.states[-1]
 
     @property
-    def is_over(self) -> bool:
+    def has_reached_distance(self) -> bool:
         """Whether the run has reached its sliding distance, apart from round-off."""
         return self.state.s >= self._distance * (1 - 1e-12)
 
-    def advance(self) -> None:
+    def take_step(self) -> None:
         """Take a step, or shorten the step where its error is too large. Raises NoAnswer."""
         end = min(self._distance, self._next_turn)
         left = end - self.state.s
@@ -338,7 +338,7 @@ class _Course:
         growth = 0.9 * math.sqrt(self._tolerance / max(error, 1e-30))
         factor = min(max(growth, 0.2), MAX_STEP_GROWTH)
         if error > self._tolerance:
-            self._shorten(size * min(factor, 0.7))
+            self._shorten_step(size * min(factor, 0.7))
             return
         at_end = size == left
         self.states.append(replace(after, s=end) if at_end else after)
@@ -347,8 +347,8 @@ class _Course:
         # A step that the end cut short says nothing about the length of the next one.
         cut_short = at_end and size < self._step
         self._step = max(self._step, size) if cut_short else size * factor
-        if at_end and end == self._next_turn and not self.is_over:
-            self._turn()
+        if at_end and end == self._next_turn and not self.has_reached_distance:
+            self._reverse_drum()
 
     def _size(self, left: float) -> float:
         """The length of the next step, with `left` [m] to go. Raises NoAnswer.
@@ -360,67 +360,71 @@ class _Course:
             raise NoAnswer("not settled: p no longer changes, but differs from what it was to be")
         return size
 
-    def _shorten(self, step: float) -> None:
+    def _shorten_step(self, step: float) -> None:
         """Shorten the next step. Raises NoAnswer where round-off would swallow the shorter step."""
         self._step = step
         s = self.state.s
         if step < SHORTEST_STEP * max(s, 1e-300) and s > 0:
             raise NoAnswer("not converged: the step of the wear shrinks to nothing")
 
-    def _turn(self) -> None:
+    def _reverse_drum(self) -> None:
         """Reverse the drum, and append the state of the linings after the reversal."""
         self._forward = not self._forward
         self._next_turn += self._reverse
-        self.states.append(self._steppers[self._forward].turned(self.state, self._forward))
+        self.states.append(
+            self._steppers[self._forward].state_after_reversal(self.state, self._forward)
+        )
         self._step, self._just_turned = self._opening_step, True
 
 
-def run_on(interfaces: WearInterfaces, law: WearLaw, stations: Sequence[float]) -> list[WearState]:
+def wear_linings_in_given_steps(
+    interfaces: WearInterfaces, law: WearLaw, stations: Sequence[float]
+) -> list[WearState]:
     """Wear linings in steps that end at the distances `stations` [m], without error control."""
-    stepper = _Stepper(interfaces, law, None)
-    states = [stepper.start()]
+    stepper = _WearStepper(interfaces, law, None)
+    states = [stepper.initial_state()]
     for s in stations:
         after, _ = stepper.step(states[-1], s - states[-1].s)
         states.append(replace(after, s=s))
     return states
 
 
-def together(interfaces: WearInterfaces) -> WearInterface:
+def join_interfaces(interfaces: WearInterfaces) -> WearInterface:
     """Join several interfaces into one, with every combination of their footings."""
     combinations = product(*(interface.footings for interface in interfaces))
-    first, *others = map(_joined, combinations)
+    first, *others = map(_joint_footing, combinations)
     all_settle = all(map(attrgetter("settle"), interfaces))
     return WearInterface(
         problem=first.problem,
         weight=block_diag(*map(attrgetter("weight"), interfaces)),
-        loaded=_concatenated(interfaces, "loaded"),
-        pressure=_concatenated(interfaces, "pressure"),
-        area=_concatenated(interfaces, "area"),
-        torque=_concatenated(interfaces, "torque"),
+        loaded=_concatenate_attribute(interfaces, "loaded"),
+        pressure=_concatenate_attribute(interfaces, "pressure"),
+        area=_concatenate_attribute(interfaces, "area"),
+        torque=_concatenate_attribute(interfaces, "torque"),
         stands=first.stands,
         others=tuple(others),
-        settle=partial(_all_settled, interfaces) if all_settle else None,
+        settle=partial(_settle_all_interfaces, interfaces) if all_settle else None,
     )
 
 
-def _concatenated(owners: Iterable[Any], name: str) -> Floats:
+def _concatenate_attribute(owners: Iterable[Any], name: str) -> Floats:
     """The arrays (n,) that some objects have as their attribute `name`, one after the other."""
     return np.concatenate(list(map(attrgetter(name), owners)))
 
 
-def _joined(footings: Sequence[Footing]) -> Footing:
+def _joint_footing(footings: Sequence[Footing]) -> Footing:
     """The footing that holds where each of several interfaces has its own of these footings."""
     problem = Problem(
         A=block_diag(*map(attrgetter("problem.A"), footings)),
-        q=_concatenated(footings, "problem.q"),
+        q=_concatenate_attribute(footings, "problem.q"),
         B=block_diag(*map(attrgetter("problem.B"), footings)),
         C=block_diag(*map(attrgetter("problem.C"), footings)),
-        h=_concatenated(footings, "problem.h"),
+        h=_concatenate_attribute(footings, "problem.h"),
     )
-    return Footing(problem, partial(_all_stand, footings))
+    return Footing(problem, partial(_allows_all_footings, footings))
 
 
-def _all_stand(footings: Sequence[Footing], contact: Contact) -> bool:
+def _allows_all_footings(footings: Sequence[Footing], contact: Contact) -> bool:
     """Whether the common answer of several interfaces allows the footing of each of them."""
     unknowns = in_turn(len(footing.problem.q) for footing in footings)
     motions = in_turn(len(footing.problem.h) for footing in footings)
@@ -430,7 +434,7 @@ def _all_stand(footings: Sequence[Footing], contact: Contact) -> bool:
     return True
 
 
-def _all_settled(interfaces: WearInterfaces, depth: Floats) -> tuple[int, Bools]:
+def _settle_all_interfaces(interfaces: WearInterfaces, depth: Floats) -> tuple[int, Bools]:
     """The number of the combination of footings, and the contact set (n,) of all interfaces.
 
     The linings are worn by a depth (n,) [m].
@@ -447,7 +451,7 @@ def _all_settled(interfaces: WearInterfaces, depth: Floats) -> tuple[int, Bools]
     return number, np.concatenate(active_sets)
 
 
-class Steady(NamedTuple):
+class SteadyWear(NamedTuple):
     """Steady wear, the end of wear; see the head of this module.
 
     Attributes
@@ -460,7 +464,7 @@ class Steady(NamedTuple):
     contact: Contact
 
 
-def steady(interface: WearInterface, law: WearLaw) -> Steady:
+def solve_steady_wear(interface: WearInterface, law: WearLaw) -> SteadyWear:
     """The steady wear that the wear of an interface ends with.
 
     Steady wear depends on the exponent of the wear law, not on the coefficient. NoAnswer is raised
@@ -471,7 +475,7 @@ def steady(interface: WearInterface, law: WearLaw) -> Steady:
     compliance_of_wear = np.diagonal(interface.weight) * interface.pressure
     for number, footing in enumerate(interface.footings):
         try:
-            contact = _steady_as(interface, footing, law)
+            contact = _solve_steady_wear_with_footing(interface, footing, law)
         except NoAnswer as error:
             failure = failure or error
             continue
@@ -479,11 +483,13 @@ def steady(interface: WearInterface, law: WearLaw) -> Steady:
         elastic = float(np.abs(np.diagonal(footing.problem.A)).max())
         scale = STEADY_MOTION_RATIO * float(elastic / np.abs(compliance_of_wear).max())
         if footing.stands(replace(contact, y=scale * contact.y)):
-            return Steady(number, contact)
+            return SteadyWear(number, contact)
     raise failure or NoAnswer("worn in, a foot would leave its abutment")
 
 
-def _steady_as(interface: WearInterface, footing: Footing, law: WearLaw) -> Contact:
+def _solve_steady_wear_with_footing(
+    interface: WearInterface, footing: Footing, law: WearLaw
+) -> Contact:
     """The steady wear with one footing. Raises NoAnswer.
 
     For the exponent 1, steady wear is the answer of one contact problem with the compliance of
@@ -496,10 +502,10 @@ def _steady_as(interface: WearInterface, footing: Footing, law: WearLaw) -> Cont
         raise NoAnswer("worn in, a rigid shoe would lock itself")
     if law.exponent == 1:
         return linear
-    return _steady_power(interface, footing.problem, law.exponent, linear)
+    return _solve_steady_power_law_wear(interface, footing.problem, law.exponent, linear)
 
 
-def _steady_power(
+def _solve_steady_power_law_wear(
     interface: WearInterface, problem: Problem, exponent: float, linear: Contact
 ) -> Contact:
     """The steady wear under the rate p^m. Raises NoAnswer.
@@ -544,7 +550,7 @@ def _steady_power(
     return replace(contact, p=unknowns(contact.p), y=root.x * size * top**exponent)
 
 
-def from_soft(problem: Problem, weight: Floats) -> Bools | None:
+def contact_set_from_soft_linings(problem: Problem, weight: Floats) -> Bools | None:
     """The contact set (n,) of a problem, followed from that of far softer linings.
 
     A soft lining lies on the drum as under a rigid shoe, and its contact set is found from any
@@ -563,7 +569,9 @@ def from_soft(problem: Problem, weight: Floats) -> Bools | None:
         return None
 
 
-def at_torque(interface: WearInterface, torque: float, problem: Problem | None = None) -> Problem:
+def problem_at_given_torque(
+    interface: WearInterface, torque: float, problem: Problem | None = None
+) -> Problem:
     """The contact problem with the torque [N m] given in place of the size f of the actuation.
 
     The gap is q + (f - 1) loaded, and C x = f h balances the loads. The first row of C gives f =
@@ -636,7 +644,7 @@ class _InterfaceContact(NamedTuple):
     contact: Contact
 
 
-class _Stepper:
+class _WearStepper:
     """A solver that wears the linings of some interfaces step by step, for one sense of rotation.
 
     The last contact sets are first guesses, and the last footings are kept while they stand.
@@ -651,12 +659,12 @@ class _Stepper:
     def __init__(self, interfaces: WearInterfaces, law: WearLaw, torque: float | None) -> None:
         self.law, self.held = law, torque
         # A held torque is the sum of all linings, so that they have one common problem.
-        self.interfaces = list(interfaces) if torque is None else [together(interfaces)]
+        self.interfaces = list(interfaces) if torque is None else [join_interfaces(interfaces)]
         self.parts = in_turn(len(interface.area) for interface in self.interfaces)
         self.problems = list(map(self._problems_of, self.interfaces))
         self.footing = [0] * len(self.interfaces)
-        self.area = _concatenated(self.interfaces, "area")
-        self.lever = _concatenated(self.interfaces, "torque")
+        self.area = _concatenate_attribute(self.interfaces, "area")
+        self.lever = _concatenate_attribute(self.interfaces, "torque")
         self.sets: list[Bools | None] = [None] * len(self.interfaces)
         self.forward = True
 
@@ -665,20 +673,24 @@ class _Stepper:
         problems: list[Problem] = list(map(attrgetter("problem"), interface.footings))
         if self.held is None:
             return problems
-        return list(map(partial(at_torque, interface, self.held), problems))
+        return list(map(partial(problem_at_given_torque, interface, self.held), problems))
 
-    def start(self) -> WearState:
+    def initial_state(self) -> WearState:
         """The state of the unworn linings in contact. Raises NoAnswer."""
         depth = np.zeros(len(self.area))
-        return self._state(0.0, depth, self._settled(depth), _WearIntegrals(0.0, 0.0, 0.0))
+        return self._make_state(
+            0.0, depth, self._settled_pressure(depth), _WearIntegrals(0.0, 0.0, 0.0)
+        )
 
-    def turned(self, state: WearState, forward: bool) -> WearState:
+    def state_after_reversal(self, state: WearState, forward: bool) -> WearState:
         """The state of the same linings as the drum begins to turn forward or backward."""
         self.forward = forward
         integrals = _WearIntegrals(state.removed, state.pressed, state.work)
-        return self._state(state.s, state.depth, self._settled(state.depth), integrals)
+        return self._make_state(
+            state.s, state.depth, self._settled_pressure(state.depth), integrals
+        )
 
-    def _settled(self, depth: Floats) -> Floats:
+    def _settled_pressure(self, depth: Floats) -> Floats:
         """The pressure (n,) [Pa] of linings worn by a depth (n,) [m], without a first guess."""
         for i, (interface, part) in enumerate(zip(self.interfaces, self.parts, strict=True)):
             if interface.settle is None:
@@ -687,9 +699,9 @@ class _Stepper:
             # does not.
             with suppress(NoAnswer) if self.held is not None else nullcontext():
                 self.footing[i], self.sets[i] = interface.settle(depth[part])
-        return self._bear(depth, 0.0).p
+        return self._solve_contact(depth, 0.0).p
 
-    def first(self, state: WearState, tolerance: float) -> float:
+    def first_step_length(self, state: WearState, tolerance: float) -> float:
         """The length [m] of a first step, which is short even for the fastest ripple."""
         largest = state.pressure.max(initial=1.0)
         slope = float(self.law.rate(np.full(1, largest), 0.0)[1][0])
@@ -706,12 +718,14 @@ class _Stepper:
     def step(self, state: WearState, ds: float) -> tuple[WearState, float]:
         """The state after a step of ds [m], and the relative L2 error of its pressure."""
         footing = list(self.footing)
-        first = self._bear(state.depth, GAMMA * ds)
-        second = self._bear(state.depth + (1 - GAMMA) * ds * first.rate, GAMMA * ds)
+        first = self._solve_contact(state.depth, GAMMA * ds)
+        second = self._solve_contact(state.depth + (1 - GAMMA) * ds * first.rate, GAMMA * ds)
         depth = state.depth + ds * ((1 - GAMMA) * first.rate + GAMMA * second.rate)
         # The embedded rule ds r1 misses the depth by GAMMA ds (r2 - r1). The tangent of the last
         # stage gives the error of p that belongs to it.
-        error = self._size(self._change(second.tangents, GAMMA * ds * (second.rate - first.rate)))
+        error = self._size(
+            self._pressure_change(second.tangents, GAMMA * ds * (second.rate - first.rate))
+        )
         # The tangent holds for one contact set and one footing.
         pressed = second.p > 0
         same_set = ((state.pressure > 0) == pressed).all() and ((first.p > 0) == pressed).all()
@@ -719,18 +733,18 @@ class _Stepper:
             error = max(error, self._euler_error(state, ds, second.p))
         error /= self._size(second.p) or 1.0
 
-        def integral(at_first: Floats, at_second: Floats, row: Floats) -> float:
+        def integral_over_step(at_first: Floats, at_second: Floats, row: Floats) -> float:
             """The integral of row . values over the step, by the method's quadrature."""
             return ds * float(row @ ((1 - GAMMA) * at_first + GAMMA * at_second))
 
         integrals = _WearIntegrals(
-            removed=state.removed + integral(first.rate, second.rate, self.area),
-            pressed=state.pressed + integral(first.p, second.p, self.area),
-            work=state.work + integral(first.p, second.p, self.lever),
+            removed=state.removed + integral_over_step(first.rate, second.rate, self.area),
+            pressed=state.pressed + integral_over_step(first.p, second.p, self.area),
+            work=state.work + integral_over_step(first.p, second.p, self.lever),
         )
-        return self._state(state.s + ds, depth, second.p, integrals), error
+        return self._make_state(state.s + ds, depth, second.p, integrals), error
 
-    def _change(self, tangents: Sequence[Tangent], depth: Floats) -> Floats:
+    def _pressure_change(self, tangents: Sequence[Tangent], depth: Floats) -> Floats:
         """The change of p (n,) that a small change of depth (n,) [m] causes."""
         changes = []
         for interface, part, tangent in zip(self.interfaces, self.parts, tangents, strict=True):
@@ -745,7 +759,7 @@ class _Stepper:
         of the same length is an independent answer of the first order.
         """
         last = list(self.footing), list(self.sets)
-        euler = self._bear(state.depth, ds)
+        euler = self._solve_contact(state.depth, ds)
         self.footing, self.sets = last
         return self._size(euler.p - p)
 
@@ -753,21 +767,25 @@ class _Stepper:
         """The L2 norm of p (n,) over the linings."""
         return math.sqrt(float(np.abs(self.area) @ p**2))
 
-    def _state(self, s: float, depth: Floats, p: Floats, integrals: _WearIntegrals) -> WearState:
+    def _make_state(
+        self, s: float, depth: Floats, p: Floats, integrals: _WearIntegrals
+    ) -> WearState:
         """The state at the distance s [m] with a depth (n,) [m], p (n,) [Pa] and the integrals."""
-        force = self._force(0, p)
+        force = self._actuation_factor(0, p)
         return WearState(s, depth, p, float(self.lever @ p), force, self.forward, *integrals)
 
-    def _bear(self, depth: Floats, ds: float) -> _WornContact:
+    def _solve_contact(self, depth: Floats, ds: float) -> _WornContact:
         """The linings in contact after a further wear of ds rate(p) on top of `depth` (n,) [m]."""
-        bearings = [self._bear_one(i, depth[part], ds) for i, part in enumerate(self.parts)]
+        bearings = [
+            self._solve_interface_contact(i, depth[part], ds) for i, part in enumerate(self.parts)
+        ]
         return _WornContact(
-            p=_concatenated(bearings, "p"),
-            rate=_concatenated(bearings, "rate"),
+            p=_concatenate_attribute(bearings, "p"),
+            rate=_concatenate_attribute(bearings, "rate"),
             tangents=list(map(attrgetter("contact.tangent"), bearings)),
         )
 
-    def _force(self, i: int, p: Floats) -> float:
+    def _actuation_factor(self, i: int, p: Floats) -> float:
         """The factor on the actuation that balances the pressures p (n,) of interface `i`.
 
         It is 1 unless the torque is held.
@@ -779,7 +797,7 @@ class _Stepper:
         main = int(np.argmax(np.abs(problem.h)))
         return float(problem.C[main] @ (p / interface.pressure)) / float(problem.h[main])
 
-    def _bear_one(self, i: int, depth: Floats, ds: float) -> _InterfaceContact:
+    def _solve_interface_contact(self, i: int, depth: Floats, ds: float) -> _InterfaceContact:
         """Interface `i` in contact, with the footing that stands in the answer. Raises NoAnswer."""
         failure: NoAnswer | None = None
         last_footing, last_set = self.footing[i], self.sets[i]
@@ -788,11 +806,11 @@ class _Stepper:
         for number in sorted(range(len(footings)), key=lambda number: number != last_footing):
             self.footing[i], self.sets[i] = number, last_set
             try:
-                bearing = self._bear_as(i, depth, ds)
+                bearing = self._solve_contact_with_footing(i, depth, ds)
             except NoAnswer as error:
                 failure = failure or error
                 continue
-            force = self._force(i, bearing.p)
+            force = self._actuation_factor(i, bearing.p)
             # A footing judges the answer under the brake's own actuation.
             contact = bearing.contact
             if force > 0:
@@ -802,7 +820,7 @@ class _Stepper:
         self.footing[i], self.sets[i] = last_footing, last_set
         raise failure or NoAnswer("no equilibrium, a foot leaves its abutment")
 
-    def _bear_as(self, i: int, depth: Floats, ds: float) -> _InterfaceContact:
+    def _solve_contact_with_footing(self, i: int, depth: Floats, ds: float) -> _InterfaceContact:
         """Interface `i` in contact with its present footing. Raises NoAnswer.
 
         Newton's method makes the wear rate linear about the last p: the slope is a compliance, the
@@ -811,7 +829,7 @@ class _Stepper:
         interface, problem = self.interfaces[i], self.problems[i][self.footing[i]]
         A, q, B, C, h = problem._replace(q=problem.q + interface.weight @ depth)
         is_linear = self.law.exponent == 1 or ds == 0
-        p = self._guess(i, Problem(A, q, B, C, h))
+        p = self._first_pressure_guess(i, Problem(A, q, B, C, h))
         rounded = ROUNDED_PRESSURE * float(interface.area @ p) / float(interface.area.sum())
         for _ in range(1 if is_linear else MAX_NEWTON_STEPS):
             rate, slope = self.law.rate(p, rounded)
@@ -830,7 +848,7 @@ class _Stepper:
             f"the pressure under wear of exponent {self.law.exponent:g} still changes"
         )
 
-    def _guess(self, i: int, problem: Problem) -> Floats:
+    def _first_pressure_guess(self, i: int, problem: Problem) -> Floats:
         """The pressure (n,) with which Newton's method begins; a linear rate takes any pressure."""
         if self.law.exponent == 1:
             return np.zeros(len(problem.q))
@@ -839,7 +857,9 @@ class _Stepper:
         return self.interfaces[i].pressure * contact.p
 
 
-def explicit(interfaces: WearInterfaces, law: WearLaw, ds: float, steps: int) -> list[WearState]:
+def wear_linings_by_explicit_euler(
+    interfaces: WearInterfaces, law: WearLaw, ds: float, steps: int
+) -> list[WearState]:
     """Wear linings by explicit Euler steps on the nodal pressures.
 
     This common method makes a checkerboard or very short steps; it stands here for comparison.
@@ -851,24 +871,24 @@ def explicit(interfaces: WearInterfaces, law: WearLaw, ds: float, steps: int) ->
     ds : length of a step [m]
     steps : their number
     """
-    stepper = _Stepper(interfaces, law, None)
-    states = [stepper.start()]
+    stepper = _WearStepper(interfaces, law, None)
+    states = [stepper.initial_state()]
     for _ in range(steps):
         before = states[-1]
         mean = float(stepper.area @ before.pressure) / float(stepper.area.sum())
         rate = law.rate(before.pressure, ROUNDED_PRESSURE * mean)[0]
         depth = before.depth + ds * rate
-        bearing = stepper._bear(depth, 0.0)
+        bearing = stepper._solve_contact(depth, 0.0)
         integrals = _WearIntegrals(
             removed=before.removed + ds * float(stepper.area @ rate),
             pressed=before.pressed + ds * float(stepper.area @ before.pressure),
             work=before.work + ds * before.torque,
         )
-        states.append(stepper._state(before.s + ds, depth, bearing.p, integrals))
+        states.append(stepper._make_state(before.s + ds, depth, bearing.p, integrals))
     return states
 
 
-def ripple(p: Floats, margin: int = 5) -> float:
+def checkerboard_amplitude(p: Floats, margin: int = 5) -> float:
     """Size of the checkerboard in nodal pressures p (n,): the part that alternates between nodes.
 
     The fourth difference (1, -4, 6, -4, 1)/16 turns an alternation of size 1 into 1 and a smooth
@@ -877,15 +897,15 @@ def ripple(p: Floats, margin: int = 5) -> float:
     other node is left.
     """
     # A single node out of contact is the work of a checkerboard: it does not end the contact.
-    open_stretches = _eroded(p <= 0, 1, beyond=True)
-    use = _eroded(~open_stretches, margin, beyond=False)
+    open_stretches = _erode_mask(p <= 0, 1, beyond=True)
+    use = _erode_mask(~open_stretches, margin, beyond=False)
     if not use.any():
         return math.nan
     fourth = np.convolve(p, np.array([1.0, -4.0, 6.0, -4.0, 1.0]) / 16, mode="same")
     return float(np.linalg.norm(fourth[use]) / np.linalg.norm(p[use]))
 
 
-def _eroded(where: Bools, margin: int, *, beyond: bool) -> Bools:
+def _erode_mask(where: Bools, margin: int, *, beyond: bool) -> Bools:
     """Places (n,) around which `where` is true up to `margin` places to either side.
 
     Places past the ends of the array count as `beyond`.
@@ -895,7 +915,7 @@ def _eroded(where: Bools, margin: int, *, beyond: bool) -> Bools:
     return eroded
 
 
-def at(states: Sequence[WearState], s: float) -> WearState:
+def interpolate_state(states: Sequence[WearState], s: float) -> WearState:
     """The state at the sliding distance s [m], interpolated between two computed states."""
     # After a reversal the same distance is there twice; the state before the reversal counts.
     after = min(bisect_left(states, s, key=attrgetter("s")), len(states) - 1)
@@ -905,7 +925,7 @@ def at(states: Sequence[WearState], s: float) -> WearState:
     a = states[after - 1]
     t = (s - a.s) / (b.s - a.s)
 
-    def between(x: float, y: float) -> float:
+    def interpolate(x: float, y: float) -> float:
         """The value at s on the straight line from x at the state a to y at b."""
         return (1 - t) * x + t * y
 
@@ -913,16 +933,16 @@ def at(states: Sequence[WearState], s: float) -> WearState:
         s=s,
         depth=(1 - t) * a.depth + t * b.depth,
         pressure=(1 - t) * a.pressure + t * b.pressure,
-        torque=between(a.torque, b.torque),
-        force=between(a.force, b.force),
+        torque=interpolate(a.torque, b.torque),
+        force=interpolate(a.force, b.force),
         forward=b.forward,
-        removed=between(a.removed, b.removed),
-        pressed=between(a.pressed, b.pressed),
-        work=between(a.work, b.work),
+        removed=interpolate(a.removed, b.removed),
+        pressed=interpolate(a.pressed, b.pressed),
+        work=interpolate(a.work, b.work),
     )
 
 
-def last_beyond(s: Sequence[float], values: Sequence[float], limit: float) -> float:
+def settling_distance(s: Sequence[float], values: Sequence[float], limit: float) -> float:
     """The distance from which on |values| stay at or below a limit; inf where the last is above it.
 
     Parameters

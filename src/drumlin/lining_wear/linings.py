@@ -25,7 +25,7 @@ from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.foundation import model as foundation
 from drumlin.foundation.post import shoe_angles
 from drumlin.laws.hinged import pressing_moment
-from drumlin.lining_wear.archard import Footing, WearInterface, from_soft
+from drumlin.lining_wear.archard import Footing, WearInterface, contact_set_from_soft_linings
 
 AnyBrake = TypeVar("AnyBrake", bound=Brake)
 
@@ -105,7 +105,7 @@ class _PlacedLining(NamedTuple):
     order: int
 
 
-def fem_setup(scene: PreparedModel, brake: Brake, *, penalty: float = math.inf) -> WearSetup:
+def fem_wear_setup(scene: PreparedModel, brake: Brake, *, penalty: float = math.inf) -> WearSetup:
     """The setup of a brake on a prepared model of finite elements.
 
     Raises NoAnswer where no shoe touches the drum.
@@ -117,17 +117,17 @@ def fem_setup(scene: PreparedModel, brake: Brake, *, penalty: float = math.inf) 
         for i, body, shoe in zip(group.members, group.bodies, group.shoes, strict=True):
             theta = shoe.frame.theta(body.line.phi)
             placed.append(_PlacedLining(i, theta, body.line.order))
-        surfaces += _surfaces(brake, surfaces, len(interfaces), placed)
-        interfaces.append(_interface(group))
-    return _setup(brake, "fem", interfaces, surfaces)
+        surfaces += _worn_linings_of_interface(brake, surfaces, len(interfaces), placed)
+        interfaces.append(_wear_interface_of_group(group))
+    return _make_wear_setup(brake, "fem", interfaces, surfaces)
 
 
-def _interface(group: ShoeGroup) -> WearInterface:
+def _wear_interface_of_group(group: ShoeGroup) -> WearInterface:
     """The linings of a group of shoes, with all their footings."""
     first, *others = group.footings()
     couplings = list(map(attrgetter("coupling"), group.bodies))
     gap = np.concatenate(group.gaps)
-    problem = _in_newtons(first)
+    problem = _problem_in_newtons(first)
     return WearInterface(
         problem=problem,
         loaded=problem.q - group.masses @ gap,
@@ -135,23 +135,26 @@ def _interface(group: ShoeGroup) -> WearInterface:
         pressure=np.ones(len(gap)),
         area=np.concatenate(list(map(attrgetter("area"), couplings))),
         torque=group.brake.friction * np.concatenate(list(map(attrgetter("lever"), couplings))),
-        stands=partial(_stands, first),
-        others=tuple(Footing(_in_newtons(way), partial(_stands, way)) for way in others),
-        settle=partial(_settle, (first, *others)),
+        stands=partial(_allows_abutment_friction, first),
+        others=tuple(
+            Footing(_problem_in_newtons(way), partial(_allows_abutment_friction, way))
+            for way in others
+        ),
+        settle=partial(_settle_worn_linings, (first, *others)),
     )
 
 
-def _settle(ways: Sequence[ShoeGroup], depth: Floats) -> tuple[int, Bools]:
+def _settle_worn_linings(ways: Sequence[ShoeGroup], depth: Floats) -> tuple[int, Bools]:
     """The number of the footing and the contact set (n,) of linings worn by a depth (n,) [m].
 
     The first of the `ways`, a group with each of its footings, begins.
     """
-    worn = replace(ways[0], brake=_group_brake_worn_by(ways[0], depth))
+    worn = replace(ways[0], brake=_brake_of_group_with_wear(ways[0], depth))
     try:
         settled, contact = worn.settled()
     except NoAnswer:
         # A search without a first guess may miss an equilibrium. Softer linings lead to a guess.
-        active = from_soft(worn.problem, worn.masses)
+        active = contact_set_from_soft_linings(worn.problem, worn.masses)
         if active is None:
             raise
         settled, contact = worn.settled(active)
@@ -160,7 +163,7 @@ def _settle(ways: Sequence[ShoeGroup], depth: Floats) -> tuple[int, Bools]:
     return senses.index(settled.each_sense), contact.active
 
 
-def _group_brake_worn_by(group: ShoeGroup, depth: Floats) -> Brake:
+def _brake_of_group_with_wear(group: ShoeGroup, depth: Floats) -> Brake:
     """The brake of a group with its linings worn by a depth (n,) [m] at their unknowns."""
     depths = {}
     for k, part in enumerate(group.node_ranges):
@@ -168,10 +171,10 @@ def _group_brake_worn_by(group: ShoeGroup, depth: Floats) -> Brake:
         forward = slice(None, None, frame.sense)
         theta = frame.theta(group.bodies[k].line.phi)
         depths[group.members[k]] = theta[forward], depth[part][forward]
-    return worn_by(group.brake, depths)
+    return add_worn_depths(group.brake, depths)
 
 
-def worn_by(brake: Brake, depths: Mapping[int, tuple[Floats, Floats]]) -> Brake:
+def add_worn_depths(brake: Brake, depths: Mapping[int, tuple[Floats, Floats]]) -> Brake:
     """The brake with the depth worn off added to the clearance of its linings.
 
     `depths` holds for each worn lining, by the position of its shoe, growing angles (n,) [rad] and
@@ -186,19 +189,19 @@ def worn_by(brake: Brake, depths: Mapping[int, tuple[Floats, Floats]]) -> Brake:
     return brake.model_copy(update={"shoes": tuple(shoes)})
 
 
-def _in_newtons(group: ShoeGroup) -> Problem:
+def _problem_in_newtons(group: ShoeGroup) -> Problem:
     """The contact problem of a group of shoes, scaled from unit forces to newtons."""
     size, problem = group.unit_force, group.problem
     return problem._replace(q=size * problem.q, h=size * problem.h)
 
 
-def _stands(group: ShoeGroup, contact: Contact) -> bool:
+def _allows_abutment_friction(group: ShoeGroup, contact: Contact) -> bool:
     """Whether an answer in newtons allows the friction at the abutments of a group of shoes."""
     unit = replace(contact, p=contact.p / group.unit_force, y=contact.y / group.unit_force)
     return all(group.consistent(unit, k) for k in range(len(group.members)))
 
 
-def foundation_setup(
+def foundation_wear_setup(
     brake: Brake, *, sections: int = foundation.RING_SECTIONS, lift: Iterable[str] = ()
 ) -> WearSetup:
     """The setup of a post brake on the foundation model.
@@ -234,7 +237,7 @@ def foundation_setup(
             gaps.append(post.gap)
             areas.append(shoe.lining.width * brake.size * post.sector)
             placed.append(_PlacedLining(i, shoe_angles(post.axis, shoe, post.theta), 1))
-        surfaces += _surfaces(brake, surfaces, len(interfaces), placed)
+        surfaces += _worn_linings_of_interface(brake, surfaces, len(interfaces), placed)
         area = np.concatenate(areas)
         # The unknowns are normal forces of the sections.
         interfaces.append(
@@ -247,10 +250,10 @@ def foundation_setup(
                 torque=brake.friction * brake.size * area,
             )
         )
-    return _setup(brake, "foundation", interfaces, surfaces)
+    return _make_wear_setup(brake, "foundation", interfaces, surfaces)
 
 
-def guided(brake: AnyBrake) -> AnyBrake:
+def put_shoes_on_guides(brake: AnyBrake) -> AnyBrake:
     """The brake with its shoes on guides in place of hinges, pivots and abutments.
 
     A guide lies along the middle radius of the lining, on a plane along its normal.
@@ -263,7 +266,7 @@ def guided(brake: AnyBrake) -> AnyBrake:
     return vary(brake, changes)
 
 
-def _surfaces(
+def _worn_linings_of_interface(
     brake: Brake, before: Sequence[WornLining], interface: int, placed: Sequence[_PlacedLining]
 ) -> list[WornLining]:
     """The linings of an interface with their places among the unknowns.
@@ -296,7 +299,7 @@ def _surfaces(
     return surfaces
 
 
-def _setup(
+def _make_wear_setup(
     brake: Brake, model: str, interfaces: list[WearInterface], surfaces: list[WornLining]
 ) -> WearSetup:
     """The wear setup of interfaces and linings. Raises NoAnswer where no shoe touches the drum."""

@@ -4,7 +4,8 @@ Whatever the elasticity, wear ends where every point of the lining wears as fast
 motions of the shoe close the gap: p ~ approach^(1/m) with the exponent m of the wear law. For m = 1
 this is sin(phi) of a hinged shoe, cos(phi) about the direction of a guided shoe, and A cos + B sin
 of a shoe on a pivot of a lever. What remains of elasticity then stands in the worn shape. The
-clearance of `worn` is this shape: every model solves the worn brake as it solves any other.
+clearance of `brake_with_worn_linings` is this shape: every model solves the worn brake as it solves
+any other.
 """
 
 import math
@@ -22,8 +23,8 @@ from drumlin.brake.units import mm
 from drumlin.laws import rigid
 from drumlin.laws.rigid import PressedShoe
 from drumlin.lining_wear import archard
-from drumlin.lining_wear.archard import WearLaw, WearState, steady
-from drumlin.lining_wear.linings import WearSetup, WornLining, worn_by
+from drumlin.lining_wear.archard import WearLaw, WearState, solve_steady_wear
+from drumlin.lining_wear.linings import WearSetup, WornLining, add_worn_depths
 from drumlin.response.response import edge_zone, nodal_peak
 from drumlin.response.resultants import gauss_points
 
@@ -48,11 +49,13 @@ class WearTarget(NamedTuple):
     torque: float
 
 
-def target(setup: WearSetup, law: WearLaw | None = None, torque: float | None = None) -> WearTarget:
+def rigid_law_target(
+    setup: WearSetup, law: WearLaw | None = None, torque: float | None = None
+) -> WearTarget:
     """The law that wear tends to: p = (approach . y)^(1/m) >= 0 with motions y of the shoe.
 
     For finite elements and the exponent 1 it is the rigid-shoe law. For the foundation model and
-    other exponents it is `discrete_end`.
+    other exponents it is `discrete_wear_target`.
 
     Parameters
     ----------
@@ -67,7 +70,7 @@ def target(setup: WearSetup, law: WearLaw | None = None, torque: float | None = 
     """
     # The closed form holds for wear in proportion to the pressure.
     if setup.model != "fem" or (law is not None and law.exponent != 1):
-        return discrete_end(setup, law, torque)
+        return discrete_wear_target(setup, law, torque)
     forced = rigid.forced(setup.brake)
     pressures = []
     total: float = 0
@@ -75,34 +78,34 @@ def target(setup: WearSetup, law: WearLaw | None = None, torque: float | None = 
         pressed = rigid.press(forced, forced.shoes[surface.shoe])
         pressures.append(rigid.pressure(pressed, surface.theta))
         if pressed:
-            total += _law_torque(setup, surface, pressed)
-    return _at_torque(np.concatenate(pressures), total, torque)
+            total += _lining_torque_by_law(setup, surface, pressed)
+    return _target_at_torque(np.concatenate(pressures), total, torque)
 
 
-def discrete_end(
+def discrete_wear_target(
     setup: WearSetup, law: WearLaw | None = None, torque: float | None = None
 ) -> WearTarget:
     """The end of wear on the mesh or the sections of a setup.
 
     The end of wear on a mesh differs from the law where the law presses only a part of a lining,
-    because this part ends within an element. Parameters and errors are those of `target`.
+    because this part ends within an element. Parameters and errors are those of `rigid_law_target`.
     """
     law = law or WearLaw(COEFFICIENT)
     pressures = []
     total: float = 0
     for interface in setup.interfaces:
-        p = interface.pressure * steady(interface, law).contact.p
+        p = interface.pressure * solve_steady_wear(interface, law).contact.p
         pressures.append(p)
         total += float(interface.torque @ p)
-    return _at_torque(np.concatenate(pressures), total, torque)
+    return _target_at_torque(np.concatenate(pressures), total, torque)
 
 
-def _at_torque(p: Floats, total: float, torque: float | None) -> WearTarget:
+def _target_at_torque(p: Floats, total: float, torque: float | None) -> WearTarget:
     """The end of wear with pressures p (n,) of the torque `total`, scaled to a held torque."""
     return WearTarget(p, total) if torque is None else WearTarget(p * torque / total, torque)
 
 
-def _law_torque(setup: WearSetup, surface: WornLining, pressed: PressedShoe) -> float:
+def _lining_torque_by_law(setup: WearSetup, surface: WornLining, pressed: PressedShoe) -> float:
     """The torque [N m] of a lining by the law; on a plane the braking force [N]."""
     brake, lining = setup.brake, setup.brake.shoes[surface.shoe].lining
     theta = rigid.nodes((lining.start, lining.end), pressed.arcs, rigid.PRESSURE_NODES - 1)
@@ -124,40 +127,41 @@ class TargetDistance(NamedTuple):
     torque: float
 
 
-def distance(setup: WearSetup, state: WearState, goal: WearTarget) -> TargetDistance:
+def distance_from_target(setup: WearSetup, state: WearState, goal: WearTarget) -> TargetDistance:
     """The relative distances of pressure and torque of a state from the end of wear `goal`."""
     return TargetDistance(
-        pressure=apart(setup, state.pressure, goal.pressure),
+        pressure=pressure_distance(setup, state.pressure, goal.pressure),
         torque=state.torque / goal.torque - 1 if goal.torque else 0.0,
     )
 
 
-def apart(setup: WearSetup, p: Floats, goal: Floats) -> float:
+def pressure_distance(setup: WearSetup, p: Floats, goal: Floats) -> float:
     """The relative L2 distance between pressures (n,) and others: the worst lining's."""
     distances = []
     for surface in setup.surfaces:
-        size = norm(surface, surface.along(goal))
+        size = lining_pressure_norm(surface, surface.along(goal))
         # A lining that the target does not press has no relative distance.
         if size:
-            distances.append(norm(surface, surface.along(p - goal)) / size)
+            distances.append(lining_pressure_norm(surface, surface.along(p - goal)) / size)
     return max(distances, default=0.0)
 
 
-def norm(surface: WornLining, values: Floats) -> float:
+def lining_pressure_norm(surface: WornLining, values: Floats) -> float:
     """The L2 norm over theta of values (n,) along a lining, without one element at each end."""
     inner = slice(surface.order, len(values) - surface.order)
     _, at_points, weight = gauss_points(surface.angles[inner], values[inner], surface.order)
     return math.sqrt(float((at_points**2 * weight).sum()))
 
 
-def settled(
+def make_settled_test(
     setup: WearSetup, goal: WearTarget, within: float = WEAR_SETTLED
 ) -> Callable[[WearState], bool]:
     """A function that tells whether p and torque of a state are within a fraction of the target.
 
-    The target must be `discrete_end`: wear on a mesh does not come nearer to the law than that.
+    The target must be `discrete_wear_target`: wear on a mesh does not come nearer to the law than
+    that.
     """
-    return lambda state: max(map(abs, distance(setup, state, goal))) <= within
+    return lambda state: max(map(abs, distance_from_target(setup, state, goal))) <= within
 
 
 def run_in(
@@ -176,14 +180,14 @@ def run_in(
     law : the wear law; None: Archard's with COEFFICIENT
     backward : setup of the same brake with the drum turning the other way, for `reverse`
     until : whether the run ends with a state; None: when p and torque are settled
-    options : `distance`, `reverse`, `torque` and `tolerance` of archard.run
+    options : `distance`, `reverse`, `torque` and `tolerance` of `archard.wear_linings`
 
     Raises
     ------
     BadInput
         for options out of range, and for linings of fewer than 3 elements
     NoAnswer
-        for the reasons of archard.run
+        for the reasons of archard.wear_linings
     """
     _check_elements(setup)
     law = law or WearLaw(COEFFICIENT)
@@ -193,8 +197,8 @@ def run_in(
             raise BadInput(
                 "a brake whose drum turns both ways does not settle: a distance must be given"
             )
-        until = settled(setup, discrete_end(setup, law, torque))
-    return archard.run(
+        until = make_settled_test(setup, discrete_wear_target(setup, law, torque))
+    return archard.wear_linings(
         setup.interfaces,
         law,
         backward=backward.interfaces if backward else (),
@@ -217,7 +221,7 @@ def _check_elements(setup: WearSetup) -> None:
             )
 
 
-def unit_distance(setup: WearSetup, law: WearLaw) -> float:
+def unit_sliding_distance(setup: WearSetup, law: WearLaw) -> float:
     """The sliding distance 1/(k K) [m], inf where nothing wears.
 
     Over this distance a rigid shoe on a lining of springs forgets its shape by a factor e.
@@ -225,20 +229,20 @@ def unit_distance(setup: WearSetup, law: WearLaw) -> float:
     return 1 / (law.coefficient * setup.stiffness) if law.coefficient else math.inf
 
 
-def worn(setup: WearSetup, state: WearState) -> Brake:
+def brake_with_worn_linings(setup: WearSetup, state: WearState) -> Brake:
     """The brake with the depth worn off added to the clearance of its linings."""
     depths = {}
     for surface in setup.surfaces:
         depths[surface.shoe] = surface.angles, surface.along(state.depth)
-    return worn_by(setup.brake, depths)
+    return add_worn_depths(setup.brake, depths)
 
 
-def _deepest(surface: WornLining, states: Sequence[WearState]) -> list[float]:
+def _largest_worn_depths(surface: WornLining, states: Sequence[WearState]) -> list[float]:
     """The largest depth [m] worn off a lining in each state."""
     return [float(state.depth[surface.part].max()) for state in states]
 
 
-def check_depth(setup: WearSetup, states: Sequence[WearState]) -> None:
+def check_worn_depth(setup: WearSetup, states: Sequence[WearState]) -> None:
     """Raise NoAnswer where a lining is worn through.
 
     The message names the lining that is worn through first, and the sliding distance.
@@ -248,7 +252,7 @@ def check_depth(setup: WearSetup, states: Sequence[WearState]) -> None:
     for surface in setup.surfaces:
         # The depth grows with the distance, so that the last state tells whether it is too much.
         thickness = setup.brake.shoes[surface.shoe].lining.thickness
-        deepest = _deepest(surface, states)
+        deepest = _largest_worn_depths(surface, states)
         if deepest[-1] > thickness:
             after = float(np.interp(thickness, deepest, s))
             worn_through.append((after, f"shoe {surface.name!r}: its lining of {mm(thickness)}"))
@@ -277,7 +281,7 @@ class LiningLife(NamedTuple):
     torque: float
 
 
-def life(
+def lining_life(
     setup: WearSetup,
     states: Sequence[WearState],
     goal: WearTarget,
@@ -303,7 +307,7 @@ def life(
     end = math.inf
     for surface in setup.surfaces:
         allowed = part * setup.brake.shoes[surface.shoe].lining.thickness
-        deepest = _deepest(surface, states)
+        deepest = _largest_worn_depths(surface, states)
         # The lining is worn out within the run, or later at the rate that the law has.
         if deepest[-1] >= allowed:
             end = min(end, float(np.interp(allowed, deepest, s)))
@@ -311,9 +315,11 @@ def life(
             rate = float(law.rate(goal.pressure[surface.part], 0.0)[0].max())
             end = min(end, s[-1] + (allowed - deepest[-1]) / rate)
     # A quantity is near the law from the last state on that is beyond the bound.
-    pressures, torques = np.array([distance(setup, state, goal) for state in states]).T.tolist()
-    pressure_near = archard.last_beyond(s, pressures, within)
-    torque_near = archard.last_beyond(s, torques, within)
+    pressures, torques = np.array(
+        [distance_from_target(setup, state, goal) for state in states]
+    ).T.tolist()
+    pressure_near = archard.settling_distance(s, pressures, within)
+    torque_near = archard.settling_distance(s, torques, within)
     return LiningLife(end, pressure_near / end, torque_near / end)
 
 
@@ -325,8 +331,8 @@ class RunChecks(NamedTuple):
     volume : difference between the worn volume and the integral of the wear rate, k Int Int p dA ds
     energy : difference between the volume of the worn shape over the round lining and the friction
         energy, V = k W/mu; None without friction and for other exponents than 1
-    ripple : largest checkerboard of any state after the first, see archard.ripple; None where the
-        linings have too few nodes
+    ripple : largest checkerboard of any state after the first, see
+        `archard.checkerboard_amplitude`; None where the linings have too few nodes
     """
 
     volume: float
@@ -334,7 +340,7 @@ class RunChecks(NamedTuple):
     ripple: float | None
 
 
-def checks(setup: WearSetup, states: Sequence[WearState], law: WearLaw) -> RunChecks:
+def compute_run_checks(setup: WearSetup, states: Sequence[WearState], law: WearLaw) -> RunChecks:
     """The balances and the checkerboard of a run."""
     end = states[-1]
     area = np.concatenate(list(map(attrgetter("area"), setup.interfaces)))
@@ -343,7 +349,7 @@ def checks(setup: WearSetup, states: Sequence[WearState], law: WearLaw) -> RunCh
     ripples = []
     for state in states[1:]:
         for surface in setup.surfaces:
-            ripple = archard.ripple(surface.along(state.pressure))
+            ripple = archard.checkerboard_amplitude(surface.along(state.pressure))
             # A lining of few nodes has no ripple.
             if not math.isnan(ripple):
                 ripples.append(ripple)
@@ -370,19 +376,19 @@ def _energy_imbalance(setup: WearSetup, end: WearState, law: WearLaw, scale: flo
     volumes = []
     for surface in setup.surfaces:
         width = brake.shoes[surface.shoe].lining.width
-        depth = _integral(surface, surface.along(end.depth))
+        depth = _integral_over_lining(surface, surface.along(end.depth))
         volumes.append(width * brake.scale_factor * depth)
     by_energy = law.coefficient * end.work / (brake.friction * brake.scale_factor)
     return abs(sum(volumes) - by_energy) / scale
 
 
-def _integral(surface: WornLining, values: Floats) -> float:
+def _integral_over_lining(surface: WornLining, values: Floats) -> float:
     """The integral over theta of values (n,) by growing theta."""
     _, at_points, weight = gauss_points(surface.angles, values, surface.order)
     return float((at_points * weight).sum())
 
 
-def peak(setup: WearSetup, state: WearState) -> float:
+def peak_nodal_pressure(setup: WearSetup, state: WearState) -> float:
     """The largest nodal pressure [Pa] of a state outside the edge zones at the linings' ends."""
     peaks = []
     for surface in setup.surfaces:
@@ -391,7 +397,7 @@ def peak(setup: WearSetup, state: WearState) -> float:
     return max(peaks)
 
 
-def as_dict(
+def wear_run_data(
     setup: WearSetup, states: Sequence[WearState], goal: WearTarget, law: WearLaw
 ) -> dict[str, Any]:
     """A run as plain data for JSON: SI; values of each lining by growing theta.
@@ -410,13 +416,13 @@ def as_dict(
 
     def state_data(state: WearState) -> dict[str, Any]:
         """A wear state as plain data for JSON."""
-        off = distance(setup, state, goal)
+        off = distance_from_target(setup, state, goal)
         return {
             "distance": state.s,
             "forward": state.forward,
             "torque": state.torque,
             "force": state.force,
-            "peak_pressure": peak(setup, state),
+            "peak_pressure": peak_nodal_pressure(setup, state),
             "pressure_from_law": off.pressure,
             "torque_from_law": off.torque,
             "worn_volume": state.removed,
@@ -430,7 +436,7 @@ def as_dict(
     return {
         "model": setup.model,
         "law": law._asdict(),
-        "unit_distance": unit_distance(setup, law) if law.coefficient else None,
+        "unit_distance": unit_sliding_distance(setup, law) if law.coefficient else None,
         "shoes": shoes,
         "worn_in": {"torque": goal.torque, "pressure": by_lining(goal.pressure)},
         "states": list(map(state_data, states)),
@@ -459,16 +465,16 @@ def report_lines(
     for i in np.unique(np.rint(np.linspace(0, len(states) - 1, lines)).astype(int)):
         text.append(_state_line(setup, states[i], goal, law))
     text.append(f"worn in (law): {surface.effect} {goal.torque:.6g} {surface.effect_unit}")
-    text += _mesh_line(setup, goal, law)
+    text += _line_on_mesh_error(setup, goal, law)
     if law.coefficient > 0:
-        spent = life(setup, states, goal, law)
+        spent = lining_life(setup, states, goal, law)
         text.append(
             f"life: {spent.distance * 1e-3:.5g} km "
             f"to {formatted(WORN_OUT, '.0%')} of the thickness; "
-            f"of it p is more than 1 % off the law for {_life_part(spent.pressure)}, "
-            f"the torque for {_life_part(spent.torque)}"
+            f"of it p is more than 1 % off the law for {_life_fraction_text(spent.pressure)}, "
+            f"the torque for {_life_fraction_text(spent.torque)}"
         )
-    balance = checks(setup, states, law)
+    balance = compute_run_checks(setup, states, law)
     energy = "" if balance.energy is None else f", energy {balance.energy:.1e}"
     ripple = "" if balance.ripple is None else f"checkerboard at most {balance.ripple:.1e}; "
     text.append(
@@ -483,7 +489,7 @@ def _heading_lines(setup: WearSetup, law: WearLaw) -> list[str]:
     brake, surface = setup.brake, setup.brake.surface
     wears = ": nothing wears"
     if law.coefficient:
-        wears = f", 1/(k K) = {unit_distance(setup, law) * 1e-3:.5g} km"
+        wears = f", 1/(k K) = {unit_sliding_distance(setup, law) * 1e-3:.5g} km"
     effect_unit = f"[{surface.effect_unit}]"
     return [
         f"{brake.title}: {setup.model}, {brake.motion}, mu = {brake.friction:g}, "
@@ -497,23 +503,24 @@ def _heading_lines(setup: WearSetup, law: WearLaw) -> list[str]:
 
 def _state_line(setup: WearSetup, state: WearState, goal: WearTarget, law: WearLaw) -> str:
     """The line of a wear state in the table of states; parameters as of `report_lines`."""
-    off = distance(setup, state, goal)
-    force = setup.brake.shoes[setup.surfaces[0].shoe].actuation.force
+    off = distance_from_target(setup, state, goal)
+    force = state.force * setup.brake.shoes[setup.surfaces[0].shoe].actuation.force
+    peak = peak_nodal_pressure(setup, state) * 1e-6
     return (
-        f"{state.s * 1e-3:9.5g}{state.s / unit_distance(setup, law):9.4g}"
-        f"{state.torque:10.6g}{state.force * force:9.5g}{peak(setup, state) * 1e-6:9.4g}"
+        f"{state.s * 1e-3:9.5g}{state.s / unit_sliding_distance(setup, law):9.4g}"
+        f"{state.torque:10.6g}{force:9.5g}{peak:9.4g}"
         f"{100 * off.pressure:11.3f}{100 * off.torque:+11.4f}{state.depth.max() * 1e3:10.4g}"
     )
 
 
-def _mesh_line(setup: WearSetup, goal: WearTarget, law: WearLaw) -> list[str]:
+def _line_on_mesh_error(setup: WearSetup, goal: WearTarget, law: WearLaw) -> list[str]:
     """A line of text on the distance between the end of wear on this mesh and the law.
 
     There is no line where the distance is at most WEAR_SETTLED.
     """
-    end = discrete_end(setup, law)
+    end = discrete_wear_target(setup, law)
     factor = goal.torque / end.torque if end.torque else 1.0
-    off = apart(setup, end.pressure * factor, goal.pressure)
+    off = pressure_distance(setup, end.pressure * factor, goal.pressure)
     if off <= WEAR_SETTLED:
         return []
     return [
@@ -523,7 +530,7 @@ def _mesh_line(setup: WearSetup, goal: WearTarget, law: WearLaw) -> list[str]:
     ]
 
 
-def _life_part(share: float) -> str:
+def _life_fraction_text(share: float) -> str:
     """A part of the life in words."""
     if math.isinf(share):
         return "all of this run"

@@ -12,16 +12,16 @@ from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake
 from drumlin.brake.units import quantity
 from drumlin.lining_wear.archard import WearLaw, WearState
-from drumlin.lining_wear.linings import WearSetup, fem_setup, foundation_setup
+from drumlin.lining_wear.linings import WearSetup, fem_wear_setup, foundation_wear_setup
 from drumlin.lining_wear.run_in import (
     COEFFICIENT,
     WearTarget,
-    as_dict,
-    check_depth,
+    check_worn_depth,
     report_lines,
+    rigid_law_target,
     run_in,
-    target,
-    unit_distance,
+    unit_sliding_distance,
+    wear_run_data,
 )
 
 WEARING_MODELS = ("fem", "foundation")
@@ -49,7 +49,7 @@ class WearRun:
 
     def as_dict(self) -> dict[str, Any]:
         """The run as plain data for JSON, in SI; the keys are those of `drumlin wear --json`."""
-        return as_dict(self.setup, self.states, self.target, self.law)
+        return wear_run_data(self.setup, self.states, self.target, self.law)
 
     def lines(self) -> list[str]:
         """The run as lines of text: the notes, some of the states, and the life of the linings."""
@@ -85,7 +85,7 @@ def check_wear_options(
         )
 
 
-def wear_law(coefficient: float | str | None, exponent: float) -> WearLaw:
+def make_wear_law(coefficient: float | str | None, exponent: float) -> WearLaw:
     """Archard's law with a coefficient [1/Pa], or its text with a unit; by default COEFFICIENT."""
     if coefficient is None:
         return WearLaw(COEFFICIENT, exponent)
@@ -102,7 +102,7 @@ def wear_setups(brake: Brake, model: str, *, both_ways: bool, **options: Any) ->
     brake : the brake
     model : "fem" or "foundation"
     both_ways : whether the drum also turns back
-    options : those of the model, see `scene_of` and `foundation_setup`
+    options : those of the model, see `scene_of` and `foundation_wear_setup`
 
     Raises
     ------
@@ -113,15 +113,15 @@ def wear_setups(brake: Brake, model: str, *, both_ways: bool, **options: Any) ->
     """
     turned_back = brake.reversed() if both_ways else None
     if model == "foundation":
-        forward = foundation_setup(brake, **options)
-        backward = None if turned_back is None else foundation_setup(turned_back, **options)
+        forward = foundation_wear_setup(brake, **options)
+        backward = None if turned_back is None else foundation_wear_setup(turned_back, **options)
         return WearSetups(forward, backward)
     # Only finite elements need this import, which takes longest.
     from drumlin.fem.solve import scene_of  # noqa: PLC0415
 
     scene = scene_of(brake, **options)
-    forward = fem_setup(scene, brake)
-    backward = None if turned_back is None else fem_setup(scene, turned_back)
+    forward = fem_wear_setup(scene, brake)
+    backward = None if turned_back is None else fem_wear_setup(scene, turned_back)
     return WearSetups(forward, backward)
 
 
@@ -148,7 +148,7 @@ def sliding_distance(option: str, given: float | str, unit: float) -> float:
         return quantity(option, given, "m")
 
 
-def wear_in(
+def run_wear(
     setups: WearSetups,
     law: WearLaw,
     *,
@@ -178,7 +178,7 @@ def wear_in(
         for no equilibrium, no convergence, self-locking, a lining that is worn through
     """
     setup, backward = setups
-    unit = unit_distance(setup, law)
+    unit = unit_sliding_distance(setup, law)
     # Options that are not given keep the defaults of `run_in`.
     given = {"tolerance": tolerance, "torque": torque}
     options: dict[str, Any] = {key: value for key, value in given.items() if value is not None}
@@ -187,6 +187,6 @@ def wear_in(
     if distance is not None:
         options["distance"] = sliding_distance("--distance", distance, unit)
     states = run_in(setup, law, backward=backward, **options)
-    check_depth(setup, states)
-    goal = target(setup, law, torque)
+    check_worn_depth(setup, states)
+    goal = rigid_law_target(setup, law, torque)
     return WearRun(setup, law, tuple(states), goal, tuple(notes))

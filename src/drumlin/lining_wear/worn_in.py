@@ -1,7 +1,8 @@
 """The clearance of worn-in linings: they then bear by the rigid-shoe law on an elastic brake, too.
 
 Wear ends where all points of the lining wear as the shoe moves: p ~ sin(phi) about a hinge. On the
-mesh this is the pressure p of steady wear, see `archard.steady`. With the motions y' of the shoe
+mesh this is the pressure p of steady wear, see `archard.solve_steady_wear`. With the motions y' of
+the shoe it satisfies
 
     w' = M p + B y' >= 0,   p >= 0,   p w' = 0,   C p = h
 
@@ -47,8 +48,8 @@ from drumlin.fem.solve import scene_of
 from drumlin.foundation.model import RING_SECTIONS, included_effects, system
 from drumlin.foundation.post import shoe_angles
 from drumlin.laws import sine
-from drumlin.lining_wear.archard import WearInterface, WearLaw, steady
-from drumlin.lining_wear.linings import fem_setup
+from drumlin.lining_wear.archard import WearInterface, WearLaw, solve_steady_wear
+from drumlin.lining_wear.linings import fem_wear_setup
 from drumlin.response import Response
 from drumlin.response.merit import with_merits
 
@@ -67,19 +68,19 @@ slide as in steady wear. A depth as large as the gap makes soft shoes turn furth
 to. A judgement; the pressure does not depend on it."""
 
 
-def solve(brake: Brake, *, penalty: float = PENALTY, **options: Any) -> Response:
+def solve_worn_in_brake(brake: Brake, *, penalty: float = PENALTY, **options: Any) -> Response:
     """Solve a brake with worn-in linings by finite elements; `options` as of `scene_of`."""
     scene = scene_of(brake, **options)
-    return with_merits(brake, respond(scene, worn_in(scene, brake), penalty=penalty))
+    return with_merits(brake, respond(scene, worn_in_brake(scene, brake), penalty=penalty))
 
 
-def worn_in(scene: PreparedModel, brake: Brake) -> Brake:
+def worn_in_brake(scene: PreparedModel, brake: Brake) -> Brake:
     """The brake with the clearances that wear ends with, in place of its own and its misfit.
 
     A drum that is not round stays so: as it turns it wears the lining evenly, as long as the whole
     lining stays in contact. Raises NoAnswer for a self-locking shoe.
     """
-    setup = fem_setup(scene, fitted(brake, drum=True))
+    setup = fem_wear_setup(scene, remove_misfit(brake, drum=True))
     gaps: dict[int, Rows] = {}
     for number, interface in enumerate(setup.interfaces):
         surfaces = [surface for surface in setup.surfaces if surface.interface == number]
@@ -87,19 +88,19 @@ def worn_in(scene: PreparedModel, brake: Brake) -> Brake:
         linings = [slice(None)]
         if brake.shares is None:
             linings = list(map(attrgetter("local"), surfaces))
-        gap = _worn_gap(interface, linings)
+        gap = _worn_in_gap(interface, linings)
         for surface in surfaces:
             along = gap[surface.local][surface.forward]
             gaps[surface.shoe] = rows_of(surface.angles, along)
-    return fitted(fitted(brake), gaps)
+    return remove_misfit(remove_misfit(brake), gaps)
 
 
-def _worn_gap(interface: WearInterface, linings: list[slice]) -> Floats:
+def _worn_in_gap(interface: WearInterface, linings: list[slice]) -> Floats:
     """The gap g (n,) [m] of the unloaded linings of an interface, see the head of this module.
 
     `linings` are the unknowns of those linings that move each by itself. Raises NoAnswer.
     """
-    end = steady(interface, WearLaw(1.0))
+    end = solve_steady_wear(interface, WearLaw(1.0))
     footing, M, p = interface.footings[end.footing], interface.weight, end.contact.p
     A, q, B, *_ = footing.problem
     # The footing with the fewest motions is that in which each rough foot stays where it is.
@@ -147,7 +148,9 @@ def _resting_motions(interface: WearInterface, opened: Floats, approach: Floats)
     return _RestingMotions(nearest, evenly)
 
 
-def fitted(brake: Brake, gaps: Mapping[int, Rows] | None = None, *, drum: bool = False) -> Brake:
+def remove_misfit(
+    brake: Brake, gaps: Mapping[int, Rows] | None = None, *, drum: bool = False
+) -> Brake:
     """The brake with linings that fit the drum, without misfit.
 
     Parameters
@@ -168,7 +171,7 @@ def fitted(brake: Brake, gaps: Mapping[int, Rows] | None = None, *, drum: bool =
     return (brake.round() if drum else brake).model_copy(update={"shoes": shoes})
 
 
-def worn_in_foundation(
+def worn_in_foundation_brake(
     brake: Brake, *, sections: int = RING_SECTIONS, lift: Iterable[str] = ()
 ) -> Brake:
     """The brake with the clearances at which the foundation model bears by the sine law.
@@ -187,7 +190,7 @@ def worn_in_foundation(
         for a self-locking shoe
     """
     names, law = included_effects(brake, lift), sine(brake)
-    fitting = fitted(brake, drum=True)
+    fitting = remove_misfit(brake, drum=True)
     shoes = list(range(len(brake.shoes)))
     gaps: dict[int, Rows] = {}
     for group in [shoes] if "own-pressure" in names else [[i] for i in shoes]:
@@ -206,4 +209,4 @@ def worn_in_foundation(
             # A turn of the shoe closes the gap until it touches at one place.
             gap = post.closing[0] * np.max(own / post.closing[0]) - own
             gaps[group[k]] = rows_of(theta[:: post.axis.sense], gap[:: post.axis.sense])
-    return fitted(fitting, gaps)
+    return remove_misfit(fitting, gaps)

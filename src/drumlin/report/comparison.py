@@ -12,7 +12,7 @@ from drumlin.comparison import Comparison, Outcome, TableColumn, as_csv, columns
 from drumlin.fem.preparation.finite_width import finite_width
 from drumlin.models import refusals
 from drumlin.report import figures
-from drumlin.report.page import fill, versions
+from drumlin.report.page import software_versions, write_page
 from drumlin.response.balance import loaded
 from drumlin.response.response import Response
 
@@ -34,7 +34,7 @@ class WrittenComparison(NamedTuple):
     columns: tuple[TableColumn, ...]
 
 
-def panels(comparison: Comparison[Any]) -> list[tuple[str, dict[str, Any]]]:
+def pressure_panels(comparison: Comparison[Any]) -> list[tuple[str, dict[str, Any]]]:
     """A panel of the pressure figure for each shoe: its title, and its responses by model."""
     brake = comparison.brake
     made: list[tuple[str, dict[str, Any]]] = []
@@ -73,22 +73,24 @@ def draw_fields(
     # These imports are heavy, and most commands draw no fields.
     from drumlin.fem.analysis.fields import all_fields, write_vtu  # noqa: PLC0415
     from drumlin.fem.solve import scene_of  # noqa: PLC0415
-    from drumlin.report.render import render  # noqa: PLC0415
+    from drumlin.report.render import render_fields  # noqa: PLC0415
 
     brake.check_meshable()
     scene = scene_of(brake, **options)
     write_vtu(folder / f"{name}.vtu", all_fields(scene, brake, response))
     title = f"{brake.title}, {brake.motion}"
-    return render(folder / f"{name}.vtu", folder / f"{name}.png", loaded(brake, response), title)
+    return render_fields(
+        folder / f"{name}.vtu", folder / f"{name}.png", loaded(brake, response), title
+    )
 
 
-def results_json(comparisons: Sequence[Comparison[Any]], **more: Any) -> str:
+def results_as_json(comparisons: Sequence[Comparison[Any]], **more: Any) -> str:
     """Every number of some comparisons as JSON text, with versions.
 
     The seconds of each model are medians. Further keys come from `more`.
     """
     cases = list(map(_case_data, comparisons))
-    return json.dumps({"versions": versions(), "cases": cases, **more}, indent=1) + "\n"
+    return json.dumps({"versions": software_versions(), "cases": cases, **more}, indent=1) + "\n"
 
 
 def _case_data(comparison: Comparison[Any]) -> dict[str, Any]:
@@ -109,7 +111,7 @@ def _model_data(outcome: Outcome) -> dict[str, Any]:
     return {**answer, "run_time": outcome.seconds, "repeats": outcome.repeats}
 
 
-def write_comparison(
+def write_comparison_page(
     brake: Brake, source: str, folder: Path, options: dict[str, Any]
 ) -> WrittenComparison:
     """Compare all models that apply to a brake, and write a page with its data.
@@ -134,9 +136,11 @@ def write_comparison(
         raise NoAnswer("; ".join(failures))
     table = comparison.rows
     write_text(folder / "results.csv", as_csv(table))
-    write_text(folder / "results.json", results_json([comparison]))
-    pressure_figure = figures.pressures(panels(comparison), surface=brake.surface)
-    figures.save(pressure_figure, folder / "pressure.svg")
+    write_text(folder / "results.json", results_as_json([comparison]))
+    pressure_figure = figures.draw_pressure_panels(
+        pressure_panels(comparison), surface=brake.surface
+    )
+    figures.save_figure(pressure_figure, folder / "pressure.svg")
     # The fields of the finite elements, where a shoe touches.
     fem = comparison.responses.get("fem")
     drawn, not_drawn = False, None
@@ -148,7 +152,7 @@ def write_comparison(
         solved_brake = finite_width(brake) if options.get("finite_width") else brake
         not_drawn = draw_fields(solved_brake, fem, folder, "fields", **mesh_options)
     notes = _notes_of_models(brake, comparison)
-    page = fill(
+    page = write_page(
         Path(__file__).with_name("comparison.html"),
         folder / "index.html",
         brake=brake,

@@ -1,6 +1,6 @@
 """Figures by matplotlib: pressures over the lining, and convergence.
 
-Each function returns a figure, which `save` writes.
+Each function returns a figure, which `save_figure` writes.
 """
 
 import math
@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 from drumlin.base.arrays import Floats
 from drumlin.base.files import replacing
 from drumlin.brake.surface import DRUM, FrictionSurface
-from drumlin.report.palette import CATEGORIES, color_of, look_of
+from drumlin.report.palette import CATEGORIES, color_of_model, line_style_of_model
 from drumlin.response.response import ShoeResponse
 
 STYLE = {
@@ -62,7 +62,7 @@ Panel = tuple[str, Mapping[str, ShoeResponse]]
 """A panel of the pressure figure: its title, and the responses of one shoe by model."""
 
 
-def save(figure: Figure, path: Path) -> Path:
+def save_figure(figure: Figure, path: Path) -> Path:
     """Write a figure whole or not at all; returns `path`, whose ending gives the format.
 
     Equal figures become equal files. A letter that the font lacks is drawn as a box.
@@ -75,12 +75,12 @@ def save(figure: Figure, path: Path) -> Path:
     return path
 
 
-def name_of(model: str) -> str:
+def model_title(model: str) -> str:
     """The name of a model in figures and tables for people."""
     return MODEL_TITLES.get(model, model)
 
 
-def key(figure: Figure, axes: Axes, **more: Any) -> None:
+def draw_legend(figure: Figure, axes: Axes, **more: Any) -> None:
     """Draw the key of some axes below the whole figure, where it covers no data.
 
     A label that several curves have appears once. `more` are options of matplotlib's legend.
@@ -93,7 +93,7 @@ def key(figure: Figure, axes: Axes, **more: Any) -> None:
     figure.legend(handle_of.values(), handle_of.keys(), **options)
 
 
-def name_curve(
+def write_curve_name(
     axes: Axes, x: Floats, curves: Sequence[Floats], which: int, words: str, color: str
 ) -> None:
     """Write the name of a curve beside it, if there is a place that no curve crosses.
@@ -110,7 +110,7 @@ def name_curve(
     low, high = axes.get_ylim()
     # Heights of the curves relative to the axes.
     heights = np.clip((np.array(curves) - low) / (high - low), 0, 1)
-    place = _free_place(heights, which)
+    place = _find_free_place(heights, which)
     if place is None:
         return
     y = low + place.height * (high - low)
@@ -124,7 +124,7 @@ class _FreePlace(NamedTuple):
     height: float
 
 
-def _free_place(heights: Floats, which: int) -> _FreePlace | None:
+def _find_free_place(heights: Floats, which: int) -> _FreePlace | None:
     """The place above or below a curve that is farthest from all other curves, if there is any.
 
     `heights` (curves, n) are relative to the axes.
@@ -145,7 +145,7 @@ def _free_place(heights: Floats, which: int) -> _FreePlace | None:
     return best
 
 
-def mark_cut(axes: Axes, x: Floats, y: Floats, color: Any) -> None:
+def mark_cut_off_curve(axes: Axes, x: Floats, y: Floats, color: Any) -> None:
     """Mark the places where a curve y (n,) over x (n,) leaves the axes at their top.
 
     A pressure leaves the axes at a sharp edge, where the pressure has no bound.
@@ -167,7 +167,7 @@ def mark_cut(axes: Axes, x: Floats, y: Floats, color: Any) -> None:
         )
 
 
-def smooth(shoe: ShoeResponse, points: int = 300) -> tuple[Floats, Floats]:
+def smooth_pressure_curve(shoe: ShoeResponse, points: int = 300) -> tuple[Floats, Floats]:
     """Angles [rad] and pressure [Pa] of a response as a smooth line.
 
     The angles are evenly spread, with the nodes of the response near the ends.
@@ -180,7 +180,7 @@ def smooth(shoe: ShoeResponse, points: int = 300) -> tuple[Floats, Floats]:
     return theta, np.maximum(shoe.pressure_at(theta), 0.0)
 
 
-def pressures(
+def draw_pressure_panels(
     panels: Sequence[Panel], columns: int = 2, *, surface: FrictionSurface = DRUM
 ) -> Figure:
     """Draw the pressure over the place on a surface, in a panel for each shoe.
@@ -201,7 +201,7 @@ def pressures(
         figure = Figure(figsize=(5.2 * columns, 3.1 * rows), layout="constrained")
         grid = figure.subplots(rows, columns, squeeze=False, sharey=True)
         few = max(len(responses) for _, responses in panels) <= 2
-        top = _top_of_scale(panels)
+        top = _pressure_scale_top(panels)
         for axes, panel in zip(grid.flat, panels, strict=False):
             axes.set_ylim(0, top)
             _draw_panel(axes, panel, surface, named=few)
@@ -214,11 +214,13 @@ def pressures(
         for axes in grid.flat[len(panels) :]:
             axes.set_visible(False)
         # The panel with the most labels has the key for all.
-        key(figure, max(used, key=lambda axes: len(set(axes.get_legend_handles_labels()[1]))))
+        draw_legend(
+            figure, max(used, key=lambda axes: len(set(axes.get_legend_handles_labels()[1])))
+        )
     return figure
 
 
-def _top_of_scale(panels: Sequence[Panel]) -> float:
+def _pressure_scale_top(panels: Sequence[Panel]) -> float:
     """The top of the scale of pressure [MPa]: 12 % above the largest peak."""
     peaks: list[float] = []
     for _, responses in panels:
@@ -233,20 +235,20 @@ def _draw_panel(axes: Axes, panel: Panel, surface: FrictionSurface, *, named: bo
     unit = surface.shown
     axes.set_title(title)
     axes.set_xlabel(surface.figure_axis)
-    curves = {model: smooth(shoe) for model, shoe in responses.items()}
+    curves = {model: smooth_pressure_curve(shoe) for model, shoe in responses.items()}
     for model, (theta, p) in curves.items():
         x, y = theta * unit, p * 1e-6
-        axes.plot(x, y, **look_of(model), lw=1.8, label=name_of(model))
-        mark_cut(axes, x, y, color_of(model))
+        axes.plot(x, y, **line_style_of_model(model), lw=1.8, label=model_title(model))
+        mark_cut_off_curve(axes, x, y, color_of_model(model))
         if model == "fem":
-            axes.fill_between(x, y, color=color_of(model), alpha=0.12, lw=0)
+            axes.fill_between(x, y, color=color_of_model(model), alpha=0.12, lw=0)
     axes.set_xlim(theta[0] * unit - 3, theta[-1] * unit + 3)
     if not named:
         return
     even = np.linspace(theta[0], theta[-1], 200)
     lines = [np.interp(even, *curve) * 1e-6 for curve in curves.values()]
     for i, model in enumerate(curves):
-        name_curve(axes, even * unit, lines, i, name_of(model), color_of(model))
+        write_curve_name(axes, even * unit, lines, i, model_title(model), color_of_model(model))
 
 
 def _label_lowest_panel(column: Sequence[Axes]) -> None:
@@ -261,7 +263,7 @@ def _label_lowest_panel(column: Sequence[Axes]) -> None:
         axes.tick_params(labelbottom=False)
 
 
-def convergence(series: Mapping[str, Sequence[tuple[int, float]]], ylabel: str) -> Figure:
+def draw_convergence(series: Mapping[str, Sequence[tuple[int, float]]], ylabel: str) -> Figure:
     """Draw errors over the number of elements along the lining, both on logarithmic scales.
 
     `series` holds the numbers and the errors, as fractions, by the name of each line.
@@ -282,5 +284,5 @@ def convergence(series: Mapping[str, Sequence[tuple[int, float]]], ylabel: str) 
         axes.set_xticks(sorted(elements))
         axes.xaxis.set_major_formatter("{x:.0f}")
         axes.minorticks_off()
-        key(figure, axes, ncols=1)
+        draw_legend(figure, axes, ncols=1)
     return figure

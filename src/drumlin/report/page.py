@@ -36,7 +36,7 @@ RECORDED_PACKAGES = ("numpy", "scipy", "scikit-fem", "meshio", "pyvista", "matpl
 """Packages that make the numbers and pictures, whose versions a page names."""
 
 
-def versions() -> dict[str, str]:
+def software_versions() -> dict[str, str]:
     """The versions of drumlin, Python and the packages that make the numbers, and the machine."""
     found = {"drumlin": drumlin.__version__, "Python": platform.python_version()}
     for name in RECORDED_PACKAGES:
@@ -45,12 +45,14 @@ def versions() -> dict[str, str]:
     return found
 
 
-def embedded(path: Path) -> str:
+def picture_data_uri(path: Path) -> str:
     """A picture file as a data URI."""
     return f"data:{_MEDIA[path.suffix]};base64,{base64.b64encode(path.read_bytes()).decode()}"
 
 
-def filled(rows: Sequence[dict[str, Any]], columns: Sequence[TableColumn]) -> list[TableColumn]:
+def columns_with_values(
+    rows: Sequence[dict[str, Any]], columns: Sequence[TableColumn]
+) -> list[TableColumn]:
     """The columns of a table that have a value in at least one row."""
 
     def has_value(column: TableColumn) -> bool:
@@ -60,7 +62,7 @@ def filled(rows: Sequence[dict[str, Any]], columns: Sequence[TableColumn]) -> li
     return list(filter(has_value, columns))
 
 
-def of_words(rows: Sequence[dict[str, Any]], column: TableColumn) -> bool:
+def is_text_column(rows: Sequence[dict[str, Any]], column: TableColumn) -> bool:
     """Whether a column holds words: its heading then stands at the left, as words do."""
     return any(isinstance(row.get(column.key), str) for row in rows)
 
@@ -69,7 +71,7 @@ _PERCENT = re.compile(r"(?<=[0-9]) %")
 """A percent sign after a number, from which the page must not break it."""
 
 
-def fill(template: Path, page: Path, **values: Any) -> Path:
+def write_page(template: Path, page: Path, **values: Any) -> Path:
     """Fill a jinja template with values and write the page whole or not at all; returns `page`.
 
     The template extends base.html (blocks title, lead, body) and imports from blocks.html what it
@@ -83,20 +85,20 @@ def fill(template: Path, page: Path, **values: Any) -> Path:
     """
     # The foot of each page names versions, date and command.
     text = (
-        _environment(template, page)
+        _template_environment(template, page)
         .get_template(template.name)
         .render(
             **values,
-            versions=versions(),
+            versions=software_versions(),
             date=datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d"),
             command=typed(["drumlin", *sys.argv[1:]]),
         )
     )
-    write_text(page, with_contents(_PERCENT.sub("\N{NO-BREAK SPACE}%", text)))
+    write_text(page, add_contents_list(_PERCENT.sub("\N{NO-BREAK SPACE}%", text)))
     return page
 
 
-def _environment(template: Path, page: Path) -> jinja2.Environment:
+def _template_environment(template: Path, page: Path) -> jinja2.Environment:
     """The functions and filters that a template can use for a page."""
     # Templates are looked for among those of drumlin, then beside the given template.
     own_templates = jinja2.PackageLoader("drumlin", "report")
@@ -118,17 +120,17 @@ def _environment(template: Path, page: Path) -> jinja2.Environment:
 
     environment.globals |= {
         "numbered": numbered,
-        "tex": typeset,
-        "embedded": lambda name: embedded(page.parent / name),
-        "filled": filled,
-        "of_words": of_words,
+        "tex": formula_as_mathml,
+        "embedded": lambda name: picture_data_uri(page.parent / name),
+        "filled": columns_with_values,
+        "of_words": is_text_column,
         "Column": TableColumn,
         "pi": math.pi,
     }
     return environment
 
 
-def typeset(source: str) -> Markup:
+def formula_as_mathml(source: str) -> Markup:
     """The MathML, which browsers typeset, of a formula in LaTeX."""
     return Markup(latex2mathml.converter.convert(source))
 
@@ -137,13 +139,13 @@ _HEADING = re.compile(r"<h2>(.*?)</h2>", re.DOTALL)
 """The heading of a section in HTML."""
 
 
-def with_contents(text: str) -> str:
+def add_contents_list(text: str) -> str:
     """The HTML of a page with an anchor for each section, and a list of links to the sections.
 
     The list follows the lead of the page. Pages of fewer than LEAST_SECTIONS have no list.
     """
-    titles = list(map(striptags, _HEADING.findall(text)))
-    names = _anchors(titles)
+    titles = list(map(strip_html_tags, _HEADING.findall(text)))
+    names = _anchor_names(titles)
     next_name = iter(names)
 
     def linked(heading: re.Match[str]) -> str:
@@ -160,7 +162,7 @@ def with_contents(text: str) -> str:
     return text.replace("<!-- contents -->", contents, 1)
 
 
-def _anchors(titles: Sequence[str]) -> list[str]:
+def _anchor_names(titles: Sequence[str]) -> list[str]:
     """A name for the anchor of each section title; all names differ.
 
     A title whose name is empty, or stands before already, has its position in its name.
@@ -175,6 +177,6 @@ def _anchors(titles: Sequence[str]) -> list[str]:
     return anchors
 
 
-def striptags(text: str) -> str:
+def strip_html_tags(text: str) -> str:
     """A piece of HTML without its tags."""
     return re.sub(r"<[^>]*>", "", text).strip()

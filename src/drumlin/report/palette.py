@@ -40,11 +40,11 @@ LOOKS: dict[str, tuple[str, Any]] = {
 """Colour and line style of each model."""
 
 
-def color_of(model: str) -> str:
+def color_of_model(model: str) -> str:
     """The colour of a model, which every figure uses."""
     return LOOKS[model][0] if model in LOOKS else FAINT
 
 
-def look_of(model: str) -> dict[str, Any]:
+def line_style_of_model(model: str) -> dict[str, Any]:
     """A model's colour and line style, for matplotlib."""
-    return {"color": color_of(model), "ls": LOOKS[model][1] if model in LOOKS else "-"}
+    return {"color": color_of_model(model), "ls": LOOKS[model][1] if model in LOOKS else "-"}

@@ -1,8 +1,8 @@
 """A picture of the fields, which pyvista renders off-screen in a process of its own.
 
 Off-screen rendering needs OpenGL or its software stand-in. Where neither is there, VTK may end the
-whole process instead of raising an error. `render` therefore starts this module as another process
-and says what came of it.
+whole process instead of raising an error. `render_fields` therefore starts this module as another
+process and says what came of it.
 """
 
 import json
@@ -43,7 +43,7 @@ class NoPicture(Exception):
     """The process that draws has ended without a picture."""
 
 
-def render(fields: Path, picture: Path, brake: Brake, title: str) -> str | None:
+def render_fields(fields: Path, picture: Path, brake: Brake, title: str) -> str | None:
     """Draw a .vtu file of fields into a .png.
 
     Parameters
@@ -69,10 +69,10 @@ def render(fields: Path, picture: Path, brake: Brake, title: str) -> str | None:
         "forces": [[*shoe.actuation.point.xy, *shoe.actuation.vector] for shoe in brake.shoes],
         "title": title,
     }
-    return picture_by(__name__, fields, picture, json.dumps(marks))
+    return draw_in_own_process(__name__, fields, picture, json.dumps(marks))
 
 
-def picture_by(module: str, fields: Path, picture: Path, argument: str) -> str | None:
+def draw_in_own_process(module: str, fields: Path, picture: Path, argument: str) -> str | None:
     """Have a module's `main` draw a .vtu file into a .png, in a process of its own.
 
     Parameters
@@ -95,7 +95,7 @@ def picture_by(module: str, fields: Path, picture: Path, argument: str) -> str |
     command = [sys.executable, "-P", "-c", child, folder, str(fields)]
     try:
         with replacing(picture) as partial:
-            drawn([*command, str(partial), argument])
+            run_drawing_process([*command, str(partial), argument])
         return None
     except NoPicture as error:
         # An old picture must not stand for a new result.
@@ -133,7 +133,7 @@ def _support_points(shoe: Held) -> list[Point]:
     return [point for point in (shoe.hinge, shoe.pivot, foot) if point is not None]
 
 
-def drawn(command: list[str]) -> None:
+def run_drawing_process(command: list[str]) -> None:
     """Run a process that draws. Raises NoPicture with the last line that it wrote."""
     try:
         done = subprocess.run(command, capture_output=True, timeout=RENDER_SECONDS, check=False)
@@ -144,11 +144,11 @@ def drawn(command: list[str]) -> None:
         raise NoPicture(lines[-1] if lines else f"exit status {done.returncode}")
 
 
-def draw(fields: Path, picture: Path, marks: dict[str, Any]) -> None:
+def draw_fields_picture(fields: Path, picture: Path, marks: dict[str, Any]) -> None:
     """Render in this process.
 
     The picture shows the von Mises stress on the deformed shoes, arrows of pressure, pins, forces,
-    and drum or plane. `marks` are those of `render`.
+    and drum or plane. `marks` are those of `render_fields`.
     """
     import pyvista as pv  # noqa: PLC0415  (only in the process that draws)
 
@@ -163,7 +163,7 @@ def draw(fields: Path, picture: Path, marks: dict[str, Any]) -> None:
     plotter = pv.Plotter(off_screen=True, window_size=(FIELD_WIDTH, FIELD_HEIGHT))
     plotter.set_background("white")
     _add_stress(plotter, deformed)
-    plotter.add_mesh(_outline_of(grid), color="#888888", line_width=2)
+    plotter.add_mesh(_undeformed_outline(grid), color="#888888", line_width=2)
     points = np.column_stack([line, np.zeros(len(line))])
     plotter.add_mesh(pv.lines_from_points(points), color="black", line_width=5)
     _add_pressure(plotter, grid, size, flat=marks["flat"])
@@ -249,7 +249,7 @@ def _aim_camera(camera: Any, places: Floats, margin: float) -> None:
     camera.focal_point, camera.position = (x, y, 0), (x, y, 1)
 
 
-def _outline_of(grid: Any) -> Any:
+def _undeformed_outline(grid: Any) -> Any:
     """The undeformed outline: boundary edges of the cells with merged nodes of shared edges."""
     flat = grid.copy()
     flat.clear_data()
@@ -269,7 +269,7 @@ def _add_pressure(plotter: Any, grid: Any, size: float, *, flat: bool) -> None:
         return
     points = np.asarray(grid.points)[touching]
     push = np.asarray(grid.point_data["push of the drum [Pa]"])[touching]
-    chosen = _evenly_spread(points, size, flat=flat)
+    chosen = _choose_evenly_spread(points, size, flat=flat)
     lengths = np.linalg.norm(push[chosen], axis=1)
     # The pressures at singular edges are far above all others: their arrows are cut off.
     top = float(np.percentile(lengths, 90))
@@ -280,7 +280,7 @@ def _add_pressure(plotter: Any, grid: Any, size: float, *, flat: bool) -> None:
     plotter.add_mesh(cloud.glyph(orient="arrow", scale="size", geom=tip), color=RED)
 
 
-def _evenly_spread(points: Floats, size: float, *, flat: bool) -> Any:
+def _choose_evenly_spread(points: Floats, size: float, *, flat: bool) -> Any:
     """Positions of points (n, 2+) [m], one in each 2.5 degrees of the surface.
 
     On a plane 2.5 degrees mean this angle in radians times `size` [m].
@@ -311,7 +311,7 @@ def main() -> int:
 
     def drew() -> int:
         """Draw the picture that the arguments name."""
-        draw(Path(sys.argv[1]), Path(sys.argv[2]), json.loads(sys.argv[3]))
+        draw_fields_picture(Path(sys.argv[1]), Path(sys.argv[2]), json.loads(sys.argv[3]))
         return 0
 
     return ended(drew)

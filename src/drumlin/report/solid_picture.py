@@ -1,6 +1,6 @@
 """A picture of solid shoes, which pyvista renders off-screen in a process of its own.
 
-`render` says why the process is needed.
+`render_solid_shoes` says why the process is needed.
 """
 
 import sys
@@ -10,19 +10,19 @@ from typing import Any
 import numpy as np
 
 from drumlin.base.errors import ended
-from drumlin.report.render import STRESS_TITLE, picture_by
+from drumlin.report.render import STRESS_TITLE, draw_in_own_process
 
 LARGEST_DISPLACEMENT = 0.05
 """Length of the largest displacement in the picture, relative to the drum's radius. Longer ones
 hide the shape of the shoes, shorter ones the deformation."""
 
 
-def render(fields: Path, picture: Path, title: str) -> str | None:
+def render_solid_shoes(fields: Path, picture: Path, title: str) -> str | None:
     """Draw the .vtu file of solid shoes into a .png; returns None, or why there is no picture."""
-    return picture_by(__name__, fields, picture, title)
+    return draw_in_own_process(__name__, fields, picture, title)
 
 
-def draw(fields: Path, picture: Path, title: str) -> None:
+def draw_solid_shoes(fields: Path, picture: Path, title: str) -> None:
     """Render in this process: von Mises stress on the deformed solids.
 
     The file holds the half of each shoe on one side of its middle plane. The picture shows both
@@ -86,7 +86,7 @@ def main() -> int:
 
     def drew() -> int:
         """Draw the picture that the arguments name."""
-        draw(Path(sys.argv[1]), Path(sys.argv[2]), sys.argv[3])
+        draw_solid_shoes(Path(sys.argv[1]), Path(sys.argv[2]), sys.argv[3])
         return 0
 
     return ended(drew)

@@ -17,7 +17,7 @@ MESH_COLORS = {"shoe": "#c9d3dc", "table": "#b3c0cc", "backing": "#d9c39a", "lin
 """Colour of the elements of each part of a shoe."""
 
 
-def draw(brake: Brake, **options: Any) -> Figure:
+def draw_brake_with_meshes(brake: Brake, **options: Any) -> Figure:
     """Draw a brake with drum, pins and forces, and over it the meshes of its shoes.
 
     A brake that cannot be meshed is drawn without meshes. `options` are those of the prepared

@@ -27,10 +27,10 @@ from drumlin.fem.preparation.cache import Cache
 from drumlin.models import pick
 from drumlin.response.merit import brake_factor
 from drumlin.response.response import Response, ShoeResponse
-from drumlin.sweeps.workers import Say, waiting_since
+from drumlin.sweeps.workers import SayLine, waiting_line
 
 Row = dict[str, Any]
-"""The numbers of a case by name, or its failure under "status"; see `row_of`."""
+"""The numbers of a case by name, or its failure under "status"; see `response_row`."""
 
 QUIET_SECONDS = 20.0
 """Seconds without an answer after which a line tells that the sweep waits for workers. A judgement:
@@ -99,7 +99,7 @@ class CaseAnswer(NamedTuple):
     again: bool = False
 
 
-def respond(case: SweepCase, cache: Cache | None = None) -> tuple[Brake, Response]:
+def solve_case(case: SweepCase, cache: Cache | None = None) -> tuple[Brake, Response]:
     """Solve a case: its brake, with the changes, and the response.
 
     The models "fem" and "solid" take condensed bodies from the cache and put theirs into it. Raises
@@ -113,19 +113,19 @@ def respond(case: SweepCase, cache: Cache | None = None) -> tuple[Brake, Respons
     return brake, pick(case.model, brake).solve(brake, **options)
 
 
-def solved(case: SweepCase, cache: Cache | None = None) -> Row:
-    """The row of a case: its numbers by name (see `row_of`), or why it has none. Never raises."""
-    return attempt(case, cache).row
+def case_row(case: SweepCase, cache: Cache | None = None) -> Row:
+    """The numbers of a case by name (see `response_row`), or its failure. Never raises."""
+    return attempt_case(case, cache).row
 
 
-def attempt(case: SweepCase, cache: Cache | None = None) -> CaseAnswer:
+def attempt_case(case: SweepCase, cache: Cache | None = None) -> CaseAnswer:
     """Solve a case and tell whether its row may be kept. Never raises.
 
     Answers are lasting, and so are refusals of the input or the physics. Failures for want of
     memory, files or workers may pass. Faults of drumlin are neither lasting nor tried again.
     """
     try:
-        return CaseAnswer(row_of(*respond(case, cache)))
+        return CaseAnswer(response_row(*solve_case(case, cache)))
     # A fault of one case must not cost the others. The row of the case tells the fault.
     except Exception as error:
         return _failed_answer(case, error)
@@ -135,14 +135,14 @@ def _failed_answer(case: SweepCase, error: Exception) -> CaseAnswer:
     """The answer to a case that an error ended."""
     known = isinstance(error, DrumlinError)
     text = str(error) if known else f"unexpected {type(error).__name__}: {error}"
-    passing = _is_passing(error)
+    passing = _is_passing_failure(error)
     # A mesh file that cannot be read has the digest "none". The file may be back next time.
     readable = "none" not in map(content_digest, mesh_files(case.brake, case.changes))
     row = {"status": f"failed: {' '.join(text.split())}"}
     return CaseAnswer(row, lasting=known and not passing and readable, again=passing)
 
 
-def _is_passing(error: BaseException | None) -> bool:
+def _is_passing_failure(error: BaseException | None) -> bool:
     """Whether memory or the system, not the case, caused an error."""
     # A model may wrap the system's error in a refusal of its own, which names its cause.
     while error is not None:
@@ -152,7 +152,7 @@ def _is_passing(error: BaseException | None) -> bool:
     return False
 
 
-def row_of(brake: Brake, response: Response) -> Row:
+def response_row(brake: Brake, response: Response) -> Row:
     """The numbers of a response by name, in SI; those of shoe NAME as "NAME.torque" and so on.
 
     Of the brake: "torque" [N m], on a plane "braking_force" [N]; "brake_factor" T/(F R) with the
@@ -208,14 +208,14 @@ def _as_plain_value(value: Any) -> Any:
     return value if value is None or isinstance(value, str | int) else float(value)
 
 
-def run(
+def solve_cases(
     cases: Sequence[SweepCase],
     *,
     executor: Executor | None = None,
     workers: int = 1,
     journal: Journal | None = None,
     done: Callable[[int, int], None] = lambda finished, of: None,
-    say: Say = lambda words: None,
+    say: SayLine = lambda words: None,
 ) -> list[Row]:
     """Solve cases; returns their rows in the order of the cases.
 
@@ -239,7 +239,7 @@ def run(
         where the workers run another drumlin
     """
     journal = Journal() if journal is None else journal
-    keys = list(keys_of(cases))
+    keys = list(journal_keys(cases))
     missing = _missing_cases(cases, keys, journal)
     finished = len(cases) - len(missing)
     done(finished, len(cases))
@@ -274,10 +274,10 @@ def _missing_cases(
     """Positions of the cases that the journal has not, equal cases once, sorted by their bodies."""
     unsolved = [i for i, key in enumerate(keys) if key not in journal]
     distinct = {json.dumps(keys[i]): i for i in unsolved}
-    return sorted(distinct.values(), key=lambda i: (cases[i].model, body_key(cases[i]), i))
+    return sorted(distinct.values(), key=lambda i: (cases[i].model, shared_body_key(cases[i]), i))
 
 
-def keys_of(cases: Iterable[SweepCase]) -> Iterator[dict[str, Any]]:
+def journal_keys(cases: Iterable[SweepCase]) -> Iterator[dict[str, Any]]:
     """The journal key of each case: a digest of its brake, its changes, model and options.
 
     Mesh files among the changes stand by a digest of their content.
@@ -288,10 +288,10 @@ def keys_of(cases: Iterable[SweepCase]) -> Iterator[dict[str, Any]]:
     for case in cases:
         # Thousands of cases share one brake object: it is digested once.
         if id(case.brake) not in brake_digests:
-            brake_digests[id(case.brake)] = digest_of(case.brake)
+            brake_digests[id(case.brake)] = brake_digest(case.brake)
         changes = dict(case.changes)
         for key, value in changes.items():
-            if names_mesh(key) and isinstance(value, str | Path):
+            if is_mesh_key(key) and isinstance(value, str | Path):
                 changes[key] = file_digest(Path(value))
         yield {
             "brake": brake_digests[id(case.brake)],
@@ -301,7 +301,7 @@ def keys_of(cases: Iterable[SweepCase]) -> Iterator[dict[str, Any]]:
         }
 
 
-def digest_of(brake: Brake) -> str:
+def brake_digest(brake: Brake) -> str:
     """A digest of all data of a brake; mesh files count by their content, not by their names."""
     # Equal brakes have equal JSON, since the keys stand in the order of the classes.
     data = brake.model_dump(mode="json")
@@ -311,7 +311,7 @@ def digest_of(brake: Brake) -> str:
     return hashlib.sha256(json.dumps(data).encode()).hexdigest()[:16]
 
 
-def names_mesh(key: str) -> bool:
+def is_mesh_key(key: str) -> bool:
     """Whether a key, written as for `vary`, takes mesh files."""
     return key.rpartition(".")[2] == "mesh"
 
@@ -319,11 +319,11 @@ def names_mesh(key: str) -> bool:
 def mesh_files(brake: Brake, changes: Mapping[str, Any]) -> list[Path]:
     """The mesh files of a brake and those among its changes."""
     named = [shoe.mesh for shoe in brake.shoes]
-    named += [value for key, value in changes.items() if names_mesh(key)]
+    named += [value for key, value in changes.items() if is_mesh_key(key)]
     return [Path(path) for path in named if isinstance(path, str | Path)]
 
 
-def body_key(case: SweepCase) -> str:
+def shared_body_key(case: SweepCase) -> str:
     """A text that is equal for cases with the same bodies.
 
     It holds the model's options and all changes but those of LOAD_KEYS.
@@ -343,7 +343,7 @@ def _solve_in_process(
     """Positions of the missing cases, each with its answer, which this process finds."""
     bodies = Cache()
     for i in missing:
-        yield i, attempt(cases[i], bodies)
+        yield i, attempt_case(cases[i], bodies)
 
 
 class _ChunkAnswer(NamedTuple):
@@ -363,36 +363,36 @@ def solve_chunk(cases: Sequence[SweepCase]) -> _ChunkAnswer:
     if not hasattr(_worker_bodies, "cache"):
         _worker_bodies.cache = Cache()
     start = time.perf_counter()
-    answers = [attempt(case, _worker_bodies.cache) for case in cases]
-    return _ChunkAnswer(answers, time.perf_counter() - start, _stamp())
+    answers = [attempt_case(case, _worker_bodies.cache) for case in cases]
+    return _ChunkAnswer(answers, time.perf_counter() - start, _drumlin_stamp())
 
 
 @cache
-def _stamp() -> str:
+def _drumlin_stamp() -> str:
     """The stamp of this process's drumlin and libraries."""
     return source_stamp()
 
 
-def _solve_by_workers(dispatch: "_Dispatch", say: Say) -> Iterator[tuple[int, CaseAnswer]]:
+def _solve_by_workers(dispatch: "_Dispatch", say: SayLine) -> Iterator[tuple[int, CaseAnswer]]:
     """Positions of cases with their answers, as the answers come from an executor."""
     last_answer, told = time.time(), False
     try:
-        while dispatch.is_busy:
-            dispatch.send()
+        while dispatch.has_open_work:
+            dispatch.send_chunks()
             finished = wait(dispatch.sent, timeout=QUIET_SECONDS, return_when=FIRST_COMPLETED).done
             if finished:
                 last_answer, told = time.time(), False
             elif not told:
-                say(waiting_since(last_answer))
+                say(waiting_line(last_answer))
                 told = True
             for future in finished:
-                yield from dispatch.answers(future)
+                yield from dispatch.collect_answers(future)
     except BrokenExecutor as error:
         raise NoAnswer(
             f"sweep: the workers died ({error}); what has finished is kept, the same run goes on"
         ) from error
     finally:
-        dispatch.cancel()
+        dispatch.cancel_chunks()
 
 
 class _Dispatch:
@@ -427,18 +427,18 @@ class _Dispatch:
         self._max_sent = 1 if alone else 2 * workers + 1
 
     @property
-    def is_busy(self) -> bool:
+    def has_open_work(self) -> bool:
         """Whether cases wait or are with a worker."""
-        return self._waiting.left or bool(self.sent)
+        return self._waiting.has_cases or bool(self.sent)
 
-    def send(self) -> None:
+    def send_chunks(self) -> None:
         """Send chunks until the workers have enough."""
-        while self._waiting.left and len(self.sent) < self._max_sent:
-            positions = self._waiting.take(self._size)
+        while self._waiting.has_cases and len(self.sent) < self._max_sent:
+            positions = self._waiting.take_cases(self._size)
             chunk = [self._cases[i] for i in positions]
             self.sent[self._executor.submit(solve_chunk, chunk)] = positions
 
-    def answers(self, future: "Future[_ChunkAnswer]") -> Iterator[tuple[int, CaseAnswer]]:
+    def collect_answers(self, future: "Future[_ChunkAnswer]") -> Iterator[tuple[int, CaseAnswer]]:
         """The answers of a chunk that has come back. Raises BadInput for another drumlin.
 
         The cases of a worker that died fail for a passing reason.
@@ -446,7 +446,7 @@ class _Dispatch:
         positions = self.sent.pop(future)
         try:
             chunk = future.result()
-            if chunk.stamp != _stamp():
+            if chunk.stamp != _drumlin_stamp():
                 raise BadInput(OTHER_DRUMLIN)
             answers = chunk.answers
             size = round(CHUNK_SECONDS * len(positions) / max(chunk.seconds, 1e-6))
@@ -461,7 +461,7 @@ class _Dispatch:
             answers = [lost] * len(positions)
         yield from zip(positions, answers, strict=True)
 
-    def cancel(self) -> None:
+    def cancel_chunks(self) -> None:
         """Take back all chunks that no worker has begun."""
         for future in self.sent:
             future.cancel()
@@ -474,16 +474,16 @@ class _Chunks:
     """
 
     def __init__(self, cases: Sequence[SweepCase], missing: Sequence[int]) -> None:
-        groups = groupby(missing, lambda i: body_key(cases[i]))
+        groups = groupby(missing, lambda i: shared_body_key(cases[i]))
         # The first group stands last, where a list gives it up at once.
         self._groups = [list(group) for _, group in groups][::-1]
 
     @property
-    def left(self) -> bool:
+    def has_cases(self) -> bool:
         """Whether cases are left."""
         return bool(self._groups)
 
-    def take(self, size: int) -> list[int]:
+    def take_cases(self, size: int) -> list[int]:
         """Positions of about `size` cases, which leave the groups."""
         taken: list[int] = []
         while self._groups and len(taken) < size:

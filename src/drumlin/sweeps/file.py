@@ -26,7 +26,7 @@ from drumlin.brake.units import to_si
 from drumlin.fem.mesh.content import mesh_bytes
 from drumlin.foundation.model import included_effects
 from drumlin.models import MODELS
-from drumlin.sweeps.cases import SweepCase, mesh_files, names_mesh
+from drumlin.sweeps.cases import SweepCase, is_mesh_key, mesh_files
 from drumlin.sweeps.options import MODEL_OPTIONS
 
 MAX_FILE_NESTING = 50
@@ -146,7 +146,7 @@ def read_sweep(path: Path, done: Done = lambda judged, of: None) -> Sweep:
     except ValueError as error:
         raise BadInput(f"{path}: is not TOML ({error})") from error
     try:
-        return sweep_from(data, path.parent.resolve(), done)
+        return sweep_from_data(data, path.parent.resolve(), done)
     except BadInput as error:
         raise BadInput(f"{path}: {error}") from error
 
@@ -163,7 +163,7 @@ def _check_size(data: Any, depth: int = 0) -> None:
             _check_size(item, depth + 1)
 
 
-def sweep_from(
+def sweep_from_data(
     data: Mapping[str, Any], base: Path = Path(), done: Done = lambda judged, of: None
 ) -> Sweep:
     """Make a sweep from nested data as a sweep file holds them.
@@ -182,11 +182,11 @@ def sweep_from(
     file = validated(SweepFile, data)
     # The brake is read first, since the keys and models are judged by the brake.
     brake = _base_brake(file.brake, base)
-    models = _checked_models(file.model, brake)
+    models = _validated_model_options(file.model, brake)
     specs: dict[str, _KeySpec] = {}
     for name, given in file.vary.items():
         specs |= _specs_of_line(brake, name, given, base)
-    plan = _plan_of_cases(file, specs)
+    plan = _plan_cases(file, specs)
     changes = _changes_of_cases(file, specs, plan, len(models))
     _check_values(brake, file.combine, specs, plan, changes, done)
     for name in models:
@@ -211,7 +211,7 @@ def _base_brake(brake: str | dict[str, Any], base: Path) -> Brake:
         raise BadInput(f"brake.{error}") from error
 
 
-def _checked_models(
+def _validated_model_options(
     given: Mapping[str, Mapping[str, Any]], brake: Brake
 ) -> dict[str, dict[str, Any]]:
     """The checked options of each model that the sweep file names."""
@@ -219,7 +219,7 @@ def _checked_models(
     for name, options in given.items():
         if name not in MODELS:
             raise BadInput(f"model.{name}: unknown model; allowed: {', '.join(MODELS)}")
-        checked = _checked_part(f"model.{name}", MODEL_OPTIONS.get(name, Part), options)
+        checked = _validate_sweep_table(f"model.{name}", MODEL_OPTIONS.get(name, Part), options)
         models[name] = checked.model_dump(exclude_none=True)
         # The foundation model refuses a brake on a plane altogether, as its `why_not` says later.
         if "lift" in models[name] and not brake.surface.straight:
@@ -255,7 +255,7 @@ class _Plan(NamedTuple):
     repeats: int
 
 
-def _plan_of_cases(file: SweepFile, specs: Mapping[str, _KeySpec]) -> _Plan:
+def _plan_cases(file: SweepFile, specs: Mapping[str, _KeySpec]) -> _Plan:
     """Decide which keys are drawn and which are listed. Raises BadInput for a wrong `cases`."""
     everything = file.combine == "random"
     drawn = [key for key, spec in specs.items() if everything or spec.values is None]
@@ -300,7 +300,7 @@ def _changes_of_cases(
         raise BadInput(f"vary: makes {count} cases; allowed: {MOST_CASES}")
     # Each combination of listed values meets the same draws and can be compared.
     changes = []
-    for point in _combinations(file.combine, plan.listed):
+    for point in _combinations_of_values(file.combine, plan.listed):
         for i in range(plan.repeats):
             changes.append({key: point[key] if key in point else draws[key][i] for key in specs})
     return changes
@@ -343,7 +343,7 @@ def _check_meshes(brake: Brake, specs: Mapping[str, _KeySpec]) -> None:
     # Each mesh file is read once, before the first case is solved.
     meshes = set(mesh_files(brake, {}))
     for key, spec in specs.items():
-        if names_mesh(key):
+        if is_mesh_key(key):
             meshes |= {Path(value) for value in spec.values or () if isinstance(value, str)}
     for path in sorted(meshes):
         try:
@@ -380,7 +380,7 @@ def _specs_of_line(brake: Brake, name: str, given: Any, base: Path) -> dict[str,
         raise BadInput(f"{where}: takes words, not numbers; must be a list of values")
     if "distribution" in given:
         return _specs_of_distribution(brake, where, name, given, unit)
-    span = _checked_part(where, Range, given)
+    span = _validate_sweep_table(where, Range, given)
     start = _number_in_si(f"{where}.from", span.start, unit)
     end = _number_in_si(f"{where}.to", span.to, unit)
     return {name: _range_values(where, start, end, span)}
@@ -402,7 +402,7 @@ def _listed_values(
     if not given:
         raise BadInput(f"{where}: the list is empty; needs at least one value")
     values = [_listed_value(where, value, unit) for value in given]
-    if names_mesh(name):
+    if is_mesh_key(name):
         values = [str(base / value) if isinstance(value, str) else value for value in values]
 
     def at(u: Floats) -> list[Any]:
@@ -430,7 +430,7 @@ def _specs_of_distribution(
         raise BadInput(
             f"{where}.distribution = {kind!r}: unknown; allowed: {', '.join(DISTRIBUTIONS)}"
         )
-    distribution = _checked_part(where, DISTRIBUTIONS[kind], given)
+    distribution = _validate_sweep_table(where, DISTRIBUTIONS[kind], given)
     keys = [name]
     if distribution.each_shoe:
         if not name.startswith("shoe."):
@@ -442,14 +442,14 @@ def _specs_of_distribution(
     specs = {}
     for key in keys:
         nominal = values_of(brake, key)
-        specs[key] = _KeySpec(None, _draws_of(where, distribution, unit, nominal))
+        specs[key] = _KeySpec(None, _draw_function(where, distribution, unit, nominal))
     return specs
 
 
 PartKind = TypeVar("PartKind", bound=Part)
 
 
-def _checked_part(where: str, kind: type[PartKind], data: Mapping[str, Any]) -> PartKind:
+def _validate_sweep_table(where: str, kind: type[PartKind], data: Mapping[str, Any]) -> PartKind:
     """A table of the sweep file as a `kind`. Raises BadInput that names the place of the table."""
     try:
         return validated(kind, data)
@@ -504,15 +504,15 @@ def _range_values(where: str, start: float, end: float, span: Range) -> _KeySpec
     )
 
 
-def _draws_of(
+def _draw_function(
     where: str, distribution: Distribution, unit: str, nominal: Sequence[Any]
 ) -> Callable[[Floats], list[float]]:
-    """The inverse of a distribution's cumulative function, which returns lists; see `_inverse`."""
-    inverse = _inverse(where, distribution, unit, nominal)
+    """The inverse cumulative function of a distribution as lists; see `_inverse_cumulative`."""
+    inverse = _inverse_cumulative(where, distribution, unit, nominal)
     return lambda u: inverse(u).tolist()
 
 
-def _inverse(
+def _inverse_cumulative(
     where: str, distribution: Distribution, unit: str, nominal: Sequence[Any]
 ) -> Callable[[Floats], Floats]:
     """The inverse of a distribution's cumulative function: u (n,) in (0, 1) -> values (n,).
@@ -530,10 +530,10 @@ def _inverse(
         mean = _centre_in_si(f"{where}.mean", distribution.mean, unit, nominal)
         deviation = _deviation_in_si(f"{where}.deviation", distribution.deviation, mean, unit)
         if isinstance(distribution, TruncatedNormal):
-            return _truncated_normal(where, distribution, unit, mean, deviation)
+            return _inverse_truncated_normal(where, distribution, unit, mean, deviation)
         if distribution.distribution == "lognormal":
-            return _lognormal(where, distribution, mean, deviation)
-        return _normal(mean, deviation)
+            return _inverse_lognormal(where, distribution, mean, deviation)
+        return _inverse_normal(mean, deviation)
     assert isinstance(distribution, Uniform)
     start = _end_in_si(f"{where}.from", distribution.start, unit)
     end = _end_in_si(f"{where}.to", distribution.to, unit)
@@ -546,7 +546,7 @@ def _inverse(
     mode = _centre_in_si(f"{where}.mode", distribution.mode, unit, nominal)
     if not start <= mode <= end:
         raise BadInput(f"{where}.mode = {mode:g}: must be from {start:g} to {end:g}")
-    return _triangular(start, mode, end)
+    return _inverse_triangular(start, mode, end)
 
 
 def _centre_in_si(
@@ -576,14 +576,14 @@ def _end_in_si(where: str, given: float | str, unit: str) -> float:
     return _number_in_si(where, given, unit)
 
 
-def _normal(mean: float, deviation: float) -> Callable[[Floats], Floats]:
+def _inverse_normal(mean: float, deviation: float) -> Callable[[Floats], Floats]:
     """The inverse of a normal distribution."""
     from scipy.special import ndtri  # noqa: PLC0415  (0.1 s)
 
     return lambda u: mean + deviation * ndtri(u)
 
 
-def _lognormal(
+def _inverse_lognormal(
     where: str, distribution: Normal, mean: float, deviation: float
 ) -> Callable[[Floats], Floats]:
     """The inverse of a lognormal distribution with a given mean and standard deviation.
@@ -604,7 +604,7 @@ def _lognormal(
     return lambda u: median * np.exp(spread * ndtri(u))
 
 
-def _truncated_normal(
+def _inverse_truncated_normal(
     where: str, distribution: TruncatedNormal, unit: str, mean: float, deviation: float
 ) -> Callable[[Floats], Floats]:
     """The inverse of a normal distribution that is cut off at both ends.
@@ -622,15 +622,16 @@ def _truncated_normal(
         raise BadInput(
             f"{where}.to = {distribution.to!r}: must be greater than from = {distribution.start!r}"
         )
-    return lambda u: mean + deviation * _cut_normal(u, low, high)
+    return lambda u: mean + deviation * _truncated_standard_normal(u, low, high)
 
 
-def _triangular(start: float, mode: float, end: float) -> Callable[[Floats], Floats]:
+def _inverse_triangular(start: float, mode: float, end: float) -> Callable[[Floats], Floats]:
     """The inverse of a triangular distribution."""
     # The cumulative function at the mode: below it one parabola holds, above it another.
     top = (mode - start) / (end - start)
 
     def inverse(u: Floats) -> Floats:
+        """The values with the cumulative probabilities u (n,) in (0, 1)."""
         rising = np.sqrt(top * u)
         falling = 1 - np.sqrt((1 - top) * (1 - u))
         values: Floats = start + (end - start) * np.where(u < top, rising, falling)
@@ -639,7 +640,7 @@ def _triangular(start: float, mode: float, end: float) -> Callable[[Floats], Flo
     return inverse
 
 
-def _cut_normal(u: Floats, low: float, high: float) -> Floats:
+def _truncated_standard_normal(u: Floats, low: float, high: float) -> Floats:
     """Values (n,) of the standard normal distribution between two ends, for u (n,) in (0, 1).
 
     The logarithms of the nearer tail keep the digits of ends far from the mean.
@@ -647,7 +648,7 @@ def _cut_normal(u: Floats, low: float, high: float) -> Floats:
     from scipy.special import log_ndtr, ndtri_exp  # noqa: PLC0415  (0.1 s)
 
     if low > 0:
-        return -_cut_normal(1 - u, -high, -low)
+        return -_truncated_standard_normal(1 - u, -high, -low)
     below, above = log_ndtr(low), log_ndtr(high)
     # log(u (P(high) - P(low))), from the logarithms of P.
     log_inside = np.log(u) + above + np.log1p(-np.exp(below - above))
@@ -687,7 +688,9 @@ def _drawn_values(spec: _KeySpec, key: str, seed: int, count: int) -> list[Any]:
     return spec.at(np.maximum(u, 2.0**-54))
 
 
-def _combinations(combine: str, listed: Mapping[str, list[Any]]) -> Iterator[dict[str, Any]]:
+def _combinations_of_values(
+    combine: str, listed: Mapping[str, list[Any]]
+) -> Iterator[dict[str, Any]]:
     """The combinations of the listed values; in a grid the last key changes first."""
     lengths = {key: len(values) for key, values in listed.items()}
     if combine == "zip" and len(set(lengths.values())) > 1:
@@ -740,7 +743,7 @@ def _check_key(brake: Brake, listed: _ListedKey, medians: Mapping[str, Any], don
     """
     key, values, firsts = listed
     # If a brake takes the extremes of an interval, it takes all numbers between them.
-    extremes = _extremes(values) if is_interval(brake, key) else []
+    extremes = _positions_of_extremes(values) if is_interval(brake, key) else []
     places = list(range(len(values)))
     if extremes:
         places = [i for i in places if not isinstance(values[i], float)]
@@ -761,7 +764,7 @@ def _check_key(brake: Brake, listed: _ListedKey, medians: Mapping[str, Any], don
             vary(brake, {**firsts[i], **medians})
 
 
-def _extremes(values: Sequence[Any]) -> list[int]:
+def _positions_of_extremes(values: Sequence[Any]) -> list[int]:
     """Positions of the least and the greatest negative number, of 0, and of the positive ones."""
     numbers = [i for i, value in enumerate(values) if isinstance(value, float)]
     found: set[int] = set()

@@ -6,16 +6,16 @@ from pathlib import Path
 
 from drumlin.base.errors import NoAnswer, Stopped
 from drumlin.base.journal import Journal, source_stamp
-from drumlin.sweeps.cases import Row, run
+from drumlin.sweeps.cases import Row, solve_cases
 from drumlin.sweeps.file import Sweep, read_sweep
-from drumlin.sweeps.table import table
-from drumlin.sweeps.workers import executor
+from drumlin.sweeps.table import make_case_table
+from drumlin.sweeps.workers import provide_workers
 
 Say = Callable[[str], None]
 Progress = Callable[[str], AbstractContextManager[Callable[[int, int], None]]]
 
 
-def sweep(path: Path | str, *, jobs: int | None = 1) -> list[Row]:
+def solve_sweep_file(path: Path | str, *, jobs: int | None = 1) -> list[Row]:
     """The rows of a sweep file, as `drumlin.sweep` gives them.
 
     Parameters
@@ -29,28 +29,28 @@ def sweep(path: Path | str, *, jobs: int | None = 1) -> list[Row]:
         for a file that cannot be read or is no sweep, in one line
     """
     prepared = read_sweep(Path(path))
-    with executor(jobs) as (pool, workers):
-        rows = run(prepared.cases, executor=pool, workers=workers)
+    with provide_workers(jobs) as (pool, workers):
+        rows = solve_cases(prepared.cases, executor=pool, workers=workers)
     return table_rows(prepared, rows, Path(path))
 
 
 def table_rows(prepared: Sweep, rows: list[Row], sweep_file: Path) -> list[Row]:
     """The rows of a sweep's table: changed keys and numbers, paths as seen from the sweep file."""
-    return table(prepared.cases, rows, sweep_file.parent.resolve(), prepared.pressure)
+    return make_case_table(prepared.cases, rows, sweep_file.parent.resolve(), prepared.pressure)
 
 
-def _unwatched(_: str) -> AbstractContextManager[Callable[[int, int], None]]:
+def _ignore_progress(_: str) -> AbstractContextManager[Callable[[int, int], None]]:
     """A progress that nobody watches."""
     return nullcontext(lambda finished, of: None)
 
 
-def kept_rows(
+def solve_and_keep_rows(
     prepared: Sweep,
     table_file: Path,
     *,
     jobs: int | None = None,
     scheduler: str | None = None,
-    progress: Progress = _unwatched,
+    progress: Progress = _ignore_progress,
     say: Say = lambda line: None,
 ) -> list[Row]:
     """Solve a sweep and keep each finished case in a journal beside its table.
@@ -83,10 +83,10 @@ def kept_rows(
             say(line)
         try:
             with (
-                executor(jobs, scheduler, say) as (pool, workers),
+                provide_workers(jobs, scheduler, say) as (pool, workers),
                 progress(prepared.title) as done,
             ):
-                return run(
+                return solve_cases(
                     prepared.cases,
                     executor=pool,
                     workers=workers,

@@ -23,7 +23,7 @@ def _vary_schema() -> dict[str, Any]:
     listed = {"type": "array", "minItems": 1, "description": "values, each with its unit, or words"}
     distributions = []
     for name, kind in DISTRIBUTIONS.items():
-        distribution = _schema_of(kind)
+        distribution = _class_schema(kind)
         distribution["properties"]["distribution"] = {"const": name}
         distributions.append(distribution)
     return {
@@ -32,7 +32,7 @@ def _vary_schema() -> dict[str, Any]:
         ),
         "type": "object",
         "minProperties": 1,
-        "additionalProperties": {"anyOf": [listed, _schema_of(Range), *distributions]},
+        "additionalProperties": {"anyOf": [listed, _class_schema(Range), *distributions]},
     }
 
 
@@ -41,7 +41,7 @@ def _model_schema() -> dict[str, Any]:
     options = {}
     for name in MODELS:
         kind = MODEL_OPTIONS.get(name)
-        options[name] = {"type": "object"} if kind is None else _schema_of(kind)
+        options[name] = {"type": "object"} if kind is None else _class_schema(kind)
     return {
         "description": "the models that answer, each with its options; default: fem",
         "type": "object",
@@ -50,6 +50,6 @@ def _model_schema() -> dict[str, Any]:
     }
 
 
-def _schema_of(kind: type[Any]) -> dict[str, Any]:
+def _class_schema(kind: type[Any]) -> dict[str, Any]:
     """The schema of one class."""
     return dict(TypeAdapter(kind).json_schema(schema_generator=UnitSchema))

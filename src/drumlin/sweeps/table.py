@@ -12,7 +12,7 @@ from drumlin.base.errors import BadInput
 from drumlin.base.files import replacing, write_text
 from drumlin.brake.file import unit_of
 from drumlin.comparison import as_csv
-from drumlin.sweeps.cases import Row, SweepCase, names_mesh
+from drumlin.sweeps.cases import Row, SweepCase, is_mesh_key
 
 ROW_UNITS = {
     "torque": "N m",
@@ -24,7 +24,7 @@ ROW_UNITS = {
 contact have that of the friction surface."""
 
 
-def table(
+def make_case_table(
     cases: Sequence[SweepCase],
     rows: Sequence[Row],
     base: Path | None = None,
@@ -51,18 +51,18 @@ def table(
         line: Row = {"case": number}
         for key, value in case.changes.items():
             if key not in headings:
-                headings[key] = _heading(key, unit_of(case.brake, key))
-            line[headings[key]] = _changed_value(key, value, base)
+                headings[key] = _column_heading(key, unit_of(case.brake, key))
+            line[headings[key]] = _changed_value_cell(key, value, base)
         line |= {"model": case.model, "status": row["status"]}
         for name, value in row.items():
-            line[_heading(name, _row_unit(case, name))] = value
-        lines.append(line if pressure == "Pa" else _in_megapascal(line))
+            line[_column_heading(name, _row_unit(case, name))] = value
+        lines.append(line if pressure == "Pa" else _stresses_in_megapascal(line))
     return lines
 
 
-def _changed_value(key: str, value: Any, base: Path | None) -> Any:
+def _changed_value_cell(key: str, value: Any, base: Path | None) -> Any:
     """The cell of a changed value: a path from the folder `base`, a table of numbers as JSON."""
-    if base is not None and names_mesh(key):
+    if base is not None and is_mesh_key(key):
         return Path(os.path.relpath(value, base)).as_posix()
     return json.dumps(value) if isinstance(value, list | tuple) else value
 
@@ -76,7 +76,7 @@ def _row_unit(case: SweepCase, name: str) -> str | None:
     return ROW_UNITS.get(quantity)
 
 
-def _in_megapascal(line: Row) -> Row:
+def _stresses_in_megapascal(line: Row) -> Row:
     """A line of the table with its stresses in MPa."""
     converted: Row = {}
     for name, value in line.items():
@@ -88,7 +88,7 @@ def _in_megapascal(line: Row) -> Row:
     return converted
 
 
-def _heading(name: str, unit: str | None) -> str:
+def _column_heading(name: str, unit: str | None) -> str:
     """The heading of a column: the name and, if there is one, the unit."""
     return f"{name} [{unit}]" if unit else name
 
@@ -98,7 +98,7 @@ def write_table(lines: Sequence[Row], path: Path) -> None:
     if path.suffix != ".parquet":
         write_text(path, as_csv(lines))
         return
-    parquet = _parquet()
+    parquet = _parquet_module()
     arrow = importlib.import_module("pyarrow")
     columns: dict[str, list[Any]] = {}
     # A dict keeps the order in which the names first occur.
@@ -112,7 +112,7 @@ def write_table(lines: Sequence[Row], path: Path) -> None:
         parquet.write_table(arrow.table(columns), partial)
 
 
-def _parquet() -> Any:
+def _parquet_module() -> Any:
     """The module that writes Parquet. Raises BadInput where it is not installed."""
     try:
         return importlib.import_module("pyarrow.parquet")
@@ -122,9 +122,9 @@ def _parquet() -> Any:
         ) from error
 
 
-def check_output(path: Path) -> None:
+def check_table_file(path: Path) -> None:
     """Raise BadInput for a table file that could not be written at the end of the sweep."""
     if path.suffix not in {".csv", ".parquet"}:
         raise BadInput(f"--output = {str(path)!r}: must end in .csv or .parquet")
     if path.suffix == ".parquet":
-        _parquet()
+        _parquet_module()

@@ -18,7 +18,7 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.file import value_of, vary
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.lining_wear import archard, run_in
-from drumlin.lining_wear.linings import fem_setup
+from drumlin.lining_wear.linings import fem_wear_setup
 from drumlin.sweeps.cases import Row, SweepCase
 
 PERCENTILES = (1, 5, 50, 95, 99)
@@ -42,7 +42,7 @@ class ManufacturingTolerance(NamedTuple):
     moves: Mapping[str, float]
 
 
-def within(limit: float) -> Any:
+def truncated_normal_deviate(limit: float) -> Any:
     """The distribution of a deviate that inspection keeps within +-limit.
 
     It is normal with a standard deviation of limit/2, cut off at the limits.
@@ -52,14 +52,14 @@ def within(limit: float) -> Any:
     return truncnorm(-2, 2, scale=limit / 2)
 
 
-def between(low: float, high: float) -> Any:
+def uniform_deviate(low: float, high: float) -> Any:
     """The uniform distribution of a deviate from low to high."""
     from scipy.stats import uniform  # noqa: PLC0415  (0.5 s)
 
     return uniform(low, high - low)
 
 
-def draw(tolerances: Sequence[ManufacturingTolerance], n: int, seed: int) -> Floats:
+def draw_deviates(tolerances: Sequence[ManufacturingTolerance], n: int, seed: int) -> Floats:
     """Draw the samples A, B, AB_1 ... AB_d of d deviates by scrambled Sobol' points.
 
     Parameters
@@ -91,7 +91,7 @@ def draw(tolerances: Sequence[ManufacturingTolerance], n: int, seed: int) -> Flo
     return np.concatenate([A[None], B[None], mixed])
 
 
-def cases(
+def tolerance_cases(
     brake: Brake,
     tolerances: Sequence[ManufacturingTolerance],
     deviates: Floats,
@@ -104,7 +104,7 @@ def cases(
     ----------
     brake : the base brake
     tolerances : the d tolerances
-    deviates : (..., d), as `draw` returns them
+    deviates : (..., d), as `draw_deviates` returns them
     model, options : who solves the cases, and its options
 
     Raises
@@ -141,7 +141,7 @@ def _check_keys(keys: set[str]) -> None:
             )
 
 
-def numbers(rows: Sequence[Row], name: str) -> Floats:
+def values_of_rows(rows: Sequence[Row], name: str) -> Floats:
     """The number called `name` of every row, (rows,).
 
     Raises NoAnswer where a case has no answer, since shares of a variance need all cases.
@@ -170,7 +170,7 @@ class SampleSpread(NamedTuple):
         return self.deviation / self.mean
 
 
-def spread(values: Floats) -> SampleSpread:
+def sample_spread(values: Floats) -> SampleSpread:
     """Mean, standard deviation and percentiles of values (n,)."""
     return SampleSpread(
         mean=float(values.mean()),
@@ -179,7 +179,7 @@ def spread(values: Floats) -> SampleSpread:
     )
 
 
-class Share(NamedTuple):
+class SobolIndex(NamedTuple):
     """A Sobol index (share of a variance) with its confidence interval from low to high."""
 
     value: float
@@ -187,7 +187,7 @@ class Share(NamedTuple):
     high: float
 
 
-class Shares(NamedTuple):
+class SobolIndices(NamedTuple):
     """The shares of one deviate in a variance.
 
     Attributes
@@ -198,18 +198,18 @@ class Shares(NamedTuple):
     """
 
     name: str
-    first: Share
-    total: Share
+    first: SobolIndex
+    total: SobolIndex
 
 
-def shares(
+def sobol_indices_of_tolerances(
     tolerances: Sequence[ManufacturingTolerance],
     values: Floats,
     *,
     seed: int,
     confidence: float = 0.95,
     resamples: int = 400,
-) -> list[Shares]:
+) -> list[SobolIndices]:
     """Sobol indices of each tolerance with confidence intervals.
 
     The estimators are those of Saltelli et al. (2010), table 2 (b) and (f), as
@@ -219,33 +219,33 @@ def shares(
     Parameters
     ----------
     tolerances : the d tolerances
-    values : (d + 2, n), a number of each brake that `draw` made
+    values : (d + 2, n), a number of each brake that `draw_deviates` made
     seed : of the bootstrap
     confidence : of the intervals
     resamples : number of samples of the bootstrap
     """
     rng = np.random.default_rng(seed)
     n = values.shape[1]
-    indices = _indices(values)
+    indices = _sobol_index_values(values)
     resampled = []
     for _ in range(resamples):
         chosen = rng.integers(n, size=n)
-        resampled.append(_indices(values[:, chosen]))
+        resampled.append(_sobol_index_values(values[:, chosen]))
     # The interval leaves out as much below as above.
     tails = [(1 - confidence) / 2, (1 + confidence) / 2]
     low, high = np.quantile(np.array(resampled), tails, axis=0)
 
-    def share(kind: int, i: int) -> Share:
+    def share(kind: int, i: int) -> SobolIndex:
         """The first (kind 0) or total (kind 1) index of tolerance i."""
-        return Share(float(indices[kind, i]), float(low[kind, i]), float(high[kind, i]))
+        return SobolIndex(float(indices[kind, i]), float(low[kind, i]), float(high[kind, i]))
 
     return [
-        Shares(tolerance.name, first=share(0, i), total=share(1, i))
+        SobolIndices(tolerance.name, first=share(0, i), total=share(1, i))
         for i, tolerance in enumerate(tolerances)
     ]
 
 
-def _indices(values: Floats) -> Floats:
+def _sobol_index_values(values: Floats) -> Floats:
     """First-order and total Sobol indices (2, d) of values (d + 2, n)."""
     from scipy.stats import sobol_indices  # noqa: PLC0415  (0.5 s)
 
@@ -254,7 +254,7 @@ def _indices(values: Floats) -> Floats:
     return np.array([np.reshape(found.first_order, -1), np.reshape(found.total_order, -1)])
 
 
-def healing(
+def torque_and_peak_during_run_in(
     brake: Brake, distances: Sequence[float], *, elements: int, tolerance: float = 3e-3
 ) -> dict[str, Any]:
     """Torque and peak pressure of a new brake on a round drum as it runs in.
@@ -275,13 +275,13 @@ def healing(
     that the wear tends to
     """
     on_round_drum = vary(brake, {"drum.out_of_round": []})
-    setup = fem_setup(prepare(on_round_drum, elements=elements), on_round_drum)
+    setup = fem_wear_setup(prepare(on_round_drum, elements=elements), on_round_drum)
     states = run_in.run_in(setup, tolerance=tolerance)
     settled_at = states[-1].s
     # The wear ends where pressure and torque are settled; later states are equal to the last.
-    states_at = [archard.at(states, min(s, settled_at)) for s in distances]
+    states_at = [archard.interpolate_state(states, min(s, settled_at)) for s in distances]
     return {
         "torque": [state.torque for state in states_at],
-        "peak_pressure": [run_in.peak(setup, state) for state in states_at],
-        "worn_in": run_in.target(setup).torque,
+        "peak_pressure": [run_in.peak_nodal_pressure(setup, state) for state in states_at],
+        "worn_in": run_in.rigid_law_target(setup).torque,
     }

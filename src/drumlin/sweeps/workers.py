@@ -51,7 +51,7 @@ WORKER_THREADS = {"OPENBLAS_NUM_THREADS": "1"}
 """Environment of each worker. The dense systems are many and small, so that more BLAS threads make
 them slower, above all where processes share the cores."""
 
-Say = Callable[[str], None]
+SayLine = Callable[[str], None]
 """A function that shows a line to the user."""
 
 
@@ -63,8 +63,8 @@ class Workers(NamedTuple):
 
 
 @contextmanager
-def executor(
-    jobs: int | None = None, scheduler: str | None = None, say: Say = lambda _: None
+def provide_workers(
+    jobs: int | None = None, scheduler: str | None = None, say: SayLine = lambda _: None
 ) -> Iterator[Workers]:
     """Provide workers while a block runs.
 
@@ -90,7 +90,7 @@ def executor(
         with _dask_workers(scheduler, say) as workers:
             yield workers
         return
-    jobs = min(_cores(), MAX_JOBS) if jobs is None else jobs
+    jobs = min(_usable_cores(), MAX_JOBS) if jobs is None else jobs
     if not 1 <= jobs <= MAX_JOBS:
         raise BadInput(f"--jobs = {jobs}: must be from 1 to {MAX_JOBS}")
     if jobs == 1:
@@ -105,12 +105,12 @@ def executor(
     pool.shutdown()
 
 
-def waiting_since(start: float) -> str:
+def waiting_line(start: float) -> str:
     """The line that says since when [time.time()] the sweep waits for workers."""
     return f"waiting for workers since {time.strftime('%H:%M:%S', time.localtime(start))}"
 
 
-def _cores() -> int:
+def _usable_cores() -> int:
     """The number of cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
@@ -192,8 +192,8 @@ class _Process:
     def __init__(self) -> None:
         spawn = multiprocessing.get_context("spawn")
         self._pipe, far_end = spawn.Pipe()
-        self._process = spawn.Process(target=_serve, args=(far_end,), daemon=True)
-        with _limited_threads():
+        self._process = spawn.Process(target=_serve_calls, args=(far_end,), daemon=True)
+        with _limit_threads():
             self._process.start()
         # The process has its own copy of the far end. With this copy closed the pipe ends when the
         # process dies.
@@ -215,7 +215,7 @@ class _Process:
         self._process.join()
 
 
-def _serve(pipe: Any) -> None:
+def _serve_calls(pipe: Any) -> None:
     """Call the functions that come through the pipe and send their answers, in a worker process."""
     _follow_parent()
     with suppress(EOFError):
@@ -232,7 +232,7 @@ _environment_lock = threading.Lock()
 
 
 @contextmanager
-def _limited_threads() -> Iterator[None]:
+def _limit_threads() -> Iterator[None]:
     """Limit the threads of the processes that a block starts, one block at a time."""
     with _environment_lock:
         added = {name: value for name, value in WORKER_THREADS.items() if name not in os.environ}
@@ -259,7 +259,7 @@ def _follow_parent() -> None:
 
 
 @contextmanager
-def _dask_workers(address: str, say: Say) -> Iterator[Workers]:
+def _dask_workers(address: str, say: SayLine) -> Iterator[Workers]:
     """Provide the workers of the Dask scheduler at an address while a block runs."""
     try:
         distributed: Any = importlib.import_module("distributed")
@@ -324,14 +324,14 @@ def _close_late_client(connected: "Future[Any]") -> None:
         connected.result().close(timeout=2)
 
 
-def _await_first_workers(client: Any, address: str, say: Say) -> int:
+def _await_first_workers(client: Any, address: str, say: SayLine) -> int:
     """Wait for the first workers; returns how many cases the workers solve at a time.
 
     Raises NoAnswer where no worker comes within FIRST_WORKER_SECONDS.
     """
     start, told = time.time(), False
     while True:
-        threads = sum(worker["nthreads"] for worker in _ask(client, address).values())
+        threads = sum(worker["nthreads"] for worker in _scheduler_workers(client, address).values())
         if threads:
             return threads
         if time.time() - start > FIRST_WORKER_SECONDS:
@@ -339,12 +339,12 @@ def _await_first_workers(client: Any, address: str, say: Say) -> int:
                 f"--scheduler = {address!r}: it has had no workers for {FIRST_WORKER_SECONDS:g} s"
             )
         if not told:
-            say(waiting_since(start))
+            say(waiting_line(start))
             told = True
         time.sleep(min(1.0, FIRST_WORKER_SECONDS / 4))
 
 
-def _ask(client: Any, address: str) -> dict[str, Any]:
+def _scheduler_workers(client: Any, address: str) -> dict[str, Any]:
     """The scheduler's workers by name. Raises NoAnswer where the scheduler does not answer."""
     try:
         identity = client.sync(
@@ -357,11 +357,11 @@ def _ask(client: Any, address: str) -> dict[str, Any]:
             f"--scheduler = {address!r}: is of a Dask older than {OLDEST_DASK} ({error})"
         ) from error
     except Exception as error:
-        raise _lost_scheduler(address) from error
+        raise _lost_scheduler_error(address) from error
     return workers
 
 
-def _lost_scheduler(address: str) -> NoAnswer:
+def _lost_scheduler_error(address: str) -> NoAnswer:
     """The exception for a scheduler that was lost."""
     return NoAnswer(f"--scheduler = {address!r}: the scheduler was lost, or does not answer")
 
@@ -390,9 +390,9 @@ class _DaskPool(Executor):
                 raise self._lost
             self._waiting.add(future)
         try:
-            inner = self._inner.submit(call, pickle.dumps((fn, args, kwargs)))
+            inner = self._inner.submit(call_packed_function, pickle.dumps((fn, args, kwargs)))
         except Exception as error:
-            raise _lost_scheduler(self._address) from error
+            raise _lost_scheduler_error(self._address) from error
         inner.add_done_callback(lambda done: self._pass_answer(future, done))
         return future
 
@@ -411,7 +411,7 @@ class _DaskPool(Executor):
             try:
                 future.set_result(inner.result())
             except CancelledError:
-                future.set_exception(_lost_scheduler(self._address))
+                future.set_exception(_lost_scheduler_error(self._address))
             except self._dask.KilledWorker as error:
                 future.set_exception(
                     BrokenExecutor(f"its workers died again and again ({type(error).__name__})")
@@ -425,7 +425,7 @@ class _DaskPool(Executor):
         last_sign = time.monotonic()
         while not self._end.wait(min(1.0, ANSWER_SECONDS / 4)):
             try:
-                workers = _ask(self._client, self._address)
+                workers = _scheduler_workers(self._client, self._address)
                 seen = {name: worker.get("last_seen") for name, worker in workers.items()}
                 if any(last_seen.get(name) != moment for name, moment in seen.items()):
                     last_sign = time.monotonic()
@@ -449,7 +449,7 @@ class _DaskPool(Executor):
             self._waiting.clear()
 
 
-def call(work: bytes) -> Any:
+def call_packed_function(work: bytes) -> Any:
     """The result of a function packed with its arguments, called in a Dask worker of one thread.
 
     Unpacking loads numpy, which reads the limit as it is loaded.

@@ -35,7 +35,7 @@ def _allowed_columns(surface: FrictionSurface) -> str:
     return f"columns 'shoe', {place!r} and 'p [MPa]', or other units"
 
 
-class Curve(NamedTuple):
+class PressureTable(NamedTuple):
     """The pressure of a shoe along its lining.
 
     Attributes
@@ -87,7 +87,7 @@ def curves_text(response: Response, surface: FrictionSurface = DRUM) -> str:
     return as_csv(rows)
 
 
-def read_curves(path: Path, brake: Brake) -> dict[str, Curve]:
+def read_curves(path: Path, brake: Brake) -> dict[str, PressureTable]:
     """Read the pressure curve of each shoe, by its name, from a CSV file.
 
     Raises BadInput for a table that cannot be used. The message is one line, which names the file,
@@ -124,7 +124,7 @@ def read_curves(path: Path, brake: Brake) -> dict[str, Curve]:
         place = f"{path}: line {number}: "
         point = [_cell_in_si(place, line, key, columns[key]) for key in wanted]
         points[name].append(point)
-    return {shoe.name: _curve(path, shoe, points[shoe.name]) for shoe in brake.shoes}
+    return {shoe.name: _pressure_curve(path, shoe, points[shoe.name]) for shoe in brake.shoes}
 
 
 class _NumberColumn(NamedTuple):
@@ -200,7 +200,7 @@ def _cell_in_si(place: str, line: Sequence[str], key: str, column: _NumberColumn
     return value
 
 
-def _curve(path: Path, shoe: Shoe, points: list[list[float]]) -> Curve:
+def _pressure_curve(path: Path, shoe: Shoe, points: list[list[float]]) -> PressureTable:
     """The pressure curve of a shoe from the points (theta, p) of a table, in any order.
 
     Raises BadInput for fewer than two points, and for two points at one place.
@@ -218,7 +218,7 @@ def _curve(path: Path, shoe: Shoe, points: list[list[float]]) -> Curve:
     if same.any():
         place = _place_text(shoe, theta[:-1][same][0])
         raise BadInput(f"{path}: shoe {shoe.name!r}: {place} stands twice")
-    return Curve(theta, p)
+    return PressureTable(theta, p)
 
 
 def _place_text(shoe: Shoe, at: float) -> str:
@@ -226,7 +226,7 @@ def _place_text(shoe: Shoe, at: float) -> str:
     return f"{shoe.surface.coordinate} = {shoe.surface.place(at)}"
 
 
-def check(brake: Brake, known: Reference, curves: dict[str, Curve]) -> list[Verdict]:
+def judge_curves(brake: Brake, known: Reference, curves: dict[str, PressureTable]) -> list[Verdict]:
     """Compare the pressure curve of each shoe with the reference values of a brake.
 
     Raises BadInput where the reference is of another brake, or where a curve ends before it reaches
@@ -244,7 +244,7 @@ def check(brake: Brake, known: Reference, curves: dict[str, Curve]) -> list[Verd
     return verdicts
 
 
-def _verdict(brake: Brake, spec: Shoe, known: ShoeReference, curve: Curve) -> Verdict:
+def _verdict(brake: Brake, spec: Shoe, known: ShoeReference, curve: PressureTable) -> Verdict:
     """The verdict on the pressure curve of one shoe. Raises BadInput where the curve is too short.
 
     Parameters
@@ -273,8 +273,8 @@ def _verdict(brake: Brake, spec: Shoe, known: ShoeReference, curve: Curve) -> Ve
     torque_off, torque = abs(lever * float(np.trapezoid(off, theta))), known.torque.value
     return Verdict(
         shoe=known.name,
-        distance=_relative(math.sqrt(float(off @ off)), math.sqrt(float(p @ p))),
-        largest=_relative(abs(float(off[worst])), known.peak_pressure.value),
+        distance=_relative_difference(math.sqrt(float(off @ off)), math.sqrt(float(p @ p))),
+        largest=_relative_difference(abs(float(off[worst])), known.peak_pressure.value),
         at=_place_text(spec, float(theta[worst])),
         torque=lever * _pressure_integral(spec, curve),
         torque_error=torque_off / torque if torque else 0.0,
@@ -283,12 +283,12 @@ def _verdict(brake: Brake, spec: Shoe, known: ShoeReference, curve: Curve) -> Ve
     )
 
 
-def _relative(difference: float, size: float) -> float:
+def _relative_difference(difference: float, size: float) -> float:
     """A difference relative to a size; of the size 0, infinite unless the difference is 0, too."""
     return difference / size if size else math.inf if difference else 0.0
 
 
-def _pressure_integral(shoe: Shoe, curve: Curve) -> float:
+def _pressure_integral(shoe: Shoe, curve: PressureTable) -> float:
     """The integral of p over theta along the lining [Pa rad], by trapezia of the curve's points."""
     start, end = shoe.lining.start, shoe.lining.end
     within_lining = (curve.theta > start) & (curve.theta < end)
@@ -296,12 +296,12 @@ def _pressure_integral(shoe: Shoe, curve: Curve) -> float:
     return float(np.trapezoid(np.interp(theta, *curve), theta))
 
 
-def within(verdicts: Sequence[Verdict], tolerance: float) -> bool:
+def are_within_tolerance(verdicts: Sequence[Verdict], tolerance: float) -> bool:
     """Whether the L2 distance of p and the torque error of each shoe are within a tolerance."""
     return all(max(each.distance, each.torque_error) <= tolerance for each in verdicts)
 
 
-def lines(
+def verdict_lines(
     verdicts: Sequence[Verdict], tolerance: float, surface: FrictionSurface = DRUM
 ) -> list[str]:
     """A line of text for each verdict, then a line that says whether all are within a tolerance.
@@ -319,5 +319,5 @@ def lines(
             f"(known to {verdict.torque_floor:.1e}); "
             f"{effect} of its points {verdict.torque:.7g} {unit}"
         )
-    is_within = "within" if within(verdicts, tolerance) else "NOT within"
+    is_within = "within" if are_within_tolerance(verdicts, tolerance) else "NOT within"
     return [*text, f"{is_within} {tolerance:.3g} of the reference"]

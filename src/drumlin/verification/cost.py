@@ -86,7 +86,7 @@ class Cost(NamedTuple):
         return self.further / self.solve
 
 
-def cost(
+def measure_fem_cost(
     brake: Brake,
     *,
     elements: int = COST_ELEMENTS,
@@ -125,7 +125,7 @@ def cost(
     assembly, factorisation, substitution = parts.tolist()
     if repeats > 1:
         solve = _median_seconds(prepare_and_respond, repeats)
-    further_case = partial(respond, scene, _at_less_friction(brake), penalty=penalty)
+    further_case = partial(respond, scene, _with_less_friction(brake), penalty=penalty)
     return Cost(
         unknowns=sum(body.unknowns for body in bodies.values()),
         contact_nodes=sum(len(body.line.nodes) for body in bodies.values()),
@@ -138,7 +138,7 @@ def cost(
     )
 
 
-def _at_less_friction(brake: Brake) -> Brake:
+def _with_less_friction(brake: Brake) -> Brake:
     """The brake with 0.9 of its friction coefficient: a further load case on the same bodies."""
     return brake.model_copy(update={"friction": 0.9 * brake.friction})
 
@@ -170,7 +170,7 @@ def _baseline_seconds(body: ShoeSubstructure, shoe: Shoe, repeats: int) -> Float
     return np.array([_median_seconds(task, repeats) for task in tasks])
 
 
-def proportional(unknowns: int, shoe: Shoe, radius: float) -> object:
+def mesh_of_given_size(unknowns: int, shoe: Shoe, radius: float) -> object:
     """The mesh of a shoe with about a number of `unknowns`, on a brake of a `radius` [m].
 
     The number of elements through the shoe grows in proportion to the number along the lining.
@@ -189,7 +189,7 @@ def _in_new_process(task: Callable[..., Any], *arguments: Any) -> Any:
         return process.submit(task, *arguments).result()
 
 
-def table(brake: Brake, sizes: tuple[int, ...] = SIZES) -> Iterator[str]:
+def cost_table_lines(brake: Brake, sizes: tuple[int, ...] = SIZES) -> Iterator[str]:
     """Lines of a table of cost by number of unknowns, each as soon as it is measured.
 
     A last line states the power of the number of unknowns with which the time grows.
@@ -198,7 +198,9 @@ def table(brake: Brake, sizes: tuple[int, ...] = SIZES) -> Iterator[str]:
     costs = []
     for size in sizes:
         repeats = REPEATS if size <= 2 * SIZES[0] else 1
-        task = partial(cost, brake, mesher=partial(proportional, size), repeats=repeats)
+        task = partial(
+            measure_fem_cost, brake, mesher=partial(mesh_of_given_size, size), repeats=repeats
+        )
         row: Cost = _in_new_process(task)
         yield (
             f"{row.unknowns:8d}  {row.contact_nodes:13d}  {row.solve:9.3f}  "
@@ -232,7 +234,7 @@ class _SolidCost(NamedTuple):
     further: float
 
 
-def solid_table(brake: Brake, elements: Sequence[int] = SOLID_ELEMENTS) -> Iterator[str]:
+def solid_cost_table_lines(brake: Brake, elements: Sequence[int] = SOLID_ELEMENTS) -> Iterator[str]:
     """Lines of a table of the cost of solid shoes, each as soon as it is measured.
 
     `elements` are the numbers of elements along the lining. Times are seconds of processor time. A
@@ -240,14 +242,14 @@ def solid_table(brake: Brake, elements: Sequence[int] = SOLID_ELEMENTS) -> Itera
     """
     yield "unknowns  contact nodes  solve [s]  further [s]  peak memory [GiB]"
     for count in elements:
-        row: _SolidCost = _in_new_process(_solid_cost, brake, count)
+        row: _SolidCost = _in_new_process(_measure_solid_cost, brake, count)
         yield (
             f"{row.unknowns:8d}  {row.nodes:13d}  {row.first:9.2f}  "
             f"{row.further:11.2f}  {row.memory / 2**30:17.2f}"
         )
 
 
-def _solid_cost(brake: Brake, elements: int) -> _SolidCost:
+def _measure_solid_cost(brake: Brake, elements: int) -> _SolidCost:
     """Measure the solve of a brake's solid shoes with a number of elements along the lining."""
     # The model of solid shoes loads slowly, and no other cost needs it.
     from drumlin.fem.solid import model as solid  # noqa: PLC0415
@@ -257,7 +259,7 @@ def _solid_cost(brake: Brake, elements: int) -> _SolidCost:
     respond(scene, brake)
     first = time.process_time() - start
     memory, start = peak_memory(), time.process_time()
-    respond(scene, _at_less_friction(brake))
+    respond(scene, _with_less_friction(brake))
     further = time.process_time() - start
     # Equal shoes share one body.
     bodies = {id(body): body for body in scene.bodies}.values()
@@ -266,7 +268,7 @@ def _solid_cost(brake: Brake, elements: int) -> _SolidCost:
     return _SolidCost(unknowns, nodes, memory, first, further)
 
 
-def cost_lines(
+def cost_report_lines(
     brake: Brake, model: str = "fem", *, by_size: bool = False, **options: Any
 ) -> Iterator[str]:
     """Lines of text on the cost of a brake, each as soon as it is measured.
@@ -292,16 +294,16 @@ def cost_lines(
         chooses = "--table" if by_size else "--model solid"
         raise BadInput(f"{chooses} chooses the elements itself; leave out --elements and --penalty")
     if model == "solid":
-        yield from solid_table(brake)
+        yield from solid_cost_table_lines(brake)
     elif by_size:
-        yield from table(brake)
+        yield from cost_table_lines(brake)
     else:
-        yield from measure(brake, **options)
+        yield from measured_cost_lines(brake, **options)
 
 
-def measure(brake: Brake, **options: Any) -> list[str]:
-    """Lines of text on the cost of a brake; `options` as of `cost`."""
-    found = cost(brake, **options)
+def measured_cost_lines(brake: Brake, **options: Any) -> list[str]:
+    """Lines of text on the cost of a brake; `options` as of `measure_fem_cost`."""
+    found = measure_fem_cost(brake, **options)
     return [
         f"{found.unknowns} unknowns; medians of {REPEATS} repeats in one run",
         f"assembly {found.assembly * 1e3:.1f} ms, "

@@ -85,7 +85,7 @@ depends on the stresses there. Thinner columns at the lining's ends would cost a
 digits by round-off than they bring."""
 
 
-class Trio(NamedTuple):
+class ReferenceResponses(NamedTuple):
     """The responses of a brake that make a reference.
 
     Attributes
@@ -105,7 +105,7 @@ class Trio(NamedTuple):
         return (self.before,) if self.other is None else (self.before, self.other)
 
 
-def responses(brake: Brake, refinement: Refinement = FINE) -> Trio:
+def solve_reference_responses(brake: Brake, refinement: Refinement = FINE) -> ReferenceResponses:
     """Solve a brake on both divisions and by triangles.
 
     Raises BadInput where finite elements do not apply or a shoe has a mesh file, NoAnswer where
@@ -126,10 +126,10 @@ def responses(brake: Brake, refinement: Refinement = FINE) -> Trio:
         last = solve_exactly(prepare(brake, level, singular_points), brake, start=last)
         found.append(last)
     before, value = found
-    return Trio(value, before, _by_triangles(brake, value, refinement))
+    return ReferenceResponses(value, before, _response_by_triangles(brake, value, refinement))
 
 
-def _by_triangles(brake: Brake, like: Response, refinement: Refinement) -> Response | None:
+def _response_by_triangles(brake: Brake, like: Response, refinement: Refinement) -> Response | None:
     """The finest response by curved triangles, in the form of the response `like`.
 
     It is None where triangles do not cover the brake: on a plane, and for some kinds of shoes.
@@ -157,7 +157,7 @@ def _by_triangles(brake: Brake, like: Response, refinement: Refinement) -> Respo
     return replace(like, model="triangles", shoes=tuple(shoes))
 
 
-def peak_away(response: ShoeResponse, edge: float, points: int = 2001) -> float:
+def peak_pressure_inside(response: ShoeResponse, edge: float, points: int = 2001) -> float:
     """The largest pressure [Pa] of a shoe outside the edge zones at its lining's ends.
 
     Each zone is `edge` [rad] long. The pressure is evaluated at a number of evenly spread `points`.
@@ -167,7 +167,7 @@ def peak_away(response: ShoeResponse, edge: float, points: int = 2001) -> float:
 
 
 @dataclass(frozen=True)
-class Sure:
+class UncertainValue:
     """A quantity, a number or an array, with its absolute uncertainty."""
 
     value: Any
@@ -204,11 +204,11 @@ class ShoeReference:
     """
 
     name: str
-    torque: Sure
-    contact_force: Sure
-    hinge_reaction: Sure
-    peak_pressure: Sure
-    contact_arcs: Sure
+    torque: UncertainValue
+    contact_force: UncertainValue
+    hinge_reaction: UncertainValue
+    peak_pressure: UncertainValue
+    contact_arcs: UncertainValue
     ends: tuple[float, float]
     edge: float
     theta: Floats
@@ -250,34 +250,36 @@ class Reference:
     command: str
     method: str
     versions: dict[str, str]
-    torque: Sure
+    torque: UncertainValue
     shoes: tuple[ShoeReference, ...]
     surface: FrictionSurface = DRUM
 
 
-def reference(brake: Brake, text: str, command: str, trio: Trio | None = None) -> Reference:
-    """Compute the reference values of a brake. Raises the errors of `responses`.
+def compute_reference(
+    brake: Brake, text: str, command: str, trio: ReferenceResponses | None = None
+) -> Reference:
+    """Compute the reference values of a brake. Raises the errors of `solve_reference_responses`.
 
     Parameters
     ----------
     brake : the brake
     text : text of its file, which the reference keeps
     command : command that makes the values again
-    trio : fine responses of the brake; None: `responses` computes them
+    trio : fine responses of the brake; None: `solve_reference_responses` computes them
     """
     brake.check_meshable()
-    trio = trio or responses(brake)
+    trio = trio or solve_reference_responses(brake)
     versions = {"drumlin": drumlin.__version__}
     for name in PACKAGES:
         versions[name] = importlib.metadata.version(name)
     shoes = tuple(_shoe_reference(brake, i, trio) for i in range(len(brake.shoes)))
     # Errors of different shoes do not cancel: the brake's uncertainty is their sum.
-    torque = Sure(trio.value.torque, math.fsum(shoe.torque.uncertainty for shoe in shoes))
+    torque = UncertainValue(trio.value.torque, math.fsum(shoe.torque.uncertainty for shoe in shoes))
     method = METHOD_WITHOUT_TRIANGLES if trio.other is None else METHOD
     return Reference(brake.title, text, command, method, versions, torque, shoes, brake.surface)
 
 
-def _with_uncertainty(values: Sequence[Any]) -> Sure:
+def _with_uncertainty(values: Sequence[Any]) -> UncertainValue:
     """The first of some values; its largest distance from the other values is the uncertainty.
 
     An array of another shape, such as another number of contact arcs, is infinitely far away.
@@ -287,7 +289,7 @@ def _with_uncertainty(values: Sequence[Any]) -> Sure:
     for other in others:
         same_shape = cited.shape == other.shape
         distance = max(distance, float(np.linalg.norm(cited - other)) if same_shape else math.inf)
-    return Sure(cited.tolist(), distance)
+    return UncertainValue(cited.tolist(), distance)
 
 
 def _contact_force(brake: Brake, index: int, response: ShoeResponse) -> Floats:
@@ -300,7 +302,7 @@ def _contact_force(brake: Brake, index: int, response: ShoeResponse) -> Floats:
     return -response.hinge_reaction - pushed.actuation.vector
 
 
-def _shoe_reference(brake: Brake, index: int, trio: Trio) -> ShoeReference:
+def _shoe_reference(brake: Brake, index: int, trio: ReferenceResponses) -> ShoeReference:
     """The reference values of the shoe number `index` from the responses of the brake."""
     spec = brake.shoes[index]
     edge = edge_zone(spec, brake.scale_factor)
@@ -318,7 +320,7 @@ def _shoe_reference(brake: Brake, index: int, trio: Trio) -> ShoeReference:
         if cited.pressure.any():
             distances.append(pressure_distance(other, cited, edge_of(brake)))
 
-    def compared(quantity: Callable[[ShoeResponse], Any]) -> Sure:
+    def compared(quantity: Callable[[ShoeResponse], Any]) -> UncertainValue:
         """A quantity of the cited answer, with its uncertainty by the other answers."""
         return _with_uncertainty([quantity(answer) for answer in answers])
 
@@ -327,7 +329,7 @@ def _shoe_reference(brake: Brake, index: int, trio: Trio) -> ShoeReference:
         torque=compared(attrgetter("torque")),
         contact_force=compared(partial(_contact_force, brake, index)),
         hinge_reaction=compared(attrgetter("hinge_reaction")),
-        peak_pressure=compared(partial(peak_away, edge=edge)),
+        peak_pressure=compared(partial(peak_pressure_inside, edge=edge)),
         contact_arcs=compared(lambda answer: np.reshape(answer.contact_arcs, (-1, 2))),
         ends=(first, last),
         edge=edge,

@@ -17,7 +17,7 @@ from drumlin.base.files import read_text, write_text
 from drumlin.base.texts import check_digits, check_toml
 from drumlin.brake.surface import DRUM, PLANE
 from drumlin.brake.units import LARGEST_NUMBER_SI
-from drumlin.verification.reference import Reference, ShoeReference, Sure
+from drumlin.verification.reference import Reference, ShoeReference, UncertainValue
 
 FORMAT = "drumlin reference values, 1"
 """Name and version of the format, with which a file of reference values begins."""
@@ -73,22 +73,22 @@ UNREADABLE = (
 """The errors with which reading fails where a file holds something else."""
 
 
-def _rounded(value: Any, digits: int = FILE_DIGITS) -> Any:
+def _round_numbers(value: Any, digits: int = FILE_DIGITS) -> Any:
     """A number, or each number in nested lists, rounded to a number of significant digits."""
     if isinstance(value, list):
-        return [_rounded(each, digits) for each in value]
+        return [_round_numbers(each, digits) for each in value]
     return float(f"{value:.{digits}g}")
 
 
-def _sure_data(sure: Sure) -> dict[str, Any]:
+def _uncertain_value_data(sure: UncertainValue) -> dict[str, Any]:
     """A value and its uncertainty as plain data for JSON, which has no infinity: null stands."""
     uncertainty = None
     if math.isfinite(sure.uncertainty):
-        uncertainty = _rounded(sure.uncertainty, 3)
-    return {"value": _rounded(sure.value), "uncertainty": uncertainty}
+        uncertainty = _round_numbers(sure.uncertainty, 3)
+    return {"value": _round_numbers(sure.value), "uncertainty": uncertainty}
 
 
-def as_dict(found: Reference) -> dict[str, Any]:
+def reference_data(found: Reference) -> dict[str, Any]:
     """The reference values of a brake as plain data for JSON."""
     return {
         "format": FORMAT,
@@ -97,7 +97,7 @@ def as_dict(found: Reference) -> dict[str, Any]:
         "units": UNITS | SURFACE_UNITS[found.surface],
         "command": found.command,
         "versions": found.versions,
-        "torque": _sure_data(found.torque),
+        "torque": _uncertain_value_data(found.torque),
         "shoes": list(map(_shoe_data, found.shoes)),
         "brake_file": found.text,
     }
@@ -107,39 +107,39 @@ def _shoe_data(shoe: ShoeReference) -> dict[str, Any]:
     """The reference values of a shoe as plain data for JSON."""
     return {
         "name": shoe.name,
-        **{key: _sure_data(getattr(shoe, key)) for key in UNCERTAIN_QUANTITIES},
-        "lining": _rounded(list(shoe.ends)),
-        "edge": _rounded(shoe.edge),
-        "pressure_distance": _rounded(shoe.distance, 3),
-        "theta": _rounded(shoe.theta.tolist()),
-        "pressure": _rounded(shoe.pressure.tolist()),
-        "pressure_uncertainty": _rounded(shoe.uncertainty.tolist(), 3),
+        **{key: _uncertain_value_data(getattr(shoe, key)) for key in UNCERTAIN_QUANTITIES},
+        "lining": _round_numbers(list(shoe.ends)),
+        "edge": _round_numbers(shoe.edge),
+        "pressure_distance": _round_numbers(shoe.distance, 3),
+        "theta": _round_numbers(shoe.theta.tolist()),
+        "pressure": _round_numbers(shoe.pressure.tolist()),
+        "pressure_uncertainty": _round_numbers(shoe.uncertainty.tolist(), 3),
     }
 
 
-def write_values(data: dict[str, Any], path: Path) -> None:
-    """Write reference values, as `as_dict` returns them, to a JSON file."""
+def write_reference(data: dict[str, Any], path: Path) -> None:
+    """Write reference values, as `reference_data` returns them, to a JSON file."""
     text = json.dumps(data, indent=1, allow_nan=False)
     # Each list of numbers takes one line, in place of a line for each number.
     write_text(path, _NUMBER_LIST.sub(lambda match: " ".join(match.group().split()), text) + "\n")
 
 
 def read_reference(path: Path) -> Reference:
-    """Read reference values from a file of `write_values`. Raises BadInput for another file."""
+    """Read reference values from a file of `write_reference`. Raises BadInput for another file."""
     text = read_text(path, LARGEST_FILE, "a file of reference values")
     try:
         check_digits(text)
-        data = json.loads(text, parse_constant=_refused)
+        data = json.loads(text, parse_constant=_refuse_non_finite)
         if data["format"] != FORMAT:
             raise BadInput(f"{path}: format = {data['format']!r}: must be {FORMAT!r}")
         return Reference(
-            title=_text(data["title"]),
-            text=_text(data["brake_file"]),
-            command=_text(data["command"]),
-            method=_text(data["method"]),
-            versions=dict(map(_texts, data["versions"].items())),
-            torque=_sure_from(data["torque"]),
-            shoes=tuple(map(_shoe_from, data["shoes"])),
+            title=_checked_text(data["title"]),
+            text=_checked_text(data["brake_file"]),
+            command=_checked_text(data["command"]),
+            method=_checked_text(data["method"]),
+            versions=dict(map(_checked_text_pair, data["versions"].items())),
+            torque=_read_uncertain_value(data["torque"]),
+            shoes=tuple(map(_read_shoe_reference, data["shoes"])),
             surface=PLANE if data["units"]["theta"] == PLANE.unit else DRUM,
         )
     except UNREADABLE as error:
@@ -151,9 +151,9 @@ def read_reference(path: Path) -> Reference:
 def summary_rows(values: Mapping[str, Any], name: str) -> list[dict[str, Any]]:
     """Rows of a table that summarises the reference values of a brake, one row for each shoe.
 
-    `values` are the reference values as of `as_dict`, `name` is the brake's name in the table. The
-    last column says which of six digits of the torque and four digits of p outside the edge
-    zones are not certain.
+    `values` are the reference values as of `reference_data`, `name` is the brake's name in the
+    table. The last column says which of six digits of the torque and four digits of p outside the
+    edge zones are not certain.
     """
     rows = []
     for shoe in values["shoes"]:
@@ -183,24 +183,24 @@ def summary_rows(values: Mapping[str, Any], name: str) -> list[dict[str, Any]]:
     return rows
 
 
-def _refused(word: str) -> float:
+def _refuse_non_finite(word: str) -> float:
     """Refuse NaN and infinity, which Python's reader of JSON would accept. Raises ValueError."""
     raise ValueError(f"{word} is no number of JSON")
 
 
-def _text(value: object) -> str:
+def _checked_text(value: object) -> str:
     """The value, which must be a text. Raises TypeError."""
     if not isinstance(value, str):
         raise TypeError("not a text")
     return value
 
 
-def _texts(pair: tuple[object, object]) -> tuple[str, str]:
+def _checked_text_pair(pair: tuple[object, object]) -> tuple[str, str]:
     """The two values of a pair, which must be texts. Raises TypeError."""
-    return _text(pair[0]), _text(pair[1])
+    return _checked_text(pair[0]), _checked_text(pair[1])
 
 
-def _numbers(value: object, *shape: int) -> Floats:
+def _checked_array(value: object, *shape: int) -> Floats:
     """An array of finite numbers that must have a shape, in which -1 stands for any length.
 
     Raises ValueError or TypeError.
@@ -217,61 +217,61 @@ def _numbers(value: object, *shape: int) -> Floats:
     return array
 
 
-def _sure_from(data: dict[str, Any], *shape: int) -> Sure:
+def _read_uncertain_value(data: dict[str, Any], *shape: int) -> UncertainValue:
     """A value of a shape with its uncertainty, where null stands for infinity."""
     given = data["uncertainty"]
-    uncertainty = math.inf if given is None else _size(given)
-    return Sure(_numbers(data["value"], *shape).tolist(), uncertainty)
+    uncertainty = math.inf if given is None else _checked_size(given)
+    return UncertainValue(_checked_array(data["value"], *shape).tolist(), uncertainty)
 
 
-def _size(value: object) -> float:
+def _checked_size(value: object) -> float:
     """The value as a number, which must not be negative. Raises ValueError or TypeError."""
-    size = float(_numbers(value))
+    size = float(_checked_array(value))
     if size < 0:
         raise ValueError("negative")
     return size
 
 
-def _shoe_from(data: dict[str, Any]) -> ShoeReference:
+def _read_shoe_reference(data: dict[str, Any]) -> ShoeReference:
     """The reference values of a shoe from data of a file. Raises the errors UNREADABLE."""
-    theta = _numbers(data["theta"], -1)
-    first, last = _numbers(data["lining"], 2).tolist()
+    theta = _checked_array(data["theta"], -1)
+    first, last = _checked_array(data["lining"], 2).tolist()
     if not first < last or (np.diff(theta) <= 0).any():
         raise ValueError("angles that do not grow")
     return ShoeReference(
-        name=_text(data["name"]),
-        torque=_sure_from(data["torque"]),
-        contact_force=_sure_from(data["contact_force"], 2),
-        hinge_reaction=_sure_from(data["hinge_reaction"], 2),
-        peak_pressure=_sure_from(data["peak_pressure"]),
-        contact_arcs=_sure_from(data["contact_arcs"], -1, 2),
+        name=_checked_text(data["name"]),
+        torque=_read_uncertain_value(data["torque"]),
+        contact_force=_read_uncertain_value(data["contact_force"], 2),
+        hinge_reaction=_read_uncertain_value(data["hinge_reaction"], 2),
+        peak_pressure=_read_uncertain_value(data["peak_pressure"]),
+        contact_arcs=_read_uncertain_value(data["contact_arcs"], -1, 2),
         ends=(first, last),
-        edge=_size(data["edge"]),
+        edge=_checked_size(data["edge"]),
         theta=theta,
-        pressure=_numbers(data["pressure"], len(theta)),
-        uncertainty=_numbers(data["pressure_uncertainty"], len(theta)),
-        distance=_size(data["pressure_distance"]),
+        pressure=_checked_array(data["pressure"], len(theta)),
+        uncertainty=_checked_array(data["pressure_uncertainty"], len(theta)),
+        distance=_checked_size(data["pressure_distance"]),
     )
 
 
-def stored(text: str, *folders: Path) -> Path | None:
+def stored_reference_path(text: str, *folders: Path) -> Path | None:
     """The path of the reference values of a brake whose file has the text `text`.
 
     The folders are searched in their order. Brake files with the same keys and values count as
     equal, whatever their comments. The path is None where no folder has such reference values.
     """
-    wanted = _content(text)
+    wanted = _toml_content(text)
     for folder in folders:
         for path in sorted(folder.glob("*.json")):
             # A JSON file that is unreadable or has no brake file is none of reference values.
             with suppress(BadInput, *UNREADABLE):
                 data = json.loads(read_text(path, LARGEST_FILE, "reference values"))
-                if _content(data["brake_file"]) == wanted:
+                if _toml_content(data["brake_file"]) == wanted:
                     return path
     return None
 
 
-def _content(text: str) -> object:
+def _toml_content(text: str) -> object:
     """The keys and values of a TOML text; of a text that is not TOML the text itself."""
     try:
         check_toml(text)

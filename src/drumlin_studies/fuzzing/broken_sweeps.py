@@ -10,20 +10,20 @@ from pathlib import Path
 from typing import Any
 
 from drumlin.studies import REPOSITORY
-from drumlin_studies.fuzzing.broken_meshes import mesh_files
+from drumlin_studies.fuzzing.broken_meshes import sound_mesh_files
 from drumlin_studies.fuzzing.inputs import (
     FEW_ELEMENTS,
     SOUND_BRAKES,
     BrokenInput,
+    add_noise,
     brake_text,
-    noise,
-    toml,
+    data_as_toml,
 )
 from drumlin_studies.fuzzing.wrong_values import (
     WRONG_NUMBERS,
     WRONG_QUANTITIES,
     WRONG_WORDS,
-    anything,
+    random_toml_value,
 )
 
 SWEEP_TABLE = "t.csv"
@@ -84,13 +84,13 @@ DISTRIBUTION_NAMES = (
 
 
 @cache
-def sound_run() -> tuple[bytes, bytes]:
+def sound_table_and_journal() -> tuple[bytes, bytes]:
     """Table and journal of the sound sweep."""
     from drumlin.cli.process import run  # noqa: PLC0415
 
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        for file, data in sound_files().items():
+        for file, data in sound_sweep_files().items():
             (folder / file).write_bytes(data)
         with contextlib.redirect_stdout(io.StringIO()):
             run(
@@ -106,15 +106,15 @@ def sound_run() -> tuple[bytes, bytes]:
         return (folder / SWEEP_TABLE).read_bytes(), (folder / SWEEP_JOURNAL).read_bytes()
 
 
-def sound_files() -> dict[str, bytes]:
+def sound_sweep_files() -> dict[str, bytes]:
     """A sweep file and its brake file."""
     return {"b.toml": brake_text(SOUND_BRAKES[0]), "s.toml": SOUND_SWEEP.encode()}
 
 
-def broken_sweep(rng: random.Random) -> BrokenInput:
+def make_broken_sweep(rng: random.Random) -> BrokenInput:
     """A sweep file with other values and keys, or with broken bytes."""
     if rng.random() < 0.3:
-        text = noise(rng, SOUND_SWEEP.encode(), WRONG_WORDS)
+        text = add_noise(rng, SOUND_SWEEP.encode(), WRONG_WORDS)
     else:
         data: dict[str, Any] = {
             "brake": "b.toml",
@@ -124,36 +124,36 @@ def broken_sweep(rng: random.Random) -> BrokenInput:
             "vary": {"friction": rng.choice([[0.1, 0.3], {"from": 0.1, "to": 0.4, "count": 3}])},
         }
         if rng.random() < 0.7:
-            data["vary"][rng.choice([*WRONG_SWEEP_KEYS, *PLAIN_KEYS])] = _varied(rng)
+            data["vary"][rng.choice([*WRONG_SWEEP_KEYS, *PLAIN_KEYS])] = _random_varied_values(rng)
         if rng.random() < 0.4:
             data[rng.choice(["seed", "cases", "combine", "brake", "model", "title", "x"])] = (
-                rng.choice([anything(rng), 3, "zip", "grid", 1])
+                rng.choice([random_toml_value(rng), 3, "zip", "grid", 1])
             )
-        text = toml(data)
+        text = data_as_toml(data)
     return BrokenInput(
         "sweep file", {"b.toml": brake_text(SOUND_BRAKES[0]), "s.toml": text}, SWEEP_WORDS
     )
 
 
-def changed_sweep(rng: random.Random) -> BrokenInput:
+def make_changed_sweep(rng: random.Random) -> BrokenInput:
     """A sweep file of the studies, made small, with one to three changed values or keys."""
-    data = _small_sweep(rng)
+    data = _small_sweep_data(rng)
     for _ in range(rng.choice([1, 1, 2, 3])):
-        table = _some_table(rng, data)
+        table = _random_table_of(rng, data)
         kind = rng.random()
         key = rng.choice([*table, "seed", "cases", "combine"])
         if kind < 0.1:
             table.pop(key, None)
         elif kind < 0.5 and isinstance(data.get("vary"), dict):
-            data["vary"][rng.choice([*WRONG_SWEEP_KEYS, *PLAIN_KEYS])] = _varied(rng)
+            data["vary"][rng.choice([*WRONG_SWEEP_KEYS, *PLAIN_KEYS])] = _random_varied_values(rng)
         elif key in SWEEP_LENGTH_KEYS:
             table[key] = rng.choice(WRONG_LENGTHS)
         else:
-            table[key] = anything(rng)
+            table[key] = random_toml_value(rng)
     files = {
         "b.toml": brake_text(SOUND_BRAKES[0]),
-        "m.msh": mesh_files()[".msh"],
-        "s.toml": toml(data),
+        "m.msh": sound_mesh_files()[".msh"],
+        "s.toml": data_as_toml(data),
     }
     return BrokenInput("sweep file of a study", files, SWEEP_WORDS)
 
@@ -178,7 +178,7 @@ WRONG_LENGTHS: tuple[Any, ...] = (
 """Values of SWEEP_LENGTH_KEYS: small numbers, wrong types, and more than is allowed."""
 
 
-def _small_sweep(rng: random.Random) -> dict[str, Any]:
+def _small_sweep_data(rng: random.Random) -> dict[str, Any]:
     """The data of a sweep of the studies with few cases and elements, or of one over mesh files."""
     paths = sorted((REPOSITORY / "studies" / "sweeps").glob("*.toml"))
     path = rng.choice([*paths, None])
@@ -195,7 +195,7 @@ def _small_sweep(rng: random.Random) -> dict[str, Any]:
     return data | {"brake": "b.toml", "model": {"fem": {"elements": int(FEW_ELEMENTS)}, "sine": {}}}
 
 
-def _some_table(rng: random.Random, data: dict[str, Any]) -> dict[str, Any]:
+def _random_table_of(rng: random.Random, data: dict[str, Any]) -> dict[str, Any]:
     """The sweep file itself or a table in it."""
     table = data
     while rng.random() < 0.7:
@@ -206,7 +206,7 @@ def _some_table(rng: random.Random, data: dict[str, Any]) -> dict[str, Any]:
     return table
 
 
-def _varied(rng: random.Random) -> Any:
+def _random_varied_values(rng: random.Random) -> Any:
     """Values for a key under `vary`: a list, a range or a distribution, right or wrong."""
     pool = rng.choice(
         [
@@ -221,7 +221,7 @@ def _varied(rng: random.Random) -> Any:
         [
             numbers[:2],
             [rng.choice(WRONG_WORDS)],
-            anything(rng),
+            random_toml_value(rng),
             {"from": numbers[0], "to": numbers[1], "count": rng.choice([1, 3, 0, -1, 10**7, "3"])},
             {
                 "distribution": rng.choice(DISTRIBUTION_NAMES),
@@ -239,12 +239,12 @@ def _varied(rng: random.Random) -> Any:
     )
 
 
-def damaged_journal(rng: random.Random) -> BrokenInput:
+def make_damaged_journal(rng: random.Random) -> BrokenInput:
     """The sound sweep with a damaged journal."""
-    return damaged(rng, *sound_run())
+    return damage_journal(rng, *sound_table_and_journal())
 
 
-def damaged(rng: random.Random, table: bytes, journal: bytes) -> BrokenInput:
+def damage_journal(rng: random.Random, table: bytes, journal: bytes) -> BrokenInput:
     """A sweep whose journal has flipped bits, or lost, doubled and zeroed stretches.
 
     The sweep must end with the sound table whatever the damage.
@@ -273,5 +273,8 @@ def damaged(rng: random.Random, table: bytes, journal: bytes) -> BrokenInput:
         if not data:
             break
     return BrokenInput(
-        "journal", sound_files() | {SWEEP_JOURNAL: bytes(data)}, SWEEP_WORDS, {SWEEP_TABLE: table}
+        "journal",
+        sound_sweep_files() | {SWEEP_JOURNAL: bytes(data)},
+        SWEEP_WORDS,
+        {SWEEP_TABLE: table},
     )

@@ -55,7 +55,7 @@ class Ending(NamedTuple):
     seconds: float
 
 
-def lay_out(given: BrokenInput, folder: Path) -> None:
+def write_input_files(given: BrokenInput, folder: Path) -> None:
     """Write the files of an input, and beside them a folder and links that its paths may name."""
     for name, data in given.files.items():
         (folder / name).write_bytes(data)
@@ -65,8 +65,8 @@ def lay_out(given: BrokenInput, folder: Path) -> None:
     (folder / "hard.json").hardlink_to(folder / "b.toml")
 
 
-def written(folder: Path, given: BrokenInput) -> dict[str, bytes]:
-    """The files of a folder that are new or changed since `lay_out`."""
+def read_written_files(folder: Path, given: BrokenInput) -> dict[str, bytes]:
+    """The files of a folder that are new or changed since `write_input_files`."""
     found = {}
     for path in sorted(folder.rglob("*")):
         name = str(path.relative_to(folder))
@@ -77,7 +77,7 @@ def written(folder: Path, given: BrokenInput) -> dict[str, bytes]:
     return found
 
 
-def in_process(given: BrokenInput) -> Ending:
+def run_in_this_process(given: BrokenInput) -> Ending:
     """The ending of an input that runs in this process.
 
     It is quick, but a hang inside a library is only found when the library returns.
@@ -88,7 +88,7 @@ def in_process(given: BrokenInput) -> Ending:
     out, err = io.StringIO(), io.StringIO()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        lay_out(given, folder)
+        write_input_files(given, folder)
         os.chdir(folder)
         start = time.process_time()
         try:
@@ -96,7 +96,7 @@ def in_process(given: BrokenInput) -> Ending:
                 contextlib.redirect_stdout(out),
                 contextlib.redirect_stderr(err),
                 warnings.catch_warnings(),
-                _limited(),
+                _limit_run_time(),
             ):
                 warnings.simplefilter("error")
                 # One library deprecates what another one calls: no fault of drumlin. A deprecated
@@ -106,25 +106,28 @@ def in_process(given: BrokenInput) -> Ending:
         finally:
             os.chdir(before)
         seconds = time.process_time() - start
-        return Ending(status, out.getvalue(), err.getvalue(), written(folder, given), seconds)
+        return Ending(
+            status, out.getvalue(), err.getvalue(), read_written_files(folder, given), seconds
+        )
 
 
-class Late(BaseException):
+class RunTooLong(BaseException):
     """A run has taken too long."""
 
 
 @contextlib.contextmanager
-def _limited() -> Iterator[None]:
+def _limit_run_time() -> Iterator[None]:
     """Raise Late in a block that works for too long or waits for too long."""
 
-    def late(*_: object) -> None:
-        raise Late
+    def raise_too_long(*_: object) -> None:
+        """Raise RunTooLong when a timer ends."""
+        raise RunTooLong
 
     timers = (
         (signal.ITIMER_PROF, signal.SIGPROF, 1.5 * LONGEST_RUN),
         (signal.ITIMER_REAL, signal.SIGALRM, LONGEST_WAIT),
     )
-    before = [(sign, signal.signal(sign, late)) for _, sign, _ in timers]
+    before = [(sign, signal.signal(sign, raise_too_long)) for _, sign, _ in timers]
     for timer, _, seconds in timers:
         signal.setitimer(timer, seconds)
     try:
@@ -136,13 +139,13 @@ def _limited() -> Iterator[None]:
             signal.signal(sign, handler)
 
 
-def in_subprocess(given: BrokenInput, **more: Any) -> Ending:
+def run_in_subprocess(given: BrokenInput, **more: Any) -> Ending:
     """The ending of an input in a process of its own; `more` goes to subprocess.run."""
     command = [sys.executable, "-c", "from drumlin.cli import main; main()"]
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        lay_out(given, folder)
-        start = _spent()
+        write_input_files(given, folder)
+        start = _children_processor_time()
         words = [os.fsencode(word) for word in given.words]
         try:
             done = subprocess.run(
@@ -155,12 +158,12 @@ def in_subprocess(given: BrokenInput, **more: Any) -> Ending:
             )
         except subprocess.TimeoutExpired:
             return Ending(-1, "", "no end", {}, LONGEST_WAIT)
-        seconds = _spent() - start
+        seconds = _children_processor_time() - start
         out, err = (text.decode(errors="replace") for text in (done.stdout, done.stderr))
-        return Ending(done.returncode, out, err, written(folder, given), seconds)
+        return Ending(done.returncode, out, err, read_written_files(folder, given), seconds)
 
 
-def _spent() -> float:
+def _children_processor_time() -> float:
     """Processor time [s] of the child processes that have ended.
 
     On a busy machine the clock tells little.
@@ -172,7 +175,7 @@ def _spent() -> float:
 _NOT_FINITE = re.compile(r"(?<![\w'\"/.-])[-+]?(?:nan|inf|NaN|Infinity)(?![\w'\"/.])")
 
 
-def fault_of(given: BrokenInput, end: Ending) -> str:
+def find_fault(given: BrokenInput, end: Ending) -> str:
     """What is wrong with the ending of an input; empty where nothing is."""
     if end.seconds > LONGEST_RUN:
         return f"took {end.seconds:.0f} s"
@@ -182,7 +185,7 @@ def fault_of(given: BrokenInput, end: Ending) -> str:
         control = re.search(r"[^\n -~\u00a0-\U0010ffff]", getattr(end, name))
         if control:
             return f"control character {control.group()!r} in std{name}"
-    return _fault_of_refusal(end) if end.status else _fault_of_answer(given, end)
+    return _find_fault_of_refusal(end) if end.status else _find_fault_of_answer(given, end)
 
 
 KEPT_FILES = ("m/", "m.", "t.csv")
@@ -193,7 +196,7 @@ They are meshes that were written before the failure, and a sweep's table and jo
 _NOTES = re.compile(r"(?:drumlin: t\.csv\.journal: [^\n]*\n)*")
 
 
-def _fault_of_refusal(end: Ending) -> str:
+def _find_fault_of_refusal(end: Ending) -> str:
     """What is wrong with a refusal."""
     said = _NOTES.sub("", end.err, count=1)
     if said.count("\n") != 1 or not said.startswith("drumlin: "):
@@ -206,28 +209,33 @@ def _fault_of_refusal(end: Ending) -> str:
     return ""
 
 
-def _fault_of_answer(given: BrokenInput, end: Ending) -> str:
+def _find_fault_of_answer(given: BrokenInput, end: Ending) -> str:
     """What is wrong with an answer."""
     if not _NOTES.fullmatch(end.err):
         return f"an answer with {end.err[:200]!r} in stderr"
     if given.must_fail:
         return "an answer of an input that has none"
-    names = _names(given)
+    names = _odd_shoe_names(given)
     # The title of the brake comes first and may be any text.
     _, _, numbers = end.out.partition(", drum turns")
     numbers = reduce(lambda text, name: text.replace(name, "_"), names, numbers or end.out)
     if _NOT_FINITE.search(numbers):
-        return f"not finite: {_around(numbers)}"
+        return f"not finite: {_text_around_bad_number(numbers)}"
     if any(end.written.get(name) != data for name, data in given.right.items()):
         return f"not the right {', '.join(given.right)}"
     if set(end.written) & {name for name in given.files if name not in {"r.csv", "t.csv.journal"}}:
         return f"an input was written over: {', '.join(end.written)}"
     return next(
-        (why for name, data in end.written.items() if (why := _bad_file(name, data, names))), ""
+        (
+            why
+            for name, data in end.written.items()
+            if (why := _find_fault_of_file(name, data, names))
+        ),
+        "",
     )
 
 
-def _names(given: BrokenInput) -> list[str]:
+def _odd_shoe_names(given: BrokenInput) -> list[str]:
     """Names of shoes that look like a number that is not finite, such as "nan mm"."""
     try:
         shoes = tomllib.loads(given.files.get("b.toml", b"").decode()).get("shoe", [])
@@ -237,7 +245,7 @@ def _names(given: BrokenInput) -> list[str]:
     return [name for name in names if _NOT_FINITE.search(name)]
 
 
-def _around(text: str) -> str:
+def _text_around_bad_number(text: str) -> str:
     """The surroundings of the first number in a text that is not finite."""
     match = _NOT_FINITE.search(text)
     return (
@@ -247,13 +255,13 @@ def _around(text: str) -> str:
     )
 
 
-def _bad_file(name: str, data: bytes, names: Sequence[str]) -> str:
+def _find_fault_of_file(name: str, data: bytes, names: Sequence[str]) -> str:
     """What is wrong with a written file. names : names of shoes, which may be any text."""
     if Path(name).name.startswith(".drumlin-"):
         return f"a temporary file is left: {name}"
     if data.startswith(b"{") and ".journal" not in name:
         try:
-            json.loads(data, parse_constant=_refuse)
+            json.loads(data, parse_constant=_refuse_constant)
         except ValueError as error:
             return f"{name}: {error}"
     if data.startswith((b"shoe,", b"case,")):
@@ -265,5 +273,6 @@ def _bad_file(name: str, data: bytes, names: Sequence[str]) -> str:
     return ""
 
 
-def _refuse(word: str) -> float:
+def _refuse_constant(word: str) -> float:
+    """Refuse NaN and infinity, which Python's reader of JSON would accept."""
     raise ValueError(f"holds {word}")

@@ -17,14 +17,14 @@ from typing import Any
 from drumlin.brake.brake import Brake
 from drumlin.brake.plane_brake import read_any
 from drumlin.studies import REPOSITORY
-from drumlin_studies.fuzzing.broken_meshes import mesh_files, with_mesh
+from drumlin_studies.fuzzing.broken_meshes import brake_file_with_mesh, sound_mesh_files
 from drumlin_studies.fuzzing.inputs import (
     FEW_ELEMENTS,
     SOUND_BRAKES,
     BrokenInput,
+    add_noise,
     brake_text,
-    noise,
-    toml,
+    data_as_toml,
 )
 from drumlin_studies.fuzzing.wrong_values import (
     WRONG_FLOATS,
@@ -33,22 +33,22 @@ from drumlin_studies.fuzzing.wrong_values import (
     WRONG_PATHS,
     WRONG_TEXTS,
     WRONG_WORDS,
-    anything,
-    fitting,
-    schema_places,
+    places_by_schema,
+    random_toml_value,
+    random_value_near_type,
 )
 
 REFERENCE_FILE = "reports/reference/values/double_shoe_brake.json"
 
 
 @cache
-def reference_text() -> bytes:
+def reference_file_text() -> bytes:
     """The file of reference values of the double-shoe brake."""
     return (REPOSITORY / REFERENCE_FILE).read_bytes()
 
 
 @cache
-def result_text() -> bytes:
+def pressure_table_text() -> bytes:
     """A table of p(theta) of the double-shoe brake, as a user hands it in."""
     from drumlin.models import MODELS  # noqa: PLC0415
     from drumlin.verification.check import curves_text  # noqa: PLC0415
@@ -57,13 +57,13 @@ def result_text() -> bytes:
     return curves_text(MODELS["fem"].solve(brake, elements=12)).encode()
 
 
-def broken_bytes(rng: random.Random) -> BrokenInput:
+def make_broken_bytes(rng: random.Random) -> BrokenInput:
     """A brake file with broken bytes."""
-    text = noise(rng, brake_text(rng.choice(SOUND_BRAKES)), WRONG_WORDS)
-    return BrokenInput("brake file: bytes", {"b.toml": text}, _solving(rng))
+    text = add_noise(rng, brake_text(rng.choice(SOUND_BRAKES)), WRONG_WORDS)
+    return BrokenInput("brake file: bytes", {"b.toml": text}, _random_solving_command(rng))
 
 
-def scaled(rng: random.Random) -> BrokenInput:
+def make_scaled_quantities(rng: random.Random) -> BrokenInput:
     """A brake file with one to four quantities made larger or smaller.
 
     The result is often still a brake, but an extreme one.
@@ -77,30 +77,32 @@ def scaled(rng: random.Random) -> BrokenInput:
         size = rng.choice(sizes)
         value = float(place[1]) * size * rng.choice([1, 1, 1, -1])
         text = text[: place.start()] + f"{value:.9g}" + text[place.end() :]
-    return BrokenInput("brake file: sizes", {"b.toml": text.encode()}, _solving(rng))
+    return BrokenInput("brake file: sizes", {"b.toml": text.encode()}, _random_solving_command(rng))
 
 
-def typed(rng: random.Random) -> BrokenInput:
+def make_wrong_values(rng: random.Random) -> BrokenInput:
     """A brake file with one to three keys of the schema set to values of all sorts.
 
     Keys that the file does not have yet may be added.
     """
     data = tomllib.loads(brake_text(rng.choice(SOUND_BRAKES)).decode())
     for _ in range(rng.choice([1, 1, 2, 3])):
-        places = list(schema_places(Brake.shape_of(data), data))
+        places = list(places_by_schema(Brake.shape_of(data), data))
         table, key, annotation = rng.choice(places)
         if not isinstance(table, dict):
             continue
         if rng.random() < 0.08:
             table.pop(key, None)
         elif rng.random() < 0.05:
-            table[rng.choice([*WRONG_WORDS, "shoe[²]", "lining"])] = anything(rng)
+            table[rng.choice([*WRONG_WORDS, "shoe[²]", "lining"])] = random_toml_value(rng)
         else:
-            table[key] = fitting(rng, annotation, table.get(key))
-    return BrokenInput("brake file: schema", {"b.toml": toml(data)}, _solving(rng))
+            table[key] = random_value_near_type(rng, annotation, table.get(key))
+    return BrokenInput(
+        "brake file: schema", {"b.toml": data_as_toml(data)}, _random_solving_command(rng)
+    )
 
 
-def _solving(rng: random.Random) -> list[str]:
+def _random_solving_command(rng: random.Random) -> list[str]:
     """The words of a command that reads the brake, mostly `solve`."""
     model = rng.choice(
         [
@@ -128,9 +130,9 @@ def _solving(rng: random.Random) -> list[str]:
     return [*words, "--model", model]
 
 
-def broken_mesh(rng: random.Random) -> BrokenInput:
+def make_broken_mesh(rng: random.Random) -> BrokenInput:
     """A mesh file with broken bytes, cut off, of another format, or with a wrong number."""
-    files = mesh_files()
+    files = sound_mesh_files()
     suffix = rng.choice([".msh", ".inp", ".vtu"])
     data = files[suffix]
     what = rng.randrange(6)
@@ -154,8 +156,8 @@ def broken_mesh(rng: random.Random) -> BrokenInput:
     elif what == 4 and suffix == ".inp":
         data += rng.choice(INP_ENDS)
     else:
-        data = noise(rng, data, WRONG_WORDS)
-    text = with_mesh(files["brake"], f"m{suffix}")
+        data = add_noise(rng, data, WRONG_WORDS)
+    text = brake_file_with_mesh(files["brake"], f"m{suffix}")
     contents = {"b.toml": text, f"m{suffix}": data}
     words = ["solve", "b.toml", "--json", "r.json"]
     return BrokenInput(f"mesh: {suffix}", contents, words)
@@ -173,15 +175,15 @@ INP_ENDS = (
 """Ends of an .inp file that ask for too much, refer to themselves or are wrong."""
 
 
-def broken_reference(rng: random.Random) -> BrokenInput:
+def make_broken_reference(rng: random.Random) -> BrokenInput:
     """A check against reference values with other types and sizes, or with broken bytes."""
-    text = reference_text()
+    text = reference_file_text()
     if rng.random() < 0.4:
-        text = noise(rng, text, WRONG_WORDS)
+        text = add_noise(rng, text, WRONG_WORDS)
     else:
         data = json.loads(text)
         for _ in range(rng.choice([1, 1, 2])):
-            places = list(_json_places(data))
+            places = list(_places_in_nested_data(data))
             owner, key = rng.choice(places)
             value = rng.choice(
                 [
@@ -202,13 +204,17 @@ def broken_reference(rng: random.Random) -> BrokenInput:
             else:
                 owner[key] = value
         text = json.dumps(data).encode()
-    files = {"b.toml": brake_text(SOUND_BRAKES[0]), "ref.json": text, "r.csv": result_text()}
+    files = {
+        "b.toml": brake_text(SOUND_BRAKES[0]),
+        "ref.json": text,
+        "r.csv": pressure_table_text(),
+    }
     return BrokenInput(
         "reference values", files, ["check", "b.toml", "r.csv", "--reference", "ref.json"]
     )
 
 
-def _json_places(data: Any) -> Iterator[tuple[Any, Any]]:
+def _places_in_nested_data(data: Any) -> Iterator[tuple[Any, Any]]:
     """Each table or list of nested data with each of its keys or indices.
 
     Of a long list only the first places are taken.
@@ -216,16 +222,16 @@ def _json_places(data: Any) -> Iterator[tuple[Any, Any]]:
     for key, value in list(data.items() if isinstance(data, dict) else enumerate(data)):
         yield data, key
         if isinstance(value, dict):
-            yield from _json_places(value)
+            yield from _places_in_nested_data(value)
         elif isinstance(value, list) and value:
-            yield from list(_json_places(value))[:3]
+            yield from list(_places_in_nested_data(value))[:3]
 
 
-def broken_table(rng: random.Random) -> BrokenInput:
+def make_broken_table(rng: random.Random) -> BrokenInput:
     """A check of a table of p(theta) with cells of all sorts, or with broken bytes."""
-    text = result_text()
+    text = pressure_table_text()
     if rng.random() < 0.5:
-        text = noise(rng, text, WRONG_WORDS)
+        text = add_noise(rng, text, WRONG_WORDS)
     else:
         rows = list(csv.reader(io.StringIO(text.decode())))
         for _ in range(rng.choice([1, 1, 3])):
@@ -236,7 +242,11 @@ def broken_table(rng: random.Random) -> BrokenInput:
         buffer = io.StringIO()
         csv.writer(buffer).writerows(rows)
         text = buffer.getvalue().encode(errors="replace")
-    files = {"b.toml": brake_text(SOUND_BRAKES[0]), "ref.json": reference_text(), "r.csv": text}
+    files = {
+        "b.toml": brake_text(SOUND_BRAKES[0]),
+        "ref.json": reference_file_text(),
+        "r.csv": text,
+    }
     return BrokenInput(
         "result table", files, ["check", "b.toml", "r.csv", "--reference", "ref.json"]
     )
@@ -244,12 +254,12 @@ def broken_table(rng: random.Random) -> BrokenInput:
 
 SLOW_COMMANDS = {"study", "sweep", "reference", "cost", "compare", "hold", "explore"}
 """Commands that take long, or run until they are stopped. They only get wrong options, by
-`wrong_words`.
+`make_wrong_command`.
 """
 
 
 @cache
-def _commands() -> dict[str, Any]:
+def _drumlin_commands() -> dict[str, Any]:
     """The commands of drumlin, by name."""
     from typer.main import get_command  # noqa: PLC0415
 
@@ -258,9 +268,9 @@ def _commands() -> dict[str, Any]:
     return dict(vars(get_command(app))["commands"])
 
 
-def command_line(rng: random.Random) -> BrokenInput:
+def make_random_command(rng: random.Random) -> BrokenInput:
     """A command of drumlin with options of all sorts."""
-    commands = _commands()
+    commands = _drumlin_commands()
     name = rng.choice([name for name in commands if name not in SLOW_COMMANDS - {"hold"}])
     words = [name, "b.toml"]
     chosen = {}
@@ -268,7 +278,7 @@ def command_line(rng: random.Random) -> BrokenInput:
         required = option.param_type_name == "argument" or option.name == "to"
         if option.name in {"brake_file", "brake_files"} or (not required and rng.random() < 0.65):
             continue
-        value = _word_for(rng, option)
+        value = _random_option_word(rng, option)
         if option.param_type_name == "argument":
             words.append(str(value))
         else:
@@ -279,15 +289,15 @@ def command_line(rng: random.Random) -> BrokenInput:
             del chosen["elements"]
     files = {
         "b.toml": brake_text(rng.choice([SOUND_BRAKES[0], SOUND_BRAKES[0], *SOUND_BRAKES])),
-        "r.csv": result_text(),
-        "ref.json": reference_text(),
+        "r.csv": pressure_table_text(),
+        "ref.json": reference_file_text(),
     }
     for option in chosen.values():
         words += option
     return BrokenInput(f"command line: {name}", files, words)
 
 
-def _word_for(rng: random.Random, option: Any) -> str | None:
+def _random_option_word(rng: random.Random, option: Any) -> str | None:
     """A random word for an option by its name and type; None for a flag."""
     if getattr(option, "is_flag", False) or getattr(option, "is_bool_flag", False):
         return None
@@ -308,9 +318,9 @@ def _word_for(rng: random.Random, option: Any) -> str | None:
     return rng.choice(pool if rng.random() < 0.95 else WRONG_WORDS)
 
 
-def wrong_words(rng: random.Random) -> BrokenInput:
+def make_wrong_command(rng: random.Random) -> BrokenInput:
     """Words that make no valid command line."""
-    name = rng.choice([*_commands(), "", "x", "--help", "--version", "-h", "--bad"])
+    name = rng.choice([*_drumlin_commands(), "", "x", "--help", "--version", "-h", "--bad"])
     words = [name] + [
         rng.choice([*WRONG_WORDS, *WRONG_PATHS, "--json", "--elements", "--bad"])
         for _ in range(rng.choice([0, 1, 2]))
@@ -320,7 +330,7 @@ def wrong_words(rng: random.Random) -> BrokenInput:
     return BrokenInput("command line: words", {"b.toml": brake_text(SOUND_BRAKES[0])}, words)
 
 
-def shown(given: BrokenInput) -> str:
+def shown_command_line(given: BrokenInput) -> str:
     """The command line of an input as a reader sees it, with long words cut."""
     safe = set(string.ascii_letters + string.digits + "-_./=")
     cut = [word if len(word) < 40 else word[:20] + f"...({len(word)})" for word in given.words]

@@ -9,7 +9,13 @@ from typing import Any
 from drumlin.brake.plane_brake import read_any
 from drumlin.models import applicable
 from drumlin.studies import REPOSITORY
-from drumlin_studies.fuzzing.inputs import FEW_ELEMENTS, SOUND_BRAKES, BrokenInput, brake_text, toml
+from drumlin_studies.fuzzing.inputs import (
+    FEW_ELEMENTS,
+    SOUND_BRAKES,
+    BrokenInput,
+    brake_text,
+    data_as_toml,
+)
 
 WRONG_TYPES: tuple[Any, ...] = (
     {"a": 1},
@@ -26,22 +32,22 @@ WRONG_TYPES: tuple[Any, ...] = (
 """Values that no key of a brake file accepts, except titles and names."""
 
 
-def broken_structure(rng: random.Random) -> BrokenInput:
+def make_broken_structure(rng: random.Random) -> BrokenInput:
     """A brake file with a key renamed or a value of another type."""
     name = rng.choice(SOUND_BRAKES)
     data = tomllib.loads(brake_text(name).decode())
-    keyed = [place for place in _leaves(data) if isinstance(place[-1], str)]
+    keyed = [place for place in _places_of_leaf_values(data) if isinstance(place[-1], str)]
     named = [place for place in keyed if place[-1] not in {"title", "name"}]
     *parents, key = rng.choice(named)
-    owner = _get(data, tuple(parents))
+    owner = _value_at_place(data, tuple(parents))
     if rng.random() < 0.5:
         owner[key + rng.choice(["_", "x", " "])] = owner.pop(key)
     else:
         owner[key] = rng.choice(WRONG_TYPES)
-    return _unanswered(rng, "brake file: structure", name, toml(data))
+    return _solve_of_broken_file(rng, "brake file: structure", name, data_as_toml(data))
 
 
-def huge_file(rng: random.Random) -> BrokenInput:
+def make_huge_file(rng: random.Random) -> BrokenInput:
     """A brake file that is far too deep, long or wide."""
     name = rng.choice(SOUND_BRAKES)
     text = brake_text(name).decode()
@@ -53,10 +59,10 @@ def huge_file(rng: random.Random) -> BrokenInput:
         lambda: "\0" * 900_000,
         lambda: text.replace("[[shoe]]", "[[shoe]]\n" * 20_000, 1),
     ]
-    return _unanswered(rng, "brake file: huge", name, rng.choice(texts)().encode())
+    return _solve_of_broken_file(rng, "brake file: huge", name, rng.choice(texts)().encode())
 
 
-def _unanswered(rng: random.Random, kind: str, name: str, text: bytes) -> BrokenInput:
+def _solve_of_broken_file(rng: random.Random, kind: str, name: str, text: bytes) -> BrokenInput:
     """A solve of a broken file by a model that would answer the sound brake.
 
     Parameters
@@ -71,31 +77,31 @@ def _unanswered(rng: random.Random, kind: str, name: str, text: bytes) -> Broken
         The broken file.
     """
     words = ["solve", "b.toml", "--json", "r.json"]
-    model = rng.choice(_models(name))
+    model = rng.choice(_answering_models(name))
     words += ["--elements", FEW_ELEMENTS] if model == "fem" else ["--model", model]
     return BrokenInput(kind, {"b.toml": text}, words, must_fail=True)
 
 
 @cache
-def _models(name: str) -> tuple[str, ...]:
+def _answering_models(name: str) -> tuple[str, ...]:
     """The names of the models that answer a sound brake."""
     brake = read_any(REPOSITORY / "studies" / f"{name}.toml")
     return tuple(model.name for model in applicable(brake))
 
 
-def _leaves(data: Any, place: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
+def _places_of_leaf_values(data: Any, place: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
     """The places of all values in nested data, each as keys and indices from the top."""
     if isinstance(data, dict):
         for key, value in data.items():
-            yield from _leaves(value, (*place, key))
+            yield from _places_of_leaf_values(value, (*place, key))
     elif isinstance(data, list):
         for i, value in enumerate(data):
-            yield from _leaves(value, (*place, i))
+            yield from _places_of_leaf_values(value, (*place, i))
     else:
         yield place
 
 
-def _get(data: Any, place: tuple[Any, ...]) -> Any:
+def _value_at_place(data: Any, place: tuple[Any, ...]) -> Any:
     """The value at a place of nested data."""
     for step in place:
         data = data[step]

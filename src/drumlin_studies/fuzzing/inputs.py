@@ -46,7 +46,7 @@ class BrokenInput(NamedTuple):
 
 
 class Raw(NamedTuple):
-    """A text that `toml` writes without quotes."""
+    """A text that `data_as_toml` writes without quotes."""
 
     text: str
 
@@ -57,7 +57,7 @@ def brake_text(name: str) -> bytes:
     return (REPOSITORY / "studies" / f"{name}.toml").read_bytes()
 
 
-def noise(rng: random.Random, data: bytes, words: Sequence[str] = ()) -> bytes:
+def add_noise(rng: random.Random, data: bytes, words: Sequence[str] = ()) -> bytes:
     """Data with some bytes dropped, doubled, overwritten, reversed, or with words inserted."""
     found = bytearray(data)
     for _ in range(rng.choice([1, 1, 2, 5, 40])):
@@ -79,27 +79,31 @@ def noise(rng: random.Random, data: bytes, words: Sequence[str] = ()) -> bytes:
     return bytes(found)
 
 
-def toml(data: Any) -> bytes:
+def data_as_toml(data: Any) -> bytes:
     """Nested data as TOML: everything below the top as inline tables."""
-    lines = (f"{_quoted(str(key))} = {_inline(value)}\n" for key, value in data.items())
+    lines = (
+        f"{_text_as_toml(str(key))} = {_value_as_toml(value)}\n" for key, value in data.items()
+    )
     return "".join(lines).encode(errors="replace")
 
 
-def _inline(value: Any) -> str:
+def _value_as_toml(value: Any) -> str:
     """A value in TOML, on one line."""
     if isinstance(value, dict):
-        items = (f"{_quoted(str(key))} = {_inline(item)}" for key, item in value.items())
+        items = (
+            f"{_text_as_toml(str(key))} = {_value_as_toml(item)}" for key, item in value.items()
+        )
         return "{" + ", ".join(items) + "}"
     if isinstance(value, list):
-        return "[" + ", ".join(map(_inline, value)) + "]"
+        return "[" + ", ".join(map(_value_as_toml, value)) + "]"
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, Raw):
         return value.text
-    return _quoted(value) if isinstance(value, str) else repr(value)
+    return _text_as_toml(value) if isinstance(value, str) else repr(value)
 
 
-def _quoted(text: str) -> str:
+def _text_as_toml(text: str) -> str:
     """A text in TOML, in quotes."""
     plain = {'"': '\\"', "\\": "\\\\"}
     letters = (plain.get(c, c if c.isprintable() else f"\\U{ord(c):08x}") for c in text)

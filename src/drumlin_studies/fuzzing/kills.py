@@ -37,7 +37,7 @@ to = "0.2 mm", each_shoe = true }}
 """
 
 
-def killed(case: dict[str, Any]) -> dict[str, Any]:
+def killed_sweep_row(case: dict[str, Any]) -> dict[str, Any]:
     """The row of a sweep that is killed several times and then finishes.
 
     `met` is the number of kills that met a run at work, `fault` what is wrong at the end.
@@ -50,11 +50,11 @@ def killed(case: dict[str, Any]) -> dict[str, Any]:
         folder = Path(name)
         (folder / "b.toml").write_bytes(brake_text(SOUND_BRAKES[0]))
         (folder / "s.toml").write_text(KILLED_SWEEP, encoding="utf-8")
-        whole = _finished(folder, "whole.csv", ["--jobs", "1"])
-        with _way(case["way"], folder) as words:
-            met = sum(_killed_at(moment, folder, words) for moment in moments)
-            table = _finished(folder, "t.csv", words)
-        keys = _keys(folder / "t.csv.journal")
+        whole = _finish_sweep(folder, "whole.csv", ["--jobs", "1"])
+        with _run_options(case["way"], folder) as words:
+            met = sum(_kill_at_row(moment, folder, words) for moment in moments)
+            table = _finish_sweep(folder, "t.csv", words)
+        keys = _journal_case_keys(folder / "t.csv.journal")
     wrong, different = [], len(set(keys))
     if table != whole:
         wrong.append("another table")
@@ -66,7 +66,7 @@ def killed(case: dict[str, Any]) -> dict[str, Any]:
 
 
 @contextmanager
-def _way(way: str, folder: Path) -> Iterator[list[str]]:
+def _run_options(way: str, folder: Path) -> Iterator[list[str]]:
     """The options with which a sweep runs.
 
     For Dask a scheduler and a worker run on this machine during the block.
@@ -76,7 +76,7 @@ def _way(way: str, folder: Path) -> Iterator[list[str]]:
         return
     known = folder / "scheduler.json"
     here = ["--scheduler-file", str(known), "--host", "127.0.0.1", "--no-dashboard"]
-    scheduler = _child(
+    scheduler = _start_child_process(
         ["-m", "distributed.cli.dask_scheduler", *here, "--port", "0", "--no-show"], folder
     )
     started = [scheduler]
@@ -87,7 +87,7 @@ def _way(way: str, folder: Path) -> Iterator[list[str]]:
                 raise RuntimeError("the scheduler has not started")
             time.sleep(0.05)
         started.append(
-            _child(
+            _start_child_process(
                 ["-m", "distributed.cli.dask_worker", *here, "--nthreads", "1", "--no-nanny"],
                 folder,
             )
@@ -99,7 +99,7 @@ def _way(way: str, folder: Path) -> Iterator[list[str]]:
             process.wait()
 
 
-def _child(words: list[str], folder: Path) -> subprocess.Popen[bytes]:
+def _start_child_process(words: list[str], folder: Path) -> subprocess.Popen[bytes]:
     """A Python process with the same path as this process."""
     env = os.environ | {
         "PYTHONPATH": os.pathsep.join(filter(None, sys.path)),
@@ -114,20 +114,22 @@ def _child(words: list[str], folder: Path) -> subprocess.Popen[bytes]:
     )
 
 
-def _sweeping(folder: Path, output: str, words: list[str]) -> subprocess.Popen[bytes]:
+def _start_sweep(folder: Path, output: str, words: list[str]) -> subprocess.Popen[bytes]:
     """The process of a sweep."""
-    return _child(["-c", DRUMLIN_PROGRAM, "sweep", "s.toml", "--output", output, *words], folder)
+    return _start_child_process(
+        ["-c", DRUMLIN_PROGRAM, "sweep", "s.toml", "--output", output, *words], folder
+    )
 
 
-def _finished(folder: Path, output: str, words: list[str]) -> bytes:
+def _finish_sweep(folder: Path, output: str, words: list[str]) -> bytes:
     """The table of a sweep that runs to its end, or its exit status."""
-    status = _sweeping(folder, output, words).wait(RUN_LIMIT)
+    status = _start_sweep(folder, output, words).wait(RUN_LIMIT)
     return (folder / output).read_bytes() if status == 0 else f"status {status}".encode()
 
 
-def _killed_at(moment: int, folder: Path, words: list[str]) -> bool:
+def _kill_at_row(moment: int, folder: Path, words: list[str]) -> bool:
     """Kill a run as soon as its journal has `moment` rows; tell whether it was still at work."""
-    process, journal = _sweeping(folder, "t.csv", words), folder / "t.csv.journal"
+    process, journal = _start_sweep(folder, "t.csv", words), folder / "t.csv.journal"
     end = time.monotonic() + RUN_LIMIT
     while process.poll() is None and time.monotonic() < end:
         if journal.exists() and journal.read_bytes().count(b"\n") > moment:
@@ -136,36 +138,37 @@ def _killed_at(moment: int, folder: Path, words: list[str]) -> bool:
     met = process.poll() is None
     process.kill()
     process.wait()
-    _unlocked(journal)
+    _wait_for_unlocked_journal(journal)
     return met
 
 
-def _unlocked(journal: Path) -> None:
+def _wait_for_unlocked_journal(journal: Path) -> None:
     """Wait until the workers of a killed run have ended as well. They hold its journal."""
     end = time.monotonic() + RUN_LIMIT
     while time.monotonic() < end:
         try:
             with journal.open("ab") as file:
-                _lock(file.fileno())
+                _try_lock(file.fileno())
             return
         except OSError:
             time.sleep(0.02)
 
 
-def _lock(handle: int) -> None:
+def _try_lock(handle: int) -> None:
+    """Lock an open file, or raise BlockingIOError where another process holds its lock."""
     import fcntl  # noqa: PLC0415
 
     fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
 
-def _keys(journal: Path) -> list[str]:
+def _journal_case_keys(journal: Path) -> list[str]:
     """The keys of the cases in a journal."""
     return [
         json.loads(line)["key"] for line in journal.read_text(encoding="utf-8").splitlines()[1:]
     ]
 
 
-def kill_all(
+def kill_sweeps(
     chains: dict[str, int], kills: int, journal: Journal, say: Callable[[str], None]
 ) -> list[dict[str, Any]]:
     """The rows of sweeps that are killed.
@@ -187,11 +190,11 @@ def kill_all(
     rows: list[dict[str, Any]] = []
     for case in cases:
         say(f"killing a sweep: {case['way']}, {len(rows) + 1} of {len(cases)}")
-        rows.append(journal.once({"of": "kills", **case}, partial(killed, case)))
+        rows.append(journal.once({"of": "kills", **case}, partial(killed_sweep_row, case)))
     return rows
 
 
-def table(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+def kill_table(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
     """A row for each way: numbers of sweeps, of kills, of kills that met a run, and of faults."""
     lines: list[dict[str, Any]] = []
     for way in RUN_WAYS:

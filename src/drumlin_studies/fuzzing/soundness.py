@@ -27,7 +27,7 @@ larger by 1 % each.
 """
 
 
-def fault_of_answer(given: BrokenInput) -> str:
+def find_unsound_answer(given: BrokenInput) -> str:
     """Why the answer of a solve cannot be true; empty where it can.
 
     The brake is read and solved again with the options of the input. Raises what a solve raises;
@@ -35,21 +35,22 @@ def fault_of_answer(given: BrokenInput) -> str:
     """
     options: dict[str, Any] = {}
     if "--elements" in given.words:
-        options["elements"] = int(_after(given.words, "--elements"))
-    model = _after(given.words, "--model") if "--model" in given.words else "fem"
+        options["elements"] = int(_word_after(given.words, "--elements"))
+    model = _word_after(given.words, "--model") if "--model" in given.words else "fem"
     with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
         warnings.simplefilter("error")
         for name, data in given.files.items():
             (Path(folder) / name).write_bytes(data)
         brake = read_any(Path(folder) / "b.toml")
-        return unsound(brake, MODELS[model].solve(brake, **options))
+        return find_unsound_response(brake, MODELS[model].solve(brake, **options))
 
 
-def _after(words: list[str], option: str) -> str:
+def _word_after(words: list[str], option: str) -> str:
+    """The word that follows an option on a command line; None without the option."""
     return words[words.index(option) + 1]
 
 
-def unsound(brake: Brake, response: Response) -> str:
+def find_unsound_response(brake: Brake, response: Response) -> str:
     """Why a response cannot be true; empty where it can."""
     numbers = [response.torque, response.balance.force, response.balance.moment]
     for shoe in response.shoes:

@@ -10,13 +10,17 @@ from typing import Any, NamedTuple
 from drumlin.base.errors import line_and_status
 from drumlin.base.journal import Journal
 from drumlin_studies.fuzzing import faults
-from drumlin_studies.fuzzing.broken_meshes import impossible_mesh
-from drumlin_studies.fuzzing.broken_sweeps import broken_sweep, changed_sweep, damaged_journal
-from drumlin_studies.fuzzing.endings import fault_of, in_process, in_subprocess
-from drumlin_studies.fuzzing.impossible import broken_structure, huge_file
+from drumlin_studies.fuzzing.broken_meshes import make_impossible_mesh
+from drumlin_studies.fuzzing.broken_sweeps import (
+    make_broken_sweep,
+    make_changed_sweep,
+    make_damaged_journal,
+)
+from drumlin_studies.fuzzing.endings import find_fault, run_in_subprocess, run_in_this_process
+from drumlin_studies.fuzzing.impossible import make_broken_structure, make_huge_file
 from drumlin_studies.fuzzing.inputs import BrokenInput
-from drumlin_studies.fuzzing.soundness import fault_of_answer
-from drumlin_studies.side_by_side import Case, kept
+from drumlin_studies.fuzzing.soundness import find_unsound_answer
+from drumlin_studies.side_by_side import Case, compute_and_keep_cases
 
 INPUTS_AT_A_TIME = 50
 """Number of inputs that a process takes at a time."""
@@ -24,23 +28,35 @@ KEPT_LETTERS = 300
 """Number of letters of a refusal that a verdict keeps. They are enough to tell what it refuses."""
 
 GENERATORS: dict[str, tuple[Callable[[random.Random], BrokenInput], str]] = {
-    "bytes": (faults.broken_bytes, "a brake file with its bytes in disorder"),
-    "schema": (faults.typed, "keys of the brake file's schema with values near and far"),
-    "sizes": (faults.scaled, "quantities of a brake file made larger or smaller by up to 1e12"),
-    "structure": (broken_structure, "a brake file with a key renamed or of another type"),
-    "huge": (huge_file, "brake files that are deep, long or wide beyond sense"),
-    "meshes": (faults.broken_mesh, "mesh files cut off, mislabelled, with numbers that lie"),
-    "impossible meshes": (impossible_mesh, "meshes torn, folded, doubled or without their groups"),
-    "references": (faults.broken_reference, "files of reference values with other values or bytes"),
-    "tables": (faults.broken_table, "tables of p(θ) with cells of all sorts"),
-    "sweeps": (broken_sweep, "sweep files with values, keys and bytes of all sorts"),
-    "changed sweeps": (changed_sweep, "sweep files of the studies, changed anywhere"),
+    "bytes": (faults.make_broken_bytes, "a brake file with its bytes in disorder"),
+    "schema": (
+        faults.make_wrong_values,
+        "keys of the brake file's schema with values near and far",
+    ),
+    "sizes": (
+        faults.make_scaled_quantities,
+        "quantities of a brake file made larger or smaller by up to 1e12",
+    ),
+    "structure": (make_broken_structure, "a brake file with a key renamed or of another type"),
+    "huge": (make_huge_file, "brake files that are deep, long or wide beyond sense"),
+    "meshes": (faults.make_broken_mesh, "mesh files cut off, mislabelled, with numbers that lie"),
+    "impossible meshes": (
+        make_impossible_mesh,
+        "meshes torn, folded, doubled or without their groups",
+    ),
+    "references": (
+        faults.make_broken_reference,
+        "files of reference values with other values or bytes",
+    ),
+    "tables": (faults.make_broken_table, "tables of p(θ) with cells of all sorts"),
+    "sweeps": (make_broken_sweep, "sweep files with values, keys and bytes of all sorts"),
+    "changed sweeps": (make_changed_sweep, "sweep files of the studies, changed anywhere"),
     "journals": (
-        damaged_journal,
+        make_damaged_journal,
         "journals of a sweep with flipped, lost, doubled and zeroed bytes",
     ),
-    "command lines": (faults.command_line, "commands with options of all sorts"),
-    "words": (faults.wrong_words, "words that are no command line"),
+    "command lines": (faults.make_random_command, "commands with options of all sorts"),
+    "words": (faults.make_wrong_command, "words that are no command line"),
 }
 """The function that makes an input, and what it makes in words, for each generator."""
 
@@ -73,36 +89,36 @@ COUNTED_STATUSES = {"answers": 0, "refused": 2, "no answer": 3}
 """The exit statuses of a sound ending, by the key of a row that counts them."""
 
 
-def made(generator: str, number: int) -> BrokenInput:
+def make_input(generator: str, number: int) -> BrokenInput:
     """An input of a generator. The same number always gives the same input."""
     return GENERATORS[generator][0](random.Random(f"{generator} {number}"))
 
 
-def tried(generator: str, number: int, apart: bool = False) -> InputVerdict:
+def try_input(generator: str, number: int, apart: bool = False) -> InputVerdict:
     """The verdict on an input.
 
     apart : whether the input runs in a process of its own.
     """
-    given = made(generator, number)
-    apart = apart and all(map(passes, given.words))
-    end = in_subprocess(given) if apart else in_process(given)
-    fault = fault_of(given, end)
+    given = make_input(generator, number)
+    apart = apart and all(map(can_be_process_word, given.words))
+    end = run_in_subprocess(given) if apart else run_in_this_process(given)
+    fault = find_fault(given, end)
     if not fault and end.status == 0 and given.words[0] == "solve" and not apart:
-        fault = _unsound(given)
+        fault = _find_unsound_answer(given)
     line = end.err.removeprefix("drumlin: ").strip()[:KEPT_LETTERS] if end.status else ""
-    said = f"{faults.shown(given)}: {fault}" if fault else ""
+    said = f"{faults.shown_command_line(given)}: {fault}" if fault else ""
     return InputVerdict(number, end.status, end.seconds, said, line)
 
 
-def _unsound(given: BrokenInput) -> str:
+def _find_unsound_answer(given: BrokenInput) -> str:
     """Why the answer of a solve cannot be true, or how a second solve fails; else empty."""
     try:
-        return fault_of_answer(given)
+        return find_unsound_answer(given)
     except Exception as error:
         return f"solved again: {line_and_status(error)[0]}"
 
 
-def passes(word: str) -> bool:
+def can_be_process_word(word: str) -> bool:
     """Whether a process can take a word: it has no NUL, and all its letters have bytes."""
     try:
         return b"\0" not in os.fsencode(word)
@@ -110,14 +126,14 @@ def passes(word: str) -> bool:
         return False
 
 
-def _chunk(case: Case) -> dict[str, Any]:
+def _verdicts_of_chunk(case: Case) -> dict[str, Any]:
     """The verdicts on the inputs that a process takes at a time."""
     numbers = range(case["first"], case["first"] + case["count"])
     generator, apart = case["generator"], case["apart"]
-    return {"verdicts": [tried(generator, number, apart)._asdict() for number in numbers]}
+    return {"verdicts": [try_input(generator, number, apart)._asdict() for number in numbers]}
 
 
-def try_all(
+def try_generators(
     counts: dict[str, int],
     journal: Journal,
     *,
@@ -147,7 +163,14 @@ def try_all(
             case |= {"count": min(INPUTS_AT_A_TIME, count - first), "apart": apart}
             cases[name].append(case)
     everything = list(itertools.chain(*cases.values()))
-    kept(everything, _chunk, journal, say, processes, f"lots of {INPUTS_AT_A_TIME} inputs")
+    compute_and_keep_cases(
+        everything,
+        _verdicts_of_chunk,
+        journal,
+        say,
+        processes,
+        f"lots of {INPUTS_AT_A_TIME} inputs",
+    )
     verdicts: dict[str, list[InputVerdict]] = {name: [] for name in counts}
     for name, of in cases.items():
         for case in of:
@@ -155,7 +178,7 @@ def try_all(
     return verdicts
 
 
-def table(verdicts: dict[str, list[InputVerdict]]) -> list[dict[str, Any]]:
+def verdict_table(verdicts: dict[str, list[InputVerdict]]) -> list[dict[str, Any]]:
     """A row for each generator: how its inputs ended, the faults, and the longest run.
 
     The last row is on all inputs.

@@ -149,7 +149,7 @@ WRONG_PATHS = (
 """Paths: of files that exist or not, of folders and links, with letters that files cannot have."""
 
 
-def anything(rng: random.Random, deep: int = 2) -> Any:
+def random_toml_value(rng: random.Random, deep: int = 2) -> Any:
     """A random value of any type that a TOML file can hold.
 
     deep : how many tables and lists may lie in each other.
@@ -175,43 +175,47 @@ def anything(rng: random.Random, deep: int = 2) -> Any:
     if deep and rng.random() < 0.3:
         many = rng.choice([0, 1, 2, 3, 50])
         if rng.random() < 0.6:
-            return [anything(rng, deep - 1) for _ in range(many)]
+            return [random_toml_value(rng, deep - 1) for _ in range(many)]
         return {
-            rng.choice(["x", "y", "radius", "angle", "E", "²", "", "a.b", "shoe"]): anything(
-                rng, deep - 1
-            )
+            rng.choice(
+                ["x", "y", "radius", "angle", "E", "²", "", "a.b", "shoe"]
+            ): random_toml_value(rng, deep - 1)
         }
     return rng.choice(simple)()
 
 
-def _models(kind: Any) -> Iterator[type[BaseModel]]:
+def _models_in_annotation(kind: Any) -> Iterator[type[BaseModel]]:
     """The pydantic models in the annotation of a field."""
     if isinstance(kind, type) and issubclass(kind, BaseModel):
         yield kind
     for part in typing.get_args(kind):
         if not isinstance(part, types.EllipsisType):
-            yield from _models(part)
+            yield from _models_in_annotation(part)
 
 
-def schema_places(kind: type[BaseModel], data: Any) -> Iterator[tuple[Any, str, Any]]:
+def places_by_schema(kind: type[BaseModel], data: Any) -> Iterator[tuple[Any, str, Any]]:
     """Each table of nested data with each key of its schema, and the annotation of the key."""
     for name, field in kind.model_fields.items():
         key = field.alias or name
         yield data, key, field.annotation
         inside = data.get(key) if isinstance(data, dict) else None
-        for model in dict.fromkeys(_models(field.annotation)):
+        for model in dict.fromkeys(_models_in_annotation(field.annotation)):
             for part in inside if isinstance(inside, list) else [inside]:
                 if isinstance(part, dict):
-                    yield from schema_places(model, part)
+                    yield from places_by_schema(model, part)
 
 
-def fitting(rng: random.Random, annotation: Any, before: Any) -> Any:
+def random_value_near_type(rng: random.Random, annotation: Any, before: Any) -> Any:
     """A random value near the type that the schema asks for.
 
     annotation : type of the key; before : its present value, or None.
     """
     said = str(annotation)
-    choices: list[Any] = [rng.choice(WRONG_QUANTITIES), rng.choice(WRONG_NUMBERS), anything(rng)]
+    choices: list[Any] = [
+        rng.choice(WRONG_QUANTITIES),
+        rng.choice(WRONG_NUMBERS),
+        random_toml_value(rng),
+    ]
     if "Literal" in said:
         for part in [annotation, *typing.get_args(annotation)]:
             choices += typing.get_args(part)

@@ -112,7 +112,7 @@ def ring_mesh(ring: Section, radius: float, shoes: tuple[Shoe, ...], elements: i
     """
     angles = _ring_angles(radius, shoes, elements)
     depths = graded(0, ring.thickness, lining_layers(elements), ring.thickness / 2, EDGE_SIZE)
-    return closed_ring_mesh(angles, depths, radius, shoes[0].sign, "drum")
+    return quadratic_ring_mesh(angles, depths, radius, shoes[0].sign, "drum")
 
 
 def _ring_angles(radius: float, shoes: tuple[Shoe, ...], elements: int) -> Floats:
@@ -143,7 +143,7 @@ def _ring_angles(radius: float, shoes: tuple[Shoe, ...], elements: int) -> Float
     return np.concatenate(filled)
 
 
-def closed_ring_mesh(angles: Floats, depths: Floats, radius: float, sign: int, name: str) -> Any:
+def quadratic_ring_mesh(angles: Floats, depths: Floats, radius: float, sign: int, name: str) -> Any:
     """Quadratic quadrilateral mesh of a closed ring from `radius` to radius + sign depth [m].
 
     The boundary "contact" lies at depth 0, "support" at the other side.

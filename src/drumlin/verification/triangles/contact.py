@@ -14,7 +14,7 @@ from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.support import moved
-from drumlin.verification.triangles.face import Face
+from drumlin.verification.triangles.face import CondensedFace
 
 MOST_SETS_TRIED = 600
 """Largest number of contact sets that are tried before a shoe counts as without an answer."""
@@ -30,7 +30,7 @@ NEARLY = 1e-9
 """The limit NOISE for contact sets that round-off keeps changing to and fro."""
 
 
-class Rim(NamedTuple):
+class CondensedRing(NamedTuple):
     """An elastic ring condensed to its nodes under the linings.
 
     Attributes
@@ -43,7 +43,7 @@ class Rim(NamedTuple):
     of: list[Ints]
 
 
-class Found(NamedTuple):
+class ContactForces(NamedTuple):
     """Contact forces of one shoe or of several shoes together.
 
     Attributes
@@ -58,9 +58,9 @@ class Found(NamedTuple):
     active: Bools
 
 
-def complementarity_solution(
+def solve_complementarity(
     A: Floats, q: Floats, B: Floats, C: Floats, h: Floats, weight: Floats, first: Bools
-) -> Found:
+) -> ContactForces:
     """The solution f, y of w = q + A f + B y >= 0, f >= 0, w f = 0 and C f = h.
 
     The gaps w and the forces f at the nodes exclude each other; the last equation is the balance of
@@ -86,7 +86,7 @@ def complementarity_solution(
     active = first.copy()
     scale = float(np.median(np.abs(np.diag(A)) * weight))
     fewest, spare, least = n + 1, SPARE, math.inf
-    best: Found | None = None
+    best: ContactForces | None = None
     for step in range(MOST_SETS_TRIED):
         a = np.flatnonzero(active)
         if not len(a):
@@ -107,7 +107,7 @@ def complementarity_solution(
         wrong = np.flatnonzero(off < 0)
         wrongness = -float(off[wrong].sum()) / size_of
         if wrongness < least:
-            least, best = wrongness, Found(f, y, active.copy())
+            least, best = wrongness, ContactForces(f, y, active.copy())
         if wrongness < NOISE or (step > ACCEPTED_AFTER and least < NEARLY):
             assert best is not None
             return best
@@ -120,15 +120,15 @@ def complementarity_solution(
     raise NoAnswer(f"no contact set settles: wrong by {least:.1e}")
 
 
-def contact_forces(
+def solve_contact_forces(
     brake: Brake,
-    faces: list[Face],
+    faces: list[CondensedFace],
     shoes: list[Shoe],
-    rim: Rim | None,
+    rim: CondensedRing | None,
     first: list[Bools],
     senses: tuple[int, ...] | None = None,
-) -> list[Found]:
-    """The contact forces of shoes that are solved together, one `Found` for each shoe.
+) -> list[ContactForces]:
+    """The contact forces of shoes that are solved together, one `ContactForces` for each shoe.
 
     Parameters
     ----------
@@ -149,7 +149,7 @@ def contact_forces(
     failure: NoAnswer | None = None
     for chosen in product(*(shoe.senses for shoe in shoes)) if senses is None else [senses]:
         try:
-            found = _forces_for_senses(brake, faces, shoes, rim, first, chosen)
+            found = _solve_for_friction_senses(brake, faces, shoes, rim, first, chosen)
         except NoAnswer as error:
             failure = failure or error
             continue
@@ -158,21 +158,23 @@ def contact_forces(
     raise failure or NoAnswer("a foot leaves its abutment")
 
 
-def _foot_stands(brake: Brake, one: Face, shoe: Shoe, found: Found, sense: int) -> bool:
+def _foot_stands(
+    brake: Brake, one: CondensedFace, shoe: Shoe, found: ContactForces, sense: int
+) -> bool:
     """Whether the foot of a shoe stays on its abutment with the friction that `sense` assumes."""
     drum = brake.friction * brake.spin * one.tangent - one.normal
     reaction = -(found.force[:, None] * drum).sum(axis=0) - shoe.actuation.vector
     return shoe.stands(reaction, sense, float(found.motions[-1]))
 
 
-def _forces_for_senses(
+def _solve_for_friction_senses(
     brake: Brake,
-    faces: list[Face],
+    faces: list[CondensedFace],
     shoes: list[Shoe],
-    rim: Rim | None,
+    rim: CondensedRing | None,
     first: list[Bools],
     senses: tuple[int, ...],
-) -> list[Found]:
+) -> list[ContactForces]:
     """The contact forces of shoes for given senses of the friction at the abutments."""
     drag = brake.friction * brake.spin
     free = [shoe.freedoms(sense) for shoe, sense in zip(shoes, senses, strict=True)]
@@ -206,14 +208,16 @@ def _forces_for_senses(
             A[begin[i] : begin[i + 1], begin[j] : begin[j + 1]] -= (
                 spread[i][0] @ rim.compliance[np.ix_(on, under)] @ spread[j][1]
             )
-    found = complementarity_solution(A, q, B, C, h, weight, np.concatenate(first))
+    found = solve_complementarity(A, q, B, C, h, weight, np.concatenate(first))
     return [
-        Found(found.force[a:b], found.motions[c:d], found.active[a:b])
+        ContactForces(found.force[a:b], found.motions[c:d], found.active[a:b])
         for (a, b), (c, d) in zip(pairwise(begin), pairwise(rows), strict=True)
     ]
 
 
-def tip_displacement(brake: Brake, one: Face, shoe: Shoe, found: Found, sense: int) -> float:
+def tip_displacement(
+    brake: Brake, one: CondensedFace, shoe: Shoe, found: ContactForces, sense: int
+) -> float:
     """Displacement of the actuation's point along its force F > 0 [m], from the work of F."""
     drum = brake.friction * brake.spin * one.tangent - one.normal
     elastic = float(one.loaded @ (found.force[:, None] * drum).ravel()) + one.yields

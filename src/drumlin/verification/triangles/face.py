@@ -17,7 +17,7 @@ from drumlin.verification.triangles.triangulation import Triangles
 FACE_GAUSS, FACE_WEIGHTS = legendre.leggauss(8)
 
 
-class Shaped(NamedTuple):
+class MeshedBody(NamedTuple):
     """A meshed body before its condensation.
 
     Attributes
@@ -38,16 +38,16 @@ class Shaped(NamedTuple):
     degree: int
 
 
-def meshed_body(shape: Outline, mesh: Triangles, degree: int) -> Shaped:
+def mesh_body(shape: Outline, mesh: Triangles, degree: int) -> MeshedBody:
     """The body `shape` with nodes and stiffnesses of the triangles of `mesh`."""
-    nodes = lagrange.nodes_of(mesh, shape.place, degree)
+    nodes = lagrange.make_nodes(mesh, shape.place, degree)
     K = lagrange.triangle_stiffnesses(mesh, nodes, shape.layers, degree)
     surface = np.flatnonzero(nodes.at[:, 1] == 0)
-    return Shaped(shape, mesh, nodes, K, surface[np.argsort(nodes.at[surface, 0])], degree)
+    return MeshedBody(shape, mesh, nodes, K, surface[np.argsort(nodes.at[surface, 0])], degree)
 
 
 @dataclass(frozen=True)
-class Face:
+class CondensedFace:
     """A shoe condensed to the n nodes of its lining's face.
 
     Attributes
@@ -108,7 +108,7 @@ def edge_quadrature(xy: Floats, degree: int) -> tuple[Floats, Floats, Floats]:
     return psi, x, np.hypot(dx[..., 0], dx[..., 1]) * 0.5 * FACE_WEIGHTS
 
 
-def _end_load(body: Shaped, force: Floats, point: Floats) -> Floats:
+def _nodal_end_load(body: MeshedBody, force: Floats, point: Floats) -> Floats:
     """Nodal forces (2N,) [N] that load a body's end as a force (2,) [N] through a point (2,) [m].
 
     The force is spread evenly over the loaded end. Tractions that grow linearly from the centre of
@@ -135,7 +135,7 @@ def _end_load(body: Shaped, force: Floats, point: Floats) -> Floats:
     return loads.ravel()
 
 
-def condensed_face(brake: Brake, shoe: Shoe, body: Shaped) -> Face:
+def condense_to_face(brake: Brake, shoe: Shoe, body: MeshedBody) -> CondensedFace:
     """The shoe of a meshed body, condensed to the nodes of its lining's face."""
     shape, nodes, kept = body.shape, body.nodes, body.surface
     if shape.held is None:
@@ -148,10 +148,10 @@ def condensed_face(brake: Brake, shoe: Shoe, body: Shaped) -> Face:
         fixed = (np.abs(nodes.at[:, 0] - shape.held) < 1e-12) & (
             nodes.at[:, 1] > shape.front - 1e-12
         )
-        loads = _end_load(body, shoe.actuation.vector, shoe.actuation.point.xy)[:, None]
+        loads = _nodal_end_load(body, shoe.actuation.vector, shoe.actuation.point.xy)[:, None]
     theta = shape.origin + shape.turn * nodes.at[kept, 0]
     kept, theta = kept[:: shape.turn], theta[:: shape.turn]
-    compliance = lagrange.condense(body.K, nodes, np.repeat(fixed, 2), kept, loads)
+    compliance = lagrange.condense_body(body.K, nodes, np.repeat(fixed, 2), kept, loads)
     er = np.stack([np.cos(theta), np.sin(theta)], axis=1)
     place = np.empty(len(nodes.xy), dtype=np.int64)
     place[kept] = np.arange(len(kept))
@@ -163,7 +163,7 @@ def condensed_face(brake: Brake, shoe: Shoe, body: Shaped) -> Face:
         (of[:, :, None], of[:, None, :]),
         shoe.lining.width * np.einsum("aq,bq,kq->kab", psi, psi, ds),
     )
-    return Face(
+    return CondensedFace(
         theta=theta,
         xy=nodes.xy[kept],
         normal=shoe.sign * er,

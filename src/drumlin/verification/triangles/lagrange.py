@@ -18,7 +18,12 @@ from skfem.quadrature import get_quadrature_tri
 from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.elasticity import ElasticLayer, has_directions
-from drumlin.verification.triangles.triangulation import Map, TriangleLayer, Triangles, edges_of
+from drumlin.verification.triangles.triangulation import (
+    PointMap,
+    TriangleLayer,
+    Triangles,
+    mesh_edges,
+)
 
 LEAF_TRIANGLES = 8
 """Number of triangles up to which the elimination does not halve a part of the mesh any more.
@@ -110,9 +115,9 @@ class Nodes:
     xy: Floats
 
 
-def nodes_of(mesh: Triangles, place: Map, degree: int) -> Nodes:
+def make_nodes(mesh: Triangles, place: PointMap, degree: int) -> Nodes:
     """The nodes of a mesh of triangles: corners, edges, insides."""
-    edges, of_edge = edges_of(mesh)
+    edges, of_edge = mesh_edges(mesh)
     corners = int(mesh.vertices.max()) + 1
     inner = degree - 1
     m = len(mesh.vertices)
@@ -215,7 +220,7 @@ class Compliance:
     work: Floats
 
 
-class Front(NamedTuple):
+class PartialSchurComplement(NamedTuple):
     """The Schur complement of a part of a body, on the unknowns that are not eliminated yet.
 
     Attributes
@@ -234,7 +239,7 @@ class Front(NamedTuple):
     work: Floats
 
 
-def condense(K: Floats, nodes: Nodes, held: Bools, kept: Ints, loads: Floats) -> Compliance:
+def condense_body(K: Floats, nodes: Nodes, held: Bools, kept: Ints, loads: Floats) -> Compliance:
     """The body condensed to the nodes `kept`: their compliance, and displacements under loads.
 
     The set of triangles is halved across its longer side, again and again. The parts are assembled
@@ -262,7 +267,7 @@ def condense(K: Floats, nodes: Nodes, held: Bools, kept: Ints, loads: Floats) ->
     loads = np.where(held[:, None], 0.0, loads)
     columns = loads.shape[1]
 
-    def assembled(parts: list[Front]) -> Front:
+    def assembled(parts: list[PartialSchurComplement]) -> PartialSchurComplement:
         """The parts assembled; the unknowns that no other part shares are eliminated."""
         all_dofs, where = np.unique(
             np.concatenate([part.dofs for part in parts]), return_inverse=True
@@ -278,14 +283,14 @@ def condense(K: Floats, nodes: Nodes, held: Bools, kept: Ints, loads: Floats) ->
             f[at] += part.loads
         work = np.sum([part.work for part in parts], axis=0)
         if n == 0:
-            return Front(order, count, S, f, work)
+            return PartialSchurComplement(order, count, S, f, work)
         f[:n] += loads[order[:n]]
         L, info = dpotrf(S[:n, :n], lower=1, clean=0)
         if info:
             raise NoAnswer("singular stiffness")
         Y = solve_triangular(L, np.hstack([S[:n, n:], f[:n]]), lower=True, check_finite=False)
         coupled, own = Y[:, : len(order) - n], Y[:, len(order) - n :]
-        return Front(
+        return PartialSchurComplement(
             order[n:],
             count[~gone],
             S[n:, n:] - coupled.T @ coupled,
@@ -293,14 +298,14 @@ def condense(K: Floats, nodes: Nodes, held: Bools, kept: Ints, loads: Floats) ->
             work + own.T @ own,
         )
 
-    def front_of(members: Ints) -> Front:
+    def front_of(members: Ints) -> PartialSchurComplement:
         """The Schur complement of the triangles with the numbers `members`."""
         if len(members) <= LEAF_TRIANGLES:
             free = ~held[dofs[members]]
             none = np.zeros((columns, columns))
             return assembled(
                 [
-                    Front(
+                    PartialSchurComplement(
                         d[on],
                         np.ones(on.sum(), dtype=int),
                         k[np.ix_(on, on)],

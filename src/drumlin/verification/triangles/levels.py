@@ -12,17 +12,17 @@ from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
 from drumlin.brake.ring_support import plain_ring_only
-from drumlin.verification.triangles.contact import contact_forces
-from drumlin.verification.triangles.face import Face, condensed_face, meshed_body
+from drumlin.verification.triangles.contact import solve_contact_forces
+from drumlin.verification.triangles.face import CondensedFace, condense_to_face, mesh_body
 from drumlin.verification.triangles.outline import (
     Outline,
-    Sharp,
+    SingularPlaces,
     TriangleLevel,
     draft_mesh,
-    outline_of,
+    make_outline,
 )
-from drumlin.verification.triangles.ring import condensed_rim, meshes_with_ring
-from drumlin.verification.triangles.shared import solve_sharing_shoes
+from drumlin.verification.triangles.ring import condense_ring, mesh_linings_and_ring
+from drumlin.verification.triangles.shared import solve_shoes_that_share_forces
 from drumlin.verification.triangles.solution import ShoeSolution, shoe_solution
 
 ENDS = 13
@@ -103,33 +103,35 @@ def solve(
     earlier = [None] * len(shoes) if before is None else list(before)
     drafts = []
     for shoe, its in zip(shoes, earlier, strict=True):
-        shape = outline_of(shoe, brake.size)
+        shape = make_outline(shoe, brake.size)
         drafts.append(
             draft_mesh(
-                shape, _sharp_places(shoe, shape, its, level), level, _shortest_wavelength(brake)
+                shape, _singular_places(shoe, shape, its, level), level, _shortest_wavelength(brake)
             )
         )
     meshes, opposite = [one.mesh for one in drafts], None
     if brake.ring is not None:
-        meshes, opposite = meshes_with_ring(brake, drafts, level)
+        meshes, opposite = mesh_linings_and_ring(brake, drafts, level)
     faces = [
-        condensed_face(
+        condense_to_face(
             brake,
             shoe.under(1.0) if brake.shares else shoe,
-            meshed_body(one.shape, mesh, level.degree),
+            mesh_body(one.shape, mesh, level.degree),
         )
         for shoe, one, mesh in zip(shoes, drafts, meshes, strict=True)
     ]
-    firsts = [_first_contact(one, its) for one, its in zip(faces, earlier, strict=True)]
+    firsts = [_initial_contact(one, its) for one, its in zip(faces, earlier, strict=True)]
     if brake.shares:
         if opposite is not None:
             raise BadInput(f"{brake.shares}, on an elastic ring")
-        shoes, found = solve_sharing_shoes(brake, faces, firsts)
+        shoes, found = solve_shoes_that_share_forces(brake, faces, firsts)
     elif opposite is not None:
-        found = contact_forces(brake, faces, shoes, condensed_rim(brake, opposite, faces), firsts)
+        found = solve_contact_forces(
+            brake, faces, shoes, condense_ring(brake, opposite, faces), firsts
+        )
     else:
         found = [
-            contact_forces(brake, [faces[i]], [shoes[i]], None, [firsts[i]])[0]
+            solve_contact_forces(brake, [faces[i]], [shoes[i]], None, [firsts[i]])[0]
             for i in range(len(shoes))
         ]
     return [
@@ -138,9 +140,9 @@ def solve(
     ]
 
 
-def _sharp_places(
+def _singular_places(
     shoe: Shoe, shape: Outline, before: ShoeSolution | None, level: TriangleLevel
-) -> Sharp:
+) -> SingularPlaces:
     """Kinks of a lining's gap and ends of its contact inside the lining, with lengths of triangles.
 
     Triangles at the ends of a contact are the smaller the shorter the contact is.
@@ -158,10 +160,10 @@ def _sharp_places(
     slack = END_SLACK * (lining.end - lining.start)
     inside = [one for one in places if lining.start + slack < one[0] < lining.end - slack]
     angle, length = np.reshape(inside, (-1, 2)).T
-    return Sharp((angle - shape.origin) * shape.turn, length * 0.5**most)
+    return SingularPlaces((angle - shape.origin) * shape.turn, length * 0.5**most)
 
 
-def _first_contact(one: Face, before: ShoeSolution | None) -> Bools:
+def _initial_contact(one: CondensedFace, before: ShoeSolution | None) -> Bools:
     """Whether each node (n,) of a face is in contact at first.
 
     All nodes are, or with an earlier solution those on the arcs of its contacts.
@@ -191,7 +193,7 @@ def solve_sequence(
     for _ in range(PASSES):
         after = solve(brake, FINDING, before)
         same = before is not None and all(
-            _same_arcs(a.arcs, b.arcs) for a, b in zip(before, after, strict=True)
+            _have_same_contact_arcs(a.arcs, b.arcs) for a, b in zip(before, after, strict=True)
         )
         before = after
         if same:
@@ -202,7 +204,7 @@ def solve_sequence(
     return found
 
 
-def _same_arcs(a: Floats, b: Floats) -> bool:
+def _have_same_contact_arcs(a: Floats, b: Floats) -> bool:
     """Whether two solutions have the same contacts, up to SETTLED_ENDS."""
     return a.shape == b.shape and bool(
         (np.abs(a - b).max(axis=1) < SETTLED_ENDS * np.diff(b, axis=1)[:, 0]).all()

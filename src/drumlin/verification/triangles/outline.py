@@ -14,7 +14,7 @@ from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Beam
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.verification.triangles.triangulation import (
-    Map,
+    PointMap,
     TriangleLayer,
     Triangles,
     graded_mesh,
@@ -43,7 +43,7 @@ class TriangleLevel(NamedTuple):
     size: float
 
 
-class Sharp(NamedTuple):
+class SingularPlaces(NamedTuple):
     """Places on a lining's face where the pressure is not smooth.
 
     Attributes
@@ -75,7 +75,7 @@ class Outline:
     plates : number of layers, counted from the back, that form the body behind the lining
     """
 
-    place: Map
+    place: PointMap
     layers: list[TriangleLayer]
     thickness: Floats
     s: Floats
@@ -100,7 +100,7 @@ class Outline:
         return min(float(self.thickness.min()), arc / 4)
 
 
-def outline_of(shoe: Shoe, R: float) -> Outline:
+def make_outline(shoe: Shoe, R: float) -> Outline:
     """The outline of a shoe on a drum of radius R [m].
 
     Raises BadInput for a shoe that has a mesh of its own or a beam without a constant section.
@@ -235,20 +235,22 @@ def grid_lines(
     ends = (dense > face.start - 1e-9) & (dense < face.end + 1e-9)
     near = np.where(ends, least, max(least, float(shape.thickness[-1]) / 4 * size))
 
-    def along(s: float) -> float:
+    def step_along(s: float) -> float:
+        """The step of the grid lines at s."""
         return (
             min(most, float((near + 0.5 * shape.length * np.abs(dense - s)).min())) / shape.length
         )
 
-    s = spaced_points(shape.s, along)
+    s = spaced_points(shape.s, step_along)
     d = []
     for j, t in enumerate(shape.thickness.tolist()):
         coarsest = t * (1.0 if j == 0 else 0.5) * min(1.0, 1.25 * size)
 
-        def across(x: float, t: float = t, coarsest: float = coarsest) -> float:
+        def step_across(x: float, t: float = t, coarsest: float = coarsest) -> float:
+            """The step at the relative depth x of a layer of thickness t, in fractions of t."""
             return min(coarsest / t, least / t + min(x, 1 - x))
 
-        d.append(j + spaced_points(np.array([0.0, 1.0]), across))
+        d.append(j + spaced_points(np.array([0.0, 1.0]), step_across))
     return s, d
 
 
@@ -265,11 +267,13 @@ class Draft(NamedTuple):
 
     shape: Outline
     s: Floats
-    sharp: Sharp
+    sharp: SingularPlaces
     mesh: Triangles
 
 
-def draft_mesh(shape: Outline, sharp: Sharp, level: TriangleLevel, wavelength: float) -> Draft:
+def draft_mesh(
+    shape: Outline, sharp: SingularPlaces, level: TriangleLevel, wavelength: float
+) -> Draft:
     """The mesh of a body, graded to its corners and to the places `sharp` on its face.
 
     wavelength : shortest wavelength of the gap [m]

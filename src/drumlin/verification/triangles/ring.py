@@ -13,13 +13,13 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.components import Section
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.verification.triangles import lagrange
-from drumlin.verification.triangles.contact import Rim
+from drumlin.verification.triangles.contact import CondensedRing
 from drumlin.verification.triangles.face import (
-    Face,
-    Shaped,
+    CondensedFace,
+    MeshedBody,
     edge_nodes,
     edge_quadrature,
-    meshed_body,
+    mesh_body,
 )
 from drumlin.verification.triangles.outline import Draft, Outline, TriangleLevel
 from drumlin.verification.triangles.triangulation import (
@@ -39,9 +39,9 @@ WHOLE_TURN = 2 * math.pi
 """The angle of a full circle [rad]."""
 
 
-def meshes_with_ring(
+def mesh_linings_and_ring(
     brake: Brake, drafts: list[Draft], level: TriangleLevel
-) -> tuple[list[Triangles], Shaped]:
+) -> tuple[list[Triangles], MeshedBody]:
     """The meshes of the linings, and the ring with its mesh; edges in contact match.
 
     Raises BadInput for a ring without a section and for shoes on both sides of the ring.
@@ -112,7 +112,7 @@ def meshes_with_ring(
             matched_mesh(one, face_places(i, breaks), ANGLE_SLACK) for i, one in enumerate(meshes)
         ]
         if before == (len(mesh.layer), [len(one.layer) for one in meshes]):
-            return meshes, meshed_body(shape, mesh, level.degree)
+            return meshes, mesh_body(shape, mesh, level.degree)
     raise AssertionError("ring and linings do not match")
 
 
@@ -135,17 +135,18 @@ def _ring_grid_lines(
     for part, after in zip(parts, [*parts[1:], parts[0] + WHOLE_TURN], strict=True):
         gap = np.array([part[-1], after[0]])
 
-        def between(x: float, gap: Floats = gap) -> float:
+        def relative_step(x: float, gap: Floats = gap) -> float:
+            """The step between grid lines at x, relative to the gap between two breaks."""
             return min(2.5 * t * size / R, least * size / R + 0.5 * float(np.abs(gap - x).min()))
 
-        lines += [part, spaced_points(gap, between)[1:-1]]
+        lines += [part, spaced_points(gap, relative_step)[1:-1]]
     across = spaced_points(
         np.array([0.0, 1.0]), lambda x: min(0.5, least * size / t + min(x, 1 - x))
     )
     return np.concatenate([*lines, [parts[0][0] + WHOLE_TURN]]), across
 
 
-def condensed_rim(brake: Brake, ring: Shaped, faces: list[Face]) -> Rim:
+def condense_ring(brake: Brake, ring: MeshedBody, faces: list[CondensedFace]) -> CondensedRing:
     """The ring condensed to the nodes opposite to those of the lining faces.
 
     A ring is fixed at its rim or free. On a free ring's rim tractions balance the contact forces;
@@ -158,8 +159,11 @@ def condensed_rim(brake: Brake, ring: Shaped, faces: list[Face]) -> Rim:
     assert brake.ring is not None
     if brake.ring.support == "fixed":
         held[outer] = True
-        return Rim(
-            lagrange.condense(ring.K, nodes, held.ravel(), chosen, np.zeros((held.size, 0))).of, of
+        return CondensedRing(
+            lagrange.condense_body(
+                ring.K, nodes, held.ravel(), chosen, np.zeros((held.size, 0))
+            ).of,
+            of,
         )
     on = ring.mesh.at[..., 1] > 1 - ANGLE_SLACK
     tri, edge = np.nonzero(on & np.roll(on, -1, axis=1))
@@ -171,14 +175,14 @@ def condensed_rim(brake: Brake, ring: Shaped, faces: list[Face]) -> Rim:
     rigid = _rigid_motions(nodes.xy).reshape(-1, 3)
     right, left = (outer[which(nodes.xy[outer, 0])] for which in (np.argmax, np.argmin))
     held[right] = held[left, 1] = True
-    found = lagrange.condense(ring.K, nodes, held.ravel(), chosen, loads)
+    found = lagrange.condense_body(ring.K, nodes, held.ravel(), chosen, loads)
     own = rigid[(2 * chosen[:, None] + np.arange(2)).ravel()]
     # Forces f are met by -loads l on the rim, l = (rigid^T loads)^-1 own^T f; then the mean motion
     # is taken away.
     share = np.linalg.solve(rigid.T @ loads, own.T)
     moved = found.of - found.loaded @ share
     mean = found.loaded.T - found.work @ share
-    return Rim(moved - own @ np.linalg.solve(loads.T @ rigid, mean), of)
+    return CondensedRing(moved - own @ np.linalg.solve(loads.T @ rigid, mean), of)
 
 
 def _rigid_motions(xy: Floats) -> Floats:
@@ -190,7 +194,9 @@ def _rigid_motions(xy: Floats) -> Floats:
     )
 
 
-def _opposite_nodes(brake: Brake, ring: Shaped, faces: list[Face]) -> tuple[Ints, list[Ints]]:
+def _opposite_nodes(
+    brake: Brake, ring: MeshedBody, faces: list[CondensedFace]
+) -> tuple[Ints, list[Ints]]:
     """The ring's nodes opposite to those of all faces, and for each face the places of its nodes.
 
     The places (n,) count in the array of the ring's nodes.

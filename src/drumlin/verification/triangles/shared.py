@@ -12,13 +12,17 @@ from scipy.optimize import brentq
 from drumlin.base.arrays import Bools
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.verification.triangles.contact import Found, contact_forces, tip_displacement
-from drumlin.verification.triangles.face import Face
+from drumlin.verification.triangles.contact import (
+    ContactForces,
+    solve_contact_forces,
+    tip_displacement,
+)
+from drumlin.verification.triangles.face import CondensedFace
 
 
-def solve_sharing_shoes(
-    brake: Brake, faces: list[Face], first: list[Bools]
-) -> tuple[list[Shoe], list[Found]]:
+def solve_shoes_that_share_forces(
+    brake: Brake, faces: list[CondensedFace], first: list[Bools]
+) -> tuple[list[Shoe], list[ContactForces]]:
     """The shoes under the forces that they share, and the contact forces of each shoe.
 
     A strut pushes the next shoe with the force by which the foot of the shoe before bears on it. A
@@ -36,7 +40,7 @@ def solve_sharing_shoes(
         If a shoe has no answer under a force.
     """
     names = [shoe.name for shoe in brake.shoes]
-    shoes, found = list(brake.shoes), dict[int, Found]()
+    shoes, found = list(brake.shoes), dict[int, ContactForces]()
 
     def solve_under(i: int, force: float) -> float:
         """Solve shoe i under a force [N]; the displacement of its tip along the force [m]."""
@@ -45,7 +49,7 @@ def solve_sharing_shoes(
         failure: NoAnswer | None = None
         for sense in shoe.senses:
             try:
-                (found[i],) = contact_forces(brake, [one], [shoe], None, [first[i]], (sense,))
+                (found[i],) = solve_contact_forces(brake, [one], [shoe], None, [first[i]], (sense,))
             except NoAnswer as error:
                 failure = failure or error
                 continue

@@ -8,8 +8,13 @@ import numpy as np
 from drumlin.base.arrays import Bools, Floats
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.verification.triangles import lagrange
-from drumlin.verification.triangles.contact import Found
-from drumlin.verification.triangles.face import FACE_GAUSS, FACE_WEIGHTS, Face, edge_polynomials
+from drumlin.verification.triangles.contact import ContactForces
+from drumlin.verification.triangles.face import (
+    FACE_GAUSS,
+    FACE_WEIGHTS,
+    CondensedFace,
+    edge_polynomials,
+)
 
 
 @dataclass(frozen=True)
@@ -58,7 +63,9 @@ class ShoeSolution:
         return np.where((at >= ends[0]) & (at <= ends[-1]), value, 0.0)
 
 
-def shoe_solution(brake: Brake, shoe: Shoe, one: Face, found: Found) -> ShoeSolution:
+def shoe_solution(
+    brake: Brake, shoe: Shoe, one: CondensedFace, found: ContactForces
+) -> ShoeSolution:
     """The solution of a shoe from its contact forces.
 
     The pressure has the same work as the nodal forces on every shape function of a node in contact.

@@ -15,7 +15,7 @@ import numpy as np
 from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.brake.elasticity import ElasticLayer
 
-Map = Callable[[Floats, Floats], Floats]
+PointMap = Callable[[Floats, Floats], Floats]
 """A function from s, d (...) to points (..., 2) [m]."""
 MOST_ROUNDS = 200
 """Largest number of rounds of bisection. Two rounds halve the triangles' lengths, and the finest
@@ -93,12 +93,18 @@ def initial_mesh(
     there = (middle > ends[layer, 0]) & (middle < ends[layer, 1])
     i, j, layer = i[there], j[there], layer[there]
 
-    def corner(a: int, b: int) -> tuple[Ints, Floats]:
+    def corner_of_cells(a: int, b: int) -> tuple[Ints, Floats]:
+        """Numbers (n,) and places s, d (n, 2) of one corner of all cells; a and b are 0 or 1."""
         at = np.stack([s[i + a], depths[j + b]], axis=1)
         return ((i + a) % count) * len(depths) + j + b, at
 
     flip = (i + j) % 2 == 1  # diagonals to and fro: no slant
-    quads = [corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)]
+    quads = [
+        corner_of_cells(0, 0),
+        corner_of_cells(1, 0),
+        corner_of_cells(1, 1),
+        corner_of_cells(0, 1),
+    ]
     numbers = np.stack([number for number, _ in quads], axis=1)
     places = np.stack([at for _, at in quads], axis=1)
     numbers[flip], places[flip] = (
@@ -113,7 +119,7 @@ def initial_mesh(
     )
 
 
-def edges_of(mesh: Triangles) -> tuple[Ints, Ints]:
+def mesh_edges(mesh: Triangles) -> tuple[Ints, Ints]:
     """The edges (k, 2) of a mesh, and for each triangle the numbers (m, 3) of its edges.
 
     An edge is given by the numbers of its two ends, the smaller first.
@@ -127,12 +133,12 @@ def edges_of(mesh: Triangles) -> tuple[Ints, Ints]:
     return flat[first], number.reshape(-1, 3)
 
 
-def bisect(mesh: Triangles, marked: Bools) -> Triangles:
+def bisect_triangles(mesh: Triangles, marked: Bools) -> Triangles:
     """The mesh with the marked (m,) triangles halved.
 
     Other triangles are halved where a mesh without hanging nodes needs it.
     """
-    edges, of = edges_of(mesh)
+    edges, of = mesh_edges(mesh)
     halved = np.zeros(len(edges), dtype=bool)
     halved[of[marked, 0]] = True
     while True:
@@ -161,7 +167,7 @@ def bisect(mesh: Triangles, marked: Bools) -> Triangles:
 
 
 def graded_mesh(
-    mesh: Triangles, place: Map, points: Floats, smallest: Floats, steep: float
+    mesh: Triangles, place: PointMap, points: Floats, smallest: Floats, steep: float
 ) -> Triangles:
     """The mesh with its triangles halved until each is short for its distance from the points.
 
@@ -185,7 +191,7 @@ def graded_mesh(
         marked = size > allowed
         if not marked.any():
             return mesh
-        mesh = bisect(mesh, marked)
+        mesh = bisect_triangles(mesh, marked)
     raise AssertionError("the triangulation does not end")
 
 
@@ -208,7 +214,7 @@ def matched_mesh(first: Triangles, breaks: Floats, slack: float) -> Triangles:
             return first
         marked = np.zeros(len(first.layer), dtype=bool)
         marked[tri[within]] = True
-        first = bisect(first, marked)
+        first = bisect_triangles(first, marked)
     raise AssertionError("the surfaces do not match")
 
 
