@@ -17,7 +17,7 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake
 from drumlin.contact import self_locking
 from drumlin.contact.active_set import Contact
-from drumlin.contact.equations import Problem
+from drumlin.contact.equations import ContactProblem
 from drumlin.studies import load
 
 # A job in the background ignores these signals, and the processes that it starts would, too.
@@ -74,13 +74,13 @@ def result(module: Any) -> Any:
 def settled_sizes(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     """The nodes of each contact problem that self_locking settles from now on, as it goes."""
     sizes: list[int] = []
-    settle = self_locking.settle
+    settle = self_locking.solve_by_block_pivoting
 
-    def counted(problem: Problem, *rest: Any, **more: Any) -> Contact:
+    def counted(problem: ContactProblem, *rest: Any, **more: Any) -> Contact:
         sizes.append(len(problem.q))
         return settle(problem, *rest, **more)
 
-    monkeypatch.setattr(self_locking, "settle", counted)
+    monkeypatch.setattr(self_locking, "solve_by_block_pivoting", counted)
     return sizes
 
 

@@ -106,10 +106,10 @@ TUNED: dict[str, dict[str, Guard]] = {
         "ELEMENTS": Guard("down", ("tests/test_mesh.py::test_a_mesh_is_as_exact_as_is_said",)),
     },
     "fem/analysis/holding.py": {
-        "HALVINGS": Guard(
+        "MOST_HALVINGS": Guard(
             "down", ("tests/test_holding.py::test_an_increment_that_does_not_settle_is_halved",)
         ),
-        "LATER": Guard(
+        "EXTRA_ROTATION": Guard(
             "down", ("tests/test_holding.py::test_at_the_rotation_of_full_slip_no_path_sticks",)
         ),
     },

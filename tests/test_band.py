@@ -11,9 +11,9 @@ import drumlin
 from drumlin import BadInput, Brake
 from drumlin.brake import read_any, vary
 from drumlin.brake.file import brake_from
-from drumlin.fem.analysis.holding import full_slip_rotation, hold
-from drumlin.fem.analysis.sensitivity import sensitivity
-from drumlin.fem.solve import scene_of
+from drumlin.fem.analysis.holding import find_full_slip_rotation, hold_drum_through_rotations
+from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity
+from drumlin.fem.solve import prepare_finest_division
 from drumlin.laws import law
 from picking import picked
 
@@ -131,15 +131,17 @@ def test_elastic_blocks_balance_and_thin_linings_bear_by_the_law(spin: int) -> N
 
 def test_slopes_and_full_slip_of_a_chain() -> None:
     brake = band(thickness=5e-3)
-    scene = scene_of(brake, elements=20)
+    scene = prepare_finest_division(brake, elements=20)
     torque = [
         drumlin.solve(vary(brake, {"friction": mu}), elements=20).torque
         for mu in (0.35, 0.3501, 0.3499)
     ]
-    assert sensitivity(scene, brake).friction == pytest.approx(
+    assert compute_torque_sensitivity(scene, brake).friction == pytest.approx(
         (torque[1] - torque[2]) / 2e-4, rel=1e-6
     )
-    states = hold(scene, brake, np.array([0.0, full_slip_rotation(scene, brake)]))
+    states = hold_drum_through_rotations(
+        scene, brake, np.array([0.0, find_full_slip_rotation(scene, brake)])
+    )
     assert states[-1].torque == pytest.approx(torque[0], rel=1e-9)
 
 

@@ -14,7 +14,7 @@ from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE
 from drumlin.fem.error_control.levels import LEVELS, solved_levels
 from drumlin.fem.error_control.singular_points import pressure_changes_by_kinks, singular_points_of
 from drumlin.fem.hp.division import Singularity, SingularPoint, divide_shoe
-from drumlin.fem.model import respond
+from drumlin.fem.model import solve_prepared_model
 from drumlin_studies.consistency_blocks import (
     BLOCK_KINDS,
     FEWEST_BLOCK_STEPS,
@@ -102,7 +102,7 @@ def solved(brake: Brake, monkeypatch: pytest.MonkeyPatch) -> tuple[Response, Res
     """The default response, and that on the second level with all kinks as places."""
     found = solve(brake)
     monkeypatch.setattr("drumlin.fem.error_control.singular_points.NEGLIGIBLE_KINKS", 0.0)
-    (*_, true) = islice(solved_levels(brake, respond), 2)
+    (*_, true) = islice(solved_levels(brake, solve_prepared_model), 2)
     return found, true.response
 
 
@@ -186,7 +186,7 @@ def test_ends_of_the_contact_that_go_to_and_fro_are_left(
 
     def counted(scene: Any, brake: Brake, *, start: Response | None = None) -> Response:
         passes.append(scene)
-        return respond(scene, brake, start=start)
+        return solve_prepared_model(scene, brake, start=start)
 
     list(solved_levels(brake, counted, levels=LEVELS[:1]))
     assert len(passes) == 2

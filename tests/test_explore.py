@@ -23,7 +23,7 @@ from drumlin.explore.answers import Explorer
 from drumlin.explore.knobs import brake_of, knobs_of, link_of, setting_from, start_of
 from drumlin.explore.page import reply
 from drumlin.explore.picture import numbers_of, picture_of, scale_of
-from drumlin.fem.model import respond
+from drumlin.fem.model import solve_prepared_model
 from drumlin.laws import sine
 from drumlin.lining_wear.worn_in import worn_in_brake
 from drumlin.response.resultants import integrate
@@ -93,7 +93,7 @@ def test_every_quantity_has_a_test():
 def test_worn_long_enough_the_brake_is_the_laws(explorer):
     worn = explorer.answer(turned(explorer, wear=50.0))
     scene = explorer.scene(explorer.brake)
-    goal = respond(scene, worn_in_brake(scene, explorer.brake))
+    goal = solve_prepared_model(scene, worn_in_brake(scene, explorer.brake))
     assert worn.found.torque == pytest.approx(goal.torque, rel=2e-3)
     assert worn.found.torque == pytest.approx(worn.law.torque, rel=2e-3)
     new = explorer.answer(turned(explorer))

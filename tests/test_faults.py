@@ -202,17 +202,18 @@ def test_command_lines_that_used_to_fall(case):
 
 def test_a_small_vtu_that_unpacks_to_much_is_refused_before(monkeypatch):
     data = sound_mesh_files()[".vtu"]
-    vtu.check_unpacked(data)
+    vtu.check_unpacked_size(data)
     monkeypatch.setattr(vtu, "MOST_UNPACKED", 1000)
     with pytest.raises(ValueError, match="unpacks to more than 1000 bytes"):
-        vtu.check_unpacked(data)
+        vtu.check_unpacked_size(data)
     with pytest.raises(ValueError, match="unpacks"):
-        vtu._unpacked(zlib.compress(bytes(50_000_000)), zlib.decompressobj, 1000)
+        vtu._size_when_unpacked(zlib.compress(bytes(50_000_000)), zlib.decompressobj, 1000)
     assert (
-        vtu._unpacked(zlib.compress(bytes(5_000_000)), zlib.decompressobj, 5_000_000) == 5_000_000
+        vtu._size_when_unpacked(zlib.compress(bytes(5_000_000)), zlib.decompressobj, 5_000_000)
+        == 5_000_000
     )
     with pytest.raises(ValueError, match="entities"):
-        vtu.check_unpacked(b'<!DOCTYPE x [<!ENTITY a "b">]>' + data)
+        vtu.check_unpacked_size(b'<!DOCTYPE x [<!ENTITY a "b">]>' + data)
 
 
 @pytest.mark.parametrize(

@@ -14,9 +14,9 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.file import brake_from, read_brake, vary
 from drumlin.comparison import converge
 from drumlin.contact import active_set
-from drumlin.fem.analysis.fields import fields, write_vtu
+from drumlin.fem.analysis.fields import recover_shoe_fields, write_fields_as_vtu
 from drumlin.fem.equilibrium.group import ShoeGroup
-from drumlin.fem.model import respond
+from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin.laws import locking_friction, sine
@@ -77,12 +77,12 @@ def test_the_deviation_from_the_law_falls_with_the_lining(brake):
 
 @pytest.mark.parametrize("penalty", (1e3, 1e6, math.inf))
 def test_forces_and_moments_balance_and_contact_is_complementary(penalty, brake):
-    response = respond(SCENE, BRAKE, penalty=penalty)
+    response = solve_prepared_model(SCENE, BRAKE, penalty=penalty)
     assert response.converged
     assert max(response.balance.force, response.balance.moment) < 1e-9
     for index, (body, shoe) in enumerate(zip(SCENE.bodies, BRAKE.shoes, strict=True)):
         problem = ShoeGroup(SCENE, BRAKE, (index,), penalty).problem
-        found = active_set.solve(problem)
+        found = active_set.solve_contact_problem(problem)
         w = problem.q + problem.A @ found.p + problem.B @ found.y
         area = body.coupling.area
         compression = found.p.max() * shoe.lining.thickness / shoe.lining.material.E
@@ -94,13 +94,13 @@ def test_forces_and_moments_balance_and_contact_is_complementary(penalty, brake)
 
 def test_a_clearance_opens_the_contact_and_stays_complementary():
     open_ = vary(BRAKE, {"shoe.lining.clearance": 1e-4})
-    response = respond(SCENE, open_)
+    response = solve_prepared_model(SCENE, open_)
     assert max(response.balance.force, response.balance.moment) < 1e-9
     right = response.shoes[0]
     # The heel must stay off the drum, or the test would say nothing of an open end.
     assert right.contact_arcs[0][0] > math.radians(-40)
     assert right.pressure[0] == 0
-    assert response.torque < respond(SCENE, BRAKE).torque
+    assert response.torque < solve_prepared_model(SCENE, BRAKE).torque
 
 
 def test_torque_and_pressure_converge(brake):
@@ -154,13 +154,13 @@ def test_the_fields_of_every_kind_agree(kind, brake, tmp_path):
     moved = []
     for chosen, elements in (("quad2", 80), (kind, 60)):
         scene = prepare(brake, elements=elements, kind=chosen)
-        found = fields(scene, brake, respond(scene, brake), 1)
+        found = recover_shoe_fields(scene, brake, solve_prepared_model(scene, brake), 1)
         far = np.argmin(np.linalg.norm(found.points - brake.shoes[1].actuation.point.xy, axis=1))
         moved.append(found.displacement[far])
         assert np.isfinite(found.stress).all()
         assert len(np.unique(found.cells)) == len(found.points)
     assert np.linalg.norm(moved[1] - moved[0]) < 0.05 * np.linalg.norm(moved[0])
-    write_vtu(tmp_path / "f.vtu", [found])
+    write_fields_as_vtu(tmp_path / "f.vtu", [found])
     mesh = meshio.read(tmp_path / "f.vtu")
     assert picked(mesh.cells, "type") == [found.cell_type]
     assert mesh.point_data["von Mises [Pa]"] == pytest.approx(found.von_mises)
@@ -204,18 +204,18 @@ def test_without_friction_the_friction_path_equals_the_frictionless_one():
     still = vary(BRAKE, {"friction": 0})
     frictionless = prepare(still, elements=40)
     assert frictionless.bodies[0].closure_by_friction is None
-    a, b = respond(SCENE, still), respond(frictionless, still)
+    a, b = solve_prepared_model(SCENE, still), solve_prepared_model(frictionless, still)
     assert a.torque == b.torque == 0
     same(a, b, 1e-12)
     with pytest.raises(BadInput, match="without friction"):
-        respond(frictionless, BRAKE)
+        solve_prepared_model(frictionless, BRAKE)
 
 
 @given(st.floats(1e-3, 1e3), st.floats(0, 0.6), st.sampled_from(ROTATIONS))
 def test_times_the_force_is_times_everything(factor, friction, rotation):
     brake = vary(BRAKE, {"friction": friction, "rotation": rotation})
     more = vary(brake, {"shoe.actuation.force": BRAKE.shoes[0].actuation.force * factor})
-    a, b = respond(SCENE, brake), respond(SCENE, more)
+    a, b = solve_prepared_model(SCENE, brake), solve_prepared_model(SCENE, more)
     assert b.torque == pytest.approx(factor * a.torque, rel=1e-10)
     for x, y in zip(a.shoes, b.shoes, strict=True):
         assert y.pressure == pytest.approx(
@@ -254,7 +254,7 @@ def test_the_mirror_image_gives_the_mirrored_answer(friction, tilt, height, rota
             "shoe[0].actuation.point.y": height,
         },
     )
-    a, b = respond(SCENE, brake), solve(mirrored(brake), elements=40)
+    a, b = solve_prepared_model(SCENE, brake), solve(mirrored(brake), elements=40)
     assert b.torque == pytest.approx(a.torque, rel=1e-9)
     for x, y in zip(a.shoes, b.shoes, strict=True):
         assert y.theta == pytest.approx(math.pi - x.theta[::-1], abs=1e-9)
@@ -297,7 +297,7 @@ def test_the_contact_set_settles_in_15_steps_on_every_mesh_and_penalty(name, req
         for case in (spec, vary(spec, {"shoe.lining.clearance": 5e-5})):
             torques = []
             for penalty in (1e1, 1e3, 1e6, 1e9, 1e12, math.inf):
-                response = respond(scene, case, penalty=penalty)
+                response = solve_prepared_model(scene, case, penalty=penalty)
                 most, ran = max(most, response.iterations), ran + 1
                 torques.append(response.torque)
             assert torques[2:] == pytest.approx([torques[-1]] * 4, rel=1e-6)
@@ -306,15 +306,18 @@ def test_the_contact_set_settles_in_15_steps_on_every_mesh_and_penalty(name, req
 
 
 def test_the_softening_of_a_penalty_is_linear_in_it_and_as_stated():
-    exact = respond(SCENE, BRAKE, penalty=math.inf).torque
-    errors = [respond(SCENE, BRAKE, penalty=alpha).torque / exact - 1 for alpha in (1e3, 1e4, 1e5)]
+    exact = solve_prepared_model(SCENE, BRAKE, penalty=math.inf).torque
+    errors = [
+        solve_prepared_model(SCENE, BRAKE, penalty=alpha).torque / exact - 1
+        for alpha in (1e3, 1e4, 1e5)
+    ]
     assert abs(errors[0]) < 1e-3
     assert errors[0] / errors[1] == pytest.approx(10, rel=0.02)
     assert errors[1] / errors[2] == pytest.approx(10, rel=0.02)
     for note, shoe, soft in zip(
-        respond(SCENE, BRAKE, penalty=1e4).notes[: len(BRAKE.shoes)],
-        respond(SCENE, BRAKE, penalty=math.inf).shoes,
-        respond(SCENE, BRAKE, penalty=1e4).shoes,
+        solve_prepared_model(SCENE, BRAKE, penalty=1e4).notes[: len(BRAKE.shoes)],
+        solve_prepared_model(SCENE, BRAKE, penalty=math.inf).shoes,
+        solve_prepared_model(SCENE, BRAKE, penalty=1e4).shoes,
         strict=True,
     ):
         stated = float(note.split("changes its torque by ")[1].split()[0])
@@ -328,7 +331,7 @@ def test_starts_agree(index):
     n = len(problem.q)
     rng = np.random.default_rng(5)
     starts = [None, np.zeros(n, bool), rng.random(n) < 0.5, rng.random(n) < 0.1]
-    answers = [active_set.solve(problem, start) for start in starts]
+    answers = [active_set.solve_contact_problem(problem, start) for start in starts]
     for found in answers[1:]:
         assert found.p == pytest.approx(answers[0].p, rel=1e-9, abs=1e-9 * answers[0].p.max())
 
@@ -342,18 +345,18 @@ def test_equal_shoes_are_condensed_once_and_it_is_said(brake):
 
 def test_a_scene_refuses_a_brake_of_other_shape(brake):
     with pytest.raises(BadInput, match="differs from the prepared scene"):
-        respond(SCENE, vary(brake, {"shoe[0].lining.thickness": 0.007}))
+        solve_prepared_model(SCENE, vary(brake, {"shoe[0].lining.thickness": 0.007}))
     with pytest.raises(BadInput, match="elements"):
         prepare(brake, elements=0)
     for penalty in (0.0, -1.0, math.nan):
         with pytest.raises(BadInput, match="penalty"):
-            respond(SCENE, BRAKE, penalty=penalty)
+            solve_prepared_model(SCENE, BRAKE, penalty=penalty)
 
 
 @pytest.mark.parametrize("force", [0.0, -2000.0])
 def test_a_force_that_is_zero_or_pulls_the_shoe_off_is_an_answer(brake, force):
     free = vary(brake, {"shoe.actuation.force": force})
-    for response in (respond(SCENE, free), sine(free)):
+    for response in (solve_prepared_model(SCENE, free), sine(free)):
         assert response.torque == 0
         assert response.converged
         for shoe in response.shoes:
@@ -370,7 +373,7 @@ def test_a_self_locking_brake_is_refused_with_both_limits(friction):
     with pytest.raises(
         NoAnswer, match=rf"self-locking.*friction {friction:g};.*mu_lock = .*rigid-shoe law"
     ):
-        respond(SCENE, locked)
+        solve_prepared_model(SCENE, locked)
 
 
 def test_a_rigid_shoe_locks_where_the_sine_law_does():
@@ -391,7 +394,9 @@ def test_torque_grows_without_bound_towards_the_elastic_limit_of_self_locking():
     torques = []
     for friction in np.arange(0.05, 3.0, 0.05):
         try:
-            torques.append(respond(SCENE, vary(BRAKE, {"friction": friction})).shoes[1].torque)
+            torques.append(
+                solve_prepared_model(SCENE, vary(BRAKE, {"friction": friction})).shoes[1].torque
+            )
         except NoAnswer:
             break
     assert 10 < len(torques) < 55
@@ -401,7 +406,7 @@ def test_torque_grows_without_bound_towards_the_elastic_limit_of_self_locking():
 
 def test_a_shoe_that_turns_without_ever_touching_is_refused(brake):
     with pytest.raises(NoAnswer, match=r"turn by .* deg to touch"):
-        respond(SCENE, vary(brake, {"shoe.lining.clearance": 0.1}))
+        solve_prepared_model(SCENE, vary(brake, {"shoe.lining.clearance": 0.1}))
     outside = vary(
         brake,
         {
@@ -438,9 +443,17 @@ def test_the_cost_table_has_a_row_a_size_and_the_exponent(brake):
 
 def test_an_earlier_response_is_a_start_and_not_an_answer():
     other = vary(BRAKE, {"friction": 0.1, "rotation": "clockwise"})
-    same(respond(SCENE, BRAKE, start=respond(SCENE, other)), respond(SCENE, BRAKE), 1e-11)
-    untouched = respond(SCENE, vary(BRAKE, {"shoe.actuation.force": 0.0}))
-    same(respond(SCENE, BRAKE, start=untouched), respond(SCENE, BRAKE), 1e-11)
+    same(
+        solve_prepared_model(SCENE, BRAKE, start=solve_prepared_model(SCENE, other)),
+        solve_prepared_model(SCENE, BRAKE),
+        1e-11,
+    )
+    untouched = solve_prepared_model(SCENE, vary(BRAKE, {"shoe.actuation.force": 0.0}))
+    same(
+        solve_prepared_model(SCENE, BRAKE, start=untouched),
+        solve_prepared_model(SCENE, BRAKE),
+        1e-11,
+    )
 
 
 def test_external_shoes(brake):

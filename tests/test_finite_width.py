@@ -70,23 +70,27 @@ def test_the_flange_is_a_beam_on_a_foundation(turns):
     """With beta c = turns; D = 1, K = 4 beta^4."""
     reach = 0.7
     beta = turns / reach
-    found = finite_width.flange_mean(reach, 1.0, 4 * beta**4)
+    found = finite_width.mean_pressure_under_flange(reach, 1.0, 4 * beta**4)
     assert found == pytest.approx(by_differences(beta, reach, 150), rel=1e-5)
 
 
 def test_a_stiff_flange_presses_evenly_and_a_long_one_under_the_web():
-    assert finite_width.flange_mean(1.0, 1.0, 1e-12) == pytest.approx(1.0, abs=1e-9)
+    assert finite_width.mean_pressure_under_flange(1.0, 1.0, 1e-12) == pytest.approx(1.0, abs=1e-9)
     # The area under the curve of an infinite beam is 1/beta (Hetenyi).
     for reach in (20.0, 60.0, 500.0):
-        assert finite_width.flange_mean(reach, 1.0, 4.0) == pytest.approx(1 / reach, rel=1e-6)
+        assert finite_width.mean_pressure_under_flange(reach, 1.0, 4.0) == pytest.approx(
+            1 / reach, rel=1e-6
+        )
 
 
 @given(E=st.floats(1e6, 1e10), nu=st.floats(0.0, 0.49))
 def test_a_lining_lies_between_plane_stress_and_plane_strain(E, nu):
     material = Material(E=E, nu=nu)
-    assert pytest.approx(E, rel=1e-12) == finite_width.between(material, 0.0).E
+    assert (
+        pytest.approx(E, rel=1e-12) == finite_width.material_between_plane_states(material, 0.0).E
+    )
     # A layer that cannot contract has the modulus E/(1 - nu^2).
-    held = finite_width.between(material, 1.0)
+    held = finite_width.material_between_plane_states(material, 1.0)
     assert held.E / (1 - nu**2) == pytest.approx(E * (1 - nu) / ((1 + nu) * (1 - 2 * nu)), rel=1e-9)
 
 
@@ -96,12 +100,12 @@ def test_it_halves_the_error_of_a_t_section_and_leaves_a_narrow_one_alone(flexib
     true = model.solve(brake, elements=12).shoes[1].torque
     plane, other = (
         solve(each, elements=12).shoes[1].torque
-        for each in (brake, finite_width.finite_width(brake))
+        for each in (brake, finite_width.correct_for_finite_width(brake))
     )
     assert plane / true - 1 > 0.01
     assert abs(other / true - 1) < 0.4 * abs(plane / true - 1)
     narrow = vary(flexible, dict.fromkeys(("shoe.lining.width", "shoe.body.width"), 4e-3))
-    assert finite_width.finite_width(narrow) == narrow
+    assert finite_width.correct_for_finite_width(narrow) == narrow
 
 
 def test_the_option_solves_the_corrected_brake_and_says_how_far_it_is_to_be_trusted(
@@ -110,10 +114,16 @@ def test_the_option_solves_the_corrected_brake_and_says_how_far_it_is_to_be_trus
     brake = t_section(flexible)
     plain, found = solve(brake, elements=12), solve(brake, elements=12, finite_width=True)
     assert (
-        found.torque == solve(finite_width.finite_width(brake), elements=12).torque != plain.torque
+        found.torque
+        == solve(finite_width.correct_for_finite_width(brake), elements=12).torque
+        != plain.torque
     )
-    (note,) = set(found.notes) - set(solve(finite_width.finite_width(brake), elements=12).notes)
-    factor = finite_width.corrected(brake.shoes[0]).E / brake.shoes[0].lining.material.E
+    (note,) = set(found.notes) - set(
+        solve(finite_width.correct_for_finite_width(brake), elements=12).notes
+    )
+    factor = (
+        finite_width.lining_material_for_width(brake.shoes[0]).E / brake.shoes[0].lining.material.E
+    )
     assert f"modulus of the lining times {factor:.3f};" in note and "within 1.5 %" in note
     file, answers = root / "studies" / "plane_stress" / "brake.toml", []
     for options in ((), ("--finite-width",)):
@@ -158,7 +168,7 @@ def test_the_option_belongs_to_the_finite_elements(root):
 def test_what_else_is_done_with_a_brake_takes_the_corrected_one(root, flexible, tmp_path):
     """Wear, the holding brake and a comparison start from the solve of the corrected brake."""
     file, torque = root / "studies" / "double_shoe" / "flexible.toml", {}
-    wide = finite_width.finite_width(flexible)
+    wide = finite_width.correct_for_finite_width(flexible)
     options = ("--elements", "8", "--finite-width", "--json", tmp_path / "a.json")
     done = drumlin("wear", file, "--distance", "0.01", *options)
     assert done.returncode == 0 and done.stdout.startswith(
@@ -197,5 +207,5 @@ def test_a_sweep_takes_the_option(root, flexible):
         {"brake": file, "model": {"fem": options}, "vary": {"friction": [0.2, 0.3]}}
     ).cases
     for case, friction in zip(cases, (0.2, 0.3), strict=True):
-        wide = finite_width.finite_width(vary(flexible, {"friction": friction}))
+        wide = finite_width.correct_for_finite_width(vary(flexible, {"friction": friction}))
         assert case_row(case)["torque"] == solve(wide, elements=8).torque

@@ -9,8 +9,8 @@ from conftest import ROOT, partly
 from drumlin import foundation
 from drumlin.base.errors import BadInput
 from drumlin.brake.file import read_brake, vary
-from drumlin.fem.analysis.deflection import beam_deflection, rim_displacement
-from drumlin.fem.model import respond
+from drumlin.fem.analysis.deflection import deflection_along_beam, inward_displacement_of_rim
+from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin.fem.substructure.body import scalar_basis
@@ -196,19 +196,21 @@ def test_beam_and_rim_of_the_finite_elements_move_as_those_of_the_foundation_mod
     }
     brake = vary(with_arc(POST, 20), MATCHED | {"drum.ring": ring | {"support": "free"}})
     scene = prepare(brake, elements=40)
-    fem, mine = respond(scene, brake), foundation.solve(brake, lift=["all"])
+    fem, mine = solve_prepared_model(scene, brake), foundation.solve(brake, lift=["all"])
     for i, answer in enumerate(mine.shoes):
-        x, w = beam_deflection(scene, brake, fem, i)
+        x, w = deflection_along_beam(scene, brake, fem, i)
         assert (x[0], x[-1]) == pytest.approx((0, 4.6), abs=1e-9)
         assert w == pytest.approx(
             np.interp(x, answer.deformation.x, answer.deformation.w), abs=0.05 * w.max()
         )
-    theta, z = rim_displacement(scene, brake, fem)
+    theta, z = inward_displacement_of_rim(scene, brake, fem)
     whole = foundation.rim(brake, mine, theta, ["all"]).sum(axis=0)
     assert np.ptp(theta) > 6
     assert np.abs(z - whole).max() < 0.03 * np.abs(z).max()
     with pytest.raises(BadInput, match="rigid drum"):
-        rim_displacement(prepare(vary(brake, {"drum.ring": None}), elements=10), brake, fem)
+        inward_displacement_of_rim(
+            prepare(vary(brake, {"drum.ring": None}), elements=10), brake, fem
+        )
 
 
 @pytest.mark.parametrize("kind", ["quad1", "tri2", "tri1"])

@@ -9,12 +9,12 @@ import pytest
 import drumlin
 from drumlin.base.errors import BadInput
 from drumlin.brake.file import brake_from, vary
-from drumlin.fem.analysis.fields import fields
-from drumlin.fem.equilibrium.group import groups_of
+from drumlin.fem.analysis.fields import recover_shoe_fields
+from drumlin.fem.equilibrium.group import divide_pressed_shoes_into_groups
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.model import refined_group
+from drumlin.fem.model import refine_group_solution
 from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.solve import scene_of
+from drumlin.fem.solve import prepare_finest_division
 from drumlin.laws import law
 from held_shoes import BODY, KINDS, THIN, brake_of
 
@@ -95,10 +95,10 @@ def test_a_foot_that_friction_holds_is_a_pin_also_where_the_lining_stands_off() 
 def test_the_whole_system_refined_is_the_same_answer() -> None:
     for kind in KINDS:
         brake = brake_of(kind, 1, body=BODY)
-        (group,) = groups_of(prepare(brake, LEVELS[1]), brake, 1e6)
-        group, found = group.settled()
+        (group,) = divide_pressed_shoes_into_groups(prepare(brake, LEVELS[1]), brake, 1e6)
+        group, found = group.solve_contact()
         for order in ("COLAMD", "MMD_AT_PLUS_A"):
-            refined = refined_group(group, found.active, order)
+            refined = refine_group_solution(group, found.active, order)
             np.testing.assert_allclose(refined.p[0], found.p, atol=1e-8 * found.p.max())
             np.testing.assert_allclose(
                 refined.coordinates[0], found.y, rtol=1e-6, atol=1e-9 * abs(found.y).max()
@@ -160,10 +160,10 @@ def test_the_displacements_inside_are_those_of_the_answer(name: str, root: Path)
     On pressed nodes the radial displacement vanishes.
     """
     brake = drumlin.read_brake(root / f"studies/brakes/{name}.toml")
-    scene = scene_of(brake, elements=20)
+    scene = prepare_finest_division(brake, elements=20)
     response = drumlin.solve(brake, elements=20)
     for i in range(len(brake.shoes)):
-        found = fields(scene, brake, response, i)
+        found = recover_shoe_fields(scene, brake, response, i)
         on = found.pressure > 0.01 * found.pressure.max()
         radial = (found.displacement * found.points).sum(axis=1)[on] / np.hypot(*found.points[on].T)
         assert np.abs(radial).max() < 0.01 * np.linalg.norm(found.displacement, axis=1).max()

@@ -6,10 +6,10 @@ import pytest
 import drumlin
 from drumlin.brake.file import vary
 from drumlin.contact import stick_slip
-from drumlin.fem.analysis.at_rest import Feet, holding_problem
-from drumlin.fem.analysis.holding import full_slip_rotation, hold
-from drumlin.fem.equilibrium.group import grouped
-from drumlin.fem.model import respond
+from drumlin.fem.analysis.at_rest import RoughFeet, make_stick_slip_problem
+from drumlin.fem.analysis.holding import find_full_slip_rotation, hold_drum_through_rotations
+from drumlin.fem.equilibrium.group import divide_shoes_into_groups
+from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import prepare
 from held_shoes import BODY, brake_of
 from picking import picked
@@ -20,7 +20,7 @@ from shared_forces import cam_brake, servo
 def test_held_from_rest_to_full_slip_shoes_come_to_the_sliding_torque(kind: str) -> None:
     brake = vary(brake_of(kind, 1, body=BODY), {"shoe.lining.thickness": 0.005})
     scene = prepare(brake, elements=16)
-    states = hold(scene, brake, np.geomspace(1e-6, 2e-3, 8))
+    states = hold_drum_through_rotations(scene, brake, np.geomspace(1e-6, 2e-3, 8))
     # The lever drags the shoe along the drum to full slip as it presses the shoe.
     if kind != "pivot":
         assert states[0].torque < states[-1].torque * (1 - 1e-3)
@@ -38,9 +38,11 @@ def test_forces_shared_by_a_cam_or_a_strut_hold_the_drum_by_what_it_slides_at(
 ) -> None:
     brake = vary(make(spin=spin, body=0.012), {"shoe.lining.thickness": 0.005, "drum.ring": ring})
     scene = prepare(brake, elements=10)
-    states = hold(scene, brake, np.linspace(0, full_slip_rotation(scene, brake), 4))
+    states = hold_drum_through_rotations(
+        scene, brake, np.linspace(0, find_full_slip_rotation(scene, brake), 4)
+    )
     assert states[-1].sticking == 0
-    assert states[-1].torque == pytest.approx(respond(scene, brake).torque, rel=1e-6)
+    assert states[-1].torque == pytest.approx(solve_prepared_model(scene, brake).torque, rel=1e-6)
     # The strut lets both shoes be dragged, to full slip, as they are pressed.
     trailing = brake.links and spin > 0
     assert states[0].torque <= (1 + 1e-9 if trailing else 0.9) * states[-1].torque
@@ -55,20 +57,20 @@ def test_a_foot_on_a_rough_face_sticks_and_slips_as_the_linings_do(spin: int) ->
     """
     brake = vary(brake_of("rough abutment", spin, body=BODY), {"shoe.lining.thickness": 0.005})
     scene = prepare(brake, elements=12)
-    (group,) = grouped(scene, brake, [0], 1e6)
-    problem, lever = holding_problem(group)
-    mu = Feet.of(group).node_friction()
+    (group,) = divide_shoes_into_groups(scene, brake, [0], 1e6)
+    problem, lever = make_stick_slip_problem(group)
+    mu = RoughFeet.of_group(group).friction_of_all_nodes()
     assert mu[-1] == 0.2
     assert lever[-1] == 0
-    end, n = full_slip_rotation(scene, brake), len(lever)
+    end, n = find_full_slip_rotation(scene, brake), len(lever)
     nothing, seen = np.zeros(n), set()
-    before = stick_slip.History(nothing, nothing)
-    at = stick_slip.solve(problem, mu, before, np.full(n, stick_slip.STICK))
+    before = stick_slip.SlipHistory(nothing, nothing)
+    at = stick_slip.solve_load_increment(problem, mu, before, np.full(n, stick_slip.STICK))
     for rotation in end * np.array([0.0, 0.2, 1.0, 0.5, -0.5]):
         q_s = problem.q_s + lever * (brake.spin / group.unit_force) * rotation
         before, at = (
             at.history,
-            stick_slip.solve(problem._replace(q_s=q_s), mu, at.history, at.state),
+            stick_slip.solve_load_increment(problem._replace(q_s=q_s), mu, at.history, at.state),
         )
         p, t = at.p[-1], at.t[-1]
         s = (
@@ -83,11 +85,11 @@ def test_a_foot_on_a_rough_face_sticks_and_slips_as_the_linings_do(spin: int) ->
         assert abs(slip) < 1e-15 or t == pytest.approx(0.2 * p * np.sign(slip), rel=1e-9)
         seen.add(int(at.state[-1]))
     assert len(seen) > 1
-    last = hold(scene, brake, np.linspace(0, end, 5))[-1]
+    last = hold_drum_through_rotations(scene, brake, np.linspace(0, end, 5))[-1]
     # The foot of the trailing shoe slides while the force comes on and sticks there: a little
     # beyond its place under a drum that slides already.
     assert last.torque == pytest.approx(
-        respond(scene, brake).torque, rel=1e-3 if spin > 0 else 1e-8
+        solve_prepared_model(scene, brake).torque, rel=1e-3 if spin > 0 else 1e-8
     )
     assert len(last.notes) == (spin > 0)
 

@@ -12,11 +12,11 @@ from drumlin.base.errors import NoAnswer
 from drumlin.brake.file import read_brake, vary
 from drumlin.contact import stick_slip
 from drumlin.contact.stick_slip import OPEN, STICK
-from drumlin.fem.analysis.at_rest import holding_problem
-from drumlin.fem.analysis.holding import full_slip_rotation, hold
-from drumlin.fem.analysis.self_locking import limits
-from drumlin.fem.equilibrium.group import grouped
-from drumlin.fem.model import respond
+from drumlin.fem.analysis.at_rest import make_stick_slip_problem
+from drumlin.fem.analysis.holding import find_full_slip_rotation, hold_drum_through_rotations
+from drumlin.fem.analysis.self_locking import friction_limits_of_groups
+from drumlin.fem.equilibrium.group import divide_shoes_into_groups
+from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import prepare
 from drumlin_studies.random_brake import random_brake
 from drumlin_studies.random_kinds import draw_brake_of_holding_kind
@@ -45,7 +45,7 @@ def any_brake(seed):
             brake, {"shoe[0].lining.misfit": {"radius": R * (1 + rng.uniform(-2e-3, 2e-3))}}
         )
     scene = prepare(brake, elements=ELEMENTS)
-    locks = min(picked(limits(scene, brake, 2.0).values(), "friction"))
+    locks = min(picked(friction_limits_of_groups(scene, brake, 2.0).values(), "friction"))
     return vary(brake, {"friction": rng.uniform(0.1, 0.95) * min(locks, 0.9)}), scene
 
 
@@ -56,23 +56,27 @@ def test_random_brakes_go_through_full_slip_and_back(count):
     for seed in range(count):
         brake, scene = any_brake(seed)
         # The drum turns forth until all nodes slip.
-        end = full_slip_rotation(scene, brake, increments=6)
+        end = find_full_slip_rotation(scene, brake, increments=6)
         forth = np.linspace(0, end, 6)
-        states = hold(scene, brake, forth)
+        states = hold_drum_through_rotations(scene, brake, forth)
         assert states[-1].sticking == 0
-        assert states[-1].torque == pytest.approx(respond(scene, brake).torque, rel=1e-6)
+        assert states[-1].torque == pytest.approx(
+            solve_prepared_model(scene, brake).torque, rel=1e-6
+        )
         assert np.diff(picked(states, "dissipated")).min() >= -1e-9 * states[-1].dissipated
         assert states[-1].dissipated > 0
         ends["forth"] += 1
         back = vary(brake, {"rotation": OTHER[brake.rotation]})
         try:
-            torque = respond(scene, back).torque
+            torque = solve_prepared_model(scene, back).torque
         except NoAnswer:
             ends["back it locks"] += 1
             continue
         # The way back first releases the brake, then leads to full slip in the other sense.
-        far = end + 3 * max(end, full_slip_rotation(scene, back))
-        state = hold(scene, brake, np.concatenate([forth, end - np.linspace(0, far, 10)[1:]]))[-1]
+        far = end + 3 * max(end, find_full_slip_rotation(scene, back))
+        state = hold_drum_through_rotations(
+            scene, brake, np.concatenate([forth, end - np.linspace(0, far, 10)[1:]])
+        )[-1]
         assert state.sticking == 0
         assert state.torque == pytest.approx(-torque, rel=1e-6)
         ends["back"] += 1
@@ -85,11 +89,11 @@ def test_at_the_rotation_of_full_slip_no_path_sticks():
     """A pad whose last node comes to slip later the finer the path is that leads there."""
     pad = draw_brake_of_holding_kind(410003, "pad on a pivot")
     scene = prepare(pad, elements=12)
-    end = full_slip_rotation(scene, pad, increments=1)
+    end = find_full_slip_rotation(scene, pad, increments=1)
     for count in (2, 6, 12):
-        last = hold(scene, pad, np.linspace(0, end, count))[-1]
+        last = hold_drum_through_rotations(scene, pad, np.linspace(0, end, count))[-1]
         assert last.sticking == 0
-        assert last.torque == pytest.approx(respond(scene, pad).torque, rel=1e-6)
+        assert last.torque == pytest.approx(solve_prepared_model(scene, pad).torque, rel=1e-6)
 
 
 def test_an_increment_that_does_not_settle_is_halved():
@@ -100,11 +104,11 @@ def test_an_increment_that_does_not_settle_is_halved():
     """
     brake = draw_brake_with_clearances(420078)
     scene = prepare(brake, elements=12)
-    far = 40 * full_slip_rotation(scene, brake)
-    there, back, again = hold(scene, brake, np.array([far, -far, far]))
+    far = 40 * find_full_slip_rotation(scene, brake)
+    there, back, again = hold_drum_through_rotations(scene, brake, np.array([far, -far, far]))
     assert there.sticking == back.sticking == again.sticking == 0
     assert again.torque == pytest.approx(there.torque, rel=1e-6)
-    assert there.torque == pytest.approx(respond(scene, brake).torque, rel=1e-6)
+    assert there.torque == pytest.approx(solve_prepared_model(scene, brake).torque, rel=1e-6)
 
 
 def test_every_increment_obeys_contact_and_friction():
@@ -115,19 +119,23 @@ def test_every_increment_obeys_contact_and_friction():
     kinds = set()
     for seed in range(6):
         brake, scene = any_brake(seed)
-        problem, lever = holding_problem(grouped(scene, brake, [0], 1e6)[0])
-        end, mu = full_slip_rotation(scene, brake), brake.friction
+        problem, lever = make_stick_slip_problem(
+            divide_shoes_into_groups(scene, brake, [0], 1e6)[0]
+        )
+        end, mu = find_full_slip_rotation(scene, brake), brake.friction
         turn = lever * (brake.spin / brake.shoes[0].actuation.force)
         nothing = np.zeros(len(lever))
-        at = stick_slip.solve(
-            problem, mu, stick_slip.History(nothing, nothing), np.full(len(lever), STICK)
+        at = stick_slip.solve_load_increment(
+            problem, mu, stick_slip.SlipHistory(nothing, nothing), np.full(len(lever), STICK)
         )
-        before = stick_slip.History(nothing, nothing)
+        before = stick_slip.SlipHistory(nothing, nothing)
         for rotation in end * np.array([0.1, 0.5, 1.0, 0.6, -0.4]):
             q_s = problem.q_s + turn * rotation
             before, at = (
                 at.history,
-                stick_slip.solve(problem._replace(q_s=q_s), mu, at.history, at.state),
+                stick_slip.solve_load_increment(
+                    problem._replace(q_s=q_s), mu, at.history, at.state
+                ),
             )
             kinds |= set(at.state.tolist())
             # Gaps w and slides s follow from the equations of the shoe.
@@ -152,17 +160,18 @@ def test_every_increment_obeys_contact_and_friction():
 
 @pytest.mark.parametrize("seed", range(2))
 @pytest.mark.parametrize(
-    "left", [("_solve_by_newton",), ("_solve_by_newton", "_follow_from_states")]
+    "left",
+    [("_find_states_by_newton",), ("_find_states_by_newton", "_find_states_by_path_from_states")],
 )
 def test_both_paths_lead_to_the_answer_of_newtons_method(seed, monkeypatch, left):
     """From the states at hand, and from wide gaps."""
     brake, scene = any_brake(seed)
-    rotations = full_slip_rotation(scene, brake) * np.array([0.0, 0.3, 0.6, 1.0, 0.5])
-    expected = hold(scene, brake, rotations)
+    rotations = find_full_slip_rotation(scene, brake) * np.array([0.0, 0.3, 0.6, 1.0, 0.5])
+    expected = hold_drum_through_rotations(scene, brake, rotations)
     with monkeypatch.context() as patch:
         for way in left:
             patch.setattr(stick_slip, way, _refuse)
-        found = hold(scene, brake, rotations)
+        found = hold_drum_through_rotations(scene, brake, rotations)
     for one, other in zip(found, expected, strict=True):
         largest = other.pressure[0].max()
         assert one.pressure[0] == pytest.approx(other.pressure[0], rel=1e-7, abs=1e-7 * largest)
@@ -182,9 +191,9 @@ def test_another_discretisation_and_another_method_give_the_same_history():
     both = read_brake(STUDY / "flexible.toml")
     brake = both.model_copy(update={"shoes": both.shoes[1:]})
     scene = prepare(brake, elements=24)
-    end = full_slip_rotation(scene, brake)
+    end = find_full_slip_rotation(scene, brake)
     rotations = end * np.array([0.0, 0.3, 0.7, 1.0, 0.5, 0.2, -0.5])
-    found = np.array(picked(hold(scene, brake, rotations), "torque"))
+    found = np.array(picked(hold_drum_through_rotations(scene, brake, rotations), "torque"))
     expected = independent.hold(brake, 0, rotations, 28, 1e3)
     assert found == pytest.approx(expected, abs=3e-3 * found.max())
     # States 3 and 6 are at full slip, in one direction and in the other.
@@ -195,15 +204,17 @@ def test_the_history_converges_with_the_increment():
     """With a gap to close, forth and back, errors of moment and energy fall with the increment."""
     brake, scene = any_brake(7)
     brake = vary(brake, {"shoe[0].lining.clearance": 1e-4 * brake.size})
-    end = full_slip_rotation(scene, brake)
+    end = find_full_slip_rotation(scene, brake)
 
     def after(n):
-        state = hold(
+        state = hold_drum_through_rotations(
             scene,
             brake,
             end * np.concatenate([np.linspace(0, 0.6, n), np.linspace(0.6, -0.3, n)[1:]]),
         )[-1]
-        return np.array([state.torque / respond(scene, brake).torque, state.dissipated])
+        return np.array(
+            [state.torque / solve_prepared_model(scene, brake).torque, state.dissipated]
+        )
 
     fine = after(161)
     errors = np.abs([after(n) / fine - 1 for n in (6, 11, 21, 41)])
@@ -218,18 +229,18 @@ def test_self_locking_is_refused_with_its_limit(rotation):
     both = read_brake(STUDY / "flexible.toml")
     brake = vary(both.model_copy(update={"shoes": both.shoes[:1]}), {"rotation": rotation})
     scene = prepare(brake, elements=ELEMENTS)
-    locks = limits(scene, brake)[0,].friction
+    locks = friction_limits_of_groups(scene, brake)[0,].friction
     if math.isinf(locks):
         strong = vary(brake, {"friction": 1.5})
-        assert full_slip_rotation(scene, strong) > 0
+        assert find_full_slip_rotation(scene, strong) > 0
         return
     for share in (0.97, 1.03):
         strong = vary(brake, {"friction": share * locks})
         if share < 1:
-            torque = hold(scene, strong, np.linspace(0, full_slip_rotation(scene, strong), 5))[
-                -1
-            ].torque
-            assert torque == pytest.approx(respond(scene, strong).torque, rel=1e-6)
+            torque = hold_drum_through_rotations(
+                scene, strong, np.linspace(0, find_full_slip_rotation(scene, strong), 5)
+            )[-1].torque
+            assert torque == pytest.approx(solve_prepared_model(scene, strong).torque, rel=1e-6)
         else:
             with pytest.raises(NoAnswer, match=rf"self-locking.*mu_lock = {locks:.4g}"):
-                full_slip_rotation(scene, strong)
+                find_full_slip_rotation(scene, strong)

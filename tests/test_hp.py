@@ -15,10 +15,10 @@ from drumlin.base.errors import NoAnswer
 from drumlin.brake.elasticity import elasticity_matrix
 from drumlin.brake.fields import Material
 from drumlin.brake.file import brake_from, read_brake, vary
-from drumlin.fem.analysis.fields import fields, ring_fields
-from drumlin.fem.analysis.holding import full_slip_rotation, hold
-from drumlin.fem.analysis.sensitivity import sensitivity
-from drumlin.fem.equilibrium.group import groups_of
+from drumlin.fem.analysis.fields import recover_ring_fields, recover_shoe_fields
+from drumlin.fem.analysis.holding import find_full_slip_rotation, hold_drum_through_rotations
+from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity
+from drumlin.fem.equilibrium.group import divide_pressed_shoes_into_groups
 from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE, solve_to_tolerance
 from drumlin.fem.error_control.estimate import FACTORS, estimate
 from drumlin.fem.error_control.levels import LEVELS, solved_levels
@@ -46,11 +46,11 @@ from drumlin.fem.hp.element import (
     shape_functions,
 )
 from drumlin.fem.hp.shoe import distinct_sizes, element_nodes
-from drumlin.fem.model import PENALTY, refined_group, respond
-from drumlin.fem.preparation.bodies import actuation
+from drumlin.fem.model import PENALTY, refine_group_solution, solve_prepared_model
+from drumlin.fem.preparation.bodies import actuation_load_factors
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.solve import scene_of, solve
+from drumlin.fem.solve import prepare_finest_division, solve
 from drumlin.fem.substructure.body import FRAME, condense_body, rigid_body_modes
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 from drumlin.laws import sine
@@ -307,10 +307,12 @@ def test_what_round_off_took_from_the_answer_is_little_and_seen(flexible, which,
     """
     brake = flexible if which == "flexible" else random_brake(which)
     brake = vary(brake, {"shoe.body.material.E": softer * brake.shoes[0].body.material.E})
-    made, response = list(solved_levels(brake, respond, levels=LEVELS[: level + 1]))[-1]
-    (group, *_) = groups_of(made, brake, PENALTY)
-    group, found = group.settled(None)
-    refined = refined_group(group, found.active)
+    made, response = list(solved_levels(brake, solve_prepared_model, levels=LEVELS[: level + 1]))[
+        -1
+    ]
+    (group, *_) = divide_pressed_shoes_into_groups(made, brake, PENALTY)
+    group, found = group.solve_contact(None)
+    refined = refine_group_solution(group, found.active)
     p, error = found.p[group.node_ranges[0]], refined.p[0] - found.p[group.node_ranges[0]]
     lost, lever = response.shoes[0].lost, group.bodies[0].coupling.lever
     assert np.linalg.norm(error) < 1e-6 * np.linalg.norm(p)
@@ -350,10 +352,9 @@ def test_a_ring_under_even_pressure_grows_as_lame_says(brake, support):
     }
     made = prepare(vary(brake, halves), LEVELS[2])
     p = [np.full(len(body.line.phi), 1e6) for body in made.bodies]
-    opened = sum(made.ring.normal_half_flexibilities[j] @ p[j] for j in range(2))
-    gap = np.linalg.solve(
-        made.bodies[0].coupling.M, made.ring.normal_half_flexibilities[0].T @ opened
-    )
+    halves_of_ring = made.ring.normal_half_flexibilities
+    opened = sum(halves_of_ring[j] @ p[j] for j in range(2))
+    gap = np.linalg.solve(made.bodies[0].coupling.M, halves_of_ring[0].T @ opened)
     if support == "free":
         u = 1e6 * R / E * ((1 - nu) * R**2 + (1 + nu) * b**2) / (b**2 - R**2)
     else:
@@ -366,8 +367,10 @@ def test_a_ring_under_even_pressure_grows_as_lame_says(brake, support):
 @pytest.mark.parametrize("support", ["fixed", pytest.param("free", marks=pytest.mark.slow)])
 def test_rings_of_columns_and_of_a_mesh_answer_alike(brake, support):
     ringed = vary(brake, drum_ring(0.012, support))
-    theirs = respond(prepare(ringed, elements=120), ringed)
-    mine = respond(prepare(ringed, LEVELS[2], singular_points_of(ringed, theirs)), ringed)
+    theirs = solve_prepared_model(prepare(ringed, elements=120), ringed)
+    mine = solve_prepared_model(
+        prepare(ringed, LEVELS[2], singular_points_of(ringed, theirs)), ringed
+    )
     assert mine.torque == pytest.approx(theirs.torque, rel=2e-5)
     assert pressure_distance(mine.shoes[0], theirs.shoes[0]) < 5e-3
 
@@ -379,7 +382,7 @@ def test_levels_converge_fast_and_the_estimate_is_an_upper_value(flexible):
     The finest level is the reference. The stated error is at most ten times the true one.
     """
     # The last level has fewer digits than the others.
-    made = list(solved_levels(flexible, respond))[:5]
+    made = list(solved_levels(flexible, solve_prepared_model))[:5]
     responses, truth = picked(made, "response"), made[-1].response
     # Round-off of the finest level limits how well it can judge the others.
     lost = max(picked(truth.shoes, "lost.pressure"))
@@ -405,7 +408,7 @@ def test_every_solve_states_its_error_and_columns_end_where_the_contact_ends(bra
         == set(response.shoes[0].error)
         == {"pressure", "torque", "peak", "reaction"}
     )
-    fine = picked(solved_levels(half, respond), "response")[3]
+    fine = picked(solved_levels(half, solve_prepared_model), "response")[3]
     for shoe, a, b in zip(half.shoes, response.shoes, fine.shoes, strict=True):
         assert pressure_distance(a, b) < response.error["pressure"]
         start, end = shoe.lining.start, shoe.lining.end
@@ -447,7 +450,7 @@ def test_a_small_smooth_contact_is_that_of_hertz(brake):
 def test_columns_of_the_first_level_end_where_a_short_contact_ends(seed):
     """To 2 % of its length, within which the pressure rises from nothing to much of its peak."""
     brake = random_brake(seed, "small contact")
-    found = next(solved_levels(brake, respond))
+    found = next(solved_levels(brake, solve_prepared_model))
     line, shoe = found.scene.bodies[0].line, found.response.shoes[0]
     first, last = shoe.contact_arcs[0]
     ends = brake.shoes[0].frame.theta(line.phi[:: line.order])
@@ -489,7 +492,7 @@ def test_a_block_deeper_than_long_bears_down_to_its_foot(length, thickness, back
         "shoe": [block],
     }
     brake = brake_from(data)
-    found = picked(islice(solved_levels(brake, respond), 5), "response")
+    found = picked(islice(solved_levels(brake, solve_prepared_model), 5), "response")
     for k in (2, 3, 4):
         assert (
             abs(found[k - 1].torque / found[-1].torque - 1)
@@ -505,13 +508,13 @@ def test_corners_beyond_a_short_contact_cost_little_and_change_nothing(monkeypat
     (5) and on an elastic one (23), and moved p by less than the level's error.
     """
     brake, found = random_brake(seed, "small contact"), []
-    (_, before), (_, true) = islice(solved_levels(brake, respond), 1, 3)
+    (_, before), (_, true) = islice(solved_levels(brake, solve_prepared_model), 1, 3)
     # The ends of the contact are kept: their rounding changes p by more.
     places = singular_points_of(brake, true)
     for rule in (division.size_far_from_contact, lambda size, distance, *, coarsens: size):
         monkeypatch.setattr(division, "size_far_from_contact", rule)
         made = prepare(brake, LEVELS[2], places)
-        found.append((made.bodies[0].unknowns, respond(made, brake)))
+        found.append((made.bodies[0].unknowns, solve_prepared_model(made, brake)))
     (unknowns, last), (more, fine) = found
     assert unknowns < 0.85 * more
     step = pressure_distance(before.shoes[0], last.shoes[0])
@@ -530,7 +533,7 @@ def test_most_short_contacts_are_known_by_default_on_the_third_level():
         found = []
         for seed in range(8):
             brake = random_brake(seed, "small contact")
-            (_, before), (_, last) = islice(solved_levels(brake, respond), 1, 3)
+            (_, before), (_, last) = islice(solved_levels(brake, solve_prepared_model), 1, 3)
             found.append(pressure_distance(before.shoes[0], last.shoes[0]))
         return np.array(found)
 
@@ -546,12 +549,12 @@ def test_a_short_contact_is_graded_faster():
     more.
     """
     brake = random_brake(2, "small contact")
-    true = picked(solved_levels(brake, respond), "response")[-1]
+    true = picked(solved_levels(brake, solve_prepared_model), "response")[-1]
     places = singular_points_of(brake, true)
 
     def solved(level):
         made = prepare(brake, level, places)
-        found = respond(made, brake).shoes[0]
+        found = solve_prepared_model(made, brake).shoes[0]
         return made.bodies[0].unknowns, pressure_distance(found, true.shoes[0])
 
     level = LEVELS[2]
@@ -568,7 +571,7 @@ def test_what_a_level_cannot_reach_is_said(brake):
     ):
         solve(brake, tolerance=1e-12)
     answered = solve_to_tolerance(
-        brake, DEFAULT_TOLERANCE._replace(torque=0.0), respond, must=False
+        brake, DEFAULT_TOLERANCE._replace(torque=0.0), solve_prepared_model, must=False
     ).response
     assert (
         answered.notes[-1].startswith("warning: tolerance ") and "not reached" in answered.notes[-1]
@@ -674,7 +677,7 @@ def test_a_contact_that_ends_all_but_at_an_end_of_the_lining_converges():
     """
     *_, one, other = (
         step.response.shoes[0]
-        for step in solved_levels(random_brake(7986), respond, levels=LEVELS[:5])
+        for step in solved_levels(random_brake(7986), solve_prepared_model, levels=LEVELS[:5])
     )
     assert pressure_distance(one, other) < 5e-4
 
@@ -779,13 +782,13 @@ def test_fields_recovered_on_a_grid_are_in_balance(brake):
     The assembled stiffness times the displacements of all nodes gives these forces back.
     """
     made = prepare(brake, LEVELS[1], singular_points_of(brake, solve(brake)))
-    found = respond(made, brake)
+    found = solve_prepared_model(made, brake)
     shoe, body = brake.shoes[0], made.bodies[0]
     p = found.shoes[0].pressure[:: shoe.frame.sense]
     drag = brake.friction * brake.spin * shoe.frame.sense
     nodal = drag * (body.coupling.T.T @ p) - body.coupling.N.T @ p
     u = body.condensed.displacement(
-        nodal, np.zeros(FRAME), shoe.actuation.force * actuation(body, shoe)[0]
+        nodal, np.zeros(FRAME), shoe.actuation.force * actuation_load_factors(body, shoe)[0]
     )
     forces = body.basis.stiffness(elastic_layers_of_shoe(shoe)) @ u.T.ravel()
     n = 2 * len(body.line.nodes)
@@ -814,12 +817,12 @@ def test_gradients_at_the_nodes_of_a_grid_are_those_of_a_linear_field_and_its_ce
 def test_fields_of_columns_are_those_of_a_fine_mesh_of_quadratic_elements(brake, part):
     whole = vary(brake, drum_ring(0.02, "free")) if part == "free ring" else brake
     found = []
-    for made in (scene_of(whole), prepare(whole, elements=160)):
-        response = respond(made, whole)
+    for made in (prepare_finest_division(whole), prepare(whole, elements=160)):
+        response = solve_prepared_model(made, whole)
         found.append(
-            ring_fields(made, whole, response)
+            recover_ring_fields(made, whole, response)
             if part == "free ring"
-            else fields(made, whole, response, 0)
+            else recover_shoe_fields(made, whole, response, 0)
         )
     ours, theirs = found
     # Values are compared at points of both meshes that all but coincide.
@@ -832,14 +835,14 @@ def test_fields_of_columns_are_those_of_a_fine_mesh_of_quadratic_elements(brake,
 
 
 def test_holding_wear_and_slopes_start_from_the_division_that_solve_ends_on(brake):
-    made, answer = scene_of(brake), solve(brake)
+    made, answer = prepare_finest_division(brake), solve(brake)
     theta = picked(made.bodies, "line.phi")
     assert list(map(len, theta)) == list(map(len, picked(answer.shoes, "theta")))
-    end = full_slip_rotation(made, brake)
-    assert hold(made, brake, np.linspace(0.0, end, 9))[-1].torque == pytest.approx(
-        answer.torque, rel=1e-5
-    )
-    assert sensitivity(made, brake).torque == pytest.approx(answer.torque, rel=1e-9)
+    end = find_full_slip_rotation(made, brake)
+    assert hold_drum_through_rotations(made, brake, np.linspace(0.0, end, 9))[
+        -1
+    ].torque == pytest.approx(answer.torque, rel=1e-5)
+    assert compute_torque_sensitivity(made, brake).torque == pytest.approx(answer.torque, rel=1e-9)
     worn = solve_worn_in(brake)
     assert worn.torque == pytest.approx(sine(brake).torque, rel=1e-3)
 
@@ -904,15 +907,15 @@ def test_a_brake_that_locks_is_divided_too(brake):
     locked = vary(brake, {"friction": 2.0})
     with pytest.raises(NoAnswer):
         solve(locked)
-    assert scene_of(locked).bodies[0].line.order == LEVELS[1].degree
+    assert prepare_finest_division(locked).bodies[0].line.order == LEVELS[1].degree
 
 
 @pytest.mark.parametrize("support", ["fixed", "free"])
 def test_columns_with_a_ring_are_refined_to_the_answer_of_their_condensed_bodies(brake, support):
     whole = vary(brake, drum_ring(0.02, support))
-    (group,) = groups_of(prepare(whole, LEVELS[0]), whole)
-    found = group.answer()
-    refined = refined_group(group, found.active)
+    (group,) = divide_pressed_shoes_into_groups(prepare(whole, LEVELS[0]), whole)
+    found = group.solve_with_known_senses()
+    refined = refine_group_solution(group, found.active)
     assert refined.correction < 1e-10
     for part, p in zip(group.node_ranges, refined.p, strict=True):
         np.testing.assert_allclose(found.p[part], p, rtol=0, atol=1e-8 * p.max())

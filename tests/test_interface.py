@@ -95,7 +95,9 @@ def test_patch_test_on_the_arc(sign):
             for angles, depth, way in ((circle(inside), 5, -1), (circle(outside) + 0.01, 6, 1))
         ]
         both = pair.BodyPair.of(*rings[::sign], sign=sign)
-        found = active_set.solve(both.normal(np.full(len(both.angle), -interference)))
+        found = active_set.solve_contact_problem(
+            both.normal(np.full(len(both.angle), -interference))
+        )
         spreads.append(np.ptp(found.p) / exact)
         means.append(abs(found.p.mean() / exact - 1))
         mine, other = rings[::sign]

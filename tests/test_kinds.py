@@ -16,8 +16,8 @@ from drumlin import Brake, vary
 from drumlin.base.errors import DrumlinError
 from drumlin.brake.plane_brake import FlatBrake, read_any
 from drumlin.cli.commands import app
-from drumlin.fem.analysis.holding import full_slip_rotation, hold
-from drumlin.fem.analysis.sensitivity import sensitivity
+from drumlin.fem.analysis.holding import find_full_slip_rotation, hold_drum_through_rotations
+from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.mesh.file import write_mesh
 from drumlin.fem.preparation.prepare import prepare
@@ -159,7 +159,7 @@ def slopes(at: Posed) -> None:
 
     The forces of wheel cylinders and cams count too.
     """
-    found = sensitivity(prepare(at.brake, elements=ELEMENTS), at.brake)
+    found = compute_torque_sensitivity(prepare(at.brake, elements=ELEMENTS), at.brake)
     forces = [
         (s.force or 0.0) * shoe.actuation.force
         for s, shoe in zip(found.shoes, at.brake.shoes, strict=True)
@@ -173,7 +173,9 @@ def slopes(at: Posed) -> None:
 def held(at: Posed) -> None:
     """`hold` ends at full slip: friction holds the drum, or a line names a foot held elsewhere."""
     scene = prepare(at.brake, elements=ELEMENTS)
-    states = hold(scene, at.brake, np.linspace(0, full_slip_rotation(scene, at.brake), 4))
+    states = hold_drum_through_rotations(
+        scene, at.brake, np.linspace(0, find_full_slip_rotation(scene, at.brake), 4)
+    )
     torque = drumlin.solve(at.brake, elements=ELEMENTS).effect
     agrees = states[-1].torque == pytest.approx(torque, rel=1e-6)
     assert agrees or "left the foot of shoe" in states[-1].notes[0]

@@ -9,7 +9,7 @@ from scipy.sparse.linalg import spsolve
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.brake.fields import Material
 from drumlin.contact import active_set, stick_slip
-from drumlin.fem.mesh.grading import graded
+from drumlin.fem.mesh.grading import points_graded_to_both_ends
 from drumlin.fem.substructure.body import scalar_basis, stiffness
 from drumlin.fem.substructure.interface import (
     couple_with_counterface,
@@ -70,7 +70,7 @@ def test_hertz(hertz):
     P = hertz_load(rho, E)
     s = R * hertz.angle
     problem = hertz.normal(s**2 / (2 * rho), [P])
-    found = active_set.solve(problem, coarse_contact_set(problem))
+    found = active_set.solve_contact_problem(problem, coarse_contact_set(problem))
     p0 = math.sqrt(P * E / (math.pi * rho))
     exact = p0 * np.sqrt(np.maximum(1 - (s / A) ** 2, 0))
     assert found.steps <= 15
@@ -93,17 +93,19 @@ def test_cattaneo_mindlin(hertz, half_planes, share):
     P = hertz_load(rho, E)
     s = R * hertz.angle
     problem = hertz.normal(s**2 / (2 * rho), [P])
-    touching = active_set.solve(problem, coarse_contact_set(problem)).active
+    touching = active_set.solve_contact_problem(problem, coarse_contact_set(problem)).active
     hertz = BodyPair.of(*half_planes, motions="xy")
-    rest = stick_slip.History(np.zeros(len(s)), np.zeros(len(s)))
+    rest = stick_slip.SlipHistory(np.zeros(len(s)), np.zeros(len(s)))
     start = np.where(touching, stick_slip.STICK, stick_slip.OPEN)
-    first = stick_slip.solve(hertz.frictional(s**2 / (2 * rho), [P, 0.0]), mu, rest, start)
+    first = stick_slip.solve_load_increment(
+        hertz.frictional(s**2 / (2 * rho), [P, 0.0]), mu, rest, start
+    )
     inner = np.abs(s) < 0.8 * A
     # Equal bodies have no traction from pressing alone.
     assert np.abs(first.t[inner]).max() < 5e-3 * first.p.max()
     increment = first
     for step in np.linspace(0, share, 5)[1:]:
-        increment = stick_slip.solve(
+        increment = stick_slip.solve_load_increment(
             hertz.frictional(s**2 / (2 * rho), [P, step * mu * P]),
             mu,
             increment.history,
@@ -138,8 +140,8 @@ def disc_in_hole(eps, count=50):
     """
 
     def angles(count):
-        inner = graded(-eps, eps, count, eps / 2, 1 / 40)
-        rest = graded(eps, 2 * math.pi - eps, count, 0.4, eps / 200)
+        inner = points_graded_to_both_ends(-eps, eps, count, eps / 2, 1 / 40)
+        rest = points_graded_to_both_ends(eps, 2 * math.pi - eps, count, 0.4, eps / 200)
         return np.concatenate([inner, rest[1:-1]])
 
     disc = condense_contact_body(
@@ -159,7 +161,7 @@ def test_disc_in_a_hole_of_the_same_material(half_angle):
     theta = pair.angle
     gap = closed_forms.persson_clearance(b) * Q / LADDER_STEEL.E * (1 - np.cos(theta))
     problem = pair.normal(gap, [Q])
-    found = active_set.solve(problem, coarse_contact_set(problem))
+    found = active_set.solve_contact_problem(problem, coarse_contact_set(problem))
     exact = closed_forms.persson_pressure(b, theta) * Q / R
     middle = np.argmin(np.abs(theta))
     assert found.p[middle] == pytest.approx(exact[middle], rel=5e-3)
@@ -197,8 +199,8 @@ def test_swapping_sides_changes_nothing_beyond_discretisation():
     def gap(angle):
         return 1e-4 * (np.cos(angle) - 0.3)
 
-    a = active_set.solve(one.normal(gap(one.angle)))
-    b = active_set.solve(two.normal(gap(two.angle)))
+    a = active_set.solve_contact_problem(one.normal(gap(one.angle)))
+    b = active_set.solve_contact_problem(two.normal(gap(two.angle)))
     assert 0.2 < (a.p > 0).mean() < 0.8
     # The touching side of the disc is where the cosine is -1, at pi.
     theta = np.linspace(2.2, 4.0, 50) - math.pi
@@ -228,7 +230,7 @@ def wavy(mean_share, m=40):
     amplitude = 1e-6
     p_star = math.pi * (LADDER_STEEL.E / 2) * amplitude * m / (2 * math.pi * R) * 1.0
     gap = amplitude * (1 - np.cos(m * pair.angle)) - mean_share * p_star * soft - amplitude
-    return pair, active_set.solve(pair.normal(gap)), p_star
+    return pair, active_set.solve_contact_problem(pair.normal(gap)), p_star
 
 
 def test_westergaard_full_contact():

@@ -10,7 +10,7 @@ from scipy.sparse.linalg import spsolve
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.brake.fields import Material
 from drumlin.contact import active_set
-from drumlin.contact.equations import Problem
+from drumlin.contact.equations import ContactProblem
 from drumlin.fem.substructure.body import scalar_basis, stiffness
 from drumlin_studies.two_bodies import (
     BodyPair,
@@ -110,7 +110,9 @@ def test_the_pressure_at_a_sharp_edge_that_the_drum_runs_onto_goes_as_r_to_lambd
     A = pair.pressed.T @ (pair.pressed + mu * pair.dragged)
     n = len(pair.angle)
     q = pair.coupling.M @ np.full(n, -1e-4 * thickness)
-    found = active_set.solve(Problem(A, q, np.zeros((n, 0)), np.zeros((0, n)), np.zeros(0)))
+    found = active_set.solve_contact_problem(
+        ContactProblem(A, q, np.zeros((n, 0)), np.zeros((0, n)), np.zeros(0))
+    )
     # The drum moves along +phi, onto this end.
     r = pair.angle - pair.angle[0]
     near = (r > 1e-5 * thickness) & (r < 3e-3 * thickness)

@@ -4,11 +4,16 @@ import numpy as np
 import pytest
 
 from drumlin.brake import read_any, read_brake, vary
-from drumlin.fem.equilibrium.group import groups_of
+from drumlin.fem.equilibrium.group import divide_pressed_shoes_into_groups
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.error_control.refinement import full_system, refined_solution
-from drumlin.fem.model import respond
-from drumlin.fem.preparation.bodies import DividedBody, ShoeSubstructure, acting_loads, coupled_shoe
+from drumlin.fem.model import solve_prepared_model
+from drumlin.fem.preparation.bodies import (
+    DividedBody,
+    ShoeSubstructure,
+    acting_loads,
+    make_shoe_substructure,
+)
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.substructure.body import body_constraints, condense_body, stiffness
 from drumlin.fem.substructure.elasticity import elastic_layers_of_ring, elastic_layers_of_shoe
@@ -166,7 +171,9 @@ def test_a_shoe_is_coupled_with_all_its_columns(brake, level):
     shoe, body = brake.shoes[0], prepare(brake, level, elements=40).bodies[0]
     warm = heated(body.condensed, body.basis, elastic_layers_of_shoe(shoe))
     division = DividedBody(body.mesh, body.basis, body.line)
-    coupled = coupled_shoe(ShoeSubstructure, shoe, division, warm, body.load_centre, friction=True)
+    coupled = make_shoe_substructure(
+        ShoeSubstructure, shoe, division, warm, body.load_centre, friction=True
+    )
     assert np.array_equal(coupled.closure_by_load[:, :3], body.closure_by_load)
     u = displacement(warm, heat=1.0)[:, body.line.nodes].T.ravel()
     closed = coupled.closure_by_load[:, 3]
@@ -185,22 +192,24 @@ def test_a_free_strain_in_the_linings_is_solved_and_refined_alike(brake, level, 
     def with_free_strain(kind, shoe, division, condensed, centre, *, friction):
         forces = expansion_forces(division.basis, elastic_layers_of_shoe(shoe), {"lining": EVEN})
         loaded = condensed.with_loads({HEAT: forces[:, None]})
-        return coupled_shoe(kind, shoe, division, loaded, centre, friction=friction)
+        return make_shoe_substructure(kind, shoe, division, loaded, centre, friction=friction)
 
     def with_heat(body, shoe, force):
         return acting_loads(body, shoe, force) + body.columns.factors({HEAT: np.ones(1)})
 
-    cold = respond(prepare(brake, level, elements=24), brake)
+    cold = solve_prepared_model(prepare(brake, level, elements=24), brake)
     for module in ("columns", "meshes"):
-        monkeypatch.setattr(f"drumlin.fem.preparation.{module}.coupled_shoe", with_free_strain)
+        monkeypatch.setattr(
+            f"drumlin.fem.preparation.{module}.make_shoe_substructure", with_free_strain
+        )
     for module in ("equilibrium.state", "model", "error_control.refinement"):
         monkeypatch.setattr(f"drumlin.fem.{module}.acting_loads", with_heat)
     scene = prepare(brake, level, elements=24)
-    warm = respond(scene, brake)
+    warm = solve_prepared_model(scene, brake)
     assert abs(warm.torque - cold.torque) > 1e-3 * cold.torque
     assert max(warm.balance.force, warm.balance.moment) < 1e-8
     torque = 0.0
-    for group in groups_of(scene, brake):
-        refined = refined_solution(full_system(group), group.answer().active)
+    for group in divide_pressed_shoes_into_groups(scene, brake):
+        refined = refined_solution(full_system(group), group.solve_with_known_senses().active)
         torque += group.unit_force * refined.torque
     assert warm.torque == pytest.approx(torque, rel=1e-7)

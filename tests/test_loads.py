@@ -8,9 +8,9 @@ import pytest
 from drumlin.brake.file import read_brake
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.hp.shoe import LoadedEnd, unit_actuation_loads
-from drumlin.fem.model import respond
+from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation import columns as hp_path
-from drumlin.fem.preparation.bodies import actuation
+from drumlin.fem.preparation.bodies import actuation_load_factors
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.substructure.body import condense_body
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
@@ -81,8 +81,10 @@ def test_the_frame_bears_a_further_force(brake, further):
 
 def test_a_load_that_does_not_act_changes_no_answer(brake, further, monkeypatch):
     scene = prepare(brake, LEVELS[1])
-    factors, _ = actuation(scene.bodies[0], brake.shoes[0])
+    factors, _ = actuation_load_factors(scene.bodies[0], brake.shoes[0])
     assert factors.shape == (4,) and factors[3] == 0.0
-    found = respond(scene, brake)
+    found = solve_prepared_model(scene, brake)
     monkeypatch.undo()
-    assert found.torque == pytest.approx(respond(prepare(brake, LEVELS[1]), brake).torque, rel=1e-9)
+    assert found.torque == pytest.approx(
+        solve_prepared_model(prepare(brake, LEVELS[1]), brake).torque, rel=1e-9
+    )

@@ -10,12 +10,12 @@ from hypothesis import strategies as st
 from conftest import partly, settled_sizes
 from drumlin import NoAnswer, vary
 from drumlin.contact import active_set, self_locking
-from drumlin.contact.equations import Problem
-from drumlin.contact.self_locking import Sliding, limit
-from drumlin.fem.analysis.self_locking import limits, torques
-from drumlin.fem.equilibrium.group import ShoeGroup, groups_of
+from drumlin.contact.equations import ContactProblem
+from drumlin.contact.self_locking import FrictionDependentProblem, find_friction_limit
+from drumlin.fem.analysis.self_locking import friction_limits_of_groups, torques_at_frictions
+from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_groups
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.model import respond
+from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin.laws import locking_friction, rigid
@@ -28,24 +28,24 @@ RING = drum_ring(0.015, "free")
 
 def one_node(a=1.0, lever=0.5):
     """One node on a hinge: p = h / (1 - lever mu); it locks at 1 / lever."""
-    still = Problem(
+    still = ContactProblem(
         np.array([[a]]), np.array([-1.0]), np.array([[-1.0]]), np.array([[-1.0]]), np.array([-1.0])
     )
-    return Sliding(still, np.array([[0.0]]), np.array([[lever]]))
+    return FrictionDependentProblem(still, np.array([[0.0]]), np.array([[lever]]))
 
 
 @given(st.floats(0.1, 10))
 def test_the_limit_of_one_node_on_a_hinge_is_that_of_its_lever(lever):
-    end = self_locking.limit(one_node(lever=lever))
-    assert not end.bounded
+    end = self_locking.find_friction_limit(one_node(lever=lever))
+    assert not end.pressure_stays_finite
     assert end.friction == pytest.approx(1 / lever, rel=1e-12)
 
 
 def test_a_path_that_stands_on_the_singular_friction_ends_there():
     """A step of the path may meet 1/lever exactly, where the equations have no solution."""
-    below = active_set.solve(one_node().at(1.0))
-    end = self_locking.limit(one_node(), known=(2.0, below))
-    assert end.friction == 2.0 and not end.bounded
+    below = active_set.solve_contact_problem(one_node().problem_at(1.0))
+    end = self_locking.find_friction_limit(one_node(), known_answer=(2.0, below))
+    assert end.friction == 2.0 and not end.pressure_stays_finite
 
 
 def test_an_answer_that_turns_back_at_finite_pressure_ends_where_the_set_changes():
@@ -54,24 +54,28 @@ def test_an_answer_that_turns_back_at_finite_pressure_ends_where_the_set_changes
     w_2 = 0.5 - mu p_1 closes at mu = 0.5, where p_1 = 1 is far from any pole; on both nodes det = 1
     - 8 mu^2 < 0.
     """
-    still = Problem(
+    still = ContactProblem(
         np.eye(2), np.array([-1.0, 0.5]), np.zeros((2, 0)), np.zeros((0, 2)), np.zeros(0)
     )
-    problems = Sliding(still, np.array([[0.0, -8.0], [-1.0, 0.0]]), np.zeros((0, 2)))
-    end = self_locking.limit(problems)
-    assert end.bounded
+    problems = FrictionDependentProblem(
+        still, np.array([[0.0, -8.0], [-1.0, 0.0]]), np.zeros((0, 2))
+    )
+    end = self_locking.find_friction_limit(problems)
+    assert end.pressure_stays_finite
     assert end.friction == pytest.approx(0.5, rel=1e-10)
-    both = active_set.solve(problems.at(0.45), np.array([True, True]))
+    both = active_set.solve_contact_problem(problems.problem_at(0.45), np.array([True, True]))
     # The other answer, which meets the first one at 0.5.
-    assert not both.regular and both.p[1] > 0
+    assert not both.stable and both.p[1] > 0
     assert (
-        self_locking.agreement(
-            problems.at(0.45), self_locking.limit(problems, 0.45).last, [both.active]
+        self_locking.compare_answers_from_start_sets(
+            problems.problem_at(0.45),
+            self_locking.find_friction_limit(problems, 0.45).last_contact,
+            [both.active],
         ).unstable
         == 1
     )
     with pytest.raises(NoAnswer):
-        active_set.solve(problems.at(0.51))
+        active_set.solve_contact_problem(problems.problem_at(0.51))
 
 
 @pytest.mark.parametrize("changes", ({}, {"rotation": "clockwise"}, RING))
@@ -79,32 +83,42 @@ def test_the_eigenvalue_is_exact_where_halving_was_not(changes, brake):
     """Just below the limit the answer is of order 1/distance; just beyond is none: to 1e-9."""
     changed = vary(brake, changes)
     scene = prepare(changed, elements=20)
-    group, end = min(limits(scene, changed, 3.0).items(), key=lambda item: item[1].friction)
-    problems = ShoeGroup(scene, changed, group).sliding
+    group, end = min(
+        friction_limits_of_groups(scene, changed, 3.0).items(), key=lambda item: item[1].friction
+    )
+    problems = ShoeGroup(scene, changed, group).friction_dependent_problem
     near = [
-        active_set.solve(problems.at(end.friction * (1 - gap)), end.last.active).p.max() * gap
+        active_set.solve_contact_problem(
+            problems.problem_at(end.friction * (1 - gap)), end.last_contact.active
+        ).p.max()
+        * gap
         for gap in (1e-7, 1e-9)
     ]
     assert near[1] == pytest.approx(near[0], rel=1e-4)
-    for start in (None, end.last.active, ~end.last.active):
+    for start in (None, end.last_contact.active, ~end.last_contact.active):
         with pytest.raises(NoAnswer):
-            active_set.solve(problems.at(end.friction * (1 + 1e-9)), start)
+            active_set.solve_contact_problem(problems.problem_at(end.friction * (1 + 1e-9)), start)
     with pytest.raises(NoAnswer, match=rf"mu_lock = {end.friction:.4g} .rigid-shoe law: 0.8231"):
-        respond(scene, vary(changed, {"friction": end.friction * 1.01}))
+        solve_prepared_model(scene, vary(changed, {"friction": end.friction * 1.01}))
 
 
 def test_both_hands_lock_alike_and_the_other_shoe_never(brake):
     found = []
     for rotation in ("counter-clockwise", "clockwise"):
         turning = vary(brake, {"rotation": rotation})
-        found.append(picked(limits(prepare(turning, elements=20), turning).values(), "friction"))
+        found.append(
+            picked(
+                friction_limits_of_groups(prepare(turning, elements=20), turning).values(),
+                "friction",
+            )
+        )
     assert found[0][0] == found[1][1] == math.inf
     assert found[0][1] == pytest.approx(found[1][0], rel=1e-12)
 
 
 def test_the_limit_knows_neither_force_nor_clearance(brake):
     plain, other = (
-        limits(prepare(changed, elements=20), changed, 3.0)[(1,)].friction
+        friction_limits_of_groups(prepare(changed, elements=20), changed, 3.0)[(1,)].friction
         for changed in (
             brake,
             vary(brake, {"shoe.actuation.force": 50.0, "shoe.lining.clearance": 2e-4}),
@@ -118,7 +132,10 @@ def test_rigid_shoes_tend_to_the_law_as_their_linings_become_thin(brake):
     off = []
     for t in (8e-3, 4e-3, 2e-3):
         rigid = vary(brake, {"shoe.body": None, "shoe.lining.thickness": t})
-        off.append(limits(prepare(rigid, elements=60), rigid, 3.0)[(1,)].friction / law - 1)
+        off.append(
+            friction_limits_of_groups(prepare(rigid, elements=60), rigid, 3.0)[(1,)].friction / law
+            - 1
+        )
     assert abs(off[2]) < 5e-3
     # The difference is linear in t/R by the lining's own shear.
     assert off[0] / off[1] == pytest.approx(2, rel=0.05)
@@ -127,9 +144,9 @@ def test_rigid_shoes_tend_to_the_law_as_their_linings_become_thin(brake):
 
 def test_torque_has_a_simple_pole_at_the_limit(brake):
     scene = prepare(brake, elements=20)
-    end = limits(scene, brake, 3.0)[(1,)].friction
+    end = friction_limits_of_groups(scene, brake, 3.0)[(1,)].friction
     gaps = np.array([1e-4, 1e-6])
-    T = torques(scene, brake, list(end * (1 - gaps)))[:, 1]
+    T = torques_at_frictions(scene, brake, list(end * (1 - gaps)))[:, 1]
     assert T[1] * gaps[1] == pytest.approx(T[0] * gaps[0], rel=1e-3)
 
 
@@ -138,19 +155,23 @@ def test_torque_has_a_simple_pole_at_the_limit(brake):
 def test_below_half_the_limit_all_starts_agree_and_beyond_it_none_is_answered(seed, way):
     brake = random_brake(seed, way)
     scene = prepare(brake, elements=10)
-    problems = ShoeGroup(scene, brake, (0,)).sliding
-    end, rng = self_locking.limit(problems, 20.0), np.random.default_rng(seed)
-    n = len(problems.still.q)
+    problems = ShoeGroup(scene, brake, (0,)).friction_dependent_problem
+    end, rng = self_locking.find_friction_limit(problems, 20.0), np.random.default_rng(seed)
+    n = len(problems.frictionless.q)
     starts = [np.ones(n, bool), np.zeros(n, bool), *(rng.random(n) < 0.5 for _ in range(5))]
     mu = 0.5 * min(end.friction, 0.6)
-    found = self_locking.agreement(problems.at(mu), self_locking.limit(problems, mu).last, starts)
+    found = self_locking.compare_answers_from_start_sets(
+        problems.problem_at(mu), self_locking.find_friction_limit(problems, mu).last_contact, starts
+    )
     assert (found.same, found.others, found.unstable, found.lost) == (7, 0, 0, 0)
     assert found.difference < 1e-9
     # Of the brakes whose friction opposes the shoe, one in a hundred locks.
     assert (end.friction < 5) == (way == "locking")
     for beyond in (1.0001, 1.05, 2, 3) if way == "locking" else ():
         with pytest.raises(NoAnswer, match="self-locking"):
-            respond(scene, vary(brake, {"friction": beyond * end.friction}), penalty=math.inf)
+            solve_prepared_model(
+                scene, vary(brake, {"friction": beyond * end.friction}), penalty=math.inf
+            )
 
 
 def test_where_the_answer_turns_back_those_beyond_stand_apart_and_are_refused():
@@ -163,15 +184,17 @@ def test_where_the_answer_turns_back_those_beyond_stand_apart_and_are_refused():
     scenes = prepare(brake, elements=16), prepare(brake, LEVELS[2]), prepare(brake, elements=64)
     ends = []
     for scene in scenes:
-        problems = ShoeGroup(scene, brake, (0,)).sliding
-        end = self_locking.limit(problems)
-        assert end.bounded
+        problems = ShoeGroup(scene, brake, (0,)).friction_dependent_problem
+        end = self_locking.find_friction_limit(problems)
+        assert end.pressure_stays_finite
         ends.append(end.friction)
     assert max(ends) < 1.01 * min(ends)
     for beyond in (0.84, 1.0, 2.54):
-        assert active_set.settle(problems.at(beyond)).regular
+        assert active_set.solve_by_block_pivoting(problems.problem_at(beyond)).stable
         with pytest.raises(NoAnswer, match=f"up to mu_lock = {end.friction:.4g}"):
-            self_locking.answer(problems.at, beyond, law=1.18, brake="")
+            self_locking.solve_on_path_from_zero_friction(
+                problems.problem_at, beyond, rigid_law_limit=1.18, brake_words=""
+            )
 
 
 def test_beyond_the_limit_of_the_rigid_shoe_a_quiet_answer_is_not_taken_unfollowed():
@@ -180,16 +203,18 @@ def test_beyond_the_limit_of_the_rigid_shoe_a_quiet_answer_is_not_taken_unfollow
     At twice that limit one stands apart that hardly grows with friction.
     """
     brake = random_brake(100, "locking")
-    (group,) = groups_of(prepare(brake, elements=14), brake, 1e6)
+    (group,) = divide_pressed_shoes_into_groups(prepare(brake, elements=14), brake, 1e6)
     law = rigid.locking_friction(brake, group.shoes[0])
-    problems, mu = group.sliding, 2 * law
-    end = self_locking.limit(problems).friction
+    problems, mu = group.friction_dependent_problem, 2 * law
+    end = self_locking.find_friction_limit(problems).friction
     assert end < mu
-    found = active_set.settle(problems.at(mu))
-    half = active_set.settle(problems.at(0.5 * mu), found.active)
-    assert found.regular and half.regular and found.p.sum() < 1.5 * half.p.sum()
+    found = active_set.solve_by_block_pivoting(problems.problem_at(mu))
+    half = active_set.solve_by_block_pivoting(problems.problem_at(0.5 * mu), found.active)
+    assert found.stable and half.stable and found.p.sum() < 1.5 * half.p.sum()
     with pytest.raises(NoAnswer, match=f"up to mu_lock = {end:.4g}"):
-        self_locking.answer(problems.at, mu, law=law, brake="now")
+        self_locking.solve_on_path_from_zero_friction(
+            problems.problem_at, mu, rigid_law_limit=law, brake_words="now"
+        )
 
 
 def test_a_large_problem_is_answered_as_if_it_were_followed_on_all_nodes(flexible, monkeypatch):
@@ -199,15 +224,19 @@ def test_a_large_problem_is_answered_as_if_it_were_followed_on_all_nodes(flexibl
     beyond.
     """
     scene = prepare(flexible, elements=24)
-    for group in groups_of(scene, flexible, 1e4):
-        problems, n = group.sliding, len(group.problem.q)
-        end = min(self_locking.limit(problems, 3.0).friction, 3.0)
+    for group in divide_pressed_shoes_into_groups(scene, flexible, 1e4):
+        problems, n = group.friction_dependent_problem, len(group.problem.q)
+        end = min(self_locking.find_friction_limit(problems, 3.0).friction, 3.0)
         for mu in (0.2 * end, 0.6 * end, 0.9 * end, 1.001 * end, 2 * end):
             answers = []
             for large in (n, 10):
-                monkeypatch.setattr(self_locking, "HALVED_ABOVE", large)
+                monkeypatch.setattr(self_locking, "COARSE_PATH_ABOVE_NODES", large)
                 try:
-                    answers.append(self_locking.answer(problems.at, mu, law=1e3, brake="").p)
+                    answers.append(
+                        self_locking.solve_on_path_from_zero_friction(
+                            problems.problem_at, mu, rigid_law_limit=1e3, brake_words=""
+                        ).p
+                    )
                 except NoAnswer as error:
                     answers.append(str(error))
             if mu < end:
@@ -219,10 +248,12 @@ def test_a_large_problem_is_answered_as_if_it_were_followed_on_all_nodes(flexibl
 
 
 def test_of_a_large_problem_the_fine_answer_is_solved_once(flexible, monkeypatch):
-    (_, group) = groups_of(prepare(flexible, elements=24), flexible, 1e4)
-    monkeypatch.setattr(self_locking, "HALVED_ABOVE", 30)
+    (_, group) = divide_pressed_shoes_into_groups(prepare(flexible, elements=24), flexible, 1e4)
+    monkeypatch.setattr(self_locking, "COARSE_PATH_ABOVE_NODES", 30)
     sizes = settled_sizes(monkeypatch)
-    self_locking.answer(group.problem_at, 0.4, law=1.0, brake="")
+    self_locking.solve_on_path_from_zero_friction(
+        group.problem_at_friction, 0.4, rigid_law_limit=1.0, brake_words=""
+    )
     assert sizes.count(len(group.problem.q)) == 1 and len(sizes) > 2
 
 
@@ -236,25 +267,36 @@ def test_the_law_that_is_kept_with_a_scene_is_that_of_the_brake_at_hand(
     for at_hand in (other, turned):
         expected = [rigid.locking_friction(at_hand, shoe) for shoe in at_hand.shoes]
         assert math.inf in expected and min(expected) < 10
-        laws = [group.law(group.members[0]) for group in groups_of(scene, at_hand, 1e6)]
+        laws = [
+            group.rigid_law_locking_friction(group.members[0])
+            for group in divide_pressed_shoes_into_groups(scene, at_hand, 1e6)
+        ]
         assert laws == pytest.approx(expected, rel=1e-9)
     # A hinged shoe needs no second computation.
     monkeypatch.setattr(rigid, "locking_friction", None)
-    laws = [group.law(group.members[0]) for group in groups_of(scene, brake, 1e6)]
+    laws = [
+        group.rigid_law_locking_friction(group.members[0])
+        for group in divide_pressed_shoes_into_groups(scene, brake, 1e6)
+    ]
     assert min(laws) < 10
 
 
 def test_below_the_first_singular_set_every_load_has_one_answer(brake):
     one = vary(brake, {"shoe": [brake.model_dump(by_alias=True)["shoe"][1]]})
-    problems = ShoeGroup(prepare(one, elements=2), one, (0,)).sliding
-    first, n = self_locking.first_singular(problems), len(problems.still.q)
-    assert 0 < first <= self_locking.limit(problems).friction
+    problems = ShoeGroup(prepare(one, elements=2), one, (0,)).friction_dependent_problem
+    first, n = (
+        self_locking.smallest_singular_friction_of_all_sets(problems),
+        len(problems.frictionless.q),
+    )
+    assert 0 < first <= self_locking.find_friction_limit(problems).friction
     rng = np.random.default_rng(0)
-    below = problems.at(0.99 * first)
+    below = problems.problem_at(0.99 * first)
     scale = np.abs(below.A).max()
     for _ in range(20):
         changed = below._replace(q=scale * rng.normal(size=n) * 10 ** rng.uniform(-3, 3))
-        answers = [active_set.solve(changed, rng.random(n) < 0.5).p for _ in range(6)]
+        answers = [
+            active_set.solve_contact_problem(changed, rng.random(n) < 0.5).p for _ in range(6)
+        ]
         assert np.ptp(answers, axis=0).max() <= 1e-9 * np.abs(answers[0]).max()
 
 
@@ -265,19 +307,29 @@ def test_of_two_stable_answers_the_one_that_friction_leads_to(elements, large, m
     At mu = 0.822, a hundredth below the jump of its contact, this shoe has another answer of four
     times the torque.
     """
-    monkeypatch.setattr(self_locking, "HALVED_ABOVE", large)
+    monkeypatch.setattr(self_locking, "COARSE_PATH_ABOVE_NODES", large)
     brake = vary(random_brake(37, "locking"), {"friction": 0.82245})
-    group = next(iter(groups_of(prepare(brake, elements=elements), brake, 1e6)))
-    end = limit(group.sliding, brake.friction)
-    followed = brake.friction * group.unit_force * float((group.levers.T @ end.last.p)[0])
+    group = next(
+        iter(divide_pressed_shoes_into_groups(prepare(brake, elements=elements), brake, 1e6))
+    )
+    end = find_friction_limit(group.friction_dependent_problem, brake.friction)
+    followed = (
+        brake.friction
+        * group.unit_force
+        * float((group.torque_per_pressure.T @ end.last_contact.p)[0])
+    )
     assert math.isinf(end.friction) and 480 < followed < 590
     assert solve(brake, elements=elements, penalty=1e6).torque == pytest.approx(followed, rel=1e-6)
-    other = active_set.settle(group.problem)
-    assert other.regular and other.p.sum() > 4 * end.last.p.sum()
-    found = self_locking.answer(
-        group.problem_at, brake.friction, other.active, law=math.inf, brake=""
+    other = active_set.solve_by_block_pivoting(group.problem)
+    assert other.stable and other.p.sum() > 4 * end.last_contact.p.sum()
+    found = self_locking.solve_on_path_from_zero_friction(
+        group.problem_at_friction,
+        brake.friction,
+        other.active,
+        rigid_law_limit=math.inf,
+        brake_words="",
     )
-    np.testing.assert_allclose(found.p, end.last.p, rtol=1e-6, atol=1e-9 * found.p.max())
+    np.testing.assert_allclose(found.p, end.last_contact.p, rtol=1e-6, atol=1e-9 * found.p.max())
 
 
 @pytest.mark.parametrize(("share", "quiet"), [(0.6, True), (0.9, False), (1.2, False)])
@@ -285,20 +337,25 @@ def test_from_a_quiet_answer_at_half_of_the_friction_the_others_are_followed(
     brake, share, quiet, monkeypatch
 ):
     """To the very answer, and the very end, that are followed from no friction at all."""
-    group = groups_of(prepare(brake, elements=16), brake, 1e6)[1]
-    problems, known = group.sliding, []
-    end = limit(problems)
-    mu, follow = share * end.friction, self_locking.limit
+    group = divide_pressed_shoes_into_groups(prepare(brake, elements=16), brake, 1e6)[1]
+    problems, known = group.friction_dependent_problem, []
+    end = find_friction_limit(problems)
+    mu, follow = share * end.friction, self_locking.find_friction_limit
 
     def noted(*given):
         known.append(given[2])
         return follow(*given)
 
-    monkeypatch.setattr(self_locking, "limit", noted)
+    monkeypatch.setattr(self_locking, "find_friction_limit", noted)
     try:
-        found = self_locking.answer(problems.at, mu, law=math.inf, brake="now")
+        found = self_locking.solve_on_path_from_zero_friction(
+            problems.problem_at, mu, rigid_law_limit=math.inf, brake_words="now"
+        )
         np.testing.assert_allclose(
-            found.p, limit(problems, mu).last.p, rtol=1e-9, atol=1e-12 * found.p.max()
+            found.p,
+            find_friction_limit(problems, mu).last_contact.p,
+            rtol=1e-9,
+            atol=1e-12 * found.p.max(),
         )
         assert share < 1 and (known[0] and known[0][0]) == (0.5 * mu if quiet else None)
     except NoAnswer as refusal:

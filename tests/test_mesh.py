@@ -11,8 +11,8 @@ from drumlin.base.errors import BadInput
 from drumlin.brake.file import read_brake, vary
 from drumlin.fem.mesh.arc import shoe_mesh
 from drumlin.fem.mesh.file import read_mesh, write_mesh
-from drumlin.fem.mesh.grading import graded
-from drumlin.fem.model import respond
+from drumlin.fem.mesh.grading import points_graded_to_both_ends
+from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin_studies.stated_true import true_errors
@@ -21,7 +21,7 @@ from shared_parts import of_shoes
 
 @given(st.integers(1, 300), st.floats(1e-3, 2), st.floats(1e-3, 1))
 def test_graded_points_grow_from_both_ends_to_the_middle(count, zone, smallest):
-    x = graded(1.0, 3.0, count, zone, smallest)
+    x = points_graded_to_both_ends(1.0, 3.0, count, zone, smallest)
     assert len(x) == count + 1
     assert (x[0], x[-1]) == (1.0, 3.0)
     steps = np.diff(x)
@@ -51,7 +51,7 @@ def test_groups_cover_the_mesh_and_its_ends(brake):
 def test_a_mesh_is_as_exact_as_is_said(name):
     """By default p is within 0.2 % (L2) of a far finer answer, the torque within 1e-5."""
     brake = read_brake(STUDY / f"{name}.toml")
-    found, true = respond(prepare(brake), brake), solve(brake, tolerance=1e-5)
+    found, true = solve_prepared_model(prepare(brake), brake), solve(brake, tolerance=1e-5)
     off = true_errors(brake, found.shoes, true.shoes)
     assert off["pressure"] < 2e-3 and off["torque"] < 1e-5
 

@@ -17,7 +17,7 @@ from drumlin.fem.mesh.arc import MESH_KINDS, shoe_mesh
 from drumlin.fem.mesh.file import read_mesh, write_mesh
 from drumlin.fem.mesh.inp import read_inp
 from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.solve import check_divided, solve
+from drumlin.fem.solve import check_division_options, solve
 from drumlin.models import pick
 from drumlin.response.norms import pressure_distance
 
@@ -59,13 +59,13 @@ def test_what_no_part_is_divided_by_is_refused(tmp_path, brake):
     partly = vary(brake, {"shoe[0].mesh": str(written.shoes[0].mesh)})
     for option in ({"elements": 8}, {"kind": "tri2"}):
         with pytest.raises(BadInput, match=r"--\w+ = \w+: all shoes have mesh files"):
-            check_divided(written, **option)
-        check_divided(partly, **option)
-    check_divided(ringed, elements=8)
+            check_division_options(written, **option)
+        check_division_options(partly, **option)
+    check_division_options(ringed, elements=8)
     coarse, fine = (prepare(ringed, elements=n).ring.mesh.nelements for n in (8, 16))
     assert coarse < fine
     with pytest.raises(BadInput, match="--kind = tri2"):
-        check_divided(ringed, elements=8, kind="tri2")
+        check_division_options(ringed, elements=8, kind="tri2")
 
 
 @pytest.mark.parametrize("options", [("gmsh22", False), ("gmsh22", True)])

@@ -13,7 +13,7 @@ from drumlin.base.errors import BadInput
 from drumlin.brake import clearance, off_circle
 from drumlin.brake.fields import Point
 from drumlin.brake.file import brake_from, read_brake, vary
-from drumlin.fem.model import respond
+from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin.foundation import model as foundation
@@ -148,14 +148,14 @@ def test_an_offset_across_the_hinges_radius_is_a_turn_of_the_shoe():
 
     The shoe turns back by it; an offset along the radius stays.
     """
-    base, hinge = respond(SCENE, BRAKE), BRAKE.shoes[0].hinge
+    base, hinge = solve_prepared_model(SCENE, BRAKE), BRAKE.shoes[0].hinge
     # A move across the hinge's radius is nearly a turn about the hinge.
     across = np.array([-hinge.y, hinge.x]) / hinge.radius
     along = hinge.xy / hinge.radius
     changes = []
     for direction in (across, along):
         x, y = 1e-5 * direction
-        moved = respond(
+        moved = solve_prepared_model(
             SCENE,
             vary(BRAKE, {"shoe[0].lining.misfit.offset.x": x, "shoe[0].lining.misfit.offset.y": y}),
         )
@@ -175,12 +175,18 @@ def test_taper_blocks_and_growth_are_the_clearances_that_they_say():
     taper = vary(BRAKE, {"shoe[0].lining.misfit.taper": 4e-5})
     # The right shoe's hinge is at the start of its lining.
     table = [[lining.start, -2e-5], [lining.end, 2e-5]]
-    same(respond(SCENE, taper), respond(SCENE, vary(BRAKE, {"shoe[0].lining.clearance": table})))
+    same(
+        solve_prepared_model(SCENE, taper),
+        solve_prepared_model(SCENE, vary(BRAKE, {"shoe[0].lining.clearance": table})),
+    )
     # The left shoe's hinge is at the end of its lining.
     other = vary(BRAKE, {"shoe[1].lining.misfit.taper": 4e-5})
     at = BRAKE.shoes[1].lining
     table = [[at.start, 2e-5], [at.end, -2e-5]]
-    same(respond(SCENE, other), respond(SCENE, vary(BRAKE, {"shoe[1].lining.clearance": table})))
+    same(
+        solve_prepared_model(SCENE, other),
+        solve_prepared_model(SCENE, vary(BRAKE, {"shoe[1].lining.clearance": table})),
+    )
     blocks = (
         vary(BRAKE, {"shoe[0].lining.misfit.blocks": [[-0.4, 2e-5], [0.3, -1e-5]]}).shoes[0].lining
     )
@@ -192,7 +198,10 @@ def test_taper_blocks_and_growth_are_the_clearances_that_they_say():
     growth = clearance.thermal_growth(R, 1.2e-5, 100.0)
     assert growth == pytest.approx(1.8e-4)
     hot = vary(BRAKE, {"drum.out_of_round": [{"order": 0, "amplitude": growth}]})
-    same(respond(SCENE, hot), respond(SCENE, vary(BRAKE, {"shoe.lining.clearance": growth})))
+    same(
+        solve_prepared_model(SCENE, hot),
+        solve_prepared_model(SCENE, vary(BRAKE, {"shoe.lining.clearance": growth})),
+    )
 
 
 def test_steps_between_blocks_begin_and_end_at_the_kinks():
@@ -223,7 +232,7 @@ def test_a_drum_turns_with_its_surface():
 def test_a_step_between_blocks_converges_with_the_mesh():
     stepped = vary(BRAKE, {"shoe[0].lining.misfit.blocks": [[-0.3, 1e-5]]})
     adapted = solve(stepped, tolerance=1e-2)
-    assert respond(SCENE, stepped).torque == pytest.approx(adapted.torque, rel=2e-3)
+    assert solve_prepared_model(SCENE, stepped).torque == pytest.approx(adapted.torque, rel=2e-3)
     assert solve(stepped, elements=120).torque == pytest.approx(adapted.torque, rel=2e-4)
 
 
@@ -233,7 +242,10 @@ def test_the_torque_over_a_turn_has_the_period_of_the_lobes(order):
     angles = np.linspace(0, 2 * math.pi / order, 6, endpoint=False)
     # One turn of the lobes' period later the drum presents the same shape.
     once, again = (
-        picked(clearance.one_turn(brake, lambda b: respond(SCENE, b), start + angles), "torque")
+        picked(
+            clearance.one_turn(brake, lambda b: solve_prepared_model(SCENE, b), start + angles),
+            "torque",
+        )
         for start in (0.0, 2 * math.pi / order)
     )
     assert again == pytest.approx(once, rel=1e-9)
@@ -301,7 +313,7 @@ def test_mirror_image_and_units_change_nothing(dr, x, y, taper, depth, lobe, ang
         },
     )
     here, there, large = (
-        respond(SCENE, brake),
+        solve_prepared_model(SCENE, brake),
         solve(mirrored(brake), elements=40),
         solve(scaled(brake, 2), elements=40),
     )
@@ -338,7 +350,7 @@ def test_worn_in_every_lining_bears_by_the_sine_law():
     """
     law = sine(BRAKE)
     off = vary(BRAKE, {f"{MISFIT}.radius": R - 1e-4, f"{MISFIT}.taper": 5e-5})
-    worn = respond(SCENE, worn_in_brake(SCENE, off))
+    worn = solve_prepared_model(SCENE, worn_in_brake(SCENE, off))
     assert worn.torque == pytest.approx(law.torque, rel=1e-6)
     assert max(starmap(pressure_distance, zip(worn.shoes, law.shoes, strict=True))) < 1e-4
     assert (
@@ -350,11 +362,11 @@ def test_worn_in_every_lining_bears_by_the_sine_law():
     assert solve(block, elements=20).torque == 0
     block = vary(block, {"friction": 0.3})
     scene = prepare(block, elements=20)
-    assert respond(scene, worn_in_brake(scene, block)).torque == pytest.approx(
+    assert solve_prepared_model(scene, worn_in_brake(scene, block)).torque == pytest.approx(
         sine(block).torque, rel=1e-5
     )
     oval = vary(worn_in_brake(SCENE, off), {"drum.out_of_round": [{"order": 2, "amplitude": 2e-5}]})
-    assert abs(respond(SCENE, oval).torque / law.torque - 1) > 0.01
+    assert abs(solve_prepared_model(SCENE, oval).torque / law.torque - 1) > 0.01
 
 
 def test_the_worn_in_shape_is_the_one_that_wear_ends_with():

@@ -13,7 +13,7 @@ from drumlin.brake.components import Ring
 from drumlin.brake.file import read_brake, vary
 from drumlin.fem.equilibrium.group import ShoeGroup
 from drumlin.fem.error_control.adapt import Tolerance, solve_to_tolerance
-from drumlin.fem.model import respond
+from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin.response.norms import pressure_distance
@@ -91,9 +91,10 @@ def test_the_sketched_ring_is_the_thick_walled_ring_and_the_thin_one_of_theory(s
     assert shear[below] == pytest.approx((1 - nu) * R / (E * below), rel=2e-2)
     assert radial[250] == pytest.approx(2 * R / (E * 250), rel=1e-12)
     if support == "free":
-        thin = Ring(thickness=1e-3 * R, width=0.04, material=IRON, support="free")
+        # Bending theory is off by 1.5 t/R. In a thinner ring round-off exceeds this error.
+        thin = Ring(thickness=2e-3 * R, width=0.04, material=IRON, support="free")
         k = np.arange(2, 6)
-        EI_per_width = E * (1e-3 * R) ** 3 / 12
+        EI_per_width = E * (2e-3 * R) ** 3 / 12
         assert ring_mode_compliances(thin, R, 1, k)[0] == pytest.approx(
             R**4 / (EI_per_width * (k**2 - 1) ** 2), rel=5e-3
         )
@@ -110,7 +111,10 @@ def test_the_sketched_ring_is_the_thick_walled_ring_and_the_thin_one_of_theory(s
     ids=["shoe", "ring", "backing and two shoes", "post"],
 )
 def test_a_sketch_of_closed_forms_answers_as_the_finite_elements_of_its_mesh(brake):
-    sketch, full = respond(surrogate_maker(24)(brake), brake), solve(brake, elements=24)
+    sketch, full = (
+        solve_prepared_model(surrogate_maker(24)(brake), brake),
+        solve(brake, elements=24),
+    )
     assert sketch.torque == pytest.approx(full.torque, rel=4e-3)
     assert max(starmap(pressure_distance, zip(sketch.shoes, full.shoes, strict=True))) < 0.05
 
@@ -147,9 +151,10 @@ def test_predictions_are_within_a_factor_two_of_the_truth(case):
     def make(spec):
         return prepare(spec, elements=48)
 
-    predicted = predict_omission_change(brake, [part], respond)
+    predicted = predict_omission_change(brake, [part], solve_prepared_model)
     true = omission_change(
-        respond(*scene_without(brake, [part], make)), respond(make(brake), brake)
+        solve_prepared_model(*scene_without(brake, [part], make)),
+        solve_prepared_model(make(brake), brake),
     )
     judged = [
         (a, b)
@@ -185,7 +190,7 @@ WITHIN = {
 @pytest.mark.parametrize("case", partly(WITHIN, {"ring fixed", "shoe", "shoe stiffest, ring"}))
 def test_a_tolerance_leaves_neither_ring_nor_shoe_out_and_holds(case):
     brake = WITHIN[case]
-    truth = solve_to_tolerance(brake, Tolerance(2e-4, 5e-6), respond).response
+    truth = solve_to_tolerance(brake, Tolerance(2e-4, 5e-6), solve_prepared_model).response
     for tolerance in (1e-1, 1e-2, 1e-3):
         response = solve(brake, tolerance=tolerance, penalty=math.inf)
         true = omission_change(response, truth)
@@ -236,7 +241,7 @@ def test_without_drag_the_contact_is_symmetric_and_forces_still_balance():
         ),
     ).problem.A
     assert np.abs(A - A.T).max() < 1e-12 * np.abs(A).max()
-    response = respond(scene, simple)
+    response = solve_prepared_model(scene, simple)
     assert max(response.balance.force, response.balance.moment) < 1e-9
     assert response.torque != pytest.approx(solve(brake, elements=16).torque, rel=1e-3)
 

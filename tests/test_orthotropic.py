@@ -21,14 +21,14 @@ from drumlin.brake.schema import brake_schema
 from drumlin.brake.writing import brake_text
 from drumlin.comparison import compare
 from drumlin.explore.knobs import knobs_of
-from drumlin.fem.analysis.fields import fields
-from drumlin.fem.analysis.sensitivity import as_text, sensitivity
+from drumlin.fem.analysis.fields import recover_shoe_fields
+from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity, sensitivity_as_text_lines
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.hp.corner import corner_exponent, corner_exponents_of, orthotropic_corner_exponent
-from drumlin.fem.model import respond
+from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.solve import scene_of, solve
+from drumlin.fem.solve import prepare_finest_division, solve
 from drumlin.fem.substructure.body import scalar_basis, stiffness
 from drumlin.models import MODELS, applicable, pick, refusals
 from drumlin.peers import calculix, getfem, missing
@@ -517,14 +517,16 @@ def test_slopes_are_those_of_differences(name, elements):
 
 def test_slopes_by_moduli_are_said_to_be_by_one_factor_on_all():
     brake = with_lining(MAIN)
-    found = sensitivity(scene_of(brake, elements=20), brake)
-    lines = as_text(found, brake)
+    found = compute_torque_sensitivity(prepare_finest_division(brake, elements=20), brake)
+    lines = sensitivity_as_text_lines(found, brake)
     assert lines[-1] == (
         "  d ln T/d ln E of shoe 'right': lining.material, shoe 'left': lining.material: by "
         "one factor on all moduli; "
         "not given by each of them"
     )
-    assert found.law is None and "one factor" not in "\n".join(as_text(found, MAIN))
+    assert found.law is None and "one factor" not in "\n".join(
+        sensitivity_as_text_lines(found, MAIN)
+    )
 
 
 def test_stresses_are_those_of_the_layers_directions():
@@ -537,8 +539,8 @@ def test_stresses_are_those_of_the_layers_directions():
     brake = with_lining(
         vary(MAIN, {"shoe.body": None, "friction": 0.0, "shoe.lining.thickness": 0.004})
     )
-    for scene in (prepare(brake, LEVELS[2]), scene_of(brake, elements=60)):
-        found = fields(scene, brake, respond(scene, brake), index=1)
+    for scene in (prepare(brake, LEVELS[2]), prepare_finest_division(brake, elements=60)):
+        found = recover_shoe_fields(scene, brake, solve_prepared_model(scene, brake), index=1)
         angle = np.degrees(np.arctan2(found.points[:, 1], found.points[:, 0])) % 360
         at = np.flatnonzero((found.pressure > 0) & (angle > 150) & (angle < 220))
         n = found.points[at] / np.hypot(*found.points[at].T)[:, None]
@@ -617,8 +619,8 @@ def test_getfem_agrees(name):
 
 def test_a_pad_on_a_plane_has_straight_layers():
     clamp = orthotropic(read_any(ROOT / "studies/brakes/rail_clamp.toml"), 2)
-    scenes = prepare(clamp, LEVELS[2]), scene_of(clamp, elements=60)
-    by_columns, by_mesh = (respond(scene, clamp) for scene in scenes)
+    scenes = prepare(clamp, LEVELS[2]), prepare_finest_division(clamp, elements=60)
+    by_columns, by_mesh = (solve_prepared_model(scene, clamp) for scene in scenes)
     for a, b in zip(by_columns.shoes, by_mesh.shoes, strict=True):
         assert b.normal_force == pytest.approx(a.normal_force, rel=1e-4)
         assert b.hinge_reaction == pytest.approx(a.hinge_reaction, abs=1e-3 * a.normal_force)
@@ -653,7 +655,7 @@ def test_a_pressed_corner_has_the_power_of_p_of_its_material(stiffer):
     """
     changes = {"shoe.lining.material.E_along": 3e8 * stiffer, "friction": 0.3}
     brake = vary(pad(0.02, LINING), changes)
-    (found,) = respond(prepare(brake, LEVELS[5]), brake).shoes
+    (found,) = solve_prepared_model(prepare(brake, LEVELS[5]), brake).shoes
     (lower, _) = sorted(corner_exponents_of(brake, 0))
     r = np.geomspace(2e-6, 4e-5, 12)
     power = np.polyfit(np.log(r), np.log(found.pressure_at(r)), 1)[0]

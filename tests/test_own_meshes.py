@@ -9,10 +9,10 @@ import pytest
 from drumlin import BadInput, vary
 from drumlin.cli.answer import print_response
 from drumlin.fem.mesh.arc import shoe_mesh
-from drumlin.fem.mesh.content import content_digest
-from drumlin.fem.mesh.content_of_file import rounding_of
+from drumlin.fem.mesh.content import digest_of_mesh_file
+from drumlin.fem.mesh.content_of_file import rounding_errors_of_coordinates
 from drumlin.fem.mesh.file import read_mesh, read_shoe_mesh, write_mesh
-from drumlin.fem.mesh.from_file import turns_of
+from drumlin.fem.mesh.from_file import count_turns_of_offsets
 from drumlin.fem.mesh.msh4 import read_msh4
 from drumlin.fem.solve import solve
 from picking import saying
@@ -172,9 +172,9 @@ def test_included_files_are_read_and_belong_to_the_content(tmp_path, brake, shoe
     other = read_mesh(tmp_path / "other.inp", shoe, brake.drum.radius)
     assert np.array_equal(other.p, plain.p)
     # A change of the included file alone must change the digest, by which sweeps know a mesh.
-    before = content_digest(tmp_path / "other.inp")
+    before = digest_of_mesh_file(tmp_path / "other.inp")
     (tmp_path / "nodes.txt").write_text(mesh + "** changed\n")
-    assert content_digest(tmp_path / "other.inp") != before
+    assert digest_of_mesh_file(tmp_path / "other.inp") != before
 
 
 def test_unknown_keywords_and_plane_strain_are_said(tmp_path, brake, shoe):
@@ -269,9 +269,11 @@ def test_a_zigzag_is_no_lining(tmp_path, brake, shoe):
 
 
 def test_digits_and_turns():
-    assert rounding_of(np.array([[1.25, 3.0], [0.07, 12.57]])) == pytest.approx(0.005)
-    assert rounding_of(np.random.default_rng(0).random((20, 2))).max() < 1e-11
-    assert turns_of(np.array([0.0, 1, 0, 1, 0.9, 1, 0]), 0.5) == 3
+    assert rounding_errors_of_coordinates(np.array([[1.25, 3.0], [0.07, 12.57]])) == pytest.approx(
+        0.005
+    )
+    assert rounding_errors_of_coordinates(np.random.default_rng(0).random((20, 2))).max() < 1e-11
+    assert count_turns_of_offsets(np.array([0.0, 1, 0, 1, 0.9, 1, 0]), 0.5) == 3
 
 
 @pytest.mark.parametrize("kind", ["tri1", "quad2"])

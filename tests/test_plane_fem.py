@@ -14,11 +14,11 @@ from drumlin.base.errors import BadInput
 from drumlin.brake.fields import Material
 from drumlin.brake.file import validated, vary
 from drumlin.brake.plane_brake import FlatBrake, read_any
-from drumlin.fem.analysis.fields import fields
+from drumlin.fem.analysis.fields import recover_shoe_fields
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.model import respond
+from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.solve import scene_of
+from drumlin.fem.solve import prepare_finest_division
 from drumlin.laws import law
 from drumlin.lining_wear.archard import WearLaw
 from drumlin.lining_wear.linings import fem_wear_setup
@@ -131,7 +131,7 @@ def test_the_pressure_at_the_edge_has_the_exponent_of_a_quarter_plane(
     material = {"E": 3e8, "nu": 0.3}
     lining = LINING | {"start": 0.06, "end": 0.18, "thickness": 0.02, "material": material}
     brake = pad("guide", mu=mu, lining=lining)
-    found = respond(prepare(brake, LEVELS[5]), brake).shoes[0]
+    found = solve_prepared_model(prepare(brake, LEVELS[5]), brake).shoes[0]
     r = np.geomspace(2e-6, 4e-5, 12)
     p = found.pressure_at(0.06 + r)
     slope = np.polyfit(np.log(r), np.log(p), 1)[0]
@@ -248,7 +248,9 @@ def test_a_worn_pad_is_solved_again_as_it_was_worn() -> None:
     made, rule = prepare(own, elements=20), WearLaw(COEFFICIENT)
     setup = fem_wear_setup(made, own)
     last = run_in(setup, rule, distance=0.3 * unit_sliding_distance(setup, rule))[-1]
-    (shoe,) = respond(made, brake_with_worn_linings(setup, last), penalty=math.inf).shoes
+    (shoe,) = solve_prepared_model(
+        made, brake_with_worn_linings(setup, last), penalty=math.inf
+    ).shoes
     (surface,) = setup.surfaces
     np.testing.assert_allclose(
         shoe.pressure, surface.along(last.pressure), atol=1e-8 * shoe.peak_pressure
@@ -263,8 +265,8 @@ def test_the_fields_of_a_pad_stand_where_it_does_and_bear_its_pressure(sliding: 
     upwards.
     """
     brake = place_brake(pad("pivot", sliding, body=BODY), mirrored=sliding == "-x", shift=0.4)
-    made = scene_of(brake)
-    found = fields(made, brake, respond(made, brake, penalty=math.inf), 0)
+    made = prepare_finest_division(brake)
+    found = recover_shoe_fields(made, brake, solve_prepared_model(made, brake, penalty=math.inf), 0)
     shoe = brake.shoes[0]
     assert shoe.body is not None
     (left, low), (right, high) = found.points.min(axis=0), found.points.max(axis=0)

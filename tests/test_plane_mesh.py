@@ -20,7 +20,7 @@ from drumlin.brake.writing import brake_text
 from drumlin.comparison import compare
 from drumlin.fem.mesh.arc import shoe_mesh
 from drumlin.fem.mesh.file import read_mesh, write_mesh
-from drumlin.fem.mesh.grading import divide
+from drumlin.fem.mesh.grading import divide_lining
 from drumlin.fem.preparation.prepare import prepare
 from drumlin_studies.random_kinds import place_brake
 from flat_pads import BODY, KINDS, pad
@@ -33,7 +33,7 @@ def filed(
     brake: FlatBrake, path: Path, kind: str = "quad2", elements: int = ELEMENTS, **more: Any
 ) -> FlatBrake:
     """The pad with its parametric mesh as a file."""
-    division = divide(brake.shoes[0], brake.size, elements)
+    division = divide_lining(brake.shoes[0], brake.size, elements)
     write_mesh(path, shoe_mesh(brake.shoes[0], brake.size, division, kind), brake.shoes[0])
     return vary(
         brake, {"shoe.mesh": str(path)} | {f"shoe.{key}": value for key, value in more.items()}

@@ -17,7 +17,7 @@ from drumlin.brake.plane_brake import FlatBrake
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.error_control.singular_points import singular_points_of
 from drumlin.fem.hp.division import Singularity
-from drumlin.fem.model import respond
+from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.laws import law
 from drumlin.response.response import ShoeResponse
@@ -165,7 +165,9 @@ def test_a_pad_in_blocks_bears_by_those_that_do_not_stand_back() -> None:
     # Under this body the far end of the lining alone bears.
     brake = pad("hinge", body=BODY)
     stepped = vary(brake, {MISFIT: {"blocks": [[0.1, 1e-3], [0.14, 0.0]]}})
-    (places,) = singular_points_of(stepped, respond(prepare(brake, LEVELS[1]), brake)).values()
+    (places,) = singular_points_of(
+        stepped, solve_prepared_model(prepare(brake, LEVELS[1]), brake)
+    ).values()
     assert sum(point.kind in {Singularity.STEP, Singularity.OPEN_STEP} for point in places) == 4
     a, b = pressed(brake), pressed(stepped)
     assert b.contact_arcs[0] == pytest.approx(a.contact_arcs[0], rel=1e-3)

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.file import brake_from
 from drumlin.fem.equilibrium.group import ShoeGroup
-from drumlin.fem.model import respond
+from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import prepare
 
 # Friction up to which any start must lead to the same answer.
@@ -96,7 +96,7 @@ def test_random_brakes_end_converged_or_refused_with_a_reason(count):
         try:
             brake = brake_from(data)
             scene = prepare(brake, elements=24)
-            response = respond(scene, brake, penalty=penalty)
+            response = solve_prepared_model(scene, brake, penalty=penalty)
         except (BadInput, NoAnswer) as refusal:
             assert "\n" not in str(refusal)
             assert any(
@@ -121,7 +121,7 @@ def test_random_brakes_end_converged_or_refused_with_a_reason(count):
         ends[f"{len(response.shoes[0].contact_arcs)} arcs"] += 1
         body = scene.bodies[0]
         problem = ShoeGroup(scene, brake, (0,), penalty).problem
-        found = ShoeGroup(scene, brake, (0,), penalty).answer()
+        found = ShoeGroup(scene, brake, (0,), penalty).solve_with_known_senses()
         w = (problem.q + problem.A @ found.p + problem.B @ found.y) / body.coupling.area
         gap_scale = (
             np.abs(problem.q / body.coupling.area).max()
@@ -130,11 +130,11 @@ def test_random_brakes_end_converged_or_refused_with_a_reason(count):
         assert found.p.min() >= 0
         assert w.min() >= -1e-8 * gap_scale
         assert (found.p * np.abs(w)).max() <= 1e-8 * found.p.max() * gap_scale
-        assert found.regular
+        assert found.stable
         if brake.friction > UNIQUE:
             return
         start = np.random.default_rng(seed).random(len(problem.q)) < 0.5
-        other = ShoeGroup(scene, brake, (0,), penalty).answer(start)
+        other = ShoeGroup(scene, brake, (0,), penalty).solve_with_known_senses(start)
         assert other.p == pytest.approx(found.p, rel=1e-6, abs=1e-8 * found.p.max())
 
     every()

@@ -15,8 +15,8 @@ from conftest import partly
 from drumlin import Brake, NoAnswer, Response, vary
 from drumlin.brake.plane_brake import FlatBrake, read_any
 from drumlin.brake.writing import brake_text
-from drumlin.fem.analysis.self_locking import limits
-from drumlin.fem.solve import scene_of
+from drumlin.fem.analysis.self_locking import friction_limits_of_groups
+from drumlin.fem.solve import prepare_finest_division
 from drumlin.laws import law
 from drumlin.response.balance import contact_resultant, loaded
 from drumlin.response.resultants import cross
@@ -230,7 +230,7 @@ def locked(seed: int, kind: str, most: float = 1.2) -> int:
         if end is None:
             continue
         own = vary(brake, {"friction": 0.97 * end})
-        found = limits(scene_of(own, elements=24), own, 2.0, 1e6)
+        found = friction_limits_of_groups(prepare_finest_division(own, elements=24), own, 2.0, 1e6)
         assert min(picked(found.values(), "friction")) == pytest.approx(end, rel=1e-2), (
             brake,
             end,

@@ -8,8 +8,8 @@ import pytest
 from conftest import STUDY
 from drumlin.base.errors import BadInput
 from drumlin.brake.file import read_brake, vary
-from drumlin.fem.analysis.fields import fields, ring_fields
-from drumlin.fem.model import respond
+from drumlin.fem.analysis.fields import recover_ring_fields, recover_shoe_fields
+from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin.fem.substructure.ring import ring_mesh
@@ -51,8 +51,8 @@ def test_a_stiff_ring_is_a_rigid_drum_and_the_difference_goes_as_one_over_E(supp
 @pytest.mark.parametrize("support", ["fixed", "free"])
 def test_balance_symmetry_and_mirror_with_a_ring(support):
     scene = prepare(ringed(support=support), elements=30)
-    one = respond(scene, ringed(support=support))
-    other = respond(scene, ringed(support=support, rotation="clockwise"))
+    one = solve_prepared_model(scene, ringed(support=support))
+    other = solve_prepared_model(scene, ringed(support=support, rotation="clockwise"))
     assert max(one.balance.force, one.balance.moment) < 1e-9
     assert one.torque == pytest.approx(other.torque, rel=1e-8)
     assert one.shoes[0].torque == pytest.approx(other.shoes[1].torque, rel=1e-8)
@@ -62,8 +62,8 @@ def test_shoes_meet_through_a_free_ring_and_not_through_a_rigid_drum():
     strong = {"shoe[0].actuation.force": 3000.0}
     scene, plain = prepare(ringed(support="free"), elements=20), prepare(BRAKE, elements=20)
     for spec, prepared, felt in ((ringed(support="free"), scene, True), (BRAKE, plain, False)):
-        before = respond(prepared, spec).shoes[1].torque
-        after = respond(prepared, vary(spec, strong)).shoes[1].torque
+        before = solve_prepared_model(prepared, spec).shoes[1].torque
+        after = solve_prepared_model(prepared, vary(spec, strong)).shoes[1].torque
         assert (abs(after / before - 1) > 1e-3) == felt
 
 
@@ -150,7 +150,7 @@ def test_shoes_on_both_sides_of_one_ring_are_refused():
 def test_a_scene_with_another_ring_is_refused():
     scene = prepare(ringed(), elements=10)
     with pytest.raises(BadInput, match="ring"):
-        respond(scene, ringed(E=1e12))
+        solve_prepared_model(scene, ringed(E=1e12))
 
 
 @pytest.mark.parametrize("support", ["fixed", "free"])
@@ -161,8 +161,11 @@ def test_the_fields_of_ring_and_lining_meet_on_the_friction_surface(support):
     """
     spec = ringed(support=support)
     scene = prepare(spec, elements=60)
-    response = respond(scene, spec)
-    lining, ring = fields(scene, spec, response, 1), ring_fields(scene, spec, response)
+    response = solve_prepared_model(scene, spec)
+    lining, ring = (
+        recover_shoe_fields(scene, spec, response, 1),
+        recover_ring_fields(scene, spec, response),
+    )
     touching = lining.pressure > 0.05 * lining.pressure.max()
     surface = np.hypot(*ring.points.T) < 0.150 + 1e-9
 

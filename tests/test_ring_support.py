@@ -8,7 +8,7 @@ from drumlin.brake import read_brake, vary
 from drumlin.brake.components import Ring
 from drumlin.brake.drum_brake import DrumBrake
 from drumlin.brake.ring_support import plain_ring_only
-from drumlin.fem.analysis.sensitivity import sensitivity
+from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.verification.triangles.levels import TRIANGLE_LEVELS
@@ -61,12 +61,12 @@ def test_a_slope_by_its_modulus_is_not_stated(root, monkeypatch, stiffness):
     brake = read_brake(root / "studies" / "double_shoe" / "brake.toml")
     brake = vary(brake, {"drum.ring": SECTION | stiffness})
     scene = prepare(brake, LEVELS[0])
-    plain = sensitivity(scene, brake)
+    plain = compute_torque_sensitivity(scene, brake)
     assert [plain.ring is None, plain.ring_bending_stiffness is None] == [
         bool(stiffness),
         not stiffness,
     ]
     monkeypatch.setattr(Ring, "is_plain", False)
-    other = sensitivity(scene, brake)
+    other = compute_torque_sensitivity(scene, brake)
     assert other.ring is None and other.ring_bending_stiffness is None
     assert other.friction == plain.friction

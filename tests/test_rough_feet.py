@@ -13,12 +13,12 @@ from command_line import drumlin
 from drumlin import Brake, NoAnswer, vary
 from drumlin.brake.plane_brake import FlatBrake, read_any
 from drumlin.contact import stick_slip
-from drumlin.contact.stick_slip import BACKWARD, FORWARD, STICK, History
-from drumlin.fem.analysis.at_rest import Feet, holding_problem
-from drumlin.fem.analysis.holding import full_slip_rotation, hold
-from drumlin.fem.analysis.self_locking import limits, torques
-from drumlin.fem.equilibrium.group import groups_of
-from drumlin.fem.model import PENALTY, respond
+from drumlin.contact.stick_slip import BACKWARD, FORWARD, STICK, SlipHistory
+from drumlin.fem.analysis.at_rest import RoughFeet, make_stick_slip_problem
+from drumlin.fem.analysis.holding import find_full_slip_rotation, hold_drum_through_rotations
+from drumlin.fem.analysis.self_locking import friction_limits_of_groups, torques_at_frictions
+from drumlin.fem.equilibrium.group import divide_pressed_shoes_into_groups
+from drumlin.fem.model import PENALTY, solve_prepared_model
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.laws import rigid
 from drumlin_studies.consistency_hold import hold_against_solve_rows
@@ -135,8 +135,8 @@ def test_both_ways_are_those_of_springs_with_friction(tmp_path: Path) -> None:
     """
     brake = pad(tmp_path)
     scene = prepare(brake, elements=40)
-    end = full_slip_rotation(scene, brake)
-    states = hold(scene, brake, np.linspace(0.0, end, 21))
+    end = find_full_slip_rotation(scene, brake)
+    states = hold_drum_through_rotations(scene, brake, np.linspace(0.0, end, 21))
     # The pad begins just in contact, without friction.
     free = Layer(np.array([0.0, -1e-9, 0.0]), np.zeros(SPRINGS), 0.0, 0.0)
     at = free
@@ -153,17 +153,19 @@ def test_both_ways_are_those_of_springs_with_friction(tmp_path: Path) -> None:
         at = moved(brake, at, share, brake.spin * share)
     slid = brake.spin * at.t.sum()
     # The springs leave out the effect of the lining's ends.
-    assert respond(scene, brake).torque == pytest.approx(slid, rel=0.01)
+    assert solve_prepared_model(scene, brake).torque == pytest.approx(slid, rel=0.01)
     assert held > 1.1 * slid
 
 
 def test_hold_says_where_it_ends_elsewhere(tmp_path: Path) -> None:
     brake = pad(tmp_path)
     scene = prepare(brake, elements=20)
-    states = hold(scene, brake, np.linspace(0.0, full_slip_rotation(scene, brake), 5))
+    states = hold_drum_through_rotations(
+        scene, brake, np.linspace(0.0, find_full_slip_rotation(scene, brake), 5)
+    )
     (line,) = states[-1].notes
     assert f"at full slip the braking force is {states[-1].torque:.6g} N" in line
-    assert f"by solve {respond(scene, brake).torque:.6g} N" in line
+    assert f"by solve {solve_prepared_model(scene, brake).torque:.6g} N" in line
     assert "left the foot of shoe 'pad'" in line
     assert states[0].notes == ()
     done = drumlin(
@@ -177,8 +179,10 @@ def test_hold_says_where_it_ends_elsewhere(tmp_path: Path) -> None:
 def test_hold_says_nothing_where_the_foot_is_smooth(tmp_path: Path) -> None:
     own = vary(pad(tmp_path), {"shoe.abutment.friction": 0.0})
     scene = prepare(own, elements=20)
-    last = hold(scene, own, np.linspace(0.0, full_slip_rotation(scene, own), 5))[-1]
-    assert last.torque == pytest.approx(respond(scene, own).torque, rel=1e-6)
+    last = hold_drum_through_rotations(
+        scene, own, np.linspace(0.0, find_full_slip_rotation(scene, own), 5)
+    )[-1]
+    assert last.torque == pytest.approx(solve_prepared_model(scene, own).torque, rel=1e-6)
     assert last.notes == ()
 
 
@@ -197,17 +201,21 @@ def test_solve_is_the_drum_that_slides_already_as_the_force_comes_on(count: int)
     """
     for brake in rough_brakes(count):
         scene = prepare(brake, elements=ELEMENTS)
-        for group in groups_of(scene, brake, PENALTY):
-            problem, lever = holding_problem(group)
-            feet = Feet.of(group)
+        for group in divide_pressed_shoes_into_groups(scene, brake, PENALTY):
+            problem, lever = make_stick_slip_problem(group)
+            feet = RoughFeet.of_group(group)
             slid = problem._replace(q_s=problem.q_s + lever * 0.01 * brake.spin / group.unit_force)
             nothing, n = np.zeros(len(lever)), group.node_ranges[-1].stop
             slips = np.full(n, FORWARD if brake.spin > 0 else BACKWARD)
-            start = np.append(slips, np.full(len(feet.on), STICK))
-            at = stick_slip.solve(slid, feet.node_friction(), History(nothing, nothing), start)
+            start = np.append(slips, np.full(len(feet.shoe_numbers), STICK))
+            at = stick_slip.solve_load_increment(
+                slid, feet.friction_of_all_nodes(), SlipHistory(nothing, nothing), start
+            )
             assert STICK not in at.state[:n]
-            _, found = group.settled()
-            assert group.levers.T @ at.p[:n] == pytest.approx(group.levers.T @ found.p, rel=1e-6)
+            _, found = group.solve_contact()
+            assert group.torque_per_pressure.T @ at.p[:n] == pytest.approx(
+                group.torque_per_pressure.T @ found.p, rel=1e-6
+            )
 
 
 @pytest.mark.parametrize("seed", [115, 219, pytest.param(61, marks=pytest.mark.slow)])
@@ -230,10 +238,10 @@ def test_of_random_brakes_of_all_kinds_none_ends_elsewhere_without_a_line() -> N
 
 def test_the_problem_of_a_rough_foot_is_not_there_before_its_friction_is_known() -> None:
     brake = rough_brakes(1)[0]
-    (group,) = groups_of(prepare(brake, elements=ELEMENTS), brake, PENALTY)
+    (group,) = divide_pressed_shoes_into_groups(prepare(brake, elements=ELEMENTS), brake, PENALTY)
     with pytest.raises(RuntimeError, match="no sense yet, ask for `settled`"):
         _ = group.problem
-    at, found = group.settled()
+    at, found = group.solve_contact()
     assert at.problem.C @ found.p == pytest.approx(at.problem.h)
 
 
@@ -246,16 +254,22 @@ def test_the_limit_of_rough_feet_is_where_solves_at_growing_friction_end(count: 
     """
     for brake in rough_brakes(count):
         scene = prepare(brake, elements=ELEMENTS)
-        lock = min(picked(limits(scene, brake, 2.5, PENALTY).values(), "friction"))
+        lock = min(
+            picked(friction_limits_of_groups(scene, brake, 2.5, PENALTY).values(), "friction")
+        )
         last = 0.97 * min(lock, 2.5)
         for mu in np.linspace(brake.friction, last, 8):
-            assert respond(scene, vary_friction(brake, mu)).torque > 0
-        torque = torques(scene, brake, [0.9 * brake.friction, last], PENALTY).sum(axis=1)[-1]
-        assert torque == pytest.approx(respond(scene, vary_friction(brake, last)).torque, rel=1e-5)
+            assert solve_prepared_model(scene, vary_friction(brake, mu)).torque > 0
+        torque = torques_at_frictions(scene, brake, [0.9 * brake.friction, last], PENALTY).sum(
+            axis=1
+        )[-1]
+        assert torque == pytest.approx(
+            solve_prepared_model(scene, vary_friction(brake, last)).torque, rel=1e-5
+        )
         if math.isinf(lock):
             continue
         with pytest.raises(NoAnswer) as refused:
-            respond(scene, vary_friction(brake, 1.001 * lock))
+            solve_prepared_model(scene, vary_friction(brake, 1.001 * lock))
         if "mu_lock" in str(refused.value):
             assert f"up to mu_lock = {lock:.4g} " in str(refused.value)
 
@@ -274,7 +288,7 @@ def test_the_limit_of_thin_linings_is_that_of_the_law() -> None:
     seen = 0
     for seed in range(8):
         brake = draw_brake_of_holding_kind(seed, "rough abutment", rigid=True)
-        lock = limits(prepare(brake, elements=40), brake, 3.0)[0,].friction
+        lock = friction_limits_of_groups(prepare(brake, elements=40), brake, 3.0)[0,].friction
         if math.isinf(lock):
             continue
         seen += 1

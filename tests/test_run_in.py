@@ -9,7 +9,7 @@ import pytest
 from conftest import ROOT
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.file import read_brake, vary
-from drumlin.fem.model import respond
+from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.laws import hinged, rigid
 from drumlin.lining_wear.archard import WearLaw, checkerboard_amplitude, wear_linings_in_given_steps
@@ -76,7 +76,9 @@ def test_the_main_brake_comes_to_the_sine_law_and_stays(brake, setup, states):
 
 def test_every_state_is_what_the_finite_elements_answer_for_the_worn_brake(scene, setup, states):
     for state in states[:: len(states) // 4]:
-        response = respond(scene, brake_with_worn_linings(setup, state), penalty=math.inf)
+        response = solve_prepared_model(
+            scene, brake_with_worn_linings(setup, state), penalty=math.inf
+        )
         assert response.torque == pytest.approx(state.torque, rel=1e-9)
         for surface, shoe in zip(setup.surfaces, response.shoes, strict=True):
             np.testing.assert_allclose(
@@ -166,7 +168,7 @@ def test_constant_torque_needs_the_force_that_the_worn_brake_needs(scene, brake,
             f"shoe[{i}].actuation.force": state.force * brake.shoes[i].actuation.force
             for i in (0, 1)
         }
-        assert respond(
+        assert solve_prepared_model(
             scene, vary(brake_with_worn_linings(setup, state), force), penalty=math.inf
         ).torque == pytest.approx(450.0, rel=1e-9)
 
@@ -228,5 +230,5 @@ def test_the_worn_brake_is_a_brake_file_apart(setup, states, brake):
     )
     law, coarse = hinged.sine(brake), prepare(brake, elements=30)
     # On another mesh the worn lining still bears by the law.
-    response = respond(coarse, end, penalty=math.inf)
+    response = solve_prepared_model(coarse, end, penalty=math.inf)
     assert pressure_distance(response.shoes[0], law.shoes[0]) < 0.02

@@ -12,8 +12,11 @@ from command_line import drumlin
 from conftest import STUDY
 from drumlin.base.errors import DrumlinError, NoAnswer
 from drumlin.brake.file import vary
-from drumlin.fem.analysis.sensitivity import against_differences, sensitivity
-from drumlin.fem.model import respond
+from drumlin.fem.analysis.sensitivity import (
+    compare_with_differences_of_solves,
+    compute_torque_sensitivity,
+)
+from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin_studies.random_brake import random_brake
@@ -26,7 +29,7 @@ RING = drum_ring(0.015, "free")
     "changes", [RING, {"rotation": "clockwise", "shoe.lining.clearance": 1e-5}], ids=["ring", "gap"]
 )
 def test_every_slope_agrees_with_differences_of_solves_from_the_mesh_up(brake, changes):
-    for row in against_differences(vary(brake, changes), 1, elements=8)[1]:
+    for row in compare_with_differences_of_solves(vary(brake, changes), 1, elements=8)[1]:
         assert row["difference"] < 2e-6, row
 
 
@@ -35,9 +38,9 @@ def test_the_slope_over_friction_is_that_of_differences_where_no_set_changes(see
     brake = vary(random_brake(seed, way), {"friction": friction})
     scene = prepare(brake, elements=12)
     try:
-        found = sensitivity(scene, brake)
+        found = compute_torque_sensitivity(scene, brake)
         around = [
-            respond(scene, vary(brake, {"friction": friction + s}))
+            solve_prepared_model(scene, vary(brake, {"friction": friction + s}))
             for s in (-2e-5, -1e-5, 1e-5, 2e-5)
         ]
     except DrumlinError:
@@ -52,7 +55,7 @@ def test_the_slope_over_friction_is_that_of_differences_where_no_set_changes(see
 
 def test_moduli_scaled_alike_change_nothing_and_forces_are_proportional(brake):
     ringed = vary(brake, RING)
-    found = sensitivity(prepare(ringed, elements=12), ringed)
+    found = compute_torque_sensitivity(prepare(ringed, elements=12), ringed)
     moduli = modulus_slopes(found)
     assert found.ring is not None
     assert math.fsum([*moduli, found.ring]) == pytest.approx(0.0, abs=1e-10 * max(map(abs, moduli)))
@@ -69,7 +72,8 @@ def test_a_pull_is_a_push_the_other_way(brake):
         "shoe[0].actuation.direction": shoe.direction + math.pi,
     }
     a, b = (
-        sensitivity(prepare(each, elements=8), each).shoes[0] for each in (brake, vary(brake, pull))
+        compute_torque_sensitivity(prepare(each, elements=8), each).shoes[0]
+        for each in (brake, vary(brake, pull))
     )
     assert b.force == pytest.approx(-a.force, rel=1e-9)
     assert b.held["hinge"] == pytest.approx(a.held["hinge"], rel=1e-7)
@@ -79,7 +83,7 @@ def test_a_pull_is_a_push_the_other_way(brake):
 def test_an_uneven_clearance_acts_through_its_density(brake, index):
     """An uneven clearance acts through its density: a bump changes the torque by its integral."""
     scene = prepare(brake, elements=20)
-    found = sensitivity(scene, brake)
+    found = compute_torque_sensitivity(scene, brake)
     shoe, R = found.shoes[index], brake.drum.radius
     height = 1e-9
     theta = shoe.theta
@@ -87,7 +91,7 @@ def test_an_uneven_clearance_acts_through_its_density(brake, index):
     bump = height * np.exp(-(((theta - theta.mean() - 0.3) / 0.2) ** 2))
     table = np.column_stack([theta, bump]).tolist()
     change = (
-        respond(scene, vary(brake, {f"shoe[{index}].lining.clearance": table})).torque
+        solve_prepared_model(scene, vary(brake, {f"shoe[{index}].lining.clearance": table})).torque
         - found.torque
     )
     expected = np.trapezoid(shoe.density * bump, theta) * R
@@ -103,4 +107,4 @@ def test_sensitivities_on_the_command_line(brake, tmp_path):
     assert data["torque"] == pytest.approx(solve(brake, elements=12).torque, rel=1e-12)
     assert f"S = (mu/T) dT/dmu = {data['S']:.5g} (sine law: 1.3064)" in said
     with pytest.raises(NoAnswer, match="without friction there is no torque"):
-        sensitivity(prepare(brake, elements=4), vary(brake, {"friction": 0.0}))
+        compute_torque_sensitivity(prepare(brake, elements=4), vary(brake, {"friction": 0.0}))

@@ -8,10 +8,10 @@ import pytest
 
 import drumlin
 from drumlin import NoAnswer, vary
-from drumlin.fem.equilibrium.group import groups_of
+from drumlin.fem.equilibrium.group import divide_pressed_shoes_into_groups
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.model import respond
-from drumlin.fem.preparation.bodies import actuation
+from drumlin.fem.model import solve_prepared_model
+from drumlin.fem.preparation.bodies import actuation_load_factors
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.substructure.body import stiffness
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
@@ -41,17 +41,21 @@ def test_under_a_cam_the_tips_of_elastic_shoes_go_the_same_way() -> None:
     """
     brake = cam_brake(body=0.012, thickness=0.006)
     scene = prepare(brake, elements=40)
-    both = respond(scene, brake)
+    both = solve_prepared_model(scene, brake)
     assert sum(picked(both.shoes, "force")) == pytest.approx(2000.0, rel=1e-9)
     assert abs(both.shoes[0].force / both.shoes[1].force - 1) > 0.1
     alone = vary(loaded(brake, both), {"actuation": None})
     tips = []
-    for i, group in enumerate(groups_of(scene, alone, 1e6)):
-        found = group.answer()
-        own = group.force_effects(group.brake.friction)[0]
-        tip = group.unit_force * (own.tip @ found.p + own.yields + own.moves @ found.y)
+    for i, group in enumerate(divide_pressed_shoes_into_groups(scene, alone, 1e6)):
+        found = group.solve_with_known_senses()
+        own = group.effects_of_forces(group.brake.friction)[0]
+        tip = group.unit_force * (
+            own.tip_travel_by_pressure @ found.p
+            + own.tip_travel_by_force
+            + own.tip_travel_by_modes @ found.y
+        )
         tips.append(tip)
-        shoe = respond(scene, alone).shoes[i]
+        shoe = solve_prepared_model(scene, alone).shoes[i]
         assert shoe.torque == pytest.approx(both.shoes[i].torque, rel=1e-8)
         np.testing.assert_allclose(
             shoe.pressure, both.shoes[i].pressure, atol=1e-7 * shoe.peak_pressure
@@ -69,7 +73,7 @@ def test_a_cam_feels_the_corners_of_the_loaded_ends() -> None:
         body=0.02, thickness=0.012, web=0.002, table={"thickness": 0.004, "width": 0.04}
     )
     (true,) = triangles.solve_sequence(brake, triangles.TRIANGLE_LEVELS[:1])
-    found = respond(prepare(brake, LEVELS[1]), brake, penalty=math.inf)
+    found = solve_prepared_model(prepare(brake, LEVELS[1]), brake, penalty=math.inf)
     for a, b in zip(found.shoes, true, strict=True):
         assert a.hinge_reaction == pytest.approx(
             b.hinge_reaction, abs=1e-5 * np.linalg.norm(b.hinge_reaction)
@@ -88,9 +92,13 @@ def test_the_tip_moves_as_the_energy_says() -> None:
         {"actuation": None, "shoe.actuation.force": 1000.0},
     )
     scene = prepare(brake, elements=30)
-    (group, _) = groups_of(scene, brake, math.inf)
-    found, own = group.answer(), group.force_effects(group.brake.friction)[0]
-    tip = own.tip @ found.p + own.yields + own.moves @ found.y
+    (group, _) = divide_pressed_shoes_into_groups(scene, brake, math.inf)
+    found, own = group.solve_with_known_senses(), group.effects_of_forces(group.brake.friction)[0]
+    tip = (
+        own.tip_travel_by_pressure @ found.p
+        + own.tip_travel_by_force
+        + own.tip_travel_by_modes @ found.y
+    )
     body, part = group.bodies[0], group.node_ranges[0]
     nodal = -body.coupling.N.T @ found.p[part]
     u = body.condensed.displacement(nodal, np.array([0.0, 0.0, found.y[0]]), _load(group))
@@ -101,7 +109,7 @@ def test_the_tip_moves_as_the_energy_says() -> None:
 
 
 def _load(group: Any) -> Any:
-    return actuation(group.bodies[0], group.shoes[0])[0]
+    return actuation_load_factors(group.bodies[0], group.shoes[0])[0]
 
 
 @pytest.mark.parametrize("make", [cam_brake, servo])

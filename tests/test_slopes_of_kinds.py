@@ -10,7 +10,11 @@ import drumlin
 from conftest import ROOT, partly
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import values_of, vary
-from drumlin.fem.analysis.sensitivity import Sensitivity, as_text, sensitivity
+from drumlin.fem.analysis.sensitivity import (
+    Sensitivity,
+    compute_torque_sensitivity,
+    sensitivity_as_text_lines,
+)
 from drumlin.fem.preparation.prepare import prepare
 from flat_pads import pad
 from held_shoes import BODY, brake_of
@@ -45,7 +49,7 @@ BRAKES: dict[str, Callable[[], Brake]] = {
 
 
 def slopes(brake: Brake) -> Sensitivity:
-    return sensitivity(prepare(brake, elements=ELEMENTS), brake)
+    return compute_torque_sensitivity(prepare(brake, elements=ELEMENTS), brake)
 
 
 def differences(brake: Brake, changes: Callable[[float], dict[str, Any]], step: float) -> float:
@@ -154,7 +158,7 @@ def test_the_slope_over_friction_is_that_of_differences(name: str) -> None:
     size = drumlin.solve(brake, elements=ELEMENTS).effect
     assert found.torque == pytest.approx(size, rel=1e-9)
     check(brake, rows(brake, found)[0], size)
-    for line in as_text(found, brake):
+    for line in sensitivity_as_text_lines(found, brake):
         assert "\n" not in line and "law: none" not in line and " -0 " not in line
 
 

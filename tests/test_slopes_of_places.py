@@ -18,15 +18,15 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.elasticity import ElasticLayer, elasticity_matrix
 from drumlin.brake.fields import Material
 from drumlin.brake.file import brake_from, read_brake, vary
-from drumlin.fem.analysis.mutual_work import change_by_nodes, work_by_part
-from drumlin.fem.analysis.sensitivity import as_text, sensitivity
+from drumlin.fem.analysis.mutual_work import mutual_work_by_part, mutual_work_change_by_node_motions
+from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity, sensitivity_as_text_lines
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.hp.grid import ColumnGrid
 from drumlin.fem.mesh.arc import shoe_mesh
 from drumlin.fem.mesh.file import write_mesh
-from drumlin.fem.model import respond
+from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.solve import scene_of, solve
+from drumlin.fem.solve import prepare_finest_division, solve
 from drumlin.fem.substructure.body import FRAME, scalar_basis, stiffness
 from drumlin_studies import consistency_slopes
 from drumlin_studies.consistency_slopes import (
@@ -131,10 +131,12 @@ WRONG = [
 )
 def test_a_slope_along_a_point_is_that_of_solves_whose_body_moves_with_it(draw, key, way, scene):
     brake = draw()
-    exact = float(sensitivity(scene(brake), brake).shoes[0].held[key][way])
+    exact = float(compute_torque_sensitivity(scene(brake), brake).shoes[0].held[key][way])
     # within larger steps nodes come into contact, and the torque has a kink
     for step in (3e-5, 1e-5, 3e-6):
-        near = central(brake, 0, key, way, lambda other: respond(scene(other), other).torque, step)
+        near = central(
+            brake, 0, key, way, lambda other: solve_prepared_model(scene(other), other).torque, step
+        )
         assert exact == pytest.approx(near, rel=1e-3), step
 
 
@@ -142,7 +144,9 @@ def test_a_slope_along_a_point_is_that_of_solves_whose_body_moves_with_it(draw, 
 @pytest.mark.parametrize("name", ["brakes/crane.toml", "post_brake/brake.toml"])
 def test_slopes_of_the_studies_are_those_of_solves_by_default(name):
     brake = read_brake(ROOT / "studies" / name)
-    for i, own in enumerate(sensitivity(scene_of(brake), brake).shoes):
+    for i, own in enumerate(
+        compute_torque_sensitivity(prepare_finest_division(brake), brake).shoes
+    ):
         for key, value in own.held.items():
             for way, exact in enumerate(value):
                 for step in (1e-2, 3e-3, 1e-3):
@@ -232,7 +236,10 @@ def test_a_bending_stiffness_has_a_slope_of_its_own_and_the_modulus_beside_it_no
         "drum.ring.bending_stiffness": ring.EI,
     }
     given = vary(brake, EI)
-    plain, found = sensitivity(scene(brake), brake), sensitivity(scene(given), given)
+    plain, found = (
+        compute_torque_sensitivity(scene(brake), brake),
+        compute_torque_sensitivity(scene(given), given),
+    )
     # the section is the same, and plane stress feels the product of modulus and width alone
     assert found.shoes[0].bending_stiffness == pytest.approx(
         plain.shoes[0].moduli["shoe"], rel=1e-9
@@ -246,7 +253,7 @@ def test_a_bending_stiffness_has_a_slope_of_its_own_and_the_modulus_beside_it_no
         for s in (1e-3, -1e-3):
             value = EI.get(key) or (body if "body" in key else ring).material.E
             other = vary(given, {key: value * (1 + s)})
-            torque[key, s] = respond(scene(other), other).torque
+            torque[key, s] = solve_prepared_model(scene(other), other).torque
     near = [
         (torque[key, 1e-3] - torque[key, -1e-3]) / 2e-3 for key in (*EI, "shoe[0].body.material.E")
     ]
@@ -254,7 +261,7 @@ def test_a_bending_stiffness_has_a_slope_of_its_own_and_the_modulus_beside_it_no
     assert near[1] == pytest.approx(found.ring_bending_stiffness, rel=1e-4)
     # A larger width makes up for a smaller modulus.
     assert abs(near[2]) < 1e-6 * abs(near[0])
-    text = " ".join(as_text(found, given))
+    text = " ".join(sensitivity_as_text_lines(found, given))
     assert "d ln T/d ln bending_stiffness of the drum ring" in text
     assert "d ln T/d ln bending_stiffness: shoe" in text
     assert "E of the drum ring" not in text
@@ -329,11 +336,11 @@ def test_the_mutual_work_is_that_of_the_assembled_stiffness_and_so_is_its_change
     u, v = np.random.default_rng(0).standard_normal((2, 2 * basis.N))
     layers = some_layers(body.mesh.subdomains, directed=directed)
     whole = v @ (stiffness(basis, layers) @ u)
-    assert sum(work_by_part(basis, layers, u, v).values()) == pytest.approx(whole, rel=1e-9)
+    assert sum(mutual_work_by_part(basis, layers, u, v).values()) == pytest.approx(whole, rel=1e-9)
     h = 1e-6 * size
     ahead, behind = (v @ (stiffness(moved(basis, s), layers) @ u) for s in (h, -h))
     moves = at_nodes(basis.doflocs).T.reshape(1, -1)
-    exact = change_by_nodes(basis, layers, u, v, moves, [0.0])[0]
+    exact = mutual_work_change_by_node_motions(basis, layers, u, v, moves, [0.0])[0]
     assert exact == pytest.approx((ahead - behind) / (2 * h), rel=1e-4)
 
 
@@ -355,7 +362,9 @@ def test_the_mutual_work_changes_as_the_axis_of_straight_layers_turns(name):
 
     h = 1e-5
     ahead, behind = v @ (stiffness(basis, turned(h)) @ u), v @ (stiffness(basis, turned(-h)) @ u)
-    exact = change_by_nodes(basis, layers, u, v, np.zeros((1, 2 * basis.N)), [1.0])[0]
+    exact = mutual_work_change_by_node_motions(
+        basis, layers, u, v, np.zeros((1, 2 * basis.N)), [1.0]
+    )[0]
     assert exact == pytest.approx((ahead - behind) / (2 * h), rel=1e-6)
 
 
@@ -372,7 +381,7 @@ def test_displacements_on_columns_come_without_a_factorisation_of_the_whole(monk
     scene = on_columns(brake)
     monkeypatch.setattr(ColumnGrid, "stiffness", refuse)
     monkeypatch.setattr("scipy.sparse.linalg.splu", refuse)
-    found = sensitivity(scene, brake)
+    found = compute_torque_sensitivity(scene, brake)
     moduli = modulus_slopes(found)
     assert math.fsum([*moduli, found.ring or 0.0]) == pytest.approx(
         0.0, abs=1e-7 * max(map(abs, moduli))

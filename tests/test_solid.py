@@ -17,7 +17,7 @@ from drumlin.base.errors import BadInput
 from drumlin.brake.fields import Material
 from drumlin.brake.file import read_brake, vary
 from drumlin.contact import self_locking
-from drumlin.fem.model import respond
+from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solid import model
 from drumlin.fem.solid.body import friction_face
@@ -46,7 +46,10 @@ def one_width(brake, width):
 
 def solid_and_plane(brake, elements):
     """The answers of the solid shoe and of plane stress on as many elements."""
-    return [respond(make(brake, elements=elements), brake) for make in (model.prepare, prepare)]
+    return [
+        solve_prepared_model(make(brake, elements=elements), brake)
+        for make in (model.prepare, prepare)
+    ]
 
 
 @pytest.mark.parametrize("width", [2e-3, 40e-3, 0.2])
@@ -115,7 +118,7 @@ def test_without_lateral_contraction_every_kind_of_shoe_is_plane_stress(root, na
 def test_every_kind_of_solid_shoe_balances_and_meets_the_drum(root, name):
     brake = of_kind(root, name)
     scene = model.prepare(brake, elements=8)
-    response = respond(scene, brake)
+    response = solve_prepared_model(scene, brake)
     assert max(response.balance.force, response.balance.moment) < 1e-9
     for i in range(len(brake.shoes)):
         found = recover(scene, brake, response, i)
@@ -135,7 +138,10 @@ def test_a_tenth_of_the_linings_thickness_wide_it_is_plane_stress(root, name, wi
     """
     brake = read_brake(root / "studies" / "double_shoe" / f"{name}.toml")
     narrow = one_width(brake, brake.shoes[0].lining.thickness / 10)
-    solid, plane = respond(model.prepare(narrow, elements=96, across=1), narrow), solve(narrow)
+    solid, plane = (
+        solve_prepared_model(model.prepare(narrow, elements=96, across=1), narrow),
+        solve(narrow),
+    )
     for mine, other in zip(solid.shoes, plane.shoes, strict=True):
         assert abs(relative(mine.torque, other.torque)) < within
         assert pressure_distance(mine, other) < 3e-3
@@ -152,7 +158,7 @@ def test_what_is_left_of_a_narrow_shoe_is_its_mesh(brake):
     def off(elements, part):
         narrow = one_width(brake, brake.shoes[0].lining.thickness / part)
         both = (
-            respond(make(narrow), narrow)
+            solve_prepared_model(make(narrow), narrow)
             for make in (
                 partial(model.prepare, elements=elements, across=1),
                 partial(prepare, elements=elements),
@@ -350,7 +356,7 @@ def test_the_fields_are_those_of_the_contact(flexible):
     """Fields of a solid shoe: its pressed surface moves to the drum by the penalty's own amount."""
     brake = t_section(flexible)
     scene = model.prepare(brake, elements=8, across=2)
-    response = respond(scene, brake)
+    response = solve_prepared_model(scene, brake)
     for i, shoe in enumerate(brake.shoes):
         found = recover(scene, brake, response, i)
         r = found.points[:, :2] / np.hypot(*found.points[:, :2].T)[:, None]
@@ -368,13 +374,13 @@ def test_the_fields_are_those_of_the_contact(flexible):
 def test_a_hundred_thousand_unknowns_in_a_minute(flexible):
     start = time.process_time()
     scene = model.prepare(flexible, elements=72, across=6)
-    first = respond(scene, flexible)
+    first = solve_prepared_model(scene, flexible)
     cold = time.process_time() - start
     assert scene.bodies[0].unknowns > 95_000
     # On a machine of its own it takes 60 s.
     assert cold < 180
     start = time.process_time()
-    second = respond(scene, vary(flexible, {"friction": 0.4}))
+    second = solve_prepared_model(scene, vary(flexible, {"friction": 0.4}))
     # The value was 0.03; it was 0.15 where all nodes were followed.
     assert time.process_time() - start < 0.12 * cold
     assert second.torque > 1.2 * first.torque
@@ -392,10 +398,10 @@ def test_a_large_face_is_answered_on_every_other_node_and_settles_once_on_all(
     """
     brake = t_section(flexible)
     scene = model.prepare(brake, elements=10, across=5)
-    wanted = respond(scene, brake)
-    monkeypatch.setattr(self_locking, "HALVED_ABOVE", 60)
+    wanted = solve_prepared_model(scene, brake)
+    monkeypatch.setattr(self_locking, "COARSE_PATH_ABOVE_NODES", 60)
     sizes = settled_sizes(monkeypatch)
-    found = respond(scene, brake)
+    found = solve_prepared_model(scene, brake)
     nodes = list(map(len, picked(scene.bodies, "line.nodes")))
     assert list(map(sizes.count, sorted(set(nodes)))) == [len(nodes) / len(set(nodes))] * len(
         set(nodes)

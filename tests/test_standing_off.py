@@ -7,8 +7,8 @@ from conftest import partly
 from drumlin.base.errors import LostDigits, NoAnswer
 from drumlin.brake.file import brake_from, vary
 from drumlin.contact import active_set
-from drumlin.contact.equations import Problem
-from drumlin.fem.analysis.self_locking import limits
+from drumlin.contact.equations import ContactProblem
+from drumlin.fem.analysis.self_locking import friction_limits_of_groups
 from drumlin.fem.error_control.levels import LEVELS, solved_levels
 from drumlin.fem.preparation.meshes import ELEMENTS
 from drumlin.fem.preparation.prepare import prepare
@@ -75,16 +75,20 @@ def test_a_rigid_plank_on_a_curve_stands_on_the_two_nodes_beside_its_load():
     B = -np.array([np.ones_like(x), x]).T
     for load in (-0.9, -0.2, 0.1, 0.6):
         right = np.searchsorted(x, load)
-        problem = Problem(1e-7 * np.eye(9), x**2, B, B.T, np.array([-1.0, -load]))
+        problem = ContactProblem(1e-7 * np.eye(9), x**2, B, B.T, np.array([-1.0, -load]))
         share = (load - x[right - 1]) / (x[right] - x[right - 1])
         expected = np.zeros(9)
         expected[[right - 1, right]] = 1 - share, share
         starts = [None, *(np.isin(np.arange(9), [i, i + 1]) for i in range(8))]
         for start in starts:
-            np.testing.assert_allclose(active_set.solve(problem, start).p, expected, atol=1e-12)
+            np.testing.assert_allclose(
+                active_set.solve_contact_problem(problem, start).p, expected, atol=1e-12
+            )
         for beside in (-1, 0, 1):
             start = np.isin(np.arange(9), [right - 1 + beside, right + beside])
-            np.testing.assert_allclose(active_set.settle(problem, start).p, expected, atol=1e-12)
+            np.testing.assert_allclose(
+                active_set.solve_by_block_pivoting(problem, start).p, expected, atol=1e-12
+            )
 
 
 def test_a_shoe_that_another_one_pushes_touches_where_this_push_presses_it():
@@ -95,17 +99,23 @@ def test_a_shoe_that_another_one_pushes_touches_where_this_push_presses_it():
     """
     B = -np.eye(4, 2)[[0, 0, 1, 1]] * np.array([[1.0], [2.0], [1.0], [-1.0]])
     C = np.array([[-1.0, -2.0, 0.0, 0.0], [0.5, 1.0, -1.0, 1.0]])
-    problem = Problem(1e-6 * np.eye(4), np.array([1.0, 3.0, 1.0, 1.0]), B, C, np.array([-1.0, 0.0]))
-    found = active_set.solve(problem, np.zeros(4, dtype=bool))
+    problem = ContactProblem(
+        1e-6 * np.eye(4), np.array([1.0, 3.0, 1.0, 1.0]), B, C, np.array([-1.0, 0.0])
+    )
+    found = active_set.solve_contact_problem(problem, np.zeros(4, dtype=bool))
     np.testing.assert_allclose(found.p, [1.0, 0.0, 0.5, 0.0], atol=1e-9)
-    np.testing.assert_array_equal(active_set.follow_from_wider_gaps(problem)[0], found.active)
+    np.testing.assert_array_equal(
+        active_set.follow_solution_from_wider_gaps(problem)[0], found.active
+    )
 
 
 @pytest.mark.parametrize("seed", partly(range(1, 7), ()))
 def test_true_self_locking_is_still_refused_with_its_limit(seed):
     """mu_lock as followed on a mesh of 160 elements: one of 80 is 2 % off on seed 4."""
     brake = random_brake(seed, "locking")
-    end = min(picked(limits(prepare(brake, elements=160), brake).values(), "friction"))
+    end = min(
+        picked(friction_limits_of_groups(prepare(brake, elements=160), brake).values(), "friction")
+    )
     with pytest.raises(NoAnswer, match="mu_lock = ") as refusal:
         solve(vary(brake, {"friction": 1.1 * end}))
     said = float(str(refusal.value).split("mu_lock = ")[1].split()[0])

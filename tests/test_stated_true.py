@@ -14,7 +14,7 @@ from drumlin.fem.error_control.adapt import Tolerance, errors_with_singularities
 from drumlin.fem.error_control.estimate import FACTORS, SOFTER, Errors, beside, estimate
 from drumlin.fem.error_control.levels import LEVELS as COLUMNS
 from drumlin.fem.error_control.levels import SolvedLevel, solved_levels
-from drumlin.fem.model import respond
+from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin.response.norms import pressure_distance
@@ -175,7 +175,7 @@ def test_an_estimate_is_a_factor_of_the_last_step_and_what_lies_beside_it(brake)
 
 @pytest.fixture(scope="module")
 def level(brake):
-    return respond(prepare(brake, COLUMNS[0]), brake, penalty=math.inf)
+    return solve_prepared_model(prepare(brake, COLUMNS[0]), brake, penalty=math.inf)
 
 
 def shifted(response, by):
@@ -247,7 +247,7 @@ def test_a_peak_that_agrees_by_chance_is_as_uncertain_as_the_pressure_near_it(br
 def test_the_shortest_contact_of_a_shoe_counts(brake):
     """Of two levels whose one torque moves by 1e-3; one contact of two is a nanometre long."""
     made = prepare(brake, COLUMNS[0])
-    found = respond(made, brake, penalty=math.inf)
+    found = solve_prepared_model(made, brake, penalty=math.inf)
     one, other = found.shoes
     before = replace(found, shoes=(replace(one, torque=1.001 * one.torque), other))
     last = one.theta[one.pressure > 0][-1]
@@ -256,7 +256,7 @@ def test_the_shortest_contact_of_a_shoe_counts(brake):
     def error(last):
         along = [SolvedLevel(made, before), SolvedLevel(made, last)]
         return solve_to_tolerance(
-            brake, Tolerance(0.5, 0.5), respond, must=False, levels=along
+            brake, Tolerance(0.5, 0.5), solve_prepared_model, must=False, levels=along
         ).response.error
 
     assert error(found)["torque"] == pytest.approx(
@@ -292,13 +292,13 @@ def test_a_peak_in_the_column_at_a_pressed_end_is_not_known():
     the last node.
     """
     brake = random_brake(488)
-    found = list(islice(solved_levels(brake, respond), 3))
+    found = list(islice(solved_levels(brake, solve_prepared_model), 3))
     peaks = [step.response.shoes[0].peak_pressure for step in found]
     assert peaks[0] < 0.96 * peaks[1] < 0.96**2 * peaks[2]
     for some in (found[:2], found):
         assert not math.isclose(some[-1].response.shoes[0].pressure[-1], peaks[len(some) - 1])
         stated = solve_to_tolerance(
-            brake, Tolerance(1e-9, 1e-9), respond, must=False, levels=some
+            brake, Tolerance(1e-9, 1e-9), solve_prepared_model, must=False, levels=some
         ).response
         assert stated.shoes[0].error["peak"] == stated.error["peak"] == 1.0
 
@@ -307,7 +307,9 @@ def test_a_peak_in_the_column_at_a_pressed_end_is_not_known():
 def test_the_penalty_changes_torque_and_pressure_as_a_response_says(brake, index):
     # On one division: columns that follow the contact of each would change p as well.
     level = prepare(brake, COLUMNS[2])
-    firm, soft = (respond(level, brake, penalty=each).shoes[index] for each in (math.inf, 1e3))
+    firm, soft = (
+        solve_prepared_model(level, brake, penalty=each).shoes[index] for each in (math.inf, 1e3)
+    )
     assert abs(soft.torque / firm.torque - 1) == pytest.approx(soft.softness.torque, rel=0.02)
     assert pressure_distance(soft, firm) == pytest.approx(soft.softness.pressure, rel=0.05)
     assert soft.softness.torque > 1e-9 and firm.softness == NO_CHANGE
@@ -320,7 +322,9 @@ def test_what_a_soft_contact_changes_is_stated(brake, penalty):
     The pressure of the softest contact hardly depends on it any more.
     """
     level = prepare(brake, COLUMNS[2])
-    firm, soft = (respond(level, brake, penalty=each).shoes for each in (math.inf, penalty))
+    firm, soft = (
+        solve_prepared_model(level, brake, penalty=each).shoes for each in (math.inf, penalty)
+    )
     for a, b in zip(soft, firm, strict=True):
         reaction = float(
             np.hypot(*(a.hinge_reaction - b.hinge_reaction)) / np.hypot(*b.hinge_reaction)
@@ -335,7 +339,10 @@ def test_what_a_soft_contact_changes_of_a_post_is_stated_too():
     """Of its pressure it changes a third more than to first order."""
     brake = random_brake(300_501, "post")
     level = prepare(brake, COLUMNS[1])
-    firm, soft = respond(level, brake, penalty=math.inf), respond(level, brake, penalty=10.0)
+    firm, soft = (
+        solve_prepared_model(level, brake, penalty=math.inf),
+        solve_prepared_model(level, brake, penalty=10.0),
+    )
     true = pressure_distance(soft.shoes[0], firm.shoes[0])
     assert true > 1e-2
     assert beside(soft.shoes)[1] > true
@@ -450,8 +457,8 @@ def test_a_peak_under_a_tip_of_the_gap_is_unbounded_and_so_is_its_error(brake, t
             solve_to_tolerance(
                 kinked,
                 Tolerance(1e-6, 1e-6),
-                respond,
-                levels=list(islice(solved_levels(kinked, respond), 3)),
+                solve_prepared_model,
+                levels=list(islice(solved_levels(kinked, solve_prepared_model), 3)),
             )
     else:
         assert abs(fine.peak_pressure / rough.peak_pressure - 1) < rough.error["peak"] < 0.1
@@ -465,7 +472,7 @@ def test_a_peak_that_finer_columns_may_find_at_an_end_is_unknown_before(part, un
     largest now.
     """
     brake = random_brake(4334, "arc")
-    *_, last = islice(solved_levels(brake, respond), 2)
+    *_, last = islice(solved_levels(brake, solve_prepared_model), 2)
     (shoe,) = last.response.shoes
     at_start = shoe.pressure[0] > shoe.pressure[-1]
     first, last_column = slice(0, shoe.order + 1), slice(-shoe.order - 1, None)
@@ -540,7 +547,9 @@ def test_a_reaction_that_two_levels_share_by_accident_is_not_stated_as_sure():
     _, hinged = draw_calibration_brake(300_259)
     truth = solve_by_finer_divisions(hinged)
     off = true_errors(hinged, solve(hinged).shoes, truth.shoes)["reaction"]
-    before, last = (step.response for step in islice(solved_levels(hinged, respond), 2))
+    before, last = (
+        step.response for step in islice(solved_levels(hinged, solve_prepared_model), 2)
+    )
     stated = estimate(hinged, before, last)
     by_step = estimate(hinged, before, last, FACTORS._replace(cancelled=0.0))
     assert by_step.brake["reaction"] < 0.5 * off

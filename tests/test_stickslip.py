@@ -14,11 +14,23 @@ from drumlin.brake.elasticity import ElasticLayer
 from drumlin.brake.fields import Material
 from drumlin.brake.file import read_brake, vary
 from drumlin.contact import active_set, equations, stick_slip
-from drumlin.contact.stick_slip import BACKWARD, FORWARD, OPEN, STICK, FrictionalProblem, History
-from drumlin.fem.analysis.at_rest import holding_problem
-from drumlin.fem.analysis.holding import as_dict, full_slip_rotation, hold, turn_drum
+from drumlin.contact.stick_slip import (
+    BACKWARD,
+    FORWARD,
+    OPEN,
+    STICK,
+    FrictionalProblem,
+    SlipHistory,
+)
+from drumlin.fem.analysis.at_rest import make_stick_slip_problem
+from drumlin.fem.analysis.holding import (
+    find_full_slip_rotation,
+    hold_drum_through_rotations,
+    states_as_plain_data,
+    turn_drum_in_increments,
+)
 from drumlin.fem.equilibrium.group import ShoeGroup
-from drumlin.fem.model import respond
+from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.substructure.body import body_constraints, condense_body, scalar_basis, stiffness
 from drumlin.fem.substructure.interface import (
@@ -55,7 +67,7 @@ def spring(push, shift, stiffness=100.0, penalty=0.0):
     )
 
 
-REST = History(np.zeros(1), np.zeros(1))
+REST = SlipHistory(np.zeros(1), np.zeros(1))
 
 
 @pytest.mark.parametrize(
@@ -76,7 +88,7 @@ REST = History(np.zeros(1), np.zeros(1))
     ],
 )
 def test_friction_states_of_one_node_are_exact(mu, shift, state, t):
-    found = stick_slip.solve(
+    found = stick_slip.solve_load_increment(
         spring(10.0, shift), mu if mu < math.inf else 1e300, REST, np.array([STICK])
     )
     assert found.p[0] == pytest.approx(10.0, rel=1e-14)
@@ -86,13 +98,15 @@ def test_friction_states_of_one_node_are_exact(mu, shift, state, t):
 
 
 def test_an_open_node_carries_nothing():
-    found = stick_slip.solve(spring(-3.0, 0.2), 0.5, REST, np.array([STICK]))
+    found = stick_slip.solve_load_increment(spring(-3.0, 0.2), 0.5, REST, np.array([STICK]))
     assert (found.p[0], found.t[0], found.state[0]) == (0, 0, OPEN)
 
 
 def test_a_tangential_penalty_is_an_elastic_slip():
     """Series springs: with compliance Q beside 1/k a shift of 0.02 gives t = 0.02/(1/k + Q)."""
-    found = stick_slip.solve(spring(10.0, 0.02, penalty=0.01), 0.5, REST, np.array([STICK]))
+    found = stick_slip.solve_load_increment(
+        spring(10.0, 0.02, penalty=0.01), 0.5, REST, np.array([STICK])
+    )
     assert found.t[0] == pytest.approx(0.02 / 0.02, rel=1e-12)
 
 
@@ -109,7 +123,7 @@ def test_a_closed_loop_dissipates_its_area():
     work = dissipated = 0.0
     previous, states = (0.0, 0.0), set()
     for k_step, shift in enumerate(path):
-        found = stick_slip.solve(spring(push, shift, k), mu, history, state)
+        found = stick_slip.solve_load_increment(spring(push, shift, k), mu, history, state)
         # The closed part of the path goes from top to top.
         if k_step > 40:
             work += 0.5 * (found.t[0] + previous[1]) * (shift - previous[0])
@@ -127,9 +141,9 @@ def test_solving_twice_changes_nothing():
 
     The history is an input.
     """
-    history = History(np.array([1.0]), np.array([0.01]))
-    a = stick_slip.solve(spring(10.0, 0.2), 0.5, history, np.array([STICK]))
-    b = stick_slip.solve(spring(10.0, 0.2), 0.5, history, np.array([STICK]))
+    history = SlipHistory(np.array([1.0]), np.array([0.01]))
+    a = stick_slip.solve_load_increment(spring(10.0, 0.2), 0.5, history, np.array([STICK]))
+    b = stick_slip.solve_load_increment(spring(10.0, 0.2), 0.5, history, np.array([STICK]))
     assert (a.t, a.s) == (b.t, b.s)
     assert (history.t[0], history.s[0]) == (1.0, 0.01)
 
@@ -141,14 +155,14 @@ def test_the_equations_of_the_found_states_hold_and_their_tangent_agrees_with_di
     Open, sticking and slipping nodes together: residuals vanish, and p, t move with the load by
     their linear equations.
     """
-    problem, lever = holding_problem(ShoeGroup(SCENE, BRAKE, (seed % 2,), 1e4))
+    problem, lever = make_stick_slip_problem(ShoeGroup(SCENE, BRAKE, (seed % 2,), 1e4))
     rng = np.random.default_rng(seed)
     rotation = 10 ** rng.uniform(-5.5, -3.5)
     n = len(lever)
-    rest = History(np.zeros(n), np.zeros(n))
+    rest = SlipHistory(np.zeros(n), np.zeros(n))
     mu = 0.3
-    found = stick_slip.solve(problem, mu, rest, np.full(n, STICK))
-    for found_next in turn_drum(problem, lever / 2000.0, mu, found, 0.0, rotation):
+    found = stick_slip.solve_load_increment(problem, mu, rest, np.full(n, STICK))
+    for found_next in turn_drum_in_increments(problem, lever / 2000.0, mu, found, 0.0, rotation):
         before, state, found = found.history, found.state, found_next
     moved = problem._replace(q_s=problem.q_s + lever * rotation / 2000.0)
     assert (np.abs(found.t) <= mu * found.p + 1e-8 * found.p.max()).all()
@@ -158,12 +172,12 @@ def test_the_equations_of_the_found_states_hold_and_their_tangent_agrees_with_di
     # Friction can only dissipate.
     assert (found.t * slip >= -1e-9 * np.abs(found.t).max() * np.abs(found.s).max()).all()
     step = 1e-6 * rotation
-    nearby = stick_slip.solve(
+    nearby = stick_slip.solve_load_increment(
         moved._replace(q_s=moved.q_s + lever * step / 2000.0), mu, before, state
     )
     # Within one set of states the answer is linear: twice the step, twice the change.
     if np.array_equal(nearby.state, found.state):
-        again = stick_slip.solve(
+        again = stick_slip.solve_load_increment(
             moved._replace(q_s=moved.q_s + 2 * lever * step / 2000.0), mu, before, state
         )
         if np.array_equal(again.state, found.state):
@@ -245,14 +259,16 @@ def test_flat_patch_whole_and_inclined(turned):
     # The strip of height 1 has the strain -.05, which gives s = -1e5.
     depth = 0.05
     n = len(line.nodes)
-    problem = equations.Problem(
+    problem = equations.ContactProblem(
         Y.T @ Y, coupling.M @ np.full(n, -depth), np.zeros((n, 0)), np.zeros((0, n)), np.zeros(0)
     )
-    assert active_set.solve(problem).p == pytest.approx(np.full(n, 1e5), rel=1e-10)
+    assert active_set.solve_contact_problem(problem).p == pytest.approx(np.full(n, 1e5), rel=1e-10)
 
 
 def test_a_holding_brake_saturates_at_its_full_slip_torque():
-    states = hold(SCENE, BRAKE, np.linspace(0, full_slip_rotation(SCENE, BRAKE), 13))
+    states = hold_drum_through_rotations(
+        SCENE, BRAKE, np.linspace(0, find_full_slip_rotation(SCENE, BRAKE), 13)
+    )
     torques = np.array(picked(states, "torque"))
     # At rest both shoes balance each other by symmetry.
     assert abs(torques[0]) < 1e-9 * torques[-1]
@@ -262,30 +278,30 @@ def test_a_holding_brake_saturates_at_its_full_slip_torque():
     assert states[0].sticking > 0.1
     assert 0 < states[6].sticking < states[1].sticking
     assert states[-1].sticking == 0
-    full = respond(SCENE, BRAKE)
+    full = solve_prepared_model(SCENE, BRAKE)
     assert torques[-1] == pytest.approx(full.torque, rel=1e-9)
     for mine, theirs in zip(states[-1].pressure, full.shoes, strict=True):
         assert mine == pytest.approx(theirs.pressure, rel=1e-6, abs=1e-7 * theirs.pressure.max())
     middle = states[6]
     assert any(middle.stick) and all(middle.slip)
     assert np.diff(picked(states, "dissipated")).min() > 0
-    assert {"stick", "slip"} <= set(as_dict(states)[6]["shoes"][1]["state"])
+    assert {"stick", "slip"} <= set(states_as_plain_data(states)[6]["shoes"][1]["state"])
 
 
 def test_more_increments_change_little_and_turning_on_changes_nothing_more():
-    end = full_slip_rotation(SCENE, BRAKE)
-    coarse = hold(SCENE, BRAKE, np.linspace(0, 0.5 * end, 5))[-1].torque
-    fine = hold(SCENE, BRAKE, np.linspace(0, 0.5 * end, 33))[-1].torque
+    end = find_full_slip_rotation(SCENE, BRAKE)
+    coarse = hold_drum_through_rotations(SCENE, BRAKE, np.linspace(0, 0.5 * end, 5))[-1].torque
+    fine = hold_drum_through_rotations(SCENE, BRAKE, np.linspace(0, 0.5 * end, 33))[-1].torque
     assert coarse == pytest.approx(fine, rel=0.02)
-    beyond = hold(SCENE, BRAKE, np.array([0.0, end, 2 * end]))
+    beyond = hold_drum_through_rotations(SCENE, BRAKE, np.array([0.0, end, 2 * end]))
     assert beyond[2].torque == pytest.approx(beyond[1].torque, rel=1e-9)
 
 
 def test_the_work_of_the_drum_and_of_the_force_is_dissipated_or_stored():
     """Forth to full slip and back: over a closed cycle of the drum what goes in is dissipated."""
-    end = full_slip_rotation(SCENE, BRAKE)
+    end = find_full_slip_rotation(SCENE, BRAKE)
     there, back = np.linspace(0, 2 * end, 25), np.linspace(2 * end, -2 * end, 97)[1:]
-    states = hold(
+    states = hold_drum_through_rotations(
         SCENE, BRAKE, np.concatenate([there, back, np.linspace(-2 * end, 2 * end, 97)[1:]])
     )
     loop = states[24:]
@@ -300,29 +316,36 @@ def test_the_work_of_the_drum_and_of_the_force_is_dissipated_or_stored():
 
 def test_refusals():
     with pytest.raises(BadInput, match="friction = 0"):
-        hold(SCENE, vary(BRAKE, {"friction": 0.0}), np.array([0.0]))
+        hold_drum_through_rotations(SCENE, vary(BRAKE, {"friction": 0.0}), np.array([0.0]))
     with pytest.raises(NoAnswer, match="does not touch"):
-        hold(SCENE, vary(BRAKE, {"shoe[1].actuation.force": -1.0}), np.array([0.0]))
+        hold_drum_through_rotations(
+            SCENE, vary(BRAKE, {"shoe[1].actuation.force": -1.0}), np.array([0.0])
+        )
 
 
 def test_a_ring_takes_part_in_holding():
     spec = vary(BRAKE, drum_ring(0.015, "fixed"))
     scene = prepare(spec, elements=20)
     # At full slip holding and sliding brakes have the same torque.
-    states = hold(scene, spec, np.linspace(0, full_slip_rotation(scene, spec), 4))
-    assert states[-1].torque == pytest.approx(respond(scene, spec).torque, rel=1e-9)
+    states = hold_drum_through_rotations(
+        scene, spec, np.linspace(0, find_full_slip_rotation(scene, spec), 4)
+    )
+    assert states[-1].torque == pytest.approx(solve_prepared_model(scene, spec).torque, rel=1e-9)
 
 
-@pytest.mark.parametrize("way", [stick_slip._follow_from_states, stick_slip._follow_from_wide_gaps])
+@pytest.mark.parametrize(
+    "way",
+    [stick_slip._find_states_by_path_from_states, stick_slip._find_states_by_path_from_wide_gaps],
+)
 def test_a_path_ends_at_an_answer_also_where_it_turns_back(way, monkeypatch):
     """A path of loads ends at an answer also where it turns back.
 
     Four nodes on random elastic bodies, mu = 1: on a tenth of the paths the load grows again before
     it falls.
     """
-    monkeypatch.setattr(stick_slip, "_solve_by_newton", way)
-    monkeypatch.setattr(stick_slip, "_follow_from_states", way)
-    monkeypatch.setattr(stick_slip, "_follow_from_wide_gaps", way)
+    monkeypatch.setattr(stick_slip, "_find_states_by_newton", way)
+    monkeypatch.setattr(stick_slip, "_find_states_by_path_from_states", way)
+    monkeypatch.setattr(stick_slip, "_find_states_by_path_from_wide_gaps", way)
     n, none = 4, np.zeros(0)
     for seed in range(100):
         rng = np.random.default_rng(seed)
@@ -342,7 +365,9 @@ def test_a_path_ends_at_an_answer_also_where_it_turns_back(way, monkeypatch):
             h=none,
             Q=np.zeros((n, n)),
         )
-        found = stick_slip.solve(problem, 1.0, History(np.zeros(n), np.zeros(n)), np.full(n, STICK))
+        found = stick_slip.solve_load_increment(
+            problem, 1.0, SlipHistory(np.zeros(n), np.zeros(n)), np.full(n, STICK)
+        )
         p, t = found.p, found.t
         w = problem.q_w + problem.A_wp @ p + problem.A_wt @ t
         s = problem.q_s + problem.A_sp @ p + problem.A_st @ t
@@ -354,12 +379,15 @@ def test_a_path_ends_at_an_answer_also_where_it_turns_back(way, monkeypatch):
 def test_a_vanishing_gap_changes_nothing():
     """A force that closes the gap in increments ends where one increment ends without a gap."""
     gap = vary(BRAKE, {"shoe.lining.clearance": 1e-13})
-    with_gap, without = hold(SCENE, gap, np.zeros(8))[0], hold(SCENE, BRAKE, np.zeros(8))[0]
+    with_gap, without = (
+        hold_drum_through_rotations(SCENE, gap, np.zeros(8))[0],
+        hold_drum_through_rotations(SCENE, BRAKE, np.zeros(8))[0],
+    )
     for mine, theirs in zip(with_gap.traction, without.traction, strict=True):
         assert mine == pytest.approx(theirs, rel=1e-3, abs=1e-4 * np.abs(theirs).max())
 
 
 def test_zones_end_half_way_to_the_next_node():
     state = np.array([STICK, FORWARD, BACKWARD, OPEN])
-    found = stick_slip.zones(np.array([0.0, 1.0, 3.0, 4.0]), state)
+    found = stick_slip.stick_and_slip_arcs(np.array([0.0, 1.0, 3.0, 4.0]), state)
     assert found == {"stick": ((0.0, 0.5),), "slip": ((0.5, 3.5),)}

@@ -253,8 +253,8 @@ def test_a_failed_case_is_a_row_with_its_reason(brake, monkeypatch):
 
 def test_bodies_are_condensed_once_for_all_loads(brake, monkeypatch):
     made = []
-    assemble = meshes.assemble
-    monkeypatch.setattr(meshes, "assemble", lambda *a: made.append(1) or assemble(*a))
+    assemble = meshes.assemble_shoe
+    monkeypatch.setattr(meshes, "assemble_shoe", lambda *a: made.append(1) or assemble(*a))
     loads = [
         {"friction": 0.2},
         {"rotation": "clockwise", "shoe[0].actuation.force": 500.0},

@@ -9,9 +9,9 @@ import drumlin
 from conftest import ROOT, partly
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake, vary
-from drumlin.fem.model import respond
+from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.solve import scene_of
+from drumlin.fem.solve import prepare_finest_division
 from drumlin.laws import law
 from drumlin.lining_wear.archard import (
     WearLaw,
@@ -127,7 +127,7 @@ def test_wear_begins_where_the_feet_slide_as_they_do(elements: int) -> None:
     brake = read_brake(ROOT / "studies" / "brakes" / "simplex_abutted.toml")
     scene = prepare(brake, elements=elements)
     (first,) = wear_linings_in_given_steps(fem_wear_setup(scene, brake).interfaces, ARCHARD, [])
-    assert first.torque == pytest.approx(respond(scene, brake).torque, rel=1e-7)
+    assert first.torque == pytest.approx(solve_prepared_model(scene, brake).torque, rel=1e-7)
     assert first.torque == pytest.approx(262.42, rel=1e-3)
 
 
@@ -136,7 +136,7 @@ def test_wear_begins_where_only_a_soft_lining_shows_the_contact() -> None:
     """`solve` begins each level with the contact of the one before; here there is none before."""
     brake = drawn("cam", 30564)
     (first,) = wear_linings_in_given_steps(
-        fem_wear_setup(scene_of(brake), brake).interfaces, ARCHARD, []
+        fem_wear_setup(prepare_finest_division(brake), brake).interfaces, ARCHARD, []
     )
     by_meshes = [drumlin.solve(brake, elements=40).torque, drumlin.solve(brake, elements=80).torque]
     assert first.torque == pytest.approx(by_meshes[1], rel=2e-5)
@@ -152,7 +152,7 @@ def test_wear_begins_where_the_answer_is_followed_from_no_friction() -> None:
     )
     assert first.torque == pytest.approx(2820.99, rel=1e-4)
     (first,) = wear_linings_in_given_steps(
-        fem_wear_setup(scene_of(brake), brake).interfaces, ARCHARD, []
+        fem_wear_setup(prepare_finest_division(brake), brake).interfaces, ARCHARD, []
     )
     assert first.torque == pytest.approx(2820.99, rel=1e-5)
 
@@ -188,7 +188,7 @@ def test_feet_slide_otherwise_as_the_linings_wear_and_each_state_is_an_answer() 
     assert len(set(footings)) > 1
     for state in states[::20]:
         assert state.torque == pytest.approx(
-            respond(scene, brake_with_worn_linings(setup, state)).torque, rel=1e-7
+            solve_prepared_model(scene, brake_with_worn_linings(setup, state)).torque, rel=1e-7
         )
 
 
@@ -205,7 +205,7 @@ def test_a_held_torque_finds_the_feet_too() -> None:
         }
         alone = vary(brake.model_copy(update={"actuation": None}), force)
         loaded = brake_with_worn_linings(setup._replace(brake=alone), state)
-        assert respond(scene, loaded).torque == pytest.approx(200.0, rel=1e-7)
+        assert solve_prepared_model(scene, loaded).torque == pytest.approx(200.0, rel=1e-7)
 
 
 @pytest.mark.parametrize("seed", partly([17, 28], [28]))

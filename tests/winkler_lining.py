@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from drumlin.contact.equations import Problem
+from drumlin.contact.equations import ContactProblem
 from drumlin.fem.substructure.interface import ContactLine, couple_with_counterface, drum_directions
 from drumlin.lining_wear.archard import (
     WearInterface,
@@ -27,7 +27,7 @@ def winkler(gap, *, elements=24, mu=MU, arc=(0.3, 2.2)):
     )
     turned = np.column_stack([-xy[1], xy[0] - PIN]).ravel()
     approach = coupling.N @ turned
-    problem = Problem(
+    problem = ContactProblem(
         A=coupling.M / K,
         q=coupling.M @ gap(phi),
         B=-approach[:, None],

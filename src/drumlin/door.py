@@ -93,13 +93,13 @@ class _Corrected(NamedTuple):
 
 
 def _corrected(brake: Brake, finite_width: bool) -> _Corrected:
-    """The brake, its moduli corrected for the widths of its shoes if `finite_width`."""
+    """The brake, its moduli corrected for the widths of its shoes if `correct_for_finite_width`."""
     if not finite_width:
         return _Corrected(brake, ())
     from drumlin.fem.preparation import finite_width as width
 
-    other = width.finite_width(brake)
-    return _Corrected(other, (width.said(brake, other),))
+    other = width.correct_for_finite_width(brake)
+    return _Corrected(other, (width.correction_note(brake, other),))
 
 
 def solve(
@@ -304,7 +304,7 @@ def wear(
     -------
     WearRun
         `states` from the unworn one on, each with distance [m], depth [m], pressure [Pa] and torque
-        [N m]; `target`, what wear tends to; `lines()` and `as_dict()`
+        [N m]; `target`, what wear tends to; `lines()` and `states_as_plain_data()`
 
     Raises
     ------
@@ -355,9 +355,9 @@ class HoldingRun(NamedTuple):
 
     def as_dict(self) -> list[dict[str, Any]]:
         """The states as plain data for JSON, in SI; the keys are those of `drumlin hold --json`."""
-        from drumlin.fem.analysis.holding import as_dict
+        from drumlin.fem.analysis.holding import states_as_plain_data
 
-        return as_dict(list(self.states))
+        return states_as_plain_data(list(self.states))
 
 
 def hold(
@@ -407,7 +407,7 @@ def hold(
     import numpy as np
 
     from drumlin.fem.analysis import holding
-    from drumlin.fem.solve import scene_of
+    from drumlin.fem.solve import prepare_finest_division
 
     held, notes = _corrected(_brake_of(brake), finite_width)
     held.check_meshable()
@@ -415,12 +415,12 @@ def hold(
         raise BadInput(f"--steps = {steps}: must be from 1 to {MOST_STEPS}")
     on_mesh, stiffness = _given(elements=elements, kind=kind), _given(penalty=penalty)
     end = None if rotation is None else _in_si("--rotation", rotation, held.surface.unit)
-    scene = scene_of(held, **on_mesh)
+    scene = prepare_finest_division(held, **on_mesh)
     if end is None:
-        end = holding.full_slip_rotation(scene, held, **stiffness)
+        end = holding.find_full_slip_rotation(scene, held, **stiffness)
     # The state at rest comes first, so that there is one state more than increments.
     rotations = np.linspace(0.0, end, steps + 1)
-    states = holding.hold(scene, held, rotations, say=say, **stiffness)
+    states = holding.hold_drum_through_rotations(scene, held, rotations, say=say, **stiffness)
     return HoldingRun(held, tuple(states), notes)
 
 
@@ -459,13 +459,13 @@ def sensitivity(
     >>> slopes.S > 1
     True
     """
-    from drumlin.fem.analysis.sensitivity import sensitivity as slopes
-    from drumlin.fem.solve import scene_of
+    from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity as slopes
+    from drumlin.fem.solve import prepare_finest_division
 
     on_mesh, stiffness = _given(elements=elements, kind=kind), _given(penalty=penalty)
     whole = _brake_of(brake)
     whole.check_meshable()
-    return slopes(scene_of(whole, **on_mesh), whole, **stiffness)
+    return slopes(prepare_finest_division(whole, **on_mesh), whole, **stiffness)
 
 
 class LockingLimit(NamedTuple):
@@ -519,22 +519,24 @@ def self_locking(
     [('right',), ('left',)]
     """
     from drumlin.contact.self_locking import LARGEST_SOUGHT_FRICTION
-    from drumlin.fem.analysis.self_locking import limits
+    from drumlin.fem.analysis.self_locking import friction_limits_of_groups
     from drumlin.fem.model import check_penalty
-    from drumlin.fem.solve import scene_of
+    from drumlin.fem.solve import prepare_finest_division
 
     on_mesh = _given(elements=elements, kind=kind)
     check_penalty(penalty)
     whole = _brake_of(brake)
     whole.check_meshable()
-    found = limits(
-        scene_of(whole, **on_mesh),
+    found = friction_limits_of_groups(
+        prepare_finest_division(whole, **on_mesh),
         whole,
         LARGEST_SOUGHT_FRICTION if most is None else most,
         penalty,
     )
     return tuple(
-        LockingLimit(tuple(whole.shoes[i].name for i in members), end.friction, end.bounded)
+        LockingLimit(
+            tuple(whole.shoes[i].name for i in members), end.friction, end.pressure_stays_finite
+        )
         for members, end in found.items()
     )
 
@@ -709,9 +711,9 @@ def fields(
     (3, True)
     """
     from drumlin.base.files import check_outputs
-    from drumlin.fem.analysis.fields import all_fields, write_vtu
-    from drumlin.fem.model import respond
-    from drumlin.fem.solve import scene_of
+    from drumlin.fem.analysis.fields import recover_all_fields, write_fields_as_vtu
+    from drumlin.fem.model import solve_prepared_model
+    from drumlin.fem.solve import prepare_finest_division
 
     path = None if output is None else Path(output)
     if path is not None and path.suffix != ".vtu":
@@ -720,10 +722,10 @@ def fields(
     on_mesh, stiffness = _given(elements=elements, kind=kind), _given(penalty=penalty)
     solved = _corrected(_brake_of(brake), finite_width).brake
     solved.check_meshable()
-    scene = scene_of(solved, **on_mesh)
-    found = all_fields(scene, solved, respond(scene, solved, **stiffness))
+    scene = prepare_finest_division(solved, **on_mesh)
+    found = recover_all_fields(scene, solved, solve_prepared_model(scene, solved, **stiffness))
     if path is not None:
-        write_vtu(path, found)
+        write_fields_as_vtu(path, found)
     return tuple(found)
 
 

@@ -47,9 +47,9 @@ def _fem(brake: Brake, *, worn_in: bool = False, **options: Any) -> Response:
 
 def _fem_why_not(brake: Brake) -> str | None:
     """The reason why the finite elements do not apply to a brake, or None."""
-    from drumlin.fem.preparation.scene import why_not
+    from drumlin.fem.preparation.scene import reason_why_not_modelled
 
-    return why_not(brake)
+    return reason_why_not_modelled(brake)
 
 
 def _foundation(brake: Brake, **options: Any) -> Response:

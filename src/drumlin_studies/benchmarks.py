@@ -21,7 +21,7 @@ import numpy as np
 
 import drumlin
 from drumlin.brake.brake import Brake
-from drumlin.fem.solve import scene_of
+from drumlin.fem.solve import prepare_finest_division
 from drumlin.studies import REPOSITORY, examples
 
 HISTORY = REPOSITORY / "reports" / "reference" / "benchmarks" / "history.jsonl"
@@ -141,7 +141,7 @@ def count_unknowns(brake: Brake) -> int:
     """Degrees of freedom of the shoes in the prepared model that a default solve ends on."""
     counted: dict[int, int] = {}
     # Equal shoes share one body, which is condensed once and counted once.
-    for body in scene_of(brake).bodies:
+    for body in prepare_finest_division(brake).bodies:
         counted[id(body)] = body.unknowns
     return sum(counted.values())
 

@@ -14,7 +14,7 @@ from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.surface import DRUM, PLANE
 from drumlin.comparison import Outcome, edge_of, run
-from drumlin.fem.analysis.self_locking import limits
+from drumlin.fem.analysis.self_locking import friction_limits_of_groups
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin.laws import law
@@ -107,7 +107,9 @@ def locking_friction(brake: Brake, most: float = 2.0, elements: int = 20) -> flo
     no answer even without friction. `elements` counts the elements along a lining.
     """
     try:
-        found = limits(prepare(brake, elements=elements), brake, most, penalty=1e6)
+        found = friction_limits_of_groups(
+            prepare(brake, elements=elements), brake, most, penalty=1e6
+        )
     except NoAnswer:
         return math.nan
     # The shoe or the group of shoes with the lowest limit locks the brake.

@@ -27,7 +27,7 @@ from drumlin.fem.error_control.adapt import errors_with_singularities
 from drumlin.fem.error_control.estimate import QUANTITIES, Errors, Factors, beside, distances
 from drumlin.fem.error_control.levels import SolvedLevel, solved_levels
 from drumlin.fem.hp.corner import response_with_power_laws
-from drumlin.fem.model import respond
+from drumlin.fem.model import solve_prepared_model
 from drumlin_studies.random_brake import SHAPE_KINDS as KINDS
 from drumlin_studies.random_brake import random_brake
 from drumlin_studies.random_corners import CORNER_KINDS, random_corner
@@ -108,7 +108,9 @@ def observe_levels(seed: int) -> dict[str, Any]:
         truth = (solve_by_deep_triangles if seed >= FIRST_CORNER else solve_by_finer_divisions)(
             brake
         )
-        levels = level_errors(brake, truth, islice(solved_levels(brake, respond), FITTED))
+        levels = level_errors(
+            brake, truth, islice(solved_levels(brake, solve_prepared_model), FITTED)
+        )
     except (NoAnswer, AssertionError) as error:
         # Rounding turns over triangles that are too small.
         return {"seed": seed, "kind": kind, "reason": str(error), "levels": []}

@@ -13,7 +13,7 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
 from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE, solve_to_tolerance
-from drumlin.fem.model import respond
+from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.solve import solve
 from drumlin.response.response import Response, ShoeResponse
 from drumlin_studies import random_brake, random_kinds
@@ -142,7 +142,9 @@ def stated_and_true_errors(brake: Brake) -> StatedAndTrue:
 
     Raises NoAnswer where the solve or the truth has no answer.
     """
-    response = solve_to_tolerance(brake, DEFAULT_TOLERANCE, respond, must=False).response
+    response = solve_to_tolerance(
+        brake, DEFAULT_TOLERANCE, solve_prepared_model, must=False
+    ).response
     true = truth_by_hp_elements(brake, BLOCKS_TRUTH_TOLERANCE)
     return StatedAndTrue(response, true, true_errors(brake, response.shoes, true.shoes))
 

@@ -8,7 +8,7 @@ larger than its compression, the other half a brake of any kind of both generato
 
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
-from drumlin.fem.model import TOO_FAR
+from drumlin.fem.model import TOO_FAR_REASON
 from drumlin.fem.solve import solve
 from drumlin.response.response import Response
 from drumlin_studies import random_brake, random_kinds
@@ -47,7 +47,7 @@ def refusal_rows(seed: int) -> list[Check]:
     if isinstance(found, str):
         if one_answer:
             # Hp elements lose more digits than a mesh. Drumlin gives this as the reason.
-            said = found if TOO_FAR in found else ""
+            said = found if TOO_FAR_REASON in found else ""
             return [_check_row(brake, f"an answer, refused: {found}", 1.0, 0.0, said=said)]
         return [_check_row(brake, "an answer", 0.0, 0.0, said=found, refused=True)]
     if not one_answer:

@@ -20,9 +20,13 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Bar
 from drumlin.brake.fields import AnyMaterial
 from drumlin.brake.file import vary
-from drumlin.fem.analysis.sensitivity import Sensitivity, ShoeSensitivity, sensitivity
+from drumlin.fem.analysis.sensitivity import (
+    Sensitivity,
+    ShoeSensitivity,
+    compute_torque_sensitivity,
+)
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.model import respond
+from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.preparation.scene import PreparedModel
@@ -133,7 +137,7 @@ class DivisionForSlopes:
     def solved(self, brake: Brake) -> "TorqueOnDivision":
         """The torque of a brake with its division and contact set. Raises as `solve`."""
         scene = self.scene(brake)
-        response = respond(scene, brake)
+        response = solve_prepared_model(scene, brake)
         # Numbers of unknowns tell divisions apart: another division has other numbers.
         bodies = [body.unknowns for body in scene.bodies]
         if scene.ring:
@@ -142,8 +146,8 @@ class DivisionForSlopes:
         return TorqueOnDivision(response.torque, tuple(bodies), touching)
 
     def slopes(self, brake: Brake) -> Sensitivity:
-        """The slopes of a brake. Raises as `sensitivity`."""
-        return sensitivity(self.scene(brake), brake)
+        """The slopes of a brake. Raises as `compute_torque_sensitivity`."""
+        return compute_torque_sensitivity(self.scene(brake), brake)
 
 
 def scaled_key_changes(key: str, value: float) -> Changes:

@@ -17,10 +17,10 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE, solve_to_tolerance
-from drumlin.fem.model import REFINED, respond
+from drumlin.fem.model import REFINED_REMARK, solve_prepared_model
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.preparation.scene import PreparedModel
-from drumlin.fem.solve import scene_of
+from drumlin.fem.solve import prepare_finest_division
 from drumlin.lining_wear.archard import WearLaw, WearState, wear_linings_in_given_steps
 from drumlin.lining_wear.linings import WearSetup, fem_wear_setup
 from drumlin.lining_wear.run_in import (
@@ -69,7 +69,7 @@ By the first two, a worn-in lining leaves a very soft shoe so much clearance tha
 turn too far. By the third, `solve` finds that static condensation has lost digits, which wear does
 not check.
 """
-EXACT_CONTACT = partial(respond, penalty=math.inf)
+EXACT_CONTACT = partial(solve_prepared_model, penalty=math.inf)
 """Solves a brake without a penalty, as wear does."""
 ELASTIC_ONLY_KINDS = ("table", "grip")
 """Kinds that need their elastic bodies: without them they would be brakes of another kind."""
@@ -124,7 +124,7 @@ def _draw_brake(seed: int, kind: str) -> Brake:
 
 def _rows_of_start(name: str, brake: Brake) -> list[Check]:
     """Rows of the unworn linings, on the last division of `solve`."""
-    scene = scene_of(brake)
+    scene = prepare_finest_division(brake)
     setup = fem_wear_setup(scene, brake)
 
     def answer_by_solve() -> _TorqueAndPressure:
@@ -248,7 +248,7 @@ def _response_torque_and_pressure(setup: WearSetup, response: Response) -> _Torq
     by_lining = []
     for surface in setup.surfaces:
         by_lining.append(response.shoes[surface.shoe].pressure[surface.forward])
-    said = next((note for note in response.notes if REFINED in note), "")
+    said = next((note for note in response.notes if REFINED_REMARK in note), "")
     return _TorqueAndPressure(response.torque, np.concatenate(by_lining), said)
 
 

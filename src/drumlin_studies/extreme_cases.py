@@ -19,7 +19,7 @@ from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import brake_from
 from drumlin.fem.mesh.arc import shoe_mesh
-from drumlin.fem.mesh.grading import LiningDivision, divide
+from drumlin.fem.mesh.grading import LiningDivision, divide_lining
 
 HYPERCUBE_SEED = 7
 """Seed of the Latin hypercube."""
@@ -181,7 +181,7 @@ def _mesh_of_aspect_ratio(case: KnobCase, shoe: Shoe, radius: float) -> Any:
 
     From there each element is ten times as large as the one before.
     """
-    division = divide(shoe, radius, case.elements)
+    division = divide_lining(shoe, radius, case.elements)
     start, end = shoe.arc
     step = (end - start) / case.elements
     assert case.aspect is not None

@@ -12,7 +12,7 @@ from drumlin.base.arrays import Floats
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.brake.fields import Material
 from drumlin.contact import active_set
-from drumlin.contact.equations import Problem
+from drumlin.contact.equations import ContactProblem
 from drumlin.fem.substructure.body import scalar_basis, stiffness
 from drumlin.fem.substructure.interface import (
     couple_with_counterface,
@@ -245,7 +245,11 @@ def _murty_largest_pressure() -> float:
     """
     A = np.array([[1.0, 2, 0], [0, 1, 2], [2, 0, 1]])
     none = np.zeros((3, 0))
-    return float(active_set.solve(Problem(A, -np.ones(3), none, none.T, np.zeros(0))).p.max())
+    return float(
+        active_set.solve_contact_problem(
+            ContactProblem(A, -np.ones(3), none, none.T, np.zeros(0))
+        ).p.max()
+    )
 
 
 def _lever_spring_force() -> float:
@@ -254,8 +258,8 @@ def _lever_spring_force() -> float:
     Two equal springs support the lever at 1 m and 2 m from the hinge.
     """
     B = -np.array([[1.0], [2.0]])
-    problem = Problem(np.eye(2), np.zeros(2), B, B.T.copy(), np.array([-6.0]))
-    return float(active_set.solve(problem).p[1])
+    problem = ContactProblem(np.eye(2), np.zeros(2), B, B.T.copy(), np.array([-6.0]))
+    return float(active_set.solve_contact_problem(problem).p[1])
 
 
 LAME_EDGES = closed_forms.lame_displacements(0.1, 0.2, 60e6, 200e9, 0.3)

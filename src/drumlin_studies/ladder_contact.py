@@ -9,8 +9,8 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.brake.fields import Material
 from drumlin.contact import active_set
-from drumlin.contact.equations import Problem
-from drumlin.fem.mesh.grading import graded
+from drumlin.contact.equations import ContactProblem
+from drumlin.fem.mesh.grading import points_graded_to_both_ends
 from drumlin.response.resultants import integrate
 from drumlin_studies import closed_forms
 from drumlin_studies.ladder_case import DISCRETE, MODEL, KnownAnswer
@@ -58,9 +58,9 @@ def half_plane_body(sign: int, per_half: int, material: Material = LADDER_STEEL)
     )
 
 
-def solve_contact_pressure(problem: Problem) -> Floats:
+def solve_contact_pressure(problem: ContactProblem) -> Floats:
     """The pressures (n,) [Pa] that solve a contact problem."""
-    return active_set.solve(problem, coarse_contact_set(problem)).p
+    return active_set.solve_contact_problem(problem, coarse_contact_set(problem)).p
 
 
 def _hertz_peak_ratio() -> float:
@@ -128,8 +128,10 @@ def _disc_in_hole_ratios(half_angle: float) -> DiscInHole:
 
     def angles_around_contact(count: int) -> Floats:
         """Angles [rad] around a whole circle, densest at the ends of the contact."""
-        inner = graded(-eps, eps, count, eps / 2, 1 / 40)
-        return np.concatenate([inner, graded(eps, 2 * math.pi - eps, count, 0.4, eps / 200)[1:-1]])
+        inner = points_graded_to_both_ends(-eps, eps, count, eps / 2, 1 / 40)
+        return np.concatenate(
+            [inner, points_graded_to_both_ends(eps, 2 * math.pi - eps, count, 0.4, eps / 200)[1:-1]]
+        )
 
     # The disc and the edge of the hole have different meshes, fine at the ends of the contact.
     disc = condense_contact_body(
@@ -166,7 +168,7 @@ def _wavy_ring_pressure_ratio(share: float) -> float:
     # A uniform pressure moves both rings apart by this distance per pressure.
     E, nu = LADDER_STEEL.E, LADDER_STEEL.nu
     soft = sum(abs(closed_forms.ring_compliance(0, 1.0, held, E, nu)) for held in (0.5, 1.5))
-    p = active_set.solve(
+    p = active_set.solve_contact_problem(
         pair.normal(-height * np.cos(RING_WAVES * pair.angle) - share * full * soft)
     ).p
     # Westergaard's pressure is that at the mean pressure which the rings really have.
@@ -209,7 +211,9 @@ def _pressed_rings_harmonics(n: int) -> Harmonics:
         return inner - closed_forms.ring_compliance(k, 1.0, 1.4, E, nu)
 
     soft = [apart(0), apart(n)]
-    p = active_set.solve(pair.normal(3e6 * soft[0] + 1e6 * soft[1] * np.cos(n * angle))).p
+    p = active_set.solve_contact_problem(
+        pair.normal(3e6 * soft[0] + 1e6 * soft[1] * np.cos(n * angle))
+    ).p
     # A least-squares fit of mean, cosine and sine finds the harmonics.
     columns = np.column_stack([np.ones_like(angle), np.cos(n * angle), np.sin(n * angle)])
     fit = np.linalg.lstsq(columns, p, rcond=None)[0]
@@ -226,7 +230,7 @@ def _bonded_layer_stiffness() -> float:
         ),
         None,
     )
-    p = active_set.solve(pair.normal(np.full(len(pair.angle), -depth))).p
+    p = active_set.solve_contact_problem(pair.normal(np.full(len(pair.angle), -depth))).p
     return float(p[len(p) // 2] / depth)
 
 
@@ -252,7 +256,9 @@ def _edge_exponent(mu: float, nu: float) -> float:
     matrix = pair.pressed.T @ (pair.pressed + mu * pair.dragged)
     n = len(pair.angle)
     q = pair.coupling.M @ np.full(n, -1e-4 * thickness)
-    p = active_set.solve(Problem(matrix, q, np.zeros((n, 0)), np.zeros((0, n)), np.zeros(0))).p
+    p = active_set.solve_contact_problem(
+        ContactProblem(matrix, q, np.zeros((n, 0)), np.zeros((0, n)), np.zeros(0))
+    ).p
     r = pair.angle - pair.angle[0]
     # The exponent is the slope of log p over log r, away from the smallest elements.
     near = (r > 1e-5 * thickness) & (r < 3e-3 * thickness)

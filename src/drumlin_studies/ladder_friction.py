@@ -16,7 +16,7 @@ from drumlin.brake.elasticity import ElasticLayer
 from drumlin.brake.fields import Material
 from drumlin.brake.file import vary
 from drumlin.contact import active_set, equations, self_locking, stick_slip
-from drumlin.contact.stick_slip import OPEN, STICK, FrictionalProblem, History
+from drumlin.contact.stick_slip import OPEN, STICK, FrictionalProblem, SlipHistory
 from drumlin.fem.solve import solve
 from drumlin.fem.substructure.body import scalar_basis, stiffness
 from drumlin.fem.substructure.interface import (
@@ -69,8 +69,10 @@ def _node_on_springs(push: float, shift: float, k: float = 100.0) -> FrictionalP
 
 def _node_traction(shift: float) -> float:
     """Traction of one node under 10 N at mu = 0.5, after a displacement of the drum [m]."""
-    untouched = History(np.zeros(1), np.zeros(1))
-    answer = stick_slip.solve(_node_on_springs(10.0, shift), 0.5, untouched, np.array([STICK]))
+    untouched = SlipHistory(np.zeros(1), np.zeros(1))
+    answer = stick_slip.solve_load_increment(
+        _node_on_springs(10.0, shift), 0.5, untouched, np.array([STICK])
+    )
     return float(answer.t[0])
 
 
@@ -80,9 +82,9 @@ def _loop_dissipation() -> float:
     path = np.concatenate(
         [np.linspace(0, 0.2, 21), np.linspace(0.2, -0.2, 41), np.linspace(-0.2, 0.2, 41)]
     )
-    history, state, dissipated = History(np.zeros(1), np.zeros(1)), np.array([STICK]), 0.0
+    history, state, dissipated = SlipHistory(np.zeros(1), np.zeros(1)), np.array([STICK]), 0.0
     for i, shift in enumerate(path):
-        answer = stick_slip.solve(_node_on_springs(10.0, shift), 0.5, history, state)
+        answer = stick_slip.solve_load_increment(_node_on_springs(10.0, shift), 0.5, history, state)
         # The first 21 positions lead from zero to the loop.
         if i > 20:
             dissipated += float(answer.t[0] * (answer.s[0] - history.s[0]))
@@ -129,13 +131,17 @@ def _sticking_half_width_ratio(share: float) -> float:
     gap, n = s**2 / (2 * GAP_RADIUS), len(s)
     along = BodyPair(pair.inner, pair.coupling, pair.pressed, pair.dragged, pair.motions[:, :1])
     pressing = along.normal(gap, [load])
-    state = np.where(active_set.solve(pressing, coarse_contact_set(pressing)).active, STICK, OPEN)
+    state = np.where(
+        active_set.solve_contact_problem(pressing, coarse_contact_set(pressing)).active, STICK, OPEN
+    )
     # The normal load comes first, then the tangential load in two steps.
-    untouched = History(np.zeros(n), np.zeros(n))
-    found = stick_slip.solve(pair.frictional(gap, [load, 0.0]), mu, untouched, state)
+    untouched = SlipHistory(np.zeros(n), np.zeros(n))
+    found = stick_slip.solve_load_increment(pair.frictional(gap, [load, 0.0]), mu, untouched, state)
     for part in (0.5, 1.0):
         loads = [load, part * share * mu * load]
-        found = stick_slip.solve(pair.frictional(gap, loads), mu, found.history, found.state)
+        found = stick_slip.solve_load_increment(
+            pair.frictional(gap, loads), mu, found.history, found.state
+        )
     middle = np.abs(s) < 0.2 * HALF_WIDTH
     ratio = np.abs(found.t[middle]).mean() / (mu * found.p[middle].mean())
     # In the middle t/(mu p) = 1 - c/a, but for a term of second order in the width of the window.
@@ -259,8 +265,8 @@ def _belt_tension_ratio(mu: float, wrap: float) -> float:
     u = belt.moved(np.column_stack([f.ravel(), belt.spread(N) + mu * belt.spread(T)]))
     on, n = belt.contact_unknowns, len(N)
     without_motions = np.zeros((n, 0)), np.zeros((0, n)), np.zeros(0)
-    problem = equations.Problem(N @ u[on, 1:], -N @ u[on, 0], *without_motions)
-    p = active_set.solve(problem).p
+    problem = equations.ContactProblem(N @ u[on, 1:], -N @ u[on, 0], *without_motions)
+    p = active_set.solve_contact_problem(problem).p
     whole = u @ np.concatenate([[1.0], -p])
     reaction = (belt.K @ whole).reshape(-1, 2)[at].sum(axis=0)
     return float(np.array([-math.sin(wrap), math.cos(wrap)]) @ reaction)
@@ -288,8 +294,8 @@ def _patch_largest_pressure(turned: float) -> float:
     # Closure of the gap by unit pressures, on a plane that lies 0.05 m inside the strip.
     closure = N @ strip.moved(strip.spread(N))[strip.contact_unknowns]
     none = np.zeros((n, 0))
-    problem = equations.Problem(closure, M @ np.full(n, -0.05), none, none.T, np.zeros(0))
-    return float(active_set.solve(problem).p.max())
+    problem = equations.ContactProblem(closure, M @ np.full(n, -0.05), none, none.T, np.zeros(0))
+    return float(active_set.solve_contact_problem(problem).p.max())
 
 
 class Plate(NamedTuple):
@@ -357,7 +363,9 @@ def press_and_push_plate() -> Plate:
         h=np.array([-f[:, 1].sum()]),
         Q=np.zeros((n, n)),
     )
-    found = stick_slip.solve(problem, mu, History(np.zeros(n), np.zeros(n)), np.full(n, STICK))
+    found = stick_slip.solve_load_increment(
+        problem, mu, SlipHistory(np.zeros(n), np.zeros(n)), np.full(n, STICK)
+    )
     whole = u @ np.concatenate([[1.0], -found.p, found.t])
     total = f.copy()
     # On the plane of symmetry the nodal forces include the reactions.
@@ -406,7 +414,7 @@ def _winkler_shoe(mu: float) -> tuple[WearInterface, Floats]:
     # Displacements of the nodes as the shoe turns about its pin by 1 rad.
     turned = np.column_stack([-xy[1], xy[0] - SPRING_PIN]).ravel()
     closing = coupling.N @ turned
-    problem = equations.Problem(
+    problem = equations.ContactProblem(
         coupling.M / SPRING_STIFFNESS,
         coupling.M @ (2e-6 * np.cos(3 * phi)),
         -closing[:, None],
@@ -423,7 +431,9 @@ def _winkler_locking_friction() -> float:
     """Friction at which the hinged rigid shoe with a lining of springs locks itself."""
     # The equations are linear in friction, so that two problems give those of every friction.
     still, unit = _winkler_shoe(0.0)[0].problem, _winkler_shoe(-1.0)[0].problem
-    return self_locking.limit(self_locking.Sliding.through(still, unit)).friction
+    return self_locking.find_friction_limit(
+        self_locking.FrictionDependentProblem.from_two_problems(still, unit)
+    ).friction
 
 
 @cache

@@ -9,7 +9,7 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.fields import Material
 from drumlin.brake.plane_brake import any_from
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.model import respond
+from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin_studies import closed_forms
@@ -72,7 +72,7 @@ def _compression_ratio() -> float:
 def _leading_edge_exponent(mu: float, nu: float) -> float:
     """The exponent lambda of p ~ r^(lambda - 1) at the leading edge of a pad."""
     brake = pad_on_guide(0.02, mu, Material(E=3e8, nu=nu))
-    (pad,) = respond(prepare(brake, LEVELS[5]), brake).shoes
+    (pad,) = solve_prepared_model(prepare(brake, LEVELS[5]), brake).shoes
     # Distances [m] from the edge that are far below the thickness of 20 mm.
     r = np.geomspace(2e-6, 4e-5, 12)
     return float(1 + np.polyfit(np.log(r), np.log(pad.pressure_at(r)), 1)[0])

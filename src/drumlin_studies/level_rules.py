@@ -4,8 +4,9 @@
     make levels ARGS="fall=6"          the rule as it is, then with this number changed
     make levels ARGS="fall=6 sizes=.7" with both changed
 
-The rule, `levels.LEVEL_RULE`, has eight numbers that were found by experiment. For a rule this
-command takes the brakes that the error estimate is fitted on through four levels, and prints
+The rule, `levels.LEVEL_RULE`, has eight numbers that were found by experiment. For a
+rule this command takes the brakes that the error estimate is fitted on through four levels, and
+prints
 
 - the factors of the estimate, fitted on these levels alone;
 - for each of three tolerances the processor time of all answers up to the level where a solve would
@@ -28,7 +29,7 @@ import numpy as np
 from drumlin.base.errors import NoAnswer
 from drumlin.fem.error_control.estimate import QUANTITIES, Factors
 from drumlin.fem.error_control.levels import LEVEL_RULE, LevelRule, SolvedLevel, solved_levels
-from drumlin.fem.model import respond
+from drumlin.fem.model import solve_prepared_model
 from drumlin_studies.calibration import (
     FIRST_SEED,
     FITTED_BRAKES,
@@ -78,7 +79,7 @@ def try_rule_on_brake(seed: int, truth: Truth | None, rule: LevelRule) -> Levels
     begin = time.process_time()
     try:
         for step in solved_levels(
-            brake, respond, levels=[rule.level(k + 1) for k in range(LEVELS_TRIED)]
+            brake, solve_prepared_model, levels=[rule.level(k + 1) for k in range(LEVELS_TRIED)]
         ):
             seconds.append(time.process_time() - begin)
             found.append(step)
@@ -153,7 +154,7 @@ def _ratio_text(stops: Sequence[StoppingLevel], quantity: str) -> str:
 
 
 def changed_rule(words: Sequence[str]) -> LevelRule:
-    """The rule LEVEL_RULE with the numbers that words such as `fall=6` give.
+    """The rule RULE with the numbers that words such as `fall=6` give.
 
     Raises ValueError for a word of another form.
     """
@@ -165,7 +166,7 @@ def changed_rule(words: Sequence[str]) -> LevelRule:
 
 
 def main(words: Sequence[str]) -> int:
-    """Try the rule LEVEL_RULE and, if there are words, the changed rule; return the exit status."""
+    """Try the rule RULE and, if there are words, the changed rule; return the exit status."""
     seeds = range(FIRST_SEED, FIRST_SEED + FITTED_BRAKES)
     rules = {"as it is": LEVEL_RULE} | ({" ".join(words): changed_rule(words)} if words else {})
     with ProcessPoolExecutor(PROCESSES, mp_context=get_context("spawn")) as pool:

@@ -15,10 +15,10 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
-from drumlin.fem.analysis.fields import fields
-from drumlin.fem.mesh.grading import divide
-from drumlin.fem.model import respond
-from drumlin.fem.preparation.cache import shape_of
+from drumlin.fem.analysis.fields import recover_shoe_fields
+from drumlin.fem.mesh.grading import divide_lining
+from drumlin.fem.model import solve_prepared_model
+from drumlin.fem.preparation.cache import shape_key_of_shoe
 from drumlin.fem.preparation.meshes import ELEMENTS
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.preparation.scene import PreparedModel
@@ -207,7 +207,8 @@ def _whole_and_simple_solves(brake: Brake, names: list[str], elements: int) -> W
     whole = partial(prepare, elements=elements)
     make = partial(prepare_straight, elements=elements) if "curvature" in names else whole
     return WholeAndSimple(
-        lambda: respond(whole(brake), brake), lambda: respond(*scene_without(brake, names, make))
+        lambda: solve_prepared_model(whole(brake), brake),
+        lambda: solve_prepared_model(*scene_without(brake, names, make)),
     )
 
 
@@ -217,31 +218,32 @@ def _exact_omission_solves(brake: Brake, part: str, elements: int) -> WholeAndSi
 
     def solve_without_part() -> Response:
         """The response of the prepared model without the part."""
-        return respond(make(brake), brake)
+        return solve_prepared_model(make(brake), brake)
 
     if part == "interior fields":
 
         def solve_with_fields() -> Response:
             """The response after the fields of stress have been recovered as well."""
             scene = make(brake)
-            response = respond(scene, brake)
+            response = solve_prepared_model(scene, brake)
             for i in range(len(brake.shoes)):
-                fields(scene, brake, response, i)
+                recover_shoe_fields(scene, brake, response, i)
             return response
 
         return WholeAndSimple(solve_with_fields, solve_without_part)
     if part == "second of equal shoes":
-        shapes = {shape_of(brake, shoe) for shoe in brake.shoes}
+        shapes = {shape_key_of_shoe(brake, shoe) for shoe in brake.shoes}
         # A model without its other shoes would lack their share of the ring.
         if len(shapes) == len(brake.shoes) or brake.ring is not None:
             return None
         return WholeAndSimple(
-            lambda: respond(_scene_without_shared_bodies(brake, make), brake), solve_without_part
+            lambda: solve_prepared_model(_scene_without_shared_bodies(brake, make), brake),
+            solve_without_part,
         )
     if brake.friction > 0:
         return None
     rubbing = vary(brake, {"friction": 0.3})
-    return WholeAndSimple(lambda: respond(make(rubbing), brake), solve_without_part)
+    return WholeAndSimple(lambda: solve_prepared_model(make(rubbing), brake), solve_without_part)
 
 
 def _scene_without_shared_bodies(
@@ -262,15 +264,15 @@ def _predicted_change(brake: Brake, names: Iterable[str], elements: int) -> Omis
     """
     names = list(names)
     if "curvature" not in names:
-        return predict_omission_change(brake, names, respond)
+        return predict_omission_change(brake, names, solve_prepared_model)
     sketch = surrogate_maker()
-    whole = respond(sketch(brake), brake)
+    whole = solve_prepared_model(sketch(brake), brake)
     # The other omissions are predicted on a sketch whose linings have the mean gap of the chords.
     scene, simple = scene_without(brake, set(names) - {"curvature"}, sketch)
-    rest = respond(scene, simple)
+    rest = solve_prepared_model(scene, simple)
     straightened = tuple(_shoe_with_chord_gap(brake, shoe, elements) for shoe in simple.shoes)
     straight = simple.model_copy(update={"shoes": straightened})
-    found = omission_change(respond(scene, straight), whole)
+    found = omission_change(solve_prepared_model(scene, straight), whole)
     # The sketch does not see the waves of p within an element: a closed form adds them.
     waves = []
     for shoe, answer in zip(brake.shoes, rest.shoes, strict=True):
@@ -281,7 +283,7 @@ def _predicted_change(brake: Brake, names: Iterable[str], elements: int) -> Omis
 
 def _sagittas(brake: Brake, shoe: Shoe, elements: int) -> tuple[Floats, Floats]:
     """Ends (m + 1,) [rad] of the elements along a lining, and sagittas (m,) [m] of their chords."""
-    angles = divide(shoe, brake.size, elements).angles
+    angles = divide_lining(shoe, brake.size, elements).angles
     return angles, brake.size * (1 - np.cos(np.diff(angles) / 2))
 
 

@@ -15,7 +15,7 @@ from drumlin.comparison import Convergence
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.error_control.singular_points import singular_points_of
 from drumlin.fem.hp.division import Level
-from drumlin.fem.model import respond
+from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin.laws import sine
@@ -101,7 +101,7 @@ def level_rows(brake: Brake, refinement: Refinement = LEVEL_REFERENCE) -> list[R
     for level in (COARSE_LEVEL, *LEVELS):
         made = prepare(brake, level, places)
         # Exact contact, from the contact set of the reference.
-        response = respond(made, brake, penalty=math.inf, start=true)
+        response = solve_prepared_model(made, brake, penalty=math.inf, start=true)
         unknowns = max(body.unknowns for body in made.bodies)
         error = largest_pressure_distance(response, true)
         torque = abs(relative(response.torque, true.torque))

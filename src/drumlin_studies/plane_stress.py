@@ -16,8 +16,8 @@ from drumlin.base.arrays import Floats
 from drumlin.base.texts import formatted
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
-from drumlin.fem.model import respond
-from drumlin.fem.preparation.finite_width import finite_width
+from drumlin.fem.model import solve_prepared_model
+from drumlin.fem.preparation.finite_width import correct_for_finite_width
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solid import model as solid
 from drumlin.fem.solid.face import ContactFace
@@ -71,7 +71,7 @@ def solve_by_three_models(brake: Brake, elements: int, across: int | None = None
     across : int, optional
         Elements across the width of the solid.
     """
-    other = finite_width(brake)
+    other = correct_for_finite_width(brake)
     return SolidAndPlane(
         brake,
         _solve_solid(brake, elements, across),
@@ -375,7 +375,7 @@ def _models_on(brake: Brake, meshes: Sequence[int], solids: Sequence[int]) -> li
         models.append(ModelOnBrake("foundation", "", partial(foundation.solve, brake, lift=())))
         lifted = partial(foundation.solve, brake, lift=("all",))
         models.append(ModelOnBrake("lifted", "all", lifted))
-    corrected = finite_width(brake)
+    corrected = correct_for_finite_width(brake)
     for n in meshes:
         setting = f"{n} elements"
         models.append(ModelOnBrake("plane stress", setting, partial(_solve_plane_stress, brake, n)))
@@ -398,12 +398,12 @@ def _largest_errors(brake: Brake, response: Response, truth: Response) -> tuple[
 
 def _solve_plane_stress(brake: Brake, elements: int) -> Response:
     """The response of a brake in plane stress, on a mesh."""
-    return respond(prepare(brake, elements=elements), brake)
+    return solve_prepared_model(prepare(brake, elements=elements), brake)
 
 
 def _solve_solid(brake: Brake, elements: int, across: int | None = None) -> Response:
     """The response of a brake with solid shoes, on a mesh."""
-    return respond(solid.prepare(brake, elements=elements, across=across), brake)
+    return solve_prepared_model(solid.prepare(brake, elements=elements, across=across), brake)
 
 
 class WornSolid(NamedTuple):
@@ -444,7 +444,7 @@ def wear_solid_linings(
         Elements across the width.
     """
     scene = solid.prepare(brake, elements=elements, across=across)
-    start, law = respond(scene, brake), sine(brake)
+    start, law = solve_prepared_model(scene, brake), sine(brake)
     setup = fem_wear_setup(scene, brake)
     # With a wear coefficient of 1/Pa this is the distance 1/(k K).
     unit = 1 / setup.stiffness

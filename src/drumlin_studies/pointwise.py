@@ -22,11 +22,11 @@ from scipy.sparse.linalg import splu
 from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.fem.equilibrium.state import gap_at
+from drumlin.fem.equilibrium.state import unloaded_gaps_at
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
-from drumlin.fem.preparation.bodies import actuation, contact_stiffness
-from drumlin.fem.preparation.meshes import ELEMENTS, Assembled, Mesher, assemble
-from drumlin.fem.preparation.scene import Seconds, clock
+from drumlin.fem.preparation.bodies import actuation_load_factors, contact_stiffness
+from drumlin.fem.preparation.meshes import ELEMENTS, AssembledShoe, Mesher, assemble_shoe
+from drumlin.fem.preparation.scene import Seconds, add_elapsed_time
 from drumlin.fem.substructure.body import FRAME
 from drumlin.fem.substructure.interface import drum_directions, edge_quadrature_points
 from drumlin.fem.substructure.loads import ACTUATION
@@ -146,11 +146,11 @@ def _solve_shoe(
     seconds : dict
         The times of the steps [s] are added to these.
     """
-    parts = assemble(brake, shoe, mesher, seconds)
+    parts = assemble_shoe(brake, shoe, mesher, seconds)
     drag = brake.drag_on(shoe)
-    unit, moment = actuation(parts, shoe)
+    unit, moment = actuation_load_factors(parts, shoe)
     force = abs(shoe.actuation.force)
-    with clock(seconds, "contact"):
+    with add_elapsed_time(seconds, "contact"):
         A = (parts.constraints.matrix.T @ parts.K @ parts.constraints.matrix).tocsc()
         points = _contact_points(parts, brake, shoe, drag)
         # Displacements of all unknowns as the shoe turns about its pin by 1 rad.
@@ -163,7 +163,7 @@ def _solve_shoe(
         free = np.delete(np.arange(A.shape[0]), [-FRAME, 1 - FRAME])
         load = force * (parts.loads[ACTUATION] @ parts.columns.factors_of(ACTUATION, unit))
         stiffness = contact_stiffness(shoe, penalty)
-        contact_state = _solve_by_newton(A, load, points, stiffness, free, shoe.name)
+        contact_state = _find_states_by_newton(A, load, points, stiffness, free, shoe.name)
         u, on = contact_state.u, contact_state.touching
         p = np.where(on, stiffness * (points.closing @ u - points.gap), 0.0)
         nodal = points.pushing.T @ (points.weight * p)
@@ -188,7 +188,7 @@ def _solve_shoe(
     return PointwiseAnswer(response, balance, contact_state.steps)
 
 
-def _contact_points(parts: Assembled, brake: Brake, shoe: Shoe, drag: float) -> _ContactPoints:
+def _contact_points(parts: AssembledShoe, brake: Brake, shoe: Shoe, drag: float) -> _ContactPoints:
     """The quadrature points of a shoe, with the drag of friction along growing angles."""
     line = parts.line
     at, weights = np.polynomial.legendre.leggauss(line.order + 1)
@@ -216,13 +216,13 @@ def _contact_points(parts: Assembled, brake: Brake, shoe: Shoe, drag: float) -> 
         weight=(shoe.lining.width * ds).ravel(),
         phi=phi.ravel(),
         radius=radius.ravel(),
-        gap=gap_at(x, phi, brake, shoe).ravel(),
+        gap=unloaded_gaps_at(x, phi, brake, shoe).ravel(),
         closing=spread(normal),
         pushing=spread(drag * tangent - normal),
     )
 
 
-def _displacement_per_turn(parts: Assembled, shoe: Shoe) -> Floats:
+def _displacement_per_turn(parts: AssembledShoe, shoe: Shoe) -> Floats:
     """Displacement (2n,) of the contact nodes per angle of turn about the pin [m/rad]."""
     x, y = parts.line.xy - shoe.own_pin[:, None]
     return np.column_stack([-y, x]).ravel()
@@ -236,7 +236,7 @@ class _PointContact(NamedTuple):
     steps: int
 
 
-def _solve_by_newton(
+def _find_states_by_newton(
     A: Any, load: Floats, points: _ContactPoints, stiffness: float, free: Ints, name: str
 ) -> _PointContact:
     """The contact by Newton's method, which starts with all points touching.

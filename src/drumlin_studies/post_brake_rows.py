@@ -19,8 +19,8 @@ from drumlin.brake.beam_axis import axis_of
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.comparison import run as timed
-from drumlin.fem.analysis.deflection import beam_deflection, rim_displacement
-from drumlin.fem.model import respond
+from drumlin.fem.analysis.deflection import deflection_along_beam, inward_displacement_of_rim
+from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.solve import solve
 from drumlin.laws import sine
@@ -157,7 +157,10 @@ def clearance_rows(brake: Brake, scene: PreparedModel) -> list[dict[str, Any]]:
     }
     nominal, rows = sine(brake), []
     for case, varied in cases.items():
-        answers = {"fem": respond(scene, varied), "lifted": POST_MODELS["lifted"](varied)}
+        answers = {
+            "fem": solve_prepared_model(scene, varied),
+            "lifted": POST_MODELS["lifted"](varied),
+        }
         for model, response in answers.items():
             base = {"case": case, "model": MODEL_NAMES[model]}
             rows += [base | row for row in _shoe_rows_of_clearance(varied, response, nominal)]
@@ -195,7 +198,7 @@ def torque_over_radius_error(brake: Brake, scene: PreparedModel, errors: Floats)
     nominal = shoe_torques(sine(brake))
     found: Offsets = {}
     # The sine law knows no clearance and is the measure here.
-    solvers: dict[str, Solver] = {**POST_MODELS, "fem": partial(respond, scene)}
+    solvers: dict[str, Solver] = {**POST_MODELS, "fem": partial(solve_prepared_model, scene)}
     del solvers["sine"]
     for larger in errors.tolist():
         varied = brake_with_other_lining_radius(brake, larger)
@@ -210,7 +213,7 @@ def torque_over_radius_error(brake: Brake, scene: PreparedModel, errors: Floats)
 def merits_over_friction(brake: Brake, scene: PreparedModel, friction: Floats) -> Merits:
     """Figures of merit over friction (n,). The values of a model end where it locks."""
     found: Merits = {}
-    solvers: dict[str, Solver] = {**POST_MODELS, "fem": partial(respond, scene)}
+    solvers: dict[str, Solver] = {**POST_MODELS, "fem": partial(solve_prepared_model, scene)}
     for name, solver in solvers.items():
         for mu in friction.tolist():
             varied = vary(brake, {"friction": mu})
@@ -391,9 +394,9 @@ def beam_deflections(
 
     It is taken from the line through both ends of the beam.
     """
-    made, fem = [], respond(scene, brake)
+    made, fem = [], solve_prepared_model(scene, brake)
     for i in range(len(brake.shoes)):
-        x, w = beam_deflection(scene, brake, fem, i)
+        x, w = deflection_along_beam(scene, brake, fem, i)
         models: dict[str, Curve] = {"fem": (x, w - w[-1] * x / x[-1])}
         for name in ("foundation", "lifted"):
             deformation = responses[name].shoes[i].deformation
@@ -414,7 +417,7 @@ def rim_displacements(
     turn = np.linspace(0, 2 * np.pi, 400)
     printed = foundation.rim(brake, responses["foundation"], turn)
     lifted = foundation.rim(brake, responses["lifted"], turn, ALL_LIFTS).sum(axis=0)
-    theta, z = rim_displacement(scene, brake, respond(scene, brake))
+    theta, z = inward_displacement_of_rim(scene, brake, solve_prepared_model(scene, brake))
     # The curve by finite elements is closed by its first point.
     fem = np.append(theta, theta[0]), np.append(z, z[0])
     own = {shoe.name: (turn, z) for shoe, z in zip(brake.shoes, printed, strict=True)}

@@ -32,9 +32,9 @@ from drumlin.brake.orthotropic import isotropic_only
 from drumlin.brake.ring_support import plain_ring_only
 from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.preparation.bodies import ShoeSubstructure
-from drumlin.fem.preparation.cache import shape_of
+from drumlin.fem.preparation.cache import shape_key_of_shoe
 from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.preparation.scene import PreparedModel, why_not
+from drumlin.fem.preparation.scene import PreparedModel, reason_why_not_modelled
 from drumlin.fem.substructure.interface import edge_quadrature_points
 from drumlin.fem.substructure.ring import RingSubstructure
 
@@ -75,7 +75,7 @@ def surrogate_maker(elements: int = SKETCH_ELEMENTS) -> Callable[[Brake], Prepar
     def prepare_surrogate(brake: Brake) -> PreparedModel:
         """The surrogate of a brake; the rigid-shoe model of equal linings is meshed once."""
         reason = (
-            why_not(brake)
+            reason_why_not_modelled(brake)
             or isotropic_only(brake, "a sketch")
             or plain_ring_only(brake, "a sketch")
         )
@@ -111,7 +111,7 @@ def _with_closed_forms(scene: PreparedModel, brake: Brake, shortest: float) -> P
     made: dict[tuple[object, ...], ShoeSubstructure] = {}
     bodies = []
     for body, shoe, bare in zip(scene.bodies, brake.shoes, scene.brake.shoes, strict=True):
-        key = shape_of(brake, shoe)
+        key = shape_key_of_shoe(brake, shoe)
         if key not in made:
             made[key] = (
                 body if shoe.body == bare.body else _add_shoe_flexibility(body, shoe, brake.size)

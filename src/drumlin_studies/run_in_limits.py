@@ -21,10 +21,10 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
-from drumlin.fem.analysis.fields import Fields, fields
-from drumlin.fem.model import respond
+from drumlin.fem.analysis.fields import Fields, recover_shoe_fields
+from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.preparation.scene import PreparedModel, why_not
+from drumlin.fem.preparation.scene import PreparedModel, reason_why_not_modelled
 from drumlin.laws import hinged, law
 from drumlin.lining_wear.archard import (
     TOLERANCE,
@@ -114,7 +114,7 @@ def wearing_models_of(brake: Brake) -> tuple[list[tuple[str, str, Brake]], str |
     opposite rotation; of two shoes one already shows what the other does in the opposite rotation.
     Rigid external shoes also run in on a guide.
     """
-    found, reason = list[tuple[str, str, Brake]](), why_not(brake)
+    found, reason = list[tuple[str, str, Brake]](), reason_why_not_modelled(brake)
     if reason is None:
         found.append(("", "fem", brake))
         if len(brake.shoes) == 1:
@@ -443,7 +443,7 @@ def run_frames(scene: PreparedModel, one: Run, count: int) -> list[RunFrame]:
     for s in [0.0, *np.geomspace(3e-4 * end, end, count - 1)]:
         state = interpolate_state(one.states, s)
         brake = brake_with_worn_linings(one.setup, state)
-        response = respond(scene, brake, penalty=math.inf)
-        shown = [fields(scene, brake, response, i) for i in range(len(brake.shoes))]
+        response = solve_prepared_model(scene, brake, penalty=math.inf)
+        shown = [recover_shoe_fields(scene, brake, response, i) for i in range(len(brake.shoes))]
         moments.append(RunFrame(state, shown, [shoe.turn or 0.0 for shoe in response.shoes]))
     return moments

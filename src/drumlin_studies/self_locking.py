@@ -9,11 +9,16 @@ from drumlin.base.arrays import Bools
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
-from drumlin.contact.self_locking import Sliding, agreement, first_singular, limit
-from drumlin.fem.analysis.self_locking import limits, torques
-from drumlin.fem.analysis.sensitivity import against_differences
+from drumlin.contact.self_locking import (
+    FrictionDependentProblem,
+    compare_answers_from_start_sets,
+    find_friction_limit,
+    smallest_singular_friction_of_all_sets,
+)
+from drumlin.fem.analysis.self_locking import friction_limits_of_groups, torques_at_frictions
+from drumlin.fem.analysis.sensitivity import compare_with_differences_of_solves
 from drumlin.fem.equilibrium.group import ShoeGroup
-from drumlin.fem.model import respond
+from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.laws import locking_friction, sine
@@ -38,7 +43,7 @@ ALL_SETS_ELEMENTS = 4
 START_SEED = 7
 """Seed of the random contact sets, together with the seed of the brake."""
 AGREEMENT_COUNTS = ("starts", "same", "others", "unstable", "lost")
-"""Counts of `agreement` that are summed over the fractions of the limit."""
+"""Counts of `compare_answers_from_start_sets` that are summed over the fractions of the limit."""
 
 Row = dict[str, Any]
 
@@ -49,7 +54,10 @@ def locking_limit_row(brake: Brake, elements: int) -> Row:
     It is that of the first group of shoes to lock. elements : elements along a lining.
     """
     scene = prepare(brake, elements=elements)
-    found = min(limits(scene, brake, FARTHEST_FRICTION).values(), key=lambda end: end.friction)
+    found = min(
+        friction_limits_of_groups(scene, brake, FARTHEST_FRICTION).values(),
+        key=lambda end: end.friction,
+    )
     law = _locking_friction_by_law(brake)
     mu, t_over_R = found.friction, brake.shoes[0].lining.thickness / brake.size
     off = mu / law - 1
@@ -57,7 +65,7 @@ def locking_limit_row(brake: Brake, elements: int) -> Row:
         "mu_lock": mu,
         "law": law,
         "difference": off,
-        "bounded": found.bounded,
+        "bounded": found.pressure_stays_finite,
         "elements": elements,
         "t_over_R": t_over_R,
     }
@@ -76,7 +84,10 @@ def torque_over_friction_row(brake: Brake, name: str, elements: int) -> Row:
         Elements along a lining.
     """
     scene = prepare(brake, elements=elements)
-    end = min(found.friction for found in limits(scene, brake, FARTHEST_FRICTION).values())
+    end = min(
+        found.friction
+        for found in friction_limits_of_groups(scene, brake, FARTHEST_FRICTION).values()
+    )
     law = _locking_friction_by_law(brake)
     # The fractions of the limit are even up to 0.9 and then approach 1 in even ratios.
     fractions = (*np.linspace(0.02, 0.9, 45), *(1 - np.logspace(-1, -6, 26)[1:]))
@@ -88,7 +99,7 @@ def torque_over_friction_row(brake: Brake, name: str, elements: int) -> Row:
         "law_mu": of_law,
         "mu_lock": end,
         "law": law,
-        "torque": torques(scene, brake, mu).sum(axis=1).tolist(),
+        "torque": torques_at_frictions(scene, brake, mu).sum(axis=1).tolist(),
         "law_torque": [sine(vary(brake, {"friction": m})).torque for m in of_law],
     }
 
@@ -126,8 +137,8 @@ def uniqueness_row(seed: int, way: str) -> Row:
     """
     brake = random_brake(seed, way)
     scene = prepare(brake, elements=LOCKING_ELEMENTS)
-    problems = ShoeGroup(scene, brake, (0,)).sliding
-    end, n = limit(problems, FARTHEST_RANDOM_FRICTION), len(problems.still.q)
+    problems = ShoeGroup(scene, brake, (0,)).friction_dependent_problem
+    end, n = find_friction_limit(problems, FARTHEST_RANDOM_FRICTION), len(problems.frictionless.q)
     rng = np.random.default_rng([START_SEED, seed])
     starts = [np.ones(n, bool), np.zeros(n, bool)]
     starts += [rng.random(n) < 0.5 for _ in range(RANDOM_STARTS)]
@@ -137,17 +148,24 @@ def uniqueness_row(seed: int, way: str) -> Row:
     beyond = answered = None
     if end.friction <= 10:
         mu_beyond = [end.friction * x for x in BEYOND_LIMIT]
-        beyond = sum(agreement(problems.at(mu), end.last, starts, 0.0).others for mu in mu_beyond)
+        beyond = sum(
+            compare_answers_from_start_sets(
+                problems.problem_at(mu), end.last_contact, starts, 0.0
+            ).others
+            for mu in mu_beyond
+        )
         answered = sum(_has_answer(scene, vary(brake, {"friction": mu})) for mu in mu_beyond)
     # On a coarse mesh all contact sets can be tried: the first that becomes singular.
     coarse = prepare(brake, elements=ALL_SETS_ELEMENTS)
-    any_set = first_singular(ShoeGroup(coarse, brake, (0,)).sliding)
+    any_set = smallest_singular_friction_of_all_sets(
+        ShoeGroup(coarse, brake, (0,)).friction_dependent_problem
+    )
     shoe = brake.shoes[0]
     return {
         "brake": seed,
         "way": way,
         "mu_lock": None if math.isinf(end.friction) else end.friction,
-        "bounded": end.bounded,
+        "bounded": end.pressure_stays_finite,
         "law": locking_friction(brake, shoe),
         "top": top,
         "disagreeing": disagreeing,
@@ -162,7 +180,7 @@ def uniqueness_row(seed: int, way: str) -> Row:
 
 
 def _count_agreements_below(
-    problems: Sliding, top: float, starts: list[Bools]
+    problems: FrictionDependentProblem, top: float, starts: list[Bools]
 ) -> tuple[Row, list[float]]:
     """Counts of the answers below a friction, and the fractions of it at which answers disagree.
 
@@ -179,7 +197,9 @@ def _count_agreements_below(
     disagreeing = []
     for fraction in LIMIT_FRACTIONS:
         mu = fraction * top
-        found = agreement(problems.at(mu), limit(problems, mu).last, starts)
+        found = compare_answers_from_start_sets(
+            problems.problem_at(mu), find_friction_limit(problems, mu).last_contact, starts
+        )
         for key in AGREEMENT_COUNTS:
             counts[key] += getattr(found, key)
         counts["difference"] = max(counts["difference"], found.difference)
@@ -191,7 +211,7 @@ def _count_agreements_below(
 def _has_answer(scene: PreparedModel, brake: Brake) -> bool:
     """Whether drumlin itself has an answer, with the exact contact whose limit was followed."""
     try:
-        respond(scene, brake, penalty=math.inf)
+        solve_prepared_model(scene, brake, penalty=math.inf)
     except NoAnswer:
         return False
     return True
@@ -217,7 +237,7 @@ def slope_rows(brake: Brake, name: str, penalty: float) -> list[Row]:
     penalty : float
         Penalty factor of the contact.
     """
-    found, table = against_differences(brake, 1, elements=20, penalty=penalty)
+    found, table = compare_with_differences_of_solves(brake, 1, elements=20, penalty=penalty)
     rows = [row | {"brake": name} for row in table]
     rows[0] |= {"S": found.S, "law": (found.law or (None,))[-1]}
     return rows

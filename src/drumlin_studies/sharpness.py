@@ -29,7 +29,7 @@ from drumlin.base.files import write_text
 from drumlin.brake.brake import Brake
 from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE, Tolerance, solve_to_tolerance
 from drumlin.fem.error_control.levels import SolvedLevel, solved_levels
-from drumlin.fem.model import respond
+from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.response.response import Response
 from drumlin_studies.stated_true import JUDGED_QUANTITIES as QUANTITIES
@@ -132,9 +132,9 @@ def judge_stored_truth(name: str, stored: StoredTruth) -> list[StatedTrueErrors]
     solved: list[int] = []
 
     def counted(scene: PreparedModel, brake: Brake, *, start: Response | None = None) -> Response:
-        """The response of `respond`; its number of unknowns is added to `solved`."""
+        """The response of `solve_prepared_model`; its number of unknowns is added to `solved`."""
         solved.append(sum(body.unknowns for body in scene.bodies))
-        return respond(scene, brake, start=start)
+        return solve_prepared_model(scene, brake, start=start)
 
     sequences: tuple[Iterable[SolvedLevel], ...] = tee(solved_levels(brake, counted), len(ASKED))
     found = []
@@ -155,7 +155,11 @@ def _solve_to_tolerance(
     """The answer that a solve would give, or None where the solve would miss the tolerance."""
     try:
         return solve_to_tolerance(
-            brake, tolerance, respond, must=tolerance != DEFAULT_TOLERANCE, levels=sequence
+            brake,
+            tolerance,
+            solve_prepared_model,
+            must=tolerance != DEFAULT_TOLERANCE,
+            levels=sequence,
         ).response
     except NoAnswer:
         return None

@@ -15,9 +15,9 @@ from drumlin.base.arrays import Floats
 from drumlin.brake.elasticity import ElasticLayer, solid_elasticity_matrix
 from drumlin.brake.fields import Material
 from drumlin.contact import active_set
-from drumlin.contact.equations import Problem
-from drumlin.fem.mesh.edges import edge_nodes
-from drumlin.fem.mesh.grading import half_geometric
+from drumlin.contact.equations import ContactProblem
+from drumlin.fem.mesh.edges import nodes_along_edges
+from drumlin.fem.mesh.grading import points_with_growing_steps
 from drumlin.fem.solid.body import HALVES, constrain_solid
 from drumlin.fem.solid.face import ContactFace, contact_face
 from drumlin.fem.solid.mesh import Solid, extrude
@@ -179,8 +179,10 @@ def hertz_point_contact(
         Ratio of neighbouring elements away from the contact.
     """
     h = 1.25 / round(1.25 * per_radius)
-    s = np.concatenate([np.arange(0, 1.25, h), 1.25 + half_geometric(size - 1.25, h, growth, size)])
-    depth = half_geometric(size, h, growth, size)
+    s = np.concatenate(
+        [np.arange(0, 1.25, h), 1.25 + points_with_growing_steps(size - 1.25, h, growth, size)]
+    )
+    depth = points_with_growing_steps(size, h, growth, size)
     grid = skfem.MeshQuad.init_tensor(np.concatenate([-s[:0:-1], s]), -depth[::-1])
     middle = grid.p[:, grid.facets].mean(axis=1)
     groups = {
@@ -191,7 +193,7 @@ def hertz_point_contact(
     solid = extrude(section, {PART: size}, s)
     material = Material(E=1.0, nu=nu)
     face = contact_face(_flat_contact_line(solid), solid.node, solid.z)
-    held = np.unique(edge_nodes(solid.plane, groups["hinge"]))
+    held = np.unique(nodes_along_edges(solid.plane, groups["hinge"]))
     ties = constrain_solid(solid, face.nodes, solid.node[held].ravel(), np.zeros(2), bonded=True)
     K = stiffness(solid.basis, {PART: ElasticLayer(solid_elasticity_matrix(material), HALVES)})
     body = condense_body(K, ties, {}, 2 * len(face.nodes))
@@ -199,14 +201,14 @@ def hertz_point_contact(
     half = body.half_flexibility(coupling.N.T)
     r = np.hypot(face.xy[0], np.tile(face.z, len(face.line.nodes)))
     load, area = 4 / 3 / (1 - nu**2), coupling.area
-    problem = Problem(
+    problem = ContactProblem(
         A=half.T @ half,
         q=coupling.M @ (r**2 / 2),
         B=-area[:, None],
         C=area[None],
         h=np.array([load]),
     )
-    p = active_set.solve(problem, r < 1.05).p
+    p = active_set.solve_contact_problem(problem, r < 1.05).p
     exact = 1.5 * load / math.pi * np.sqrt(np.maximum(1 - r**2, 0.0))
     off, size_ = p - exact, exact @ coupling.M @ exact
     return PointContact(
@@ -218,7 +220,7 @@ def hertz_point_contact(
 
 def _flat_contact_line(solid: Solid) -> ContactLine:
     """The flat top of a block as a contact line. Its x coordinates take the place of angles."""
-    ends = edge_nodes(solid.plane, solid.section.boundaries["contact"])
+    ends = nodes_along_edges(solid.plane, solid.section.boundaries["contact"])
     at = solid.plane.doflocs
     nodes = np.unique(ends)
     nodes = nodes[np.argsort(at[0, nodes])]

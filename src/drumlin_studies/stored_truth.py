@@ -42,7 +42,7 @@ from drumlin.fem.hp.corner import (
     unbounded_corners,
 )
 from drumlin.fem.hp.division import Level
-from drumlin.fem.model import respond
+from drumlin.fem.model import solve_prepared_model
 from drumlin.verification import triangles
 from drumlin.verification.triangles.levels import TRIANGLE_LEVELS
 from drumlin.verification.triangles.outline import TriangleLevel
@@ -324,7 +324,7 @@ def solve_by_finer_divisions(brake: Brake) -> Truth:
     Raises NoAnswer where one of the divisions has no answer.
     """
     begin = time.process_time()
-    answers = solved_levels(brake, partial(respond, penalty=math.inf), levels=FINER)
+    answers = solved_levels(brake, partial(solve_prepared_model, penalty=math.inf), levels=FINER)
     found = [step.response.shoes for step in answers]
     if len(found) < len(FINER):
         raise NoAnswer(f"only {len(found)} of {len(FINER)} divisions have an answer")

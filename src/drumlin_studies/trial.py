@@ -17,10 +17,10 @@ import numpy as np
 
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
-from drumlin.contact.equations import condition
-from drumlin.fem.equilibrium.group import ShoeGroup, groups_of
+from drumlin.contact.equations import condition_number
+from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_groups
 from drumlin.fem.error_control.refinement import EPSILON
-from drumlin.fem.model import REFINED, refined_group, respond
+from drumlin.fem.model import REFINED_REMARK, refine_group_solution, solve_prepared_model
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.response.response import Response
@@ -82,7 +82,7 @@ def try_case(case: KnobCase) -> dict[str, Any]:
             warnings.simplefilter("error")
             brake = case.brake()
             scene = prepare(brake, elements=case.elements, kind=case.kind, mesher=case.mesher())
-            response = respond(scene, brake, penalty=case.penalty)
+            response = solve_prepared_model(scene, brake, penalty=case.penalty)
         touches = any(shoe.contact_arcs for shoe in response.shoes)
         row["outcome"] = "answer" if touches else "no contact"
     # Any exception becomes a row, because an unexpected one is what a trial looks for.
@@ -117,7 +117,7 @@ def _judged_row(
         "torque": response.torque,
         "steps": response.iterations,
         "balance": max(response.balance.force, response.balance.moment),
-        "refined": any(REFINED in note for note in response.notes),
+        "refined": any(REFINED_REMARK in note for note in response.notes),
     }
     if row["outcome"] == "answer":
         row |= answer_accuracy(scene, brake, response, penalty)
@@ -155,7 +155,10 @@ def answer_accuracy(
     itself is known, which limit `digits`; `pressure_error`, the relative error of p in the maximum
     norm; `sets`, the contact sets of the refinement; `seconds_whole`, its time.
     """
-    rows = [_group_accuracy(response, group) for group in groups_of(scene, brake, penalty)]
+    rows = [
+        _group_accuracy(response, group)
+        for group in divide_pressed_shoes_into_groups(scene, brake, penalty)
+    ]
     worst: dict[str, Any] = {
         key: max(row[key] for row in rows) for key in ("condition", "seconds_whole")
     }
@@ -180,17 +183,17 @@ def _group_accuracy(response: Response, group: ShoeGroup) -> dict[str, Any]:
 
     Under `whole` stands why the refined solution of the group failed.
     """
-    group, _ = group.settled()
+    group, _ = group.solve_contact()
     size, shoes = group.unit_force, [response.shoes[i] for i in group.members]
     # The reported pressures per unit force, in the order of the group's unknowns.
     pairs = zip(shoes, group.shoes, strict=True)
     p = np.concatenate([found.pressure[:: shoe.frame.sense] for found, shoe in pairs]) / size
     active = p > 0
-    row: dict[str, Any] = {"condition": condition(group.problem, active)}
+    row: dict[str, Any] = {"condition": condition_number(group.problem, active)}
     row |= {"digits": None, "whole": ""}
     start = time.perf_counter()
     try:
-        refined = refined_group(group, active, OTHER_ORDER)
+        refined = refine_group_solution(group, active, OTHER_ORDER)
     except NoAnswer as error:
         return row | {"whole": str(error), "seconds_whole": time.perf_counter() - start}
     row["seconds_whole"] = time.perf_counter() - start

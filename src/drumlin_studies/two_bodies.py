@@ -16,7 +16,7 @@ from drumlin.base.arrays import Bools, Floats
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.brake.fields import Material
 from drumlin.contact import active_set, stick_slip
-from drumlin.contact.equations import Problem
+from drumlin.contact.equations import ContactProblem
 from drumlin.fem.substructure.body import (
     CondensedBody,
     body_constraints,
@@ -186,7 +186,7 @@ class BodyPair:
             np.array([moves[m].ravel() for m in motions]).reshape(-1, 2 * len(x)).T,
         )
 
-    def normal(self, gap: Floats, loads: Sequence[float] = ()) -> Problem:
+    def normal(self, gap: Floats, loads: Sequence[float] = ()) -> ContactProblem:
         """The frictionless contact problem.
 
         Parameters
@@ -197,7 +197,7 @@ class BodyPair:
             Force on the holder of the inner body along each motion [N].
         """
         B = -self.coupling.N @ self.motions
-        return Problem(
+        return ContactProblem(
             self.pressed.T @ self.pressed,
             self.coupling.M @ gap,
             B,
@@ -244,7 +244,7 @@ class BodyPair:
         return self.inner.line.phi
 
 
-def coarse_contact_set(problem: Problem, share: int = 6) -> Bools:
+def coarse_contact_set(problem: ContactProblem, share: int = 6) -> Bools:
     """A contact set to start from: the set of the same problem on fewer nodes.
 
     The coarse problem keeps every `share`-th node, with p linear between the nodes. It starts in
@@ -253,11 +253,11 @@ def coarse_contact_set(problem: Problem, share: int = 6) -> Bools:
     n = len(problem.q)
     kept = np.unique(np.round(np.linspace(0, n - 1, max(3, n // share))).astype(int))
     P = np.array([np.interp(np.arange(n), kept, row) for row in np.eye(len(kept))]).T
-    coarse = Problem(
+    coarse = ContactProblem(
         P.T @ problem.A @ P, P.T @ problem.q, P.T @ problem.B, problem.C @ P, problem.h
     )
     start = coarse_contact_set(coarse) if len(kept) > 40 else None
-    return np.asarray(P @ active_set.solve(coarse, start).p > 0)
+    return np.asarray(P @ active_set.solve_contact_problem(coarse, start).p > 0)
 
 
 def _flexibility_root_times(one: ContactBody, forces: Floats) -> Floats:

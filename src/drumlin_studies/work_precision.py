@@ -28,8 +28,14 @@ from drumlin.brake.file import vary
 from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE, Tolerance, solve_to_tolerance
 from drumlin.fem.error_control.levels import LEVELS, solved_levels
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
-from drumlin.fem.mesh.grading import EDGE_SIZE, LiningDivision, graded, inner_steps, lining_layers
-from drumlin.fem.model import respond
+from drumlin.fem.mesh.grading import (
+    EDGE_SIZE,
+    LiningDivision,
+    number_of_inner_steps,
+    number_of_lining_layers,
+    points_graded_to_both_ends,
+)
+from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.models import pick
@@ -121,7 +127,7 @@ def _solve_by_model(brake: Brake, *, model: str, **options: Any) -> ColdSolve:
 
 def uniform_mesh(shoe: Shoe, radius: float, elements: int, kind: str) -> Any:
     """A mesh of a shoe with uniform elements along the lining."""
-    depths = np.linspace(0, shoe.lining.thickness, lining_layers(elements) + 1)
+    depths = np.linspace(0, shoe.lining.thickness, number_of_lining_layers(elements) + 1)
     step = (shoe.arc[1] - shoe.arc[0]) / elements
     division = LiningDivision(np.linspace(*shoe.arc, elements + 1), depths, step)
     return shoe_mesh(shoe, radius, division, kind)
@@ -153,10 +159,12 @@ def refined_division(shoe: Shoe, radius: float, elements: int, layers: int) -> L
     fineness = max(1.0, elements / GRADED_FROM)
     half, smallest = (end - start) / 2, EDGE_SIZE / fineness
     step = (end - start) / elements
-    count = max(2, math.ceil(2 * inner_steps(half, half, zone, smallest) / step))
+    count = max(2, math.ceil(2 * number_of_inner_steps(half, half, zone, smallest) / step))
     return LiningDivision(
-        angles=graded(start, end, count, zone, smallest),
-        depths=graded(0, shoe.lining.thickness, layers, shoe.lining.thickness / 2, smallest),
+        angles=points_graded_to_both_ends(start, end, count, zone, smallest),
+        depths=points_graded_to_both_ends(
+            0, shoe.lining.thickness, layers, shoe.lining.thickness / 2, smallest
+        ),
         step=step,
         behind=LAYERS_BEHIND,
     )
@@ -173,7 +181,9 @@ def _solve_on_mesh(
     """A brake on one mesh, uniform along the lining or graded to its ends."""
     mesher = partial(uniform_mesh, elements=elements, kind=kind) if even else None
     scene = prepare(brake, elements=elements, kind=kind, mesher=mesher)
-    return _cold_solve_of_scene(brake, scene, respond(scene, brake, penalty=penalty), penalty)
+    return _cold_solve_of_scene(
+        brake, scene, solve_prepared_model(scene, brake, penalty=penalty), penalty
+    )
 
 
 def _cold_solve_of_scene(
@@ -182,7 +192,7 @@ def _cold_solve_of_scene(
     """The cold solve whose further load case reuses the prepared scene."""
 
     def further() -> Response:
-        return respond(scene, _brake_of_further_case(brake), penalty=penalty)
+        return solve_prepared_model(scene, _brake_of_further_case(brake), penalty=penalty)
 
     return ColdSolve(response, further, partial(_count_unknowns, scene))
 
@@ -204,7 +214,9 @@ def _solve_on_level(brake: Brake, *, level: int) -> ColdSolve:
     The coarsest level finds the ends of the contact first.
     """
     levels = (LEVELS[0], LEVELS[level])[-level - 1 :]
-    *_, (scene, response) = solved_levels(brake, partial(respond, penalty=math.inf), levels=levels)
+    *_, (scene, response) = solved_levels(
+        brake, partial(solve_prepared_model, penalty=math.inf), levels=levels
+    )
     return _cold_solve_of_scene(brake, scene, response, math.inf)
 
 
@@ -214,7 +226,9 @@ def _solve_to_tolerance(brake: Brake, *, tolerance: float) -> ColdSolve:
     The torque keeps the default tolerance where this is smaller.
     """
     allowed = Tolerance(tolerance, min(tolerance, DEFAULT_TOLERANCE.torque))
-    scene, response = solve_to_tolerance(brake, allowed, partial(respond, penalty=math.inf))
+    scene, response = solve_to_tolerance(
+        brake, allowed, partial(solve_prepared_model, penalty=math.inf)
+    )
     return _cold_solve_of_scene(brake, scene, response, math.inf)
 
 

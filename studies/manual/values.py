@@ -16,7 +16,12 @@ from studies.manual.solve_path import solve_path_picture
 from drumlin.base.errors import NoAnswer
 from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.model import LARGEST_ANSWER_IMBALANCE, LARGEST_LOSS, MOST_LOSS, PENALTY
+from drumlin.fem.model import (
+    LARGEST_ANSWER_IMBALANCE,
+    LARGEST_REFINED_ROUND_OFF,
+    LARGEST_UNREFINED_ROUND_OFF,
+    PENALTY,
+)
 from drumlin.fem.preparation.finite_width import LARGEST_CHECKED_NU
 from drumlin.fem.solid.model import SOFTEST
 from drumlin.lining_wear.run_in import COEFFICIENT, WEAR_SETTLED, WORN_OUT
@@ -46,8 +51,8 @@ def quoted_values() -> dict[str, str]:
         "lowest_degree": str(min(level.degree for level in LEVELS)),
         "highest_degree": str(max(level.degree for level in LEVELS)),
         "largest_imbalance": _power_of_ten_text(LARGEST_ANSWER_IMBALANCE),
-        "largest_loss": _power_of_ten_text(LARGEST_LOSS),
-        "most_loss": _power_of_ten_text(MOST_LOSS),
+        "largest_loss": _power_of_ten_text(LARGEST_UNREFINED_ROUND_OFF),
+        "most_loss": _power_of_ten_text(LARGEST_REFINED_ROUND_OFF),
         "width_poisson": f"{LARGEST_CHECKED_NU:g}",
         "solid_poisson": f"{SOFTEST:g}",
         "wear_coefficient": f"{1e9 * COEFFICIENT:g} mm³/(N m)",

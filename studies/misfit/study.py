@@ -18,7 +18,7 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.clearance import ground_to, set_off
 from drumlin.brake.file import read_brake, vary
 from drumlin.comparison import as_csv
-from drumlin.fem.model import respond
+from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.laws import sine
 from drumlin.lining_wear.run_in import COEFFICIENT
@@ -149,15 +149,17 @@ def study(
     law = sine(brake)
     scene = prepare(brake, elements=setting.fine)
     say("single misfits")
-    single = misfit_rows.single_rows(brake, law, lambda changed: respond(scene, changed))
+    single = misfit_rows.single_rows(
+        brake, law, lambda changed: solve_prepared_model(scene, changed)
+    )
     family = {}
     for dr in FAMILY:
-        family[dr] = respond(scene, vary(brake, ground_to(brake, dr * 1e-6)))
+        family[dr] = solve_prepared_model(scene, vary(brake, ground_to(brake, dr * 1e-6)))
     # Torque over one turn of a drum with lobes, with new and with worn-in linings.
     angles = np.linspace(0, 2 * math.pi, setting.angles, endpoint=False)
     turns = {
         state: misfit_rows.torques_over_turn(
-            stood, lambda turned: respond(scene, turned), AMPLITUDE, angles.tolist()
+            stood, lambda turned: solve_prepared_model(scene, turned), AMPLITUDE, angles.tolist()
         )
         for state, stood in (("new", brake), ("worn in", worn_in_brake(scene, brake)))
     }

@@ -15,8 +15,8 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.components import Beam
 from drumlin.brake.file import read_brake, vary
 from drumlin.comparison import as_csv
-from drumlin.fem.analysis.fields import write_vtu
-from drumlin.fem.model import respond
+from drumlin.fem.analysis.fields import write_fields_as_vtu
+from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation import finite_width
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solid import model as solid
@@ -121,10 +121,11 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     # Three meshes give the uncertainty of the torque in both models.
     say("meshes that double")
     true = rows.torque_on_three_meshes(
-        lambda n: respond(solid.prepare(brake, elements=n), brake).torque, setting.doubled
+        lambda n: solve_prepared_model(solid.prepare(brake, elements=n), brake).torque,
+        setting.doubled,
     )
     plane = rows.torque_on_three_meshes(
-        lambda n: respond(prepare(brake, elements=n), brake).torque, setting.doubled
+        lambda n: solve_prepared_model(prepare(brake, elements=n), brake).torque, setting.doubled
     )
     maps = _map_errors(brake, setting, say)
     curves = _error_curves(brake, setting, say)
@@ -246,7 +247,7 @@ def report(result: Result, folder: Path) -> Path:
         for ending in ENDINGS.get(name, ("svg",)):
             drawing.save_figure(figure, folder / f"{name}.{ending}")
     brake, response = result.three.brake, result.three.solid
-    write_vtu(
+    write_fields_as_vtu(
         folder / "solid.vtu",
         [recover(result.scene, brake, response, i) for i in range(len(brake.shoes))],
     )

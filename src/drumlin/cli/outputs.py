@@ -53,7 +53,7 @@ def mesh(
     from drumlin.base.files import check_outputs
     from drumlin.fem.mesh.file import write_mesh
     from drumlin.fem.preparation.prepare import prepare
-    from drumlin.fem.solve import check_divided
+    from drumlin.fem.solve import check_division_options
 
     if name is not None and Path(name).name != name:
         raise BadInput(
@@ -61,7 +61,7 @@ def mesh(
         )
     brake, options = drumlin.read_brake(brake_file), given(elements=elements, kind=kind)
     brake.check_meshable()
-    check_divided(brake, **options)
+    check_division_options(brake, **options)
     paths = [output / f"{name or brake_file.stem}_{shoe.name}.{suffix}" for shoe in brake.shoes]
     check_outputs(*paths)
     with busy("meshing"):
@@ -86,7 +86,7 @@ def export(
     """Write a brake for another program, from drumlin's own mesh: input decks of CalculiX."""
     from drumlin.base.files import check_folder
     from drumlin.brake.plane_brake import read_drum
-    from drumlin.fem.solve import check_divided
+    from drumlin.fem.solve import check_division_options
     from drumlin.peers import calculix, solid_deck
 
     if model not in {"fem", "solid"}:
@@ -96,7 +96,7 @@ def export(
     if to != "calculix":
         raise BadInput(f"--to = {to!r}: unknown program; allowed: calculix")
     brake, options = read_drum(brake_file, "export"), given(elements=elements, kind=kind)
-    check_divided(brake, **options)
+    check_division_options(brake, **options)
     check_folder(output)
     with busy("writing"):
         write = calculix.export if model == "fem" else solid_deck.export

@@ -242,7 +242,7 @@ def sensitivity(
 ) -> None:
     """How the torque changes with friction, force, moduli, clearance and hinge: exact slopes."""
     from drumlin.base.files import check_outputs, write_json
-    from drumlin.fem.analysis.sensitivity import as_text
+    from drumlin.fem.analysis.sensitivity import sensitivity_as_text_lines
 
     brake = drumlin.read_brake(brake_file)
     check_outputs(json_file)
@@ -252,7 +252,7 @@ def sensitivity(
     if json_file is not None:
         write_json(json_file, found.as_dict())
     tell(f"{brake.title}: fem, {brake.motion}, mu = {brake.friction:g}")
-    for line in as_text(found, brake):
+    for line in sensitivity_as_text_lines(found, brake):
         tell(line)
 
 

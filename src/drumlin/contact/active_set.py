@@ -12,7 +12,7 @@ shoe is its rotation. C p = h are the equilibria in the rigid-body modes; withou
 A trial contact set gives each node a pressure or a gap. A node is wrong if its pressure or its gap
 is negative. The active-set method is a semismooth Newton method: all wrong nodes change at once
 (block principal pivoting: Kostreva 1978; Judice & Pires 1994). If the wrong nodes do not become
-fewer, `follow_from_wider_gaps` changes one node at a time (Lemke 1965).
+fewer, `follow_solution_from_wider_gaps` changes one node at a time (Lemke 1965).
 """
 
 import math
@@ -28,13 +28,13 @@ from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.base.errors import NoAnswer
 from drumlin.contact.equations import (
     TINY,
-    Changed,
-    Equations,
+    BorderedEquations,
+    ContactProblem,
+    ContactSetEquations,
     EquilibratedSystem,
-    Problem,
-    bordering_pays,
-    equilibrated,
-    regular,
+    equilibrate_problem,
+    is_bordering_cheaper,
+    resists_all_rigid_body_modes,
 )
 
 MOST_PIVOT_STEPS = 120
@@ -43,31 +43,33 @@ MOST_PIVOT_STEPS = 120
 MOST_SET_CHANGES = 10
 """Limit of the changes of the contact set per node while an answer is followed from wider gaps."""
 
-GOLDEN = (math.sqrt(5) - 1) / 2
-"""Golden ratio, whose multiples modulo 1 spread the added gaps of the nodes unevenly."""
+GOLDEN_RATIO = (math.sqrt(5) - 1) / 2
+"""Golden ratio 0.618. Its multiples modulo 1 give each node an added gap of its own size."""
 
-PATH_LIFT = math.sqrt(np.finfo(float).eps)
-"""Gap added to each node where a path of answers begins, relative to the largest gap.
+SMALLEST_EXTRA_GAP = math.sqrt(np.finfo(float).eps)
+"""Smallest gap added to a node where a path of solutions begins, relative to the largest gap.
 
-The added gap (the lift) differs from node to node, which keeps two nodes from changing together.
-The root of the round-off lies as far above the round-off as below the gaps. With lifts as large as
-the gaps a path may miss an answer that smaller lifts find.
+The added gaps differ from node to node, so that no two nodes change between contact and separation
+at the same time. The square root of the machine precision (1.5e-8) lies as far above round-off as
+below the gaps. With added gaps as large as the gaps themselves a path may miss a solution that
+smaller added gaps find.
 """
 
-PATIENCE = 5
-"""Number of steps in a row in which the wrong nodes may change without becoming fewer.
+MOST_STEPS_WITHOUT_PROGRESS = 5
+"""Number of pivoting steps in a row after which the number of wrong nodes must have fallen.
 
-After these steps the nodes change one at a time, along a path with as many steps as nodes change.
-Judice and Pires (1994) wait for up to ten steps. On 50 random holding brakes a patience of one
-takes 1.2 times the factorisations; five to twelve lie within 2 % of each other. The answers are the
-same with any patience.
+If the number has not fallen, the solution is followed along a path on which one node changes at a
+time, see `follow_solution_from_wider_gaps`. The path needs a step for each node that changes.
+Judice and Pires (1994) wait for up to ten steps. On 50 random holding brakes one step
+takes 1.2 times the factorisations; five to twelve steps lie within 2 % of each other. The solutions
+are the same with any number of steps.
 """
 
-COARSENED_FROM = 48
-"""Number of nodes from which the first contact set is guessed from a coarser problem.
+COARSE_GUESS_FROM_NODES = 48
+"""Number of nodes from which the first contact set is guessed from the problem on every other node.
 
-Smaller problems are solved as fast without a guess. Measured by trials: 24 and 96 change the steps
-by a tenth and the time not at all.
+Smaller problems are solved as fast from a contact set of all nodes. Measured by trials: 24 and 96
+change the steps by a tenth and the time not at all.
 """
 
 SET_ROUND_OFF = 1e-12
@@ -96,11 +98,11 @@ class Contact:
     y : rigid-body motions (k,)
     active : whether a node (n,) is in the contact set
     steps : number of contact sets that were solved
-    regular : whether the contact resists every rigid-body mode, as it does without friction. Under
+    stable : whether the contact resists every rigid-body mode, as it does without friction. Under
         growing friction an answer is no longer regular where the brake locks itself.
     system : the equilibrated contact problem
-    tangent : function that returns the change of p (n,) under a change of the weighted gaps (n,)
-        while the contact set stays
+    pressure_change : function that returns the change of p (n,) under a given change of the
+        weighted gaps (n,) while the contact set stays
     """
 
     p: Floats
@@ -108,12 +110,12 @@ class Contact:
     y: Floats
     active: Bools
     steps: int
-    regular: bool
+    stable: bool
     system: EquilibratedSystem
-    tangent: Callable[[Floats], Floats]
+    pressure_change: Callable[[Floats], Floats]
 
 
-class NotSettled(NoAnswer):
+class ContactSetNotConverged(NoAnswer):
     """The refusal of a contact set that still changes after a number of `steps`."""
 
     def __init__(self, steps: int) -> None:
@@ -121,13 +123,14 @@ class NotSettled(NoAnswer):
         self.steps = steps
 
 
-def solve(problem: Problem, start: Bools | None = None) -> Contact:
+def solve_contact_problem(problem: ContactProblem, start: Bools | None = None) -> Contact:
     """Solve a contact problem from a contact set, and from wider gaps if that does not converge.
 
     Parameters
     ----------
     problem : the contact problem of n nodes
-    start : contact set (n,) of the first step; by default the set of `coarse_start`
+    start : contact set (n,) of the first step; by default the guess of
+        `guess_contact_set_from_coarse_problem`
 
     Raises
     ------
@@ -135,14 +138,14 @@ def solve(problem: Problem, start: Bools | None = None) -> Contact:
         if no pressures balance the actuation, or without convergence
     """
     try:
-        return settle(problem, start)
-    except NotSettled as unsettled:
-        active, steps = follow_from_wider_gaps(problem)
-        found = settle(problem, active)
+        return solve_by_block_pivoting(problem, start)
+    except ContactSetNotConverged as unsettled:
+        active, steps = follow_solution_from_wider_gaps(problem)
+        found = solve_by_block_pivoting(problem, active)
         return replace(found, steps=unsettled.steps + steps + found.steps)
 
 
-class _Trial(NamedTuple):
+class _TrialSolution(NamedTuple):
     """The scaled solution on a trial contact set.
 
     Attributes
@@ -161,62 +164,67 @@ class _Trial(NamedTuple):
     wrong: Bools
 
 
-def settle(
-    problem: Problem,
+def solve_by_block_pivoting(
+    problem: ContactProblem,
     start: Bools | None = None,
-    most: int = MOST_PIVOT_STEPS,
-    like: EquilibratedSystem | None = None,
+    most_steps: int = MOST_PIVOT_STEPS,
+    scales_of: EquilibratedSystem | None = None,
 ) -> Contact:
     """Solve a contact problem by changing all wrong nodes at once.
 
     Parameters
     ----------
     problem : the contact problem of n nodes
-    start : contact set (n,) of the first step; by default the set of `coarse_start`
-    most : limit of the steps
-    like : system whose scales are used, see `equilibrated`
+    start : contact set (n,) of the first step; by default the guess of
+        `guess_contact_set_from_coarse_problem`
+    most_steps : limit of the steps
+    scales_of : system whose scales are used, see `equilibrate_problem`
 
     Raises
     ------
-    NotSettled
+    ContactSetNotConverged
         if the wrong nodes do not become fewer
     NoAnswer
         if no pressures balance the actuation
     """
-    system = equilibrated(problem, like)
-    active = coarse_start(problem) if start is None else start.copy()
-    fewest, patience = system.n + 1, PATIENCE
-    base: Equations | None = None
-    for step in range(1, most + 1):
-        # The equations are singular while no node touches in a rigid-body mode.
-        if not _resists_modes(problem, active):
-            active = active | _first_touching_set(system.problem)
-        equations = _equations_of(system, active, base)
-        if not isinstance(equations, Changed):
+    system = equilibrate_problem(problem, scales_of)
+    active = guess_contact_set_from_coarse_problem(problem) if start is None else start.copy()
+    fewest, patience = system.n + 1, MOST_STEPS_WITHOUT_PROGRESS
+    base: ContactSetEquations | None = None
+    for step in range(1, most_steps + 1):
+        # The equations are singular if no touching node resists one of the rigid-body modes.
+        if not _contact_set_resists_modes(problem, active):
+            active = active | _find_first_contact_set(system.problem)
+        equations = _factorise_contact_set(system, active, base)
+        if not isinstance(equations, BorderedEquations):
             base = equations
-        trial = _solve_trial(system, equations, active)
+        trial = _solve_on_trial_set(system, equations, active)
         count = int(np.count_nonzero(trial.wrong))
         if not count:
-            return _refine(system, equations, active, trial, step)
-        fewest, patience = (count, PATIENCE) if count < fewest else (fewest, patience - 1)
+            return _refine_solution_once(system, equations, active, trial, step)
+        fewest, patience = (
+            (count, MOST_STEPS_WITHOUT_PROGRESS) if count < fewest else (fewest, patience - 1)
+        )
         if patience < 0:
             break
         active = _next_contact_set(problem, system, equations, active, trial)
-    raise NotSettled(step)
+    raise ContactSetNotConverged(step)
 
 
-def _equations_of(
-    system: EquilibratedSystem, active: Bools, base: Equations | None
-) -> Equations | Changed:
+def _factorise_contact_set(
+    system: EquilibratedSystem, active: Bools, base: ContactSetEquations | None
+) -> ContactSetEquations | BorderedEquations:
     """Factorise the equations of a contact set (n,), or reuse `base` if few nodes differ."""
-    on = system.on(active)
-    if base is not None and bordering_pays(base, on):
-        return Changed(base, system.K, on)
-    return Equations(system.K, on)
+    on = system.free_unknowns(active)
+    if base is not None and is_bordering_cheaper(base, on):
+        return BorderedEquations(base, system.K, on)
+    return ContactSetEquations(system.K, on)
 
 
-def _solve_trial(system: EquilibratedSystem, equations: Equations, active: Bools) -> _Trial:
-    """Solve the equations of a contact set (n,), and judge the sign of each pressure and gap."""
+def _solve_on_trial_set(
+    system: EquilibratedSystem, equations: ContactSetEquations, active: Bools
+) -> _TrialSolution:
+    """Solve the equations of a trial contact set (n,), and mark nodes with a wrong sign."""
     K, r, n = system.K, system.r, system.n
     x = equations.solve(r)
     p = x[:n]
@@ -230,11 +238,15 @@ def _solve_trial(system: EquilibratedSystem, equations: Equations, active: Bools
     p_round_off = SET_ROUND_OFF * np.abs(p).max()
     w_round_off = SET_ROUND_OFF * largest_gap
     wrong = np.where(active, p < -p_round_off, w < -w_round_off)
-    return _Trial(x, p, w, residual, wrong)
+    return _TrialSolution(x, p, w, residual, wrong)
 
 
-def _refine(
-    system: EquilibratedSystem, equations: Equations, active: Bools, trial: _Trial, steps: int
+def _refine_solution_once(
+    system: EquilibratedSystem,
+    equations: ContactSetEquations,
+    active: Bools,
+    trial: _TrialSolution,
+    steps: int,
 ) -> Contact:
     """Refine the solution on a consistent contact set by one step of iterative refinement.
 
@@ -250,27 +262,27 @@ def _refine(
         y=x[n:],
         active=active,
         steps=steps,
-        regular=regular(equations, system),
+        stable=resists_all_rigid_body_modes(equations, system),
         system=system,
-        tangent=partial(_pressure_change, equations, system),
+        pressure_change=partial(_pressure_change_by_gap_change, equations, system),
     )
 
 
 def _next_contact_set(
-    problem: Problem,
+    problem: ContactProblem,
     system: EquilibratedSystem,
-    equations: Equations,
+    equations: ContactSetEquations,
     active: Bools,
-    trial: _Trial,
+    trial: _TrialSolution,
 ) -> Bools:
-    """The next contact set (n,): the wrong nodes change if the set still resists all modes.
+    """Return the next contact set (n,): the wrong nodes change if the set still resists all modes.
 
     A stiff shoe with two rigid-body modes stands on two nodes. If one node opens, the shoe turns
-    about the other node until a third node touches, see `_first_blocking_node`. In this way a short
-    contact moves along the lining node by node.
+    about the other node until a third node touches, see `_find_node_that_closes_first`. In this way
+    a short contact moves along the lining node by node.
     """
     wanted = active ^ trial.wrong
-    if _resists_modes(problem, wanted):
+    if _contact_set_resists_modes(problem, wanted):
         return wanted
     # Touching nodes are added. Pulling nodes leave in the order of their pull, if the rest resists.
     found = active | trial.wrong
@@ -278,26 +290,28 @@ def _next_contact_set(
     leaving = leaving[np.argsort(trial.p[leaving], kind="stable")]
     for node in leaving:
         found[node] = False
-        found[node] = not _resists_modes(problem, found)
+        found[node] = not _contact_set_resists_modes(problem, found)
     if not np.array_equal(found, active) or not len(leaving):
         return found
     # No node could leave: the node that pulls most is exchanged for the first that touches.
     pulling = int(leaving[0])
-    touched = _first_blocking_node(system.K, equations, trial.w, pulling, found)
+    touched = _find_node_that_closes_first(system.K, equations, trial.w, pulling, found)
     if touched is None:
         return wanted
     found[[pulling, touched]] = False, True
     return found
 
 
-def _first_blocking_node(
+def _find_node_that_closes_first(
     K: Floats,
-    equations: Equations,
+    equations: ContactSetEquations,
     w: Floats,
-    leaving: int,
+    opening_node: int,
     active: Bools,
 ) -> int | None:
-    """The node that touches first as a node of the contact set opens; None if no node touches.
+    """Return the node that touches first as a node of the contact set opens, or None.
+
+    The result is None if no node touches.
 
     Without the leaving node the contact set leaves one rigid-body mode free. As the node opens, the
     gaps therefore change by this mode alone, and no pressure changes.
@@ -307,11 +321,11 @@ def _first_blocking_node(
     K : matrix (n + k, n + k) of the equilibrated system
     equations : the factorised equations of the contact set
     w : scaled weighted gaps (n,) before the node opens
-    leaving : number of the node that opens
+    opening_node : number of the node that opens
     active : the contact set (n,) with the leaving node
     """
     unit = np.zeros(len(K))
-    unit[leaving] = -1.0
+    unit[opening_node] = -1.0
     slope = (K @ equations.solve(unit))[: len(w)]
     closes = ~active & (slope < -SET_ROUND_OFF * np.abs(slope).max(initial=0.0))
     if not closes.any():
@@ -321,21 +335,22 @@ def _first_blocking_node(
     return int(reach.argmin())
 
 
-class _Line(NamedTuple):
-    """Pressures of the contact set and gaps of all other nodes as linear functions of s.
+class _PathSegment(NamedTuple):
+    """A segment of a solution path: the contact set stays, and all unknowns are linear in s.
 
-    `value` (n,) are the pressures and gaps at s = 0, and `slope` (n,) their change per s.
+    `value` (n,) holds the pressures of the contact set and the gaps of all other nodes at s = 0.
+    `slope` (n,) is the change of these values per s.
     """
 
     value: Floats
     slope: Floats
 
-    def at(self, s: float) -> Floats:
+    def values_at(self, s: float) -> Floats:
         """The pressures and gaps (n,) at s."""
         return self.value + s * self.slope
 
 
-def follow_from_wider_gaps(problem: Problem) -> tuple[Bools, int]:
+def follow_solution_from_wider_gaps(problem: ContactProblem) -> tuple[Bools, int]:
     """Follow the answer from wider gaps q + s e, s = 1, to the true gaps, s = 0.
 
     At s = 1 only those nodes touch that the actuation closes first; e (n,) lifts all other nodes.
@@ -352,20 +367,20 @@ def follow_from_wider_gaps(problem: Problem) -> tuple[Bools, int]:
     NoAnswer
         if the path goes on for ever
     """
-    system = equilibrated(problem)
+    system = equilibrate_problem(problem)
     K, n = system.K, system.n
-    active = _first_touching_set(system.problem, alone=True)
+    active = _find_first_contact_set(system.problem, one_node_per_mode=True)
     s, direction, last = 1.0, -1, -1
     lift = np.zeros(len(system.r))
     for step in range(MOST_SET_CHANGES * n):
-        equations = Equations(K, system.on(active))
+        equations = ContactSetEquations(K, system.free_unknowns(active))
         if step == 0:
-            lift[:n] = _start_lift(system, equations, active)
-        line = _answer_line(system, equations, active, lift)
+            lift[:n] = _extra_gaps_at_path_start(system, equations, active)
+        line = _path_segment_of_contact_set(system, equations, active, lift)
         # The node that has changed last must leave zero.
         if step > 0:
             direction = 1 if line.slope[last] > 0 else -1
-        reach = _distances_to_zero(line, s, direction)
+        reach = _path_steps_until_zero(line, s, direction)
         if direction < 0 and reach.min() >= s:
             return active, step + 1
         last = int(reach.argmin())
@@ -374,11 +389,11 @@ def follow_from_wider_gaps(problem: Problem) -> tuple[Bools, int]:
             break
         leaves = active[last]
         active[last] = not active[last]
-        if leaves and not _resists_modes(problem, active):
+        if leaves and not _contact_set_resists_modes(problem, active):
             # A leaving node that frees a mode is exchanged for the node that stops the mode.
             active[last] = True
-            gaps = np.where(active, 0.0, line.at(s))
-            touched = _first_blocking_node(K, equations, gaps, last, active)
+            gaps = np.where(active, 0.0, line.values_at(s))
+            touched = _find_node_that_closes_first(K, equations, gaps, last, active)
             if touched is None:
                 break
             active[[last, touched]] = False, True
@@ -386,40 +401,42 @@ def follow_from_wider_gaps(problem: Problem) -> tuple[Bools, int]:
     raise NoAnswer("no equilibrium found: from wider gaps the contact never reaches the true ones")
 
 
-def _start_lift(system: EquilibratedSystem, equations: Equations, active: Bools) -> Floats:
-    """Gaps (n,) to add so that all nodes outside a contact set (n,) are open.
+def _extra_gaps_at_path_start(
+    system: EquilibratedSystem, equations: ContactSetEquations, active: Bools
+) -> Floats:
+    """Return gaps (n,) that open all nodes outside a contact set (n,) when they are added.
 
     The added gaps differ from node to node, so that no two nodes change together.
     """
     r, n = system.r, system.n
     w = (r + system.K @ equations.solve(r))[:n]
-    uneven = 1 + np.arange(n) * GOLDEN % 1
-    smallest = PATH_LIFT * max(np.abs(w).max(), np.abs(r[:n]).max())
+    uneven = 1 + np.arange(n) * GOLDEN_RATIO % 1
+    smallest = SMALLEST_EXTRA_GAP * max(np.abs(w).max(), np.abs(r[:n]).max())
     return np.where(active, 0.0, np.maximum(-w, 0.0) + smallest * uneven)
 
 
-def _answer_line(
-    system: EquilibratedSystem, equations: Equations, active: Bools, lift: Floats
-) -> _Line:
-    """The pressures and gaps on a contact set (n,) as functions of s, with gaps q + s lift."""
+def _path_segment_of_contact_set(
+    system: EquilibratedSystem, equations: ContactSetEquations, active: Bools, lift: Floats
+) -> _PathSegment:
+    """Return pressures and gaps of a contact set (n,) as functions of s, under gaps q + s lift."""
     K, r, n = system.K, system.r, system.n
     x, dx = equations.solve(r), equations.solve(lift)
     w, dw = (r + K @ x)[:n], (lift + K @ dx)[:n]
-    return _Line(np.where(active, x[:n], w), np.where(active, dx[:n], dw))
+    return _PathSegment(np.where(active, x[:n], w), np.where(active, dx[:n], dw))
 
 
-def _distances_to_zero(line: _Line, s: float, direction: int) -> Floats:
-    """The changes of s (n,) after which pressures or gaps have fallen to zero; inf if they grow.
+def _path_steps_until_zero(line: _PathSegment, s: float, direction: int) -> Floats:
+    """Return the changes of s (n,) at which each pressure or gap is zero; inf for growing values.
 
     `direction` is the sense, +1 or -1, in which s changes.
     """
     falls = direction * line.slope < 0
     reach = np.full(len(falls), np.inf)
-    reach[falls] = np.maximum(line.at(s), 0.0)[falls] / np.abs(line.slope[falls])
+    reach[falls] = np.maximum(line.values_at(s), 0.0)[falls] / np.abs(line.slope[falls])
     return reach
 
 
-def coarse_start(problem: Problem) -> Bools:
+def guess_contact_set_from_coarse_problem(problem: ContactProblem) -> Bools:
     """Guess the contact set (n,) by solving the problem on every other node.
 
     From a start with all nodes, a small contact at an unexpected place moves by its own width in a
@@ -428,17 +445,17 @@ def coarse_start(problem: Problem) -> Bools:
     """
     count = len(problem.q)
     active = np.ones(count, dtype=bool)
-    if count < COARSENED_FROM:
+    if count < COARSE_GUESS_FROM_NODES:
         return active
     try:
-        coarse = settle(halved(problem)).p > 0
+        coarse = solve_by_block_pivoting(coarsen_problem(problem)).p > 0
     except NoAnswer:
         return active
-    return spread_to_all_nodes(coarse, count)
+    return expand_coarse_contact_set(coarse, count)
 
 
-def spread_to_all_nodes(coarse: Bools, count: int) -> Bools:
-    """The contact set (count,) on all nodes from a contact set on every other node.
+def expand_coarse_contact_set(coarse: Bools, count: int) -> Bools:
+    """Expand a contact set on every other node to a contact set (count,) on all nodes.
 
     The nodes next to a node of the coarse set belong to the fine set.
     """
@@ -450,18 +467,22 @@ def spread_to_all_nodes(coarse: Bools, count: int) -> Bools:
     return active
 
 
-def halved(problem: Problem) -> Problem:
-    """The contact problem on every other node, with pressures that are linear in between.
+def coarsen_problem(problem: ContactProblem) -> ContactProblem:
+    """Return the contact problem on every other node, with pressures that are linear in between.
 
     With the interpolation P the coarse problem is P^T A P, P^T q, P^T B and C P.
     """
     A, q, B, C, h = problem
-    return Problem(
-        halved_sums(halved_sums(A, 1)), halved_sums(q), halved_sums(B), halved_sums(C, 1), h
+    return ContactProblem(
+        restrict_to_every_other_node(restrict_to_every_other_node(A, 1)),
+        restrict_to_every_other_node(q),
+        restrict_to_every_other_node(B),
+        restrict_to_every_other_node(C, 1),
+        h,
     )
 
 
-def interpolated(coarse: Floats, count: int) -> Floats:
+def interpolate_coarse_pressures(coarse: Floats, count: int) -> Floats:
     """Interpolate pressures at every other node to pressures at all nodes (count,)."""
     p = np.empty(count)
     p[::2] = coarse
@@ -470,7 +491,7 @@ def interpolated(coarse: Floats, count: int) -> Floats:
     return p
 
 
-def halved_sums(rows: Floats, axis: int = 0) -> Floats:
+def restrict_to_every_other_node(rows: Floats, axis: int = 0) -> Floats:
     """Add half of each row to its neighbours and keep every other row.
 
     Rows (n, ...) become ((n + 1) // 2, ...), the transposed interpolation P^T times the rows. With
@@ -484,14 +505,16 @@ def halved_sums(rows: Floats, axis: int = 0) -> Floats:
     return half
 
 
-def _pressure_change(equations: Equations, system: EquilibratedSystem, dq: Floats) -> Floats:
-    """The change of the pressures (n,) under a change dq (n,) of the weighted gaps."""
+def _pressure_change_by_gap_change(
+    equations: ContactSetEquations, system: EquilibratedSystem, dq: Floats
+) -> Floats:
+    """Return the change of the pressures (n,) under a change dq (n,) of the weighted gaps."""
     dr = np.zeros(len(system.r))
     dr[: system.n] = dq
     return (system.column_scales * equations.solve(system.row_scales * dr))[: system.n]
 
 
-def _resists_modes(problem: Problem, active: Bools) -> bool:
+def _contact_set_resists_modes(problem: ContactProblem, active: Bools) -> bool:
     """Whether a contact set (n,) resists each rigid-body mode.
 
     Modes of the same nodes need as many touching nodes as modes.
@@ -511,36 +534,39 @@ def _resists_modes(problem: Problem, active: Bools) -> bool:
     if not moved.any(axis=0).all():
         return False
     resisting = (
-        np.count_nonzero(moved[:, of].any(axis=1)) >= len(of) for of in _group_modes(B != 0)
+        np.count_nonzero(moved[:, of].any(axis=1)) >= len(of)
+        for of in _group_modes_of_same_nodes(B != 0)
     )
     return all(resisting)
 
 
-def _first_touching_set(problem: Problem, *, alone: bool = False) -> Bools:
-    """The set of nodes (n,) that the actuation closes first in each mode, if no node touches yet.
+def _find_first_contact_set(problem: ContactProblem, *, one_node_per_mode: bool = False) -> Bools:
+    """Return the nodes (n,) that the actuation closes first in each mode, if no node touches yet.
 
-    With `alone` a shoe with a single mode touches with one node only.
+    With `one_node_per_mode` a shoe with a single mode touches with one node only.
     """
     _, q, B, C, h = problem
     n = len(q)
     touching, p = np.zeros(n, dtype=bool), np.zeros(n)
     # The pressures of a shoe that pushes another shoe give the load on the other shoe.
-    for modes in _order_by_pressures(_group_modes(B != 0), B != 0, C != 0):
+    for modes in _order_mode_groups_by_load_path(
+        _group_modes_of_same_nodes(B != 0), B != 0, C != 0
+    ):
         load = h[modes] - C[modes] @ p
         if len(modes) > 1:
             moved = (B[:, modes] != 0).any(axis=1)
-            first = _first_touching_nodes(q, B[:, modes], C[modes], load, moved)
+            first = _find_balancing_nodes(q, B[:, modes], C[modes], load, moved)
             touching[first] = True
         else:
-            reach = _touching_motions(problem, modes[0], load)
+            reach = _mode_motions_until_contact(problem, modes[0], load)
             first = np.array([reach.argmin()])
-            touching[first if alone else reach <= reach.min()] = True
+            touching[first if one_node_per_mode else reach <= reach.min()] = True
         p[first] = np.linalg.solve(C[modes][:, first], load)
     return touching
 
 
-def _touching_motions(problem: Problem, mode: int, load: Floats) -> Floats:
-    """The motion (n,) of a single mode at which each node touches.
+def _mode_motions_until_contact(problem: ContactProblem, mode: int, load: Floats) -> Floats:
+    """Return the size (n,) of a single mode's motion at which each node touches.
 
     The motion is inf for a node whose pressure does not resist the load on the mode. Raises
     NoAnswer if no pressure resists the load.
@@ -555,33 +581,35 @@ def _touching_motions(problem: Problem, mode: int, load: Floats) -> Floats:
     return reach
 
 
-def _order_by_pressures(sets: list[list[int]], moves: Bools, bears: Bools) -> list[list[int]]:
+def _order_mode_groups_by_load_path(
+    mode_groups: list[list[int]], moves: Bools, bears: Bools
+) -> list[list[int]]:
     """Order sets of modes so that the equilibria of a set need only pressures of earlier sets.
 
     Parameters
     ----------
-    sets : sets of modes that move the same nodes
+    mode_groups : sets of modes that move the same nodes
     moves : whether a mode moves a node (n, k)
     bears : whether a pressure occurs in the equilibrium of a mode (k, n)
     """
-    moved = [moves[:, modes].any(axis=1) for modes in sets]
+    moved = [moves[:, modes].any(axis=1) for modes in mode_groups]
     known = np.zeros(len(moves), dtype=bool)
-    found, left = [], list(range(len(sets)))
+    found, left = [], list(range(len(mode_groups)))
     while left:
         # Shoes that push each other in a circle have no order: then the first set is taken.
         following = left[0]
         for i in left:
-            borne = bears[sets[i]].any(axis=0)
+            borne = bears[mode_groups[i]].any(axis=0)
             if not (borne & ~moved[i] & ~known).any():
                 following = i
                 break
         left.remove(following)
         known |= moved[following]
-        found.append(sets[following])
+        found.append(mode_groups[following])
     return found
 
 
-def _group_modes(moved: Bools) -> list[list[int]]:
+def _group_modes_of_same_nodes(moved: Bools) -> list[list[int]]:
     """Group the modes that move the same nodes; `moved` (n, k) says whether a mode moves a node."""
     found: list[list[int]] = []
     for mode in range(moved.shape[1]):
@@ -594,8 +622,8 @@ def _group_modes(moved: Bools) -> list[list[int]]:
     return found
 
 
-def _first_touching_nodes(q: Floats, B: Floats, C: Floats, h: Floats, moved: Bools) -> Ints:
-    """The k nodes that balance k modes by pressure while all other nodes are as open as possible.
+def _find_balancing_nodes(q: Floats, B: Floats, C: Floats, h: Floats, moved: Bools) -> Ints:
+    """Return k nodes whose pressures balance k modes while all other nodes are as open as possible.
 
     Parameters
     ----------
@@ -622,7 +650,9 @@ def _first_touching_nodes(q: Floats, B: Floats, C: Floats, h: Floats, moved: Boo
     sets = candidates[indices]
     # Only sets whose nodes hold all modes in place are kept.
     equilibria, closings = C.T[sets].transpose(0, 2, 1), B[sets]  # (sets, k, k)
-    holds = _are_regular(equilibria) & _are_regular(closings.transpose(0, 2, 1))
+    holds = _are_matrices_nonsingular(equilibria) & _are_matrices_nonsingular(
+        closings.transpose(0, 2, 1)
+    )
     sets, equilibria, closings = sets[holds], equilibria[holds], closings[holds]
     loads = np.broadcast_to(h[:, None], (len(sets), k, 1))
     p = np.linalg.solve(equilibria, loads)[..., 0]
@@ -636,7 +666,7 @@ def _first_touching_nodes(q: Floats, B: Floats, C: Floats, h: Floats, moved: Boo
     return np.asarray(sets[pressed][np.argmax(smallest_gap)])
 
 
-def _are_regular(matrices: Floats) -> Bools:
+def _are_matrices_nonsingular(matrices: Floats) -> Bools:
     """Whether matrices (m, k, k) of modes by nodes are regular beyond round-off."""
     # Scaled rows and columns make the units of the modes irrelevant.
     largest = np.maximum(np.abs(matrices).max(axis=(0, 2)), TINY)

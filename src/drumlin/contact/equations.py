@@ -20,16 +20,18 @@ from drumlin.base.lapack import dgecon, dgetrf, dgetrs
 TINY = np.finfo(float).tiny
 """Smallest normal double. Divisors are at least TINY, so that an empty row does not divide by 0."""
 
-BORDERED_ABOVE = 100
-"""Number of unknowns above which a changed contact set is bordered, not factorised anew.
+BORDERED_ABOVE_UNKNOWNS = 100
+"""Number of unknowns above which the equations of a changed contact set are bordered.
 
-With fewer unknowns a factorisation is as fast as bordering. Measured by trials: with 50 to 400 the
+Bordering reuses the factors of the contact set before. Smaller systems are factorised anew.
+ With
+fewer unknowns a factorisation is as fast as bordering. Measured by trials: with 50 to 400 the
 time of a solve stays within 4 %. Without bordering, solves of 300 and 700 elements take 1.15 and
 1.24 times as long.
 """
 
 
-class Problem(NamedTuple):
+class ContactProblem(NamedTuple):
     """A contact problem: w = q + A p + B y and C p = h.
 
     Attributes
@@ -67,12 +69,12 @@ class EquilibratedSystem(NamedTuple):
     n: int
 
     @property
-    def problem(self) -> Problem:
+    def problem(self) -> ContactProblem:
         """The scaled contact problem, as views of K and r."""
         K, r, n = self.K, self.r, self.n
-        return Problem(K[:n, :n], r[:n], K[:n, n:], K[n:, :n], -r[n:])
+        return ContactProblem(K[:n, :n], r[:n], K[:n, n:], K[n:, :n], -r[n:])
 
-    def on(self, active: Bools) -> Bools:
+    def free_unknowns(self, active: Bools) -> Bools:
         """Mark the free unknowns (n + k,) of a contact set (n,): its pressures and all modes."""
         unknowns = np.empty(len(self.r), dtype=bool)
         unknowns[: self.n] = active
@@ -80,16 +82,20 @@ class EquilibratedSystem(NamedTuple):
         return unknowns
 
 
-def equilibrated(problem: Problem, like: EquilibratedSystem | None = None) -> EquilibratedSystem:
+def equilibrate_problem(
+    problem: ContactProblem, scales_of: EquilibratedSystem | None = None
+) -> EquilibratedSystem:
     """Scale a problem so that A has a unit diagonal, B unit columns and C unit rows.
 
-    The factors are positive, so that neither signs nor the contact set change. If the system `like`
-    is given, its factors are used.
+    The factors are positive, so that neither signs nor the contact set change. If a system
+    `scales_of` is given, the factors of this system are used.
     """
     A, q, B, C, h = problem
     n, k = B.shape
     rows, columns = (
-        _equilibrating_scales(problem) if like is None else (like.row_scales, like.column_scales)
+        _row_and_column_scales(problem)
+        if scales_of is None
+        else (scales_of.row_scales, scales_of.column_scales)
     )
     K = np.zeros((n + k, n + k))
     np.multiply(A, rows[:n, None], out=K[:n, :n])
@@ -102,7 +108,7 @@ def equilibrated(problem: Problem, like: EquilibratedSystem | None = None) -> Eq
     return EquilibratedSystem(K, r, rows, columns, n)
 
 
-def _equilibrating_scales(problem: Problem) -> tuple[Floats, Floats]:
+def _row_and_column_scales(problem: ContactProblem) -> tuple[Floats, Floats]:
     """The factors (n + k,) of the rows and of the columns that equilibrate a problem."""
     A, _, B, C, _ = problem
     k = B.shape[1]
@@ -115,13 +121,13 @@ def _equilibrating_scales(problem: Problem) -> tuple[Floats, Floats]:
     return rows, np.concatenate([of_nodes, of_modes[:k]])
 
 
-def condition(problem: Problem, active: Bools) -> float:
+def condition_number(problem: ContactProblem, active: Bools) -> float:
     """The condition number, in the 1-norm, of the equilibrated equations on a contact set (n,).
 
     LAPACK's gecon estimates the condition number from the factors.
     """
-    system = equilibrated(problem)
-    unknowns = np.flatnonzero(system.on(active))
+    system = equilibrate_problem(problem)
+    unknowns = np.flatnonzero(system.free_unknowns(active))
     matrix = system.K[unknowns[:, None], unknowns]
     if not matrix.size:
         return 1.0
@@ -131,36 +137,38 @@ def condition(problem: Problem, active: Bools) -> float:
     return float(1 / reciprocal) if reciprocal else np.inf
 
 
-class Equations:
-    """The linear equations of the free unknowns `on` (n + k,) of K, factorised once.
+class ContactSetEquations:
+    """The linear equations K x = -r of the free unknowns of a contact set, factorised once.
 
-    All other unknowns are 0. The class `Changed` solves with a few other free unknowns.
+    `free` (n + k,) marks the free unknowns: the pressures of the contact set and all rigid-body
+    motions. All other unknowns are 0. The class `BorderedEquations` reuses the factors for a
+    contact set that differs by a few nodes.
     """
 
-    def __init__(self, K: Floats, on: Bools) -> None:
-        self.on = on
-        self._at = on.nonzero()[0]
-        whole = len(self._at) == len(K)
-        matrix = K.copy() if whole else K.take(self._at, 0).take(self._at, 1)
-        self._factors = _factorise(matrix)
+    def __init__(self, K: Floats, free: Bools) -> None:
+        self.free = free
+        self._free_numbers = free.nonzero()[0]
+        whole = len(self._free_numbers) == len(K)
+        matrix = K.copy() if whole else K.take(self._free_numbers, 0).take(self._free_numbers, 1)
+        self._factors = _factorise_transposed(matrix)
 
     def solve(self, r: Floats) -> Floats:
         """Solve r + K x = 0 for the free unknowns; r and x are (n + k,) or (n + k, m)."""
         x = np.zeros(r.shape)
-        x[self._at] = self._solution(-r[self._at])
+        x[self._free_numbers] = self._solve_free_unknowns(-r[self._free_numbers])
         return x
 
     @property
-    def sign(self) -> int:
+    def determinant_sign(self) -> int:
         """The sign of the determinant, +1 or -1."""
         return _determinant_sign(self._factors)
 
-    def _solution(self, right: Floats) -> Floats:
+    def _solve_free_unknowns(self, right: Floats) -> Floats:
         """Solve for the free unknowns alone, under a right-hand side with a row for each."""
-        return _back_substitute(self._factors, right)
+        return _solve_with_factors(self._factors, right)
 
 
-class Changed(Equations):
+class BorderedEquations(ContactSetEquations):
     """The equations of a contact set that differs by a few nodes from a factorised `base`.
 
     A bordered system adds two kinds of unknowns to the base. The weighted gaps of the released
@@ -169,51 +177,55 @@ class Changed(Equations):
     factorised.
     """
 
-    def __init__(self, base: Equations, K: Floats, on: Bools) -> None:
-        self.on = on
-        self._base = base
-        self._released = np.flatnonzero(~on[base._at])
-        added = np.flatnonzero(on & ~base.on)
-        self._at = np.concatenate([base._at, added])
+    def __init__(self, base: ContactSetEquations, K: Floats, free: Bools) -> None:
+        self.free = free
+        self._base_equations = base
+        self._released = np.flatnonzero(~free[base._free_numbers])
+        added = np.flatnonzero(free & ~base.free)
+        self._free_numbers = np.concatenate([base._free_numbers, added])
         released = len(self._released)
         # The border's columns: a unit gap at each released node, then the added pressures.
-        border = np.zeros((len(base._at), released + len(added)))
+        border = np.zeros((len(base._free_numbers), released + len(added)))
         border[self._released, np.arange(released)] = -1.0
-        border[:, released:] = K[base._at[:, None], added]
-        self._by_border = -base._solution(border)
-        self._rows = K[added[:, None], base._at]
-        schur = self._border_values(self._by_border)
+        border[:, released:] = K[base._free_numbers[:, None], added]
+        self._base_solution_per_border_unknown = -base._solve_free_unknowns(border)
+        self._rows_of_added_nodes = K[added[:, None], base._free_numbers]
+        schur = self._pressures_and_gaps_at_border(self._base_solution_per_border_unknown)
         schur[released:, released:] += K[added[:, None], added]
-        self._schur = _factorise(schur)
+        self._schur_factors = _factorise_transposed(schur)
 
     @property
-    def sign(self) -> int:
+    def determinant_sign(self) -> int:
         """The sign of the determinant: the product of the signs of base and Schur complement.
 
         The product holds for released nodes too, by Jacobi's complementary minor.
         """
-        return self._base.sign * _determinant_sign(self._schur)
+        return self._base_equations.determinant_sign * _determinant_sign(self._schur_factors)
 
-    def _border_values(self, solution: Floats) -> Floats:
+    def _pressures_and_gaps_at_border(self, solution: Floats) -> Floats:
         """The pressures of released nodes and then the weighted gaps of added nodes.
 
         `solution` is a solution of the base.
         """
-        return np.concatenate([solution[self._released], self._rows @ solution])
+        return np.concatenate([solution[self._released], self._rows_of_added_nodes @ solution])
 
-    def _solution(self, right: Floats) -> Floats:
-        size, released = len(self._base._at), len(self._released)
-        solution = self._base._solution(right[:size])
+    def _solve_free_unknowns(self, right: Floats) -> Floats:
+        size, released = len(self._base_equations._free_numbers), len(self._released)
+        solution = self._base_equations._solve_free_unknowns(right[:size])
         # The border's unknowns bring pressures to zero and gaps to the wanted right-hand side.
         no_pressure = np.zeros((released, *right.shape[1:]))
         wanted = np.concatenate([no_pressure, right[size:]])
-        border = _back_substitute(self._schur, wanted - self._border_values(solution))
-        solution += self._by_border @ border
+        border = _solve_with_factors(
+            self._schur_factors, wanted - self._pressures_and_gaps_at_border(solution)
+        )
+        solution += self._base_solution_per_border_unknown @ border
         solution[self._released] = 0.0
         return np.concatenate([solution, border[released:]])
 
 
-def regular(equations: Equations, system: EquilibratedSystem) -> bool:
+def resists_all_rigid_body_modes(
+    equations: ContactSetEquations, system: EquilibratedSystem
+) -> bool:
     """Whether the contact resists every rigid-body mode.
 
     The contact resists if det A > 0 and C A^-1 B has no negative real eigenvalue. Contact without
@@ -221,7 +233,7 @@ def regular(equations: Equations, system: EquilibratedSystem) -> bool:
     """
     n = system.n
     k = len(system.r) - n
-    if equations.sign != (-1) ** k:
+    if equations.determinant_sign != (-1) ** k:
         return False
     if k < 2:
         return True
@@ -237,7 +249,7 @@ def regular(equations: Equations, system: EquilibratedSystem) -> bool:
     return not ((values.imag == 0) & (values.real < 0)).any()
 
 
-def _factorise(matrix: Floats) -> tuple[Floats, Ints]:
+def _factorise_transposed(matrix: Floats) -> tuple[Floats, Ints]:
     """Factorise the transposed matrix into LU factors and pivots, and overwrite the matrix.
 
     The transposed matrix lies column by column in memory, as LAPACK wants a matrix. Raises NoAnswer
@@ -251,7 +263,7 @@ def _factorise(matrix: Floats) -> tuple[Floats, Ints]:
     return lu, pivots
 
 
-def _back_substitute(factors: tuple[Floats, Ints], right: Floats) -> Floats:
+def _solve_with_factors(factors: tuple[Floats, Ints], right: Floats) -> Floats:
     """Solve the equations with LU factors and pivots for a right-hand side."""
     # LAPACK is called directly, since scipy's checks cost more than these small systems.
     return dgetrs(*factors, right, trans=1)[0] if len(right) else right
@@ -265,9 +277,9 @@ def _determinant_sign(factors: tuple[Floats, Ints]) -> int:
     return 1 if (negative + swaps) % 2 == 0 else -1
 
 
-def bordering_pays(base: Equations, on: Bools) -> bool:
-    """Whether bordering `base` is cheaper than factorising the free unknowns `on` (n + k,) anew."""
-    size = len(base._at)
-    changed = np.count_nonzero(base.on ^ on)
+def is_bordering_cheaper(base: ContactSetEquations, free: Bools) -> bool:
+    """Whether bordering `base` costs less than factorising the free unknowns `free` (n + k,)."""
+    size = len(base._free_numbers)
+    changed = np.count_nonzero(base.free ^ free)
     # Bordering pays up to a change of one unknown in eight.
-    return size > BORDERED_ABOVE and bool(8 * changed < size)
+    return size > BORDERED_ABOVE_UNKNOWNS and bool(8 * changed < size)

@@ -9,7 +9,7 @@ K = [[A, B], [C, 0]]. They grow without bound where K0 + mu K1 is singular. The 
 eigenvalue of the pencil, the smallest above the current mu. The contact set changes on the way
 there, and so does the eigenvalue. The answer is therefore followed from mu = 0. The limit mu_lock
 is the eigenvalue of a contact set that holds right up to the eigenvalue. Such a limit does not
-depend on force or clearance, which are negligible spread_to_all_nodes pressures without bound.
+depend on force or clearance, which are negligible beside pressures that grow without bound.
 
 An answer may also end where the path turns back: at a change of the contact set beyond which the
 determinant has the other sign. Other answers may exist beyond, to which the contact would jump. A
@@ -27,20 +27,20 @@ from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.contact.active_set import (
     Contact,
-    halved,
-    halved_sums,
-    interpolated,
-    settle,
-    solve,
-    spread_to_all_nodes,
+    coarsen_problem,
+    expand_coarse_contact_set,
+    interpolate_coarse_pressures,
+    restrict_to_every_other_node,
+    solve_by_block_pivoting,
+    solve_contact_problem,
 )
-from drumlin.contact.equations import Problem, equilibrated
+from drumlin.contact.equations import ContactProblem, equilibrate_problem
 
 LARGEST_SOUGHT_FRICTION = 1e3
 """Friction coefficient up to which a limit is sought. A brake with a higher limit has none."""
 
 LARGEST_FRICTION_STEP = 0.05
-"""Largest step of mu by which an answer is followed; above mu = 1 the step is relative to mu.
+"""Largest step of mu along the path of answers; above mu = 1 the step is relative to mu.
 
 The step changes the time alone. Steps over which the contact set changes are halved until the
 growth of force is below LARGEST_FORCE_GROWTH; while the set stays, the determinant shows the limit.
@@ -63,172 +63,190 @@ the force grows by at most (1 - 1/4)/(1 - 1/2) - 1 = 0.5 for any mu up to mu_loc
 which the contact set changes and the force grows by more is halved.
 """
 
-HALVED_ABOVE = 600
+COARSE_PATH_ABOVE_NODES = 600
 """Number of nodes above which the answer is followed on every other node.
 
 The number changes the time alone, as the work grows with the cube of the nodes. The answer is the
-same, see LARGEST_MESH_DIFFERENCE.
+same, see LARGEST_DIFFERENCE_BETWEEN_MESHES.
 """
 
-LARGEST_MESH_DIFFERENCE = 0.1
+LARGEST_DIFFERENCE_BETWEEN_MESHES = 0.1
 """Relative difference of pressures on all nodes and on every other node that one answer may have.
 
 The difference and the pressures are measured by their work. One answer on two meshes differs by
 0.004, two answers differ by 0.7. Any number between tells them apart; a smaller number costs time.
 """
 
-RESOLUTION = 1e-12
-"""Resolution, relative to mu, of a limit where the answer turns back."""
+FRICTION_RESOLUTION = 1e-12
+"""Relative step of mu below which a limit is found, if the path of answers turns back there."""
 
 
-class Sliding(NamedTuple):
+class FrictionDependentProblem(NamedTuple):
     """A contact problem as a linear function of the friction coefficient mu.
 
-    `still` is the problem at mu = 0. `A1` (n, n) and `C1` (k, n) are the changes of A and C per mu.
+    `frictionless` is the problem at mu = 0. `A_per_friction` (n, n) and `C_per_friction` (k, n) are
+    the changes of A and C per mu.
     """
 
-    still: Problem
-    A1: Floats
-    C1: Floats
+    frictionless: ContactProblem
+    A_per_friction: Floats
+    C_per_friction: Floats
 
     @classmethod
-    def through(cls, still: Problem, other: Problem, friction: float = 1.0) -> "Sliding":
+    def from_two_problems(
+        cls, frictionless: ContactProblem, other: ContactProblem, friction: float = 1.0
+    ) -> "FrictionDependentProblem":
         """Make the linear function from the problems at mu = 0 and at another friction."""
-        return cls(still, (other.A - still.A) / friction, (other.C - still.C) / friction)
+        return cls(
+            frictionless,
+            (other.A - frictionless.A) / friction,
+            (other.C - frictionless.C) / friction,
+        )
 
-    def at(self, friction: float) -> Problem:
+    def problem_at(self, friction: float) -> ContactProblem:
         """The problem at a friction coefficient."""
-        A, q, B, C, h = self.still
-        return Problem(A + friction * self.A1, q, B, C + friction * self.C1, h)
+        A, q, B, C, h = self.frictionless
+        return ContactProblem(
+            A + friction * self.A_per_friction, q, B, C + friction * self.C_per_friction, h
+        )
 
 
-class Limit(NamedTuple):
-    """The end of the answer that is followed from mu = 0.
+class FrictionLimit(NamedTuple):
+    """The friction coefficient up to which the answer can be followed from mu = 0.
 
     Attributes
     ----------
     friction : mu_lock; inf if there is no limit up to LARGEST_SOUGHT_FRICTION
-    bounded : whether the answer turns back at finite pressure, at a change of the contact set;
-        otherwise the pressure grows without bound as 1/(mu_lock - mu)
-    last : the answer at the friction coefficient `reached`, with the contact set of the limit
-    reached : last friction coefficient that was solved
+    pressure_stays_finite : whether the path of answers turns back at finite pressure, at a change
+        of the contact set; otherwise the pressure grows without bound as 1/(mu_lock - mu)
+    last_contact : the answer at the friction coefficient `last_friction`, with the contact set of
+        the limit
+    last_friction : last friction coefficient that was solved
     steps : number of steps of friction that were tried
     """
 
     friction: float
-    bounded: bool
-    last: Contact
-    reached: float
+    pressure_stays_finite: bool
+    last_contact: Contact
+    last_friction: float
     steps: int
 
 
-class PathEnded(NoAnswer):
-    """The refusal of a friction coefficient beyond the limit `end` of the followed answer."""
+class FrictionBeyondLimit(NoAnswer):
+    """The refusal of a friction coefficient beyond the `limit` of the answer that is followed."""
 
-    def __init__(self, line: str, end: Limit) -> None:
+    def __init__(self, line: str, limit: FrictionLimit) -> None:
         super().__init__(line)
-        self.end = end
+        self.limit = limit
 
 
-def limit(
-    sliding: Sliding,
-    most: float = LARGEST_SOUGHT_FRICTION,
-    known: tuple[float, Contact] | None = None,
+def find_friction_limit(
+    problem: FrictionDependentProblem,
+    largest_friction: float = LARGEST_SOUGHT_FRICTION,
+    known_answer: tuple[float, Contact] | None = None,
     areas: Floats | None = None,
-) -> Limit:
+) -> FrictionLimit:
     """Follow the answer from mu = 0 to its end, or to a largest friction coefficient.
 
     Parameters
     ----------
-    sliding : the problem at every friction coefficient
-    most : friction coefficient at which following ends
-    known : a friction coefficient and its answer, from which following starts
-    areas : areas (n,) of the nodes [m^2]; by default 1, see `answer`
+    problem : the problem at every friction coefficient
+    largest_friction : friction coefficient at which following ends
+    known_answer : a friction coefficient and its answer, from which following starts
+    areas : areas (n,) of the nodes [m^2]; by default 1, see `solve_on_path_from_zero_friction`
 
     Raises
     ------
     NoAnswer
         if there is no answer at mu = 0
     """
-    areas = _areas_or_ones(sliding.still, areas)
-    mu, found = (0.0, _solve_without_friction(sliding.still)) if known is None else known
+    areas = _areas_or_ones(problem.frictionless, areas)
+    mu, found = (
+        (0.0, _solve_without_friction(problem.frictionless))
+        if known_answer is None
+        else known_answer
+    )
     steps, step = 0, LARGEST_FRICTION_STEP
     critical, critical_set = np.inf, np.zeros(0, dtype=bool)
-    while mu < most:
+    while mu < largest_friction:
         steps += 1
-        target = min(mu + step, most)
-        after = _settle_stable(sliding, target, found.active)
-        if after is not None and _continues(after, found, areas):
+        target = min(mu + step, largest_friction)
+        after = _find_stable_solution(problem, target, found.active)
+        if after is not None and _continues_solution(after, found, areas):
             step = min(2 * step, LARGEST_FRICTION_STEP * max(1.0, mu))
             found, mu = after, target
             continue
         # The step fails: the contact set may hold up to an eigenvalue, which is then the limit.
         if not np.array_equal(critical_set, found.active):
             try:
-                critical = next_eigenvalue(sliding, mu, found.active)
+                critical = next_singular_friction(problem, mu, found.active)
             except np.linalg.LinAlgError:
                 # The last step has met the singular friction itself.
                 critical = mu
             critical_set = found.active
-            if _holds_up_to(sliding, mu, critical, found.active):
-                return Limit(critical, False, found, mu, steps)
+            if _contact_set_holds_up_to(problem, mu, critical, found.active):
+                return FrictionLimit(critical, False, found, mu, steps)
         step = 0.5 * (target - mu)
-        if step < RESOLUTION * max(mu, 1e-3):
-            return Limit(mu, True, found, mu, steps)
-    return Limit(np.inf, False, found, mu, steps)
+        if step < FRICTION_RESOLUTION * max(mu, 1e-3):
+            return FrictionLimit(mu, True, found, mu, steps)
+    return FrictionLimit(np.inf, False, found, mu, steps)
 
 
-def _continues(after: Contact, before: Contact, areas: Floats) -> bool:
+def _continues_solution(after: Contact, before: Contact, areas: Floats) -> bool:
     """Whether an answer continues the answer before: by the contact set or by little growth."""
-    return np.array_equal(after.active, before.active) or _grows_little(after, before, areas)
+    return np.array_equal(after.active, before.active) or _contact_force_grows_little(
+        after, before, areas
+    )
 
 
-def _holds_up_to(sliding: Sliding, mu: float, critical: float, active: Bools) -> bool:
-    """Whether a contact set (n,) at mu still holds just below its next eigenvalue `critical`."""
-    if not np.isfinite(critical):
+def _contact_set_holds_up_to(
+    problem: FrictionDependentProblem, mu: float, singular_friction: float, active: Bools
+) -> bool:
+    """Whether a contact set (n,) at mu still holds just below its next `singular_friction`."""
+    if not np.isfinite(singular_friction):
         return False
     # The last step may have met the eigenvalue itself.
-    if critical - mu < RESOLUTION * max(mu, 1e-3):
+    if singular_friction - mu < FRICTION_RESOLUTION * max(mu, 1e-3):
         return True
-    near = mu + (critical - mu) * (1 - POLE_DISTANCE)
-    return _settle_stable(sliding, near, active, 1) is not None
+    near = mu + (singular_friction - mu) * (1 - POLE_DISTANCE)
+    return _find_stable_solution(problem, near, active, 1) is not None
 
 
-def _solve_without_friction(still: Problem, start: Bools | None = None) -> Contact:
+def _solve_without_friction(frictionless: ContactProblem, start: Bools | None = None) -> Contact:
     """Solve for the answer at mu = 0. Raises NoAnswer if the answer is unstable."""
-    found = solve(still, start)
-    if not found.regular:
+    found = solve_contact_problem(frictionless, start)
+    if not found.stable:
         raise NoAnswer("no stable equilibrium without friction")
     return found
 
 
-class _AtOnce(NamedTuple):
+class _DirectSolution(NamedTuple):
     """The result of settling at a friction coefficient at once, without following from mu = 0.
 
     Attributes
     ----------
-    found : the answer; None if no contact set settles
-    half : the answer at half of the friction; None if unknown
-    stable : whether `found` is stable and mu is below the limit of the rigid shoe
-    sure : whether `found` is certainly the answer that is followed from mu = 0
-    reason : the reason to refuse `found` if `found` is not stable
+    contact : the answer; None if no contact set settles
+    contact_at_half_friction : the answer at half of the friction; None if unknown
+    stable : whether `contact` is stable and mu is below the limit of the rigid shoe
+    is_on_path : whether `contact` is certainly the answer that is followed from mu = 0
+    refusal : the reason to refuse `contact` if `contact` is not stable
     """
 
-    found: Contact | None
-    half: Contact | None
+    contact: Contact | None
+    contact_at_half_friction: Contact | None
     stable: bool
-    sure: bool
-    reason: str
+    is_on_path: bool
+    refusal: str
 
 
-def answer(
-    problem_at: Callable[[float], Problem],
+def solve_on_path_from_zero_friction(
+    problem_at: Callable[[float], ContactProblem],
     friction: float,
     start: Bools | None = None,
     areas: Floats | None = None,
     *,
-    law: float,
-    brake: str,
+    rigid_law_limit: float,
+    brake_words: str,
 ) -> Contact:
     """Find the answer at a friction coefficient that a path from mu = 0 reaches.
 
@@ -237,7 +255,8 @@ def answer(
     on. Both hold up to half of mu_lock. Otherwise the answer is followed in small steps, from half
     of the friction if the answer there is sure. Other stable answers do not count: near the limit
     and beyond the limit some stand apart, and no friction that grows from 0 reaches them. Above
-    HALVED_ABOVE nodes the answer on every other node is followed, at a fraction of the cost.
+    COARSE_PATH_ABOVE_NODES nodes the answer on every other node is followed, at a fraction of the
+    cost.
 
     Parameters
     ----------
@@ -246,12 +265,12 @@ def answer(
     start : contact set (n,) from which the answer may settle at once
     areas : areas (n,) [m^2] of the nodes, which turn pressures into forces; by default 1, for
         pressures that are forces already
-    law : mu_lock of the rigid shoe
-    brake : words for the brake in the message of a refusal
+    rigid_law_limit : mu_lock of the rigid shoe
+    brake_words : words for the brake in the message of a refusal
 
     Raises
     ------
-    PathEnded
+    FrictionBeyondLimit
         with both limits, if the answer ends before this friction
     NoAnswer
         if there is no answer for another reason
@@ -260,83 +279,100 @@ def answer(
         return _solve_without_friction(problem_at(0.0), start)
     problem = problem_at(friction)
     areas = _areas_or_ones(problem, areas)
-    if len(problem.q) > HALVED_ABOVE:
-        like = _settle_like_coarse(problem, problem_at(0.0), friction, start, areas, law)
+    if len(problem.q) > COARSE_PATH_ABOVE_NODES:
+        like = _solve_near_coarse_solution(
+            problem, problem_at(0.0), friction, start, areas, rigid_law_limit
+        )
         if like is not None:
             return like
-    at_once = _settle_at_once(problem_at, problem, friction, start, areas, law)
-    if at_once.sure and at_once.found is not None:
-        return at_once.found
+    at_once = _solve_directly(problem_at, problem, friction, start, areas, rigid_law_limit)
+    if at_once.is_on_path and at_once.contact is not None:
+        return at_once.contact
     known = None
-    half = at_once.half
-    if half is not None and _is_followed(problem_at, 0.5 * friction, half, areas):
+    half = at_once.contact_at_half_friction
+    if half is not None and _is_on_path_from_zero_friction(problem_at, 0.5 * friction, half, areas):
         known = (0.5 * friction, half)
     try:
-        end = limit(Sliding.through(problem_at(0.0), problem_at(1.0)), friction, known, areas)
+        end = find_friction_limit(
+            FrictionDependentProblem.from_two_problems(problem_at(0.0), problem_at(1.0)),
+            friction,
+            known,
+            areas,
+        )
     except NoAnswer:
         # There is no answer without friction either, so that friction is not to blame.
-        if at_once.stable and at_once.found is not None:
-            return at_once.found
-        raise NoAnswer(at_once.reason) from None
+        if at_once.stable and at_once.contact is not None:
+            return at_once.contact
+        raise NoAnswer(at_once.refusal) from None
     if np.isinf(end.friction):
-        return end.last
-    raise PathEnded(locking_text(friction, end.friction, law=law, brake=brake), end)
+        return end.last_contact
+    raise FrictionBeyondLimit(
+        self_locking_refusal(
+            friction, end.friction, rigid_law_limit=rigid_law_limit, brake_words=brake_words
+        ),
+        end,
+    )
 
 
-def _settle_at_once(
-    problem_at: Callable[[float], Problem],
-    problem: Problem,
+def _solve_directly(
+    problem_at: Callable[[float], ContactProblem],
+    problem: ContactProblem,
     friction: float,
     start: Bools | None,
     areas: Floats,
-    law: float,
-) -> _AtOnce:
+    rigid_law_limit: float,
+) -> _DirectSolution:
     """Settle at a friction coefficient and at half of the coefficient, without following a path.
 
-    `problem` is the problem at `friction`. The other parameters are parameters of `answer`.
+    `problem` is the problem at `friction`. The other parameters are parameters of
+    `solve_on_path_from_zero_friction`.
     """
     found = half = None
     try:
-        found = settle(problem, start)
-        if not (found.regular and friction < law):
-            return _AtOnce(found, None, False, False, "self-locking, no stable equilibrium")
-        half = settle(problem_at(0.5 * friction), found.active, like=found.system)
-        sure = _grows_little(found, half, areas)
+        found = solve_by_block_pivoting(problem, start)
+        if not (found.stable and friction < rigid_law_limit):
+            return _DirectSolution(found, None, False, False, "self-locking, no stable equilibrium")
+        half = solve_by_block_pivoting(
+            problem_at(0.5 * friction), found.active, scales_of=found.system
+        )
+        sure = _contact_force_grows_little(found, half, areas)
     except NoAnswer as error:
-        return _AtOnce(found, half, False, False, str(error))
-    return _AtOnce(found, half, True, sure, "self-locking, no stable equilibrium")
+        return _DirectSolution(found, half, False, False, str(error))
+    return _DirectSolution(found, half, True, sure, "self-locking, no stable equilibrium")
 
 
-def locking_text(friction: float, limit: float, *, law: float, brake: str) -> str:
-    """The text that refuses a friction coefficient beyond a limit.
+def self_locking_refusal(
+    friction: float, limit: float, *, rigid_law_limit: float, brake_words: str
+) -> str:
+    """Return the text that refuses a friction coefficient beyond the limit of self-locking.
 
     Parameters
     ----------
     friction : the refused friction coefficient
     limit : mu_lock of the brake
-    law : mu_lock of the rigid shoe
-    brake : words for the brake
+    rigid_law_limit : mu_lock of the rigid shoe
+    brake_words : words for the brake
     """
     return (
-        f"self-locking, no equilibrium at friction {friction:g}; {brake} there is one up to "
-        f"mu_lock = {limit:.4g} (rigid-shoe law: {law:.4g})"
+        f"self-locking, no equilibrium at friction {friction:g}; {brake_words} there is one up to "
+        f"mu_lock = {limit:.4g} (rigid-shoe law: {rigid_law_limit:.4g})"
     )
 
 
-def _settle_like_coarse(
-    problem: Problem,
-    still: Problem,
+def _solve_near_coarse_solution(
+    problem: ContactProblem,
+    frictionless: ContactProblem,
     friction: float,
     start: Bools | None,
     areas: Floats,
-    law: float,
+    rigid_law_limit: float,
 ) -> Contact | None:
     """Settle at once, and compare with the answer that is followed on every other node.
 
     Parameters
     ----------
-    problem, still : the problems at the friction coefficient and at mu = 0
-    friction, areas, law : parameters of `answer`
+    problem, frictionless : the problems at the friction coefficient and at mu = 0
+    friction, areas, rigid_law_limit : parameters of `solve_on_path_from_zero_friction`
     start : contact set (n,) to settle from; by default the contact set of the coarse answer
 
     Returns
@@ -344,56 +380,71 @@ def _settle_like_coarse(
     the answer on all nodes; None if this answer differs from the coarse one, is unstable or does
     not settle
     """
-    coarse = Sliding.through(halved(still), halved(problem), friction)
+    coarse = FrictionDependentProblem.from_two_problems(
+        coarsen_problem(frictionless), coarsen_problem(problem), friction
+    )
     try:
-        like = answer(coarse.at, friction, None, halved_sums(areas), law=law, brake="")
-        first = spread_to_all_nodes(like.p > 0, len(problem.q)) if start is None else start
-        found = settle(problem, first)
+        like = solve_on_path_from_zero_friction(
+            coarse.problem_at,
+            friction,
+            None,
+            restrict_to_every_other_node(areas),
+            rigid_law_limit=rigid_law_limit,
+            brake_words="",
+        )
+        first = expand_coarse_contact_set(like.p > 0, len(problem.q)) if start is None else start
+        found = solve_by_block_pivoting(problem, first)
     except NoAnswer:
         return None
     # The work of the difference tells two meshes of one answer from two answers.
-    off = interpolated(like.p, len(found.p)) - found.p
+    off = interpolate_coarse_pressures(like.p, len(found.p)) - found.p
     work_off = float(off @ (problem.A @ off))
     work = float(found.p @ (problem.A @ found.p))
-    same = work_off < LARGEST_MESH_DIFFERENCE**2 * work
-    return found if found.regular and same else None
+    same = work_off < LARGEST_DIFFERENCE_BETWEEN_MESHES**2 * work
+    return found if found.stable and same else None
 
 
-def _is_followed(
-    problem_at: Callable[[float], Problem], friction: float, found: Contact, areas: Floats
+def _is_on_path_from_zero_friction(
+    problem_at: Callable[[float], ContactProblem], friction: float, found: Contact, areas: Floats
 ) -> bool:
     """Whether an answer below the limit of the rigid shoe is surely followed from mu = 0."""
     try:
-        half = settle(problem_at(0.5 * friction), found.active, like=found.system)
-        return found.regular and _grows_little(found, half, areas)
+        half = solve_by_block_pivoting(
+            problem_at(0.5 * friction), found.active, scales_of=found.system
+        )
+        return found.stable and _contact_force_grows_little(found, half, areas)
     except NoAnswer:
         return False
 
 
-def _grows_little(found: Contact, before: Contact, areas: Floats) -> bool:
+def _contact_force_grows_little(found: Contact, before: Contact, areas: Floats) -> bool:
     """Whether the contact force grows from a stable answer by at most LARGEST_FORCE_GROWTH."""
     # The sum of pressures would mislead: as friction grows, the contact moves along the lining. In
     # narrower elements more nodes press, and press harder, under the same force.
     force, force_before = float(areas @ found.p), float(areas @ before.p)
-    return before.regular and force <= (1 + LARGEST_FORCE_GROWTH) * force_before
+    return before.stable and force <= (1 + LARGEST_FORCE_GROWTH) * force_before
 
 
-def _areas_or_ones(problem: Problem, areas: Floats | None) -> Floats:
+def _areas_or_ones(problem: ContactProblem, areas: Floats | None) -> Floats:
     """The areas (n,) of the nodes, or 1 for each node if `areas` is None."""
     return np.ones(len(problem.q)) if areas is None else areas
 
 
-def next_eigenvalue(sliding: Sliding, friction: float, active: Bools) -> float:
-    """The smallest mu above `friction` at which K0 + mu K1 of a contact set is singular, or inf.
+def next_singular_friction(
+    problem: FrictionDependentProblem, friction: float, active: Bools
+) -> float:
+    """Return the smallest mu above `friction` at which a contact set is singular, or inf.
+
+    The contact set is singular if its matrix K0 + mu K1 is singular.
 
     With K(mu) G = K1, each eigenvalue gamma of G gives the singular friction mu - 1/gamma. Raises
     numpy's LinAlgError where K is singular at `friction` itself.
     """
-    system = equilibrated(sliding.at(friction))
+    system = equilibrate_problem(problem.problem_at(friction))
     nodes = np.flatnonzero(active)
-    unknowns = np.flatnonzero(system.on(active))
+    unknowns = np.flatnonzero(system.free_unknowns(active))
     # K1 has columns of pressures alone: friction does not act on rigid-body motions.
-    K1 = np.vstack([sliding.A1[nodes][:, nodes], sliding.C1[:, nodes]])
+    K1 = np.vstack([problem.A_per_friction[nodes][:, nodes], problem.C_per_friction[:, nodes]])
     K1 *= system.row_scales[unknowns, None] * system.column_scales[nodes]
     G = np.linalg.solve(system.K[unknowns[:, None], unknowns], K1)[: len(nodes)]
     gamma = np.linalg.eigvals(G)
@@ -403,7 +454,7 @@ def next_eigenvalue(sliding: Sliding, friction: float, active: Bools) -> float:
     return float(friction - 1 / falling.min()) if len(falling) else np.inf
 
 
-class Agreement(NamedTuple):
+class StartSetComparison(NamedTuple):
     """Counts of the answers to which several first contact sets lead.
 
     Attributes
@@ -424,9 +475,9 @@ class Agreement(NamedTuple):
     difference: float
 
 
-def agreement(
-    problem: Problem, answer: Contact, starts: list[Bools], tolerance: float = 1e-6
-) -> Agreement:
+def compare_answers_from_start_sets(
+    problem: ContactProblem, answer: Contact, starts: list[Bools], tolerance: float = 1e-6
+) -> StartSetComparison:
     """Solve a problem from each of several contact sets, and compare with its answer.
 
     Parameters
@@ -441,7 +492,7 @@ def agreement(
     largest, scale = 0.0, np.abs(answer.p).max()
     for start in starts:
         try:
-            found = solve(problem, start)
+            found = solve_contact_problem(problem, start)
         except NoAnswer:
             counts["lost"] += 1
             continue
@@ -450,11 +501,11 @@ def agreement(
             counts["same"] += 1
             largest = max(largest, difference)
         else:
-            counts["others" if found.regular else "unstable"] += 1
-    return Agreement(len(starts), **counts, difference=largest)
+            counts["others" if found.stable else "unstable"] += 1
+    return StartSetComparison(len(starts), **counts, difference=largest)
 
 
-def first_singular(sliding: Sliding) -> float:
+def smallest_singular_friction_of_all_sets(problem: FrictionDependentProblem) -> float:
     """The smallest mu > 0 at which K0 + mu K1 is singular on any contact set, or inf.
 
     Below this friction the determinants of all contact sets have one sign, and every load and
@@ -462,22 +513,22 @@ def first_singular(sliding: Sliding) -> float:
     1958). A brake need not meet the contact set that is singular. All 2^n sets are tried, so that n
     must be small.
     """
-    n, k = sliding.still.B.shape
+    n, k = problem.frictionless.B.shape
     sets = ((np.arange(2**n)[:, None] >> np.arange(n)) & 1).astype(bool)
     smallest = np.inf
     for active in sets[sets.sum(axis=1) >= max(k, 1)]:
         # A contact set that leaves a mode free is singular at any friction; no answer has this set.
         with suppress(np.linalg.LinAlgError):
-            smallest = min(smallest, next_eigenvalue(sliding, 0.0, active))
+            smallest = min(smallest, next_singular_friction(problem, 0.0, active))
     return smallest
 
 
-def _settle_stable(
-    sliding: Sliding, friction: float, start: Bools, most: int = 30
+def _find_stable_solution(
+    problem: FrictionDependentProblem, friction: float, start: Bools, most_steps: int = 30
 ) -> Contact | None:
-    """The stable answer that settles from a contact set (n,) in `most` steps; None without one."""
+    """Return the stable answer found from a contact set (n,) in `most_steps` steps, or None."""
     try:
-        found = settle(sliding.at(friction), start, most)
+        found = solve_by_block_pivoting(problem.problem_at(friction), start, most_steps)
     except NoAnswer:
         return None
-    return found if found.regular else None
+    return found if found.stable else None

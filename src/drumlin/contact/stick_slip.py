@@ -36,21 +36,22 @@ import numpy as np
 from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.base.errors import NoAnswer
 from drumlin.base.lapack import dgetrf, dgetrs
-from drumlin.contact.active_set import GOLDEN, PATH_LIFT, PATIENCE
+from drumlin.contact.active_set import GOLDEN_RATIO, MOST_STEPS_WITHOUT_PROGRESS, SMALLEST_EXTRA_GAP
 
 OPEN, STICK, FORWARD, BACKWARD = 0, 1, 2, 3
+"""The states of a contact node: open, sticking, slipping forward and slipping backward."""
 
-MOST_STATE_STEPS = 60
+MOST_STATE_NEWTON_STEPS = 60
 """Limit of the steps of Newton's method. An increment of a brake needs some five steps."""
 
 MOST_STATE_CHANGES = 6
 """Limit of the changes of state per node while a path of answers is followed."""
 
 STATE_ROUND_OFF = 1e-10
-"""Relative distance beyond an edge of its piece up to which a node stays in its state.
+"""Relative amount by which a node may violate the conditions of its state without changing it.
 
-The distance is a difference of two numbers, relative to the larger number. A node farther beyond
-the edge changes its state.
+Each condition says that a difference of two numbers is positive, for example mu p - t of a sticking
+node. The amount is relative to the larger number and covers round-off.
 """
 
 
@@ -81,7 +82,7 @@ class FrictionalProblem(NamedTuple):
     Q: Floats
 
 
-class History(NamedTuple):
+class SlipHistory(NamedTuple):
     """The tractions t (n,) and weighted slips s (n,) of the last converged increment."""
 
     t: Floats
@@ -109,13 +110,13 @@ class Increment:
     steps: int
 
     @property
-    def history(self) -> History:
+    def history(self) -> SlipHistory:
         """The tractions and slips from which the next increment starts."""
-        return History(self.t, self.s)
+        return SlipHistory(self.t, self.s)
 
 
-def solve(
-    problem: FrictionalProblem, mu: float | Floats, history: History, start: Ints
+def solve_load_increment(
+    problem: FrictionalProblem, mu: float | Floats, history: SlipHistory, start: Ints
 ) -> Increment:
     """Solve one load increment.
 
@@ -132,7 +133,11 @@ def solve(
         if neither Newton's method nor a path from the states or from wide gaps leads to an answer
     """
     system, scales = _scale_equations(problem, mu, history)
-    for method in (_solve_by_newton, _follow_from_states, _follow_from_wide_gaps):
+    for method in (
+        _find_states_by_newton,
+        _find_states_by_path_from_states,
+        _find_states_by_path_from_wide_gaps,
+    ):
         try:
             settled = method(system, start)
         except NoAnswer as error:
@@ -162,7 +167,7 @@ class _FrictionalSystem(NamedTuple):
     mu: Floats
 
 
-class _Point(NamedTuple):
+class _IncrementSolution(NamedTuple):
     """A solution of the scaled equations: z (2n,), v (2n,) and rigid-body motions y (k,)."""
 
     z: Floats
@@ -170,16 +175,16 @@ class _Point(NamedTuple):
     y: Floats
 
 
-class _Settled(NamedTuple):
+class _SettledStates(NamedTuple):
     """The states (n,) at which an increment settles, the solution, and the number of steps."""
 
     state: Ints
-    point: _Point
+    solution: _IncrementSolution
     steps: int
 
 
 def _scale_equations(
-    problem: FrictionalProblem, mu: float | Floats, history: History
+    problem: FrictionalProblem, mu: float | Floats, history: SlipHistory
 ) -> tuple[_FrictionalSystem, Floats]:
     """Scale the equations of an increment, and return the scales (2n,): z = scales z_scaled."""
     A = np.block([[problem.A_wp, problem.A_wt], [problem.A_sp, problem.A_st - problem.Q]])
@@ -201,8 +206,8 @@ def _scale_equations(
     return system, d
 
 
-class _Piece:
-    """The linear equations of given states (n,) of the nodes, factorised once.
+class _StateEquations:
+    """The linear equations of an increment under given states (n,) of all nodes, factorised once.
 
     Raises NoAnswer if the equations are singular.
     """
@@ -210,44 +215,51 @@ class _Piece:
     def __init__(self, system: _FrictionalSystem, state: Ints) -> None:
         self.system, self.state = system, state
         n, k = len(state), len(system.h)
-        self.pressed = np.flatnonzero(state != OPEN)
+        self.pressed_nodes = np.flatnonzero(state != OPEN)
         stuck = n + np.flatnonzero(state == STICK)
         # At a slipping node t = sliding p; at a sticking node sliding is 0.
         sense = (state == FORWARD).astype(float) - (state == BACKWARD)
-        self.sliding = (system.mu * sense)[self.pressed]
+        self.traction_per_pressure = (system.mu * sense)[self.pressed_nodes]
         # The unknowns are the pressures of pressed nodes and the tractions of sticking nodes.
-        self.basic = np.concatenate([self.pressed, stuck])
-        pressed, dragged = self.pressed, n + self.pressed
-        by_pressure = system.A[:, pressed] + system.A[:, dragged] * self.sliding
-        self.columns = np.hstack([by_pressure, system.A[:, stuck]])
-        balance_by_pressure = system.C[:, pressed] + system.C[:, dragged] * self.sliding
+        self.unknown_numbers = np.concatenate([self.pressed_nodes, stuck])
+        pressed, dragged = self.pressed_nodes, n + self.pressed_nodes
+        by_pressure = system.A[:, pressed] + system.A[:, dragged] * self.traction_per_pressure
+        self.columns_of_unknowns = np.hstack([by_pressure, system.A[:, stuck]])
+        balance_by_pressure = (
+            system.C[:, pressed] + system.C[:, dragged] * self.traction_per_pressure
+        )
         balance = np.hstack([balance_by_pressure, system.C[:, stuck]])
         matrix = np.block(
-            [[self.columns[self.basic], system.B[self.basic]], [balance, np.zeros((k, k))]]
+            [
+                [self.columns_of_unknowns[self.unknown_numbers], system.B[self.unknown_numbers]],
+                [balance, np.zeros((k, k))],
+            ]
         )
-        self._factors = _factorise(matrix)
+        self._factors = _equilibrate_and_factorise(matrix)
 
-    def at(self, q: Floats, h: Floats) -> _Point:
+    def solve_under_loads(self, q: Floats, h: Floats) -> _IncrementSolution:
         """Solve the equations for z, v (2n,) and y (k,) under the loads q (2n,) and h (k,)."""
-        right = np.concatenate([-q[self.basic], h])
-        solution = _back_substitute(self._factors, right)
-        basic, y = solution[: len(self.basic)], solution[len(self.basic) :]
-        n, m = len(self.state), len(self.pressed)
-        v = q + self.columns @ basic + self.system.B @ y
-        v[self.basic] = 0.0
+        right = np.concatenate([-q[self.unknown_numbers], h])
+        solution = _solve_with_scaled_factors(self._factors, right)
+        basic, y = solution[: len(self.unknown_numbers)], solution[len(self.unknown_numbers) :]
+        n, m = len(self.state), len(self.pressed_nodes)
+        v = q + self.columns_of_unknowns @ basic + self.system.B @ y
+        v[self.unknown_numbers] = 0.0
         z = np.zeros(2 * n)
-        z[self.basic] = basic
-        z[n + self.pressed] += self.sliding * basic[:m]
-        return _Point(z, v, y)
+        z[self.unknown_numbers] = basic
+        z[n + self.pressed_nodes] += self.traction_per_pressure * basic[:m]
+        return _IncrementSolution(z, v, y)
 
-    def margins(self, point: _Point) -> Floats:
-        """The distances (2, n) of each node from the two edges of its piece, linear in the point.
+    def distances_to_state_changes(self, solution: _IncrementSolution) -> Floats:
+        """Return the distances (2, n) of each node from its two possible changes of state.
 
-        A distance is negative outside the piece. An open node has no second edge, and its second
-        distance is 0.
+        The distances are the gap of an open node, the margins mu p - t and mu p + t of a sticking
+        node, and the pressure and the slip of a slipping node. A negative distance says that the
+        node has to change its state. An open node has a single change, and its second distance is
+        0. All distances are linear in the solution.
         """
-        p, t = np.split(point.z, 2)
-        w, slip = np.split(point.v, 2)
+        p, t = np.split(solution.z, 2)
+        w, slip = np.split(solution.v, 2)
         mu = self.system.mu
         opened, sticks = self.state == OPEN, self.state == STICK
         forward, backward = self.state == FORWARD, self.state == BACKWARD
@@ -257,33 +269,39 @@ class _Piece:
 
 
 NEXT_STATE = np.array([[FORWARD, OPEN], [FORWARD, BACKWARD], [OPEN, STICK], [OPEN, STICK]])
-"""The state of a node beyond each edge of its piece, by the present state and the edge.
+"""The next state of a node (4, 2), by its present state and the number of the change of state.
 
 An open node becomes FORWARD or BACKWARD by the sign of its slip. The table gives it FORWARD alone.
 """
 
 
-def _solve_by_newton(system: _FrictionalSystem, start: Ints) -> _Settled:
+def _find_states_by_newton(system: _FrictionalSystem, start: Ints) -> _SettledStates:
     """Solve by Newton's method, in which all nodes change at once. Raises NoAnswer on a cycle."""
-    state, fewest, patience = start, 3 * len(start), PATIENCE
-    for step in range(1, MOST_STATE_STEPS + 1):
-        piece = _Piece(system, state)
-        point = piece.at(system.q, system.h)
-        outside = piece.margins(point) < -STATE_ROUND_OFF * _margin_scales(system, piece, point)
+    state, fewest, patience = start, 3 * len(start), MOST_STEPS_WITHOUT_PROGRESS
+    for step in range(1, MOST_STATE_NEWTON_STEPS + 1):
+        piece = _StateEquations(system, state)
+        point = piece.solve_under_loads(system.q, system.h)
+        outside = piece.distances_to_state_changes(point) < -STATE_ROUND_OFF * _scales_of_distances(
+            system, piece, point
+        )
         wrong = int(np.count_nonzero(outside))
         if not wrong:
-            return _Settled(state, point, step)
-        fewest, patience = (wrong, PATIENCE) if wrong < fewest else (fewest, patience - 1)
+            return _SettledStates(state, point, step)
+        fewest, patience = (
+            (wrong, MOST_STEPS_WITHOUT_PROGRESS) if wrong < fewest else (fewest, patience - 1)
+        )
         if patience < 0:
             break
         state = _next_states(system, state, point, outside)
     raise NoAnswer("not converged: stick and slip do not settle")
 
 
-def _next_states(system: _FrictionalSystem, state: Ints, point: _Point, outside: Bools) -> Ints:
+def _next_states(
+    system: _FrictionalSystem, state: Ints, solution: _IncrementSolution, outside: Bools
+) -> Ints:
     """The next states (n,) of the nodes, where `outside` (2, n) marks nodes beyond an edge."""
-    p, _ = np.split(point.z, 2)
-    w, slip = np.split(point.v, 2)
+    p, _ = np.split(solution.z, 2)
+    w, slip = np.split(solution.v, 2)
     wanted = state.copy()
     for edge in (0, 1):
         beyond = outside[edge]
@@ -297,20 +315,24 @@ def _next_states(system: _FrictionalSystem, state: Ints, point: _Point, outside:
     return wanted
 
 
-def _margin_scales(system: _FrictionalSystem, piece: _Piece, point: _Point) -> Floats:
-    """The scales (2, n) of the margins: the largest numbers whose differences the margins are."""
-    of_z = np.abs(point.z).max(initial=0.0)
-    of_v = max(np.abs(system.q).max(), np.abs(system.B @ point.y).max(), np.abs(point.v).max())
-    opened, sticks = piece.state == OPEN, piece.state == STICK
+def _scales_of_distances(
+    system: _FrictionalSystem, equations: _StateEquations, solution: _IncrementSolution
+) -> Floats:
+    """Return the scales (2, n) of the distances: the largest numbers in their differences."""
+    of_z = np.abs(solution.z).max(initial=0.0)
+    of_v = max(
+        np.abs(system.q).max(), np.abs(system.B @ solution.y).max(), np.abs(solution.v).max()
+    )
+    opened, sticks = equations.state == OPEN, equations.state == STICK
     return np.array([np.where(opened, of_v, of_z), np.where(sticks, of_z, of_v)])
 
 
-def _follow_from_states(system: _FrictionalSystem, start: Ints) -> _Settled:
+def _find_states_by_path_from_states(system: _FrictionalSystem, start: Ints) -> _SettledStates:
     """Follow the path of answers from a load that the states `start` (n,) balance."""
-    return _follow_path(system, start, wide=False)
+    return _follow_path_of_loads(system, start, from_wide_gaps=False)
 
 
-def _follow_from_wide_gaps(system: _FrictionalSystem, start: Ints) -> _Settled:
+def _find_states_by_path_from_wide_gaps(system: _FrictionalSystem, start: Ints) -> _SettledStates:
     """Follow the path of answers from wide gaps, where only the nodes that close first slip.
 
     Only the number of nodes of `start` (n,) counts.
@@ -330,48 +352,53 @@ def _follow_from_wide_gaps(system: _FrictionalSystem, start: Ints) -> _Settled:
         # The node slips in the sense in which its friction does not lock the mode.
         helps = system.C[mode, n + first] * load >= 0
         state[first] = FORWARD if helps else BACKWARD
-    return _follow_path(system, state, wide=True)
+    return _follow_path_of_loads(system, state, from_wide_gaps=True)
 
 
-class _Edge(NamedTuple):
-    """The edge of a piece that a path of answers meets next.
+class _StateChange(NamedTuple):
+    """The change of state that comes next on a path of answers.
 
     Attributes
     ----------
-    node : number of the node that reaches an edge of its piece
-    edge : number of this edge, 0 or 1
-    step : change of r up to the edge; inf if no node reaches an edge
+    node : number of the node that changes its state
+    edge : number of the change, 0 or 1, as in NEXT_STATE
+    load_change : change of r up to the change of state; inf if no node changes its state
     """
 
     node: int
     edge: int
-    step: float
+    load_change: float
 
 
-def _follow_path(system: _FrictionalSystem, state: Ints, *, wide: bool) -> _Settled:
+def _follow_path_of_loads(
+    system: _FrictionalSystem, state: Ints, *, from_wide_gaps: bool
+) -> _SettledStates:
     """Follow the path of answers under the loads q + r e and h + r f from r = 1 to r = 0.
 
-    The added loads e and f let the first states hold at r = 1 with a margin. With `wide` each open
-    node gets a margin. Between two changes of a state the answer is linear in r. One node changes
-    at a time. The path may turn, so that r grows again. Raises NoAnswer if the path goes on for
-    ever.
+    The added loads e and f let the first states hold at r = 1 with a margin. With `from_wide_gaps`
+    each open node gets a margin. Between two changes of a state the answer is linear in r. One node
+    changes at a time. The path may turn, so that r grows again. Raises NoAnswer if the path goes on
+    for ever.
     """
     state, r, direction, node, edge = state.copy(), 1.0, -1.0, -1, 0
-    piece = _Piece(system, state)
-    e, f = _lift_into_pieces(system, piece, wide)
+    piece = _StateEquations(system, state)
+    e, f = _loads_that_admit_states(system, piece, from_wide_gaps)
     for passed in range(1, MOST_STATE_CHANGES * len(state) + 1):
-        point, slope = piece.at(system.q, system.h), piece.at(e, f)
-        value, change = piece.margins(point), piece.margins(slope)
+        point, slope = piece.solve_under_loads(system.q, system.h), piece.solve_under_loads(e, f)
+        value, change = (
+            piece.distances_to_state_changes(point),
+            piece.distances_to_state_changes(slope),
+        )
         # The node that has changed last must leave its edge.
         if node >= 0:
             direction = float(np.sign(change[edge, node]))
-        met = _next_edge(value, change, r, direction)
+        met = _next_state_change(value, change, r, direction)
         node, edge = met.node, met.edge
-        if direction < 0 and met.step >= r:
-            return _Settled(state, point, passed)
-        if not np.isfinite(met.step):
+        if direction < 0 and met.load_change >= r:
+            return _SettledStates(state, point, passed)
+        if not np.isfinite(met.load_change):
             break
-        r += direction * met.step
+        r += direction * met.load_change
         before = state[node]
         slip = point.v[len(state) + node] + r * slope.v[len(state) + node]
         state = state.copy()
@@ -381,14 +408,14 @@ def _follow_path(system: _FrictionalSystem, state: Ints, *, wide: bool) -> _Sett
             state[node] = NEXT_STATE[before, edge]
             # The edge of the new piece that leads back to the state before.
             edge = int(NEXT_STATE[state[node], 1] == before)
-        piece = _Piece(system, state)
+        piece = _StateEquations(system, state)
     raise NoAnswer(
         "not converged: stick and slip do not settle, nor does a path lead to where they do"
     )
 
 
-def _next_edge(value: Floats, change: Floats, r: float, direction: float) -> _Edge:
-    """The edge that a path of answers meets next.
+def _next_state_change(value: Floats, change: Floats, r: float, direction: float) -> _StateChange:
+    """Return the change of state that comes next on a path of answers.
 
     Parameters
     ----------
@@ -400,15 +427,15 @@ def _next_edge(value: Floats, change: Floats, r: float, direction: float) -> _Ed
     reach = np.full(falls.shape, np.inf)
     reach[falls] = np.maximum(value + r * change, 0.0)[falls] / np.abs(change[falls])
     edge, node = divmod(int(reach.argmin()), falls.shape[1])
-    return _Edge(node, edge, reach[edge, node])
+    return _StateChange(node, edge, reach[edge, node])
 
 
-def _lift_into_pieces(
-    system: _FrictionalSystem, piece: _Piece, wide: bool
+def _loads_that_admit_states(
+    system: _FrictionalSystem, equations: _StateEquations, from_wide_gaps: bool
 ) -> tuple[Floats, Floats]:
-    """The loads to add to q (2n,) and h (k,) so that every node lies within its piece."""
-    point, state = piece.at(system.q, system.h), piece.state
-    margin = _lifted_margins(system, piece, point, wide)
+    """Return loads to add to q (2n,) and h (k,) so that the present states solve the problem."""
+    point, state = equations.solve_under_loads(system.q, system.h), equations.state
+    margin = _enlarged_distances(system, equations, point, from_wide_gaps)
     (p, t), (w, slip) = np.split(point.z, 2), np.split(point.v, 2)
     opened, sticks = state == OPEN, state == STICK
     slips = (state == FORWARD) | (state == BACKWARD)
@@ -420,7 +447,7 @@ def _lift_into_pieces(
     mu = np.maximum(system.mu, np.finfo(float).tiny)
     stick_p = (margin.distances[0] + margin.distances[1]) / (2 * mu)
     stick_t = 0.5 * (margin.distances[1] - margin.distances[0])
-    too_small = sticks & margin.lifted.any(axis=0)
+    too_small = sticks & margin.enlarged.any(axis=0)
     p = np.where(slips, margin.distances[0], np.where(too_small, stick_p, p))
     t = np.where(slips, sense * system.mu * p, np.where(sticks, stick_t, t))
     # The added loads make these z and v solve the equations.
@@ -430,31 +457,34 @@ def _lift_into_pieces(
     return of_q, of_h
 
 
-class _Margins(NamedTuple):
-    """Positive `distances` (2, n) from the edges, and whether a distance was `lifted` (2, n)."""
+class _StateDistances(NamedTuple):
+    """Positive `distances` (2, n) from changes of state; `enlarged` (2, n) marks enlarged ones."""
 
     distances: Floats
-    lifted: Bools
+    enlarged: Bools
 
 
-def _lifted_margins(
-    system: _FrictionalSystem, piece: _Piece, point: _Point, wide: bool
-) -> _Margins:
-    """The margins of a point, enlarged so far that every node lies within its piece.
+def _enlarged_distances(
+    system: _FrictionalSystem,
+    equations: _StateEquations,
+    solution: _IncrementSolution,
+    from_wide_gaps: bool,
+) -> _StateDistances:
+    """Return the distances from changes of state, enlarged so far that all of them are positive.
 
     The enlargements differ from node to node, so that no two nodes change together.
     """
-    state = piece.state
+    state = equations.state
     n = len(state)
-    uneven = 1 + np.arange(2 * n).reshape(2, n) * GOLDEN % 1
-    slack = PATH_LIFT * _margin_scales(system, piece, point)
-    margin = piece.margins(point)
+    uneven = 1 + np.arange(2 * n).reshape(2, n) * GOLDEN_RATIO % 1
+    slack = SMALLEST_EXTRA_GAP * _scales_of_distances(system, equations, solution)
+    margin = equations.distances_to_state_changes(solution)
     lifted = margin <= 0
-    if wide:
+    if from_wide_gaps:
         lifted[0] |= state == OPEN
     lifted[1] &= state != OPEN
-    wider = np.maximum(margin, 0) + slack * uneven if wide else slack * uneven
-    return _Margins(np.where(lifted, wider, margin), lifted)
+    wider = np.maximum(margin, 0) + slack * uneven if from_wide_gaps else slack * uneven
+    return _StateDistances(np.where(lifted, wider, margin), lifted)
 
 
 class _ScaledFactors(NamedTuple):
@@ -466,7 +496,7 @@ class _ScaledFactors(NamedTuple):
     column_scales: Floats
 
 
-def _factorise(matrix: Floats) -> _ScaledFactors:
+def _equilibrate_and_factorise(matrix: Floats) -> _ScaledFactors:
     """Equilibrate and factorise a matrix. Raises NoAnswer if the matrix is singular."""
     # Rows and columns of pressures and of motions have different units.
     if not matrix.size:
@@ -480,7 +510,7 @@ def _factorise(matrix: Floats) -> _ScaledFactors:
     return _ScaledFactors(lu, pivots, row, column)
 
 
-def _back_substitute(factors: _ScaledFactors, right: Floats) -> Floats:
+def _solve_with_scaled_factors(factors: _ScaledFactors, right: Floats) -> Floats:
     """Solve the equations with scaled LU factors for a right-hand side."""
     if not right.size:
         return right
@@ -488,21 +518,21 @@ def _back_substitute(factors: _ScaledFactors, right: Floats) -> Floats:
     return factors.column_scales * solution
 
 
-def zones(nodes: Floats, state: Ints) -> dict[str, tuple[tuple[float, float], ...]]:
-    """The arcs [rad] in which a lining sticks, as "stick", and in which it slips, as "slip".
+def stick_and_slip_arcs(nodes: Floats, state: Ints) -> dict[str, tuple[tuple[float, float], ...]]:
+    """Return the arcs [rad] in which a lining sticks, by "stick", and in which it slips, by "slip".
 
     An arc is a run of nodes in one state and ends half-way to the next node. `nodes` (n,) are the
     angles [rad] of the nodes, and `state` (n,) their states.
     """
     edges = np.concatenate([nodes[:1], 0.5 * (nodes[1:] + nodes[:-1]), nodes[-1:]])
     return {
-        "stick": _runs_of(edges, state == STICK),
-        "slip": _runs_of(edges, (state == FORWARD) | (state == BACKWARD)),
+        "stick": _intervals_where_true(edges, state == STICK),
+        "slip": _intervals_where_true(edges, (state == FORWARD) | (state == BACKWARD)),
     }
 
 
-def _runs_of(edges: Floats, where: Bools) -> tuple[tuple[float, float], ...]:
-    """The begin and end of each run of true values; the value i lies between edges i and i + 1."""
+def _intervals_where_true(edges: Floats, where: Bools) -> tuple[tuple[float, float], ...]:
+    """Return the interval of each run of true values; value i lies between edges i and i + 1."""
     padded = np.concatenate([[0], where.astype(int), [0]])
     change = np.flatnonzero(np.diff(padded))
     return tuple((float(edges[a]), float(edges[b])) for a, b in change.reshape(-1, 2))

@@ -13,10 +13,10 @@ from drumlin.base.errors import DrumlinError, NoAnswer
 from drumlin.brake import vary
 from drumlin.brake.brake import Brake
 from drumlin.explore.knobs import LARGEST_WEAR, KnobSetting, brake_of, knobs_of
-from drumlin.fem.analysis.self_locking import limits
+from drumlin.fem.analysis.self_locking import friction_limits_of_groups
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.model import respond
-from drumlin.fem.preparation.cache import bare
+from drumlin.fem.model import solve_prepared_model
+from drumlin.fem.preparation.cache import brake_without_loads
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.solve import solve
@@ -149,7 +149,7 @@ class Explorer:
             if wear > 0 and not brake.surface.straight:
                 brake, distance = self._worn_brake(scene, brake, wear)
                 answer = replace(answer, brake=brake, distance=distance)
-            found = respond(scene, brake)
+            found = solve_prepared_model(scene, brake)
             # On a plane the page shows the braking force, which is a figure of merit.
             if brake.surface.straight:
                 found = with_merits(brake, found)
@@ -168,7 +168,9 @@ class Explorer:
                 return prepare(rough)
             return prepare(rough, EXPLORE_LEVEL)
 
-        return self._scene.get(bare(brake).model_copy(update={"friction": 1.0}), make)
+        return self._scene.get(
+            brake_without_loads(brake).model_copy(update={"friction": 1.0}), make
+        )
 
     def _worn_brake(self, scene: PreparedModel, brake: Brake, wear: float) -> _WornBrake:
         """The brake worn over the sliding distance `wear` times 1/(k K).
@@ -197,7 +199,7 @@ class Explorer:
             """The limits of self-locking, found from a friction coefficient of 1."""
             rough = vary(brake, {"friction": 1.0})
             try:
-                found = limits(self.scene(brake), rough, HIGHEST_FRICTION)
+                found = friction_limits_of_groups(self.scene(brake), rough, HIGHEST_FRICTION)
             except NoAnswer:
                 return {}
             return {members: limit.friction for members, limit in found.items()}

@@ -2,4 +2,12 @@
 
 from drumlin.base.moved import moved
 
-__getattr__ = moved(__name__, "drumlin.fem.equilibrium.group")
+RENAMED_IN_GROUP = {
+    "groups_of": "divide_pressed_shoes_into_groups",
+    "grouped": "divide_shoes_into_groups",
+    "pressed_shoes": "find_pressed_shoes",
+    "pressed": "is_pressed_on_drum",
+}
+"""The present name of each function by its old name."""
+
+__getattr__ = moved(__name__, "drumlin.fem.equilibrium.group", RENAMED_IN_GROUP)

@@ -1,14 +1,15 @@
 """The finite-element model: from a prepared model to the response of the brake.
 
-`prepare` does the work that depends on geometry and stiffness. `respond` does the work that depends
-on friction, rotation, force, line of action, clearance and penalty, in milliseconds on the same
-prepared model.
+`prepare` does the work that depends on geometry and stiffness. `solve_prepared_model` does the work
+that depends on friction, rotation, force, line of action, clearance and penalty, in milliseconds on
+the same prepared model.
 """
 
 import math
+import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -18,12 +19,12 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Bar
 from drumlin.brake.units import mm
 from drumlin.contact.active_set import Contact
-from drumlin.fem.equilibrium.group import ShoeGroup, groups_of
-from drumlin.fem.equilibrium.sharing import NO_PUSH, WOULD_PULL
-from drumlin.fem.mesh.from_file import mesh_notes
-from drumlin.fem.preparation.bodies import acting_loads, held
-from drumlin.fem.preparation.cache import shape_of
-from drumlin.fem.preparation.scene import PreparedModel, clock
+from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_groups
+from drumlin.fem.equilibrium.sharing import LARGEST_FORCE_THAT_DOES_NOT_PUSH, WOULD_PULL_TEXT
+from drumlin.fem.mesh.from_file import notes_on_mesh_file
+from drumlin.fem.preparation.bodies import acting_loads, support_reaction
+from drumlin.fem.preparation.cache import shape_key_of_shoe
+from drumlin.fem.preparation.scene import PreparedModel, add_elapsed_time
 from drumlin.fem.substructure.loads import ACTUATION
 from drumlin.laws.rigid import cam_notes
 from drumlin.response.balance import guide_moments, relative_balance, worst
@@ -43,12 +44,12 @@ from drumlin.response.resultants import cross
 if TYPE_CHECKING:
     from drumlin.fem.error_control.refinement import RefinedSolution
 
-DOUBLE = float(np.finfo(float).eps)
+DOUBLE_SPACING = float(np.finfo(float).eps)
 """Relative spacing of double-precision numbers; no refined answer is stated to be more certain."""
-OVERLAP = 0.01
-"""Fraction of the lining's thickness by which a mesh may lie in the drum without a warning.
+LARGEST_SILENT_OVERLAP = 0.01
+"""Overlap of a mesh with the drum, relative to the lining's thickness, that gives a warning.
 
-Above it the pressure is noticeably that of a lining squeezed into place. It changes no answer.
+A lining that overlaps further is squeezed noticeably into its place. The value changes no answer.
 """
 PENALTY = 1e8
 """Default penalty factor alpha: the contact stiffness per area is alpha E/t of the lining.
@@ -63,36 +64,38 @@ LARGEST_ANSWER_IMBALANCE = 1e-8
 Above it the substructures have lost too many digits, and the answer is refined. A refined answer
 above it is refused.
 """
-LARGEST_LOSS = 1e-5
-"""Round-off error of the pressure, relative, up to which an answer needs no refinement.
+LARGEST_UNREFINED_ROUND_OFF = 1e-5
+"""Relative round-off error of the pressure up to which a solution needs no refinement.
 
 On a mesh, which states no error, a refined answer above it is refused. The discretisation error of
 a mesh is some hundred times larger, and hp elements state the loss with their error.
 The value is a judgement, and the refusal prints the loss.
 """
-MOST_LOSS = 1e-3
-"""Round-off error of the pressure, relative, up to which an answer on hp elements stands.
+LARGEST_REFINED_ROUND_OFF = 1e-3
+"""Relative round-off error of the pressure up to which a solution on hp elements is accepted.
 
-It holds for answers that have been refined, or cannot be. Their stated error contains the loss. An
-answer that has lost more is refused. The value is a judgement, and the refusal prints the loss.
+The value holds for solutions that have been refined and for solutions that cannot be refined. Their
+stated error contains the round-off error. A solution with a larger round-off error is refused. The
+value is a judgement, and the refusal prints the loss.
 """
-MAX_REFINED = 240_000
-"""Unknowns of a group times their degree squared up to which hp elements are refined.
+LARGEST_REFINED_SYSTEM = 240_000
+"""Size of a group, its unknowns times the squared degree, up to which its full system is refined.
 
-The refinement then takes seconds. Above it the fill-in of the factors grows with the square.
+The iterative refinement of a group of this size takes seconds. The sparse factors of larger groups
+of high degree fill in.
 """
-SETTLED_CORRECTION = 1e-10
+LARGEST_CONVERGED_CORRECTION = 1e-10
 """Relative correction of the pressures below which a refinement is taken as converged.
 
 Above it the other form of the full system is tried as well, and the better answer is taken.
 """
-TOO_FAR = "stiffnesses or sizes are too far apart for the arithmetic"
+TOO_FAR_REASON = "stiffnesses or sizes are too far apart for the arithmetic"
 """Reason that is printed where an answer has lost too many digits by round-off."""
-REFINED = "refined in the whole system, condensed it loses digits"
+REFINED_REMARK = "refined in the whole system, condensed it loses digits"
 """Remark that is printed with an answer that iterative refinement has corrected."""
 
 
-def respond(
+def solve_prepared_model(
     scene: PreparedModel, brake: Brake, *, penalty: float = PENALTY, start: Response | None = None
 ) -> Response:
     """The response of a brake, on a prepared model of the same geometry and stiffness.
@@ -114,14 +117,14 @@ def respond(
     """
     check_penalty(penalty)
     if brake is not scene.brake:
-        _check_same(scene, brake)
+        _check_brake_matches_model(scene, brake)
     seconds = dict(scene.seconds)
-    with clock(seconds, "contact"):
-        answers: dict[int, _ShoeAnswer] = {}
-        for group in groups_of(scene, brake, penalty):
-            answers |= _group_answers(group, start)
+    with add_elapsed_time(seconds, "contact"):
+        answers: dict[int, _ShoeResult] = {}
+        for group in divide_pressed_shoes_into_groups(scene, brake, penalty):
+            answers |= _solve_shoe_group(group, start)
         for i in set(range(len(brake.shoes))) - set(answers):
-            answers[i] = _untouched_answer(brake.shoes[i])
+            answers[i] = _result_of_unpressed_shoe(brake.shoes[i])
     in_order = [answers[i] for i in sorted(answers)]
     return Response(
         model=scene.model,
@@ -131,18 +134,18 @@ def respond(
         seconds=seconds,
         left_out=scene.left_out,
         notes=(
-            *_overlap_warnings(scene, brake),
-            *_mesh_notes(scene, brake, [answer.response for answer in in_order]),
+            *_warnings_on_mesh_overlap(scene, brake),
+            *_notes_on_mesh_files(scene, brake, [answer.response for answer in in_order]),
             *(answer.note for answer in in_order),
-            *_support_notes(brake),
+            *_notes_on_body_supports(brake),
             *cam_notes(brake),
         ),
     )
 
 
-def _check_same(scene: PreparedModel, brake: Brake) -> None:
+def _check_brake_matches_model(scene: PreparedModel, brake: Brake) -> None:
     """Raise BadInput for a brake whose substructures are not those of the prepared model."""
-    if [shape_of(brake, shoe) for shoe in brake.shoes] != scene.shapes:
+    if [shape_key_of_shoe(brake, shoe) for shoe in brake.shoes] != scene.shapes:
         raise BadInput(
             "the brake differs from the prepared scene in more than "
             "friction, rotation, load, clearance"
@@ -165,13 +168,13 @@ def check_penalty(penalty: float) -> None:
 # The following functions make lines about the brake as a whole.
 
 
-def _overlap_warnings(scene: PreparedModel, brake: Brake) -> Iterator[str]:
+def _warnings_on_mesh_overlap(scene: PreparedModel, brake: Brake) -> Iterator[str]:
     """A warning for each shoe's own mesh that lies in the drum or the plane."""
     for body, shoe in zip(scene.bodies, brake.shoes, strict=True):
         if shoe.mesh is None:
             continue
         deep = -float(shoe.off(body.line.xy, brake.size).min())
-        if deep > OVERLAP * shoe.lining.thickness:
+        if deep > LARGEST_SILENT_OVERLAP * shoe.lining.thickness:
             yield (
                 f"warning: shoe {shoe.name!r}: the contact line of its mesh lies up to "
                 f"{mm(deep)} in the {shoe.surface.word}; its pressure is that of the lining "
@@ -179,7 +182,7 @@ def _overlap_warnings(scene: PreparedModel, brake: Brake) -> Iterator[str]:
             )
 
 
-def _mesh_notes(
+def _notes_on_mesh_files(
     scene: PreparedModel, brake: Brake, responses: Sequence[ShoeResponse]
 ) -> Iterator[str]:
     """Lines about mesh files: which parts are left out, which nodes are moved, which gaps count.
@@ -188,10 +191,10 @@ def _mesh_notes(
     """
     for body, shoe, response in zip(scene.bodies, brake.shoes, responses, strict=True):
         if body.of_file is not None:
-            yield from mesh_notes(shoe, body.of_file, body.line.xy, brake.size, response)
+            yield from notes_on_mesh_file(shoe, body.of_file, body.line.xy, brake.size, response)
 
 
-def _support_notes(brake: Brake) -> Iterator[str]:
+def _notes_on_body_supports(brake: Brake) -> Iterator[str]:
     """One line on how the shoes' bodies of hp elements are supported, if a shoe has such a body.
 
     A pin that stands off its body is joined to it rigidly, which changes the pressure.
@@ -199,13 +202,15 @@ def _support_notes(brake: Brake) -> Iterator[str]:
     shoes_of: dict[str, list[str]] = {}
     for shoe in brake.shoes:
         if shoe.mesh is None and isinstance(shoe.body, Bar):
-            shoes_of.setdefault(_support_text(shoe, shoe.body, brake.size), []).append(shoe.name)
+            shoes_of.setdefault(_text_on_body_support(shoe, shoe.body, brake.size), []).append(
+                shoe.name
+            )
     if shoes_of:
         parts = [f"{', '.join(names)}: {text}" for text, names in shoes_of.items()]
         yield "held: " + "; ".join(parts)
 
 
-def _support_text(shoe: Shoe, bar: Bar, size: float) -> str:
+def _text_on_body_support(shoe: Shoe, bar: Bar, size: float) -> str:
     """How the body of a shoe is supported, on a drum of radius `size` [m]."""
     grip = shoe.grip(size)
     if grip is not None:
@@ -225,7 +230,7 @@ def _support_text(shoe: Shoe, bar: Bar, size: float) -> str:
 
 
 @dataclass(frozen=True)
-class _ShoeAnswer:
+class _ShoeResult:
     """The answer of one shoe: its response, and what is printed about it.
 
     Attributes
@@ -251,7 +256,7 @@ class _GroupSolution(NamedTuple):
     pressures : pressures (n_i,) [Pa] of each shoe
     coordinates : generalised coordinates (k_i,) of each shoe
     forces : actuation forces (shoes,) [N]
-    changes : change of all pressures (2, n) [Pa] by the penalty, and by round-off
+    pressure_errors : change of all pressures (2, n) [Pa] by the penalty, and by round-off
     steps : steps of the contact algorithm
     refined : whether the full system was refined; the round-off is then the last correction
     """
@@ -260,133 +265,140 @@ class _GroupSolution(NamedTuple):
     pressures: list[Floats]
     coordinates: list[Floats]
     forces: Floats
-    changes: Floats
+    pressure_errors: Floats
     steps: int
     refined: bool
 
 
 class _ShoeSolution(NamedTuple):
-    """The part of shoe `k` in the solution of its group; see `_GroupSolution`."""
+    """The part of shoe `shoe_number` in the solution of its group; see `_GroupSolution`."""
 
     group: ShoeGroup
-    k: int
-    p: Floats
+    shoe_number: int
+    pressures: Floats
     coordinates: Floats
     force: float
-    changes: Floats
+    pressure_errors: Floats
     refined: bool
 
 
-def _untouched_answer(shoe: Shoe) -> _ShoeAnswer:
+def _result_of_unpressed_shoe(shoe: Shoe) -> _ShoeResult:
     """The answer of a shoe whose force does not press it on the drum."""
     word = shoe.surface.word
     note = f"shoe {shoe.name!r}: no contact, the force does not turn it towards the {word}"
-    return _ShoeAnswer(untouched(shoe, -shoe.actuation.vector), Balance(0.0, 0.0), 0, note)
+    return _ShoeResult(untouched(shoe, -shoe.actuation.vector), Balance(0.0, 0.0), 0, note)
 
 
-def _group_answers(group: ShoeGroup, start: Response | None) -> dict[int, _ShoeAnswer]:
+def _solve_shoe_group(group: ShoeGroup, start: Response | None) -> dict[int, _ShoeResult]:
     """The answers of a group of shoes, by the position of the shoe in the brake.
 
     Raises LostDigits where round-off leaves too few digits, even after a refinement.
     """
     first = None
     if start is not None:
-        parts = [_nodes_touching(group, k, start) for k in range(len(group.members))]
+        parts = [_nodes_in_earlier_contact(group, k, start) for k in range(len(group.members))]
         first = np.concatenate(parts)
-    settled = group.settled(first)
-    solution = _condensed_solution(*settled)
-    answers = _shoe_answers(solution)
-    if settled.group.sharing is not None:
-        if not _imbalance(answers) < LARGEST_ANSWER_IMBALANCE:
-            balance = f"it balances only to {_imbalance(answers):.1e}"
-            raise LostDigits(f"{settled.group.names}: lost digits, {balance}; {TOO_FAR}")
+    settled = group.solve_contact(first)
+    solution = _solution_by_substructures(*settled)
+    answers = _results_of_shoes(solution)
+    if settled.group.force_sharing is not None:
+        if not _largest_imbalance(answers) < LARGEST_ANSWER_IMBALANCE:
+            balance = f"it balances only to {_largest_imbalance(answers):.1e}"
+            raise LostDigits(
+                f"{settled.group.shoe_names}: lost digits, {balance}; {TOO_FAR_REASON}"
+            )
         return answers
-    refinable = _refinable(settled.group)
+    refinable = _is_refinement_affordable(settled.group)
     # On a solid the full system is never assembled.
     strict = refinable or settled.group.scene.model == "solid"
-    most = LARGEST_LOSS if strict else MOST_LOSS
-    lost = _largest_loss(answers)
-    if lost < most and _imbalance(answers) < LARGEST_ANSWER_IMBALANCE:
+    most = LARGEST_UNREFINED_ROUND_OFF if strict else LARGEST_REFINED_ROUND_OFF
+    lost = _largest_round_off_of_pressure(answers)
+    if lost < most and _largest_imbalance(answers) < LARGEST_ANSWER_IMBALANCE:
         return answers
     if not refinable:
-        balance = f"it balances only to {_imbalance(answers):.1e}"
+        balance = f"it balances only to {_largest_imbalance(answers):.1e}"
         why = f"its pressure is certain only to {lost:.1e}" if lost >= most else balance
-        raise LostDigits(f"{settled.group.names}: lost digits, {why}; {TOO_FAR}")
-    return _refined_answers(solution, settled.contact)
+        raise LostDigits(f"{settled.group.shoe_names}: lost digits, {why}; {TOO_FAR_REASON}")
+    return _results_after_refinement(solution, settled.contact)
 
 
-def _condensed_solution(group: ShoeGroup, contact: Contact) -> _GroupSolution:
+def _solution_by_substructures(group: ShoeGroup, contact: Contact) -> _GroupSolution:
     """The solution of a group by its substructures."""
     size = group.unit_force
-    coordinates = group.coordinates(contact)
+    coordinates = group.generalised_coordinates(contact)
     return _GroupSolution(
         group=group,
         pressures=[size * contact.p[part] for part in group.node_ranges],
         coordinates=[size * y for y in coordinates],
-        forces=size * group.forces(contact.p),
-        changes=size * _pressure_changes(group, contact, coordinates),
+        forces=size * group.actuation_forces(contact.p),
+        pressure_errors=size
+        * _pressure_errors_by_penalty_and_round_off(group, contact, coordinates),
         steps=contact.steps,
         refined=False,
     )
 
 
-def _refinable(group: ShoeGroup) -> bool:
+def _is_refinement_affordable(group: ShoeGroup) -> bool:
     """Whether the full system of a group can be refined in seconds; never that of a solid."""
     orders = [body.line.order for body in group.bodies]
     size = sum(body.unknowns * body.line.order**2 for body in group.bodies)
     # The sparse factors of large systems of high degree fill in and take too long.
-    small = size <= MAX_REFINED or max(orders) <= 2
+    small = size <= LARGEST_REFINED_SYSTEM or max(orders) <= 2
     return group.scene.model != "solid" and small
 
 
-def _refined_answers(solution: _GroupSolution, contact: Contact) -> dict[int, _ShoeAnswer]:
+def _results_after_refinement(solution: _GroupSolution, contact: Contact) -> dict[int, _ShoeResult]:
     """The answers of a group from its refined full system.
 
     Raises LostDigits where the refinement fails, or leaves too few digits.
     """
     group, size = solution.group, solution.group.unit_force
     try:
-        refined = refined_group(group, contact.active)
+        refined = refine_group_solution(group, contact.active)
     except NoAnswer as error:
-        raise LostDigits(f"{group.names}: lost digits, {TOO_FAR}; refined: {error}") from error
-    by_penalty = solution.changes[0]
+        raise LostDigits(
+            f"{group.shoe_names}: lost digits, {TOO_FAR_REASON}; refined: {error}"
+        ) from error
+    by_penalty = solution.pressure_errors[0]
     last_correction = size * np.concatenate(refined.last_correction)
-    answers = _shoe_answers(
+    answers = _results_of_shoes(
         solution._replace(
             pressures=[size * p for p in refined.p],
             coordinates=[size * y for y in refined.coordinates],
-            changes=np.array([by_penalty, last_correction]),
+            pressure_errors=np.array([by_penalty, last_correction]),
             steps=solution.steps + refined.contact_sets,
             refined=True,
         )
     )
-    imbalance = _imbalance(answers)
+    imbalance = _largest_imbalance(answers)
     # Meshes (order 1 and 2) state no error and are judged more strictly than hp elements.
     if max(body.line.order for body in group.bodies) <= 2:
-        lost, most = refined.correction, LARGEST_LOSS
+        lost, most = refined.correction, LARGEST_UNREFINED_ROUND_OFF
     else:
-        lost, most = _largest_loss(answers), MOST_LOSS
+        lost, most = _largest_round_off_of_pressure(answers), LARGEST_REFINED_ROUND_OFF
     if lost >= most or not imbalance < LARGEST_ANSWER_IMBALANCE:
         raise LostDigits(
-            f"{group.names}: lost digits, even refined its pressure is certain only to "
-            f"{lost:.1e} and balances to {imbalance:.1e}; {TOO_FAR}"
+            f"{group.shoe_names}: lost digits, even refined its pressure is certain only to "
+            f"{lost:.1e} and balances to {imbalance:.1e}; {TOO_FAR_REASON}"
         )
     return answers
 
 
-def _largest_loss(answers: dict[int, _ShoeAnswer]) -> float:
+def _largest_round_off_of_pressure(answers: dict[int, _ShoeResult]) -> float:
     """The largest round-off error of the pressure among shoes, relative."""
     return max(answer.response.lost.pressure for answer in answers.values())
 
 
-def _imbalance(answers: dict[int, _ShoeAnswer]) -> float:
+def _largest_imbalance(answers: dict[int, _ShoeResult]) -> float:
     """The largest imbalance of forces or moments among shoes, relative."""
     balance = worst([answer.balance for answer in answers.values()])
     largest = max(balance.force, balance.moment)
     return math.inf if math.isnan(largest) else largest
 
 
-def refined_group(group: ShoeGroup, active: Bools, order: str = "COLAMD") -> "RefinedSolution":
+def refine_group_solution(
+    group: ShoeGroup, active: Bools, order: str = "COLAMD"
+) -> "RefinedSolution":
     """The answer of a group to all digits, by iterative refinement of the full system.
 
     Parameters
@@ -404,79 +416,82 @@ def refined_group(group: ShoeGroup, active: Bools, order: str = "COLAMD") -> "Re
     from drumlin.fem.error_control.refinement import full_system, refined_solution  # noqa: PLC0415
 
     refined = refined_solution(full_system(group), active, order)
-    if refined.correction < SETTLED_CORRECTION:
+    if refined.correction < LARGEST_CONVERGED_CORRECTION:
         return refined
-    system = full_system(group, relative_to_rigid_motion=False)
-    other = refined_solution(system, active, order)
+    other = refined_solution(full_system(group, relative_to_rigid_motion=False), active, order)
     return min(refined, other, key=lambda each: each.correction)
 
 
 # The following functions answer one shoe of a solved group.
 
 
-def _shoe_answers(solution: _GroupSolution) -> dict[int, _ShoeAnswer]:
+def _results_of_shoes(solution: _GroupSolution) -> dict[int, _ShoeResult]:
     """The answer of each shoe of a group, by its position in the brake."""
     group = solution.group
     answers = {}
     for k, (i, part) in enumerate(zip(group.members, group.node_ranges, strict=True)):
         of_shoe = _ShoeSolution(
             group=group,
-            k=k,
-            p=solution.pressures[k],
+            shoe_number=k,
+            pressures=solution.pressures[k],
             coordinates=solution.coordinates[k],
             force=solution.forces[k],
-            changes=solution.changes[:, part],
+            pressure_errors=solution.pressure_errors[:, part],
             refined=solution.refined,
         )
-        answers[i] = _shoe_answer(of_shoe, solution.steps)
+        answers[i] = _result_of_shoe(of_shoe, solution.steps)
     return answers
 
 
-def _shoe_answer(solution: _ShoeSolution, steps: int) -> _ShoeAnswer:
+def _result_of_shoe(solution: _ShoeSolution, steps: int) -> _ShoeResult:
     """The answer of one shoe of a group.
 
     Raises NoAnswer where the shoe's cam or strut would have to pull it.
     """
-    group, shoe = solution.group, solution.group.shoes[solution.k]
-    if group.sharing is not None and solution.force < NO_PUSH * group.unit_force:
-        raise NoAnswer(f"shoe {shoe.name!r}: {WOULD_PULL}")
-    acting = _acting_forces(solution)
-    errors = _arithmetic_errors(solution, acting)
-    return _ShoeAnswer(
+    group, shoe = solution.group, solution.group.shoes[solution.shoe_number]
+    if (
+        group.force_sharing is not None
+        and solution.force < LARGEST_FORCE_THAT_DOES_NOT_PUSH * group.unit_force
+    ):
+        raise NoAnswer(f"shoe {shoe.name!r}: {WOULD_PULL_TEXT}")
+    acting = _forces_on_shoe(solution)
+    errors = _penalty_and_round_off_errors(solution, acting)
+    return _ShoeResult(
         response=_shoe_response(solution, acting, errors),
-        balance=_shoe_balance(solution, acting),
+        balance=_imbalance_of_shoe(solution, acting),
         steps=steps,
-        note=_shoe_note(solution, errors),
+        note=_note_on_contact(solution, errors),
     )
 
 
-class _ActingForces(NamedTuple):
+class _ForcesOnShoe(NamedTuple):
     """The forces on a shoe, in the frame of the shoe.
 
     Attributes
     ----------
-    normal : (3,) force x, y [N] and moment about the centre [N m] of the pressures on the drum
-    contact : (3,) force x, y [N] and moment about the centre [N m] of the drum on the lining
-    push : (2,) force of the actuation [N]
-    push_moment : moment of the actuation about the pin [N m]
-    reaction : (2,) force of the support [N]
-    twist : moment of a guide [N m]; 0 for other supports
+    resultant_of_pressure : (3,) force x, y [N] and moment about the centre [N m] of the pressures
+        on the drum
+    force_of_drum : (3,) force x, y [N] and moment about the centre [N m] of the drum on the lining
+    actuation_force : (2,) force of the actuation [N]
+    actuation_moment : moment of the actuation about the pin [N m]
+    support_force : (2,) force of the support [N]
+    guide_moment : moment of a guide [N m]; 0 for other supports
     """
 
-    normal: Floats
-    contact: Floats
-    push: Floats
-    push_moment: float
-    reaction: Floats
-    twist: float
+    resultant_of_pressure: Floats
+    force_of_drum: Floats
+    actuation_force: Floats
+    actuation_moment: float
+    support_force: Floats
+    guide_moment: float
 
 
-def _acting_forces(solution: _ShoeSolution) -> _ActingForces:
+def _forces_on_shoe(solution: _ShoeSolution) -> _ForcesOnShoe:
     """The forces on a shoe under its pressure."""
-    group, k, p = solution.group, solution.k, solution.p
+    group, k, p = solution.group, solution.shoe_number, solution.pressures
     shoe, body = group.shoes[k], group.bodies[k]
     load = acting_loads(body, shoe, solution.force)
-    moment = abs(solution.force) * group.loads[k].moment
+    moment = abs(solution.force) * group.unit_loads[k].moment_about_pin
     push = body.columns.factors_of(ACTUATION, load)[:2]
     drag = group.brake.drag_on(shoe)
     normal, dragged = body.forces @ p
@@ -487,27 +502,29 @@ def _acting_forces(solution: _ShoeSolution) -> _ActingForces:
         about_pin = contact[2] + moment - cross(shoe.own_pin, contact[:2])
         reaction = -np.append(contact[:2] + push, about_pin)
     else:
-        reaction = held(body, p, drag, load)
+        reaction = support_reaction(body, p, drag, load)
     twist = float(reaction[2]) if shoe.guide is not None else 0.0
-    return _ActingForces(normal, contact, push, moment, reaction[:2], twist)
+    return _ForcesOnShoe(normal, contact, push, moment, reaction[:2], twist)
 
 
-def _shoe_balance(solution: _ShoeSolution, acting: _ActingForces) -> Balance:
+def _imbalance_of_shoe(solution: _ShoeSolution, acting: _ForcesOnShoe) -> Balance:
     """The imbalance of a shoe's forces and moments, relative to the largest of them."""
-    group, shoe = solution.group, solution.group.shoes[solution.k]
+    group, shoe = solution.group, solution.group.shoes[solution.shoe_number]
     pin = shoe.own_pin
     # The actuation's moment about the centre has two parts: where mu = 0 and the actuation aims at
     # the centre, all other moments vanish.
     moments = [
-        float(acting.contact[2]),
-        float(cross(pin, acting.reaction)),
-        acting.push_moment,
-        float(cross(pin, acting.push)),
+        float(acting.force_of_drum[2]),
+        float(cross(pin, acting.support_force)),
+        acting.actuation_moment,
+        float(cross(pin, acting.actuation_force)),
     ]
     if shoe.guide is not None:
         length = group.brake.scale_factor * (shoe.lining.end - shoe.lining.start)
-        moments += [acting.twist, *guide_moments(solution.force, length)]
-    balance = relative_balance([acting.contact[:2], acting.reaction, acting.push], moments)
+        moments += [acting.guide_moment, *guide_moments(solution.force, length)]
+    balance = relative_balance(
+        [acting.force_of_drum[:2], acting.support_force, acting.actuation_force], moments
+    )
     if shoe.held_by == "hinge":
         return balance
     return Balance(balance.force, max(balance.moment, _virtual_work_imbalance(solution)))
@@ -515,11 +532,11 @@ def _shoe_balance(solution: _ShoeSolution, acting: _ActingForces) -> Balance:
 
 def _virtual_work_imbalance(solution: _ShoeSolution) -> float:
     """The largest relative residual of virtual work on a shoe's test modes."""
-    group, k, p = solution.group, solution.k, solution.p
-    coupling, modes = group.bodies[k].coupling, group.modes[k]
+    group, k, p = solution.group, solution.shoe_number, solution.pressures
+    coupling, modes = group.bodies[k].coupling, group.rigid_body_modes[k]
     drag = group.brake.drag_on(group.shoes[k])
     nodal = drag * (coupling.T.T @ p) - coupling.N.T @ p
-    by_actuation = abs(solution.force) * modes.work
+    by_actuation = abs(solution.force) * modes.actuation_work
     by_contact = nodal[:, None] * modes.test_modes
     residual = np.abs(by_contact.sum(axis=0) + by_actuation)
     scale = np.maximum(np.abs(by_actuation), np.abs(by_contact).sum(axis=0))
@@ -533,38 +550,44 @@ class _ArithmeticErrors(NamedTuple):
     round_off: ShoeChange
 
 
-def _arithmetic_errors(solution: _ShoeSolution, acting: _ActingForces) -> _ArithmeticErrors:
+def _penalty_and_round_off_errors(
+    solution: _ShoeSolution, acting: _ForcesOnShoe
+) -> _ArithmeticErrors:
     """The relative errors of a shoe's answer by the penalty and by round-off."""
-    normal_force = math.hypot(*acting.normal[:2])
-    size = reaction_size(acting.reaction, normal_force)
-    by_penalty, by_round_off = _relative_changes(solution, size)
+    normal_force = math.hypot(*acting.resultant_of_pressure[:2])
+    size = reaction_size(acting.support_force, normal_force)
+    by_penalty, by_round_off = _relative_errors_of_results(solution, size)
     # The elimination of a substructure adds a round-off error of its own.
-    least = 0.0 if solution.refined else solution.group.bodies[solution.k].condensed.force_imbalance
+    least = (
+        0.0
+        if solution.refined
+        else solution.group.bodies[solution.shoe_number].condensed.force_imbalance
+    )
     return _ArithmeticErrors(by_penalty, ShoeChange(*(max(part, least) for part in by_round_off)))
 
 
-def _shoe_note(solution: _ShoeSolution, errors: _ArithmeticErrors) -> str:
+def _note_on_contact(solution: _ShoeSolution, errors: _ArithmeticErrors) -> str:
     """The line on a shoe's contact: its penetration, the penalty's effect, and any refinement."""
-    group, k, p = solution.group, solution.k, solution.p
+    group, k, p = solution.group, solution.shoe_number, solution.pressures
     shoe, lever = group.shoes[k], group.bodies[k].coupling.lever
     contact = "exact contact, no penetration"
     if not math.isinf(group.penalty):
         pressed = float(lever @ p)
-        softer = float(lever @ solution.changes[0]) / pressed if pressed else 0.0
-        penetration = p.max() / group.stiffnesses[k]
+        softer = float(lever @ solution.pressure_errors[0]) / pressed if pressed else 0.0
+        penetration = p.max() / group.contact_stiffnesses[k]
         contact = (
             f"penalty {group.penalty:g} E/t: the lining penetrates by {penetration:.1e} m at most, "
             f"which changes its {shoe.surface.effect} by {softer:+.1e} of it"
         )
     note = f"shoe {shoe.name!r}: {contact}"
     if solution.refined:
-        certain = max(errors.round_off.pressure, DOUBLE)
-        note += f"; {REFINED}, so its pressure is certain to {certain:.0e}"
+        certain = max(errors.round_off.pressure, DOUBLE_SPACING)
+        note += f"; {REFINED_REMARK}, so its pressure is certain to {certain:.0e}"
     return note
 
 
 def _shoe_response(
-    solution: _ShoeSolution, acting: _ActingForces, errors: _ArithmeticErrors
+    solution: _ShoeSolution, acting: _ForcesOnShoe, errors: _ArithmeticErrors
 ) -> ShoeResponse:
     """The response of a shoe, in the frame of the brake.
 
@@ -574,13 +597,18 @@ def _shoe_response(
     acting : the forces on the shoe
     errors : relative errors by the penalty and by round-off
     """
-    group, k, p = solution.group, solution.k, solution.p
-    brake, shoe, body, modes = group.brake, group.shoes[k], group.bodies[k], group.modes[k]
+    group, k, p = solution.group, solution.shoe_number, solution.pressures
+    brake, shoe, body, modes = (
+        group.brake,
+        group.shoes[k],
+        group.bodies[k],
+        group.rigid_body_modes[k],
+    )
     frame, line, drag = shoe.frame, body.line, brake.drag_on(shoe)
     # The work of the pressures and of the friction on the first test mode, per unit of the mode.
-    closures = group.test_closures[k]
+    closures = group.gap_closures_of_test_modes[k]
     closed, rubbed = float(closures.normal[:, 0] @ p), float(closures.tangential[:, 0] @ p)
-    helped = math.copysign(1.0, modes.work[0]) * drag * rubbed
+    helped = math.copysign(1.0, modes.actuation_work[0]) * drag * rubbed
     phi, mean = line.along(p)
     pin_motion = modes.pin_motion @ solution.coordinates
     return pressed_shoe(
@@ -591,13 +619,13 @@ def _shoe_response(
         order=line.order,
         peak=line.inside.peak(mean),
         torque=abs(drag) * float(body.coupling.lever @ p),
-        normal_force=math.hypot(*acting.normal[:2]),
+        normal_force=math.hypot(*acting.resultant_of_pressure[:2]),
         self_energising=helped > NEITHER * abs(closed),
-        hinge_reaction=frame.to_brake(acting.reaction),
+        hinge_reaction=frame.to_brake(acting.support_force),
         turn=frame.sense * float(modes.pin_motion[2] @ solution.coordinates),
-        force=None if group.sharing is None else solution.force,
-        pivot_reaction=None if shoe.pivot is None else -frame.to_brake(acting.contact[:2]),
-        reaction_moment=frame.sense * acting.twist,
+        force=None if group.force_sharing is None else solution.force,
+        pivot_reaction=None if shoe.pivot is None else -frame.to_brake(acting.force_of_drum[:2]),
+        reaction_moment=frame.sense * acting.guide_moment,
         motion=None if shoe.held_by == "hinge" else tuple(pin_motion.tolist()),
         surface=line.surface(p),
         softness=errors.penalty,
@@ -608,7 +636,9 @@ def _shoe_response(
 # The following functions estimate the penalty error and the round-off error.
 
 
-def _pressure_changes(group: ShoeGroup, contact: Contact, coordinates: Sequence[Floats]) -> Floats:
+def _pressure_errors_by_penalty_and_round_off(
+    group: ShoeGroup, contact: Contact, coordinates: Sequence[Floats]
+) -> Floats:
     """The first-order change of all pressures (2, n) by the penalty and by round-off.
 
     The effect of the contact's compliance x = 1/alpha grows as x/(1 + x), and its tangent as
@@ -624,30 +654,35 @@ def _pressure_changes(group: ShoeGroup, contact: Contact, coordinates: Sequence[
     opened, strayed = [], []
     for k, (body, part) in enumerate(zip(group.bodies, group.node_ranges, strict=True)):
         squeezed = (1 + 1 / group.penalty) * (body.coupling.M @ contact.p[part])
-        opened.append(squeezed / group.stiffnesses[k])
+        opened.append(squeezed / group.contact_stiffnesses[k])
         strains = body.condensed.rigid_mode_error
         if strains is None:
             strayed.append(np.zeros(len(opened[k])))
         else:
-            frame = group.modes[k].pin_motion @ coordinates[k]
+            frame = group.rigid_body_modes[k].pin_motion @ coordinates[k]
             strayed.append(body.coupling.N @ (strains @ frame))
-    return np.array([contact.tangent(np.concatenate(gaps)) for gaps in (opened, strayed)])
+    return np.array([contact.pressure_change(np.concatenate(gaps)) for gaps in (opened, strayed)])
 
 
-def _relative_changes(solution: _ShoeSolution, reaction: float) -> list[ShoeChange]:
+def _relative_errors_of_results(solution: _ShoeSolution, reaction: float) -> list[ShoeChange]:
     """Relative changes of a shoe's pressure, torque, reaction and peak, for each row of changes.
 
     The pressure counts outside EDGE_ZONE at the lining's ends, unless half of the force is there.
     `reaction` is the size of the support reaction [N].
     """
-    group, k, p, changes = solution.group, solution.k, solution.p, solution.changes
+    group, k, p, changes = (
+        solution.group,
+        solution.shoe_number,
+        solution.pressures,
+        solution.pressure_errors,
+    )
     shoe, body = group.shoes[k], group.bodies[k]
     area, lever = body.coupling.area, body.coupling.lever
-    weight = _weight_inside(shoe, body.line.phi, area)
+    weight = _node_areas_outside_edge_zones(shoe, body.line.phi, area)
     if weight @ p < 0.5 * (area @ p):
         weight = area
     no_load = np.zeros((body.columns.count, 1))
-    reactions = held(body, changes.T, group.brake.drag_on(shoe), no_load)
+    reactions = support_reaction(body, changes.T, group.brake.drag_on(shoe), no_load)
     top = float(p[weight > 0].max(initial=0.0))
     at_top = (weight > 0) & (p == top)
     by_quantity = [
@@ -661,7 +696,7 @@ def _relative_changes(solution: _ShoeSolution, reaction: float) -> list[ShoeChan
     return [ShoeChange(*row) for row in relative.tolist()]
 
 
-def _weight_inside(shoe: Shoe, phi: Floats, area: Floats) -> Floats:
+def _node_areas_outside_edge_zones(shoe: Shoe, phi: Floats, area: Floats) -> Floats:
     """The areas (n,) of the contact nodes at the angles phi (n,), 0 in the zones at the ends.
 
     Parameters
@@ -676,7 +711,7 @@ def _weight_inside(shoe: Shoe, phi: Floats, area: Floats) -> Floats:
     return np.where(inside, area, 0.0)
 
 
-def _nodes_touching(group: ShoeGroup, k: int, start: Response) -> Bools:
+def _nodes_in_earlier_contact(group: ShoeGroup, k: int, start: Response) -> Bools:
     """The contact nodes of shoe `k` of a group within the contact arcs of an earlier response.
 
     Parameters
@@ -690,3 +725,12 @@ def _nodes_touching(group: ShoeGroup, k: int, start: Response) -> Bools:
     for first, last in start.shoes[group.members[k]].contact_arcs:
         touching |= (theta > first - 1e-9) & (theta < last + 1e-9)
     return touching
+
+
+def __getattr__(name: str) -> Any:
+    """Return `solve_prepared_model` by its old name `respond`, with a warning."""
+    if name != "respond":
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    message = "drumlin.fem.model.respond is now solve_prepared_model"
+    warnings.warn(message, DeprecationWarning, stacklevel=2)
+    return solve_prepared_model

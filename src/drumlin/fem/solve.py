@@ -17,10 +17,10 @@ from drumlin.fem.error_control.adapt import (
 )
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.mesh.arc import DEFAULT_KIND
-from drumlin.fem.model import PENALTY, check_penalty, respond
+from drumlin.fem.model import PENALTY, check_penalty, solve_prepared_model
 from drumlin.fem.preparation.cache import Cache
-from drumlin.fem.preparation.finite_width import finite_width as corrected
-from drumlin.fem.preparation.finite_width import said
+from drumlin.fem.preparation.finite_width import correct_for_finite_width as corrected
+from drumlin.fem.preparation.finite_width import correction_note
 from drumlin.fem.preparation.meshes import ELEMENTS
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.preparation.scene import PreparedModel
@@ -55,7 +55,7 @@ def solve(
         without error estimate
     kind : kind of the finite elements; the brake is then solved on one mesh, as with a mesh file
     tolerance : tolerance of the estimated relative errors of p (L2, outside the edge zones) and of
-        the torque; by default DEFAULT_TOLERANCE, or the error that is reached
+        the torque; by default DEFAULT, or the error that is reached
     penalty : factor alpha of the contact stiffness alpha E/t
     finite_width : whether the linings' moduli are corrected for the widths of the shoes, see
         fem/preparation/finite_width.py
@@ -64,17 +64,17 @@ def solve(
     Raises
     ------
     BadInput
-        for `elements` or a `kind` together with a tolerance, and for those that `check_divided`
-        refuses
+        for `elements` or a `kind` together with a tolerance, and for options that
+        `check_division_options` refuses
     NoAnswer
-        where the tolerance is not reached, and where `respond` has no answer
+        where the tolerance is not reached, and where `solve_prepared_model` has no answer
     """
     if finite_width:
         other = corrected(brake)
         response = solve(
             other, elements=elements, kind=kind, tolerance=tolerance, penalty=penalty, cache=cache
         )
-        return replace(response, notes=(*response.notes, said(brake, other)))
+        return replace(response, notes=(*response.notes, correction_note(brake, other)))
     check_penalty(penalty)
     for option, value in {"elements": elements, "kind": kind}.items():
         if tolerance is not None and value is not None:
@@ -83,24 +83,26 @@ def solve(
             )
     brake.check_meshable()
     # A tolerance must be met; without options the default tolerance is met as well as possible.
-    answer = partial(respond, penalty=penalty)
+    answer = partial(solve_prepared_model, penalty=penalty)
     if tolerance is not None:
         check_tolerance(brake, tolerance)
         response = solve_to_tolerance(
             brake, Tolerance(tolerance, tolerance), answer, cache=cache
         ).response
-    elif _has_levels(brake, elements, kind):
+    elif _is_solved_on_levels(brake, elements, kind):
         response = solve_to_tolerance(
             brake, DEFAULT_TOLERANCE, answer, must=False, cache=cache
         ).response
     else:
-        response = answer(scene_of(brake, elements=elements, kind=kind, cache=cache), brake)
+        response = answer(
+            prepare_finest_division(brake, elements=elements, kind=kind, cache=cache), brake
+        )
     if not brake.surface.straight:
-        response = _with_curve_balance(brake, response)
+        response = _add_note_on_curve_balance(brake, response)
     return with_merits(brake, response)
 
 
-def scene_of(
+def prepare_finest_division(
     brake: Brake,
     *,
     elements: int | None = None,
@@ -120,20 +122,24 @@ def scene_of(
     Raises
     ------
     BadInput
-        for `elements` or a `kind` that `check_divided` refuses
+        for `elements` or a `kind` that `check_division_options` refuses
     """
-    check_divided(brake, elements=elements, kind=kind)
-    if not _has_levels(brake, elements, kind):
+    check_division_options(brake, elements=elements, kind=kind)
+    if not _is_solved_on_levels(brake, elements, kind):
         elements = ELEMENTS if elements is None else elements
         return prepare(brake, elements=elements, kind=kind or DEFAULT_KIND, cache=cache)
     # The model is that of the last division on which the answer was found.
     try:
-        return solve_to_tolerance(brake, DEFAULT_TOLERANCE, respond, must=False, cache=cache).scene
+        return solve_to_tolerance(
+            brake, DEFAULT_TOLERANCE, solve_prepared_model, must=False, cache=cache
+        ).scene
     except NoAnswer:
         return prepare(brake, LEVELS[1], cache=cache)
 
 
-def check_divided(brake: Brake, *, elements: int | None = None, kind: str | None = None) -> None:
+def check_division_options(
+    brake: Brake, *, elements: int | None = None, kind: str | None = None
+) -> None:
     """Raise BadInput for `elements` or a `kind` that would divide no part of the brake.
 
     Shoes with mesh files are not divided. A ring is divided into elements, of one kind only.
@@ -152,12 +158,12 @@ def check_divided(brake: Brake, *, elements: int | None = None, kind: str | None
             )
 
 
-def _has_levels(brake: Brake, elements: int | None, kind: str | None) -> bool:
+def _is_solved_on_levels(brake: Brake, elements: int | None, kind: str | None) -> bool:
     """Whether a brake is solved on levels of hp elements, not on one mesh."""
     return elements is None and kind is None and not any(shoe.mesh for shoe in brake.shoes)
 
 
-def _with_curve_balance(brake: Brake, response: Response) -> Response:
+def _add_note_on_curve_balance(brake: Brake, response: Response) -> Response:
     """The response, with a note where p(theta) balances worse than the nodal forces do."""
     # Positive differences mean that p(theta) balances worse than the nodal forces do.
     under_forces = loaded(brake, response)

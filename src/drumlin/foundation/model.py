@@ -28,7 +28,7 @@ from drumlin.brake.orthotropic import isotropic_only
 from drumlin.brake.ring_support import plain_ring_only
 from drumlin.brake.surface import DRUM
 from drumlin.contact import active_set, self_locking
-from drumlin.contact.equations import Problem
+from drumlin.contact.equations import ContactProblem
 from drumlin.foundation.post import Post, post, shoe_angles, trapezoid
 from drumlin.foundation.ring import drag_flexibility, flexibility
 from drumlin.laws import locking_friction
@@ -128,7 +128,7 @@ class FoundationSystem(NamedTuple):
 
     posts: tuple[Post, ...]
     ring: Floats
-    problem: Problem
+    problem: ContactProblem
 
 
 def system(brake: Brake, group: list[int], sections: int, lift: frozenset[str]) -> FoundationSystem:
@@ -159,7 +159,7 @@ def system(brake: Brake, group: list[int], sections: int, lift: frozenset[str]) 
     theta = np.concatenate([p.axis.origin + p.axis.sense * p.theta for p in posts])
     ring = ring_of(brake, theta, theta, lift)
     A, q, B, C, h = zip(*map(_post_problem, posts), strict=True)
-    problem = Problem(
+    problem = ContactProblem(
         block_diag(*A) + ring,
         np.concatenate(q),
         block_diag(*B),
@@ -169,12 +169,12 @@ def system(brake: Brake, group: list[int], sections: int, lift: frozenset[str]) 
     return FoundationSystem(posts, ring, problem)
 
 
-def _post_problem(p: Post) -> Problem:
+def _post_problem(p: Post) -> ContactProblem:
     """The contact problem of one shoe on a rigid drum."""
     # The gap closes by the moments at all stations, and the moments come from the normal forces.
     turning = p.closing.T * (p.step / p.EI)
     moments = p.pressed + p.drag * p.dragged
-    return Problem(
+    return ContactProblem(
         A=turning @ moments + np.diag(1 / p.k),
         q=p.gap - turning @ p.loaded,
         B=-p.closing[:1].T,
@@ -345,7 +345,7 @@ def _solve_group(
     """
     begin = None if start is None else np.concatenate([start[i] for i in group])
 
-    def problem_at(friction: float) -> Problem:
+    def problem_at(friction: float) -> ContactProblem:
         """The contact problem of the group at another friction coefficient of the drum."""
         if friction == brake.friction:
             return parts.problem
@@ -354,8 +354,8 @@ def _solve_group(
 
     law = min(locking_friction(brake, brake.shoes[i]) for i in group)
     try:
-        found = self_locking.answer(
-            problem_at, brake.friction, begin, law=law, brake="on the foundation"
+        found = self_locking.solve_on_path_from_zero_friction(
+            problem_at, brake.friction, begin, rigid_law_limit=law, brake_words="on the foundation"
         )
     except NoAnswer as error:
         raise NoAnswer(f"{brake.names(group)}: {error}") from error

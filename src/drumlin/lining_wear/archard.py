@@ -48,7 +48,7 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.base.lapack import block_diag
 from drumlin.contact import active_set
 from drumlin.contact.active_set import Contact
-from drumlin.contact.equations import Problem
+from drumlin.contact.equations import ContactProblem
 
 GAMMA = 1 - 1 / math.sqrt(2)
 """Diagonal coefficient of the Runge-Kutta method; this value makes it L-stable (Alexander 1977)."""
@@ -116,7 +116,7 @@ class Footing(NamedTuple):
         foot, or holds the foot
     """
 
-    problem: Problem
+    problem: ContactProblem
     stands: Callable[[Contact], bool] = is_always_allowed
 
 
@@ -138,7 +138,7 @@ class WearInterface(NamedTuple):
         equilibrium.
     """
 
-    problem: Problem
+    problem: ContactProblem
     loaded: Floats
     weight: Floats
     pressure: Floats
@@ -414,7 +414,7 @@ def _concatenate_attribute(owners: Iterable[Any], name: str) -> Floats:
 
 def _joint_footing(footings: Sequence[Footing]) -> Footing:
     """The footing that holds where each of several interfaces has its own of these footings."""
-    problem = Problem(
+    problem = ContactProblem(
         A=block_diag(*map(attrgetter("problem.A"), footings)),
         q=_concatenate_attribute(footings, "problem.q"),
         B=block_diag(*map(attrgetter("problem.B"), footings)),
@@ -497,8 +497,8 @@ def _solve_steady_wear_with_footing(
     """
     _, q, B, C, h = footing.problem
     compliance = interface.weight * interface.pressure
-    linear = active_set.solve(Problem(compliance, np.zeros(len(q)), B, C, h))
-    if not linear.regular:
+    linear = active_set.solve_contact_problem(ContactProblem(compliance, np.zeros(len(q)), B, C, h))
+    if not linear.stable:
         raise NoAnswer("worn in, a rigid shoe would lock itself")
     if law.exponent == 1:
         return linear
@@ -506,7 +506,7 @@ def _solve_steady_wear_with_footing(
 
 
 def _solve_steady_power_law_wear(
-    interface: WearInterface, problem: Problem, exponent: float, linear: Contact
+    interface: WearInterface, problem: ContactProblem, exponent: float, linear: Contact
 ) -> Contact:
     """The steady wear under the rate p^m. Raises NoAnswer.
 
@@ -528,7 +528,9 @@ def _solve_steady_power_law_wear(
 
     def rates(y: Floats) -> Contact:
         """The contact whose p are the rates under motions y."""
-        return active_set.solve(Problem(interface.weight, B @ y, *no_equilibria), linear.active)
+        return active_set.solve_contact_problem(
+            ContactProblem(interface.weight, B @ y, *no_equilibria), linear.active
+        )
 
     def unknowns(rate: Floats) -> Floats:
         """The contact unknowns x (n,) that wear at a rate (n,)."""
@@ -550,7 +552,7 @@ def _solve_steady_power_law_wear(
     return replace(contact, p=unknowns(contact.p), y=root.x * size * top**exponent)
 
 
-def contact_set_from_soft_linings(problem: Problem, weight: Floats) -> Bools | None:
+def contact_set_from_soft_linings(problem: ContactProblem, weight: Floats) -> Bools | None:
     """The contact set (n,) of a problem, followed from that of far softer linings.
 
     A soft lining lies on the drum as under a rigid shoe, and its contact set is found from any
@@ -563,15 +565,17 @@ def contact_set_from_soft_linings(problem: Problem, weight: Floats) -> Bools | N
     try:
         for k in range(SOFTENINGS):
             softened = A + softest * SOFTENED_BY**-k * weight
-            active = active_set.settle(Problem(softened, q, B, C, h), active).active
-        return active_set.settle(problem, active).active
+            active = active_set.solve_by_block_pivoting(
+                ContactProblem(softened, q, B, C, h), active
+            ).active
+        return active_set.solve_by_block_pivoting(problem, active).active
     except NoAnswer:
         return None
 
 
 def problem_at_given_torque(
-    interface: WearInterface, torque: float, problem: Problem | None = None
-) -> Problem:
+    interface: WearInterface, torque: float, problem: ContactProblem | None = None
+) -> ContactProblem:
     """The contact problem with the torque [N m] given in place of the size f of the actuation.
 
     The gap is q + (f - 1) loaded, and C x = f h balances the loads. The first row of C gives f =
@@ -592,7 +596,9 @@ def problem_at_given_torque(
     rows[main] = math.copysign(1.0, h[main]) * interface.torque * interface.pressure
     right = np.zeros(len(h))
     right[main] = math.copysign(torque, h[main])
-    return Problem(A + np.outer(interface.loaded, factor), q - interface.loaded, B, rows, right)
+    return ContactProblem(
+        A + np.outer(interface.loaded, factor), q - interface.loaded, B, rows, right
+    )
 
 
 Tangent = Callable[[Floats], Floats]
@@ -668,9 +674,9 @@ class _WearStepper:
         self.sets: list[Bools | None] = [None] * len(self.interfaces)
         self.forward = True
 
-    def _problems_of(self, interface: WearInterface) -> list[Problem]:
+    def _problems_of(self, interface: WearInterface) -> list[ContactProblem]:
         """The contact problem of each footing of an interface."""
-        problems: list[Problem] = list(map(attrgetter("problem"), interface.footings))
+        problems: list[ContactProblem] = list(map(attrgetter("problem"), interface.footings))
         if self.held is None:
             return problems
         return list(map(partial(problem_at_given_torque, interface, self.held), problems))
@@ -782,7 +788,7 @@ class _WearStepper:
         return _WornContact(
             p=_concatenate_attribute(bearings, "p"),
             rate=_concatenate_attribute(bearings, "rate"),
-            tangents=list(map(attrgetter("contact.tangent"), bearings)),
+            tangents=list(map(attrgetter("contact.pressure_change"), bearings)),
         )
 
     def _actuation_factor(self, i: int, p: Floats) -> float:
@@ -829,14 +835,16 @@ class _WearStepper:
         interface, problem = self.interfaces[i], self.problems[i][self.footing[i]]
         A, q, B, C, h = problem._replace(q=problem.q + interface.weight @ depth)
         is_linear = self.law.exponent == 1 or ds == 0
-        p = self._first_pressure_guess(i, Problem(A, q, B, C, h))
+        p = self._first_pressure_guess(i, ContactProblem(A, q, B, C, h))
         rounded = ROUNDED_PRESSURE * float(interface.area @ p) / float(interface.area.sum())
         for _ in range(1 if is_linear else MAX_NEWTON_STEPS):
             rate, slope = self.law.rate(p, rounded)
             softer = A + ds * interface.weight * (slope * interface.pressure)
             shift = ds * (interface.weight @ (rate - slope * p))
-            contact = active_set.solve(Problem(softer, q + shift, B, C, h), self.sets[i])
-            if not contact.regular and self.held is None:
+            contact = active_set.solve_contact_problem(
+                ContactProblem(softer, q + shift, B, C, h), self.sets[i]
+            )
+            if not contact.stable and self.held is None:
                 raise NoAnswer("self-locking, no stable equilibrium")
             self.sets[i] = contact.active
             new = interface.pressure * contact.p
@@ -848,11 +856,11 @@ class _WearStepper:
             f"the pressure under wear of exponent {self.law.exponent:g} still changes"
         )
 
-    def _first_pressure_guess(self, i: int, problem: Problem) -> Floats:
+    def _first_pressure_guess(self, i: int, problem: ContactProblem) -> Floats:
         """The pressure (n,) with which Newton's method begins; a linear rate takes any pressure."""
         if self.law.exponent == 1:
             return np.zeros(len(problem.q))
-        contact = active_set.solve(problem, self.sets[i])
+        contact = active_set.solve_contact_problem(problem, self.sets[i])
         self.sets[i] = contact.active
         return self.interfaces[i].pressure * contact.p
 

@@ -19,8 +19,8 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.fields import rows_of
 from drumlin.brake.file import vary
 from drumlin.contact.active_set import Contact
-from drumlin.contact.equations import Problem
-from drumlin.fem.equilibrium.group import ShoeGroup, groups_of
+from drumlin.contact.equations import ContactProblem
+from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_groups
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.foundation import model as foundation
 from drumlin.foundation.post import shoe_angles
@@ -112,7 +112,7 @@ def fem_wear_setup(scene: PreparedModel, brake: Brake, *, penalty: float = math.
     """
     interfaces: list[WearInterface] = []
     surfaces: list[WornLining] = []
-    for group in groups_of(scene, brake, penalty):
+    for group in divide_pressed_shoes_into_groups(scene, brake, penalty):
         placed = []
         for i, body, shoe in zip(group.members, group.bodies, group.shoes, strict=True):
             theta = shoe.frame.theta(body.line.phi)
@@ -124,14 +124,14 @@ def fem_wear_setup(scene: PreparedModel, brake: Brake, *, penalty: float = math.
 
 def _wear_interface_of_group(group: ShoeGroup) -> WearInterface:
     """The linings of a group of shoes, with all their footings."""
-    first, *others = group.footings()
+    first, *others = group.groups_with_each_choice_of_senses()
     couplings = list(map(attrgetter("coupling"), group.bodies))
-    gap = np.concatenate(group.gaps)
+    gap = np.concatenate(group.initial_gaps)
     problem = _problem_in_newtons(first)
     return WearInterface(
         problem=problem,
-        loaded=problem.q - group.masses @ gap,
-        weight=group.masses,
+        loaded=problem.q - group.gap_mass_matrix @ gap,
+        weight=group.gap_mass_matrix,
         pressure=np.ones(len(gap)),
         area=np.concatenate(list(map(attrgetter("area"), couplings))),
         torque=group.brake.friction * np.concatenate(list(map(attrgetter("lever"), couplings))),
@@ -151,16 +151,16 @@ def _settle_worn_linings(ways: Sequence[ShoeGroup], depth: Floats) -> tuple[int,
     """
     worn = replace(ways[0], brake=_brake_of_group_with_wear(ways[0], depth))
     try:
-        settled, contact = worn.settled()
+        settled, contact = worn.solve_contact()
     except NoAnswer:
         # A search without a first guess may miss an equilibrium. Softer linings lead to a guess.
-        active = contact_set_from_soft_linings(worn.problem, worn.masses)
+        active = contact_set_from_soft_linings(worn.problem, worn.gap_mass_matrix)
         if active is None:
             raise
-        settled, contact = worn.settled(active)
+        settled, contact = worn.solve_contact(active)
     # The senses of friction tell which footing has been found.
-    senses = list(map(attrgetter("each_sense"), ways))
-    return senses.index(settled.each_sense), contact.active
+    senses = list(map(attrgetter("known_friction_senses"), ways))
+    return senses.index(settled.known_friction_senses), contact.active
 
 
 def _brake_of_group_with_wear(group: ShoeGroup, depth: Floats) -> Brake:
@@ -189,7 +189,7 @@ def add_worn_depths(brake: Brake, depths: Mapping[int, tuple[Floats, Floats]]) -
     return brake.model_copy(update={"shoes": tuple(shoes)})
 
 
-def _problem_in_newtons(group: ShoeGroup) -> Problem:
+def _problem_in_newtons(group: ShoeGroup) -> ContactProblem:
     """The contact problem of a group of shoes, scaled from unit forces to newtons."""
     size, problem = group.unit_force, group.problem
     return problem._replace(q=size * problem.q, h=size * problem.h)
@@ -198,7 +198,7 @@ def _problem_in_newtons(group: ShoeGroup) -> Problem:
 def _allows_abutment_friction(group: ShoeGroup, contact: Contact) -> bool:
     """Whether an answer in newtons allows the friction at the abutments of a group of shoes."""
     unit = replace(contact, p=contact.p / group.unit_force, y=contact.y / group.unit_force)
-    return all(group.consistent(unit, k) for k in range(len(group.members)))
+    return all(group.is_foot_as_assumed(unit, k) for k in range(len(group.members)))
 
 
 def foundation_wear_setup(

@@ -102,7 +102,7 @@ def wear_setups(brake: Brake, model: str, *, both_ways: bool, **options: Any) ->
     brake : the brake
     model : "fem" or "foundation"
     both_ways : whether the drum also turns back
-    options : those of the model, see `scene_of` and `foundation_wear_setup`
+    options : those of the model, see `prepare_finest_division` and `foundation_wear_setup`
 
     Raises
     ------
@@ -117,9 +117,9 @@ def wear_setups(brake: Brake, model: str, *, both_ways: bool, **options: Any) ->
         backward = None if turned_back is None else foundation_wear_setup(turned_back, **options)
         return WearSetups(forward, backward)
     # Only finite elements need this import, which takes longest.
-    from drumlin.fem.solve import scene_of  # noqa: PLC0415
+    from drumlin.fem.solve import prepare_finest_division  # noqa: PLC0415
 
-    scene = scene_of(brake, **options)
+    scene = prepare_finest_division(brake, **options)
     forward = fem_wear_setup(scene, brake)
     backward = None if turned_back is None else fem_wear_setup(scene, turned_back)
     return WearSetups(forward, backward)

@@ -42,9 +42,9 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.fields import Rows, rows_of
-from drumlin.fem.model import PENALTY, respond
+from drumlin.fem.model import PENALTY, solve_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
-from drumlin.fem.solve import scene_of
+from drumlin.fem.solve import prepare_finest_division
 from drumlin.foundation.model import RING_SECTIONS, included_effects, system
 from drumlin.foundation.post import shoe_angles
 from drumlin.laws import sine
@@ -69,9 +69,11 @@ to. A judgement; the pressure does not depend on it."""
 
 
 def solve_worn_in_brake(brake: Brake, *, penalty: float = PENALTY, **options: Any) -> Response:
-    """Solve a brake with worn-in linings by finite elements; `options` as of `scene_of`."""
-    scene = scene_of(brake, **options)
-    return with_merits(brake, respond(scene, worn_in_brake(scene, brake), penalty=penalty))
+    """Solve a brake with worn-in linings by finite elements; `options` as of `solve`."""
+    scene = prepare_finest_division(brake, **options)
+    return with_merits(
+        brake, solve_prepared_model(scene, worn_in_brake(scene, brake), penalty=penalty)
+    )
 
 
 def worn_in_brake(scene: PreparedModel, brake: Brake) -> Brake:

@@ -18,11 +18,11 @@ from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake
 from drumlin.brake.fields import Material, Orthotropic
-from drumlin.fem.equilibrium.state import gap_at
+from drumlin.fem.equilibrium.state import unloaded_gaps_at
 from drumlin.fem.mesh.abaqus import TYPE_OF_CELL
-from drumlin.fem.mesh.arc import kind_of
-from drumlin.fem.mesh.edges import edge_nodes
-from drumlin.fem.preparation.meshes import materials_of
+from drumlin.fem.mesh.arc import mesh_kind_of
+from drumlin.fem.mesh.edges import nodes_along_edges
+from drumlin.fem.preparation.meshes import materials_of_parts
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 from drumlin.fem.substructure.interface import unit_loads_on_end
 from drumlin.peers.peer import Loaded
@@ -153,7 +153,7 @@ def deck(brake: Brake, loaded: Loaded, setting: DeckSetting, name: str = "shoe")
 def check_fit(brake: Brake, loaded: Loaded) -> None:
     """Raise BadInput for a lining that does not fit the drum."""
     shoe, line = loaded.shoe, loaded.parts.line
-    if np.any(gap_at(line.xy, line.phi, brake, shoe)):
+    if np.any(unloaded_gaps_at(line.xy, line.phi, brake, shoe)):
         raise BadInput(
             f"shoe {shoe.name!r}: lining.clearance: "
             "CalculiX gets linings that fit the drum; must be 0"
@@ -163,7 +163,7 @@ def check_fit(brake: Brake, loaded: Loaded) -> None:
 def _deck_grid(loaded: Loaded) -> DeckGrid:
     """The mesh of a shoe as CalculiX has it. Raises BadInput for linear elements."""
     shoe, parts = loaded.shoe, loaded.parts
-    cell = kind_of(parts.mesh).cell
+    cell = mesh_kind_of(parts.mesh).cell
     if cell not in DECK_CELLS:
         raise BadInput("--kind: CalculiX gets quadratic elements only; allowed: quad2, tri2")
     kind, corners = DECK_CELLS[cell]
@@ -171,7 +171,7 @@ def _deck_grid(loaded: Loaded) -> DeckGrid:
     cells = counter_clockwise(xy, parts.basis.element_dofs.T[:, : 2 * corners], corners)
     edges = {}
     for name, facets in parts.mesh.boundaries.items():
-        edges[name] = edge_nodes(parts.basis, facets)
+        edges[name] = nodes_along_edges(parts.basis, facets)
     return DeckGrid(
         xy=xy,
         cells=cells,
@@ -211,7 +211,7 @@ def _material_lines(loaded: Loaded, setting: DeckSetting) -> list[str]:
     lining = loaded.shoe.lining
     thickness = setting.thickness * lining.width * MM
     drum_material = Material(E=DRUM_MODULUS * lining.material.E_through, nu=0.0)
-    parts = materials_of(loaded.shoe) | {"drum": (drum_material, lining.width)}
+    parts = materials_of_parts(loaded.shoe) | {"drum": (drum_material, lining.width)}
     layers, lines = elastic_layers_of_shoe(loaded.shoe), []
     for part, (material, width) in parts.items():
         name, times = part.upper(), width / lining.width

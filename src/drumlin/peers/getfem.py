@@ -24,9 +24,9 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.fem.equilibrium.state import gap_at
+from drumlin.fem.equilibrium.state import unloaded_gaps_at
 from drumlin.fem.mesh.arc import DEFAULT_KIND
-from drumlin.fem.mesh.edges import edge_nodes
+from drumlin.fem.mesh.edges import nodes_along_edges
 from drumlin.fem.model import LARGEST_ANSWER_IMBALANCE
 from drumlin.fem.preparation.meshes import ELEMENTS, Mesher
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe, split_elasticity
@@ -414,7 +414,7 @@ def _body_arrays(brake: Brake, loaded: Loaded) -> dict[str, Any]:
     }
     for name in ("contact", "hinge", "actuation"):
         if name in mesh.boundaries:
-            arrays[f"{name}{k}"] = np.unique(edge_nodes(basis, mesh.boundaries[name]))
+            arrays[f"{name}{k}"] = np.unique(nodes_along_edges(basis, mesh.boundaries[name]))
     return arrays
 
 
@@ -425,7 +425,7 @@ def _shoe_data(brake: Brake, loaded: Loaded) -> dict[str, Any]:
     line = parts.line
     modes = _modes_in_radii(loaded, R)
     work = loaded.work * (not loaded.on_body) / modes.test_sizes / (E * R**2 * width)
-    gap = gap_at(line.xy, line.phi, brake, shoe) / R
+    gap = unloaded_gaps_at(line.xy, line.phi, brake, shoe) / R
     open_by = clearance.gap(brake, shoe, shoe.frame.theta(line.phi)) / R
     return {
         "body": loaded.body,

@@ -15,11 +15,11 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.fem.equilibrium.modes import at_pin
+from drumlin.fem.equilibrium.modes import motions_at_pin
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
-from drumlin.fem.preparation.bodies import actuation
-from drumlin.fem.preparation.cache import shape_of
-from drumlin.fem.preparation.meshes import ELEMENTS, Assembled, Mesher, assemble
+from drumlin.fem.preparation.bodies import actuation_load_factors
+from drumlin.fem.preparation.cache import shape_key_of_shoe
+from drumlin.fem.preparation.meshes import ELEMENTS, AssembledShoe, Mesher, assemble_shoe
 from drumlin.fem.substructure.loads import ACTUATION
 from drumlin.laws import rigid
 from drumlin.response.balance import relative_balance, worst
@@ -72,7 +72,7 @@ class MeshedShoe(NamedTuple):
     """A shoe as drumlin meshes it, with a number for its shape; equal shapes share both."""
 
     body: int
-    parts: Assembled
+    parts: AssembledShoe
 
 
 @dataclass(frozen=True)
@@ -95,7 +95,7 @@ class Loaded:
     """
 
     shoe: Shoe
-    parts: Assembled
+    parts: AssembledShoe
     body: int
     force: Floats
     couple: float
@@ -147,9 +147,9 @@ def meshed_shoes(
     by_shape: dict[tuple[object, ...], MeshedShoe] = {}
     meshed = []
     for shoe in brake.shoes:
-        shape = shape_of(brake, shoe)
+        shape = shape_key_of_shoe(brake, shoe)
         if shape not in by_shape:
-            by_shape[shape] = MeshedShoe(len(by_shape), assemble(brake, shoe, mesher, {}))
+            by_shape[shape] = MeshedShoe(len(by_shape), assemble_shoe(brake, shoe, mesher, {}))
         meshed.append(by_shape[shape])
     return meshed
 
@@ -165,7 +165,7 @@ def under_force(brake: Brake, shoe: Shoe, meshed: MeshedShoe, sense: int = 1) ->
     sense : of an abutment's friction, see `Held.freedoms`
     """
     parts = meshed.parts
-    factors, moment = actuation(parts, shoe)
+    factors, moment = actuation_load_factors(parts, shoe)
     load = parts.columns.factors_of(ACTUATION, factors)
     size, free = abs(shoe.actuation.force), shoe.freedoms(sense)
     if shoe.held_by == "hinge" and not shoe.flat:
@@ -182,8 +182,8 @@ def under_force(brake: Brake, shoe: Shoe, meshed: MeshedShoe, sense: int = 1) ->
         couple=size * float(load[2]),
         drag=brake.drag_on(shoe),
         approaches=approaches,
-        motions=at_pin(shoe, free.motions).T,
-        tests=at_pin(shoe, free.tests).T,
+        motions=motions_at_pin(shoe, free.motions).T,
+        tests=motions_at_pin(shoe, free.tests).T,
         work=free.work,
         tip=free.tip,
     )

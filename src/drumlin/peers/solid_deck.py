@@ -17,7 +17,7 @@ from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.fields import Material
-from drumlin.fem.preparation.meshes import materials_of
+from drumlin.fem.preparation.meshes import materials_of_parts
 from drumlin.fem.solid.body import end_forces, friction_face, hinge_nodes
 from drumlin.fem.solid.fields import orient_cells, serendipity_cells
 from drumlin.fem.solid.mesh import Solid, solid_mesh
@@ -231,7 +231,7 @@ def _shoe_lines(shoe: Shoe, solid: Solid, points: Floats, grid: DeckGrid) -> lis
 def _material_lines(shoe: Shoe) -> list[str]:
     """The lines of a deck for the materials of a shoe and of the drum."""
     moduli = {}
-    for part, (material, _) in materials_of(shoe).items():
+    for part, (material, _) in materials_of_parts(shoe).items():
         # `why_not` refuses orthotropic materials.
         assert isinstance(material, Material)
         moduli[part.upper()] = material.E, material.nu

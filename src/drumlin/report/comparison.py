@@ -9,7 +9,7 @@ from drumlin.base.errors import NoAnswer
 from drumlin.base.files import write_text
 from drumlin.brake.brake import Brake
 from drumlin.comparison import Comparison, Outcome, TableColumn, as_csv, columns_of, compare
-from drumlin.fem.preparation.finite_width import finite_width
+from drumlin.fem.preparation.finite_width import correct_for_finite_width
 from drumlin.models import refusals
 from drumlin.report import figures
 from drumlin.report.page import software_versions, write_page
@@ -71,13 +71,13 @@ def draw_fields(
     None, or the reason why there is no picture, such as a machine without off-screen rendering
     """
     # These imports are heavy, and most commands draw no fields.
-    from drumlin.fem.analysis.fields import all_fields, write_vtu  # noqa: PLC0415
-    from drumlin.fem.solve import scene_of  # noqa: PLC0415
+    from drumlin.fem.analysis.fields import recover_all_fields, write_fields_as_vtu  # noqa: PLC0415
+    from drumlin.fem.solve import prepare_finest_division  # noqa: PLC0415
     from drumlin.report.render import render_fields  # noqa: PLC0415
 
     brake.check_meshable()
-    scene = scene_of(brake, **options)
-    write_vtu(folder / f"{name}.vtu", all_fields(scene, brake, response))
+    scene = prepare_finest_division(brake, **options)
+    write_fields_as_vtu(folder / f"{name}.vtu", recover_all_fields(scene, brake, response))
     title = f"{brake.title}, {brake.motion}"
     return render_fields(
         folder / f"{name}.vtu", folder / f"{name}.png", loaded(brake, response), title
@@ -149,7 +149,7 @@ def write_comparison_page(
         # The other options do not concern the mesh.
         mesh_options = {key: options[key] for key in ("elements", "kind") if key in options}
         # The response was computed on a brake that is corrected for its finite width.
-        solved_brake = finite_width(brake) if options.get("finite_width") else brake
+        solved_brake = correct_for_finite_width(brake) if options.get("finite_width") else brake
         not_drawn = draw_fields(solved_brake, fem, folder, "fields", **mesh_options)
     notes = _notes_of_models(brake, comparison)
     page = write_page(

@@ -9,7 +9,7 @@ from drumlin.base.arrays import Ints
 from drumlin.brake.brake import Brake
 from drumlin.fem.hp.grid import ColumnGrid
 from drumlin.fem.preparation.bodies import ShoeSubstructure
-from drumlin.fem.solve import scene_of
+from drumlin.fem.solve import prepare_finest_division
 from drumlin.models import refusals
 from drumlin.report.drawing import draw_brake
 
@@ -29,7 +29,9 @@ def draw_brake_with_meshes(brake: Brake, **options: Any) -> Figure:
     axes.set_title(f"{brake.title}, {brake.motion}")
     if "fem" in refusals(brake):
         return figure
-    for shoe, body in zip(brake.shoes, scene_of(brake, **options).bodies, strict=True):
+    for shoe, body in zip(
+        brake.shoes, prepare_finest_division(brake, **options).bodies, strict=True
+    ):
         xy = shoe.points(body.basis.doflocs).T * 1e3  # mm
         around = body.mesh.outline if isinstance(body.mesh, ColumnGrid) else _nodes_around(body)
         for name, elements in body.mesh.subdomains.items():

@@ -22,7 +22,7 @@ from drumlin.base.errors import BadInput, DrumlinError, NoAnswer
 from drumlin.base.journal import Journal, key_of, source_stamp
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
-from drumlin.fem.mesh.content import content_digest
+from drumlin.fem.mesh.content import digest_of_mesh_file
 from drumlin.fem.preparation.cache import Cache
 from drumlin.models import pick
 from drumlin.response.merit import brake_factor
@@ -137,7 +137,7 @@ def _failed_answer(case: SweepCase, error: Exception) -> CaseAnswer:
     text = str(error) if known else f"unexpected {type(error).__name__}: {error}"
     passing = _is_passing_failure(error)
     # A mesh file that cannot be read has the digest "none". The file may be back next time.
-    readable = "none" not in map(content_digest, mesh_files(case.brake, case.changes))
+    readable = "none" not in map(digest_of_mesh_file, mesh_files(case.brake, case.changes))
     row = {"status": f"failed: {' '.join(text.split())}"}
     return CaseAnswer(row, lasting=known and not passing and readable, again=passing)
 
@@ -284,7 +284,7 @@ def journal_keys(cases: Iterable[SweepCase]) -> Iterator[dict[str, Any]]:
     """
     brake_digests: dict[int, str] = {}
     # Each mesh file is read once, however many cases name it.
-    file_digest = cache(content_digest)
+    file_digest = cache(digest_of_mesh_file)
     for case in cases:
         # Thousands of cases share one brake object: it is digested once.
         if id(case.brake) not in brake_digests:
@@ -307,7 +307,7 @@ def brake_digest(brake: Brake) -> str:
     data = brake.model_dump(mode="json")
     for shoe in data["shoes"]:
         if shoe.get("mesh") is not None:
-            shoe["mesh"] = content_digest(Path(shoe["mesh"]))
+            shoe["mesh"] = digest_of_mesh_file(Path(shoe["mesh"]))
     return hashlib.sha256(json.dumps(data).encode()).hexdigest()[:16]
 
 

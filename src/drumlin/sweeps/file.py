@@ -23,7 +23,7 @@ from drumlin.brake.fields import Part, Title
 from drumlin.brake.file import is_interval, read_toml, unit_of, validated, values_of, vary
 from drumlin.brake.plane_brake import any_from, read_any
 from drumlin.brake.units import to_si
-from drumlin.fem.mesh.content import mesh_bytes
+from drumlin.fem.mesh.content import read_mesh_bytes
 from drumlin.foundation.model import included_effects
 from drumlin.models import MODELS
 from drumlin.sweeps.cases import SweepCase, is_mesh_key, mesh_files
@@ -347,7 +347,7 @@ def _check_meshes(brake: Brake, specs: Mapping[str, _KeySpec]) -> None:
             meshes |= {Path(value) for value in spec.values or () if isinstance(value, str)}
     for path in sorted(meshes):
         try:
-            mesh_bytes(path)
+            read_mesh_bytes(path)
         except DrumlinError as error:
             raise type(error)(f"mesh = {error}") from error
 

@@ -22,13 +22,13 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.fem.mesh.arc import shoe_mesh
-from drumlin.fem.mesh.grading import LiningDivision, divide
-from drumlin.fem.model import PENALTY, respond
+from drumlin.fem.mesh.grading import LiningDivision, divide_lining
+from drumlin.fem.model import PENALTY, solve_prepared_model
 from drumlin.fem.preparation.bodies import ShoeSubstructure
 from drumlin.fem.preparation.meshes import Mesher
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.preparation.scene import PreparedModel
-from drumlin.fem.solve import check_divided
+from drumlin.fem.solve import check_division_options
 from drumlin.fem.substructure.body import scalar_basis, stiffness
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 from drumlin.models import pick
@@ -108,7 +108,7 @@ def measure_fem_cost(
     def prepare_and_respond() -> PreparedModel:
         """Solve the brake from the beginning."""
         scene = prepare(brake, elements=elements, mesher=mesher)
-        respond(scene, brake, penalty=penalty)
+        solve_prepared_model(scene, brake, penalty=penalty)
         return scene
 
     start = time.perf_counter()
@@ -125,7 +125,7 @@ def measure_fem_cost(
     assembly, factorisation, substitution = parts.tolist()
     if repeats > 1:
         solve = _median_seconds(prepare_and_respond, repeats)
-    further_case = partial(respond, scene, _with_less_friction(brake), penalty=penalty)
+    further_case = partial(solve_prepared_model, scene, _with_less_friction(brake), penalty=penalty)
     return Cost(
         unknowns=sum(body.unknowns for body in bodies.values()),
         contact_nodes=sum(len(body.line.nodes) for body in bodies.values()),
@@ -177,7 +177,7 @@ def mesh_of_given_size(unknowns: int, shoe: Shoe, radius: float) -> object:
     """
     elements = round(0.95 * math.sqrt(unknowns))
     layers = round(elements / 15)
-    even = divide(shoe, radius, elements)
+    even = divide_lining(shoe, radius, elements)
     depths = np.linspace(0, shoe.lining.thickness, layers + 1)
     return shoe_mesh(shoe, radius, LiningDivision(even.angles, depths, even.step, behind=layers))
 
@@ -256,10 +256,10 @@ def _measure_solid_cost(brake: Brake, elements: int) -> _SolidCost:
 
     start = time.process_time()
     scene = solid.prepare(brake, elements=elements)
-    respond(scene, brake)
+    solve_prepared_model(scene, brake)
     first = time.process_time() - start
     memory, start = peak_memory(), time.process_time()
-    respond(scene, _with_less_friction(brake))
+    solve_prepared_model(scene, _with_less_friction(brake))
     further = time.process_time() - start
     # Equal shoes share one body.
     bodies = {id(body): body for body in scene.bodies}.values()
@@ -289,7 +289,7 @@ def cost_report_lines(
         raise BadInput(f"--model = {model!r}: has no cost to print; allowed: fem, solid")
     pick(model, brake)
     brake.check_meshable()
-    check_divided(brake, elements=options.get("elements"))
+    check_division_options(brake, elements=options.get("elements"))
     if options and (by_size or model == "solid"):
         chooses = "--table" if by_size else "--model solid"
         raise BadInput(f"{chooses} chooses the elements itself; leave out --elements and --penalty")

@@ -26,7 +26,7 @@ from drumlin.comparison import edge_of
 from drumlin.fem.error_control.levels import solved_levels
 from drumlin.fem.error_control.singular_points import singular_points_of
 from drumlin.fem.hp.division import Level
-from drumlin.fem.model import respond
+from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.response.balance import contact_resultant
 from drumlin.response.norms import pressure_distance
@@ -116,7 +116,7 @@ def solve_reference_responses(brake: Brake, refinement: Refinement = FINE) -> Re
             raise BadInput(
                 f"shoe {shoe.name!r} has a mesh file, which is not refined: no reference values"
             )
-    solve_exactly = partial(respond, penalty=math.inf)
+    solve_exactly = partial(solve_prepared_model, penalty=math.inf)
     # Coarse levels find the ends of the contact, near which the divisions are fine.
     for step in islice(solved_levels(brake, solve_exactly), refinement.first):
         last = step.response

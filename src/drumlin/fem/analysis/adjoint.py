@@ -16,7 +16,7 @@ import numpy as np
 from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.fem.equilibrium.group import ShoeGroup
-from drumlin.fem.equilibrium.sharing import full_equations
+from drumlin.fem.equilibrium.sharing import matrix_with_force_unknowns
 
 
 class ShoeAdjoint(NamedTuple):
@@ -24,20 +24,20 @@ class ShoeAdjoint(NamedTuple):
 
     Attributes
     ----------
-    a : adjoint multipliers (n,) of the weighted gaps
-    b : adjoint multipliers (k,) of the equilibria
-    c : adjoint multiplier of the equation that gives the shoe's actuation force
-    p : pressures (n,) [Pa] of the answer
-    y : generalised coordinates (k,) of the answer
-    F : size of the actuation force [N] of the answer
+    gap_multipliers : adjoint multipliers (n,) of the weighted gaps
+    equilibrium_multipliers : adjoint multipliers (k,) of the equilibria
+    force_multiplier : adjoint multiplier of the equation that gives the shoe's actuation force
+    pressures : pressures (n,) [Pa] of the answer
+    coordinates : generalised coordinates (k,) of the answer
+    force : size of the actuation force [N] of the answer
     """
 
-    a: Floats
-    b: Floats
-    c: float
-    p: Floats
-    y: Floats
-    F: float
+    gap_multipliers: Floats
+    equilibrium_multipliers: Floats
+    force_multiplier: float
+    pressures: Floats
+    coordinates: Floats
+    force: float
 
 
 class GroupAdjoint(NamedTuple):
@@ -47,30 +47,35 @@ class GroupAdjoint(NamedTuple):
     ----------
     group : the group, with the senses of friction at its abutments that its answer has
     shoes : the adjoint and the answer of each shoe
-    torque : torque of each shoe (shoes,) [N m]
-    friction : change of the torque of each shoe per friction coefficient (shoes,) [N m]
-    ring : change of the group's torque by the logarithm of the ring's modulus [N m]
-    drive : change of the group's torque by the logarithm of all given forces [N m]
+    torques : torque of each shoe (shoes,) [N m]
+    friction_slopes : change of the torque of each shoe per friction coefficient (shoes,) [N m]
+    ring_modulus_slope : change of the group's torque by the logarithm of the ring's modulus [N m]
+    given_forces_slope : change of the group's torque by the logarithm of all given forces [N m]
     """
 
     group: ShoeGroup
     shoes: list[ShoeAdjoint]
-    torque: Floats
-    friction: Floats
-    ring: float
-    drive: float
+    torques: Floats
+    friction_slopes: Floats
+    ring_modulus_slope: float
+    given_forces_slope: float
 
 
-def group_adjoint(group: ShoeGroup) -> GroupAdjoint:
+def solve_adjoint_of_group(group: ShoeGroup) -> GroupAdjoint:
     """Solve for the adjoint of the sum of a group's torques.
 
-    Raises NoAnswer as `ShoeGroup.settled` does.
+    Raises NoAnswer as `ShoeGroup.solve_contact` does.
     """
-    group, contact = group.settled()
-    size, mu, lever, n = group.unit_force, group.brake.friction, group.levers, len(contact.p)
-    without_friction = _equation_matrix(group, 0.0)
-    per_friction = _equation_matrix(group, 1.0) - without_friction
-    y, F = group.coordinates(contact), np.abs(group.forces(contact.p))
+    group, contact = group.solve_contact()
+    size, mu, lever, n = (
+        group.unit_force,
+        group.brake.friction,
+        group.torque_per_pressure,
+        len(contact.p),
+    )
+    without_friction = _matrix_of_group_equations(group, 0.0)
+    per_friction = _matrix_of_group_equations(group, 1.0) - without_friction
+    y, F = group.generalised_coordinates(contact), np.abs(group.actuation_forces(contact.p))
     coordinates = sum(map(len, y))
     # The last unknown is the travel of a cam's tips. No equation multiplies the travel by mu, so
     # that its value does not matter here.
@@ -79,7 +84,7 @@ def group_adjoint(group: ShoeGroup) -> GroupAdjoint:
     weights = np.zeros((len(answer), len(F)))
     weights[:n] = mu * lever
     on = np.concatenate([contact.active, np.ones(len(answer) - n, dtype=bool)])
-    each = _solve_transposed(without_friction + mu * per_friction, on, weights)
+    each = _solve_transposed_equations(without_friction + mu * per_friction, on, weights)
     # The torque of the group is the sum of the shoes' torques, and so is its adjoint.
     a, b, c = np.split(each.sum(axis=1), [n, n + coordinates])
     shoes = []
@@ -92,37 +97,43 @@ def group_adjoint(group: ShoeGroup) -> GroupAdjoint:
     return GroupAdjoint(
         group=group,
         shoes=shoes,
-        torque=size * mu * (lever.T @ contact.p),
-        friction=size * by_friction,
-        ring=_slope_by_ring(group, a, contact.p),
-        drive=size * group.total * float(c[-1]) if group.cam else given,
+        torques=size * mu * (lever.T @ contact.p),
+        friction_slopes=size * by_friction,
+        ring_modulus_slope=_slope_by_ring_modulus(group, a, contact.p),
+        given_forces_slope=size * group.cam_force_sum * float(c[-1]) if group.cam_shoes else given,
     )
 
 
-def _slope_by_ring(group: ShoeGroup, a: Floats, p: Floats) -> float:
+def _slope_by_ring_modulus(group: ShoeGroup, a: Floats, p: Floats) -> float:
     """The change of the torque by the logarithm of the ring's modulus [N m]; 0 for a rigid drum."""
-    if group.ring is None:
+    if group.ring_flexibility_roots is None:
         return 0.0
-    pressed, dragged = group.ring
+    pressed, dragged = group.ring_flexibility_roots
     return group.unit_force * float((pressed @ a) @ ((pressed + group.brake.drag * dragged) @ p))
 
 
 def _slope_by_given_forces(group: ShoeGroup, shoes: list[ShoeAdjoint]) -> float:
     """The change of the torque by the logarithm of all forces but the forces of struts [N m]."""
-    pushed_by_struts = [to for _, to in group.links]
-    return float(sum(own.c * own.F for k, own in enumerate(shoes) if k not in pushed_by_struts))
+    pushed_by_struts = [to for _, to in group.struts]
+    return float(
+        sum(
+            own.force_multiplier * own.force
+            for k, own in enumerate(shoes)
+            if k not in pushed_by_struts
+        )
+    )
 
 
-def _equation_matrix(group: ShoeGroup, friction: float) -> Floats:
+def _matrix_of_group_equations(group: ShoeGroup, friction: float) -> Floats:
     """The matrix of all equations of a group, which is linear in the friction coefficient.
 
-    The actuation forces are among the unknowns, see `full_equations`.
+    The actuation forces are among the unknowns, see `matrix_with_force_unknowns`.
     """
-    blocks, effects = group.blocks(friction), group.force_effects(friction)
-    return full_equations(blocks, effects, group.links, group.cam)
+    blocks, effects = group.problem_with_own_forces(friction), group.effects_of_forces(friction)
+    return matrix_with_force_unknowns(blocks, effects, group.struts, group.cam_shoes)
 
 
-def _solve_transposed(matrix: Floats, on: Bools, weights: Floats) -> Floats:
+def _solve_transposed_equations(matrix: Floats, on: Bools, weights: Floats) -> Floats:
     """Solve the transposed equations for the adjoints of j torques.
 
     Parameters

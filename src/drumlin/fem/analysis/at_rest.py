@@ -17,29 +17,29 @@ from drumlin.brake.support import UNHELD
 from drumlin.contact import equations
 from drumlin.contact.stick_slip import FrictionalProblem
 from drumlin.fem.equilibrium.group import ShoeGroup
-from drumlin.fem.equilibrium.sharing import ForceEffects, share_forces
+from drumlin.fem.equilibrium.sharing import ForceEffects, make_problem_with_shared_forces
 from drumlin.fem.model import PENALTY
-from drumlin.fem.preparation.bodies import acting_loads, actuation, contact_stiffness
+from drumlin.fem.preparation.bodies import acting_loads, actuation_load_factors, contact_stiffness
 
 
-def holding_problem(group: ShoeGroup) -> tuple[FrictionalProblem, Floats]:
+def make_stick_slip_problem(group: ShoeGroup) -> tuple[FrictionalProblem, Floats]:
     """The stick-slip problem of a group of shoes on a resting drum, per newton, and its lever.
 
     The lever (n,) [m^3] is the weighted slip per rotation of the drum: a rotation by Omega adds
     lever Omega to the slips q_s. Tractions and slips count along e_theta of the brake. One node for
-    each foot on a rough abutment follows the nodes of the linings, see `Feet`.
+    each foot on a rough abutment follows the nodes of the linings, see `RoughFeet`.
     """
-    feet = Feet.of(group)
-    still = replace(group, brake=feet.without_abutment_friction(0.0), senses=feet.senses)
-    shoes = [_shoe_tractions(still, k) for k in range(len(group.members))]
-    problem = feet.add_nodes(_free_feet_problem(still, shoes), still)
-    if group.links or group.cam:
-        problem = _share_forces(still, problem, shoes)
+    feet = RoughFeet.of_group(group)
+    still = replace(group, brake=feet.brake_with_smooth_abutments(0.0), friction_senses=feet.senses)
+    shoes = [_traction_matrices_of_shoe(still, k) for k in range(len(group.members))]
+    problem = feet.add_foot_nodes(_problem_with_free_feet(still, shoes), still)
+    if group.struts or group.cam_shoes:
+        problem = _add_shared_forces(still, problem, shoes)
     lever = np.concatenate([body.coupling.lever for body in group.bodies])
-    return problem, np.append(lever, np.zeros(len(feet.on)))
+    return problem, np.append(lever, np.zeros(len(feet.shoe_numbers)))
 
 
-class _ShoeTractions(NamedTuple):
+class _TractionMatrices(NamedTuple):
     """The matrices that tractions t and slips s add to the contact problem of one shoe.
 
     Attributes
@@ -63,9 +63,9 @@ class _ShoeTractions(NamedTuple):
     effects: ForceEffects
 
 
-def _shoe_tractions(group: ShoeGroup, k: int) -> _ShoeTractions:
+def _traction_matrices_of_shoe(group: ShoeGroup, k: int) -> _TractionMatrices:
     """The matrices of tractions on shoe `k` of a group without friction."""
-    body, shoe, modes = group.bodies[k], group.shoes[k], group.modes[k]
+    body, shoe, modes = group.bodies[k], group.shoes[k], group.rigid_body_modes[k]
     coupling, condensed = body.coupling, body.condensed
     n = len(body.line.nodes)
     # Tractions count along e_theta of the brake, whichever way the shoe's own frame turns.
@@ -73,28 +73,30 @@ def _shoe_tractions(group: ShoeGroup, k: int) -> _ShoeTractions:
     # Products of two halves are entries of the flexibility by pressures, tractions and loads.
     Y = condensed.half_flexibility(np.hstack([-coupling.N.T, T.T, condensed.load_on_contact]))
     pressed, dragged, loaded = np.split(Y, [n, 2 * n], axis=1)
-    load, _ = actuation(body, shoe)
+    load, _ = actuation_load_factors(body, shoe)
     acting = acting_loads(body, shoe, shoe.actuation.force) / group.unit_force
     tip = dragged.T @ (loaded @ load)
     bearing = np.zeros(n)
     if shoe.abutment is not None:
         nodal = T.reshape(n, -1, 2).sum(axis=1)
         bearing = -shoe.frame.to_brake(nodal) @ shoe.bearing
-    effects = group.force_effects(0.0)[k]
-    return _ShoeTractions(
+    effects = group.effects_of_forces(0.0)[k]
+    return _TractionMatrices(
         # The gaps close by N u as the tractions T^T t act.
         A_wt=pressed.T @ dragged,
         A_sp=-dragged.T @ pressed,
         A_st=-dragged.T @ dragged,
         B_s=-(T @ modes.contact_modes),
         C_t=(T @ modes.test_modes).T,
-        compliance=coupling.M / group.stiffnesses[k],
+        compliance=coupling.M / group.contact_stiffnesses[k],
         q_s=-(dragged.T @ (loaded @ acting)),
-        effects=effects._replace(opened=-tip, tip=tip, bearing=bearing),
+        effects=effects._replace(
+            gap_by_force=-tip, tip_travel_by_pressure=tip, foot_force_by_pressure=bearing
+        ),
     )
 
 
-def _free_feet_problem(still: ShoeGroup, shoes: list[_ShoeTractions]) -> FrictionalProblem:
+def _problem_with_free_feet(still: ShoeGroup, shoes: list[_TractionMatrices]) -> FrictionalProblem:
     """The stick-slip problem of a group whose feet are free in the plane.
 
     Parameters
@@ -102,16 +104,16 @@ def _free_feet_problem(still: ShoeGroup, shoes: list[_ShoeTractions]) -> Frictio
     still : the group without friction
     shoes : the matrices of tractions on each shoe
     """
-    normal = still.blocks(0.0)
+    normal = still.problem_with_own_forces(0.0)
 
     def diagonal(name: str) -> Floats:
         """The matrices of this name of all shoes as the blocks of one matrix."""
         return block_diag(*(getattr(shoe, name) for shoe in shoes))
 
     A_wt, A_sp, A_st = diagonal("A_wt"), diagonal("A_sp"), diagonal("A_st")
-    if still.ring is not None:
+    if still.ring_flexibility_roots is not None:
         # The ring under one shoe moves by the pressures and tractions on all shoes.
-        pressed, dragged = still.ring
+        pressed, dragged = still.ring_flexibility_roots
         A_wt = A_wt + pressed.T @ dragged
         A_sp = A_sp - dragged.T @ pressed
         A_st = A_st - dragged.T @ dragged
@@ -131,7 +133,7 @@ def _free_feet_problem(still: ShoeGroup, shoes: list[_ShoeTractions]) -> Frictio
     )
 
 
-class Feet(NamedTuple):
+class RoughFeet(NamedTuple):
     """The feet of a group's shoes on rough abutments, each a node of the stick-slip problem.
 
     The node of a foot bears a force p [N] along the normal of the abutment's face and a force
@@ -140,20 +142,20 @@ class Feet(NamedTuple):
     Attributes
     ----------
     group : the group of shoes
-    on : numbers, within the group, of the shoes whose feet stand on rough abutments
+    shoe_numbers : numbers, within the group, of the shoes whose feet stand on rough abutments
     senses : sense of friction at each abutment of the group, UNHELD where the foot is a node
-    yielding : compliance (feet,) [m/N] of each foot across and along the face, in the place of a
-        lining's penalty
+    foot_compliance : compliance (feet,) [m/N] of each foot across and along the face, in the place
+        of a lining's penalty
     """
 
     group: ShoeGroup
-    on: list[int]
+    shoe_numbers: list[int]
     senses: tuple[int, ...]
-    yielding: Floats
+    foot_compliance: Floats
 
     @classmethod
-    def of(cls, group: ShoeGroup) -> "Feet":
-        """The feet of a group on rough abutments."""
+    def of_group(cls, group: ShoeGroup) -> "RoughFeet":
+        """Collect the feet of a group on rough abutments."""
         # Exact contact of linings has no compliance, but a sticking foot needs one.
         penalty = PENALTY if math.isinf(group.penalty) else group.penalty
         on, stiffness, senses = [], [], [1] * len(group.shoes)
@@ -166,7 +168,7 @@ class Feet(NamedTuple):
             stiffness.append(contact_stiffness(shoe, penalty) * area)
         return cls(group, on, tuple(senses), 1 / np.array(stiffness))
 
-    def without_abutment_friction(self, friction: float) -> Brake:
+    def brake_with_smooth_abutments(self, friction: float) -> Brake:
         """The brake at a friction coefficient of the drum, with frictionless abutments."""
         shoes = []
         for shoe in self.group.brake.shoes:
@@ -174,14 +176,14 @@ class Feet(NamedTuple):
             shoes.append(shoe.model_copy(update={"abutment": abutment}))
         return self.group.brake.model_copy(update={"friction": friction, "shoes": tuple(shoes)})
 
-    def node_friction(self) -> Floats:
+    def friction_of_all_nodes(self) -> Floats:
         """The friction coefficient (n,) of every node, of linings first and then of feet."""
         n = self.group.node_ranges[-1].stop
-        abutments = [self.group.shoes[k].abutment for k in self.on]
+        abutments = [self.group.shoes[k].abutment for k in self.shoe_numbers]
         of_feet = [abutment.friction for abutment in abutments if abutment is not None]
         return np.array([self.group.brake.friction] * n + of_feet)
 
-    def add_nodes(self, problem: FrictionalProblem, still: ShoeGroup) -> FrictionalProblem:
+    def add_foot_nodes(self, problem: FrictionalProblem, still: ShoeGroup) -> FrictionalProblem:
         """Add a node for each foot to a stick-slip problem.
 
         Parameters
@@ -189,18 +191,18 @@ class Feet(NamedTuple):
         problem : the stick-slip problem of the linings
         still : the group of this problem, whose feet are free in the plane
         """
-        if not self.on:
+        if not self.shoe_numbers:
             return problem
-        count = len(self.on)
+        count = len(self.shoe_numbers)
         off = np.zeros((count, problem.B_w.shape[1]))
         slid = np.zeros((count, problem.B_w.shape[1]))
         # Only the two slides of a shoe move its foot: the shoe turns about the foot.
-        for row, k in enumerate(self.on):
+        for row, k in enumerate(self.shoe_numbers):
             names = still.shoes[k].freedoms(UNHELD).names
             first = still.mode_ranges[k].start
             off[row, first + names.index("off")] = 1.0
             slid[row, first + names.index("slide")] = 1.0
-        yielding, nothing = np.diag(self.yielding), np.zeros((count, count))
+        yielding, nothing = np.diag(self.foot_compliance), np.zeros((count, count))
         no_gap = np.zeros(count)
         return problem._replace(
             A_wp=block_diag(problem.A_wp, yielding),
@@ -217,8 +219,8 @@ class Feet(NamedTuple):
         )
 
 
-def _share_forces(
-    still: ShoeGroup, problem: FrictionalProblem, shoes: list[_ShoeTractions]
+def _add_shared_forces(
+    still: ShoeGroup, problem: FrictionalProblem, shoes: list[_TractionMatrices]
 ) -> FrictionalProblem:
     """Let the shoes of a stick-slip problem share forces by struts and a cam.
 
@@ -229,8 +231,9 @@ def _share_forces(
     shoes : the matrices of tractions on each shoe
     """
     n = len(problem.q_w)
-    # `share_forces` takes the n pressures and n tractions as the unknowns of one contact problem.
-    whole = equations.Problem(
+    # For `make_problem_with_shared_forces` the n pressures and n tractions are the unknowns of one
+    # contact problem.
+    whole = equations.ContactProblem(
         A=np.block([[problem.A_wp, problem.A_wt], [problem.A_sp, problem.A_st]]),
         q=np.concatenate([problem.q_w, problem.q_s]),
         B=np.vstack([problem.B_w, problem.B_s]),
@@ -238,16 +241,22 @@ def _share_forces(
         h=problem.h,
     )
     effects = []
-    for normal, shoe in zip(still.force_effects(0.0), shoes, strict=True):
+    for normal, shoe in zip(still.effects_of_forces(0.0), shoes, strict=True):
         nodes, tangential = np.arange(n)[normal.nodes], shoe.effects
         both = normal._replace(
             nodes=np.concatenate([nodes, n + nodes]),
-            opened=np.concatenate([normal.opened, tangential.opened]),
-            tip=np.concatenate([normal.tip, tangential.tip]),
-            bearing=np.concatenate([normal.bearing, tangential.bearing]),
+            gap_by_force=np.concatenate([normal.gap_by_force, tangential.gap_by_force]),
+            tip_travel_by_pressure=np.concatenate(
+                [normal.tip_travel_by_pressure, tangential.tip_travel_by_pressure]
+            ),
+            foot_force_by_pressure=np.concatenate(
+                [normal.foot_force_by_pressure, tangential.foot_force_by_pressure]
+            ),
         )
         effects.append(both)
-    sharing = share_forces(whole, effects, still.own_forces, still.links, still.cam, still.total)
+    sharing = make_problem_with_shared_forces(
+        whole, effects, still.own_forces, still.struts, still.cam_shoes, still.cam_force_sum
+    )
     A, q, B, C, h = sharing.problem
     return FrictionalProblem(
         A_wp=A[:n, :n],

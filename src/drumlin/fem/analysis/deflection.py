@@ -6,12 +6,12 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput
 from drumlin.brake.beam_axis import axis_of
 from drumlin.brake.brake import Brake
-from drumlin.fem.analysis.fields import contact_pressures, fields
+from drumlin.fem.analysis.fields import nodal_pressures_of_shoes, recover_shoe_fields
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.response.response import Response
 
 
-def beam_deflection(
+def deflection_along_beam(
     scene: PreparedModel, brake: Brake, response: Response, index: int
 ) -> tuple[Floats, Floats]:
     """The stations x (m,) [m] along a straight beam and its displacement w (m,) [m] there.
@@ -20,7 +20,7 @@ def beam_deflection(
     """
     shoe = brake.shoes[index]
     axis = axis_of(shoe.pin.xy, shoe.actuation.point.xy)
-    of_shoe = fields(scene, brake, response, index)
+    of_shoe = recover_shoe_fields(scene, brake, response, index)
     from_hinge = of_shoe.points - axis.hinge
     # Nodes on the axis are off the axis by round-off only.
     on = np.abs(from_hinge @ axis.towards) < 1e-9 * axis.length
@@ -29,7 +29,7 @@ def beam_deflection(
     return x, (of_shoe.displacement[on] @ axis.towards)[first]
 
 
-def rim_displacement(
+def inward_displacement_of_rim(
     scene: PreparedModel, brake: Brake, response: Response
 ) -> tuple[Floats, Floats]:
     """The angles (m,) [rad] and the inward displacements z (m,) [m] of the ring's friction surface.
@@ -39,7 +39,7 @@ def rim_displacement(
     ring = scene.ring
     if ring is None:
         raise BadInput("drum.ring: is missing, a rigid drum has no displacement")
-    displacement = ring.displacement(contact_pressures(brake, response), brake.drag)
+    displacement = ring.displacement(nodal_pressures_of_shoes(brake, response), brake.drag)
     nodes = ring.basis.get_dofs(ring.mesh.boundaries["contact"]).flatten()
     x, u = ring.basis.doflocs[:, nodes], displacement[:, nodes]
     theta = np.arctan2(x[1], x[0])

@@ -15,7 +15,7 @@ from drumlin.base.files import replacing
 from drumlin.brake.brake import Brake, Shoe, ShoeFrame
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.fem.hp.grid import ColumnGrid
-from drumlin.fem.mesh.arc import kind_of
+from drumlin.fem.mesh.arc import mesh_kind_of
 from drumlin.fem.preparation.bodies import ShoeSubstructure, acting_loads
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.substructure.elasticity import (
@@ -91,7 +91,7 @@ class _Placement(NamedTuple):
     directions: Directions
 
 
-class _PartFields(NamedTuple):
+class _SubdomainFields(NamedTuple):
     """The nodes, cells and stresses of one subdomain of a body.
 
     Attributes
@@ -136,20 +136,22 @@ class _ElementNodes(NamedTuple):
     corners: Ints
 
 
-def fields(scene: PreparedModel, brake: Brake, response: Response, index: int) -> Fields:
+def recover_shoe_fields(
+    scene: PreparedModel, brake: Brake, response: Response, index: int
+) -> Fields:
     """The fields of shoe `index` under its contact pressure and actuation force in a response."""
     shoe, body = loaded(brake, response).shoes[index], scene.bodies[index]
     answer = response.shoes[index]
     p = answer.pressure[:: shoe.frame.sense]
-    u = shoe_displacements(body, brake, shoe, answer, p).reshape(-1, 2).T
+    u = displacements_of_shoe(body, brake, shoe, answer, p).reshape(-1, 2).T
     pressure = np.zeros(body.basis.N)
     pressure[body.line.nodes] = p
     solved = _SolvedBody(body.mesh, body.basis, elastic_layers_of_shoe(shoe), u, pressure)
     directions = plane_directions if shoe.flat else drum_directions(shoe.sign)
-    return _fields_in_brake(solved, _Placement(shoe.frame, shoe.points, directions))
+    return _recover_fields_in_brake_frame(solved, _Placement(shoe.frame, shoe.points, directions))
 
 
-def ring_fields(scene: PreparedModel, brake: Brake, response: Response) -> Fields:
+def recover_ring_fields(scene: PreparedModel, brake: Brake, response: Response) -> Fields:
     """The fields of the drum ring under the contact pressures of all shoes.
 
     Raises BadInput for a rigid drum.
@@ -157,27 +159,29 @@ def ring_fields(scene: PreparedModel, brake: Brake, response: Response) -> Field
     ring, section = scene.ring, brake.ring.section if brake.ring else None
     if ring is None or section is None:
         raise BadInput("drum.ring: is missing, a rigid drum has no fields")
-    u = ring.displacement(contact_pressures(brake, response), brake.drag)
+    u = ring.displacement(nodal_pressures_of_shoes(brake, response), brake.drag)
     no_pressure = np.zeros(ring.basis.N)
     solved = _SolvedBody(ring.mesh, ring.basis, elastic_layers_of_ring(section), u, no_pressure)
-    return _fields_in_brake(solved, _Placement(ShoeFrame(0.0, 1), np.asarray, drum_directions(1)))
+    return _recover_fields_in_brake_frame(
+        solved, _Placement(ShoeFrame(0.0, 1), np.asarray, drum_directions(1))
+    )
 
 
-def contact_pressures(brake: Brake, response: Response) -> list[Floats]:
+def nodal_pressures_of_shoes(brake: Brake, response: Response) -> list[Floats]:
     """The nodal pressures (n_i,) [Pa] of each shoe, in the order of its own frame."""
     pairs = zip(brake.shoes, response.shoes, strict=True)
     return [answer.pressure[:: shoe.frame.sense] for shoe, answer in pairs]
 
 
-def all_fields(scene: PreparedModel, brake: Brake, response: Response) -> list[Fields]:
+def recover_all_fields(scene: PreparedModel, brake: Brake, response: Response) -> list[Fields]:
     """The fields of each shoe, followed by the fields of the drum ring if the ring is elastic."""
-    every = [fields(scene, brake, response, i) for i in range(len(brake.shoes))]
+    every = [recover_shoe_fields(scene, brake, response, i) for i in range(len(brake.shoes))]
     if scene.ring is not None:
-        every.append(ring_fields(scene, brake, response))
+        every.append(recover_ring_fields(scene, brake, response))
     return every
 
 
-def shoe_displacements(
+def displacements_of_shoe(
     body: ShoeSubstructure, brake: Brake, shoe: Shoe, answer: ShoeResponse, p: Floats
 ) -> Floats:
     """The displacements (d nodes,) [m] of all nodes of a shoe with d components, in its own frame.
@@ -197,12 +201,12 @@ def shoe_displacements(
     return body.condensed.displacements(nodal[:, None], motion[:, None], load[:, None])[:, 0]
 
 
-def _fields_in_brake(solved: _SolvedBody, place: _Placement) -> Fields:
+def _recover_fields_in_brake_frame(solved: _SolvedBody, place: _Placement) -> Fields:
     """Recover the fields of a body and turn them into the frame of the brake."""
     mesh, basis = solved.mesh, solved.basis
     nodes, cells, numbers, stresses, pressures, first = [], [], [], [], [], 0
     for number, name in enumerate(mesh.subdomains):
-        part = _part_fields(basis, solved.u, name, solved.layers[name])
+        part = _fields_of_subdomain(basis, solved.u, name, solved.layers[name])
         nodes.append(part.nodes)
         cells.append(part.cells + first)
         numbers.append(np.full(len(part.cells), number))
@@ -222,7 +226,7 @@ def _fields_in_brake(solved: _SolvedBody, place: _Placement) -> Fields:
     return Fields(
         points=place.points(xy).T,
         cells=np.concatenate(cells),
-        cell_type="quad" if isinstance(mesh, ColumnGrid) else kind_of(mesh).cell,
+        cell_type="quad" if isinstance(mesh, ColumnGrid) else mesh_kind_of(mesh).cell,
         part=np.concatenate(numbers),
         displacement=to_brake(solved.u[:, all_nodes].T),
         stress=np.column_stack([xx, yy, shear]),
@@ -232,7 +236,7 @@ def _fields_in_brake(solved: _SolvedBody, place: _Placement) -> Fields:
     )
 
 
-def _part_fields(basis: Any, u: Floats, name: str, layer: ElasticLayer) -> _PartFields:
+def _fields_of_subdomain(basis: Any, u: Floats, name: str, layer: ElasticLayer) -> _SubdomainFields:
     """The nodes, cells and mean stresses of one subdomain of a body.
 
     Parameters
@@ -242,16 +246,16 @@ def _part_fields(basis: Any, u: Floats, name: str, layer: ElasticLayer) -> _Part
     name, layer : the name and the material of the subdomain
     """
     mesh = basis if isinstance(basis, ColumnGrid) else basis.mesh
-    dofs, slopes, corners = _element_nodes(mesh, mesh.subdomains[name])
+    dofs, slopes, corners = _shape_functions_at_element_nodes(mesh, mesh.subdomains[name])
     gradient = np.einsum("ian,ajnq->ijnq", u[:, dofs], slopes)
     along = layer.directions(basis.doflocs[:, dofs].transpose(0, 2, 1))
     # Elements differ in the stress at a shared node, so that their mean is drawn.
-    means = nodal_means(stresses_from_gradients(gradient, layer.elasticity, along), dofs)
+    means = mean_tensors_at_nodes(stresses_from_gradients(gradient, layer.elasticity, along), dofs)
     cells = means.cells[corners].reshape(len(corners), -1).T
-    return _PartFields(means.nodes, cells, means.values)
+    return _SubdomainFields(means.nodes, cells, means.values)
 
 
-def nodal_means(values: Floats, dofs: Ints) -> NodalMeans:
+def mean_tensors_at_nodes(values: Floats, dofs: Ints) -> NodalMeans:
     """The means of tensors at nodes, over the elements around each node.
 
     Parameters
@@ -266,12 +270,12 @@ def nodal_means(values: Floats, dofs: Ints) -> NodalMeans:
     return NodalMeans(nodes, cells, total / np.bincount(cells.ravel())[:, None, None])
 
 
-def _element_nodes(mesh: Any, elements: Ints) -> _ElementNodes:
+def _shape_functions_at_element_nodes(mesh: Any, elements: Ints) -> _ElementNodes:
     """The shape functions of the given elements of a mesh at their own nodes."""
     if isinstance(mesh, ColumnGrid):
         dofs = mesh.element_dofs[:, elements]
         return _ElementNodes(dofs, mesh.gradients(elements), mesh.subcells)
-    element = kind_of(mesh).element()
+    element = mesh_kind_of(mesh).element()
     # scikit-fem evaluates shape functions at quadrature points, which are the nodes here.
     at = element.doflocs.T
     basis = skfem.Basis(mesh, element, quadrature=(at, np.ones(at.shape[1])), elements=elements)
@@ -279,7 +283,7 @@ def _element_nodes(mesh: Any, elements: Ints) -> _ElementNodes:
     return _ElementNodes(basis.element_dofs, slopes, np.arange(len(slopes))[:, None])
 
 
-HEADS = {
+FIELD_OF_VTU_NAME = {
     "displacement [m]": "displacement",
     "stress xx, yy, xy [Pa]": "stress",
     "von Mises [Pa]": "von_mises",
@@ -289,7 +293,7 @@ HEADS = {
 """The name of each nodal field in a .vtu file, with its unit, and the attribute of `Fields`."""
 
 
-def write_vtu(path: Path, parts: Sequence[Any]) -> None:
+def write_fields_as_vtu(path: Path, parts: Sequence[Any]) -> None:
     """Write the `Fields` or `SolidFields` of all shoes as one .vtu file for ParaView."""
     cells, numbers, shoes, first = [], [], [], 0
     for i, part in enumerate(parts):
@@ -299,7 +303,7 @@ def write_vtu(path: Path, parts: Sequence[Any]) -> None:
         first += len(part.points)
     # Fields of a solid lack some of the names.
     nodal = {}
-    for head, name in HEADS.items():
+    for head, name in FIELD_OF_VTU_NAME.items():
         if hasattr(parts[0], name):
             nodal[head] = _concatenated(parts, name)
     cell_data = {"part": numbers, "shoe": shoes}

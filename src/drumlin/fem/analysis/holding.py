@@ -26,30 +26,30 @@ from drumlin.contact.stick_slip import (
     OPEN,
     STICK,
     FrictionalProblem,
-    History,
     Increment,
+    SlipHistory,
 )
-from drumlin.fem.analysis.at_rest import Feet, holding_problem
-from drumlin.fem.equilibrium.group import ShoeGroup, grouped, pressed_shoes
-from drumlin.fem.model import PENALTY, respond
+from drumlin.fem.analysis.at_rest import RoughFeet, make_stick_slip_problem
+from drumlin.fem.equilibrium.group import ShoeGroup, divide_shoes_into_groups, find_pressed_shoes
+from drumlin.fem.model import PENALTY, solve_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
 
-HALVINGS = 8
-"""Number of times that an increment is halved before its rotation is refused.
+MOST_HALVINGS = 8
+"""Largest number of times that an increment of the rotation is halved before it is refused.
 
 The states of a node may change more than once within an increment: then no set of states settles in
 one step. Increments that do not settle are some times the rotation to full slip. Each halving
 allows twice as large an increment, and an increment of forty times the rotation to full slip needs
 seven or eight halvings. More halvings only take longer to refuse.
 """
-FIRST = 1e-7
+FIRST_ROTATION = 1e-7
 """Rotation [rad] at which the search for full slip starts.
 
 The start lies far below any rotation that makes a lining slip, which is 1e-4 of p/E or more. The
 search is geometric: a hundredth of this start takes one increment in a hundred more.
 """
-LATER = 0.1
-"""Fraction that `full_slip_rotation` adds to the rotation at which its search has met full slip.
+EXTRA_ROTATION = 0.1
+"""Fraction by which `find_full_slip_rotation` enlarges the rotation at which it has met full slip.
 
 Full slip may come later on a path of other increments. With half of this fraction some linings on a
 pivot still stick at a few nodes. With a larger fraction fewer rotations of a user's path are left
@@ -58,13 +58,13 @@ at least, and by its reciprocal at most.
 """
 MOST_INCREMENTS = 100
 """Number of increments after which the search for full slip is refused as not converged."""
-TWO_ANSWERS = 1e-6
+LARGEST_TORQUE_DIFFERENCE = 1e-6
 """Relative difference of two torques at full slip above which the torques belong to two answers.
 
 Torques of one answer differ by the penalty only, which is worth 1e-8.
 """
-OTHER_FRICTION = 1e-6
-"""Difference of two ratios of a foot's friction to its pressure above which the ratios differ.
+LARGEST_FRICTION_RATIO_DIFFERENCE = 1e-6
+"""Difference of a foot's ratio of friction to pressure above which two states of the foot differ.
 
 Smaller differences are round-off and the penalty.
 """
@@ -112,25 +112,26 @@ class Hold:
         return float(sticking / touching) if touching else 0.0
 
 
-class _HeldGroup(NamedTuple):
+class _LoadedGroupAtRest(NamedTuple):
     """A group of shoes with the force on and the drum at rest. All values hold per newton.
 
     Attributes
     ----------
     group : the group of shoes
     problem : the stick-slip problem, whose last nodes are feet on rough abutments
-    lever : growth (n,) of the slips q_s per radian of the drum in the sense of the brake's rotation
+    slip_per_rotation : growth (n,) of the slips q_s per radian of the drum, in the sense of the
+        brake's rotation
     friction : friction coefficient (n,) of each node
     rest : the increment with the force fully on and the drum at rest
-    spent : energy [J/N^2] dissipated while the force came on
+    dissipated : energy [J/N^2] dissipated while the force came on
     """
 
     group: ShoeGroup
     problem: FrictionalProblem
-    lever: Floats
+    slip_per_rotation: Floats
     friction: Floats
     rest: Increment
-    spent: float
+    dissipated: float
 
     @property
     def lining_nodes(self) -> int:
@@ -139,14 +140,18 @@ class _HeldGroup(NamedTuple):
 
     def torque(self, at: Increment) -> float:
         """The moment [N m] that holds the drum in an increment, positive against the rotation."""
-        return float(self.group.unit_force**2 * (self.lever @ at.t))
+        return float(self.group.unit_force**2 * (self.slip_per_rotation @ at.t))
 
-    def turn_drum(self, increment: Increment, start: float, end: float) -> Iterator[Increment]:
+    def turn_drum_in_increments(
+        self, increment: Increment, start: float, end: float
+    ) -> Iterator[Increment]:
         """Turn the drum from the rotation `start`, at a converged increment, to `end` [rad]."""
-        return turn_drum(self.problem, self.lever, self.friction, increment, start, end)
+        return turn_drum_in_increments(
+            self.problem, self.slip_per_rotation, self.friction, increment, start, end
+        )
 
 
-class _SlidingAnswer(NamedTuple):
+class _SlidingDrumSolution(NamedTuple):
     """The answer of a group under a drum that slides already as the force comes on.
 
     Attributes
@@ -154,34 +159,34 @@ class _SlidingAnswer(NamedTuple):
     group : the group, with the senses of friction at its abutments that the answer has
     contact : the contact of the answer; None without an answer
     torque : torque [N m], positive against the sense of the brake's rotation
-    why : the reason why there is no answer; empty with an answer
+    refusal : the reason why there is no answer; empty with an answer
     """
 
     group: ShoeGroup
     contact: Contact | None
     torque: float
-    why: str
+    refusal: str
 
 
-class _HeldPath(NamedTuple):
+class _RotationPath(NamedTuple):
     """The path of a group through given rotations of the drum.
 
     Attributes
     ----------
     held : the group with the force on and the drum at rest
     increments : the increment at each rotation
-    spent : energy [J] dissipated up to each rotation
-    sliding : function that returns the answer of the sliding drum by the sense, +1 or -1, in which
-        all nodes slip
+    dissipated : energy [J] dissipated up to each rotation
+    solve_under_sliding_drum : function that returns the answer of the sliding drum; its argument is
+        the sense, +1 or -1, in which all nodes slip
     """
 
-    held: _HeldGroup
+    held: _LoadedGroupAtRest
     increments: list[Increment]
-    spent: list[float]
-    sliding: Callable[[int], _SlidingAnswer]
+    dissipated: list[float]
+    solve_under_sliding_drum: Callable[[int], _SlidingDrumSolution]
 
 
-class _LiningState(NamedTuple):
+class _LiningNodeStates(NamedTuple):
     """The nodes of one lining in a `Hold`: angles, pressures, tractions and states (n,)."""
 
     theta: Floats
@@ -200,7 +205,7 @@ class _FootSlide(NamedTuple):
     by_solve: str
 
 
-def hold(
+def hold_drum_through_rotations(
     scene: PreparedModel,
     brake: Brake,
     rotations: Floats,
@@ -232,53 +237,66 @@ def hold(
         for a brake without friction
     """
     paths = []
-    for held in _held_groups(scene, brake, len(rotations), penalty):
-        say(f"holding: {held.group.names}")
-        paths.append(_follow_rotations(held, rotations))
-    return [_brake_state(brake, paths, k, float(rotation)) for k, rotation in enumerate(rotations)]
+    for held in _load_groups_at_rest(scene, brake, len(rotations), penalty):
+        say(f"holding: {held.group.shoe_names}")
+        paths.append(_turn_drum_through_rotations(held, rotations))
+    return [
+        _state_of_brake_at_rotation(brake, paths, k, float(rotation))
+        for k, rotation in enumerate(rotations)
+    ]
 
 
 # The force comes on
 
 
-def _held_groups(
+def _load_groups_at_rest(
     scene: PreparedModel, brake: Brake, increments: int, penalty: float
-) -> Iterator[_HeldGroup]:
-    """Put the force on each group of shoes while the drum is at rest. Raises as `hold` does."""
+) -> Iterator[_LoadedGroupAtRest]:
+    """Put the force on each group of shoes while the drum is at rest.
+
+    Raises NoAnswer and BadInput as `hold_drum_through_rotations` does.
+    """
     if brake.friction == 0 or scene.brake.friction == 0:
         raise BadInput(f"friction = {brake.friction:g}: must be greater than 0 for a holding brake")
-    touching = pressed_shoes(scene, brake)
+    touching = find_pressed_shoes(scene, brake)
     for i, shoe in enumerate(brake.shoes):
         if i not in touching:
             raise NoAnswer(
                 f"shoe {shoe.name!r}: does not touch the drum, so that it cannot hold it"
             )
-    for group in grouped(scene, brake, list(range(len(brake.shoes))), penalty):
-        yield _held_group(group, increments)
+    for group in divide_shoes_into_groups(scene, brake, list(range(len(brake.shoes))), penalty):
+        yield _load_group_at_rest(group, increments)
 
 
-def _held_group(group: ShoeGroup, increments: int) -> _HeldGroup:
-    """Put the force on a group while the drum is at rest. Raises NoAnswer as `hold` does."""
-    problem, lever = holding_problem(group)
-    feet = Feet.of(group)
-    count = len(feet.on)
+def _load_group_at_rest(group: ShoeGroup, increments: int) -> _LoadedGroupAtRest:
+    """Put the force on a group while the drum is at rest.
+
+    Raises NoAnswer as `hold_drum_through_rotations` does.
+    """
+    problem, lever = make_stick_slip_problem(group)
+    feet = RoughFeet.of_group(group)
+    count = len(feet.shoe_numbers)
     # The first guess: nodes that touch without friction stick, and so do all feet.
-    touches = replace(group, brake=feet.without_abutment_friction(0.0), senses=()).answer().active
+    touches = (
+        replace(group, brake=feet.brake_with_smooth_abutments(0.0), friction_senses=())
+        .solve_with_known_senses()
+        .active
+    )
     start = np.append(np.where(touches, STICK, OPEN), np.full(count, STICK))
-    unit_gaps = np.concatenate(group.gaps) / group.unit_force
-    gap = np.append(group.masses @ unit_gaps, np.zeros(count))
-    friction = feet.node_friction()
+    unit_gaps = np.concatenate(group.initial_gaps) / group.unit_force
+    gap = np.append(group.gap_mass_matrix @ unit_gaps, np.zeros(count))
+    friction = feet.friction_of_all_nodes()
     try:
-        rest, spent = _put_force_on(problem, gap, friction, start, increments)
+        rest, spent = _increase_force_at_rest(problem, gap, friction, start, increments)
     except NoAnswer as error:
         # A brake that locks itself is refused by the line below, with its limit.
-        group.settled()
-        raise NoAnswer(f"{group.names}: {error}, the drum at rest") from error
+        group.solve_contact()
+        raise NoAnswer(f"{group.shoe_names}: {error}, the drum at rest") from error
     per_rotation = lever * (group.brake.spin / group.unit_force)
-    return _HeldGroup(group, problem, per_rotation, friction, rest, spent)
+    return _LoadedGroupAtRest(group, problem, per_rotation, friction, rest, spent)
 
 
-def _put_force_on(
+def _increase_force_at_rest(
     problem: FrictionalProblem, gap: Floats, friction: Floats, state: Ints, increments: int
 ) -> tuple[Increment, float]:
     """Increase the actuation force to its full value while the drum rests.
@@ -305,18 +323,18 @@ def _put_force_on(
     NoAnswer
         where the last increment does not settle
     """
-    history, energy = History(np.zeros(len(gap)), np.zeros(len(gap))), 0.0
+    history, energy = SlipHistory(np.zeros(len(gap)), np.zeros(len(gap))), 0.0
     shares = np.linspace(0, 1, max(increments, 1) + 1)[1:] ** 3 if gap.any() else np.ones(1)
     for share in shares:
         q_w = gap + share * (problem.q_w - gap)
         part = problem._replace(q_w=q_w, q_s=share * problem.q_s, h=share * problem.h)
         try:
-            increment = stick_slip.solve(part, friction, history, state)
+            increment = stick_slip.solve_load_increment(part, friction, history, state)
         except NoAnswer:
             if share == 1:
                 raise
             continue
-        energy += _slip_work(problem, increment, history)
+        energy += _energy_dissipated_by_slip(problem, increment, history)
         history, state = increment.history, increment.state
     return increment, energy
 
@@ -324,27 +342,32 @@ def _put_force_on(
 # The drum is turned
 
 
-def _follow_rotations(held: _HeldGroup, rotations: Floats) -> _HeldPath:
-    """Turn the drum of a group through the rotations (m,) [rad]. Raises NoAnswer as `hold` does."""
+def _turn_drum_through_rotations(held: _LoadedGroupAtRest, rotations: Floats) -> _RotationPath:
+    """Turn the drum of a group through the rotations (m,) [rad], one after the other.
+
+    Raises NoAnswer as `hold_drum_through_rotations` does.
+    """
     group, brake = held.group, held.group.brake
-    increment, reached, energy = held.rest, 0.0, held.spent
+    increment, reached, energy = held.rest, 0.0, held.dissipated
     increments, spent = [], []
     for rotation in rotations:
         try:
-            for step in held.turn_drum(increment, reached, float(rotation)):
-                energy += _slip_work(held.problem, step, increment.history)
+            for step in held.turn_drum_in_increments(increment, reached, float(rotation)):
+                energy += _energy_dissipated_by_slip(held.problem, step, increment.history)
                 increment = step
         except NoAnswer as error:
             # A brake that locks itself is refused by the line below, with its limit.
-            _on_brake(group, brake if rotation > reached else brake.reversed()).settled()
-            raise NoAnswer(f"{group.names}: {error}, turned by {rotation:.3g} rad") from error
+            _group_on_other_brake(
+                group, brake if rotation > reached else brake.reversed()
+            ).solve_contact()
+            raise NoAnswer(f"{group.shoe_names}: {error}, turned by {rotation:.3g} rad") from error
         reached = float(rotation)
         increments.append(increment)
         spent.append(energy * group.unit_force**2)
-    return _HeldPath(held, increments, spent, cache(partial(_sliding_answer, held)))
+    return _RotationPath(held, increments, spent, cache(partial(_solve_under_sliding_drum, held)))
 
 
-def turn_drum(
+def turn_drum_in_increments(
     problem: FrictionalProblem,
     lever: Floats,
     friction: float | Floats,
@@ -376,9 +399,11 @@ def turn_drum(
         step = end if pieces == 1 else reached + (end - reached) / pieces
         moved = problem._replace(q_s=problem.q_s + lever * step)
         try:
-            increment = stick_slip.solve(moved, friction, increment.history, increment.state)
+            increment = stick_slip.solve_load_increment(
+                moved, friction, increment.history, increment.state
+            )
         except NoAnswer:
-            if pieces >= 2**HALVINGS:
+            if pieces >= 2**MOST_HALVINGS:
                 raise
             pieces *= 2
             continue
@@ -388,33 +413,41 @@ def turn_drum(
         reached, pieces = step, pieces - 1
 
 
-def _on_brake(group: ShoeGroup, brake: Brake) -> ShoeGroup:
+def _group_on_other_brake(group: ShoeGroup, brake: Brake) -> ShoeGroup:
     """The group on a brake with another rotation or friction of the drum.
 
     The senses of friction at rough abutments become unknown, since feet may slide the other way.
     """
-    return replace(group, brake=brake, senses=() if group.rough else group.senses)
+    return replace(
+        group,
+        brake=brake,
+        friction_senses=() if group.has_rough_abutment else group.friction_senses,
+    )
 
 
-def _slip_work(problem: FrictionalProblem, after: Increment, before: History) -> float:
-    """The energy [J/N^2] that slip dissipates in an increment, by the tractions at its end."""
+def _energy_dissipated_by_slip(
+    problem: FrictionalProblem, after: Increment, before: SlipHistory
+) -> float:
+    """Return the energy [J/N^2] that slip dissipates in an increment, by its last tractions."""
     # The elastic slip of the penalty dissipates nothing.
     slip = after.s - before.s - problem.Q @ (after.t - before.t)
     return float(after.t @ slip)
 
 
-def _brake_state(brake: Brake, paths: list[_HeldPath], k: int, rotation: float) -> Hold:
+def _state_of_brake_at_rotation(
+    brake: Brake, paths: list[_RotationPath], k: int, rotation: float
+) -> Hold:
     """The state of the brake at rotation number `k`, from the paths of all groups of shoes."""
-    linings: dict[int, _LiningState] = {}
+    linings: dict[int, _LiningNodeStates] = {}
     torque, dissipated, notes = 0.0, 0.0, list[str]()
     for path in paths:
-        dissipated += path.spent[k]
-        notes += _other_moment_notes(path, k)
+        dissipated += path.dissipated[k]
+        notes += _notes_on_different_moment(path, k)
         torque += path.held.torque(path.increments[k])
-        linings |= _lining_states(path.held.group, path.increments[k])
+        linings |= _node_states_of_linings(path.held.group, path.increments[k])
     order = sorted(linings)
     theta, pressure, traction, state = zip(*(linings[i] for i in order), strict=True)
-    arcs = list(map(stick_slip.zones, theta, state))
+    arcs = list(map(stick_slip.stick_and_slip_arcs, theta, state))
     return Hold(
         rotation=rotation,
         torque=torque,
@@ -430,7 +463,7 @@ def _brake_state(brake: Brake, paths: list[_HeldPath], k: int, rotation: float) 
     )
 
 
-def _lining_states(group: ShoeGroup, at: Increment) -> dict[int, _LiningState]:
+def _node_states_of_linings(group: ShoeGroup, at: Increment) -> dict[int, _LiningNodeStates]:
     """The nodes of each lining of a group in an increment, by the position of the shoe."""
     size = group.unit_force
     states = {}
@@ -440,7 +473,7 @@ def _lining_states(group: ShoeGroup, at: Increment) -> dict[int, _LiningState]:
         forward = slice(None, None, frame.sense)
         p, t = size * at.p[part], size * at.t[part]
         theta = frame.theta(group.bodies[k].line.phi)
-        states[group.members[k]] = _LiningState(
+        states[group.members[k]] = _LiningNodeStates(
             theta[forward], p[forward], t[forward], at.state[part][forward]
         )
     return states
@@ -449,37 +482,39 @@ def _lining_states(group: ShoeGroup, at: Increment) -> dict[int, _LiningState]:
 # Full slip
 
 
-def _sliding_answer(held: _HeldGroup, sense: int) -> _SlidingAnswer:
+def _solve_under_sliding_drum(held: _LoadedGroupAtRest, sense: int) -> _SlidingDrumSolution:
     """The answer of a group under a sliding drum; `sense` +1 or -1 is the sense of the slip."""
     brake = held.group.brake
-    group = _on_brake(held.group, brake if sense == brake.spin else brake.reversed())
+    group = _group_on_other_brake(held.group, brake if sense == brake.spin else brake.reversed())
     try:
-        group, contact = group.settled()
+        group, contact = group.solve_contact()
     except NoAnswer as error:
-        return _SlidingAnswer(group, None, math.nan, str(error))
-    torque = brake.friction * group.unit_force * float(group.levers.sum(axis=1) @ contact.p)
-    return _SlidingAnswer(group, contact, sense * brake.spin * torque, "")
+        return _SlidingDrumSolution(group, None, math.nan, str(error))
+    torque = (
+        brake.friction * group.unit_force * float(group.torque_per_pressure.sum(axis=1) @ contact.p)
+    )
+    return _SlidingDrumSolution(group, contact, sense * brake.spin * torque, "")
 
 
-def _other_moment_notes(path: _HeldPath, k: int) -> list[str]:
+def _notes_on_different_moment(path: _RotationPath, k: int) -> list[str]:
     """A note with both moments if the moment at full slip differs from the moment of `solve`.
 
     The list is empty if the moments agree, and at partial slip. `k` is the number of the rotation.
     """
     held, at = path.held, path.increments[k]
-    sense = _full_slip_sense(held, at)
+    sense = _sense_of_full_slip(held, at)
     if sense == 0:
         return []
-    torque, sliding = held.torque(at), path.sliding(sense)
-    if math.isclose(torque, sliding.torque, rel_tol=TWO_ANSWERS):
+    torque, sliding = held.torque(at), path.solve_under_sliding_drum(sense)
+    if math.isclose(torque, sliding.torque, rel_tol=LARGEST_TORQUE_DIFFERENCE):
         return []
     surface = held.group.brake.surface
     unit, moving = surface.effect_unit, surface.moving
-    text = f"{held.group.names}: at full slip the {surface.effect} is {torque:.6g} {unit}"
+    text = f"{held.group.shoe_names}: at full slip the {surface.effect} is {torque:.6g} {unit}"
     if sliding.contact is None:
-        return [f"{text}; solve has none: {sliding.why}"]
+        return [f"{text}; solve has none: {sliding.refusal}"]
     text += f", by solve {sliding.torque:.6g} {unit}"
-    feet = _differing_feet(held, at, sliding.group, sliding.contact)
+    feet = _feet_with_different_friction(held, at, sliding.group, sliding.contact)
     if not feet:
         return [f"{text}: more than one answer"]
     ends, places = map(" and ".join, zip(*feet, strict=True))
@@ -490,14 +525,14 @@ def _other_moment_notes(path: _HeldPath, k: int) -> list[str]:
     ]
 
 
-def _full_slip_sense(held: _HeldGroup, at: Increment) -> int:
+def _sense_of_full_slip(held: _LoadedGroupAtRest, at: Increment) -> int:
     """The sense +1 or -1 in which all touching nodes of the linings slip; 0 at partial slip."""
     touching = set(at.state[: held.lining_nodes].tolist()) - {OPEN}
     return int(touching == {FORWARD}) - int(touching == {BACKWARD})
 
 
-def _differing_feet(
-    held: _HeldGroup, at: Increment, group: ShoeGroup, contact: Contact
+def _feet_with_different_friction(
+    held: _LoadedGroupAtRest, at: Increment, group: ShoeGroup, contact: Contact
 ) -> list[_FootSlide]:
     """The feet whose friction differs between the end of a path and the sliding answer.
 
@@ -508,13 +543,20 @@ def _differing_feet(
     group, contact : the answer under the sliding drum
     """
     size, feet = held.group.unit_force, []
-    for node, k in enumerate(Feet.of(held.group).on, start=held.lining_nodes):
-        shoe, (x, y) = group.shoes[k], group.reaction(contact, k)
+    for node, k in enumerate(RoughFeet.of_group(held.group).shoe_numbers, start=held.lining_nodes):
+        shoe, (x, y) = group.shoes[k], group.force_on_foot(contact, k)
         bearing, along = float(shoe.bearing @ (x, y)), float(shoe.bearing @ (y, -x))
         presses = at.p[node] > 0
-        if presses and abs(at.t[node] / at.p[node] - along / bearing) <= OTHER_FRICTION:
+        if (
+            presses
+            and abs(at.t[node] / at.p[node] - along / bearing) <= LARGEST_FRICTION_RATIO_DIFFERENCE
+        ):
             continue
-        slide = float(group.coordinates(contact)[k][-1]) if group.each_sense[k] else 0.0
+        slide = (
+            float(group.generalised_coordinates(contact)[k][-1])
+            if group.known_friction_senses[k]
+            else 0.0
+        )
         # The slip counts against the slide. Subtraction from 0.0 never prints -0.
         came_to = f"{1e6 * size * (0.0 - at.s[node]):.6g} µm"
         by_solve = f"{1e6 * size * slide:.6g} µm"
@@ -522,7 +564,7 @@ def _differing_feet(
     return feet
 
 
-def full_slip_rotation(
+def find_full_slip_rotation(
     scene: PreparedModel, brake: Brake, *, increments: int = 20, penalty: float = PENALTY
 ) -> float:
     """Find a rotation of the drum [rad] after which every touching node slips.
@@ -533,7 +575,7 @@ def full_slip_rotation(
     ----------
     scene : the prepared model
     brake : the brake
-    increments : number of increments in which the force comes on, see `hold`
+    increments : number of increments in which the force comes on, see `hold_drum_through_rotations`
     penalty : factor alpha of the contact stiffness alpha E/t
 
     Raises
@@ -541,18 +583,24 @@ def full_slip_rotation(
     NoAnswer
         self-locking with its limit, a shoe that does not touch, not converged
     """
-    shoes = respond(scene, brake, penalty=penalty).shoes
+    shoes = solve_prepared_model(scene, brake, penalty=penalty).shoes
     ends = []
-    for held in _held_groups(scene, brake, increments, penalty):
+    for held in _load_groups_at_rest(scene, brake, increments, penalty):
         target = sum(shoes[i].torque for i in held.group.members)
         try:
-            ends.append(_find_full_slip(held, target, FORWARD if brake.spin > 0 else BACKWARD))
+            ends.append(
+                _find_full_slip_rotation_of_group(
+                    held, target, FORWARD if brake.spin > 0 else BACKWARD
+                )
+            )
         except NoAnswer as error:
-            raise NoAnswer(f"{held.group.names}: {error}") from error
-    return (1 + LATER) * max(ends)
+            raise NoAnswer(f"{held.group.shoe_names}: {error}") from error
+    return (1 + EXTRA_ROTATION) * max(ends)
 
 
-def _find_full_slip(held: _HeldGroup, target: float, slipping: int) -> float:
+def _find_full_slip_rotation_of_group(
+    held: _LoadedGroupAtRest, target: float, slipping: int
+) -> float:
     """Find a rotation [rad] after which all touching nodes of a group slip.
 
     Parameters
@@ -566,15 +614,15 @@ def _find_full_slip(held: _HeldGroup, target: float, slipping: int) -> float:
     NoAnswer
         where the moment at full slip is not the target, and where no rotation is found
     """
-    increment, reached, step, n = held.rest, 0.0, FIRST, held.lining_nodes
+    increment, reached, step, n = held.rest, 0.0, FIRST_ROTATION, held.lining_nodes
     for _ in range(MOST_INCREMENTS):
         before = held.torque(increment)
-        *_, increment = held.turn_drum(increment, reached, reached + step)
+        *_, increment = held.turn_drum_in_increments(increment, reached, reached + step)
         torque, reached = held.torque(increment), reached + step
         if np.isin(increment.state[:n], [OPEN, slipping]).all():
             # A sticking foot remembers its path, so that the moment may differ from the target.
             has_feet = len(increment.state) > n
-            if has_feet or math.isclose(torque, target, rel_tol=TWO_ANSWERS):
+            if has_feet or math.isclose(torque, target, rel_tol=LARGEST_TORQUE_DIFFERENCE):
                 return reached
             raise NoAnswer(
                 f"more than one answer: held it comes to slip everywhere at {torque:.5g} N m, "
@@ -582,7 +630,7 @@ def _find_full_slip(held: _HeldGroup, target: float, slipping: int) -> float:
             )
         # The number of steps like the last step that would add the missing moment.
         lacking = (target - torque) / (torque - before) if torque > before else math.inf
-        step = min(max(step * lacking, LATER * reached), reached / LATER)
+        step = min(max(step * lacking, EXTRA_ROTATION * reached), reached / EXTRA_ROTATION)
     sticking = np.count_nonzero(increment.state[:n] == STICK)
     raise NoAnswer(
         f"not converged: after a rotation of {reached:.3g} rad "
@@ -594,7 +642,7 @@ def _find_full_slip(held: _HeldGroup, target: float, slipping: int) -> float:
 # Plain data
 
 
-def as_dict(states: list[Hold]) -> list[dict[str, Any]]:
+def states_as_plain_data(states: list[Hold]) -> list[dict[str, Any]]:
     """Convert states to plain data for JSON, in rad, N m, Pa and J; nodes have named states."""
     rows = []
     for state in states:

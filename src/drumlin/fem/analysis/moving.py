@@ -29,46 +29,46 @@ The places are smooth functions of the point over a length of some radii. The di
 therefore off by NODE_STEP^2 = 1e-10, and by some 1e-11 of round-off. A larger step is less exact,
 and a smaller step loses digits.
 """
-FARTHEST = 1e3
+LARGEST_NODE_MOTION = 1e3
 """Motion of a node per motion of a point beyond which the division into elements has changed.
 
 A node moves so far if the moved shoe has one hp element or layer more, or if another element ends
 where the grip ends.
 """
-STILL = 1e-6
+LARGEST_UNMOVED_MOTION = 1e-6
 """Motion of a contact node per motion of a point below which the contact counts as unmoved.
 
 Smaller motions are round-off, which is some 1e-11 in the central differences.
 """
 
 
-BEAM_POINTS = ("hinge", "actuation.point")
+BEAM_AXIS_POINTS = ("hinge", "actuation.point")
 """The two points between which the axis of a straight beam runs."""
 
 
-class Moves(NamedTuple):
+class NodeMotion(NamedTuple):
     """The motion of a body's nodes per unit motion of a point, in the frame of the shoe.
 
     Attributes
     ----------
-    nodes : motion (2 nodes,) of all nodes, x and y of a node together
-    line : motion (2, n) of the nodes of the contact line
-    load : change (2 nodes,) [1/m] of the nodal forces per newton of the actuation
-    axis : turn [rad/m] of the axis of a straight beam; 0 for other bodies
+    node_motion : motion (2 nodes,) of all nodes, x and y of a node together
+    line_motion : motion (2, n) of the nodes of the contact line
+    load_change : change (2 nodes,) [1/m] of the nodal forces per newton of the actuation
+    axis_turn : turn [rad/m] of the axis of a straight beam; 0 for other bodies
     """
 
-    nodes: Floats
-    line: Floats
-    load: Floats
-    axis: float
+    node_motion: Floats
+    line_motion: Floats
+    load_change: Floats
+    axis_turn: float
 
     @property
     def contact_stays(self) -> bool:
         """Whether no node of the contact moves."""
-        return float(np.abs(self.line).max()) < STILL
+        return float(np.abs(self.line_motion).max()) < LARGEST_UNMOVED_MOTION
 
 
-def node_motions(scene: PreparedModel, i: int, shoe: Shoe, key: str) -> list[Moves]:
+def node_motions_by_point(scene: PreparedModel, i: int, shoe: Shoe, key: str) -> list[NodeMotion]:
     """The motions of the nodes of a shoe as one of its points moves along x and along y.
 
     The axes x and y are the axes of the brake. The list is empty if no node moves.
@@ -85,20 +85,20 @@ def node_motions(scene: PreparedModel, i: int, shoe: Shoe, key: str) -> list[Mov
     NoAnswer
         where the division into elements changes within a step on both sides
     """
-    moving = _moves_nodes(scene, shoe, key)
-    turns_axis = isinstance(shoe.body, Beam) and key in BEAM_POINTS
+    moving = _does_point_move_nodes(scene, shoe, key)
+    turns_axis = isinstance(shoe.body, Beam) and key in BEAM_AXIS_POINTS
     if shoe.mesh is not None and not moving and turns_axis:
-        return [_only_axis_turns(scene.bodies[i], shoe, key, axis) for axis in np.eye(2)]
-    if scene.nodes_of is None or not moving:
+        return [_motion_of_axis_alone(scene.bodies[i], shoe, key, axis) for axis in np.eye(2)]
+    if scene.nodes_of_changed_shoe is None or not moving:
         return []
-    return [_motion_along(scene, i, shoe, key, axis) for axis in np.eye(2)]
+    return [_differentiate_node_places(scene, i, shoe, key, axis) for axis in np.eye(2)]
 
 
-def _moves_nodes(scene: PreparedModel, shoe: Shoe, key: str) -> bool:
+def _does_point_move_nodes(scene: PreparedModel, shoe: Shoe, key: str) -> bool:
     """Whether nodes of a shoe's body move with the point of the shoe that `key` names."""
     # Without a mesh of the user the body is divided anew between its points.
     if shoe.mesh is None:
-        beam = isinstance(shoe.body, Beam) and key in BEAM_POINTS
+        beam = isinstance(shoe.body, Beam) and key in BEAM_AXIS_POINTS
         return beam or (key == "pivot" and shoe.grip(scene.brake.size) is not None)
     # A mesh in the frame of the shoe moves with the point that holds the frame.
     if shoe.guide is not None:
@@ -110,19 +110,21 @@ def _moves_nodes(scene: PreparedModel, shoe: Shoe, key: str) -> bool:
     return shoe.mesh_frame == "shoe" and key == holds_frame
 
 
-def _motion_along(scene: PreparedModel, i: int, shoe: Shoe, key: str, direction: Floats) -> Moves:
+def _differentiate_node_places(
+    scene: PreparedModel, i: int, shoe: Shoe, key: str, direction: Floats
+) -> NodeMotion:
     """The motion of a shoe's nodes by central differences as a point moves along a direction (2,).
 
-    Raises NoAnswer as `node_motions` does.
+    Raises NoAnswer as `node_motions_by_point` does.
     """
     h = NODE_STEP * scene.brake.size
-    here = _nodes_in_brake(scene, i, shoe)
+    here = _nodes_in_brake_frame(scene, i, shoe)
     places, loads = [], []
     for step in (h, -h):
-        there = _nodes_in_brake(scene, i, _move_point(shoe, key, step * direction))
+        there = _nodes_in_brake_frame(scene, i, _shoe_with_moved_point(shoe, key, step * direction))
         # A side on which the division into elements changes does not count.
         same_division = there.xy.shape == here.xy.shape
-        if same_division and np.abs(there.xy - here.xy).max() < FARTHEST * h:
+        if same_division and np.abs(there.xy - here.xy).max() < LARGEST_NODE_MOTION * h:
             places.append((there.xy - here.xy) / step)
             loads.append((there.load - here.load) / step)
     if not places:
@@ -133,16 +135,20 @@ def _motion_along(scene: PreparedModel, i: int, shoe: Shoe, key: str, direction:
     nodes = shoe.frame.to_shoe(np.mean(places, axis=0).T)
     load = shoe.frame.to_shoe(np.mean(loads, axis=0).T)
     line = nodes[scene.bodies[i].line.nodes].T
-    return Moves(nodes.ravel(), line, load.ravel(), _axis_turn(shoe, key, direction))
+    return NodeMotion(nodes.ravel(), line, load.ravel(), _turn_of_beam_axis(shoe, key, direction))
 
 
-def _only_axis_turns(body: ShoeSubstructure, shoe: Shoe, key: str, direction: Floats) -> Moves:
+def _motion_of_axis_alone(
+    body: ShoeSubstructure, shoe: Shoe, key: str, direction: Floats
+) -> NodeMotion:
     """The motion of a beam's mesh in the brake's frame: no node moves, but the layers turn."""
     still = np.zeros(2 * body.basis.N)
-    return Moves(still, np.zeros(body.line.xy.shape), still, _axis_turn(shoe, key, direction))
+    return NodeMotion(
+        still, np.zeros(body.line.xy.shape), still, _turn_of_beam_axis(shoe, key, direction)
+    )
 
 
-def _axis_turn(shoe: Shoe, key: str, direction: Floats) -> float:
+def _turn_of_beam_axis(shoe: Shoe, key: str, direction: Floats) -> float:
     """The turn [rad/m] of a straight beam's axis per motion of the point `key` along a direction.
 
     The direction (2,) is a unit vector. Other bodies have the turn 0. The turn counts in the
@@ -156,14 +162,14 @@ def _axis_turn(shoe: Shoe, key: str, direction: Floats) -> float:
     return {"hinge": -sideways, "actuation.point": sideways}.get(key, 0.0)
 
 
-def _nodes_in_brake(scene: PreparedModel, i: int, shoe: Shoe) -> BodyNodes:
+def _nodes_in_brake_frame(scene: PreparedModel, i: int, shoe: Shoe) -> BodyNodes:
     """The nodes and nodal forces, in the frame of the brake, of `shoe` in the place of shoe `i`."""
-    assert scene.nodes_of is not None
-    nodes = scene.nodes_of(i, shoe)
+    assert scene.nodes_of_changed_shoe is not None
+    nodes = scene.nodes_of_changed_shoe(i, shoe)
     return BodyNodes(shoe.points(nodes.xy), shoe.frame.to_brake(nodes.load.T).T)
 
 
-def _move_point(shoe: Shoe, key: str, step: Floats) -> Shoe:
+def _shoe_with_moved_point(shoe: Shoe, key: str, step: Floats) -> Shoe:
     """The shoe with the point that `key` names, as "abutment.point", moved by a step (2,) [m]."""
     part, _, inner = key.partition(".")
     whole = getattr(shoe, part)
@@ -174,8 +180,8 @@ def _move_point(shoe: Shoe, key: str, step: Floats) -> Shoe:
     return shoe.model_copy(update={part: moved})
 
 
-def shifted_lines(
-    body: ShoeSubstructure, shoe: Shoe, radius: float, moves: Moves
+def contact_lines_of_moved_point(
+    body: ShoeSubstructure, shoe: Shoe, radius: float, moves: NodeMotion
 ) -> Iterator[tuple[float, ContactLine]]:
     """The step [m] of a point and the moved contact line, for a step ahead and a step behind.
 
@@ -187,5 +193,5 @@ def shifted_lines(
     """
     line = body.line
     for step in (NODE_STEP * radius, -NODE_STEP * radius):
-        xy = line.xy + step * moves.line
+        xy = line.xy + step * moves.line_motion
         yield step, replace(line, xy=xy, phi=shoe.phi_of(xy, radius))

@@ -35,14 +35,14 @@ from drumlin.fem.hp.grid import ColumnGrid
 from drumlin.fem.substructure.body import quadrature_points, shape_values
 from drumlin.fem.substructure.elasticity import split_elasticity
 
-SAMPLE_CHUNK = 500
+ELEMENTS_AT_A_TIME = 500
 """Elements of a grid whose gradients are in memory at once: a few megabytes at degree 8.
 
 Fewer elements take more turns of a Python loop, and more elements take memory in proportion.
 """
 
 
-class _Sample(NamedTuple):
+class _QuadratureSample(NamedTuple):
     """The shape functions of e elements of a body at q quadrature points of each element.
 
     Attributes
@@ -60,16 +60,16 @@ class _Sample(NamedTuple):
     values: Floats
     area: Floats
 
-    def gradient(self, u: Floats) -> Floats:
+    def gradient_of(self, u: Floats) -> Floats:
         """The gradients H_cd = d u_c / d x_d (e, q, 2, 2) of displacements u (2 nodes,)."""
         return np.asarray(np.einsum("eac,edaq->eqcd", u.reshape(-1, 2)[self.dofs], self.slopes))
 
-    def value(self, u: Floats) -> Floats:
+    def displacement_of(self, u: Floats) -> Floats:
         """The displacements (e, q, 2) at the quadrature points, from nodal values u (2 nodes,)."""
         return np.asarray(np.einsum("eac,aq->eqc", u.reshape(-1, 2)[self.dofs], self.values))
 
 
-class _Directions(NamedTuple):
+class _LayerDirections(NamedTuple):
     """The directions of the layers of a body at its quadrature points.
 
     Attributes
@@ -83,7 +83,7 @@ class _Directions(NamedTuple):
     curvature: Floats
     straight: Bools
 
-    def turn(self, elements: Ints, moved: Floats, axis: float) -> Floats:
+    def turn_of_moved_points(self, elements: Ints, moved: Floats, axis: float) -> Floats:
         """The turn (e, q) [rad] of the directions in elements whose points move.
 
         Parameters
@@ -96,7 +96,7 @@ class _Directions(NamedTuple):
         return np.asarray(np.where(self.straight[elements, None], axis, around))
 
 
-def work_by_part(
+def mutual_work_by_part(
     basis: Any, layers: Mapping[str, ElasticLayer], u: Floats, v: Floats
 ) -> dict[str, float]:
     """The mutual work v^T K u [N m] of displacements u and v in each part of a body, by its name.
@@ -107,19 +107,24 @@ def work_by_part(
     layers : materials of the parts by their names
     u, v : displacements (2 nodes,) [m]
     """
-    constants, directions = _element_constants(basis, layers), _layer_directions(basis, layers)
+    constants, directions = (
+        _elastic_constants_of_elements(basis, layers),
+        _find_layer_directions(basis, layers),
+    )
     work = np.zeros(len(constants))
-    for sample in _element_samples(basis):
+    for sample in _sample_elements_in_chunks(basis):
         along = None if directions is None else directions.along[sample.elements]
-        stress = _stress_of_gradients(sample.gradient(u), constants[sample.elements], along)
-        strain = sample.gradient(v)
+        stress = _stress_of_displacement_gradients(
+            sample.gradient_of(u), constants[sample.elements], along
+        )
+        strain = sample.gradient_of(v)
         work[sample.elements] = np.einsum("eqcd,eqcd,eq->e", stress, strain, sample.area)
     return {
         name: float(work[elements].sum()) for name, elements in _mesh_of(basis).subdomains.items()
     }
 
 
-def change_by_nodes(
+def mutual_work_change_by_node_motions(
     basis: Any,
     layers: Mapping[str, ElasticLayer],
     u: Floats,
@@ -137,34 +142,39 @@ def change_by_nodes(
     moves : motions (k, 2 nodes) of the nodes per unit motion of a point
     axes : turns (k,) [rad/m] of the axis of a straight beam per unit motion of a point
     """
-    constants, directions = _element_constants(basis, layers), _layer_directions(basis, layers)
+    constants, directions = (
+        _elastic_constants_of_elements(basis, layers),
+        _find_layer_directions(basis, layers),
+    )
     changes = np.zeros(len(moves))
-    for sample in _element_samples(basis):
+    for sample in _sample_elements_in_chunks(basis):
         own = constants[sample.elements]
         along = None if directions is None else directions.along[sample.elements]
-        of_u, of_v = sample.gradient(u), sample.gradient(v)
+        of_u, of_v = sample.gradient_of(u), sample.gradient_of(v)
         stress_u, stress_v = (
-            _stress_of_gradients(of_u, own, along),
-            _stress_of_gradients(of_v, own, along),
+            _stress_of_displacement_gradients(of_u, own, along),
+            _stress_of_displacement_gradients(of_v, own, along),
         )
-        by_turn = None if along is None else _work_by_turn(of_u, of_v, own, along)
+        by_turn = None if along is None else _work_change_by_turn_of_layers(of_u, of_v, own, along)
         # The areas grow by div V.
         work = np.einsum("eqcd,eqcd->eq", stress_u, of_v)
         # The gradients change by -H (grad V), which enters both displacements.
         by_gradient = np.einsum("eqcj,eqcd->eqdj", stress_u, of_v)
         by_gradient = by_gradient + np.einsum("eqcj,eqcd->eqdj", stress_v, of_u)
         for k, move in enumerate(moves):
-            V = sample.gradient(move)
+            V = sample.gradient_of(move)
             wider = work * np.trace(V, axis1=2, axis2=3)
             change = wider - np.einsum("eqdj,eqdj->eq", by_gradient, V)
             if directions is not None and by_turn is not None:
-                turn = directions.turn(sample.elements, sample.value(move), axes[k])
+                turn = directions.turn_of_moved_points(
+                    sample.elements, sample.displacement_of(move), axes[k]
+                )
                 change += by_turn * turn
             changes[k] += float((change * sample.area).sum())
     return changes
 
 
-def _stress_of_gradients(H: Floats, constants: Floats, along: Floats | None) -> Floats:
+def _stress_of_displacement_gradients(H: Floats, constants: Floats, along: Floats | None) -> Floats:
     """The stress times width (e, q, 2, 2) [N/m] of displacement gradients.
 
     Parameters
@@ -177,18 +187,20 @@ def _stress_of_gradients(H: Floats, constants: Floats, along: Floats | None) -> 
     volumetric = lam * np.trace(H, axis1=2, axis2=3)[..., None, None] * np.eye(2)
     stress = volumetric + mu * (H + H.swapaxes(2, 3))
     if along is not None:
-        for stiffer, d in ((a, along), (b, _vectors_through(along))):
+        for stiffer, d in ((a, along), (b, _unit_vectors_through_layers(along))):
             stretch = np.einsum("eqc,eqcd,eqd->eq", d, H, d)[..., None, None]
             stress = stress + stiffer * stretch * d[..., None] * d[..., None, :]
     return np.asarray(stress)
 
 
-def _vectors_through(along: Floats) -> Floats:
+def _unit_vectors_through_layers(along: Floats) -> Floats:
     """The unit vectors (..., 2) through layers, from the unit vectors along the layers."""
     return np.stack([-along[..., 1], along[..., 0]], axis=-1)
 
 
-def _work_by_turn(of_u: Floats, of_v: Floats, constants: Floats, along: Floats) -> Floats:
+def _work_change_by_turn_of_layers(
+    of_u: Floats, of_v: Floats, constants: Floats, along: Floats
+) -> Floats:
     """The change (e, q) [N/m] of b sigma(u) : H_v per turn of the layers' directions.
 
     Parameters
@@ -197,8 +209,8 @@ def _work_by_turn(of_u: Floats, of_v: Floats, constants: Floats, along: Floats) 
     constants : elastic constants (e, 4) [N/m] of `elasticity.split_elasticity`
     along : unit vectors (e, q, 2) along the layers
     """
-    of_first = _direction_strains(of_u, constants, along)
-    of_second = _direction_strains(of_v, constants, along)
+    of_first = _strains_in_layer_directions(of_u, constants, along)
+    of_second = _strains_in_layer_directions(of_v, constants, along)
     return of_first.shear * of_second.stretched + of_second.shear * of_first.stretched
 
 
@@ -215,16 +227,16 @@ class _DirectionStrains(NamedTuple):
     stretched: Floats
 
 
-def _direction_strains(H: Floats, constants: Floats, along: Floats) -> _DirectionStrains:
+def _strains_in_layer_directions(H: Floats, constants: Floats, along: Floats) -> _DirectionStrains:
     """The strains of displacement gradients H (e, q, 2, 2) in the directions of the layers."""
-    a, b, through = constants[:, 2:3], constants[:, 3:4], _vectors_through(along)
+    a, b, through = constants[:, 2:3], constants[:, 3:4], _unit_vectors_through_layers(along)
     eps_along = np.einsum("eqc,eqcd,eqd->eq", along, H, along)
     eps_through = np.einsum("eqc,eqcd,eqd->eq", through, H, through)
     shear = np.einsum("eqc,eqcd,eqd->eq", along, H + H.swapaxes(2, 3), through)
     return _DirectionStrains(shear, a * eps_along - b * eps_through)
 
 
-def _element_constants(basis: Any, layers: Mapping[str, ElasticLayer]) -> Floats:
+def _elastic_constants_of_elements(basis: Any, layers: Mapping[str, ElasticLayer]) -> Floats:
     """The elastic constants (elements, 4) [N/m] of each element, by `split_elasticity`."""
     constants = np.zeros((basis.element_dofs.shape[1], 4))
     for name, elements in _mesh_of(basis).subdomains.items():
@@ -232,7 +244,9 @@ def _element_constants(basis: Any, layers: Mapping[str, ElasticLayer]) -> Floats
     return constants
 
 
-def _layer_directions(basis: Any, layers: Mapping[str, ElasticLayer]) -> _Directions | None:
+def _find_layer_directions(
+    basis: Any, layers: Mapping[str, ElasticLayer]
+) -> _LayerDirections | None:
     """The directions of the layers of a body; None if all layers are isotropic."""
     subdomains = _mesh_of(basis).subdomains
     if not any(has_directions(layers[name].elasticity) for name in subdomains):
@@ -247,7 +261,7 @@ def _layer_directions(basis: Any, layers: Mapping[str, ElasticLayer]) -> _Direct
         along[:, elements] = layers[name].directions(points[:, elements])
         straight[elements] = layers[name].along is not None
     curvature = np.where(straight[:, None], 0.0, 1 / np.hypot(*points))
-    return _Directions(np.moveaxis(along, 0, 2), curvature, straight)
+    return _LayerDirections(np.moveaxis(along, 0, 2), curvature, straight)
 
 
 def _mesh_of(basis: Any) -> Any:
@@ -255,16 +269,18 @@ def _mesh_of(basis: Any) -> Any:
     return basis if isinstance(basis, ColumnGrid) else basis.mesh
 
 
-def _element_samples(basis: Any) -> Iterator[_Sample]:
+def _sample_elements_in_chunks(basis: Any) -> Iterator[_QuadratureSample]:
     """The shape functions of all elements of a body, in chunks of elements that fit in memory."""
     if isinstance(basis, ColumnGrid):
         count = len(basis.ordered_dofs)
-        for first in range(0, count, SAMPLE_CHUNK):
-            own = slice(first, first + SAMPLE_CHUNK)
+        for first in range(0, count, ELEMENTS_AT_A_TIME):
+            own = slice(first, first + ELEMENTS_AT_A_TIME)
             slopes, area = shape_function_gradients(basis.element_nodes[own], basis.degree)
             elements, dofs = np.arange(count)[own], basis.ordered_dofs[own]
-            yield _Sample(elements, dofs, slopes, reference_element(basis.degree).values, area)
+            yield _QuadratureSample(
+                elements, dofs, slopes, reference_element(basis.degree).values, area
+            )
         return
     slopes = np.array([psi[0].grad for psi in basis.basis]).transpose(2, 1, 0, 3)
     elements = np.arange(basis.mesh.nelements)
-    yield _Sample(elements, basis.element_dofs.T, slopes, shape_values(basis), basis.dx)
+    yield _QuadratureSample(elements, basis.element_dofs.T, slopes, shape_values(basis), basis.dx)

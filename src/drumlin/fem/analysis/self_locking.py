@@ -7,17 +7,17 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Brake
-from drumlin.contact.self_locking import LARGEST_SOUGHT_FRICTION, Limit
-from drumlin.fem.equilibrium.group import groups_of
+from drumlin.contact.self_locking import LARGEST_SOUGHT_FRICTION, FrictionLimit
+from drumlin.fem.equilibrium.group import divide_pressed_shoes_into_groups
 from drumlin.fem.preparation.scene import PreparedModel
 
 
-def limits(
+def friction_limits_of_groups(
     scene: PreparedModel,
     brake: Brake,
     most: float = LARGEST_SOUGHT_FRICTION,
     penalty: float = math.inf,
-) -> dict[tuple[int, ...], Limit]:
+) -> dict[tuple[int, ...], FrictionLimit]:
     """The friction limit of self-locking of each group of shoes, by the positions of the shoes.
 
     The limit comes earlier where a foot leaves its abutment, or where a cam or a strut would have
@@ -33,12 +33,15 @@ def limits(
     Raises
     ------
     NoAnswer
-        where a group has no equilibrium, see `ShoeGroup.followed`
+        where a group has no equilibrium, see `ShoeGroup.follow_to_friction_limit`
     """
-    return {group.members: group.followed(most).limit for group in groups_of(scene, brake, penalty)}
+    return {
+        group.members: group.follow_to_friction_limit(most).limit
+        for group in divide_pressed_shoes_into_groups(scene, brake, penalty)
+    }
 
 
-def torques(
+def torques_at_frictions(
     scene: PreparedModel, brake: Brake, frictions: Sequence[float], penalty: float = math.inf
 ) -> Floats:
     """The torque (m, shoes) [N m] of each shoe at m growing friction coefficients.
@@ -46,11 +49,13 @@ def torques(
     Raises NoAnswer at the limit of self-locking and beyond the limit.
     """
     values = np.zeros((len(frictions), len(brake.shoes)))
-    for group in groups_of(scene, brake, penalty):
+    for group in divide_pressed_shoes_into_groups(scene, brake, penalty):
         at, active = group, None
         # The contact set of one friction is the best guess of the contact set at the next friction.
         for row, mu in zip(values, frictions, strict=True):
-            at, contact = at.at_friction(mu).settled(active)
+            at, contact = at.with_drum_friction(mu).solve_contact(active)
             active = contact.active
-            row[list(group.members)] = mu * group.unit_force * (group.levers.T @ contact.p)
+            row[list(group.members)] = (
+                mu * group.unit_force * (group.torque_per_pressure.T @ contact.p)
+            )
     return values

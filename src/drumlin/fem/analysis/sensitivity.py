@@ -32,13 +32,17 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
 from drumlin.brake.orthotropic import orthotropic_parts
 from drumlin.brake.support import SupportChange, wrench
-from drumlin.fem.analysis.adjoint import GroupAdjoint, ShoeAdjoint, group_adjoint
-from drumlin.fem.analysis.moving import Moves, node_motions, shifted_lines
-from drumlin.fem.analysis.mutual_work import change_by_nodes, work_by_part
-from drumlin.fem.equilibrium.group import ShoeGroup, groups_of
-from drumlin.fem.equilibrium.state import gap_at
+from drumlin.fem.analysis.adjoint import GroupAdjoint, ShoeAdjoint, solve_adjoint_of_group
+from drumlin.fem.analysis.moving import (
+    NodeMotion,
+    contact_lines_of_moved_point,
+    node_motions_by_point,
+)
+from drumlin.fem.analysis.mutual_work import mutual_work_by_part, mutual_work_change_by_node_motions
+from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_groups
+from drumlin.fem.equilibrium.state import unloaded_gaps_at
 from drumlin.fem.model import PENALTY, check_penalty
-from drumlin.fem.preparation.bodies import ShoeSubstructure, coupling_of
+from drumlin.fem.preparation.bodies import ShoeSubstructure, couple_contact_line
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.solve import solve
@@ -146,11 +150,13 @@ def _shoe_as_dict(shoe: ShoeSensitivity) -> dict[str, Any]:
     }
 
 
-def sensitivity(scene: PreparedModel, brake: Brake, *, penalty: float = PENALTY) -> Sensitivity:
+def compute_torque_sensitivity(
+    scene: PreparedModel, brake: Brake, *, penalty: float = PENALTY
+) -> Sensitivity:
     """Compute the sensitivities of the torque of a brake on a prepared model.
 
-    Raises NoAnswer and BadInput as `respond` does, and NoAnswer for a brake without friction, which
-    has no torque.
+    Raises NoAnswer and BadInput as `solve_prepared_model` does, and NoAnswer for a brake without
+    friction, which has no torque.
     """
     check_penalty(penalty)
     if brake.friction == 0:
@@ -162,14 +168,16 @@ def sensitivity(scene: PreparedModel, brake: Brake, *, penalty: float = PENALTY)
         )
     pressed: dict[int, ShoeSensitivity] = {}
     ring, drive = 0.0, 0.0
-    for group in groups_of(scene, brake, penalty):
-        adjoint = group_adjoint(group)
+    for group in divide_pressed_shoes_into_groups(scene, brake, penalty):
+        adjoint = solve_adjoint_of_group(group)
         for k, i in enumerate(group.members):
-            pressed[i] = _ShoeSlopes(adjoint, k).sensitivity()
-        ring, drive = ring + adjoint.ring, drive + adjoint.drive
+            pressed[i] = _TorqueSlopesOfShoe(adjoint, k).sensitivity()
+        ring, drive = ring + adjoint.ring_modulus_slope, drive + adjoint.given_forces_slope
     shoes = []
     for i, shoe in enumerate(brake.shoes):
-        shoes.append(pressed[i] if i in pressed else _unpressed_shoe(scene.bodies[i], shoe))
+        shoes.append(
+            pressed[i] if i in pressed else _sensitivity_of_unpressed_shoe(scene.bodies[i], shoe)
+        )
     torque = math.fsum(shoe.torque for shoe in shoes)
     friction = math.fsum(shoe.friction for shoe in shoes)
     # The slope by the ring's modulus holds where the modulus alone makes the ring's flexibility.
@@ -180,24 +188,24 @@ def sensitivity(scene: PreparedModel, brake: Brake, *, penalty: float = PENALTY)
         friction_coefficient=brake.friction,
         torque=torque,
         friction=friction,
-        S=_relative_slope(brake.friction, friction, torque),
+        S=_logarithmic_slope(brake.friction, friction, torque),
         drive=None if brake.actuation is None else drive,
         ring=ring if scaled and not given else None,
         ring_bending_stiffness=ring if scaled and given else None,
         shoes=tuple(shoes),
-        law=law_sensitivity(brake),
+        law=sensitivity_by_rigid_law(brake),
     )
 
 
-def _relative_slope(x: float, slope: float, value: float) -> float | None:
+def _logarithmic_slope(x: float, slope: float, value: float) -> float | None:
     """The relative change of a value per relative change of x; None if the value is 0."""
     return x * slope / value if value else None
 
 
-def _unpressed_shoe(body: ShoeSubstructure, shoe: Shoe) -> ShoeSensitivity:
+def _sensitivity_of_unpressed_shoe(body: ShoeSubstructure, shoe: Shoe) -> ShoeSensitivity:
     """The sensitivities, all zero, of a shoe that does not press on the drum."""
     theta = shoe.frame.theta(body.line.phi)[:: shoe.frame.sense]
-    moduli = dict.fromkeys(map(_material_name, elastic_layers_of_shoe(shoe)), 0.0)
+    moduli = dict.fromkeys(map(_material_of_part, elastic_layers_of_shoe(shoe)), 0.0)
     given = shoe.body is not None and shoe.body.bending_stiffness is not None
     return ShoeSensitivity(
         name=shoe.name,
@@ -215,12 +223,12 @@ def _unpressed_shoe(body: ShoeSubstructure, shoe: Shoe) -> ShoeSensitivity:
     )
 
 
-def _material_name(part: str) -> str:
+def _material_of_part(part: str) -> str:
     """The name of the material of a part; the table of a T-section has the material "shoe"."""
     return "shoe" if part == "table" else part
 
 
-class _Displacements(NamedTuple):
+class _LoadedDisplacements(NamedTuple):
     """Displacements (2 nodes,) of a shoe whose rigid-body motion is held.
 
     u are the displacements under the loads [m], v under the adjoint loads.
@@ -230,7 +238,7 @@ class _Displacements(NamedTuple):
     v: Floats
 
 
-class _ShoeSlopes:
+class _TorqueSlopesOfShoe:
     """The slopes of the brake's torque by data of one shoe.
 
     `adjoint` is the adjoint of the shoe's group, and `k` the number of the shoe in the group.
@@ -243,9 +251,9 @@ class _ShoeSlopes:
         self.body, self.shoe = self.group.bodies[k], self.group.shoes[k]
         self.drag = self.group.brake.drag_on(self.shoe)
         # Under a cam the travel of the shoe's tip enters the equation that gives its force.
-        self.under_cam = k in self.group.cam
-        self.tip_multiplier = self.own.c if self.under_cam else 0.0
-        names = np.array(self.shoe.freedoms(self.group.senses[k]).names)
+        self.under_cam = k in self.group.cam_shoes
+        self.tip_multiplier = self.own.force_multiplier if self.under_cam else 0.0
+        names = np.array(self.shoe.freedoms(self.group.friction_senses[k]).names)
         # The sign of each rigid-body mode in the frame of the shoe against the frame of the brake.
         self.mode_signs = np.where(names == "turn", float(self.shoe.frame.sense), 1.0)
         # The actuation does no work on the tilt of a shoe on a lever.
@@ -255,47 +263,51 @@ class _ShoeSlopes:
         """Compute all sensitivities of the shoe."""
         group, k, own, body = self.group, self.k, self.own, self.body
         shoe, coupling = self.shoe, self.body.coupling
-        torque = float(self.adjoint.torque[k])
-        friction = float(self.adjoint.friction[k])
-        by_penalty = float(own.a @ (coupling.M @ own.p)) / group.stiffnesses[k]
-        moduli, bending_stiffness = self._moduli_slopes(by_penalty)
+        torque = float(self.adjoint.torques[k])
+        friction = float(self.adjoint.friction_slopes[k])
+        by_penalty = (
+            float(own.gap_multipliers @ (coupling.M @ own.pressures)) / group.contact_stiffnesses[k]
+        )
+        moduli, bending_stiffness = self._slopes_by_moduli(by_penalty)
         # The force of a shoe under a cam or behind a strut is no datum of the brake file.
-        shares_force = k in [*group.cam, *(to for _, to in group.links)]
+        shares_force = k in [*group.cam_shoes, *(to for _, to in group.struts)]
         sign_of_force = math.copysign(1.0, shoe.actuation.force)
         forward = slice(None, None, shoe.frame.sense)
         return ShoeSensitivity(
             name=shoe.name,
             torque=torque,
             friction=friction,
-            S=_relative_slope(group.brake.friction, friction, torque),
-            force=None if shares_force else sign_of_force * own.c,
+            S=_logarithmic_slope(group.brake.friction, friction, torque),
+            force=None if shares_force else sign_of_force * own.force_multiplier,
             moduli=moduli,
             bending_stiffness=bending_stiffness,
-            clearance=-float(own.a @ coupling.M.sum(axis=1)),
-            held=self._support_slopes(),
+            clearance=-float(own.gap_multipliers @ coupling.M.sum(axis=1)),
+            held=self._slopes_by_supports(),
             penalty=by_penalty,
             theta=shoe.frame.theta(body.line.phi)[forward],
-            density=-shoe.lining.width * own.a[forward],
+            density=-shoe.lining.width * own.gap_multipliers[forward],
         )
 
-    def _pushed_shoes(self) -> list[int]:
+    def _shoes_pushed_by_struts(self) -> list[int]:
         """The numbers, within the group, of the shoes that struts from this shoe push."""
-        return [to for source, to in self.group.links if source == self.k]
+        return [to for source, to in self.group.struts if source == self.k]
 
     # Moduli
 
     @cached_property
-    def displacements(self) -> _Displacements:
+    def displacements(self) -> _LoadedDisplacements:
         """The displacements of the shoe under its loads and under the adjoint loads."""
-        own, load = self.own, self.group.loads[self.k].factors
+        own, load = self.own, self.group.unit_loads[self.k].load_factors
         N, T = self.body.coupling.N, self.body.coupling.T
-        nodal = np.column_stack([self.drag * (T.T @ own.p) - N.T @ own.p, N.T @ own.a])
-        adjoint_force = -own.c if self.under_cam else 0.0
-        loads = np.column_stack([own.F * load, adjoint_force * load])
+        nodal = np.column_stack(
+            [self.drag * (T.T @ own.pressures) - N.T @ own.pressures, N.T @ own.gap_multipliers]
+        )
+        adjoint_force = -own.force_multiplier if self.under_cam else 0.0
+        loads = np.column_stack([own.force * load, adjoint_force * load])
         u, v = self.body.condensed.displacements(nodal, np.zeros((FRAME, 2)), loads).T
-        return _Displacements(u, v)
+        return _LoadedDisplacements(u, v)
 
-    def _moduli_slopes(self, by_penalty: float) -> tuple[dict[str, float], float | None]:
+    def _slopes_by_moduli(self, by_penalty: float) -> tuple[dict[str, float], float | None]:
         """The slopes [N m] of the torque by the moduli of each part, and by the bending stiffness.
 
         The second slope is None if the brake file gives no bending stiffness. The lining's modulus
@@ -304,10 +316,9 @@ class _ShoeSlopes:
         """
         u, v = self.displacements
         effects: dict[str, float] = {}
-        for part, work in work_by_part(
-            self.body.basis, elastic_layers_of_shoe(self.shoe), u, v
-        ).items():
-            name = _material_name(part)
+        layers = elastic_layers_of_shoe(self.shoe)
+        for part, work in mutual_work_by_part(self.body.basis, layers, u, v).items():
+            name = _material_of_part(part)
             more = by_penalty if part == "lining" else 0.0
             effects[name] = effects.get(name, 0.0) - work + more
         bar = self.shoe.body
@@ -317,23 +328,23 @@ class _ShoeSlopes:
 
     # Supports
 
-    def _support_slopes(self) -> dict[str, Floats]:
+    def _slopes_by_supports(self) -> dict[str, Floats]:
         """The slopes of the torque by the supports of the shoe, by the keys of `Held.changes`.
 
         A support changes the rigid-body modes, and the strains if nodes move with the support.
         """
         group, k = self.group, self.k
         effects = {}
-        for key, changes in self.shoe.changes(group.senses[k]).items():
-            effects[key] = np.array(list(map(self._slope_by_modes, changes)))
-            moves = node_motions(group.scene, group.members[k], self.shoe, key)
+        for key, changes in self.shoe.changes(group.friction_senses[k]).items():
+            effects[key] = np.array(list(map(self._slope_by_change_of_modes, changes)))
+            moves = node_motions_by_point(group.scene, group.members[k], self.shoe, key)
             if moves:
-                effects[key] = effects[key] + self._slopes_by_nodes(moves)
-        for to in self._pushed_shoes():
-            _add_strut_line(effects, _ShoeSlopes(self.adjoint, to))
+                effects[key] = effects[key] + self._slopes_by_node_motions(moves)
+        for to in self._shoes_pushed_by_struts():
+            _add_slopes_by_strut_line(effects, _TorqueSlopesOfShoe(self.adjoint, to))
         return effects
 
-    def _slope_by_modes(self, change: SupportChange) -> float:
+    def _slope_by_change_of_modes(self, change: SupportChange) -> float:
         """The slope of the torque by a change of the rigid-body modes.
 
         Motions enter the equations by the work of forces alone. On a rigid motion this is the work
@@ -342,46 +353,58 @@ class _ShoeSlopes:
         own, shoe, works = self.own, self.shoe, self.works
         N, T = self.body.coupling.N, self.body.coupling.T
         xy = shoe.points(self.body.line.xy)
-        on_gaps, by_drum = own.a @ N, self.drag * (own.p @ T) - own.p @ N
+        on_gaps, by_drum = (
+            own.gap_multipliers @ N,
+            self.drag * (own.pressures @ T) - own.pressures @ N,
+        )
         of_gaps = wrench(shoe.frame.to_brake(on_gaps.reshape(-1, 2)), xy.T)
         of_drum = wrench(shoe.frame.to_brake(by_drum.reshape(-1, 2)), xy.T)
         sign = math.copysign(1.0, shoe.actuation.force)
         push = wrench(sign * shoe.actuation.direction_vector, shoe.actuation.point.xy)
-        y, b = self.mode_signs * own.y, self.mode_signs * own.b
-        by_equilibria = change.tests @ of_drum + own.F * works * (change.tests @ push)
+        y, b = self.mode_signs * own.coordinates, self.mode_signs * own.equilibrium_multipliers
+        by_equilibria = change.tests @ of_drum + own.force * works * (change.tests @ push)
         by_tip = self.tip_multiplier * (y * works) @ (change.motions @ push)
         return float(y @ (change.motions @ of_gaps) - b @ by_equilibria - by_tip)
 
-    def _slopes_by_nodes(self, moves: list[Moves]) -> Floats:
+    def _slopes_by_node_motions(self, moves: list[NodeMotion]) -> Floats:
         """The slopes (moves,) of the torque by motions of nodes.
 
         Moving nodes change the stiffness, the load, and the contact if its nodes move.
         """
         own, body = self.own, self.body
         u, v = self.displacements
-        nodes, axes = np.array([move.nodes for move in moves]), [move.axis for move in moves]
-        effects = -change_by_nodes(body.basis, elastic_layers_of_shoe(self.shoe), u, v, nodes, axes)
+        nodes, axes = (
+            np.array([move.node_motion for move in moves]),
+            [move.axis_turn for move in moves],
+        )
+        effects = -mutual_work_change_by_node_motions(
+            body.basis, elastic_layers_of_shoe(self.shoe), u, v, nodes, axes
+        )
         # A change of the nodal forces changes the torque by this much per force.
-        per_force = own.F * v - self.tip_multiplier * u
+        per_force = own.force * v - self.tip_multiplier * u
         for j, move in enumerate(moves):
-            effects[j] += float(move.load @ per_force)
+            effects[j] += float(move.load_change @ per_force)
             if not move.contact_stays:
-                effects[j] += self._slope_by_contact(move)
+                effects[j] += self._slope_by_contact_node_motion(move)
         return effects
 
-    def _slope_by_contact(self, move: Moves) -> float:
+    def _slope_by_contact_node_motion(self, move: NodeMotion) -> float:
         """The slope of the torque by a motion of contact nodes, by central differences.
 
         Only the coupling and the gap change. All pressures, displacements and motions stay, and so
         do their adjoints.
         """
         values = []
-        for step, line in shifted_lines(self.body, self.shoe, self.group.brake.size, move):
-            value = self._contact_terms(line, step, move)
-            values.append((value - self._ring_terms(line)) / step)
+        for step, line in contact_lines_of_moved_point(
+            self.body, self.shoe, self.group.brake.size, move
+        ):
+            value = self._weighted_contact_equations(line, step, move)
+            values.append((value - self._weighted_gaps_by_ring(line)) / step)
         return 0.5 * sum(values)
 
-    def _contact_terms(self, line: ContactLine, step: float, move: Moves) -> float:
+    def _weighted_contact_equations(
+        self, line: ContactLine, step: float, move: NodeMotion
+    ) -> float:
         """The contact terms of the torque with contact nodes moved by a step.
 
         The equations of gaps and equilibria are weighted by their adjoints.
@@ -393,41 +416,41 @@ class _ShoeSlopes:
         move : motion of the nodes per motion of the point
         """
         own, group, brake, shoe, k = self.own, self.group, self.group.brake, self.shoe, self.k
-        modes, nodes = group.modes[k], self.body.line.nodes
+        modes, nodes = group.rigid_body_modes[k], self.body.line.nodes
         contact = np.column_stack([2 * nodes, 2 * nodes + 1]).ravel()
-        squeezed, turns = own.p / group.stiffnesses[k], modes.pin_motion[2]
-        u = self.displacements.u[contact] + modes.contact_modes @ own.y
-        v = self.displacements.v[contact] - modes.test_modes @ own.b
-        coupling = coupling_of(line, shoe)
-        nodal = self.drag * (coupling.T.T @ own.p) - coupling.N.T @ own.p
+        squeezed, turns = own.pressures / group.contact_stiffnesses[k], modes.pin_motion[2]
+        u = self.displacements.u[contact] + modes.contact_modes @ own.coordinates
+        v = self.displacements.v[contact] - modes.test_modes @ own.equilibrium_multipliers
+        coupling = couple_contact_line(line, shoe)
+        nodal = self.drag * (coupling.T.T @ own.pressures) - coupling.N.T @ own.pressures
         # Nodes that have moved by `step` travel aside as well when the shoe turns.
-        aside = step * np.array([-move.line[1], move.line[0]]).T.ravel()
-        gap = gap_at(line.xy, line.phi, brake, shoe)
-        value = brake.friction * float(coupling.lever @ own.p)
-        closing = coupling.N @ (u + aside * (turns @ own.y))
-        value += float(own.a @ (closing - coupling.M @ (gap + squeezed)))
-        value += float(nodal @ (v - aside * (turns @ own.b)))
+        aside = step * np.array([-move.line_motion[1], move.line_motion[0]]).T.ravel()
+        gap = unloaded_gaps_at(line.xy, line.phi, brake, shoe)
+        value = brake.friction * float(coupling.lever @ own.pressures)
+        closing = coupling.N @ (u + aside * (turns @ own.coordinates))
+        value += float(own.gap_multipliers @ (closing - coupling.M @ (gap + squeezed)))
+        value += float(nodal @ (v - aside * (turns @ own.equilibrium_multipliers)))
         # A strut passes on the part of these nodal forces that the shoe's foot bears.
         whole = shoe.frame.to_brake(nodal.reshape(-1, 2).sum(axis=0))
-        for to in self._pushed_shoes():
-            value -= self.adjoint.shoes[to].c * float(whole @ shoe.bearing)
+        for to in self._shoes_pushed_by_struts():
+            value -= self.adjoint.shoes[to].force_multiplier * float(whole @ shoe.bearing)
         return value
 
-    def _ring_terms(self, line: ContactLine) -> float:
+    def _weighted_gaps_by_ring(self, line: ContactLine) -> float:
         """The ring's part of the weighted gaps, times the adjoint, on a moved contact line.
 
         The value is 0 for a rigid drum.
         """
         group, scene = self.group, self.group.scene
-        if scene.ring is None or scene.ring_under is None:
+        if scene.ring is None or scene.ring_under_lines is None:
             return 0.0
         lines = [body.line for body in scene.bodies]
         lines[group.members[self.k]] = line
-        ring = scene.ring_under(tuple(lines))
+        ring = scene.ring_under_lines(tuple(lines))
         pressed = np.hstack([ring.normal_half_flexibilities[i] for i in group.members])
         dragged = np.hstack([ring.friction_half_flexibilities[i] for i in group.members])
-        a = np.concatenate([shoe.a for shoe in self.adjoint.shoes])
-        p = np.concatenate([shoe.p for shoe in self.adjoint.shoes])
+        a = np.concatenate([shoe.gap_multipliers for shoe in self.adjoint.shoes])
+        p = np.concatenate([shoe.pressures for shoe in self.adjoint.shoes])
         return float((pressed @ a) @ ((pressed + group.brake.drag * dragged) @ p))
 
     # The line of a strut
@@ -444,13 +467,16 @@ class _ShoeSlopes:
         """
         own, shoe, body = self.own, self.shoe, self.body
         centre = shoe.points(body.load_centre[:, None])[:, 0]
-        free = shoe.freedoms(self.group.senses[self.k])
+        free = shoe.freedoms(self.group.friction_senses[self.k])
         couple = 0.0 if carried else shoe.frame.sense * (moment - float(cross(centre, force)))
         pushing = np.array([*shoe.frame.to_shoe(force), couple])
         load = body.columns.factors({ACTUATION: pushing})
         work = free.tests @ np.array([*force, moment])
         tested = self.mode_signs * self.works * work
-        return own.F * float(own.a @ (body.closure_by_load @ load) - own.b @ tested)
+        return own.force * float(
+            own.gap_multipliers @ (body.closure_by_load @ load)
+            - own.equilibrium_multipliers @ tested
+        )
 
     def slopes_by_force_point(self) -> list[Floats]:
         """The slopes (2,) [N] of the torque by the point at which a strut pushes the shoe.
@@ -459,13 +485,13 @@ class _ShoeSlopes:
         nodes of the body if nodes move with the point.
         """
         key, direction = "actuation.point", self.shoe.actuation.direction_vector
-        moves = node_motions(self.group.scene, self.group.members[self.k], self.shoe, key)
+        moves = node_motions_by_point(self.group.scene, self.group.members[self.k], self.shoe, key)
         effects = []
         for step in np.eye(2):
             moment = float(cross(step, direction))
             effects.append(self.slope_by_force_line(np.zeros(2), moment, carried=bool(moves)))
         by_moment = np.array(effects)
-        return [by_moment, self._slopes_by_nodes(moves)] if moves else [by_moment]
+        return [by_moment, self._slopes_by_node_motions(moves)] if moves else [by_moment]
 
     def slope_by_force_direction(self) -> float:
         """The slope [N m] of the torque by the direction in which a strut pushes the shoe."""
@@ -474,12 +500,16 @@ class _ShoeSlopes:
         turned = np.array([-direction[1], direction[0]])
         slope = self.slope_by_force_line(turned, float(cross(point, turned)))
         # In a chain the shoe passes its force on to a further shoe.
-        for to in self._pushed_shoes():
-            slope -= self.adjoint.shoes[to].c * self.own.F * float(shoe.bearing @ turned)
+        for to in self._shoes_pushed_by_struts():
+            slope -= (
+                self.adjoint.shoes[to].force_multiplier
+                * self.own.force
+                * float(shoe.bearing @ turned)
+            )
         return slope
 
 
-def _add_strut_line(effects: dict[str, Floats], pushed: _ShoeSlopes) -> None:
+def _add_slopes_by_strut_line(effects: dict[str, Floats], pushed: _TorqueSlopesOfShoe) -> None:
     """Add the slopes by a strut's line of action to the slopes by the abutment on the strut.
 
     The strut pushes along a line that moves and turns with the abutment. The size of the force does
@@ -499,7 +529,7 @@ def _add_strut_line(effects: dict[str, Floats], pushed: _ShoeSlopes) -> None:
 # Lines for people
 
 
-def as_text(found: Sensitivity, brake: Brake) -> list[str]:
+def sensitivity_as_text_lines(found: Sensitivity, brake: Brake) -> list[str]:
     """The sensitivities as lines of text, with relative slopes d ln T / d ln x of the whole torque.
 
     `found` holds the sensitivities of the brake.
@@ -511,7 +541,7 @@ def as_text(found: Sensitivity, brake: Brake) -> list[str]:
     T, elasticity = found.torque or math.inf, f"d ln {symbol}/d ln"
     lines = [
         f"{effect} {found.torque:.6g} {unit}, d{symbol}/dmu {found.friction:.6g} {unit}, "
-        f"S = (mu/{symbol}) d{symbol}/dmu = {_S_text(found.S)} ({of_law}: {_S_text(law[-1])})"
+        f"S = (mu/{symbol}) d{symbol}/dmu = {_format_S(found.S)} ({of_law}: {_format_S(law[-1])})"
     ]
     of_brake = {
         "actuation": found.drive,
@@ -522,13 +552,13 @@ def as_text(found: Sensitivity, brake: Brake) -> list[str]:
         if slope is not None:
             lines.append(f"  {elasticity} {what} {slope / T:+.4g}")
     for k, own in enumerate(found.shoes):
-        by_law = "" if law[k] is None else f" ({of_law}: {_S_text(law[k])})"
+        by_law = "" if law[k] is None else f" ({of_law}: {_format_S(law[k])})"
         lines.append(
             f"  shoe {own.name!r}: {effect} {own.torque:.6g} {unit}, "
             f"d{symbol}/dmu {own.friction:.6g} {unit}, "
-            f"S {_S_text(own.S)}{by_law}; of the whole {effect}:"
+            f"S {_format_S(own.S)}{by_law}; of the whole {effect}:"
         )
-        lines += _shoe_lines(own, brake.shoes[k].actuation.force, T, elasticity)
+        lines += _slope_lines_of_shoe(own, brake.shoes[k].actuation.force, T, elasticity)
     parts = ", ".join(orthotropic_parts(brake))
     if parts:
         lines.append(
@@ -537,12 +567,14 @@ def as_text(found: Sensitivity, brake: Brake) -> list[str]:
     return lines
 
 
-def _S_text(S: float | None) -> str:
+def _format_S(S: float | None) -> str:
     """The sensitivity S as text, "none" if S is None."""
     return "none" if S is None else f"{S:.5g}"
 
 
-def _shoe_lines(own: ShoeSensitivity, force: float, T: float, elasticity: str) -> list[str]:
+def _slope_lines_of_shoe(
+    own: ShoeSensitivity, force: float, T: float, elasticity: str
+) -> list[str]:
     """Lines of text on the relative slopes of the whole torque by data of one shoe.
 
     Parameters
@@ -557,7 +589,7 @@ def _shoe_lines(own: ShoeSensitivity, force: float, T: float, elasticity: str) -
     bent = ""
     if own.bending_stiffness is not None:
         bent = f"; {elasticity} bending_stiffness: shoe {own.bending_stiffness / T:+.4g}"
-    held = "; ".join(_support_text(key, value / T) for key, value in own.held.items())
+    held = "; ".join(_slope_text_of_support(key, value / T) for key, value in own.held.items())
     # Adding 0.0 turns -0.0 into 0.0, which prints without a sign of minus.
     per_micrometre = own.clearance / T * 1e-3 * PERCENT_PER_MM + 0.0
     return [
@@ -567,7 +599,7 @@ def _shoe_lines(own: ShoeSensitivity, force: float, T: float, elasticity: str) -
     ]
 
 
-def _support_text(key: str, value: Floats) -> str:
+def _slope_text_of_support(key: str, value: Floats) -> str:
     """The text on the relative slopes of the torque by one support.
 
     `key` is a key of `ShoeSensitivity.held`, and `value` (1,) or (2,) its slopes over the torque.
@@ -583,7 +615,7 @@ def _support_text(key: str, value: Floats) -> str:
 # Sensitivities by laws and by differences
 
 
-def law_sensitivity(brake: Brake) -> tuple[float | None, ...] | None:
+def sensitivity_by_rigid_law(brake: Brake) -> tuple[float | None, ...] | None:
     """The sensitivity S by the rigid-shoe law, of each shoe and then of the whole brake.
 
     S by the sine law is exact, since the shape of its pressure is constant (UWA notes, eq. 8). By
@@ -604,7 +636,7 @@ def law_sensitivity(brake: Brake) -> tuple[float | None, ...] | None:
     return (*each, total / response.torque if response.torque else None)
 
 
-class _Probe(NamedTuple):
+class _ProbedSlope(NamedTuple):
     """A slope of the torque that is compared with a central difference of solves.
 
     Attributes
@@ -625,7 +657,7 @@ class _Probe(NamedTuple):
     per_force: float = 1.0
 
 
-def against_differences(
+def compare_with_differences_of_solves(
     brake: Brake, index: int, *, elements: int, penalty: float = PENALTY
 ) -> tuple[Sensitivity, list[dict[str, Any]]]:
     """Compare exact slopes of the whole torque with central differences of complete solves.
@@ -645,9 +677,9 @@ def against_differences(
     the sensitivities, and a row for each slope with the keys `what`, `unit`, `exact`, `near` (the
     difference of solves) and `difference` (relative)
     """
-    slopes = sensitivity(prepare(brake, elements=elements), brake, penalty=penalty)
+    slopes = compute_torque_sensitivity(prepare(brake, elements=elements), brake, penalty=penalty)
     rows = []
-    for probe in _probed_slopes(brake, index, slopes):
+    for probe in _slopes_to_compare(brake, index, slopes):
         torques = []
         for step in (probe.step, -probe.step):
             changed = vary(brake, dict(probe.changes(step)))
@@ -659,7 +691,7 @@ def against_differences(
     return slopes, rows
 
 
-def _probed_slopes(brake: Brake, index: int, slopes: Sensitivity) -> list[_Probe]:
+def _slopes_to_compare(brake: Brake, index: int, slopes: Sensitivity) -> list[_ProbedSlope]:
     """The slopes that are compared with differences: by friction, and by data of shoe `index`."""
     shoe, own, key = brake.shoes[index], slopes.shoes[index], f"shoe[{index}]."
     gap, body = shoe.lining.clearance, shoe.body
@@ -687,11 +719,11 @@ def _probed_slopes(brake: Brake, index: int, slopes: Sensitivity) -> list[_Probe
     lining_moduli = partial(scaled, "lining", linings)
     body_moduli = partial(scaled, "body", bodies)
     return [
-        _Probe("dT/dμ", "N m", slopes.friction, friction, 1e-5),
-        _Probe("dT/dF", "m", own.force or 0.0, actuation_force, 1e-4, force),
-        _Probe("dT/d ln E, lining", "N m", own.moduli["lining"], lining_moduli, 1e-4),
-        _Probe("dT/d ln E, shoe", "N m", own.moduli["shoe"], body_moduli, 1e-4),
-        _Probe("dT/d clearance", "N", own.clearance, clearance, 1e-9),
-        _Probe("dT/dx, hinge", "N", by_x, partial(hinge, 1.0, 0.0), 1e-6),
-        _Probe("dT/dy, hinge", "N", by_y, partial(hinge, 0.0, 1.0), 1e-6),
+        _ProbedSlope("dT/dμ", "N m", slopes.friction, friction, 1e-5),
+        _ProbedSlope("dT/dF", "m", own.force or 0.0, actuation_force, 1e-4, force),
+        _ProbedSlope("dT/d ln E, lining", "N m", own.moduli["lining"], lining_moduli, 1e-4),
+        _ProbedSlope("dT/d ln E, shoe", "N m", own.moduli["shoe"], body_moduli, 1e-4),
+        _ProbedSlope("dT/d clearance", "N", own.clearance, clearance, 1e-9),
+        _ProbedSlope("dT/dx, hinge", "N", by_x, partial(hinge, 1.0, 0.0), 1e-6),
+        _ProbedSlope("dT/dy, hinge", "N", by_y, partial(hinge, 0.0, 1.0), 1e-6),
     ]

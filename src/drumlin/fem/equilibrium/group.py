@@ -19,13 +19,13 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.contact import active_set, self_locking
 from drumlin.fem.equilibrium import reach
 from drumlin.fem.equilibrium.problems import GroupProblems
-from drumlin.fem.equilibrium.sharing import NO_PUSH, WOULD_PULL
-from drumlin.fem.preparation.bodies import ShoeSubstructure, actuation
+from drumlin.fem.equilibrium.sharing import LARGEST_FORCE_THAT_DOES_NOT_PUSH, WOULD_PULL_TEXT
+from drumlin.fem.preparation.bodies import ShoeSubstructure, actuation_load_factors
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.laws import rigid
 
-FOOT_LEAVES = "no equilibrium, a foot leaves its abutment"
-ELASTIC_BRAKE = "elastic as it is"
+FOOT_LEAVES_TEXT = "no equilibrium, a foot leaves its abutment"
+ELASTIC_BRAKE_WORDS = "elastic as it is"
 """How the refusal of a self-locking brake names the elastic model, beside the rigid-shoe law."""
 FRICTION_STEP = self_locking.LARGEST_FRICTION_STEP / 4
 """Largest step of the drum's friction coefficient between two checks of a followed answer.
@@ -34,7 +34,7 @@ A check asks how feet slide and whether all shoes are still pushed. Above a fric
 1 the step is relative to the coefficient. A foot that leaves its abutment and comes back within a
 step goes unnoticed; a smaller step costs time.
 """
-NEAR_POLE = 1e-4
+CHECK_DISTANCE_FROM_POLE = 1e-4
 """Relative distance from the pole of the pressures up to which feet and forces are checked.
 
 A change of the footing nearer to the pole moves the limit by less than this fraction, which is the
@@ -42,25 +42,25 @@ last of the four digits that are printed.
 """
 
 
-class PullNeeded(NoAnswer):
+class SharedForceWouldPull(NoAnswer):
     """The refusal of an answer in which a cam or a strut would have to pull, not push."""
 
 
-class FollowedEnd(NamedTuple):
+class FollowedFrictionLimit(NamedTuple):
     """The end of an answer that is followed in the friction coefficient of the drum.
 
     Attributes
     ----------
     limit : the friction coefficient at which the answer ends
-    lets_go : text that names the cam, strut or foot which would have to pull at the end and cannot;
+    pulling_part : text that names the cam, strut or foot that would have to pull at the limit;
         empty if the answer ends for another reason
     """
 
-    limit: self_locking.Limit
-    lets_go: str
+    limit: self_locking.FrictionLimit
+    pulling_part: str
 
 
-class SettledGroup(NamedTuple):
+class SolvedGroup(NamedTuple):
     """A group with known senses of friction at its abutments, and its answer."""
 
     group: "ShoeGroup"
@@ -70,44 +70,48 @@ class SettledGroup(NamedTuple):
 class ShoeGroup(GroupProblems):
     """A group of shoes with its state, its contact problems and their answers."""
 
-    def at_friction(self, friction: float) -> "ShoeGroup":
+    def with_drum_friction(self, friction: float) -> "ShoeGroup":
         """The group at another friction of the drum, with the same senses of friction at feet."""
         return replace(self, brake=self.brake.model_copy(update={"friction": friction}))
 
     # The answer under given senses of friction at the abutments
 
-    def answer(self, first: Bools | None = None) -> active_set.Contact:
+    def solve_with_known_senses(self, first_contact_set: Bools | None = None) -> active_set.Contact:
         """Solve for the contact per newton of `unit_force` under the present senses at abutments.
 
-        `first` (n,) is a contact set to start from. Raises NoAnswer: self-locking, no equilibrium,
-        not converged, a turn too large for small displacements.
+        `first_contact_set` (n,) is a contact set to start from. Raises NoAnswer: self-locking, no
+        equilibrium, not converged, a turn too large for small displacements.
         """
         for k, shoe in enumerate(self.shoes):
             xy = self.bodies[k].line.xy
-            reach.check_pin(shoe, xy, self.gaps[k], self.loads[k].moment)
-        law = min(map(self.law, self.members))
+            reach.check_turn_of_hinged_shoe(
+                shoe, xy, self.initial_gaps[k], self.unit_loads[k].moment_about_pin
+            )
+        law = min(map(self.rigid_law_locking_friction, self.members))
         try:
-            contact = self_locking.answer(
-                self.problem_at,
+            contact = self_locking.solve_on_path_from_zero_friction(
+                self.problem_at_friction,
                 self.brake.friction,
-                first,
-                self.areas,
-                law=law,
-                brake=ELASTIC_BRAKE,
+                first_contact_set,
+                self.node_areas,
+                rigid_law_limit=law,
+                brake_words=ELASTIC_BRAKE_WORDS,
             )
         except NoAnswer as error:
             # Nothing locks where a shared force falls to zero: the shoe leaves the drum there.
-            if isinstance(error, self_locking.PathEnded) and (
-                refusal := self._pull_text_at(error.end)
+            if isinstance(error, self_locking.FrictionBeyondLimit) and (
+                refusal := self._pull_refusal_at_limit(error.limit)
             ):
-                raise PullNeeded(refusal) from error
-            raise NoAnswer(f"{self.names}: {error}") from error
-        for k, coordinates in enumerate(self.coordinates(contact)):
+                raise SharedForceWouldPull(refusal) from error
+            raise NoAnswer(f"{self.shoe_names}: {error}") from error
+        for k, coordinates in enumerate(self.generalised_coordinates(contact)):
             turns = self.unit_force * coordinates
-            reach.check_turns(self.shoes[k], self.each_sense[k], self.gaps[k], turns)
+            reach.check_turns_in_answer(
+                self.shoes[k], self.known_friction_senses[k], self.initial_gaps[k], turns
+            )
         return contact
 
-    def law(self, i: int) -> float:
+    def rigid_law_locking_friction(self, i: int) -> float:
         """The friction coefficient at which shoe `i` of the brake locks by the rigid-shoe law.
 
         The prepared model knows this friction for a hinged shoe that the drum drags the same way.
@@ -119,207 +123,231 @@ class ShoeGroup(GroupProblems):
             return self.scene.laws[i]
         return rigid.locking_friction(self.brake, shoe)
 
-    def _pull_text_at(self, end: self_locking.Limit) -> str:
-        """The text that refuses an answer whose end `end` comes as a shared force falls to zero.
+    def _pull_refusal_at_limit(self, limit: self_locking.FrictionLimit) -> str:
+        """The text that refuses an answer whose end `limit` comes as a shared force falls to zero.
 
         The text is empty if no shared force falls to zero.
         """
-        sharing = self._sharing_at(end.reached)
-        return "" if sharing is None else self._pull_text(sharing.forces(end.last.p))
+        sharing = self._force_sharing_at(limit.last_friction)
+        return (
+            ""
+            if sharing is None
+            else self._pull_refusal(sharing.actuation_forces(limit.last_contact.p))
+        )
 
-    def _pull_text(self, forces: Floats) -> str:
+    def _pull_refusal(self, forces: Floats) -> str:
         """The text that refuses actuation forces (shoes,) of which one pulls; empty if all push."""
         i = int(forces.argmin())
-        if forces[i] <= NO_PUSH * forces.max():
-            return f"shoe {self.shoes[i].name!r}: {WOULD_PULL}"
+        if forces[i] <= LARGEST_FORCE_THAT_DOES_NOT_PUSH * forces.max():
+            return f"shoe {self.shoes[i].name!r}: {WOULD_PULL_TEXT}"
         return ""
 
     # The answer, and the senses of friction at the abutments that agree with the answer
 
-    def settled(self, first: Bools | None = None) -> SettledGroup:
+    def solve_contact(self, first_contact_set: Bools | None = None) -> SolvedGroup:
         """Find the senses of friction at the abutments that agree with their answer.
 
         The drum turns already as the force comes on. Friction opposes the whole slide of a foot
         from its place without force, or holds the foot there. The senses of the rigid shoe are
         tried first. The order of trials does not matter: no brake is known in which two choices of
-        senses agree with their answers. `first` (n,) is a contact set to start from. Raises
-        NoAnswer as `answer` does, and if a foot would leave its abutment.
+        senses agree with their answers. `first_contact_set` (n,) is a contact set to start from.
+        Raises NoAnswer as `solve_with_known_senses` does, and if a foot would leave its abutment.
         """
         try:
-            return self._first_footing(first)
+            return self._solve_with_consistent_senses(first_contact_set)
         except NoAnswer as error:
-            refusal = self._refusal_text()
+            refusal = self._refusal_of_rough_feet()
             if not refusal:
                 raise
             raise NoAnswer(refusal) from error
 
-    def _first_footing(self, first: Bools | None = None) -> SettledGroup:
+    def _solve_with_consistent_senses(self, first_contact_set: Bools | None = None) -> SolvedGroup:
         """Find the senses that agree with their answer, or raise the refusal of the first trial."""
-        failure = NoAnswer(f"{self.names}: {FOOT_LEAVES}")
-        for number, group in enumerate(self.footings()):
+        failure = NoAnswer(f"{self.shoe_names}: {FOOT_LEAVES_TEXT}")
+        for number, group in enumerate(self.groups_with_each_choice_of_senses()):
             try:
-                contact = group.answer(first)
+                contact = group.solve_with_known_senses(first_contact_set)
             except NoAnswer as error:
                 if number == 0:
                     failure = error
                 continue
-            if all(group.consistent(contact, k) for k in range(len(self.members))):
-                return SettledGroup(group, contact)
+            if all(group.is_foot_as_assumed(contact, k) for k in range(len(self.members))):
+                return SolvedGroup(group, contact)
         raise failure
 
-    def footings(self) -> Iterator["ShoeGroup"]:
+    def groups_with_each_choice_of_senses(self) -> Iterator["ShoeGroup"]:
         """The group with each choice of senses of friction at its abutments.
 
         The present senses come first, or the senses of the rigid shoes if the senses are unknown.
         """
-        begin = self.senses or tuple(_rigid_sense(self.brake, shoe) for shoe in self.shoes)
+        begin = self.friction_senses or tuple(
+            _friction_sense_of_rigid_shoe(self.brake, shoe) for shoe in self.shoes
+        )
         choices = []
         for own, shoe in zip(begin, self.shoes, strict=True):
             others = [sense for sense in shoe.senses if sense != own]
             choices.append((own, *others))
         for senses in product(*choices):
-            yield self if senses == self.senses else replace(self, senses=senses)
+            yield self if senses == self.friction_senses else replace(self, friction_senses=senses)
 
-    def consistent(self, contact: active_set.Contact, k: int) -> bool:
+    def is_foot_as_assumed(self, contact: active_set.Contact, k: int) -> bool:
         """Whether the foot of shoe `k` stands or slides as an answer assumes; see `Held.stands`."""
         shoe = self.shoes[k]
         if shoe.abutment is None:
             return True
-        slide = float(self.coordinates(contact)[k][-1])
-        return shoe.stands(self.reaction(contact, k), self.each_sense[k], slide)
+        slide = float(self.generalised_coordinates(contact)[k][-1])
+        return shoe.stands(self.force_on_foot(contact, k), self.known_friction_senses[k], slide)
 
-    def reaction(self, contact: active_set.Contact, k: int) -> Floats:
+    def force_on_foot(self, contact: active_set.Contact, k: int) -> Floats:
         """The force (2,) of the abutment on the foot of shoe `k`, per newton of `unit_force`."""
         shoe, body = self.shoes[k], self.bodies[k]
         drag, p = self.brake.drag_on(shoe), contact.p[self.node_ranges[k]]
         # The reaction balances the contact and the actuation.
         normal, dragged = body.forces @ p
-        push = self.forces(contact.p)[k] * shoe.actuation.direction_vector
+        push = self.actuation_forces(contact.p)[k] * shoe.actuation.direction_vector
         return np.asarray(-shoe.frame.to_brake((drag * dragged - normal)[:2]) - push)
 
-    def _refusal_text(self) -> str:
+    def _refusal_of_rough_feet(self) -> str:
         """The text that refuses a group with rough feet at the end of its followed answer.
 
         The text is empty without rough feet, and if the answer does not end below this friction.
         """
-        if not self.rough:
+        if not self.has_rough_abutment:
             return ""
         friction = self.brake.friction
         try:
-            end = self.followed(friction)
+            end = self.follow_to_friction_limit(friction)
         except NoAnswer:
             return ""
         if not end.limit.friction < friction:
             return ""
-        law = min(map(self.law, self.members))
-        locked = self_locking.locking_text(
-            friction, end.limit.friction, law=law, brake=ELASTIC_BRAKE
+        law = min(map(self.rigid_law_locking_friction, self.members))
+        locked = self_locking.self_locking_refusal(
+            friction, end.limit.friction, rigid_law_limit=law, brake_words=ELASTIC_BRAKE_WORDS
         )
-        return end.lets_go or f"{self.names}: {locked}"
+        return end.pulling_part or f"{self.shoe_names}: {locked}"
 
     # The answer followed in the friction coefficient of the drum
 
-    def followed(self, most: float) -> FollowedEnd:
-        """Follow the answer under growing friction of the drum to its end, or to mu = `most`.
+    def follow_to_friction_limit(self, largest_friction: float) -> FollowedFrictionLimit:
+        """Follow the answer under growing drum friction to its limit or to `largest_friction`.
 
         The path begins at the least friction of the drum that has an answer. On the path a rough
         foot may begin to slide, stop, or slide the other way. The answer is then followed with the
         new sense. Raises NoAnswer if there is no answer at any friction.
         """
-        if not self.links and not self.cam and all(shoe.abutment is None for shoe in self.shoes):
-            limit = self_locking.limit(self.sliding, most, areas=self.areas)
-            return FollowedEnd(limit, lets_go="")
-        low, (at, contact) = self._find_least_friction(most)
-        end = self_locking.limit(at.sliding, most, (low, contact), self.areas)
-        while low < (last := min(end.friction * (1 - NEAR_POLE), most)):
+        if (
+            not self.struts
+            and not self.cam_shoes
+            and all(shoe.abutment is None for shoe in self.shoes)
+        ):
+            limit = self_locking.find_friction_limit(
+                self.friction_dependent_problem, largest_friction, areas=self.node_areas
+            )
+            return FollowedFrictionLimit(limit, pulling_part="")
+        low, (at, contact) = self._find_least_friction_with_answer(largest_friction)
+        end = self_locking.find_friction_limit(
+            at.friction_dependent_problem, largest_friction, (low, contact), self.node_areas
+        )
+        while low < (last := min(end.friction * (1 - CHECK_DISTANCE_FROM_POLE), largest_friction)):
             high = min(low + FRICTION_STEP * max(1.0, low), last)
-            after = at._settled_pushing(high)
+            after = at._solve_with_all_forces_pushing(high)
             # Under more friction the group may settle again, but the followed answer ends here.
             if after is None:
-                return at._bisect_end(end, low, high)
+                return at._bisect_friction_limit(end, low, high)
             low = high
-            if after.group.senses != at.senses:
+            if after.group.friction_senses != at.friction_senses:
                 at, contact = after
-                end = self_locking.limit(at.sliding, most, (low, contact), self.areas)
-        return FollowedEnd(end, lets_go=at._pull_text_at(end))
+                end = self_locking.find_friction_limit(
+                    at.friction_dependent_problem, largest_friction, (low, contact), self.node_areas
+                )
+        return FollowedFrictionLimit(end, pulling_part=at._pull_refusal_at_limit(end))
 
-    def _find_least_friction(self, most: float) -> tuple[float, SettledGroup]:
+    def _find_least_friction_with_answer(
+        self, largest_friction: float
+    ) -> tuple[float, SolvedGroup]:
         """Find the least friction of the drum that has an answer, and the answer.
 
         The friction grows from 0 in steps of FRICTION_STEP. A foot may need friction of the drum to
         be pressed on its abutment.
         """
         friction = 0.0
-        while friction < most:
-            found = self._settled_pushing(friction)
+        while friction < largest_friction:
+            found = self._solve_with_all_forces_pushing(friction)
             if found is not None:
                 return friction, found
             friction += FRICTION_STEP * max(1.0, friction)
         # Without any answer, the line below raises the reason.
-        return 0.0, self.at_friction(0.0)._first_footing()
+        return 0.0, self.with_drum_friction(0.0)._solve_with_consistent_senses()
 
-    def _settled_pushing(self, friction: float) -> SettledGroup | None:
+    def _solve_with_all_forces_pushing(self, friction: float) -> SolvedGroup | None:
         """Settle the group at a friction of the drum; None unless every shared force pushes."""
         try:
-            found = self.at_friction(friction)._first_footing()
+            found = self.with_drum_friction(friction)._solve_with_consistent_senses()
         except NoAnswer:
             return None
-        pulls = found.group._pull_text(found.group.forces(found.contact.p))
+        pulls = found.group._pull_refusal(found.group.actuation_forces(found.contact.p))
         return None if pulls else found
 
-    def _bisect_end(self, end: self_locking.Limit, low: float, high: float) -> FollowedEnd:
+    def _bisect_friction_limit(
+        self, limit_before: self_locking.FrictionLimit, low: float, high: float
+    ) -> FollowedFrictionLimit:
         """Find the end of an answer by bisection between two frictions of the drum.
 
         Parameters
         ----------
-        end : the limit under the present senses
+        limit_before : the limit under the present senses
         low : friction coefficient with an answer
         high : friction coefficient without an answer
         """
         at = self
         while high - low > self_locking.POLE_DISTANCE * high:
             middle = 0.5 * (low + high)
-            after = at._settled_pushing(middle)
+            after = at._solve_with_all_forces_pushing(middle)
             if after is None:
                 high = middle
             else:
                 low, at = middle, after.group
-        limit = end._replace(friction=low, bounded=True, reached=low)
-        return FollowedEnd(limit, at.at_friction(high)._lets_go_text())
+        limit = limit_before._replace(friction=low, pressure_stays_finite=True, last_friction=low)
+        return FollowedFrictionLimit(limit, at.with_drum_friction(high)._name_pulling_part())
 
-    def _lets_go_text(self) -> str:
+    def _name_pulling_part(self) -> str:
         """The text that names a cam, strut or foot which would have to pull; empty if all push."""
         try:
-            contact = self.answer()
-        except PullNeeded as error:
+            contact = self.solve_with_known_senses()
+        except SharedForceWouldPull as error:
             return str(error)
         except NoAnswer:
             return ""
-        pull = self._pull_text(self.forces(contact.p))
+        pull = self._pull_refusal(self.actuation_forces(contact.p))
         if pull:
             return pull
         for k, shoe in enumerate(self.shoes):
-            if shoe.abutment is not None and not self.reaction(contact, k) @ shoe.bearing > 0:
-                return f"{self.names}: {FOOT_LEAVES}"
+            if shoe.abutment is not None and not self.force_on_foot(contact, k) @ shoe.bearing > 0:
+                return f"{self.shoe_names}: {FOOT_LEAVES_TEXT}"
         return ""
 
 
-def groups_of(scene: PreparedModel, brake: Brake, penalty: float = math.inf) -> list[ShoeGroup]:
+def divide_pressed_shoes_into_groups(
+    scene: PreparedModel, brake: Brake, penalty: float = math.inf
+) -> list[ShoeGroup]:
     """Divide the shoes that are pressed on the drum into groups that must be solved together.
 
     Raises NoAnswer if a cam presses only one of its shoes.
     """
-    touching = pressed_shoes(scene, brake)
+    touching = find_pressed_shoes(scene, brake)
     if brake.actuation is not None and brake.actuation.is_cam:
         lacking = [shoe.name for i, shoe in enumerate(brake.shoes) if i not in touching]
         if lacking:
             raise NoAnswer(f"shoe {lacking[0]!r}: the cam does not press it")
-    return grouped(scene, brake, touching, penalty)
+    return divide_shoes_into_groups(scene, brake, touching, penalty)
 
 
-def pressed_shoes(scene: PreparedModel, brake: Brake) -> list[int]:
+def find_pressed_shoes(scene: PreparedModel, brake: Brake) -> list[int]:
     """The positions of the shoes that an actuation force or a strut presses on the drum."""
-    touching = {i for i, shoe in enumerate(brake.shoes) if pressed(scene.bodies[i], brake, shoe)}
+    touching = {
+        i for i, shoe in enumerate(brake.shoes) if is_pressed_on_drum(scene.bodies[i], brake, shoe)
+    }
     names = [shoe.name for shoe in brake.shoes]
     # The struts of a chain are listed in order from the actuation on.
     for link in brake.links:
@@ -328,8 +356,8 @@ def pressed_shoes(scene: PreparedModel, brake: Brake) -> list[int]:
     return sorted(touching)
 
 
-def grouped(
-    scene: PreparedModel, brake: Brake, touching: list[int], penalty: float = math.inf
+def divide_shoes_into_groups(
+    scene: PreparedModel, brake: Brake, pressed_shoes: list[int], penalty: float = math.inf
 ) -> list[ShoeGroup]:
     """Make a group of each shoe, or one group of all shoes.
 
@@ -339,20 +367,26 @@ def grouped(
     ----------
     scene : the prepared model
     brake : the brake
-    touching : positions of the shoes that are pressed on the drum
+    pressed_shoes : positions of the shoes that are pressed on the drum
     penalty : factor alpha of the contact stiffness alpha E/t
     """
     alone = (scene.ring is None or scene.apart) and brake.shares is None
-    members: list[tuple[int, ...]] = [(i,) for i in touching] if alone else [tuple(touching)]
+    members: list[tuple[int, ...]] = (
+        [(i,) for i in pressed_shoes] if alone else [tuple(pressed_shoes)]
+    )
     groups = []
     for each in filter(None, members):
         group = ShoeGroup(scene, brake, each, penalty)
         # Without rough abutments the senses are known at once.
-        groups.append(group if group.rough else replace(group, senses=group.each_sense))
+        groups.append(
+            group
+            if group.has_rough_abutment
+            else replace(group, friction_senses=group.known_friction_senses)
+        )
     return groups
 
 
-def _rigid_sense(brake: Brake, shoe: Shoe) -> int:
+def _friction_sense_of_rigid_shoe(brake: Brake, shoe: Shoe) -> int:
     """The sense of friction at the abutment of a shoe if the shoe were rigid, +1 if unknown."""
     if len(shoe.senses) == 1:
         return 1
@@ -363,14 +397,14 @@ def _rigid_sense(brake: Brake, shoe: Shoe) -> int:
     return 1 if footing is None else footing.sense
 
 
-def pressed(body: ShoeSubstructure, brake: Brake, shoe: Shoe) -> bool:
+def is_pressed_on_drum(body: ShoeSubstructure, brake: Brake, shoe: Shoe) -> bool:
     """Whether the actuation force presses the shoe on the drum, at one lining point at least."""
     if shoe.actuation.force == 0:
         return False
     if shoe.held_by != "hinge":
         return rigid.bears(brake, shoe) >= 0
-    _, moment = actuation(body, shoe)
-    approach, _ = body.rotation_closure
+    _, moment = actuation_load_factors(body, shoe)
+    approach, _ = body.gap_closure_by_rotation
     # A lever arm below 1e-14 of the lining's distance from the centre is round-off.
     turns = abs(moment) > 1e-14 * np.abs(body.line.xy).max()
     return bool(turns and (moment * approach > 0).any())

@@ -22,19 +22,19 @@ class RigidBodyModes(NamedTuple):
     ----------
     contact_modes : displacements (2n, k) of the contact nodes
     test_modes : displacements (2n, k) of the contact nodes in motions that test the equilibria
-    work : work (k,) of the actuation on the test modes, per newton of its force
-    tip : travel (k,) of the actuation's point along the force
+    actuation_work : work (k,) of the actuation on the test modes, per newton of its force
+    tip_travel : travel (k,) of the actuation's point along the force
     pin_motion : motions (3, k) dx and dy of the pin, and the turn
     """
 
     contact_modes: Floats
     test_modes: Floats
-    work: Floats
-    tip: Floats
+    actuation_work: Floats
+    tip_travel: Floats
     pin_motion: Floats
 
 
-def at_pin(shoe: Shoe, motions: Floats) -> Floats:
+def motions_at_pin(shoe: Shoe, motions: Floats) -> Floats:
     """Convert rigid motions (k, 3) in the brake's frame to motions (3, k) at the shoe's pin.
 
     The rows of the result are dx and dy of the pin in the shoe's frame, and the turn.
@@ -45,7 +45,7 @@ def at_pin(shoe: Shoe, motions: Floats) -> Floats:
     return np.vstack([u.T, shoe.frame.sense * motions[:, 2]])
 
 
-def rigid_body_modes(
+def make_rigid_body_modes(
     body: ShoeSubstructure, shoe: Shoe, moment: float, sense: int = 1
 ) -> RigidBodyModes:
     """Make the rigid-body modes of a shoe.
@@ -58,33 +58,35 @@ def rigid_body_modes(
     sense : sense of the friction at an abutment, see `Held.freedoms`
     """
     if shoe.held_by == "hinge":
-        return _turn_about_pin(body, moment)
+        return _mode_of_turn_about_pin(body, moment)
     # A shoe that gets its force from a strut has the modes of a shoe under a unit force.
     loaded = shoe if shoe.actuation.force else shoe.under(1.0)
     free = loaded.freedoms(sense)
     size = abs(shoe.actuation.force) or 1.0
     modes = RigidBodyModes(
-        contact_modes=_contact_displacements(body, shoe, free.motions),
-        test_modes=_contact_displacements(body, shoe, free.tests),
-        work=free.work / size,
-        tip=free.tip * math.copysign(1.0, shoe.actuation.force),
-        pin_motion=at_pin(shoe, free.motions),
+        contact_modes=_contact_displacements_by_motions(body, shoe, free.motions),
+        test_modes=_contact_displacements_by_motions(body, shoe, free.tests),
+        actuation_work=free.work / size,
+        tip_travel=free.tip * math.copysign(1.0, shoe.actuation.force),
+        pin_motion=motions_at_pin(shoe, free.motions),
     )
     if free.names[0] == "turn":
         # The exact turn about the pin overwrites the first mode.
-        for whole, exact in zip(modes, _turn_about_pin(body, moment), strict=True):
+        for whole, exact in zip(modes, _mode_of_turn_about_pin(body, moment), strict=True):
             whole[..., :1] = exact
     return modes
 
 
-def _contact_displacements(body: ShoeSubstructure, shoe: Shoe, motions: Floats) -> Floats:
+def _contact_displacements_by_motions(
+    body: ShoeSubstructure, shoe: Shoe, motions: Floats
+) -> Floats:
     """The displacements (2n, k) of contact nodes by rigid motions (k, 3) in the brake's frame."""
     xy = shoe.points(body.line.xy)
     u = shoe.frame.to_shoe(np.moveaxis(moved(motions, xy), 0, -1))  # (n, k, 2)
     return np.asarray(u.transpose(0, 2, 1).reshape(-1, len(motions)))
 
 
-def _turn_about_pin(body: ShoeSubstructure, moment: float) -> RigidBodyModes:
+def _mode_of_turn_about_pin(body: ShoeSubstructure, moment: float) -> RigidBodyModes:
     """The turn about the pin as a rigid-body mode, exact without a turn about the drum's centre."""
     turned = body.rotation_mode[:, None]
     work = np.array([moment])

@@ -8,13 +8,17 @@ from drumlin.base.arrays import Floats
 from drumlin.base.lapack import block_diag
 from drumlin.brake.brake import Shoe
 from drumlin.contact.active_set import Contact
-from drumlin.contact.equations import Problem
-from drumlin.contact.self_locking import Sliding
-from drumlin.fem.equilibrium.sharing import ForceEffects, Sharing, share_forces
+from drumlin.contact.equations import ContactProblem
+from drumlin.contact.self_locking import FrictionDependentProblem
+from drumlin.fem.equilibrium.sharing import (
+    ForceEffects,
+    ForceSharing,
+    make_problem_with_shared_forces,
+)
 from drumlin.fem.equilibrium.state import GroupState
 from drumlin.fem.preparation.bodies import ShoeSubstructure
 
-ROW_BLOCK = 64
+ROWS_AT_A_TIME = 64
 """Rows of a compliance matrix that are assembled at a time.
 
 More rows of a large matrix do not stay in the processor's cache, and fewer rows cost more calls.
@@ -33,75 +37,79 @@ class GroupProblems(GroupState):
     """
 
     @cached_property
-    def problem(self) -> Problem:
+    def problem(self) -> ContactProblem:
         """The contact problem at the friction coefficient of the brake."""
-        return self.problem_at(self.brake.friction)
+        return self.problem_at_friction(self.brake.friction)
 
     @property
-    def sliding(self) -> Sliding:
+    def friction_dependent_problem(self) -> FrictionDependentProblem:
         """The contact problem as a linear function of the friction coefficient.
 
         The prepared model must include friction.
         """
-        return Sliding.through(self.problem_at(0.0), self.problem_at(1.0))
+        return FrictionDependentProblem.from_two_problems(
+            self.problem_at_friction(0.0), self.problem_at_friction(1.0)
+        )
 
-    def problem_at(self, friction: float) -> Problem:
+    def problem_at_friction(self, friction: float) -> ContactProblem:
         """The contact problem at a friction coefficient, on which its matrices depend linearly."""
-        sharing = self._sharing_at(friction)
-        return self.blocks(friction) if sharing is None else sharing.problem
+        sharing = self._force_sharing_at(friction)
+        return self.problem_with_own_forces(friction) if sharing is None else sharing.problem
 
-    def blocks(self, friction: float) -> Problem:
+    def problem_with_own_forces(self, friction: float) -> ContactProblem:
         """The contact problem at a friction coefficient if no shoe shares its force.
 
         The matrices of single shoes are the blocks, and the flexibility of the ring is added.
         """
-        parts = [self._shoe_problem(k, friction) for k in range(len(self.members))]
-        if self.ring is None and len(parts) == 1:
+        parts = [self._problem_of_single_shoe(k, friction) for k in range(len(self.members))]
+        if self.ring_flexibility_roots is None and len(parts) == 1:
             return parts[0]
         A, q, B, C, h = zip(*parts, strict=True)
         compliance = block_diag(*A)
-        if self.ring is not None:
-            pressed, dragged = self.ring
+        if self.ring_flexibility_roots is not None:
+            pressed, dragged = self.ring_flexibility_roots
             compliance += pressed.T @ (pressed + friction * self.brake.spin * dragged)
-        return Problem(
+        return ContactProblem(
             compliance, np.concatenate(q), block_diag(*B), block_diag(*C), np.concatenate(h)
         )
 
-    def _shoe_problem(self, k: int, friction: float) -> Problem:
+    def _problem_of_single_shoe(self, k: int, friction: float) -> ContactProblem:
         """The contact problem of shoe `k` alone on a rigid drum, at a friction coefficient."""
-        drag = self._drag_on(self.shoes[k], friction)
-        terms, closures = self.load_terms[k], self.test_closures[k]
-        A = _gap_per_pressure(self.bodies[k], drag, self.stiffnesses[k])
+        drag = self._signed_friction_on(self.shoes[k], friction)
+        terms, closures = self.frictionless_terms[k], self.gap_closures_of_test_modes[k]
+        A = _compliance_with_penalty(self.bodies[k], drag, self.contact_stiffnesses[k])
         C = (drag * closures.tangential - closures.normal).T
-        return Problem(A, terms.q, terms.B, C, terms.h)
+        return ContactProblem(A, terms.q, terms.B, C, terms.h)
 
-    def _drag_on(self, shoe: Shoe, friction: float) -> float:
+    def _signed_friction_on(self, shoe: Shoe, friction: float) -> float:
         """The friction coefficient with the sign of the drag in the frame of a shoe."""
         return friction * self.brake.spin * shoe.frame.sense
 
     # Forces that the shoes share
 
     @cached_property
-    def sharing(self) -> Sharing | None:
+    def force_sharing(self) -> ForceSharing | None:
         """How the shoes share forces by struts and a cam; None if each shoe has its own force."""
-        return self._sharing_at(self.brake.friction)
+        return self._force_sharing_at(self.brake.friction)
 
-    def _sharing_at(self, friction: float) -> Sharing | None:
+    def _force_sharing_at(self, friction: float) -> ForceSharing | None:
         """How the shoes share forces at a friction coefficient."""
-        if not self.links and not self.cam:
+        if not self.struts and not self.cam_shoes:
             return None
-        blocks, effects = self.blocks(friction), self.force_effects(friction)
-        return share_forces(blocks, effects, self.own_forces, self.links, self.cam, self.total)
+        blocks, effects = self.problem_with_own_forces(friction), self.effects_of_forces(friction)
+        return make_problem_with_shared_forces(
+            blocks, effects, self.own_forces, self.struts, self.cam_shoes, self.cam_force_sum
+        )
 
-    def force_effects(self, friction: float) -> list[ForceEffects]:
+    def effects_of_forces(self, friction: float) -> list[ForceEffects]:
         """The effects of each shoe's actuation force, which are linear in the friction."""
-        return [self._force_effects(k, friction) for k in range(len(self.shoes))]
+        return [self._effects_of_force_on(k, friction) for k in range(len(self.shoes))]
 
-    def _force_effects(self, k: int, friction: float) -> ForceEffects:
+    def _effects_of_force_on(self, k: int, friction: float) -> ForceEffects:
         """The effects of the actuation force of shoe `k` at a friction coefficient."""
-        body, shoe, modes = self.bodies[k], self.shoes[k], self.modes[k]
-        load = self.loads[k].factors
-        drag = self._drag_on(shoe, friction)
+        body, shoe, modes = self.bodies[k], self.shoes[k], self.rigid_body_modes[k]
+        load = self.unit_loads[k].load_factors
+        drag = self._signed_friction_on(shoe, friction)
         tip = -(load @ body.closure_by_load.T)
         # A model that is prepared without friction has no motion of the load by friction.
         if body.load_motion_by_friction is not None:
@@ -115,28 +123,32 @@ class GroupProblems(GroupState):
         return ForceEffects(
             nodes=self.node_ranges[k],
             modes=self.mode_ranges[k],
-            opened=-(body.closure_by_load @ load),
-            tip=tip,
-            yields=float(load @ body.load_motion_by_load @ load),
-            work=modes.work,
-            moves=modes.tip,
-            bearing=bearing,
-            direct=direct,
+            gap_by_force=-(body.closure_by_load @ load),
+            tip_travel_by_pressure=tip,
+            tip_travel_by_force=float(load @ body.load_motion_by_load @ load),
+            work=modes.actuation_work,
+            tip_travel_by_modes=modes.tip_travel,
+            foot_force_by_pressure=bearing,
+            foot_force_by_force=direct,
         )
 
-    def forces(self, p: Floats) -> Floats:
+    def actuation_forces(self, p: Floats) -> Floats:
         """The actuation forces (shoes,) under pressures p (n,), both per newton of `unit_force`."""
-        return self.own_forces if self.sharing is None else self.sharing.forces(p)
+        return (
+            self.own_forces
+            if self.force_sharing is None
+            else self.force_sharing.actuation_forces(p)
+        )
 
-    def coordinates(self, contact: Contact) -> list[Floats]:
+    def generalised_coordinates(self, contact: Contact) -> list[Floats]:
         """The generalised coordinates of each shoe in an answer, per newton of `unit_force`."""
         y = contact.y
-        if self.sharing is not None:
-            y = self.sharing.coordinates(contact.p, contact.y)
+        if self.force_sharing is not None:
+            y = self.force_sharing.generalised_coordinates(contact.p, contact.y)
         return [y[part] for part in self.mode_ranges]
 
 
-def _gap_per_pressure(body: ShoeSubstructure, drag: float, stiffness: float) -> Floats:
+def _compliance_with_penalty(body: ShoeSubstructure, drag: float, stiffness: float) -> Floats:
     """The weighted gaps (n, n) of a shoe per pressure, with the compliance of the penalty.
 
     Parameters
@@ -147,8 +159,8 @@ def _gap_per_pressure(body: ShoeSubstructure, drag: float, stiffness: float) -> 
     """
     pressed, dragged, M = body.closure_by_pressure, body.closure_by_friction, body.coupling.M
     A = np.empty(M.shape)
-    for first in range(0, len(A), ROW_BLOCK):
-        rows = slice(first, first + ROW_BLOCK)
+    for first in range(0, len(A), ROWS_AT_A_TIME):
+        rows = slice(first, first + ROWS_AT_A_TIME)
         part = np.divide(M[rows], stiffness, out=A[rows])
         part -= pressed[rows]
         if dragged is not None:

@@ -16,7 +16,7 @@ that has to turn further is refused. The value is a judgement, which the refusal
 """
 
 
-def check_pin(shoe: Shoe, xy: Floats, gap: Floats, moment: float) -> None:
+def check_turn_of_hinged_shoe(shoe: Shoe, xy: Floats, gap: Floats, moment: float) -> None:
     """Raise NoAnswer if a hinged shoe has to turn too far to touch the drum, or never touches it.
 
     A lining point at the distance d from the pin and at the angle psi reaches the radius r after a
@@ -49,13 +49,14 @@ def check_pin(shoe: Shoe, xy: Floats, gap: Floats, moment: float) -> None:
     angle = np.arccos(cosine[meets])
     both = np.concatenate([angle, -angle])
     turns = math.copysign(1.0, moment) * (both - np.tile(psi[meets], 2)) % (2 * math.pi)
-    _check_turn(shoe, float(turns.min()))
+    _refuse_large_turn(shoe, float(turns.min()))
 
 
-def check_turns(shoe: Shoe, sense: int, gap: Floats, coordinates: Floats) -> None:
+def check_turns_in_answer(shoe: Shoe, sense: int, gap: Floats, coordinates: Floats) -> None:
     """Raise NoAnswer if a shoe whose whole lining has a gap turns too far in an answer.
 
-    A hinged or a guided shoe in a drum passes: `check_pin` judges the hinged shoe by the geometry.
+    A hinged or a guided shoe in a drum passes: `check_turn_of_hinged_shoe` judges the hinged shoe
+    by the geometry.
 
     Parameters
     ----------
@@ -68,10 +69,10 @@ def check_turns(shoe: Shoe, sense: int, gap: Floats, coordinates: Floats) -> Non
         return
     turns = coordinates[np.isin(shoe.freedoms(sense).names, ["turn", "tilt"])]
     # A shoe on a pivot turns with its lever and tilts on the lever: the sum of both counts as well.
-    _check_turn(shoe, max(map(abs, (*turns, sum(turns)))))
+    _refuse_large_turn(shoe, max(map(abs, (*turns, sum(turns)))))
 
 
-def _check_turn(shoe: Shoe, turn: float) -> None:
+def _refuse_large_turn(shoe: Shoe, turn: float) -> None:
     """Raise NoAnswer for a turn [rad] beyond LARGEST_TURN_TO_TOUCH."""
     if turn > LARGEST_TURN_TO_TOUCH:
         raise NoAnswer(

@@ -18,15 +18,15 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.base.arrays import Floats, Ints
-from drumlin.contact.equations import Problem
+from drumlin.contact.equations import ContactProblem
 
-NO_PUSH = 1e-9
+LARGEST_FORCE_THAT_DOES_NOT_PUSH = 1e-9
 """Fraction of the largest force of a group up to which a shared force does not push.
 
 A smaller force is the round-off of a force that has fallen to zero, and a negative force pulls: the
 answer is refused. The fraction is far above round-off and far below any force in a brake file.
 """
-WOULD_PULL = "no equilibrium, what pushes it would have to pull"
+WOULD_PULL_TEXT = "no equilibrium, what pushes it would have to pull"
 
 
 class ForceEffects(NamedTuple):
@@ -38,150 +38,153 @@ class ForceEffects(NamedTuple):
     ----------
     nodes : places of the shoe's n pressures among the pressures of the group
     modes : places of the shoe's k generalised coordinates among the coordinates of the group
-    opened : opening (n,) of the weighted gaps by the force
-    tip : elastic travel (n,) of the tip along the force, by the pressures
-    yields : elastic travel of the tip along the force, by the force
+    gap_by_force : opening (n,) of the weighted gaps by the force
+    tip_travel_by_pressure : elastic travel (n,) of the tip along the force, by the pressures
+    tip_travel_by_force : elastic travel of the tip along the force, by the force
     work : work (k,) of the force on the test modes
-    moves : travel (k,) of the tip along the force, by the rigid-body modes
-    bearing : force (n,) that the foot bears along a strut, by the pressures
-    direct : force that the foot bears along a strut, by the force
+    tip_travel_by_modes : travel (k,) of the tip along the force, by the rigid-body modes
+    foot_force_by_pressure : force (n,) that the foot bears along a strut, by the pressures
+    foot_force_by_force : force that the foot bears along a strut, by the force
     """
 
     nodes: slice | Ints
     modes: slice
-    opened: Floats
-    tip: Floats
-    yields: float
+    gap_by_force: Floats
+    tip_travel_by_pressure: Floats
+    tip_travel_by_force: float
     work: Floats
-    moves: Floats
-    bearing: Floats
-    direct: float
+    tip_travel_by_modes: Floats
+    foot_force_by_pressure: Floats
+    foot_force_by_force: float
 
 
 @dataclass(frozen=True)
-class Sharing:
+class ForceSharing:
     """The contact problem of m shoes that share forces, and the forces that its answer gives.
 
     Attributes
     ----------
     problem : the contact problem, whose last unknowns y' may hold the travel of a cam's tips
-    fixed : part (m,) of the actuation forces that no pressure changes
-    by_pressure : actuation forces (m, n) per pressure
-    of_coordinates : generalised coordinates (k, k') of all shoes per unknown y'
+    forces_without_pressure : part (m,) of the actuation forces that no pressure changes
+    forces_by_pressure : actuation forces (m, n) per pressure
+    coordinates_by_unknown : generalised coordinates (k, k') of all shoes per unknown y'
     coordinates_by_pressure : generalised coordinates (k, n) of all shoes per pressure
     """
 
-    problem: Problem
-    fixed: Floats
-    by_pressure: Floats
-    of_coordinates: Floats
+    problem: ContactProblem
+    forces_without_pressure: Floats
+    forces_by_pressure: Floats
+    coordinates_by_unknown: Floats
     coordinates_by_pressure: Floats
 
-    def forces(self, p: Floats) -> Floats:
+    def actuation_forces(self, p: Floats) -> Floats:
         """The actuation forces (m,) under the pressures p (n,)."""
-        return self.fixed + self.by_pressure @ p
+        return self.forces_without_pressure + self.forces_by_pressure @ p
 
-    def coordinates(self, p: Floats, y: Floats) -> Floats:
+    def generalised_coordinates(self, p: Floats, y: Floats) -> Floats:
         """The generalised coordinates (k,) of all shoes, from pressures p (n,) and unknowns y'."""
-        return self.of_coordinates @ y + self.coordinates_by_pressure @ p
+        return self.coordinates_by_unknown @ y + self.coordinates_by_pressure @ p
 
 
-class _Forces(NamedTuple):
-    """The actuation forces (m,) of a group, fixed + by_pressure p.
+class _LinearForces(NamedTuple):
+    """The actuation forces (m,) of a group, without_pressure + by_pressure p.
 
-    `fixed` (m,) does not depend on pressures, `by_pressure` (m, n) is the force per pressure.
+    `without_pressure` (m,) are the forces without pressure. `by_pressure` (m, n) is the change of
+    the forces per pressure.
     """
 
-    fixed: Floats
+    without_pressure: Floats
     by_pressure: Floats
 
 
-def share_forces(
-    blocks: Problem,
-    shoes: list[ForceEffects],
-    own: Floats,
-    links: list[tuple[int, int]],
-    cam: list[int],
-    total: float,
-) -> Sharing:
+def make_problem_with_shared_forces(
+    problem: ContactProblem,
+    effects: list[ForceEffects],
+    own_forces: Floats,
+    struts: list[tuple[int, int]],
+    cam_shoes: list[int],
+    cam_force_sum: float,
+) -> ForceSharing:
     """Make the contact problem of shoes that share forces by struts or under a cam.
 
     The problem is linear in the friction coefficient.
 
     Parameters
     ----------
-    blocks : the problem of the group if no shoe shares its force
-    shoes : the effects of the m actuation forces
-    own : the actuation forces (m,) in `blocks`
-    links : numbers of the shoes from which and to which each strut pushes
-    cam : numbers of the two shoes under a cam; empty without a cam
-    total : sum of the cam's forces
+    problem : the problem of the group if no shoe shares its force
+    effects : the effects of the m actuation forces
+    own_forces : the actuation forces (m,) in `problem`
+    struts : numbers of the shoes from which and to which each strut pushes
+    cam_shoes : numbers of the two shoes under a cam; empty without a cam
+    cam_force_sum : sum of the cam's forces
     """
-    forces = _shared_forces(blocks, shoes, own, links, cam)
-    with_forces = _insert_forces(blocks, shoes, own, forces)
-    n, k = blocks.B.shape
-    if not cam:
-        return Sharing(with_forces, *forces, np.eye(k), np.zeros((k, n)))
-    return _replace_main_modes(blocks, with_forces, shoes, forces, cam, total)
+    forces = _forces_of_cam_and_struts(problem, effects, own_forces, struts, cam_shoes)
+    with_forces = _replace_own_by_shared_forces(problem, effects, own_forces, forces)
+    n, k = problem.B.shape
+    if not cam_shoes:
+        return ForceSharing(with_forces, *forces, np.eye(k), np.zeros((k, n)))
+    return _replace_main_modes_by_cam_travel(
+        problem, with_forces, effects, forces, cam_shoes, cam_force_sum
+    )
 
 
-def _shared_forces(
-    blocks: Problem,
-    shoes: list[ForceEffects],
-    own: Floats,
-    links: list[tuple[int, int]],
-    cam: list[int],
-) -> _Forces:
+def _forces_of_cam_and_struts(
+    problem: ContactProblem,
+    effects: list[ForceEffects],
+    own_forces: Floats,
+    struts: list[tuple[int, int]],
+    cam_shoes: list[int],
+) -> _LinearForces:
     """The actuation forces under a cam and struts; other shoes keep their own forces."""
-    fixed = np.array(own, dtype=float)
-    by_pressure = np.zeros((len(shoes), blocks.B.shape[0]))
+    fixed = np.array(own_forces, dtype=float)
+    by_pressure = np.zeros((len(effects), problem.B.shape[0]))
     # The equilibrium in the main mode of a shoe gives the force of the cam.
-    for i in cam:
-        shoe = shoes[i]
-        main = _main_mode(blocks, shoe)
-        by_pressure[i] = -blocks.C[shoe.modes][main] / shoe.work[main]
+    for i in cam_shoes:
+        shoe = effects[i]
+        main = _number_of_main_mode(problem, shoe)
+        by_pressure[i] = -problem.C[shoe.modes][main] / shoe.work[main]
         fixed[i] = 0.0
     # A strut passes on the force that the foot of the pushing shoe bears.
-    for source, to in links:
-        pushing = shoes[source]
-        by_pressure[to, pushing.nodes] = pushing.bearing
-        by_pressure[to] += pushing.direct * by_pressure[source]
-        fixed[to] = pushing.direct * fixed[source]
-    return _Forces(fixed, by_pressure)
+    for source, to in struts:
+        pushing = effects[source]
+        by_pressure[to, pushing.nodes] = pushing.foot_force_by_pressure
+        by_pressure[to] += pushing.foot_force_by_force * by_pressure[source]
+        fixed[to] = pushing.foot_force_by_force * fixed[source]
+    return _LinearForces(fixed, by_pressure)
 
 
-def _insert_forces(
-    blocks: Problem, shoes: list[ForceEffects], own: Floats, forces: _Forces
-) -> Problem:
+def _replace_own_by_shared_forces(
+    problem: ContactProblem, effects: list[ForceEffects], own_forces: Floats, forces: _LinearForces
+) -> ContactProblem:
     """Replace the shoes' own forces (m,) in a contact problem by shared forces."""
-    A, q, B, C, h = (np.array(part) for part in blocks)
-    for i, shoe in enumerate(shoes):
-        extra = forces.fixed[i] - own[i]
-        A[shoe.nodes] += np.outer(shoe.opened, forces.by_pressure[i])
-        q[shoe.nodes] += extra * shoe.opened
+    A, q, B, C, h = (np.array(part) for part in problem)
+    for i, shoe in enumerate(effects):
+        extra = forces.without_pressure[i] - own_forces[i]
+        A[shoe.nodes] += np.outer(shoe.gap_by_force, forces.by_pressure[i])
+        q[shoe.nodes] += extra * shoe.gap_by_force
         C[shoe.modes] += np.outer(shoe.work, forces.by_pressure[i])
         h[shoe.modes] -= extra * shoe.work
-    return Problem(A, q, B, C, h)
+    return ContactProblem(A, q, B, C, h)
 
 
-def _replace_main_modes(
-    blocks: Problem,
-    with_forces: Problem,
-    shoes: list[ForceEffects],
-    forces: _Forces,
-    cam: list[int],
-    total: float,
-) -> Sharing:
+def _replace_main_modes_by_cam_travel(
+    blocks: ContactProblem,
+    with_forces: ContactProblem,
+    effects: list[ForceEffects],
+    forces: _LinearForces,
+    cam_shoes: list[int],
+    cam_force_sum: float,
+) -> ForceSharing:
     """Replace the coordinates of the two main modes under a cam by the travel of the cam's tips.
 
     Parameters
     ----------
     blocks : the problem of the group if no shoe shares its force
     with_forces : the problem with the shared forces
-    shoes : the effects of the actuation forces
+    effects : the effects of the actuation forces
     forces : the shared forces
-    cam : numbers of the two shoes under the cam
-    total : sum of the cam's forces
+    cam_shoes : numbers of the two shoes under the cam
+    cam_force_sum : sum of the cam's forces
     """
     A, q, B, C, h = with_forces
     n, k = B.shape
@@ -190,34 +193,37 @@ def _replace_main_modes(
     # The generalised coordinates per travel of the tips.
     per_travel = np.zeros(k)
     mains = []
-    for i in cam:
-        shoe = shoes[i]
-        mode = _main_mode(blocks, shoe)
+    for i in cam_shoes:
+        shoe = effects[i]
+        mode = _number_of_main_mode(blocks, shoe)
         main = shoe.modes.start + mode
         mains.append(main)
-        size = shoe.moves[mode]
+        size = shoe.tip_travel_by_modes[mode]
         # The main mode moves the tip by the travel less the elastic travel and all other modes.
-        elastic = shoe.yields * forces.by_pressure[i]
-        elastic[shoe.nodes] += shoe.tip
+        elastic = shoe.tip_travel_by_force * forces.by_pressure[i]
+        elastic[shoe.nodes] += shoe.tip_travel_by_pressure
         by_pressure[main] = -elastic / size
         # The entry of the main mode itself becomes zero.
-        of_coordinates[main, shoe.modes] -= shoe.moves / size
+        of_coordinates[main, shoe.modes] -= shoe.tip_travel_by_modes / size
         per_travel[main] = 1 / size
     kept = np.delete(np.arange(k), mains)
     of_coordinates = np.column_stack([per_travel, of_coordinates[:, kept]])
-    sum_of_forces = -forces.by_pressure[cam].sum(axis=0)
-    problem = Problem(
+    sum_of_forces = -forces.by_pressure[cam_shoes].sum(axis=0)
+    problem = ContactProblem(
         A=A + B @ by_pressure,
         q=q,
         B=B @ of_coordinates,
         C=np.vstack([sum_of_forces, C[kept]]),
-        h=np.append(-total, h[kept]),
+        h=np.append(-cam_force_sum, h[kept]),
     )
-    return Sharing(problem, *forces, of_coordinates, by_pressure)
+    return ForceSharing(problem, *forces, of_coordinates, by_pressure)
 
 
-def full_equations(
-    blocks: Problem, shoes: list[ForceEffects], links: list[tuple[int, int]], cam: list[int]
+def matrix_with_force_unknowns(
+    problem: ContactProblem,
+    effects: list[ForceEffects],
+    struts: list[tuple[int, int]],
+    cam_shoes: list[int],
 ) -> Floats:
     """The matrix of all equations, in which the m forces F and the travel d of a cam are unknowns.
 
@@ -228,41 +234,41 @@ def full_equations(
 
     Parameters
     ----------
-    blocks : the problem of the group if no shoe shares its force
-    shoes : the effects of the m actuation forces
-    links : numbers of the shoes from which and to which each strut pushes
-    cam : numbers of the two shoes under a cam; empty without a cam
+    problem : the problem of the group if no shoe shares its force
+    effects : the effects of the m actuation forces
+    struts : numbers of the shoes from which and to which each strut pushes
+    cam_shoes : numbers of the two shoes under a cam; empty without a cam
     """
-    n, k = blocks.B.shape
-    count = len(shoes)
+    n, k = problem.B.shape
+    count = len(effects)
     force = n + k
-    size = force + count + (1 if cam else 0)
+    size = force + count + (1 if cam_shoes else 0)
     matrix = np.zeros((size, size))
-    matrix[:n, :n] = blocks.A
-    matrix[:n, n:force] = blocks.B
-    matrix[n:force, :n] = blocks.C
+    matrix[:n, :n] = problem.A
+    matrix[:n, n:force] = problem.B
+    matrix[n:force, :n] = problem.C
     matrix[force : force + count, force : force + count] = np.eye(count)
-    for i, shoe in enumerate(shoes):
-        matrix[shoe.nodes, force + i] = shoe.opened
+    for i, shoe in enumerate(effects):
+        matrix[shoe.nodes, force + i] = shoe.gap_by_force
         matrix[n + shoe.modes.start : n + shoe.modes.stop, force + i] = shoe.work
-    for source, to in links:
-        matrix[force + to, shoes[source].nodes] = -shoes[source].bearing
-        matrix[force + to, force + source] = -shoes[source].direct
-    for i in cam:
-        shoe, row = shoes[i], matrix[force + i]
-        row[shoe.nodes] = shoe.tip
-        row[n + shoe.modes.start : n + shoe.modes.stop] = shoe.moves
-        row[force + i] = shoe.yields
+    for source, to in struts:
+        matrix[force + to, effects[source].nodes] = -effects[source].foot_force_by_pressure
+        matrix[force + to, force + source] = -effects[source].foot_force_by_force
+    for i in cam_shoes:
+        shoe, row = effects[i], matrix[force + i]
+        row[shoe.nodes] = shoe.tip_travel_by_pressure
+        row[n + shoe.modes.start : n + shoe.modes.stop] = shoe.tip_travel_by_modes
+        row[force + i] = shoe.tip_travel_by_force
         row[-1] = -1.0
         matrix[-1, force + i] = 1.0
     return matrix
 
 
-def _main_mode(blocks: Problem, shoe: ForceEffects) -> int:
+def _number_of_main_mode(blocks: ContactProblem, shoe: ForceEffects) -> int:
     """The number, within a shoe, of the mode on which the force works most and that moves the tip.
 
     The choice is the same at every friction coefficient.
     """
     # Turns and slides have different units: the squared effect of a mode on the gaps is its scale.
     size = np.linalg.norm(blocks.B[:, shoe.modes], axis=0)
-    return int((shoe.work * shoe.moves / size**2).argmax())
+    return int((shoe.work * shoe.tip_travel_by_modes / size**2).argmax())

@@ -15,11 +15,11 @@ from drumlin.base.arrays import Floats, in_turn
 from drumlin.base.lapack import block_diag
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.fem.equilibrium.modes import RigidBodyModes, rigid_body_modes
+from drumlin.fem.equilibrium.modes import RigidBodyModes, make_rigid_body_modes
 from drumlin.fem.preparation.bodies import (
     ShoeSubstructure,
     acting_loads,
-    actuation,
+    actuation_load_factors,
     contact_stiffness,
 )
 from drumlin.fem.preparation.scene import PreparedModel
@@ -28,12 +28,12 @@ from drumlin.fem.preparation.scene import PreparedModel
 class UnitLoad(NamedTuple):
     """The actuation of a shoe per newton of its force.
 
-    `factors` (l,) multiply the load columns of the substructure. `moment` is the moment of the
-    actuation about the pin [m].
+    `load_factors` (l,) multiply the load columns of the substructure. `moment_about_pin` is the
+    moment of the actuation about the pin [m].
     """
 
-    factors: Floats
-    moment: float
+    load_factors: Floats
+    moment_about_pin: float
 
 
 class ModeClosures(NamedTuple):
@@ -43,7 +43,7 @@ class ModeClosures(NamedTuple):
     tangential: Floats
 
 
-class LoadTerms(NamedTuple):
+class FrictionlessTerms(NamedTuple):
     """The parts q (n,), B (n, k) and h (k,) of a shoe's problem that friction does not change."""
 
     q: Floats
@@ -51,7 +51,7 @@ class LoadTerms(NamedTuple):
     h: Floats
 
 
-class RingRoots(NamedTuple):
+class RingFlexibilityRoots(NamedTuple):
     """Square roots (m, n) of the ring's flexibility, under pressure and under friction.
 
     The flexibility by pressures is pressed^T pressed, and by friction pressed^T dragged.
@@ -74,16 +74,16 @@ class GroupState:
     brake : the brake, whose friction, forces and clearances may differ from those of the model
     members : positions of the shoes in the brake
     penalty : factor alpha of the contact stiffness alpha E/t; inf for exact contact
-    senses : sense of the friction at each shoe's abutment, see `Held.freedoms`; empty until
-        `ShoeGroup.settled` has found the senses. A group with a rough abutment has no contact
-        problem before the senses are known.
+    friction_senses : sense of the friction at each shoe's abutment, see `Held.freedoms`; empty
+        until `ShoeGroup.solve_contact` has found the senses. A group with a rough abutment has no
+        contact problem before the senses are known.
     """
 
     scene: PreparedModel
     brake: Brake
     members: tuple[int, ...]
     penalty: float = math.inf
-    senses: tuple[int, ...] = ()
+    friction_senses: tuple[int, ...] = ()
 
     # The members
 
@@ -98,26 +98,26 @@ class GroupState:
         return tuple(self.scene.bodies[i] for i in self.members)
 
     @property
-    def names(self) -> str:
+    def shoe_names(self) -> str:
         """The names of the shoes as the text of a refusal."""
         return self.brake.names(self.members)
 
     @property
-    def rough(self) -> bool:
+    def has_rough_abutment(self) -> bool:
         """Whether friction acts at an abutment of the group."""
         return any(len(shoe.senses) > 1 for shoe in self.shoes)
 
     @property
-    def each_sense(self) -> tuple[int, ...]:
+    def known_friction_senses(self) -> tuple[int, ...]:
         """The sense of each shoe's friction at its abutment, +1 for a smooth or missing abutment.
 
         Raises RuntimeError if an abutment is rough and its sense is not known yet.
         """
-        if not self.senses and self.rough:
+        if not self.friction_senses and self.has_rough_abutment:
             raise RuntimeError(
-                f"{self.names}: friction at the abutment has no sense yet, ask for `settled`"
+                f"{self.shoe_names}: friction at the abutment has no sense yet, ask for `settled`"
             )
-        return self.senses or (1,) * len(self.members)
+        return self.friction_senses or (1,) * len(self.members)
 
     # The places of each shoe's unknowns
 
@@ -129,7 +129,7 @@ class GroupState:
     @cached_property
     def mode_ranges(self) -> tuple[slice, ...]:
         """The places of each shoe's generalised coordinates among the coordinates of the group."""
-        return in_turn(modes.work.size for modes in self.modes)
+        return in_turn(modes.actuation_work.size for modes in self.rigid_body_modes)
 
     # The loads and the rigid-body modes of each shoe
 
@@ -144,39 +144,41 @@ class GroupState:
         return np.array([shoe.actuation.force for shoe in self.shoes]) / self.unit_force
 
     @cached_property
-    def loads(self) -> tuple[UnitLoad, ...]:
+    def unit_loads(self) -> tuple[UnitLoad, ...]:
         """The actuation of each shoe per newton of its force."""
-        return tuple(UnitLoad(*each) for each in map(actuation, self.bodies, self.shoes))
+        return tuple(
+            UnitLoad(*each) for each in map(actuation_load_factors, self.bodies, self.shoes)
+        )
 
     @cached_property
-    def modes(self) -> tuple[RigidBodyModes, ...]:
+    def rigid_body_modes(self) -> tuple[RigidBodyModes, ...]:
         """The rigid-body modes of each shoe."""
         found = []
-        for k, sense in enumerate(self.each_sense):
-            moment = self.loads[k].moment
-            found.append(rigid_body_modes(self.bodies[k], self.shoes[k], moment, sense))
+        for k, sense in enumerate(self.known_friction_senses):
+            moment = self.unit_loads[k].moment_about_pin
+            found.append(make_rigid_body_modes(self.bodies[k], self.shoes[k], moment, sense))
         return tuple(found)
 
     @cached_property
-    def gaps(self) -> tuple[Floats, ...]:
+    def initial_gaps(self) -> tuple[Floats, ...]:
         """The gaps (n_i,) [m] of each unloaded lining at its contact nodes."""
         gaps = []
         for body, shoe in zip(self.bodies, self.shoes, strict=True):
-            gaps.append(gap_at(body.line.xy, body.line.phi, self.brake, shoe))
+            gaps.append(unloaded_gaps_at(body.line.xy, body.line.phi, self.brake, shoe))
         return tuple(gaps)
 
     @cached_property
-    def stiffnesses(self) -> tuple[float, ...]:
+    def contact_stiffnesses(self) -> tuple[float, ...]:
         """The contact stiffness of each shoe per area [Pa/m]."""
         return tuple(contact_stiffness(shoe, self.penalty) for shoe in self.shoes)
 
     @cached_property
-    def test_closures(self) -> tuple[ModeClosures, ...]:
+    def gap_closures_of_test_modes(self) -> tuple[ModeClosures, ...]:
         """The gap closures and slips of the test modes of each shoe."""
         closures = []
-        for body, shoe, modes in zip(self.bodies, self.shoes, self.modes, strict=True):
+        for body, shoe, modes in zip(self.bodies, self.shoes, self.rigid_body_modes, strict=True):
             if shoe.held_by == "hinge":
-                found = ModeClosures(*body.rotation_closure)
+                found = ModeClosures(*body.gap_closure_by_rotation)
             else:
                 coupling, u = body.coupling, modes.test_modes
                 found = ModeClosures(coupling.N @ u, coupling.T @ u)
@@ -184,57 +186,57 @@ class GroupState:
         return tuple(closures)
 
     @cached_property
-    def load_terms(self) -> tuple[LoadTerms, ...]:
+    def frictionless_terms(self) -> tuple[FrictionlessTerms, ...]:
         """The parts of each shoe's contact problem that friction does not change."""
-        return tuple(map(self._load_terms, range(len(self.members))))
+        return tuple(map(self._frictionless_terms_of, range(len(self.members))))
 
-    def _load_terms(self, k: int) -> LoadTerms:
+    def _frictionless_terms_of(self, k: int) -> FrictionlessTerms:
         """The parts of the contact problem of shoe `k` that friction does not change."""
-        body, modes = self.bodies[k], self.modes[k]
+        body, modes = self.bodies[k], self.rigid_body_modes[k]
         own_force = self.shoes[k].actuation.force
         force = abs(own_force) / self.unit_force
-        gap = body.coupling.M @ (self.gaps[k] / self.unit_force)
+        gap = body.coupling.M @ (self.initial_gaps[k] / self.unit_force)
         acting = acting_loads(body, self.shoes[k], own_force) / self.unit_force
         q = gap - body.closure_by_load @ acting
         # Without friction at an abutment the closures of the test modes serve for both.
         if modes.contact_modes is modes.test_modes:
-            closure = self.test_closures[k].normal
+            closure = self.gap_closures_of_test_modes[k].normal
         else:
             closure = body.coupling.N @ modes.contact_modes
-        return LoadTerms(q, -closure, -force * modes.work)
+        return FrictionlessTerms(q, -closure, -force * modes.actuation_work)
 
     # Integrals over the linings
 
     @cached_property
-    def levers(self) -> Floats:
+    def torque_per_pressure(self) -> Floats:
         """The torque (n, shoes) [m^3] of each shoe per pressure of each node and per mu."""
         return np.asarray(block_diag(*map(attrgetter("coupling.lever"), self.bodies)).T)
 
     @cached_property
-    def areas(self) -> Floats:
+    def node_areas(self) -> Floats:
         """The area (n,) [m^2] of each contact node, which turns its pressure into a force."""
         return np.concatenate(list(map(attrgetter("coupling.area"), self.bodies)))
 
     @cached_property
-    def masses(self) -> Floats:
+    def gap_mass_matrix(self) -> Floats:
         """The mass matrix (n, n) [m^2] of the contact nodes, which weights the gaps."""
         return np.asarray(block_diag(*map(attrgetter("coupling.M"), self.bodies)))
 
     # The ring, the struts and the cam
 
     @cached_property
-    def ring(self) -> RingRoots | None:
+    def ring_flexibility_roots(self) -> RingFlexibilityRoots | None:
         """The flexibility of the ring under the group's linings; None for a rigid drum."""
         ring = self.scene.ring
         if ring is None:
             return None
-        return RingRoots(
+        return RingFlexibilityRoots(
             pressed=np.hstack([ring.normal_half_flexibilities[i] for i in self.members]),
             dragged=np.hstack([ring.friction_half_flexibilities[i] for i in self.members]),
         )
 
     @cached_property
-    def links(self) -> list[tuple[int, int]]:
+    def struts(self) -> list[tuple[int, int]]:
         """The numbers of the shoes from which and to which each strut of the group pushes."""
         names = [shoe.name for shoe in self.shoes]
         links = []
@@ -244,23 +246,23 @@ class GroupState:
         return links
 
     @cached_property
-    def cam(self) -> list[int]:
+    def cam_shoes(self) -> list[int]:
         """The numbers of the shoes whose tips a cam moves by one travel; empty without a cam."""
         drive = self.brake.actuation
         if not drive or not drive.is_cam:
             return []
-        pushed_by_struts = {to for _, to in self.links}
+        pushed_by_struts = {to for _, to in self.struts}
         return sorted(set(range(len(self.shoes))) - pushed_by_struts)
 
     @cached_property
-    def total(self) -> float:
+    def cam_force_sum(self) -> float:
         """The sum of the cam's forces, per newton of `unit_force`; 0 without a cam."""
-        if not self.brake.actuation or not self.cam:
+        if not self.brake.actuation or not self.cam_shoes:
             return 0.0
         return self.brake.actuation.total / self.unit_force
 
 
-def gap_at(xy: Floats, phi: Floats, brake: Brake, shoe: Shoe) -> Floats:
+def unloaded_gaps_at(xy: Floats, phi: Floats, brake: Brake, shoe: Shoe) -> Floats:
     """The gaps (...) [m] of an unloaded lining at points of its friction surface.
 
     A gap is the distance off the drum's radius, the clearance and the misfit together.

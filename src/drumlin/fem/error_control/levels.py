@@ -13,7 +13,7 @@ from drumlin.brake.brake import Brake
 from drumlin.fem.error_control.singular_points import singular_points_of
 from drumlin.fem.hp.division import UNRESOLVED_LENGTH, Level, Singularity, SingularPoint
 from drumlin.fem.preparation.cache import Cache
-from drumlin.fem.preparation.cache import alike as equal_shapes
+from drumlin.fem.preparation.cache import first_shoes_of_equal_shape as equal_shapes
 from drumlin.fem.preparation.columns import PointsByShape
 from drumlin.fem.preparation.meshes import ELEMENTS
 from drumlin.fem.preparation.prepare import prepare

@@ -185,7 +185,7 @@ def full_system(group: ShoeGroup, *, relative_to_rigid_motion: bool = True) -> F
     ring = _ring_block(group.scene, group.brake) if group.scene.ring is not None else None
     stiffnesses = [block.K for block in shoe_blocks] + ([ring.K] if ring else [])
     sizes = [int(block.shape[0]) for block in stiffnesses]
-    counts = [len(gap) for gap in group.gaps]
+    counts = [len(gap) for gap in group.initial_gaps]
     starts = np.cumsum([0, *sizes])
     layout = _Layout(starts, np.cumsum([starts[-1], *counts]))
     blocks = _matrix_blocks(group, shoe_blocks, ring, stiffnesses)
@@ -196,8 +196,8 @@ def full_system(group: ShoeGroup, *, relative_to_rigid_motion: bool = True) -> F
         right=_right_side(group, shoe_blocks, layout),
         pressures=tuple(slice(int(a), int(b)) for a, b in pairwise(layout.pressure_starts)),
         coordinates=tuple(
-            slice(int(end) - modes.work.size, int(end))
-            for end, modes in zip(ends, group.modes, strict=True)
+            slice(int(end) - modes.actuation_work.size, int(end))
+            for end, modes in zip(ends, group.rigid_body_modes, strict=True)
         ),
         lever=_torque_lever(group, layout),
         scale=_equilibrating_factors(matrix, int(layout.pressure_starts[0])),
@@ -231,7 +231,7 @@ def _matrix_blocks(
         M = group.bodies[k].coupling.M
         at = len(stiffnesses) + k
         blocks[k][at], blocks[at][k] = shoe_block.pressure_forces, -shoe_block.gap_closures
-        blocks[at][at] = sp.csr_matrix((M / group.stiffnesses[k]).astype(LONG_DOUBLE))
+        blocks[at][at] = sp.csr_matrix((M / group.contact_stiffnesses[k]).astype(LONG_DOUBLE))
         if ring is not None:
             N, T = ring.couplings[group.members[k]]
             blocks[ring_row][at], blocks[at][ring_row] = -(N - drag * T).T, N
@@ -244,7 +244,7 @@ def _right_side(group: ShoeGroup, shoe_blocks: list[_ShoeBlock], layout: _Layout
     for k, shoe_block in enumerate(shoe_blocks):
         right[layout.block_starts[k] : layout.block_starts[k + 1]] = shoe_block.load
         M = group.bodies[k].coupling.M.astype(LONG_DOUBLE)
-        gap = group.gaps[k].astype(LONG_DOUBLE) / group.unit_force
+        gap = group.initial_gaps[k].astype(LONG_DOUBLE) / group.unit_force
         right[layout.pressure_starts[k] : layout.pressure_starts[k + 1]] = -(M @ gap)
     return right
 
@@ -260,7 +260,7 @@ def _torque_lever(group: ShoeGroup, layout: _Layout) -> Floats:
 
 def _shoe_block(group: ShoeGroup, k: int, relative_to_rigid_motion: bool) -> _ShoeBlock:
     """The part of shoe `k` in the full system; parameters as of `full_system`."""
-    body, shoe, modes = group.bodies[k], group.shoes[k], group.modes[k]
+    body, shoe, modes = group.bodies[k], group.shoes[k], group.rigid_body_modes[k]
     constraints = body.condensed.constraints.matrix.astype(LONG_DOUBLE)
     K = stiffness(body.basis, elastic_layers_of_shoe(shoe), precise=True)
     constrained = (constraints.T @ K @ constraints).tocsr()
@@ -291,7 +291,7 @@ def _shoe_block(group: ShoeGroup, k: int, relative_to_rigid_motion: bool) -> _Sh
         K=_assemble_blocks(stiffness_blocks, [inside, count]),
         pressure_forces=on_nodes + on_modes,
         gap_closures=closures.T.tocsr(),
-        load=np.append(load[:inside], share * modes.work.astype(LONG_DOUBLE)),
+        load=np.append(load[:inside], share * modes.actuation_work.astype(LONG_DOUBLE)),
     )
 
 

@@ -15,12 +15,12 @@ from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Bar, Beam
 from drumlin.fem.mesh.beam import beam_mesh
 from drumlin.fem.mesh.grading import (
-    MOST_LAYERS,
-    MOST_THIN,
+    MOST_LINEAR_LAYERS,
+    MOST_QUADRATIC_LAYERS,
     LiningDivision,
-    divide,
-    layers_behind,
-    overhang,
+    divide_lining,
+    element_ends_beyond_lining,
+    layer_ends_behind_lining,
 )
 
 
@@ -62,12 +62,12 @@ DEFAULT_KIND = "quad2"
 """The kind of a mesh for which no option asks otherwise."""
 
 
-def kind_of(mesh: Any) -> MeshKind:
+def mesh_kind_of(mesh: Any) -> MeshKind:
     """The kind of skfem's `mesh`: quadrilaterals or triangles, of degree 1 or 2."""
     return next(kind for kind in MESH_KINDS.values() if kind.mesh is type(mesh))
 
 
-def _move_angles_to(angles: Floats, places: tuple[float, ...]) -> Floats:
+def _move_inner_angles_to(angles: Floats, places: tuple[float, ...]) -> Floats:
     """Angles (n,) [rad] of which the inner ones nearest to the `places` are moved there.
 
     A place is added as a new angle where its nearest angle has moved to another place already, or
@@ -130,10 +130,12 @@ def shoe_mesh(
     """
     if kind not in MESH_KINDS:
         raise BadInput(f"--kind = {kind!r}: unknown kind of mesh; allowed: {', '.join(MESH_KINDS)}")
-    division = elements if isinstance(elements, LiningDivision) else divide(shoe, radius, elements)
+    division = (
+        elements if isinstance(elements, LiningDivision) else divide_lining(shoe, radius, elements)
+    )
     if isinstance(shoe.body, Beam):
         return beam_mesh(shoe, radius, division, MESH_KINDS[kind].mesh)
-    layout = _layout_of(shoe, radius, division, kind)
+    layout = _layout_of_arc(shoe, radius, division, kind)
     grid = _cut_arc_grid(shoe, layout, kind)
     depth, _ = grid.p[:, grid.t].mean(axis=1)
     layer = np.searchsorted(layout.bounds, depth)
@@ -149,7 +151,7 @@ def shoe_mesh(
     )
 
 
-def _layout_of(shoe: Shoe, radius: float, division: LiningDivision, kind: str) -> _ArcLayout:
+def _layout_of_arc(shoe: Shoe, radius: float, division: LiningDivision, kind: str) -> _ArcLayout:
     """The rectangle of depths and angles that the mesh of a shoe on an arc is cut from."""
     phi_1, phi_2 = shoe.arc
     layers = [("lining", shoe.lining.thickness)]
@@ -162,16 +164,16 @@ def _layout_of(shoe: Shoe, radius: float, division: LiningDivision, kind: str) -
         layers += [(name, plate.thickness) for name, plate in shoe.body.plates.items()]
         ends = shoe.frame.phi(np.array([shoe.body.start, shoe.body.end]))
         body = (float(ends.min()), float(ends.max()))
-        angles = _move_angles_to(angles, shoe.grip(radius) or ())
-        before = overhang(phi_1, body[0], division)[:0:-1]
-        after = overhang(phi_2, body[1], division)[1:]
+        angles = _move_inner_angles_to(angles, shoe.grip(radius) or ())
+        before = element_ends_beyond_lining(phi_1, body[0], division)[:0:-1]
+        after = element_ends_beyond_lining(phi_2, body[1], division)[1:]
         angles = np.concatenate([before, angles, after])
 
     # Linear elements bend well only in thin layers.
-    most = MOST_LAYERS if kind.endswith("2") else MOST_THIN
+    most = MOST_QUADRATIC_LAYERS if kind.endswith("2") else MOST_LINEAR_LAYERS
     depths = [division.depths]
     for _, thickness in layers[1:]:
-        parts = layers_behind(thickness, division, division.step * radius, most)
+        parts = layer_ends_behind_lining(thickness, division, division.step * radius, most)
         depths.append(depths[-1][-1] + parts * thickness)
     bounds = np.array([part[-1] for part in depths])
     return _ArcLayout(layers, bounds, np.concatenate(depths), angles, body)

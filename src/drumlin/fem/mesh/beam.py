@@ -14,7 +14,13 @@ from drumlin.brake.beam_axis import Axis, axis_of
 from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Beam, Section
 from drumlin.brake.units import mm
-from drumlin.fem.mesh.grading import MOST_LAYERS, MOST_THIN, LiningDivision, layers_behind, overhang
+from drumlin.fem.mesh.grading import (
+    MOST_LINEAR_LAYERS,
+    MOST_QUADRATIC_LAYERS,
+    LiningDivision,
+    element_ends_beyond_lining,
+    layer_ends_behind_lining,
+)
 
 PARTS = ("lining", "backing", "shoe")
 """The subdomains of the mesh from the contact inwards; the backing is the block."""
@@ -26,7 +32,7 @@ covers round-off alone.
 """
 
 
-def why_not(shoe: Shoe, radius: float) -> str | None:
+def reason_why_not_meshed(shoe: Shoe, radius: float) -> str | None:
     """Why a shoe with a straight beam cannot be meshed; None where it can, or has no beam."""
     if not isinstance(shoe.body, Beam) or shoe.mesh is not None:
         return None
@@ -40,10 +46,14 @@ def why_not(shoe: Shoe, radius: float) -> str | None:
         return "nothing fills the space between its straight beam and the lining: no [shoe.backing]"
     if isinstance(shoe.body.offset, tuple) and any(offset for _, offset in shoe.body.offset):
         return "a beam with a curved axis is not meshed"
-    return _why_no_block_fits(shoe, axis_of(shoe.pin.xy, shoe.actuation.point.xy), section, radius)
+    return _reason_why_no_block_fits(
+        shoe, axis_of(shoe.pin.xy, shoe.actuation.point.xy), section, radius
+    )
 
 
-def _why_no_block_fits(shoe: Shoe, axis: Axis, section: Section, radius: float) -> str | None:
+def _reason_why_no_block_fits(
+    shoe: Shoe, axis: Axis, section: Section, radius: float
+) -> str | None:
     """Why no block fits between lining and beam; None where one fits."""
     back = radius + shoe.lining.thickness
     # The back of the lining comes nearest to the beam at the foot of the axis, or else at one end.
@@ -172,15 +182,15 @@ def _cut_beam_grid(
     import skfem  # noqa: PLC0415
 
     start, end, back = form.start, form.end, form.back
-    before = overhang(start, form.low, division)[:0:-1]
-    after = overhang(end, form.high, division)[1:]
+    before = element_ends_beyond_lining(start, form.low, division)[:0:-1]
+    after = element_ends_beyond_lining(end, form.high, division)[1:]
     s = np.concatenate([before, angles, after])
     # Linear elements bend well only in thin layers.
-    most = MOST_THIN if linear else MOST_LAYERS
+    most = MOST_LINEAR_LAYERS if linear else MOST_QUADRATIC_LAYERS
     deepest = form.face - back * min(math.cos(start), math.cos(end))
     size = division.step * form.radius
-    block = layers_behind(deepest, division, size, most)
-    beam = layers_behind(form.beam, division, size, most)
+    block = layer_ends_behind_lining(deepest, division, size, most)
+    beam = layer_ends_behind_lining(form.beam, division, size, most)
     depths = np.concatenate([division.depths / form.thickness, 1 + block, 2 + beam])
     grid = skfem.MeshQuad.init_tensor(depths, s)
     depth, place = grid.p[:, grid.t].mean(axis=1)

@@ -15,12 +15,12 @@ from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Bar
 from drumlin.brake.units import mm
-from drumlin.fem.mesh.arc import kind_of
-from drumlin.fem.mesh.edges import edge_nodes
+from drumlin.fem.mesh.arc import mesh_kind_of
+from drumlin.fem.mesh.edges import nodes_along_edges
 
-MOST_NAMES = 30
+MOST_LISTED_NAMES = 30
 """Names of groups that a refusal lists at most."""
-ARC_SLACK = math.radians(2)
+LARGEST_ARC_DIFFERENCE = math.radians(2)
 """Largest difference [rad] between the ends of the lining in the brake's file and in the mesh.
 
 A larger difference says that the mesh and the brake's file do not describe the same shoe.
@@ -67,7 +67,9 @@ An element with a smaller determinant is inverted or has no area in a corner.
 """
 
 
-def check(mesh: Any, shoe: Shoe, radius: float, fault: str, names: Sequence[str] = ()) -> Any:
+def check_shoe_mesh(
+    mesh: Any, shoe: Shoe, radius: float, fault: str, names: Sequence[str] = ()
+) -> Any:
     """The mesh with the groups that the shoe needs, after all checks.
 
     Parameters
@@ -83,16 +85,16 @@ def check(mesh: Any, shoe: Shoe, radius: float, fault: str, names: Sequence[str]
     BadInput
         for the first fault that is found
     """
-    mesh = _check_groups(mesh, shoe, fault, names)
+    mesh = _keep_needed_groups(mesh, shoe, fault, names)
     _check_nodes(mesh, shoe, radius, fault)
     _check_elements(mesh, shoe, fault)
     _check_boundaries(mesh, fault)
     _check_contact(mesh, shoe, radius, fault)
-    _check_ends(mesh, shoe, fault)
+    _check_hinge_and_actuation(mesh, shoe, fault)
     return mesh
 
 
-def check_cells(cells: Ints, corners: int, fault: str) -> None:
+def check_cell_nodes(cells: Ints, corners: int, fault: str) -> None:
     """Refuse cells whose nodes do not make them a mesh.
 
     Parameters
@@ -123,7 +125,7 @@ def check_cells(cells: Ints, corners: int, fault: str) -> None:
         )
 
 
-def _check_groups(mesh: Any, shoe: Shoe, fault: str, names: Sequence[str]) -> Any:
+def _keep_needed_groups(mesh: Any, shoe: Shoe, fault: str, names: Sequence[str]) -> Any:
     """The mesh with only the groups that the shoe needs; each element must be in one of them."""
     subdomains, boundaries = mesh.subdomains, mesh.boundaries
     needed = {"lining"} | ({"backing"} if shoe.backing else set())
@@ -134,7 +136,10 @@ def _check_groups(mesh: Any, shoe: Shoe, fault: str, names: Sequence[str]) -> An
     lines = {"contact", "hinge"} | ({"actuation"} if shoe.body and not shoe.gripped else set())
     missing = sorted((needed - set(subdomains)) | (lines - set(boundaries)))
     if missing:
-        found = ", ".join(dict.fromkeys([*subdomains, *boundaries, *names][:MOST_NAMES])) or "none"
+        found = (
+            ", ".join(dict.fromkeys([*subdomains, *boundaries, *names][:MOST_LISTED_NAMES]))
+            or "none"
+        )
         raise BadInput(
             f"{fault}: named groups missing or empty: {', '.join(missing)}; found: {found} "
             f"(names or numbers of its own: groups = {{ {missing[0]} = ... }})"
@@ -184,36 +189,39 @@ def _check_nodes(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
 
 def _check_elements(mesh: Any, shoe: Shoe, fault: str) -> None:
     """Refuse bent, inverted and folded elements, and meshes of more than one part."""
-    basis = skfem.Basis(mesh, kind_of(mesh).element(), quadrature=(np.zeros((2, 1)), np.ones(1)))
-    on_edges = basis.doflocs[:, edge_nodes(basis, np.arange(mesh.nfacets))]
+    basis = skfem.Basis(
+        mesh, mesh_kind_of(mesh).element(), quadrature=(np.zeros((2, 1)), np.ones(1))
+    )
+    on_edges = basis.doflocs[:, nodes_along_edges(basis, np.arange(mesh.nfacets))]
     first, *middles, last = on_edges.transpose(1, 0, 2)
     for middle in middles:
         bent = np.hypot(*(middle - (first + last) / 2)) > MIDDLE_NODE_OFFSET * np.hypot(
             *(last - first)
         )
         if bent.any():
-            where = _count_and_place(mesh, mesh.f2t[0, np.flatnonzero(bent)], shoe)
+            where = _text_on_faulty_elements(mesh, mesh.f2t[0, np.flatnonzero(bent)], shoe)
             raise BadInput(f"{fault}: {where} with the middle node of an edge far off that edge")
     # The Jacobian determinant of an element may have either sign, but only one of them.
-    determinant = mesh.mapping().detDF(kind_of(mesh).element().doflocs.T)
+    determinant = mesh.mapping().detDF(mesh_kind_of(mesh).element().doflocs.T)
     determinant = np.broadcast_to(determinant, (mesh.nelements, determinant.shape[-1]))
     smallest = np.abs(determinant.sum(axis=1)) * JACOBIAN_RATIO
     flat = np.abs(determinant).min(axis=1) <= smallest
     inverted = flat | (np.ptp(np.sign(determinant), axis=1) > 0)
     if inverted.any():
         raise BadInput(
-            f"{fault}: {_count_and_place(mesh, np.flatnonzero(inverted), shoe)} "
+            f"{fault}: {_text_on_faulty_elements(mesh, np.flatnonzero(inverted), shoe)} "
             "inverted or without area in a corner"
         )
     if np.bincount(mesh.t2f.ravel()).max() > 2:
         raise BadInput(f"{fault}: more than two elements meet in an edge")
     # Neighbours lie on opposite sides of their common edge, or else one is folded over the other.
     inner = np.flatnonzero(mesh.f2t[1] >= 0)
-    sides = np.array([_side_of_facet(mesh, inner, mesh.f2t[i, inner]) for i in (0, 1)])
+    sides = np.array([_side_of_facet_with_element(mesh, inner, mesh.f2t[i, inner]) for i in (0, 1)])
     folded = inner[sides[0] * sides[1] > 0]
     if len(folded):
         raise BadInput(
-            f"{fault}: {_count_and_place(mesh, mesh.f2t[1, folded], shoe)} folded over a neighbour"
+            f"{fault}: {_text_on_faulty_elements(mesh, mesh.f2t[1, folded], shoe)} "
+            "folded over a neighbour"
         )
     # Elements that share an edge are bonded; a shoe is one bonded part.
     links = sp.coo_array(
@@ -224,7 +232,7 @@ def _check_elements(mesh: Any, shoe: Shoe, fault: str) -> None:
         raise BadInput(f"{fault}: consists of {parts} parts that share no edge; must be one")
 
 
-def _count_and_place(mesh: Any, elements: Ints, shoe: Shoe) -> str:
+def _text_on_faulty_elements(mesh: Any, elements: Ints, shoe: Shoe) -> str:
     """The subject of a sentence about some elements: their number, and where the first lies."""
     ((x,), (y,)) = shoe.points(mesh.p[:, mesh.t[:, elements[0]]].mean(axis=1, keepdims=True)) * 1e3
     count = len(np.unique(elements))
@@ -234,7 +242,7 @@ def _count_and_place(mesh: Any, elements: Ints, shoe: Shoe) -> str:
     )
 
 
-def _side_of_facet(mesh: Any, facets: Ints, elements: Ints) -> Floats:
+def _side_of_facet_with_element(mesh: Any, facets: Ints, elements: Ints) -> Floats:
     """The sign (n,) of the side of each facet on which the centre of its element lies."""
     a, b = mesh.p[:, mesh.facets[:, facets]].transpose(1, 0, 2)
     to = mesh.p[:, mesh.t[:, elements]].mean(axis=1) - a
@@ -261,8 +269,10 @@ def _check_contact(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
     facets = mesh.boundaries["contact"]
     if not np.isin(mesh.f2t[0, facets], mesh.subdomains["lining"]).all():
         raise BadInput(f"{fault}: the group contact must be edges of the lining only")
-    basis = skfem.Basis(mesh, kind_of(mesh).element(), quadrature=(np.zeros((2, 1)), np.ones(1)))
-    line = basis.doflocs[:, edge_nodes(basis, facets)]
+    basis = skfem.Basis(
+        mesh, mesh_kind_of(mesh).element(), quadrature=(np.zeros((2, 1)), np.ones(1))
+    )
+    line = basis.doflocs[:, nodes_along_edges(basis, facets)]
     off, word = shoe.off(line, radius), shoe.surface.word
     most, deep = float(np.abs(off).max()), -float(off.min())
     if most > CONTACT_OFFSET * radius:
@@ -287,7 +297,7 @@ def _check_contact(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
         axis=0
     )
     if steep.any():
-        where = _count_and_place(mesh, mesh.f2t[0, facets[steep]], shoe)
+        where = _text_on_faulty_elements(mesh, mesh.f2t[0, facets[steep]], shoe)
         raise BadInput(
             f"{fault}: {where} with an edge of the contact that is steeper than "
             f"{CONTACT_SLOPE:g} against the {word}"
@@ -296,13 +306,13 @@ def _check_contact(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
     xy = mesh.p[:, nodes]
     phi, text = shoe.phi_of(xy, radius), shoe.surface.place
     arc = (float(phi.min()), float(phi.max()))
-    if max(abs(a - b) for a, b in zip(arc, shoe.arc, strict=True)) > ARC_SLACK:
+    if max(abs(a - b) for a, b in zip(arc, shoe.arc, strict=True)) > LARGEST_ARC_DIFFERENCE:
         theta = sorted(shoe.frame.theta(np.array(arc)).tolist())
         raise BadInput(
             f"{fault}: the group contact runs from {text(theta[0])} to {text(theta[1])}; "
             f"must be the lining's {'length' if shoe.flat else 'arc'}, "
             f"{text(shoe.lining.start)} to {text(shoe.lining.end)}, "
-            f"within {text(shoe.frame.unit * ARC_SLACK)} "
+            f"within {text(shoe.frame.unit * LARGEST_ARC_DIFFERENCE)} "
             f"(coordinates are read in the {shoe.mesh_frame}'s frame)"
         )
     # By growing angle each edge leads from one node to the next.
@@ -317,7 +327,7 @@ def _check_contact(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
         )
 
 
-def _check_ends(mesh: Any, shoe: Shoe, fault: str) -> None:
+def _check_hinge_and_actuation(mesh: Any, shoe: Shoe, fault: str) -> None:
     """Refuse a mesh whose hinge and actuation are swapped."""
     nodes = {name: np.unique(mesh.facets[:, facets]) for name, facets in mesh.boundaries.items()}
     if "actuation" in nodes and not shoe.gripped:

@@ -28,7 +28,7 @@ STRAIGHT_SIDES = 0.9
 Mesh generators make all sides straight or none of them. A lining with one worn flat has curved
 sides elsewhere, and its flat must stay.
 """
-WINDOW_NODES = 8
+SMOOTHING_NODES = 8
 """Number of nodes to each side of a node over which the rounding errors are averaged.
 
 The mean rounding error of the 17 nodes is a quarter of a single one, so that a lining's shape is
@@ -70,7 +70,9 @@ class _ContactNodes:
     slack: Floats
 
 
-def put_on_surface(mesh: Any, rounding: Floats, shoe: Shoe, radius: float) -> ContactOnSurface:
+def move_contact_nodes_onto_surface(
+    mesh: Any, rounding: Floats, shoe: Shoe, radius: float
+) -> ContactOnSurface:
     """The mesh with its contact nodes moved onto the drum or the plane, and what was moved.
 
     Only offsets by the rounding of the file's coordinates and by straight sides are removed.
@@ -85,7 +87,7 @@ def put_on_surface(mesh: Any, rounding: Floats, shoe: Shoe, radius: float) -> Co
     straight = _find_straight_middles(mesh, line, shoe, radius)
     target = line.off.copy()
     free = ~(straight & line.middle)
-    target[free] = _offsets_without_rounding(line, free, shoe, radius)
+    target[free] = _smooth_offsets(line, free, shoe, radius)
     # The middle of a straight side stands on the smooth line through the corners.
     if straight.any():
         corners = ~line.middle
@@ -156,16 +158,14 @@ def _find_straight_middles(mesh: Any, line: _ContactNodes, shoe: Shoe, radius: f
     return found
 
 
-def _offsets_without_rounding(
-    line: _ContactNodes, free: Bools, shoe: Shoe, radius: float
-) -> Floats:
+def _smooth_offsets(line: _ContactNodes, free: Bools, shoe: Shoe, radius: float) -> Floats:
     """Offsets (k,) of the free nodes without the rounding of their coordinates.
 
     They are 0 where the offset is no more than the roundings explain; elsewhere they follow the
     smooth line through the nodes, or stay.
     """
     off, slack, place = line.off[free], line.slack[free], line.phi[free] * radius
-    shape = _lining_shape_of(off, slack, place, radius)
+    shape = _offsets_beyond_rounding(off, slack, place, radius)
     found = off.copy()
     on = np.abs(off) <= slack * (1 + 1e-6) + COORDINATE_ROUND_OFF * radius
     found[on & np.isnan(shape)] = 0.0
@@ -176,7 +176,7 @@ def _offsets_without_rounding(
     return found
 
 
-def _lining_shape_of(off: Floats, slack: Floats, place: Floats, radius: float) -> Floats:
+def _offsets_beyond_rounding(off: Floats, slack: Floats, place: Floats, radius: float) -> Floats:
     """The shape (k,) [m] of the lining at each node; nan where rounding explains the offset.
 
     The shape is a parabola through the offsets `off` (k,) [m] of the nodes around a node. Where a
@@ -191,7 +191,7 @@ def _lining_shape_of(off: Floats, slack: Floats, place: Floats, radius: float) -
     for i in range(len(off)):
         # Where the circle runs along an axis, nodes closer than sqrt(2 R d) are rounded alike.
         apart = max(step, float(np.sqrt(2 * radius * slack[i])))
-        near = np.flatnonzero(np.abs(place - place[i]) <= WINDOW_NODES * apart)
+        near = np.flatnonzero(np.abs(place - place[i]) <= SMOOTHING_NODES * apart)
         scatter = float(slack[near].mean()) / np.sqrt(6.0)
         independent = max(len(near) * min(1.0, step / apart), 1.0)
         mean = float(off[near].mean())

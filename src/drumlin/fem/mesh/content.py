@@ -14,7 +14,7 @@ A larger file is refused before it is read, so that it cannot fill the memory.
 """
 
 
-def mesh_bytes(path: Path) -> bytes:
+def read_mesh_bytes(path: Path) -> bytes:
     """The content of a mesh file.
 
     Raises
@@ -34,14 +34,14 @@ Decks have a depth of one or two. Without a limit a file that includes itself wo
 """
 
 
-def content_digest(path: Path, depth: int = 0) -> str:
+def digest_of_mesh_file(path: Path, depth: int = 0) -> str:
     """A digest of a mesh file and of those that it includes; "none" for one that cannot be read."""
     try:
-        data = mesh_bytes(path)
+        data = read_mesh_bytes(path)
     except DrumlinError:
         return "none"
     found = hashlib.sha256(data)
     for name in INCLUDED.findall(data) if depth < MOST_NESTED else ():
         included = path.parent / name.decode(errors="replace").strip().strip("\"'")
-        found.update(content_digest(included, depth + 1).encode())
+        found.update(digest_of_mesh_file(included, depth + 1).encode())
     return found.hexdigest()[:16]

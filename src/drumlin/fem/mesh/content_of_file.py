@@ -61,7 +61,7 @@ The round-off of reading is far smaller. Coordinates with all digits lie anywher
 """
 
 
-def rounding_of(points: Floats) -> Floats:
+def rounding_errors_of_coordinates(points: Floats) -> Floats:
     """The largest rounding error (n, k) of coordinates (n, k) that were written as text.
 
     The rounding error is half a step of the coarsest decimal grid that all coordinates lie on. The

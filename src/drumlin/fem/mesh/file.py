@@ -25,18 +25,22 @@ from drumlin.base.errors import BadInput, reason_of
 from drumlin.base.files import replacing
 from drumlin.brake.brake import Shoe
 from drumlin.fem.mesh.abaqus import write_inp
-from drumlin.fem.mesh.arc import MESH_KINDS, kind_of
-from drumlin.fem.mesh.check import check, check_cells
-from drumlin.fem.mesh.contact_surface import put_on_surface
-from drumlin.fem.mesh.content import mesh_bytes
-from drumlin.fem.mesh.content_of_file import FileContent, rounding_of
-from drumlin.fem.mesh.edges import edge_nodes
+from drumlin.fem.mesh.arc import MESH_KINDS, mesh_kind_of
+from drumlin.fem.mesh.check import check_cell_nodes, check_shoe_mesh
+from drumlin.fem.mesh.contact_surface import move_contact_nodes_onto_surface
+from drumlin.fem.mesh.content import read_mesh_bytes
+from drumlin.fem.mesh.content_of_file import FileContent, rounding_errors_of_coordinates
+from drumlin.fem.mesh.edges import nodes_along_edges
 from drumlin.fem.mesh.from_file import ShoeMesh
 from drumlin.fem.mesh.inp import read_inp
 from drumlin.fem.mesh.msh4 import is_msh4, read_msh4
-from drumlin.fem.mesh.of_meshio import content_of
-from drumlin.fem.mesh.plane_cells import BESIDE, PlaneCells, plane_cells
-from drumlin.fem.mesh.vtu import check_unpacked
+from drumlin.fem.mesh.of_meshio import content_of_meshio_mesh
+from drumlin.fem.mesh.plane_cells import (
+    BESIDE,
+    PlaneCells,
+    make_plane_cells_of_one_kind,
+)
+from drumlin.fem.mesh.vtu import check_unpacked_size
 
 FORMATS = (".msh", ".inp", ".vtu")
 """The suffixes of mesh files that drumlin reads and writes."""
@@ -65,18 +69,18 @@ def write_mesh(path: Path, mesh: Any, shoe: Shoe) -> None:
         raise BadInput(
             f"--format = {path.suffix[1:]!r}: unknown format of a mesh; allowed: msh, inp, vtu"
         )
-    basis = skfem.Basis(mesh, kind_of(mesh).element(), intorder=1)
+    basis = skfem.Basis(mesh, mesh_kind_of(mesh).element(), intorder=1)
     cells = basis.element_dofs.T
-    edges = {name: edge_nodes(basis, facets) for name, facets in mesh.boundaries.items()}
+    edges = {name: nodes_along_edges(basis, facets) for name, facets in mesh.boundaries.items()}
     xy = shoe.points(basis.doflocs).T
     with replacing(path) as partial:
         if path.suffix == ".inp":
             nodes = {name: np.unique(along) for name, along in edges.items()}
-            write_inp(partial, xy, kind_of(mesh).cell, cells, mesh.subdomains, nodes)
+            write_inp(partial, xy, mesh_kind_of(mesh).cell, cells, mesh.subdomains, nodes)
         elif path.suffix == ".vtu":
-            _write_vtu(partial, xy, kind_of(mesh).cell, cells, mesh.subdomains, edges)
+            _write_vtu(partial, xy, mesh_kind_of(mesh).cell, cells, mesh.subdomains, edges)
         else:
-            _write_msh(partial, xy, kind_of(mesh), cells, mesh.subdomains, edges)
+            _write_msh(partial, xy, mesh_kind_of(mesh), cells, mesh.subdomains, edges)
 
 
 def _write_msh(
@@ -152,21 +156,21 @@ def read_shoe_mesh(path: Path, shoe: Shoe, radius: float, key: str = "mesh") -> 
     points = _plane_points(content, fault)
     rounding = content.rounding
     if rounding is None:
-        rounding = rounding_of(points)
+        rounding = rounding_errors_of_coordinates(points)
     points = points * unit
     if shoe.mesh_frame == "brake":
         points = shoe.own_points(points)
-    plane = plane_cells(content, points, fault)
+    plane = make_plane_cells_of_one_kind(content, points, fault)
     # Nodes that were added stand where other nodes put them.
     slack = np.zeros((len(plane.points), 2))
     slack[: len(points)] = rounding * unit
     mesh, vertex = _mesh_and_vertices(plane.cell, plane.cells, plane.points, fault)
     nodal, _ = _mesh_and_vertices(plane.cell, plane.cells, slack, fault)
     mesh = _add_groups(content, shoe, plane, mesh, vertex, fault)
-    mesh = check(mesh, shoe, radius, fault, content.group_names)
-    contact = put_on_surface(mesh, nodal.doflocs, shoe, radius)
+    mesh = check_shoe_mesh(mesh, shoe, radius, fault, content.group_names)
+    contact = move_contact_nodes_onto_surface(mesh, nodal.doflocs, shoe, radius)
     if contact.mesh is not mesh:
-        check(
+        check_shoe_mesh(
             contact.mesh, shoe, radius, f"{fault}: with its contact line on the {shoe.surface.word}"
         )
     return ShoeMesh(contact.mesh, contact, content.notes + plane.notes)
@@ -183,7 +187,7 @@ def _read_content(path: Path, shoe: Shoe, fault: str) -> FileContent:
         raise BadInput(
             f"{fault}: is not a mesh: must be a file whose name ends in {', '.join(FORMATS)}"
         )
-    data = mesh_bytes(path)
+    data = read_mesh_bytes(path)
     if suffix == ".msh":
         _check_node_numbers(path, fault)
     printed = io.StringIO()
@@ -227,8 +231,8 @@ def _read_by_format(path: Path, suffix: str, data: bytes, shoe: Shoe) -> FileCon
     if suffix == ".msh" and is_msh4(data):
         return read_msh4(data.decode(errors="replace"))
     if suffix == ".vtu":
-        check_unpacked(data)
-    return content_of(meshio.read(path, "vtu" if suffix == ".vtu" else "gmsh"))
+        check_unpacked_size(data)
+    return content_of_meshio_mesh(meshio.read(path, "vtu" if suffix == ".vtu" else "gmsh"))
 
 
 def _names_of_element_groups(shoe: Shoe) -> list[str]:
@@ -303,7 +307,7 @@ def _mesh_and_vertices(cell: str, cells: Ints, points: Floats, fault: str) -> tu
     used, numbered = np.unique(cells, return_inverse=True)
     numbered = numbered.reshape(cells.shape)
     corners = 3 if cell.startswith("triangle") else 4
-    check_cells(numbered, corners, fault)
+    check_cell_nodes(numbered, corners, fault)
     mesh = kind.mesh(np.ascontiguousarray(points[used].T), np.ascontiguousarray(numbered.T))
     vertex = np.full(len(points), -1)
     vertices = np.unique(cells[:, :corners])

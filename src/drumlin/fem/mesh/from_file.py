@@ -11,7 +11,7 @@ from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Shoe
 from drumlin.response.response import ShoeResponse
 
-SAID_MOVE = 1e-3
+SMALLEST_REPORTED_MOVE = 1e-3
 """Distance above which a note tells of a moved node, or of a contact line off the surface.
 
 The distance is relative to the lining's mean compression p t/E. The pressure changes by about the
@@ -71,7 +71,7 @@ class ShoeMesh:
     notes: tuple[str, ...]
 
 
-def mesh_notes(
+def notes_on_mesh_file(
     shoe: Shoe, made: ShoeMesh, xy: Floats, radius: float, response: ShoeResponse
 ) -> Iterator[str]:
     """Lines about a shoe's mesh file: what was passed over, what was moved, and what counts as gap.
@@ -99,7 +99,7 @@ def mesh_notes(
         (contact.straight, contact.straight_by, "middle nodes", "sides that are straight"),
     )
     for count, by, nodes, cause in moves:
-        if by > SAID_MOVE * compression:
+        if by > SMALLEST_REPORTED_MOVE * compression:
             yield (
                 f"{lead}: {count} {nodes} of the contact line were put on the {surface}, "
                 f"by up to {_distance_in_words(by, compression)}: {cause}"
@@ -107,7 +107,7 @@ def mesh_notes(
     off = shoe.off(xy, radius)
     _check_smooth(off, compression, lead, surface)
     most = float(np.abs(off).max())
-    if most > SAID_MOVE * compression:
+    if most > SMALLEST_REPORTED_MOVE * compression:
         yield (
             f"{lead}: the contact line lies up to {_distance_in_words(most, compression)} off the "
             f"{surface}; this counts as the lining's shape, a gap"
@@ -130,7 +130,10 @@ def _distance_in_words(distance: float, compression: float) -> str:
 
 def _check_smooth(off: Floats, compression: float, lead: str, surface: str) -> None:
     """Refuse a contact line whose offsets (n,) [m] are no shape of a lining."""
-    turns, high = turns_of(off, ZIGZAG * compression), turns_of(off, compression / 2)
+    turns, high = (
+        count_turns_of_offsets(off, ZIGZAG * compression),
+        count_turns_of_offsets(off, compression / 2),
+    )
     unresolved = turns > FEW_TURNS and len(off) < NODES_PER_TURN * turns
     if unresolved or high > MOST_TURNS:
         raise BadInput(
@@ -142,7 +145,7 @@ def _check_smooth(off: Floats, compression: float, lead: str, surface: str) -> N
         )
 
 
-def turns_of(off: Floats, height: float) -> int:
+def count_turns_of_offsets(off: Floats, height: float) -> int:
     """How often a line of offsets (n,) turns after it went up or down by more than `height`."""
     turns, direction = 0, 0
     # The last extreme is the highest value while the line rises, the lowest while it falls.

@@ -18,19 +18,19 @@ Layers at the lining's faces are as much thinner than in its middle. The pressur
 edge. With four times this size the error of p is a quarter larger in the median of 22 random
 brakes, and up to six times as large; with half of this size the error is the same.
 """
-MOST_BEYOND = 200
+MOST_OVERHANG_ELEMENTS = 200
 """Largest number of elements along the body on either side of the lining, to save memory.
 
 Longer overhangs have larger elements.
 """
-MOST_LAYERS = 8
+MOST_QUADRATIC_LAYERS = 8
 """Largest number of layers through the backing, and through the body, of quadratic elements.
 
 With a limit the unknowns grow with the number of elements along the lining and not with its square.
 On 22 random brakes twice as many layers take 1.4 times the unknowns for the same error of p. Half
 as many layers make the error up to 2.4 times as large.
 """
-MOST_THIN = 80
+MOST_LINEAR_LAYERS = 80
 """Largest number of layers through the backing, and through the body, of linear elements.
 
 Linear elements bend well only in thin layers. The limit is the default number of elements along a
@@ -56,47 +56,53 @@ class LiningDivision:
     behind: int = 1
 
 
-def divide(shoe: Shoe, radius: float, elements: int) -> LiningDivision:
+def divide_lining(shoe: Shoe, radius: float, elements: int) -> LiningDivision:
     """The division of a lining into `elements`, graded to its ends, with layers in proportion."""
     start, end = shoe.arc
     thickness = shoe.lining.thickness
     return LiningDivision(
-        angles=start + lining_angles(end - start, shoe, radius, elements),
-        depths=graded(0, thickness, lining_layers(elements), thickness / 2, EDGE_SIZE),
+        angles=start + element_ends_along_lining(end - start, shoe, radius, elements),
+        depths=points_graded_to_both_ends(
+            0, thickness, number_of_lining_layers(elements), thickness / 2, EDGE_SIZE
+        ),
         step=(end - start) / elements,
     )
 
 
-def lining_angles(arc: float, shoe: Shoe, radius: float, elements: int) -> Floats:
+def element_ends_along_lining(arc: float, shoe: Shoe, radius: float, elements: int) -> Floats:
     """Ends of the elements along a lining from 0 to `arc` [rad], graded to both of its ends."""
-    return graded(0.0, arc, elements, shoe.lining.thickness / radius, EDGE_SIZE)
+    return points_graded_to_both_ends(0.0, arc, elements, shoe.lining.thickness / radius, EDGE_SIZE)
 
 
-def lining_layers(elements: int) -> int:
+def number_of_lining_layers(elements: int) -> int:
     """The number of layers through a lining with this number of elements along it."""
     return min(max(2, round(elements / 15)), 12)
 
 
-def overhang(near: float, far: float, division: LiningDivision) -> Floats:
+def element_ends_beyond_lining(near: float, far: float, division: LiningDivision) -> Floats:
     """Ends of the elements from `near`, where the lining ends, to `far`, about a step apart.
 
-    Ends that coincide count once. Where steps would make more than MOST_BEYOND elements, the first
-    element is a step long and the lengths grow by one ratio.
+    Ends that coincide count once. If equal steps would make more than MOST_OVERHANG_ELEMENTS
+    elements, the first element is a step long and the lengths grow by one ratio.
     """
     length, step = abs(far - near), division.step
     if length < 1e-9:
         return np.array([near])
     count = max(1, round(length / step))
-    parts = np.linspace(0, 1, min(count, MOST_BEYOND) + 1)
-    if count > MOST_BEYOND:
-        growth = _find_growth(length / step)
-        parts = np.expm1(growth * np.arange(MOST_BEYOND + 1)) / np.expm1(growth * MOST_BEYOND)
+    parts = np.linspace(0, 1, min(count, MOST_OVERHANG_ELEMENTS) + 1)
+    if count > MOST_OVERHANG_ELEMENTS:
+        growth = _find_growth_of_overhang(length / step)
+        parts = np.expm1(growth * np.arange(MOST_OVERHANG_ELEMENTS + 1)) / np.expm1(
+            growth * MOST_OVERHANG_ELEMENTS
+        )
     places = near + (far - near) * parts
     places[-1] = far
     return places
 
 
-def layers_behind(thickness: float, division: LiningDivision, size: float, most: int) -> Floats:
+def layer_ends_behind_lining(
+    thickness: float, division: LiningDivision, size: float, most: int
+) -> Floats:
     """Ends (m,) of the layers of backing or body, as parts of its thickness, the last of them 1.
 
     Parameters
@@ -110,7 +116,9 @@ def layers_behind(thickness: float, division: LiningDivision, size: float, most:
     return np.arange(1, count + 1) / count
 
 
-def half_geometric(length: float, smallest: float, ratio: float, largest: float) -> Floats:
+def points_with_growing_steps(
+    length: float, smallest: float, ratio: float, largest: float
+) -> Floats:
     """Points from 0 to `length` whose steps grow by `ratio` from about `smallest` to `largest`."""
     points, step = [0.0], min(smallest, length / 2)
     while points[-1] < length:
@@ -119,19 +127,24 @@ def half_geometric(length: float, smallest: float, ratio: float, largest: float)
     return np.array(points) * length / points[-1]
 
 
-def _find_growth(total: float) -> float:
-    """The g of MOST_BEYOND steps 1, e^g, e^2g, ... whose sum is `total`, by halving an interval."""
+def _find_growth_of_overhang(total: float) -> float:
+    """Return the growth g by which steps 1, e^g, e^2g, ... have the sum `total`, by bisection.
+
+    The number of steps is MOST_OVERHANG_ELEMENTS.
+    """
     low, high = 0.0, 1.0
     while high - low > 1e-12:
         middle = 0.5 * (low + high)
-        if math.expm1(MOST_BEYOND * middle) < total * math.expm1(middle):
+        if math.expm1(MOST_OVERHANG_ELEMENTS * middle) < total * math.expm1(middle):
             low = middle
         else:
             high = middle
     return high
 
 
-def graded(start: float, end: float, count: int, zone: float, smallest: float) -> Floats:
+def points_graded_to_both_ends(
+    start: float, end: float, count: int, zone: float, smallest: float
+) -> Floats:
     """count + 1 points from start to end, whose steps shrink linearly over a zone at each end.
 
     At the distance d from the nearer end the step is h(d) = h_0 min(1, smallest + d / zone). The
@@ -146,10 +159,10 @@ def graded(start: float, end: float, count: int, zone: float, smallest: float) -
     """
     # Equal parts of the integral of dd / h give the points, mirrored about the middle.
     half = (end - start) / 2
-    total = inner_steps(half, half, zone, smallest)
+    total = number_of_inner_steps(half, half, zone, smallest)
     part = total * np.minimum(np.arange(count + 1), np.arange(count + 1)[::-1]) / (count / 2)
     reach = min(zone * (1 - smallest), half)
-    inner = inner_steps(reach, half, zone, smallest)
+    inner = number_of_inner_steps(reach, half, zone, smallest)
     in_zone = zone * smallest * np.expm1(np.minimum(part, inner) / zone)
     d = np.where(part <= inner, in_zone, reach + part - inner)
     # Points of the second half count their distance d from the end.
@@ -159,10 +172,11 @@ def graded(start: float, end: float, count: int, zone: float, smallest: float) -
     return points
 
 
-def inner_steps(d: float, half: float, zone: float, smallest: float) -> float:
-    """The number of inner steps h_0 that the steps of `graded` up to `d` stand for.
+def number_of_inner_steps(d: float, half: float, zone: float, smallest: float) -> float:
+    """Return the number of inner steps h_0 with which the graded steps up to `d` count.
 
-    It is Int_0^d dd h_0 / h. Beyond the reach of the grading all steps are h_0.
+    The number is Int_0^d dd h_0 / h, with the steps h of `points_graded_to_both_ends`. Beyond the
+    reach of the grading all steps are h_0.
     """
     reach = min(zone * (1 - smallest), half)
     return zone * math.log1p(min(d, reach) / (zone * smallest)) + max(d - reach, 0.0)

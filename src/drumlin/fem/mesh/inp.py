@@ -13,7 +13,7 @@ import numpy as np
 
 from drumlin.base.arrays import Floats, Ints
 from drumlin.fem.mesh.abaqus import CELL_OF_TYPE, NODES_PER_CELL
-from drumlin.fem.mesh.content_of_file import FileContent, rounding_of
+from drumlin.fem.mesh.content_of_file import FileContent, rounding_errors_of_coordinates
 from drumlin.fem.mesh.inp_deck import Deck
 from drumlin.fem.mesh.inp_parts import DeckInstance
 
@@ -54,10 +54,10 @@ def read_inp(text: str, folder: Path | None = None, wanted: Collection[str] = ()
         with a line that says what cannot be read
     """
     deck = Deck(text, folder)
-    return _Assembled(deck, _chosen(deck, wanted)).content()
+    return _Assembled(deck, _choose_bodies(deck, wanted)).content()
 
 
-def _chosen(deck: Deck, wanted: Collection[str]) -> list[DeckInstance]:
+def _choose_bodies(deck: Deck, wanted: Collection[str]) -> list[DeckInstance]:
     """The bodies that hold the shoe: those with elements of the wanted groups, or else all."""
     bodies = [body for body in deck.bodies if body.part.nodes]
     owners = set()
@@ -101,12 +101,14 @@ class _Assembled:
                 self.number[body.name, label] = i
             if part.nodes:
                 points.append(body.placement(np.array(list(part.nodes.values()))))
-                rounding.append(rounding_of(np.array(list(part.written.values()))))
+                rounding.append(
+                    rounding_errors_of_coordinates(np.array(list(part.written.values())))
+                )
         return np.vstack(points), np.vstack(rounding)
 
     def _add_block(self, body: DeckInstance, kind: str, elements: dict[int, list[int]]) -> None:
         """Add the elements of a block, or pass over springs, masses and the like."""
-        cell = cell_of(kind)
+        cell = meshio_cell_of_abaqus_type(kind)
         if kind.startswith("CPE"):
             self.plane_strain[kind] = None
         rows = self.cells.setdefault(cell, []) if cell else []
@@ -141,7 +143,7 @@ class _Assembled:
         return FileContent(
             points=self.points,
             cells={
-                cell: _array_of_rows(rows, NODES_PER_CELL[cell])
+                cell: _make_array_of_rows(rows, NODES_PER_CELL[cell])
                 for cell, rows in self.cells.items()
             },
             cell_groups={name: self._sort_by_cell(keys) for name, keys in cells.items()},
@@ -149,9 +151,11 @@ class _Assembled:
                 name: np.unique(np.array([self.number[key] for key in keys], dtype=np.int64))
                 for name, keys in (nodes | surfaces.nodes).items()
             },
-            edge_groups={name: _array_of_rows(edges, 2) for name, edges in surfaces.edges.items()},
+            edge_groups={
+                name: _make_array_of_rows(edges, 2) for name, edges in surfaces.edges.items()
+            },
             outer_groups={
-                name: _array_of_rows(edges, 2) for name, edges in surfaces.outlines.items()
+                name: _make_array_of_rows(edges, 2) for name, edges in surfaces.outlines.items()
             },
             rounding=self.rounding,
             turned=any(body.placement.turns or body.part.turned for body in self.bodies),
@@ -308,7 +312,7 @@ class _Surfaces(NamedTuple):
     nodes: dict[str, list[Key]]
 
 
-def cell_of(kind: str) -> str | None:
+def meshio_cell_of_abaqus_type(kind: str) -> str | None:
     """meshio's type of the cells of an *ELEMENT; None for springs, masses and the like.
 
     Raises ValueError for elements that are not plane, and for axisymmetric ones.
@@ -329,6 +333,6 @@ def cell_of(kind: str) -> str | None:
     return CELL_OF_TYPE[plain]
 
 
-def _array_of_rows(rows: list[list[int]], width: int) -> Ints:
+def _make_array_of_rows(rows: list[list[int]], width: int) -> Ints:
     """Rows of numbers as an array, which may be empty."""
     return np.array(rows, dtype=np.int64).reshape(-1, width)

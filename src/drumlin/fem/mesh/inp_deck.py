@@ -6,18 +6,18 @@ from pathlib import Path
 
 import numpy as np
 
-from drumlin.fem.mesh.inp_keywords import passed_over
+from drumlin.fem.mesh.inp_keywords import pass_over_section
 from drumlin.fem.mesh.inp_parts import (
     IN_PLACE,
     DeckInstance,
     DeckPart,
     Member,
-    numbers,
-    placement_of,
-    system_of,
-    whole,
+    parse_label,
+    parse_numbers,
+    placement_by_system,
+    placement_of_instance,
 )
-from drumlin.fem.mesh.inp_text import InputSection, sections
+from drumlin.fem.mesh.inp_text import InputSection, read_deck_sections
 
 MOST_MEMBERS = 2_000_000
 """Largest number of members of all sets of a deck together; a deck with more is refused.
@@ -54,7 +54,7 @@ class Deck:
         self._scope, self._outer = self.root, self.root
         self._system = IN_PLACE
         self._room = MOST_MEMBERS
-        for section in sections(text, folder):
+        for section in read_deck_sections(text, folder):
             self._add_section(section)
 
     @property
@@ -82,12 +82,12 @@ class Deck:
         elif keyword == "SURFACE":
             self._add_surface(section)
         elif keyword == "SYSTEM":
-            self._system = system_of(section.rows)
+            self._system = placement_by_system(section.rows)
         elif keyword in SCOPES:
             self._system = IN_PLACE
             SCOPES[keyword](self, section)
         elif keyword:
-            passed_over(section, self.unknown)
+            pass_over_section(section, self.unknown)
 
     def _add_nodes(self, section: InputSection) -> None:
         """Add the nodes of a *NODE section, placed by the *SYSTEM before the section."""
@@ -96,8 +96,8 @@ class Deck:
             raise ValueError(f"*NODE, SYSTEM={kind} is not read; write rectangular coordinates")
         scope.turned |= kind == "C" or self._system.turns
         for row in section.rows:
-            label = whole(row[0], "*NODE")
-            written = numbers(row[1:], f"node {row[0]}")
+            label = parse_label(row[0], "*NODE")
+            written = parse_numbers(row[1:], f"node {row[0]}")
             xyz = [*written, 0.0, 0.0, 0.0][:3]
             if kind == "C":
                 # Radius, angle in degrees, height.
@@ -138,7 +138,7 @@ class Deck:
         for row in section.rows:
             if "GENERATE" in section.options:
                 where = f"*{section.keyword}, GENERATE"
-                first, last, step = [*(whole(word, where) for word in row), 1][:3]
+                first, last, step = [*(parse_label(word, where) for word in row), 1][:3]
                 found.append(Member(owner, range(first, last + 1, step)))
             else:
                 found += [Member(owner, word.lower()) for word in row]
@@ -171,7 +171,7 @@ class Deck:
         if name.lower() in self.instances:
             raise ValueError(f"*INSTANCE, NAME={name}: there are two instances of this name")
         self._scope = DeckPart(name.lower())
-        placement = placement_of(section.rows, name)
+        placement = placement_of_instance(section.rows, name)
         placed = DeckInstance(name.lower(), part or self._scope, placement)
         self.instances[placed.name] = placed
 
@@ -251,7 +251,7 @@ SCOPES = {
 
 def _element_label(word: str) -> int:
     """The label in a word of an *ELEMENT line. Raises ValueError for a word without a label."""
-    return whole(word, "*ELEMENT")
+    return parse_label(word, "*ELEMENT")
 
 
 def _member_label(word: str, name: str) -> int:

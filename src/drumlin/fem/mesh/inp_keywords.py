@@ -46,7 +46,7 @@ elements nor groups: materials, supports and loads of a brake stand in the brake
 turns the axes of loads and supports at nodes, and not the nodes."""
 
 
-def passed_over(section: InputSection, seen: dict[str, None]) -> None:
+def pass_over_section(section: InputSection, seen: dict[str, None]) -> None:
     """Refuse a section that cannot be passed over, and add one that a note must name to `seen`.
 
     Raises ValueError, with what to do instead.

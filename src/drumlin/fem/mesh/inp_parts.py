@@ -104,7 +104,7 @@ class DeckInstance:
     placement: Placement = IN_PLACE
 
 
-def placement_of(rows: list[list[str]], name: str) -> Placement:
+def placement_of_instance(rows: list[list[str]], name: str) -> Placement:
     """The placement of an *INSTANCE from its data lines: a shift, then a turn about an axis.
 
     The second line holds two points on the axis and the angle in degrees.
@@ -113,13 +113,13 @@ def placement_of(rows: list[list[str]], name: str) -> Placement:
         raise ValueError(f"*INSTANCE, NAME={name} has {len(rows)} data lines; must have at most 2")
     shift = np.zeros(3)
     if rows:
-        given = numbers(rows[0], f"*INSTANCE, NAME={name}")
+        given = parse_numbers(rows[0], f"*INSTANCE, NAME={name}")
         if len(given) > 3:
             raise ValueError(f"*INSTANCE, NAME={name}: its first data line must be a shift x, y, z")
         shift[: len(given)] = given
     if len(rows) < 2:
         return Placement(np.eye(3), shift)
-    given = numbers(rows[1], f"*INSTANCE, NAME={name}")
+    given = parse_numbers(rows[1], f"*INSTANCE, NAME={name}")
     first, second = np.array(given[:3]), np.array(given[3:6])
     if len(given) != 7 or not np.any(second != first):
         raise ValueError(
@@ -138,18 +138,18 @@ def _rotation_matrix(axis: Floats, angle: float) -> Floats:
     return np.eye(3) + math.sin(angle) * cross + (1 - math.cos(angle)) * cross @ cross
 
 
-def system_of(rows: list[list[str]]) -> Placement:
+def placement_by_system(rows: list[list[str]]) -> Placement:
     """The placement of nodes after a *SYSTEM section, from its data lines.
 
     They give the origin, a point on the x-axis and a point in the plane x, y.
     """
     if not rows:
         return IN_PLACE
-    given = numbers(rows[0], "*SYSTEM")
+    given = parse_numbers(rows[0], "*SYSTEM")
     origin, along = np.array(given[:3]), np.array(given[3:6])
     if len(given) == 3:
         return Placement(np.eye(3), origin)
-    third = numbers(rows[1], "*SYSTEM") if len(rows) == 2 else [0.0, 0.0, 1.0]
+    third = parse_numbers(rows[1], "*SYSTEM") if len(rows) == 2 else [0.0, 0.0, 1.0]
     if len(given) != 6 or len(rows) > 2 or len(third) not in (2, 3):
         raise ValueError("*SYSTEM needs an origin, a point on its x-axis and one in its x-y plane")
     beside = np.array([*third, 0.0][:3]) - origin
@@ -161,7 +161,7 @@ def system_of(rows: list[list[str]]) -> Placement:
     return Placement(np.column_stack([x, np.cross(normal, x), normal]), origin)
 
 
-def numbers(words: list[str], where: str) -> list[float]:
+def parse_numbers(words: list[str], where: str) -> list[float]:
     """Numbers in the words of a data line; Fortran's exponents D are read too.
 
     Raises ValueError for a word that is no number; `where` names its section in the message.
@@ -175,7 +175,7 @@ def numbers(words: list[str], where: str) -> list[float]:
     return found
 
 
-def whole(word: str, where: str) -> int:
+def parse_label(word: str, where: str) -> int:
     """The label in a word. Raises ValueError, naming `where`, for a word that is no label."""
     try:
         return int(word)

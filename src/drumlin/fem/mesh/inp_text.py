@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from drumlin.fem.mesh.content import MOST_NESTED, mesh_bytes
+from drumlin.fem.mesh.content import MOST_NESTED, read_mesh_bytes
 
 DATA_STARTS = frozenset("*+-.0123456789")
 """First characters of a line that does not continue the options of the keyword line before it.
@@ -25,7 +25,7 @@ class InputSection(NamedTuple):
         return self.options.get(key, "").upper()
 
 
-def sections(text: str, folder: Path | None, depth: int = 0) -> Iterator[InputSection]:
+def read_deck_sections(text: str, folder: Path | None, depth: int = 0) -> Iterator[InputSection]:
     """The sections of a deck in order; included files stand where they are included.
 
     Names in quotes lose them. A data line of *ELEMENT that ends with a comma goes on in the next.
@@ -34,7 +34,7 @@ def sections(text: str, folder: Path | None, depth: int = 0) -> Iterator[InputSe
     Raises ValueError for a file that is included and cannot be read.
     """
     section, goes_on = InputSection("", {}, []), False
-    for line in _joined_lines(text):
+    for line in _join_continued_lines(text):
         if not line.startswith("*"):
             row = [word for word in map(_strip_quotes, line.split(",")) if word]
             if goes_on:
@@ -46,12 +46,12 @@ def sections(text: str, folder: Path | None, depth: int = 0) -> Iterator[InputSe
         yield section
         section, goes_on = _section_of_keyword(line), False
         if section.keyword == "INCLUDE":
-            yield from sections(*_read_included(section, folder, depth), depth + 1)
+            yield from read_deck_sections(*_read_included(section, folder, depth), depth + 1)
             section = InputSection("", {}, [])
     yield section
 
 
-def _joined_lines(text: str) -> Iterator[str]:
+def _join_continued_lines(text: str) -> Iterator[str]:
     """The lines that are not empty and no comments; keyword lines that go on are joined."""
     begun = ""
     for raw in text.splitlines():
@@ -99,4 +99,4 @@ def _read_included(
     path = folder / name.replace("\\", "/")
     if not path.is_file():
         raise ValueError(f"*INCLUDE, INPUT={name}: there is no such file beside the mesh file")
-    return mesh_bytes(path).decode(errors="replace"), path.parent
+    return read_mesh_bytes(path).decode(errors="replace"), path.parent

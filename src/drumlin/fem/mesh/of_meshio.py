@@ -15,7 +15,7 @@ Arrays of materials have a few values. Arrays of element numbers have as many as
 """
 
 
-def content_of(raw: Any) -> FileContent:
+def content_of_meshio_mesh(raw: Any) -> FileContent:
     """The content of a meshio.Mesh; group names in lower case."""
     return FileContent(
         points=np.asarray(raw.points, dtype=float),

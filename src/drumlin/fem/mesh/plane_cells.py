@@ -66,7 +66,7 @@ class PlaneCells:
         return np.sort(np.concatenate([part[count[rows] > i] for i, part in enumerate(parts)]))
 
 
-def plane_cells(content: FileContent, points: Floats, fault: str) -> PlaneCells:
+def make_plane_cells_of_one_kind(content: FileContent, points: Floats, fault: str) -> PlaneCells:
     """The plane cells of a file, points (n, 2) its nodes.
 
     Raises BadInput, led by `fault`, for cells that are not plane or have nodes that are not there.

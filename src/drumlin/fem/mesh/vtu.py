@@ -29,7 +29,7 @@ _RAW_APPENDED = re.compile(rb"<AppendedData[^>]*>")
 """The tag in front of appended data, which may be raw bytes."""
 
 
-def check_unpacked(data: bytes) -> None:
+def check_unpacked_size(data: bytes) -> None:
     """Refuse the content of a .vtu file that would unpack to more than MOST_UNPACKED bytes.
 
     Other faults are left to the reader of the file.
@@ -53,8 +53,8 @@ def check_unpacked(data: bytes) -> None:
         lzma.LZMADecompressor if "LZMA" in str(root.get("compressor")) else zlib.decompressobj
     )
     room = MOST_UNPACKED
-    for packed in _packed_blocks(root, raw, width, order):
-        room -= _unpacked(packed, unpacker, room)
+    for packed in _packed_blocks_of_arrays(root, raw, width, order):
+        room -= _size_when_unpacked(packed, unpacker, room)
 
 
 def _split_raw_data(data: bytes) -> tuple[bytes, bytes | None]:
@@ -66,13 +66,15 @@ def _split_raw_data(data: bytes) -> tuple[bytes, bytes | None]:
     return data[: found.end()] + data[end:], data[found.end() : end].split(b"_", 1)[1]
 
 
-def _packed_blocks(root: Any, raw: bytes | None, width: int, order: Any) -> Iterator[bytes]:
+def _packed_blocks_of_arrays(
+    root: Any, raw: bytes | None, width: int, order: Any
+) -> Iterator[bytes]:
     """The packed blocks of all arrays, one after the other."""
     # Raw arrays follow each other without a gap; arrays in base64 stand in elements of the XML.
     if raw is not None:
         at = 0
         while at + width <= len(raw):
-            sizes = _packed_sizes(raw[at:], width, order)
+            sizes = _packed_block_sizes(raw[at:], width, order)
             at += width * (3 + len(sizes))
             for size in sizes:
                 yield raw[at : at + size]
@@ -87,7 +89,7 @@ def _packed_blocks(root: Any, raw: bytes | None, width: int, order: Any) -> Iter
         text = (array.text or "").strip()
         if kind == "appended":
             text = rest[int(array.get("offset", "0")) :]
-        sizes = _packed_sizes(
+        sizes = _packed_block_sizes(
             base64.b64decode(text[: _letters_of_base64(width)])[:width], width, order, text
         )
         at = _letters_of_base64(width * (3 + len(sizes)))
@@ -97,7 +99,7 @@ def _packed_blocks(root: Any, raw: bytes | None, width: int, order: Any) -> Iter
             content = content[size:]
 
 
-def _packed_sizes(data: bytes, width: int, order: Any, text: str | None = None) -> list[int]:
+def _packed_block_sizes(data: bytes, width: int, order: Any, text: str | None = None) -> list[int]:
     """The packed sizes of the blocks of an array, from its header.
 
     `data` begins the array. Where the array is in base64, `text` is all of it, of which data is the
@@ -119,7 +121,7 @@ def _letters_of_base64(count: int) -> int:
     return -(-count // 3) * 4
 
 
-def _unpacked(packed: bytes, unpacker: Callable[[], Any], room: int) -> int:
+def _size_when_unpacked(packed: bytes, unpacker: Callable[[], Any], room: int) -> int:
     """The size [bytes] of a block when unpacked. Raises ValueError beyond `room` bytes."""
     # Pieces of a megabyte keep the memory small, however much the block unpacks to.
     machine, size = unpacker(), 0

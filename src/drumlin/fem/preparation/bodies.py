@@ -20,7 +20,7 @@ from drumlin.fem.substructure.interface import (
 from drumlin.fem.substructure.loads import ACTUATION, LoadColumns
 
 
-class Actuated(Protocol):
+class ActuatedBody(Protocol):
     """A body that unit actuations act on, about their centre (2,) [m] in the shoe's frame."""
 
     @property
@@ -87,7 +87,7 @@ class ShoeSubstructure:
         return int(2 * self.basis.N)
 
     @cached_property
-    def rotation_closure(self) -> tuple[Floats, Floats]:
+    def gap_closure_by_rotation(self) -> tuple[Floats, Floats]:
         """Weighted closure N u and slip T u (n, 1) due to a rotation of one radian about the pin.
 
         They are given per radian [m^3].
@@ -132,13 +132,13 @@ class BodyNodes(NamedTuple):
     load: Floats
 
 
-def coupling_of(line: ContactLine, shoe: Shoe) -> Coupling:
+def couple_contact_line(line: ContactLine, shoe: Shoe) -> Coupling:
     """The coupling of a shoe's contact line with the drum or the plane."""
     directions = plane_directions if shoe.flat else drum_directions(shoe.sign)
     return line.couple_with_counterface(shoe.lining.width, directions)
 
 
-def coupled_shoe(
+def make_shoe_substructure(
     kind: type[ShoeSubstructure],
     shoe: Shoe,
     division: DividedBody,
@@ -160,7 +160,7 @@ def coupled_shoe(
     """
     line = division.line
     n = len(line.nodes)
-    coupling = coupling_of(line, shoe)
+    coupling = couple_contact_line(line, shoe)
     forces = [-coupling.N.T, condensed.load_on_contact]
     if friction:
         forces.append(coupling.T.T)
@@ -193,27 +193,27 @@ def coupled_shoe(
     )
 
 
-def acting_loads(body: Actuated, shoe: Shoe, force: float) -> Floats:
+def acting_loads(body: ActuatedBody, shoe: Shoe, force: float) -> Floats:
     """Factors (l,) of all load columns of a body while its actuation has this `force` [N].
 
     Contact, reactions, fields and refinement take the loads of a shoe from here. A load that does
     not depend on the force, such as heat, adds its own factor under its own name.
     """
-    factors, _ = actuation(body, shoe)
+    factors, _ = actuation_load_factors(body, shoe)
     return abs(force) * factors
 
 
-def actuation(body: Actuated, shoe: Shoe) -> tuple[Floats, float]:
+def actuation_load_factors(body: ActuatedBody, shoe: Shoe) -> tuple[Floats, float]:
     """Factors (l,) of the body's load columns under its actuation, and the moment about the pin.
 
     Both are given per newton of force, the moment in metres, in the shoe's frame. A negative force
     counts as one newton in the opposite direction. Columns of other loads have the factor zero.
     """
-    own, moment = load_on(body.load_centre, shoe)
+    own, moment = actuation_about_centre(body.load_centre, shoe)
     return body.columns.factors({ACTUATION: own}), moment
 
 
-def load_on(centre: Floats, shoe: Shoe) -> tuple[Floats, float]:
+def actuation_about_centre(centre: Floats, shoe: Shoe) -> tuple[Floats, float]:
     """Factors (3,) of force x, force y and couple of a shoe's actuation, and its moment.
 
     The couple acts about the `centre` (2,) [m] in the shoe's frame, the moment [m] about the pin.
@@ -229,7 +229,7 @@ def load_on(centre: Floats, shoe: Shoe) -> tuple[Floats, float]:
     return np.array([fx, fy, couple]), moment
 
 
-def held(body: ShoeSubstructure, p: Floats, drag: float, load: Floats) -> Floats:
+def support_reaction(body: ShoeSubstructure, p: Floats, drag: float, load: Floats) -> Floats:
     """The support reaction (3,): force x, force y and moment about the pin that hold the frame.
 
     Parameters

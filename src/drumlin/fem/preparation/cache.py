@@ -9,7 +9,7 @@ import numpy as np
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Beam
 from drumlin.brake.fields import Point
-from drumlin.fem.mesh.content import content_digest
+from drumlin.fem.mesh.content import digest_of_mesh_file
 from drumlin.fem.preparation.bodies import ShoeSubstructure
 from drumlin.fem.substructure.ring import RingSubstructure
 
@@ -21,7 +21,7 @@ hundred bodies of the size that a solve uses.
 """
 
 
-def shape_of(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
+def shape_key_of_shoe(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
     """The data that a shoe's body depends on, equal for shoes of one shape.
 
     Shoes of one shape may differ in their position, hand, load and clearance.
@@ -58,9 +58,9 @@ def shape_of(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
     )
 
 
-def alike(brake: Brake) -> tuple[int, ...]:
+def first_shoes_of_equal_shape(brake: Brake) -> tuple[int, ...]:
     """For each shoe the index of the first shoe of its shape, with which it shares a body."""
-    shapes = [shape_of(brake, shoe) for shoe in brake.shoes]
+    shapes = [shape_key_of_shoe(brake, shoe) for shoe in brake.shoes]
     return tuple(map(shapes.index, shapes))
 
 
@@ -95,30 +95,30 @@ class Cache:
         return kept[1]
 
 
-def size_of(body: ShoeSubstructure | RingSubstructure) -> int:
+def memory_of_body(body: ShoeSubstructure | RingSubstructure) -> int:
     """The memory [bytes] that the matrices of a condensed body take, approximately."""
     # Six dense (n, n) matrices of doubles, and some 400 bytes for each unknown of the sparse ones.
     n = len(body.line.nodes)
     return 8 * (4 + 2) * n**2 + 400 * 2 * int(body.basis.N)
 
 
-def content(shoe: Shoe) -> str | None:
+def digest_of_shoe_mesh(shoe: Shoe) -> str | None:
     """A digest of a shoe's mesh file, whose content may change under one name."""
-    return None if shoe.mesh is None else content_digest(shoe.mesh)
+    return None if shoe.mesh is None else digest_of_mesh_file(shoe.mesh)
 
 
-def bare(brake: Brake) -> Brake:
+def brake_without_loads(brake: Brake) -> Brake:
     """The brake without the data that its bodies do not depend on.
 
     Brakes with equal bodies are then equal. Title, rotation, forces, clearances and misfits are
     removed, and all friction coefficients but zero are made equal.
     """
-    shoes = tuple(bare_shoe(shoe) for shoe in brake.shoes)
+    shoes = tuple(shoe_without_loads(shoe) for shoe in brake.shoes)
     return brake.bare().model_copy(update={"shoes": shoes})
 
 
-def bare_shoe(shoe: Shoe) -> Shoe:
-    """The shoe without the data that its body does not depend on; see `bare`."""
+def shoe_without_loads(shoe: Shoe) -> Shoe:
+    """The shoe without the data that its body does not depend on; see `brake_without_loads`."""
     actuation: dict[str, Any] = {"force": 1.0, "direction": 0.0}
     # A beam ends at the point of its force, and a guide has its pin there.
     point_matters = isinstance(shoe.body, Beam) or shoe.guide is not None

@@ -31,11 +31,16 @@ from drumlin.fem.preparation.bodies import (
     BodyNodes,
     DividedBody,
     ShoeSubstructure,
-    coupled_shoe,
-    load_on,
+    actuation_about_centre,
+    make_shoe_substructure,
 )
-from drumlin.fem.preparation.cache import Cache, bare, bare_shoe, size_of
-from drumlin.fem.preparation.scene import DividedBodies, Seconds, clock
+from drumlin.fem.preparation.cache import (
+    Cache,
+    brake_without_loads,
+    memory_of_body,
+    shoe_without_loads,
+)
+from drumlin.fem.preparation.scene import DividedBodies, Seconds, add_elapsed_time
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 
 MOST_CONTACT_NODES = 3000
@@ -63,7 +68,7 @@ class _DivisionRule(NamedTuple):
     division: ShoeDivision
 
 
-def in_columns(
+def make_hp_bodies(
     brake: Brake,
     level: Level,
     places: PointsByShape | None,
@@ -78,7 +83,7 @@ def in_columns(
     brake : the brake
     level : degree and grading of the elements
     places : singular points of the pressure, by shape
-    alike : for each shoe the first one of its shape, see `cache.alike`
+    alike : for each shoe the first one of its shape, see `cache.first_shoes_of_equal_shape`
     cache : keeps condensed bodies; found ones are taken from it, and new ones put there
     seconds : time of each phase [s], which this function adds to
 
@@ -88,29 +93,31 @@ def in_columns(
         where more than MOST_CONTACT_NODES contact nodes are coupled
     """
     shapes = list(dict.fromkeys(alike))
-    rules = {i: _rule_of_shape(brake, level, places or {}, alike, i) for i in shapes}
-    _check_size(brake, rules, alike)
-    made = {i: _body_from_cache(brake, rule, cache, seconds) for i, rule in rules.items()}
+    rules = {i: _division_rule_of_shape(brake, level, places or {}, alike, i) for i in shapes}
+    _check_contact_node_count(brake, rules, alike)
+    made = {i: _take_or_condense_body(brake, rule, cache, seconds) for i, rule in rules.items()}
     bodies = tuple(made[i] for i in alike)
 
     singular_layer_size = min(rule.division.singular_layer_size for rule in rules.values())
     ring = None
     ring_under = partial(condensed_hp_ring, brake, level, singular_layer_size=singular_layer_size)
     if brake.ring is not None:
-        with clock(seconds, "ring"):
+        with add_elapsed_time(seconds, "ring"):
             lines = tuple(body.line for body in bodies)
             divisions = [rule.division.key for rule in rules.values()]
-            key = (bare(brake), level, singular_layer_size, *divisions)
-            ring = cache.get(key, partial(ring_under, lines), size_of)
+            key = (brake_without_loads(brake), level, singular_layer_size, *divisions)
+            ring = cache.get(key, partial(ring_under, lines), memory_of_body)
 
     nodes_by_shape = {
-        i: partial(_nodes_of_other_shoe, rule, brake.size) for i, rule in rules.items()
+        i: partial(_hp_nodes_of_changed_shoe, rule, brake.size) for i, rule in rules.items()
     }
-    nodes_of = partial(_nodes_by_shape, nodes_by_shape, alike)
+    nodes_of = partial(_nodes_by_rule_of_shape, nodes_by_shape, alike)
     return DividedBodies(bodies, ring, nodes_of, ring_under)
 
 
-def _check_size(brake: Brake, rules: Mapping[int, _DivisionRule], alike: Sequence[int]) -> None:
+def _check_contact_node_count(
+    brake: Brake, rules: Mapping[int, _DivisionRule], alike: Sequence[int]
+) -> None:
     """Refuse divisions whose coupled contact nodes are more than MOST_CONTACT_NODES."""
     # A ring couples the contact nodes of all shoes; on a rigid drum each shoe stands alone.
     together = sum if brake.ring is not None else max
@@ -121,7 +128,7 @@ def _check_size(brake: Brake, rules: Mapping[int, _DivisionRule], alike: Sequenc
         )
 
 
-def _rule_of_shape(
+def _division_rule_of_shape(
     brake: Brake, level: Level, places: PointsByShape, alike: Sequence[int], i: int
 ) -> _DivisionRule:
     """The rule that divides the shoes of one shape, whose first shoe has the index `i`."""
@@ -129,37 +136,39 @@ def _rule_of_shape(
     points = places.get(i, ())
     # A cam holds the loaded end where it touches the end, so that the end's position matters.
     tip = brake.actuation is not None and brake.actuation.is_cam
-    powers = _smallest_powers(brake, alike, i, points)
+    powers = _smallest_pressure_powers_at_ends(brake, alike, i, points)
     division = divide_shoe(shoe, brake.size, level, points, grades_loaded_end=tip, exponents=powers)
     return _DivisionRule(shoe, level, points, tip, powers, division)
 
 
-def _body_from_cache(
+def _take_or_condense_body(
     brake: Brake, rule: _DivisionRule, cache: Cache, seconds: Seconds
 ) -> ShoeSubstructure:
     """The body of a shape, from the cache or condensed now."""
     shoe, division = rule.shoe, rule.division
     friction = brake.friction > 0
-    key = (bare_shoe(shoe), brake.size, friction, division.key)
+    key = (shoe_without_loads(shoe), brake.size, friction, division.key)
     make = partial(_condense_shoe, shoe, brake.size, division, friction, seconds)
-    return cache.get(key, make, size_of)
+    return cache.get(key, make, memory_of_body)
 
 
 def _condense_shoe(
     shoe: Shoe, radius: float, division: ShoeDivision, friction: bool, seconds: Seconds
 ) -> ShoeSubstructure:
     """The condensed body of a parametric shoe with this division, coupled with its counterface."""
-    with clock(seconds, "condensation"):
+    with add_elapsed_time(seconds, "condensation"):
         found = condense_shoe(shoe, radius, division, elastic_layers_of_shoe(shoe))
         line = shoe_contact_line(shoe, radius, division)
         grid = shoe_grid(shoe, radius, division)
         inner = condensed_shoe_body(shoe, division, found, grid)
-    with clock(seconds, "coupling"):
+    with add_elapsed_time(seconds, "coupling"):
         divided = DividedBody(grid, grid, line)
-        return coupled_shoe(ShoeSubstructure, shoe, divided, inner, found.centre, friction=friction)
+        return make_shoe_substructure(
+            ShoeSubstructure, shoe, divided, inner, found.centre, friction=friction
+        )
 
 
-def _smallest_powers(
+def _smallest_pressure_powers_at_ends(
     brake: Brake, alike: Sequence[int], first: int, points: Sequence[SingularPoint]
 ) -> tuple[float, float]:
     """The smallest powers of p at both ends of the linings of all shoes of one shape.
@@ -180,7 +189,7 @@ def _smallest_powers(
     return at_start, at_end
 
 
-def _nodes_of_other_shoe(rule: _DivisionRule, radius: float, other: Shoe) -> BodyNodes:
+def _hp_nodes_of_changed_shoe(rule: _DivisionRule, radius: float, other: Shoe) -> BodyNodes:
     """The nodes of another shoe's body, divided by the rule of its shape.
 
     The singular points keep their distance from the lining's start. The division of a straight
@@ -198,12 +207,12 @@ def _nodes_of_other_shoe(rule: _DivisionRule, radius: float, other: Shoe) -> Bod
     if "actuation" not in grid.sets:
         return BodyNodes(grid.doflocs, np.zeros(grid.doflocs.shape))
     unit_loads, centre = unit_actuation_forces(division, grid)
-    factors, _ = load_on(centre, other)
+    factors, _ = actuation_about_centre(centre, other)
     load = unit_loads @ factors
     return BodyNodes(grid.doflocs, load.reshape(-1, 2).T)
 
 
-def _nodes_by_shape(
+def _nodes_by_rule_of_shape(
     nodes_by_shape: Mapping[int, Callable[[Shoe], BodyNodes]],
     alike: Sequence[int],
     i: int,

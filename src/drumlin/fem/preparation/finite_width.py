@@ -43,7 +43,7 @@ plane_stress.
 """
 
 
-def between(material: Material, share: float) -> Material:
+def material_between_plane_states(material: Material, share: float) -> Material:
     """The material with the stiffness of a lining that has this `share` of plane strain.
 
     Poisson's ratio nu stays. The stiffness through a lining that is held along the arc is lambda +
@@ -58,12 +58,12 @@ def between(material: Material, share: float) -> Material:
     return material.model_copy(update={"E": float(through * (1 - nu**2))})
 
 
-def held_share(width: float, thickness: float) -> float:
+def plane_strain_share_of_lining(width: float, thickness: float) -> float:
     """The share of plane strain in a lining; zero where the lining is no wider than thick."""
     return PLANE_STRAIN_SHARE * max(0.0, 1 - thickness / width)
 
 
-def flange_mean(reach: float, stiffness: float, foundation: float) -> float:
+def mean_pressure_under_flange(reach: float, stiffness: float, foundation: float) -> float:
     """Mean pressure under a flange relative to the pressure at the web.
 
     The flange is a strip that is clamped to the web and free at its side. Its deflection y, with
@@ -95,7 +95,7 @@ def flange_mean(reach: float, stiffness: float, foundation: float) -> float:
     return float((factors @ ((at_end - scale) / roots)).real / reach)
 
 
-def corrected(shoe: Shoe) -> Material:
+def lining_material_for_width(shoe: Shoe) -> Material:
     """The lining's material that corrects the plane stress of a shoe for its width.
 
     Flanges are the parts of a table beyond a narrower web. A backing counts as the table of a shoe
@@ -103,7 +103,9 @@ def corrected(shoe: Shoe) -> Material:
     """
     lining = shoe.lining
     assert isinstance(lining.material, Material)  # why_not
-    material = between(lining.material, held_share(lining.width, lining.thickness))
+    material = material_between_plane_states(
+        lining.material, plane_strain_share_of_lining(lining.width, lining.thickness)
+    )
     if not isinstance(shoe.body, Bar):
         return material
     web = shoe.body.plates["shoe"]
@@ -115,12 +117,12 @@ def corrected(shoe: Shoe) -> Material:
     plate_stiffness = table.material.E * table.thickness**3 / (12 * (1 - table.material.nu**2))
     # The lining is stretched through its thickness while it is held along the arc.
     modulus = material.E / (1 - material.nu**2)
-    mean = flange_mean(reach, plate_stiffness, modulus / lining.thickness)
+    mean = mean_pressure_under_flange(reach, plate_stiffness, modulus / lining.thickness)
     bearing_share = (web.width + 2 * reach * mean) / lining.width
     return material.model_copy(update={"E": material.E * bearing_share})
 
 
-def why_not(brake: Brake) -> str | None:
+def reason_why_not_corrected(brake: Brake) -> str | None:
     """Why the correction does not apply to a brake; None where it applies."""
     unlike = brake.surface.unlike(DRUM)
     if unlike is not None:
@@ -138,7 +140,7 @@ def why_not(brake: Brake) -> str | None:
     return isotropic_only(brake, "the correction")
 
 
-def said(brake: Brake, other: Brake) -> str:
+def correction_note(brake: Brake, other: Brake) -> str:
     """The note of an answer on the correction from `brake` to `other`, with its largest errors."""
     factors = [
         after.lining.material.E_through / before.lining.material.E_through
@@ -155,7 +157,7 @@ def said(brake: Brake, other: Brake) -> str:
     )
 
 
-def finite_width(brake: Brake) -> Brake:
+def correct_for_finite_width(brake: Brake) -> Brake:
     """The brake whose plane stress is corrected for the widths of its shoes, lining by lining.
 
     Raises
@@ -163,10 +165,10 @@ def finite_width(brake: Brake) -> Brake:
     BadInput
         where the correction does not apply
     """
-    reason = why_not(brake)
+    reason = reason_why_not_corrected(brake)
     if reason is not None:
         raise BadInput(f"--finite-width: does not apply to this brake: {reason}")
     moduli = {}
     for i, shoe in enumerate(brake.shoes):
-        moduli[f"shoe[{i}].lining.material.E"] = corrected(shoe).E
+        moduli[f"shoe[{i}].lining.material.E"] = lining_material_for_width(shoe).E
     return vary(brake, moduli)

@@ -17,11 +17,18 @@ from drumlin.fem.preparation.bodies import (
     BodyNodes,
     DividedBody,
     ShoeSubstructure,
-    coupled_shoe,
-    load_on,
+    actuation_about_centre,
+    make_shoe_substructure,
 )
-from drumlin.fem.preparation.cache import Cache, bare, bare_shoe, content, shape_of, size_of
-from drumlin.fem.preparation.scene import DividedBodies, Seconds, clock
+from drumlin.fem.preparation.cache import (
+    Cache,
+    brake_without_loads,
+    digest_of_shoe_mesh,
+    memory_of_body,
+    shape_key_of_shoe,
+    shoe_without_loads,
+)
+from drumlin.fem.preparation.scene import DividedBodies, Seconds, add_elapsed_time
 from drumlin.fem.substructure.body import (
     FRAME,
     Constraints,
@@ -53,7 +60,7 @@ Mesher = Callable[[Shoe, float], Any]
 """Makes the mesh of a shoe in the shoe's frame, from the shoe and the drum's radius [m]."""
 
 
-def on_meshes(
+def make_mesh_bodies(
     brake: Brake,
     elements: int,
     kind: str,
@@ -86,24 +93,30 @@ def on_meshes(
     setting = (elements, kind)
     made: dict[tuple[object, ...], ShoeSubstructure] = {}
     for shoe in brake.shoes:
-        shape = shape_of(brake, shoe)
+        shape = shape_key_of_shoe(brake, shoe)
         if shape not in made:
-            key = (bare_shoe(shoe), brake.size, brake.friction > 0, setting, content(shoe))
+            key = (
+                shoe_without_loads(shoe),
+                brake.size,
+                brake.friction > 0,
+                setting,
+                digest_of_shoe_mesh(shoe),
+            )
             make = partial(_condense_meshed_shoe, brake, shoe, mesher, seconds)
-            made[shape] = cache.get(key, make, size_of)
-    bodies = tuple(made[shape_of(brake, shoe)] for shoe in brake.shoes)
+            made[shape] = cache.get(key, make, memory_of_body)
+    bodies = tuple(made[shape_key_of_shoe(brake, shoe)] for shoe in brake.shoes)
     ring = None
     ring_under = partial(condensed_ring_on_mesh, brake, elements)
     if brake.ring is not None:
-        with clock(seconds, "ring"):
+        with add_elapsed_time(seconds, "ring"):
             lines = tuple(body.line for body in bodies)
-            ring_key = (bare(brake), setting, *map(content, brake.shoes))
-            ring = cache.get(ring_key, partial(ring_under, lines), size_of)
-    nodes_of = partial(_nodes_of_other_shoe, mesher, brake.size, bodies)
+            ring_key = (brake_without_loads(brake), setting, *map(digest_of_shoe_mesh, brake.shoes))
+            ring = cache.get(ring_key, partial(ring_under, lines), memory_of_body)
+    nodes_of = partial(_mesh_nodes_of_changed_shoe, mesher, brake.size, bodies)
     return DividedBodies(bodies, ring, nodes_of, ring_under)
 
 
-def _nodes_of_other_shoe(
+def _mesh_nodes_of_changed_shoe(
     mesher: Mesher, radius: float, bodies: tuple[ShoeSubstructure, ...], i: int, shoe: Shoe
 ) -> BodyNodes:
     """The nodes of the body that shoe `i` would have as another `shoe`; see `PreparedModel`.
@@ -115,13 +128,13 @@ def _nodes_of_other_shoe(
     if "actuation" not in mesh.boundaries or shoe.gripped:
         return BodyNodes(basis.doflocs, np.zeros(basis.doflocs.shape))
     unit_loads, centre = unit_loads_on_end(basis, mesh.boundaries["actuation"])
-    factors, _ = load_on(centre, shoe)
+    factors, _ = actuation_about_centre(centre, shoe)
     load = unit_loads @ factors
     return BodyNodes(basis.doflocs, load.reshape(-1, 2).T)
 
 
 @dataclass(frozen=True)
-class Assembled:
+class AssembledShoe:
     """One shoe with its lining, meshed and assembled, in its own frame: the input of condensation.
 
     Attributes
@@ -150,14 +163,14 @@ class Assembled:
         return LoadColumns.of(self.loads)
 
 
-def line_of(basis: Any, facets: Ints, shoe: Shoe, radius: float) -> ContactLine:
+def contact_line_of_mesh(basis: Any, facets: Ints, shoe: Shoe, radius: float) -> ContactLine:
     """The contact line of a shoe on the `facets` of a scalar basis; `radius` [m] is the drum's."""
     middle = sum(shoe.arc) / 2
     unit = radius if shoe.flat else None
     return make_contact_line(basis, facets, middle, unit, own_edge_zone(shoe, radius))
 
 
-def assemble(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Assembled:
+def assemble_shoe(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> AssembledShoe:
     """The mesh of a shoe with its stiffness, constraints and unit loads.
 
     Raises
@@ -165,15 +178,15 @@ def assemble(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Asse
     BadInput
         for a mesh file that cannot serve
     """
-    with clock(seconds, "mesh"):
+    with add_elapsed_time(seconds, "mesh"):
         of_file = _read_mesh_of_file(brake, shoe)
         mesh = mesher(shoe, brake.size) if of_file is None else of_file.mesh
         basis = scalar_basis(mesh)
-    with clock(seconds, "assembly"):
+    with add_elapsed_time(seconds, "assembly"):
         K = stiffness(basis, elastic_layers_of_shoe(shoe))
-    with clock(seconds, "ties"):
+    with add_elapsed_time(seconds, "ties"):
         pin = shoe.own_pin
-        line = line_of(basis, mesh.boundaries["contact"], shoe, brake.size)
+        line = contact_line_of_mesh(basis, mesh.boundaries["contact"], shoe, brake.size)
         rigid = basis.get_dofs(mesh.boundaries["hinge"]).flatten()
         constraints = body_constraints(basis, line.nodes, rigid, pin)
         if "actuation" in mesh.boundaries and not shoe.gripped:
@@ -185,7 +198,7 @@ def assemble(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> Asse
             actuated = np.zeros((constraints.matrix.shape[1], FRAME))
             actuated[-FRAME:] = np.eye(FRAME)
     loads = {ACTUATION: actuated}
-    return Assembled(mesh, basis, line, K, constraints, loads, load_centre, of_file)
+    return AssembledShoe(mesh, basis, line, K, constraints, loads, load_centre, of_file)
 
 
 def _read_mesh_of_file(brake: Brake, shoe: Shoe) -> ShoeMesh | None:
@@ -202,19 +215,19 @@ def _condense_meshed_shoe(
     brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds
 ) -> ShoeSubstructure:
     """The condensed body of a meshed shoe, coupled with its counterface."""
-    parts = assemble(brake, shoe, mesher, seconds)
-    with clock(seconds, "condensation"):
+    parts = assemble_shoe(brake, shoe, mesher, seconds)
+    with add_elapsed_time(seconds, "condensation"):
         contact_unknowns = 2 * len(parts.line.nodes)
         condensed = condense_body(parts.K, parts.constraints, parts.loads, contact_unknowns)
     divided = DividedBody(parts.mesh, parts.basis, parts.line, parts.of_file)
     friction = brake.friction > 0
-    with clock(seconds, "coupling"):
-        return coupled_shoe(
+    with add_elapsed_time(seconds, "coupling"):
+        return make_shoe_substructure(
             ShoeSubstructure, shoe, divided, condensed, parts.load_centre, friction=friction
         )
 
 
-def materials_of(shoe: Shoe) -> dict[str, tuple[AnyMaterial, float]]:
+def materials_of_parts(shoe: Shoe) -> dict[str, tuple[AnyMaterial, float]]:
     """Material and width [m] of each subdomain of a shoe."""
     parts: dict[str, tuple[AnyMaterial, float]] = {
         "lining": (shoe.lining.material, shoe.lining.width)

@@ -7,10 +7,15 @@ from drumlin.brake.brake import Brake
 from drumlin.fem.hp.division import Level
 from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.preparation.cache import Cache
-from drumlin.fem.preparation.cache import alike as equal_shapes
-from drumlin.fem.preparation.columns import PointsByShape, in_columns
-from drumlin.fem.preparation.meshes import ELEMENTS, Mesher, on_meshes
-from drumlin.fem.preparation.scene import PreparedModel, Seconds, lacking, why_not
+from drumlin.fem.preparation.cache import first_shoes_of_equal_shape as equal_shapes
+from drumlin.fem.preparation.columns import PointsByShape, make_hp_bodies
+from drumlin.fem.preparation.meshes import ELEMENTS, Mesher, make_mesh_bodies
+from drumlin.fem.preparation.scene import (
+    PreparedModel,
+    Seconds,
+    lines_on_rigid_parts,
+    reason_why_not_modelled,
+)
 
 
 def prepare(
@@ -33,7 +38,8 @@ def prepare(
     brake : the brake
     level : degree and grading of hp elements; with None every shoe is meshed
     places : singular points of the pressure by shape, for hp elements
-    alike : for each shoe the first one of its shape, see `cache.alike`; found here if empty
+    alike : for each shoe the first one of its shape, see `cache.first_shoes_of_equal_shape`; found
+        here if empty
     elements : number of elements along each parametric lining of a mesh
     kind : kind of a mesh, "quad2", "quad1", "tri2" or "tri1"
     mesher : makes the mesh of a shoe without a file, in place of `shoe_mesh`; `elements` then
@@ -48,29 +54,29 @@ def prepare(
     NoAnswer
         for a level with more contact nodes than are allowed, and for a singular stiffness
     """
-    reason = why_not(brake)
+    reason = reason_why_not_modelled(brake)
     if reason is not None:
         raise BadInput(f"fem does not apply to this brake: {reason}")
     seconds: Seconds = {}
     cache = cache or Cache()
     alike = alike or equal_shapes(brake)
     if level is None:
-        made = on_meshes(brake, elements, kind, mesher, cache, seconds)
+        made = make_mesh_bodies(brake, elements, kind, mesher, cache, seconds)
     else:
-        made = in_columns(brake, level, places, alike, cache, seconds)
-    left_out = _lines_of_left_out(brake, len(set(alike))) + lacking(brake)
+        made = make_hp_bodies(brake, level, places, alike, cache, seconds)
+    left_out = _lines_on_neglected_quantities(brake, len(set(alike))) + lines_on_rigid_parts(brake)
     return PreparedModel(
         brake,
         made.bodies,
         made.ring,
         seconds,
         tuple(left_out),
-        nodes_of=made.nodes_of,
-        ring_under=made.ring_under,
+        nodes_of_changed_shoe=made.nodes_of_changed_shoe,
+        ring_under_lines=made.ring_under_lines,
     )
 
 
-def _lines_of_left_out(brake: Brake, shapes: int) -> list[str]:
+def _lines_on_neglected_quantities(brake: Brake, shapes: int) -> list[str]:
     """Lines that name quantities that are not computed; `shapes` is the number of shoes' shapes."""
     count = len(brake.shoes)
     lines = ["interior fields: recovered only for a picture"]

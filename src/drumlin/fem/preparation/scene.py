@@ -10,7 +10,7 @@ from typing import NamedTuple
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.fem.mesh import beam as beam_mesh
 from drumlin.fem.preparation.bodies import BodyNodes, ShoeSubstructure
-from drumlin.fem.preparation.cache import shape_of
+from drumlin.fem.preparation.cache import shape_key_of_shoe
 from drumlin.fem.substructure.interface import ContactLine
 from drumlin.fem.substructure.ring import RingSubstructure
 from drumlin.laws import rigid
@@ -20,7 +20,7 @@ Seconds = dict[str, float]
 
 
 @contextmanager
-def clock(seconds: Seconds, phase: str) -> Iterator[None]:
+def add_elapsed_time(seconds: Seconds, phase: str) -> Iterator[None]:
     """Add the time [s] that the block of a with statement takes to seconds[phase]."""
     start = time.perf_counter()
     yield
@@ -30,14 +30,14 @@ def clock(seconds: Seconds, phase: str) -> Iterator[None]:
 class DividedBodies(NamedTuple):
     """The condensed bodies of a brake's shoes, one for each shoe, and of its ring.
 
-    `nodes_of` and `ring_under` divide a changed shoe, or a ring under other contact lines, by the
-    rule that divided these bodies; see `PreparedModel`.
+    `nodes_of_changed_shoe` divides a changed shoe by the rule that divided these bodies.
+    `ring_under_lines` divides a ring under other contact lines likewise; see `PreparedModel`.
     """
 
     bodies: tuple[ShoeSubstructure, ...]
     ring: RingSubstructure | None
-    nodes_of: Callable[[int, Shoe], BodyNodes]
-    ring_under: Callable[[tuple[ContactLine, ...]], RingSubstructure]
+    nodes_of_changed_shoe: Callable[[int, Shoe], BodyNodes]
+    ring_under_lines: Callable[[tuple[ContactLine, ...]], RingSubstructure]
 
 
 @dataclass(frozen=True)
@@ -53,9 +53,11 @@ class PreparedModel:
     left_out : a line for each part of the model that is neglected or not computed
     apart : whether each shoe meets the ring as if the other shoes did not press it
     model : name of the model whose bodies these are
-    nodes_of : (i, shoe) to the nodes of the body that shoe i would have as another shoe, divided by
-        the same rule; None where the bodies cannot be divided anew
-    ring_under : other contact lines to the ring under them; None likewise
+    nodes_of_changed_shoe : function of (i, shoe) that returns the nodes of the body that shoe i
+        would have as another shoe, divided by the same rule; None if the bodies cannot be divided
+        anew
+    ring_under_lines : function of other contact lines that returns the ring under these lines; None
+        if the bodies cannot be divided anew
     """
 
     brake: Brake
@@ -65,13 +67,13 @@ class PreparedModel:
     left_out: tuple[str, ...]
     apart: bool = False
     model: str = "fem"
-    nodes_of: Callable[[int, Shoe], BodyNodes] | None = None
-    ring_under: Callable[[tuple[ContactLine, ...]], RingSubstructure] | None = None
+    nodes_of_changed_shoe: Callable[[int, Shoe], BodyNodes] | None = None
+    ring_under_lines: Callable[[tuple[ContactLine, ...]], RingSubstructure] | None = None
 
     @cached_property
     def shapes(self) -> list[tuple[object, ...]]:
-        """The shape of each shoe, see `shape_of`."""
-        return [shape_of(self.brake, shoe) for shoe in self.brake.shoes]
+        """The shape of each shoe, see `shape_key_of_shoe`."""
+        return [shape_key_of_shoe(self.brake, shoe) for shoe in self.brake.shoes]
 
     @cached_property
     def laws(self) -> list[float]:
@@ -79,7 +81,7 @@ class PreparedModel:
         return [rigid.locking_friction(self.brake, shoe) for shoe in self.brake.shoes]
 
 
-def why_not(brake: Brake) -> str | None:
+def reason_why_not_modelled(brake: Brake) -> str | None:
     """Why finite elements do not apply to a brake; None where they apply."""
     if brake.unmeshable() is not None:
         return brake.unmeshable()
@@ -91,13 +93,13 @@ def why_not(brake: Brake) -> str | None:
             "and width and material or bending_stiffness"
         )
     for shoe in brake.shoes:
-        reason = beam_mesh.why_not(shoe, brake.size)
+        reason = beam_mesh.reason_why_not_meshed(shoe, brake.size)
         if reason is not None:
             return f"shoe {shoe.name!r}: {reason}"
     return None
 
 
-def lacking(brake: Brake) -> list[str]:
+def lines_on_rigid_parts(brake: Brake) -> list[str]:
     """A line for each elastic part that the brake's file does not have, and that is rigid here."""
     lines = []
     if brake.ring is None and not brake.surface.straight:

@@ -12,10 +12,10 @@ from drumlin.base.arrays import Floats, Ints
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.elasticity import ElasticLayer, solid_elasticity_matrix
 from drumlin.brake.fields import Material
-from drumlin.fem.mesh.edges import edge_nodes
-from drumlin.fem.preparation.bodies import DividedBody, ShoeSubstructure, coupled_shoe
-from drumlin.fem.preparation.meshes import line_of, materials_of
-from drumlin.fem.preparation.scene import Seconds, clock
+from drumlin.fem.mesh.edges import nodes_along_edges
+from drumlin.fem.preparation.bodies import DividedBody, ShoeSubstructure, make_shoe_substructure
+from drumlin.fem.preparation.meshes import contact_line_of_mesh, materials_of_parts
+from drumlin.fem.preparation.scene import Seconds, add_elapsed_time
 from drumlin.fem.solid.face import ContactFace, contact_face, width_matrix
 from drumlin.fem.solid.mesh import Solid, solid_mesh
 from drumlin.fem.substructure.body import (
@@ -45,7 +45,7 @@ class SolidBody(ShoeSubstructure):
 def solid_layers(shoe: Shoe) -> dict[str, ElasticLayer]:
     """The elastic layers of a shoe by subdomain, with the stiffness of both halves."""
     layers = {}
-    for name, (material, _) in materials_of(shoe).items():
+    for name, (material, _) in materials_of_parts(shoe).items():
         # The assertion holds of every brake that `model.why_not` lets pass.
         assert isinstance(material, Material)
         layers[name] = ElasticLayer(solid_elasticity_matrix(material), HALVES)
@@ -61,13 +61,13 @@ def held_subdomain(shoe: Shoe) -> str:
 
 def hinge_nodes(solid: Solid, shoe: Shoe) -> Ints:
     """Nodes that move as a rigid line with the pin, across the whole width."""
-    line = np.unique(edge_nodes(solid.plane, solid.section.boundaries["hinge"]))
+    line = np.unique(nodes_along_edges(solid.plane, solid.section.boundaries["hinge"]))
     return solid.node[line, : solid.levels(held_subdomain(shoe))].ravel()
 
 
 def friction_face(solid: Solid, shoe: Shoe, radius: float) -> ContactFace:
     """The friction surface of a solid shoe on a drum of this `radius` [m]."""
-    line = line_of(solid.plane, solid.section.boundaries["contact"], shoe, radius)
+    line = contact_line_of_mesh(solid.plane, solid.section.boundaries["contact"], shoe, radius)
     return contact_face(line, solid.node, solid.z[: solid.levels("lining")])
 
 
@@ -109,7 +109,7 @@ def end_forces(solid: Solid) -> tuple[Floats, Floats]:
     The loads are even over the width.
     """
     line, centre = unit_loads_on_end(solid.plane, solid.section.boundaries["actuation"])
-    nodes = np.unique(edge_nodes(solid.plane, solid.section.boundaries["actuation"]))
+    nodes = np.unique(nodes_along_edges(solid.plane, solid.section.boundaries["actuation"]))
     count = solid.levels("shoe")
     share = width_matrix(solid.z[:count]).sum(axis=1)
     forces = np.zeros((solid.basis.N, 3, 3))
@@ -149,18 +149,20 @@ def solid_body(
     elements, across : elements along the lining, and over half of its width
     seconds : time of each phase [s], which this function adds to
     """
-    with clock(seconds, "mesh"):
+    with add_elapsed_time(seconds, "mesh"):
         solid = solid_mesh(shoe, brake.size, elements, across)
-    with clock(seconds, "assembly"):
+    with add_elapsed_time(seconds, "assembly"):
         K = stiffness(solid.basis, solid_layers(shoe))
-    with clock(seconds, "ties"):
+    with add_elapsed_time(seconds, "ties"):
         face, rigid = friction_face(solid, shoe, brake.size), hinge_nodes(solid, shoe)
         bonded = shoe.body is None
         constraints = constrain_solid(solid, face.nodes, rigid, shoe.own_pin, bonded=bonded)
         loads, centre = _unit_loads(solid, shoe, constraints)
-    with clock(seconds, "condensation"):
+    with add_elapsed_time(seconds, "condensation"):
         condensed = condense_body(K, constraints, {ACTUATION: loads}, 2 * len(face.nodes))
-    with clock(seconds, "coupling"):
+    with add_elapsed_time(seconds, "coupling"):
         divided = DividedBody(solid.mesh, solid.basis, face)
         friction = brake.friction > 0
-        return coupled_shoe(SolidBody, shoe, divided, condensed, centre, friction=friction)
+        return make_shoe_substructure(
+            SolidBody, shoe, divided, condensed, centre, friction=friction
+        )

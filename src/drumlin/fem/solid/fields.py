@@ -8,7 +8,7 @@ import skfem
 from drumlin.base.arrays import Floats, Ints
 from drumlin.brake.brake import Brake
 from drumlin.brake.elasticity import ElasticLayer
-from drumlin.fem.analysis.fields import nodal_means, shoe_displacements
+from drumlin.fem.analysis.fields import displacements_of_shoe, mean_tensors_at_nodes
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.solid.body import solid_layers
 from drumlin.response.balance import loaded
@@ -103,7 +103,7 @@ def recover(scene: PreparedModel, brake: Brake, response: Response, index: int) 
     if answer.surface is not None:
         m = len(answer.surface.z) // 2
         p = np.ascontiguousarray(answer.surface.pressure[:: shoe.frame.sense, m:]).ravel()
-    u = shoe_displacements(body, brake, shoe, answer, p).reshape(-1, 3).T
+    u = displacements_of_shoe(body, brake, shoe, answer, p).reshape(-1, 3).T
     pressure = np.zeros(body.basis.N)
     pressure[body.line.nodes] = p
     layers = solid_layers(shoe)
@@ -149,6 +149,6 @@ def _part_fields(mesh: Any, u: Floats, elements: Ints, layer: ElasticLayer) -> _
     lam, mu = layer.elasticity[0, 1], layer.elasticity[-1, -1]
     at_nodes = mu * (gradient + gradient.swapaxes(0, 1))
     at_nodes[range(3), range(3)] += lam * np.trace(gradient)
-    nodes, cells, stress = nodal_means(at_nodes, basis.element_dofs)
+    nodes, cells, stress = mean_tensors_at_nodes(at_nodes, basis.element_dofs)
     deviator = stress - np.trace(stress, axis1=1, axis2=2)[:, None, None] / 3 * np.eye(3)
     return _SolidPartFields(nodes, cells, np.sqrt(1.5 * (deviator**2).sum(axis=(1, 2))))

@@ -16,8 +16,8 @@ from scipy.spatial import cKDTree
 from drumlin.base.arrays import Floats, Ints
 from drumlin.brake.brake import Shoe
 from drumlin.fem.mesh.arc import shoe_mesh
-from drumlin.fem.mesh.grading import LiningDivision, graded
-from drumlin.fem.preparation.meshes import materials_of
+from drumlin.fem.mesh.grading import LiningDivision, points_graded_to_both_ends
+from drumlin.fem.preparation.meshes import materials_of_parts
 from drumlin.fem.substructure.body import scalar_basis
 
 SIDE_SIZE = 1 / 8
@@ -62,7 +62,7 @@ class Solid:
 
 def half_widths(shoe: Shoe) -> dict[str, float]:
     """Half the width [m] of each subdomain of a shoe."""
-    return {name: width / 2 for name, (_, width) in materials_of(shoe).items()}
+    return {name: width / 2 for name, (_, width) in materials_of_parts(shoe).items()}
 
 
 def width_levels(half: Mapping[str, float], across: int, zone: float) -> Floats:
@@ -79,10 +79,12 @@ def width_levels(half: Mapping[str, float], across: int, zone: float) -> Floats:
     size = half["lining"] / across
     # The innermost part is graded to both of its sides, and its outer half is kept.
     first = max(1, round(sides[0] / size))
-    pieces = [graded(-sides[0], sides[0], 2 * first, zone, SIDE_SIZE)[first:]]
+    pieces = [points_graded_to_both_ends(-sides[0], sides[0], 2 * first, zone, SIDE_SIZE)[first:]]
     pieces[0][0] = 0.0
     for a, b in pairwise(sides):
-        pieces.append(graded(a, b, max(2, round((b - a) / size)), zone, SIDE_SIZE)[1:])
+        pieces.append(
+            points_graded_to_both_ends(a, b, max(2, round((b - a) / size)), zone, SIDE_SIZE)[1:]
+        )
     return np.concatenate(pieces)
 
 

@@ -7,11 +7,16 @@ from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.fields import Material
 from drumlin.brake.orthotropic import isotropic_only
-from drumlin.fem.model import PENALTY, check_penalty, respond
+from drumlin.fem.model import PENALTY, check_penalty, solve_prepared_model
 from drumlin.fem.preparation.bodies import ShoeSubstructure
-from drumlin.fem.preparation.cache import Cache, bare_shoe, shape_of, size_of
-from drumlin.fem.preparation.scene import PreparedModel, Seconds, lacking
-from drumlin.fem.preparation.scene import why_not as plane_why_not
+from drumlin.fem.preparation.cache import (
+    Cache,
+    memory_of_body,
+    shape_key_of_shoe,
+    shoe_without_loads,
+)
+from drumlin.fem.preparation.scene import PreparedModel, Seconds, lines_on_rigid_parts
+from drumlin.fem.preparation.scene import reason_why_not_modelled as plane_why_not
 from drumlin.fem.solid import MOST_ACROSS, MOST_ELEMENTS
 from drumlin.fem.solid.body import solid_body
 from drumlin.response.merit import with_merits
@@ -94,11 +99,11 @@ def prepare(
     seconds: Seconds = {}
     made: dict[tuple[object, ...], ShoeSubstructure] = {}
     cache = Cache() if cache is None else cache
-    keys = [shape_of(brake, shoe) for shoe in brake.shoes]
+    keys = [shape_key_of_shoe(brake, shoe) for shoe in brake.shoes]
     for key, shoe in zip(keys, brake.shoes, strict=True):
         if key not in made:
             counts = elements, across or elements_across(shoe, elements)
-            same = ("solid", bare_shoe(shoe), brake.size, brake.friction > 0, *counts)
+            same = ("solid", shoe_without_loads(shoe), brake.size, brake.friction > 0, *counts)
             make = partial(solid_body, brake, shoe, *counts, seconds)
             made[key] = cache.get(same, make, _size_of)
     left_out = [
@@ -110,7 +115,9 @@ def prepare(
             f"{len(keys) - len(made)} of {len(keys)} shoes: same shape as another, condensed once"
         )
     bodies = tuple(made[key] for key in keys)
-    return PreparedModel(brake, bodies, None, seconds, (*left_out, *lacking(brake)), model="solid")
+    return PreparedModel(
+        brake, bodies, None, seconds, (*left_out, *lines_on_rigid_parts(brake)), model="solid"
+    )
 
 
 def _size_of(body: ShoeSubstructure) -> int:
@@ -118,7 +125,7 @@ def _size_of(body: ShoeSubstructure) -> int:
 
     The body keeps its matrices, and the stiffness with which fields are recovered.
     """
-    return size_of(body) + STIFFNESS * body.unknowns
+    return memory_of_body(body) + STIFFNESS * body.unknowns
 
 
 def solve(
@@ -150,11 +157,13 @@ def solve(
         raise BadInput(f"--fields = {str(fields)!r}: must end in .vtu")
     brake.check_meshable()
     scene = prepare(brake, elements=elements, across=across, cache=cache)
-    response = respond(scene, brake, penalty=penalty)
+    response = solve_prepared_model(scene, brake, penalty=penalty)
     if fields is not None:
         # The fields load only where they are asked for.
-        from drumlin.fem.analysis.fields import write_vtu  # noqa: PLC0415
+        from drumlin.fem.analysis.fields import write_fields_as_vtu  # noqa: PLC0415
         from drumlin.fem.solid.fields import recover  # noqa: PLC0415
 
-        write_vtu(fields, [recover(scene, brake, response, i) for i in range(len(brake.shoes))])
+        write_fields_as_vtu(
+            fields, [recover(scene, brake, response, i) for i in range(len(brake.shoes))]
+        )
     return with_merits(brake, response)

@@ -19,7 +19,7 @@ from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import NoAnswer
 from drumlin.base.lapack import dpotrf, solve_lower
 from drumlin.brake.elasticity import ElasticLayer, has_directions
-from drumlin.fem.mesh.arc import kind_of
+from drumlin.fem.mesh.arc import mesh_kind_of
 from drumlin.fem.substructure.elasticity import directions_through_layers, split_elasticity
 from drumlin.fem.substructure.elimination import (
     SINGULAR_BODY,
@@ -217,7 +217,7 @@ def scalar_basis(mesh: Any) -> Any:
     # Only bodies on meshes load scikit-fem.
     import skfem  # noqa: PLC0415
 
-    element = kind_of(mesh).element()
+    element = mesh_kind_of(mesh).element()
     return skfem.Basis(mesh, element, intorder=4 if element.facet_dofs else 2)
 
 

@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drumlin.base.arrays import Floats, Ints, angle_near
-from drumlin.fem.mesh.edges import edge_nodes
+from drumlin.fem.mesh.edges import nodes_along_edges
 from drumlin.response.response import PressureOverWidth
 from drumlin.response.resultants import GAUSS, WEIGHTS, InnerPart, at_gauss, shape, slopes
 
@@ -140,7 +140,7 @@ def unit_loads_on_end(basis: Any, facets: Ints) -> tuple[Floats, Floats]:
     basis : scalar basis of the mesh
     facets : facets of the loaded end
     """
-    nodes = edge_nodes(basis, facets)
+    nodes = nodes_along_edges(basis, facets)
     psi, x, ds = edge_quadrature_points(basis.doflocs[:, nodes])
     centre = (x * ds).sum(axis=(1, 2)) / ds.sum()
     arm = x - centre[:, None, None]
@@ -165,7 +165,7 @@ def make_contact_line(
     unit : length [m] by which x is divided to give the "angle" on a plane; None on a drum
     edge : see `ContactLine` [rad]
     """
-    dofs = edge_nodes(basis, facets)
+    dofs = nodes_along_edges(basis, facets)
     nodes = np.unique(dofs)
     xy = basis.doflocs[:, nodes]
     phi = angle_near(middle, xy) if unit is None else xy[0] / unit

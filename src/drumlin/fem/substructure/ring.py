@@ -22,8 +22,13 @@ import numpy as np
 from drumlin.base.arrays import Floats, Ints
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Ring, Section
-from drumlin.fem.mesh.edges import edge_nodes
-from drumlin.fem.mesh.grading import EDGE_SIZE, graded, lining_angles, lining_layers
+from drumlin.fem.mesh.edges import nodes_along_edges
+from drumlin.fem.mesh.grading import (
+    EDGE_SIZE,
+    element_ends_along_lining,
+    number_of_lining_layers,
+    points_graded_to_both_ends,
+)
 from drumlin.fem.substructure.body import (
     FRAME,
     CondensedBody,
@@ -111,7 +116,9 @@ def ring_mesh(ring: Section, radius: float, shoes: tuple[Shoe, ...], elements: i
     elements : number along each lining
     """
     angles = _ring_angles(radius, shoes, elements)
-    depths = graded(0, ring.thickness, lining_layers(elements), ring.thickness / 2, EDGE_SIZE)
+    depths = points_graded_to_both_ends(
+        0, ring.thickness, number_of_lining_layers(elements), ring.thickness / 2, EDGE_SIZE
+    )
     return quadratic_ring_mesh(angles, depths, radius, shoes[0].sign, "drum")
 
 
@@ -128,7 +135,7 @@ def _ring_angles(radius: float, shoes: tuple[Shoe, ...], elements: int) -> Float
     for shoe in sorted(shoes, key=lambda shoe: shoe.lining.start % (2 * math.pi)):
         lining = shoe.lining
         arcs.append(lining.end - lining.start)
-        angles_of_lining = lining_angles(arcs[-1], shoe, radius, elements)
+        angles_of_lining = element_ends_along_lining(arcs[-1], shoe, radius, elements)
         parts.append(lining.start % (2 * math.pi) + angles_of_lining)
     angles = np.unique(np.concatenate(parts) % (2 * math.pi))
     step = min(arcs) / elements
@@ -425,7 +432,7 @@ def rim_forces_like_rigid_modes(basis: Any, facets: Ints) -> Floats:
     The work of these forces on a displacement is the mean motion of the rim. `facets` are the edges
     of the rim.
     """
-    nodes = edge_nodes(basis, facets)
+    nodes = nodes_along_edges(basis, facets)
     psi, x, ds = edge_quadrature_points(basis.doflocs[:, nodes])
     weight = ds / ds.sum()
     modes = np.array([[np.ones_like(ds), 0 * ds], [0 * ds, np.ones_like(ds)], [-x[1], x[0]]])
