@@ -50,6 +50,22 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "TORQUE_DEVIATION": "measured error that is said",
         "PRESSURE_DEVIATION": "measured error that is said",
     },
+    "fem/width/error.py": {
+        "COARSE_ENOUGH": "any number between 0.05 and 0.45 tells sections that miss the contact",
+        "WIDTH_LEVEL": "level 0 of the rule that the levels of a solve follow",
+        "WIDTH_DEGREE": "the least degree that varies in a part of one width",
+    },
+    "fem/width/face.py": {"FACE_STEPS": "points of a face that is written or drawn"},
+    "fem/width/functions.py": {
+        "SAME_SIDE": ROUND_OFF,
+        "BESIDE_WEB": DEFINITION,
+    },
+    "fem/width/integrals.py": {"SYMMETRIES": DEFINITION},
+    "fem/width/ladder.py": {"LOOKED_AHEAD": "one even and one odd degree"},
+    "fem/width/prepare.py": {
+        "LARGEST_WIDTH_NU": SAID,
+        "LARGEST_WIDTH_DEGREE": SAID,
+    },
     "fem/equilibrium/group.py": {
         "FRICTION_STEP": "a quarter of self_locking.LARGEST_FRICTION_STEP",
         "CHECK_DISTANCE_FROM_POLE": "last digit of a limit that is printed",

@@ -318,7 +318,7 @@ def test_what_it_does_not_cover_it_refuses(flexible, said):
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        (["--kind", "tri2"], "--kind, --tolerance and --finite-width belong to --model fem"),
+        (["--kind", "tri2"], "--kind and --finite-width belong to --model fem"),
         (["--elements", "500"], "--elements = 500: must be from 1 to"),
         (["--across", "0"], "--across = 0: must be from 1 to"),
         (["--sections", "9"], "belong to --model foundation"),

@@ -112,6 +112,7 @@ def solve(
     tolerance: float | None = None,
     finite_width: bool = False,
     worn_in: bool = False,
+    model_error: bool = True,
     across: int | None = None,
     fields: Path | str | None = None,
     sections: int | None = None,
@@ -126,9 +127,11 @@ def solve(
     elements : finite elements along each lining ("fem", "solid"); None: as the error needs
     kind : "quad2", "quad1", "tri2" or "tri1", elements of the parametric mesh ("fem")
     penalty : contact stiffness as a multiple of E/t of the lining, up to inf ("fem", "solid")
-    tolerance : relative error of p (L2) and of the torque that is to be reached ("fem")
+    tolerance : relative error of p (L2) and of the torque that is to be reached ("fem", "solid")
     finite_width : whether the linings' moduli are corrected for the widths of the shoes ("fem")
     worn_in : whether the linings are worn until their pressure no longer changes ("fem")
+    model_error : whether the error of plane stress itself is estimated; not for worn-in linings
+        ("fem")
     across : elements over half the width of a lining ("solid")
     fields : path of a .vtu file for displacements and stresses in the shoes ("solid")
     sections : sections of each beam ("foundation")
@@ -172,6 +175,8 @@ def solve(
     # The model is picked first: that no such model exists says more than a wrong option.
     chosen = pick(model, whole)
     check_options(model, options)
+    if model == "fem" and model_error and not worn_in:
+        options["model_error"] = True
     return chosen.solve(whole, **options)
 
 

@@ -212,7 +212,7 @@ def given_options(**options: Any) -> dict[str, Any]:
 
 OWN_OPTIONS: Mapping[str, tuple[str, ...]] = {
     "fem": ("elements", "kind", "penalty", "tolerance", "finite-width"),
-    "solid": ("elements", "across", "penalty", "fields"),
+    "solid": ("elements", "across", "penalty", "tolerance", "fields"),
     "foundation": ("sections", "lift"),
 }
 """The options of the models that have some, as the command line spells them."""

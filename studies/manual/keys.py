@@ -213,10 +213,12 @@ SWEEP: tuple[Table, ...] = (
         "elements": "number of elements along each lining", "kind": "kind of the elements",
         "penalty": "contact stiffness over E/t of the lining",
         "tolerance": "largest error of p and of the torque, in place of `elements`",
-        "finite_width": "whether the lining's modulus is corrected for the widths"}),
+        "finite_width": "whether the lining's modulus is corrected for the widths",
+        "model_error": "whether the error of plane stress itself is stated"}),
     ("`[model.solid]`", SolidOptions, {
         "elements": "number of elements along each lining",
         "across": "number of elements over half a lining's width",
+        "tolerance": "largest error of p (mean over the width) and of the torque, in place of both",
         "penalty": "contact stiffness over E/t of the lining"}),
     ("`[model.foundation]`", FoundationOptions, {
         "sections": "number of sections of each beam",

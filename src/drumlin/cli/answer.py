@@ -35,6 +35,8 @@ def print_response(brake: "Brake", response: "Response", *, verbose: bool = Fals
         tell(line)
     if response.error is not None:
         tell(_error_text(brake.surface.effect, response.error))
+    if response.plane_stress_error is not None:
+        tell(_model_error_text(brake.surface.effect, response))
     for line in notes.held:
         tell(line)
     if verbose:
@@ -90,6 +92,27 @@ def _error_text(effect: str, error: "Mapping[str, float]") -> str:
     for key, name in names.items():
         if key in error:
             line += f", {name} {error[key]:.1e}"
+    return line
+
+
+def _model_error_text(effect: str, response: "Response") -> str:
+    """The estimated errors of plane stress itself as a line, alone and with those of the mesh."""
+    found, mesh = response.plane_stress_error, response.error
+    # Only answers by plane stress have such errors.
+    assert found is not None
+    if found.unknown:
+        return f"error of plane stress itself: not known, {found.unknown}"
+    names = {"torque": effect, "reaction": "hinge reaction"}
+    line = f"error of plane stress itself: p {found.brake['pressure']:.1e} (mean over the width)"
+    for key, name in names.items():
+        line += f", {name} {found.brake[key]:.1e}"
+    line += ", peak pressure not known"
+    if mesh is None:
+        return line
+    both = {key: found.brake[key] + mesh[key] for key in ("pressure", *names) if key in mesh}
+    line += f"; both together: p {both.pop('pressure'):.1e}"
+    for key, error in both.items():
+        line += f", {names[key]} {error:.1e}"
     return line
 
 

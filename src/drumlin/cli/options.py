@@ -31,6 +31,9 @@ FiniteWidth = Annotated[
         "--finite-width", help="correct plane stress for the width; torque within 1.5 % of a solid"
     ),
 ]
+NoModelError = Annotated[
+    bool, typer.Option("--no-model-error", help="leave out the error of plane stress itself")
+]
 
 # options of the other models
 

@@ -31,6 +31,7 @@ def solve(
     sections: of.Sections = None,
     lift: of.Lift = None,
     finite_width: FiniteWidth = False,
+    no_model_error: of.NoModelError = False,
     across: of.Across = None,
     fields: of.FieldsFile = None,
     verbose: of.Verbose = False,
@@ -54,6 +55,8 @@ def solve(
     _check_solvable(brakes, model, options)
     _check_one_brake(brakes, {"--pressure": pressure, "--fields": fields})
     answers: list[_SolvedBrake] = []
+    # The option leaves out what the answers of other models do not have.
+    options |= {"model_error": False} if no_model_error else {}
     for answer in _answers(brake_files, brakes, model, options):
         separated = any(earlier.response is not None for earlier in answers)
         _print_answer(answer, pressure, separated=separated, verbose=verbose)

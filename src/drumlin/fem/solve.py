@@ -23,10 +23,11 @@ from drumlin.fem.preparation.finite_width import correct_for_finite_width as cor
 from drumlin.fem.preparation.finite_width import correction_note
 from drumlin.fem.preparation.meshes import ELEMENTS
 from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.preparation.scene import PreparedModel
+from drumlin.fem.preparation.scene import PreparedModel, add_elapsed_time
+from drumlin.fem.width.error import plane_stress_error
 from drumlin.response.balance import loaded, shoe_balance, worst
 from drumlin.response.merit import with_merits
-from drumlin.response.response import Response
+from drumlin.response.response import ModelError, Response
 
 REPORTED_IMBALANCE = 1e-8
 """Imbalance of p(theta), relative and beyond that of the nodal forces, above which a note is given.
@@ -34,6 +35,9 @@ REPORTED_IMBALANCE = 1e-8
 Elements with straight or parabolic sides lie a little off the round drum, so that p(theta) on the
 drum balances worse than the forces at the nodes. The value changes no answer.
 """
+
+CORRECTED_WIDTH = "the linings' moduli are corrected for the widths of the shoes"
+"""Why a corrected answer does not state the error of plane stress."""
 
 
 def solve(
@@ -44,6 +48,7 @@ def solve(
     tolerance: float | None = None,
     penalty: float = PENALTY,
     finite_width: bool = False,
+    model_error: bool = False,
     cache: Cache | None = None,
 ) -> Response:
     """The response of a brake, on divisions that grow finer until its errors meet a tolerance.
@@ -59,6 +64,8 @@ def solve(
     penalty : factor alpha of the contact stiffness alpha E/t
     finite_width : whether the linings' moduli are corrected for the widths of the shoes, see
         fem/preparation/finite_width.py
+    model_error : whether the response states the error of plane stress itself, see
+        fem/width/error.py
     cache : substructures of earlier solves
 
     Raises
@@ -74,7 +81,9 @@ def solve(
         response = solve(
             other, elements=elements, kind=kind, tolerance=tolerance, penalty=penalty, cache=cache
         )
-        return replace(response, notes=(*response.notes, correction_note(brake, other)))
+        notes = (*response.notes, correction_note(brake, other))
+        known = ModelError({}, unknown=CORRECTED_WIDTH) if model_error else None
+        return replace(response, notes=notes, plane_stress_error=known)
     check_penalty(penalty)
     for option, value in {"elements": elements, "kind": kind}.items():
         if tolerance is not None and value is not None:
@@ -99,6 +108,11 @@ def solve(
         )
     if not brake.surface.straight:
         response = _add_note_on_curve_balance(brake, response)
+    if model_error:
+        seconds = dict(response.seconds)
+        with add_elapsed_time(seconds, "error of plane stress"):
+            own = plane_stress_error(brake, response, penalty=penalty, cache=cache)
+        response = replace(response, seconds=seconds, plane_stress_error=own)
     return with_merits(brake, response)
 
 

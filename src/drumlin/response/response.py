@@ -108,6 +108,28 @@ def reaction_size(reaction: Floats, normal_force: float) -> float:
     return max(math.hypot(*reaction), NO_FORCE * normal_force) or 1.0
 
 
+class ModelError(NamedTuple):
+    """How far plane stress is estimated to be from the shoes with their widths.
+
+    Attributes
+    ----------
+    brake : relative errors "torque", of the brake, and "pressure" (mean over the width, L2 outside
+        the edge zones) and "reaction" of the worst shoe; empty if they are not known
+    shoes : the same three errors of each shoe
+    unknown : why they are not known; empty if they are
+    """
+
+    brake: Mapping[str, float]
+    shoes: tuple[Mapping[str, float], ...] = ()
+    unknown: str = ""
+
+    def as_dict(self) -> dict[str, Any]:
+        """The errors of the brake as plain data for JSON; that of the peak is not known."""
+        if self.unknown:
+            return {"unknown": self.unknown}
+        return {**self.brake, "peak": None}
+
+
 class PressureOverWidth(NamedTuple):
     """The pressure over the arc and the width of a lining.
 
@@ -327,6 +349,7 @@ class Response:
     error : estimated relative errors "pressure" (L2 outside the edge zones, the worst shoe's) and
         "torque"; None if nothing was estimated
     surface : surface on which the brake runs, known once the response has `merits`
+    plane_stress_error : estimated error of plane stress itself; None if it was not asked for
     """
 
     model: str
@@ -341,6 +364,7 @@ class Response:
     bearing_load: Floats | None = None
     error: Mapping[str, float] | None = None
     surface: FrictionSurface = DRUM
+    plane_stress_error: ModelError | None = None
 
     def __post_init__(self) -> None:
         for shoe in self.shoes:
@@ -401,6 +425,10 @@ class Response:
         }
         if self.bearing_load is not None:
             data["bearing_load"] = list(map(float, self.bearing_load))
+        if self.plane_stress_error is not None:
+            data["plane_stress_error"] = self.plane_stress_error.as_dict()
+            for shoe, own in zip(shoes, self.plane_stress_error.shoes, strict=False):
+                shoe["plane_stress_error"] = dict(own)
         return data
 
 

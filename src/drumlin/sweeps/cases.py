@@ -159,7 +159,8 @@ def response_row(brake: Brake, response: Response) -> Row:
     mean force F of the actuation, on a plane braking force / F; "peak_pressure" [Pa], the largest
     of all shoes; "balance", the larger one of the relative imbalances of forces and of moments. A
     response that estimates its errors adds the relative errors "error_pressure", "error_torque",
-    "error_peak" and "error_reaction" (see `Response.error`).
+    "error_peak" and "error_reaction" (see `Response.error`). One that estimates the error of plane
+    stress itself adds "plane_stress_error_torque", "..._pressure" and "..._reaction".
 
     Of each shoe: torque, peak_pressure, shoe_factor T/(F R) and hinge_reaction [N]; contact_start
     and contact_end, the ends of the contact [rad; on a plane m]; contact_arcs, the number of
@@ -174,6 +175,9 @@ def response_row(brake: Brake, response: Response) -> Row:
     }
     for name, value in (response.error or {}).items():
         row[f"error_{name}"] = value
+    if response.plane_stress_error is not None:
+        for name, value in response.plane_stress_error.brake.items():
+            row[f"plane_stress_error_{name}"] = value
     for i, shoe in enumerate(response.shoes):
         numbers = _shoe_row(brake, i, response.effects[i], shoe)
         row |= {f"{shoe.name}.{name}": value for name, value in numbers.items()}

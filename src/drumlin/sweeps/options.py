@@ -26,6 +26,7 @@ class FemOptions(ContactOptions):
     kind: Literal["quad2", "quad1", "tri2", "tri1"] | None = None
     tolerance: Annotated[float, Field(gt=0, lt=1)] | None = None
     finite_width: bool | None = None
+    model_error: bool | None = None
 
     @model_validator(mode="after")
     def _divided_one_way(self) -> Self:
@@ -40,6 +41,14 @@ class SolidOptions(ContactOptions):
 
     elements: Annotated[int, Field(ge=1, le=solid.MOST_ELEMENTS)] | None = None
     across: Annotated[int, Field(ge=1, le=solid.MOST_ACROSS)] | None = None
+    tolerance: Annotated[float, Field(gt=0, lt=1)] | None = None
+
+    @model_validator(mode="after")
+    def _divided_one_way(self) -> Self:
+        """Refuse elements beside the tolerance that chooses degree and division."""
+        if self.tolerance is not None and (self.elements is not None or self.across is not None):
+            raise ValueError("tolerance chooses the division; leave out elements and across")
+        return self
 
 
 class FoundationOptions(Part):

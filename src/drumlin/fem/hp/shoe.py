@@ -252,7 +252,7 @@ class _ColumnKinds(NamedTuple):
     which: Ints
 
 
-def _column_kinds(shoe: Shoe, div: ShoeDivision, *, directed: bool) -> _ColumnKinds:
+def column_kinds(shoe: Shoe, div: ShoeDivision, *, directed: bool) -> _ColumnKinds:
     """The kinds of element columns of a shoe; on an arc equally wide columns are of one kind.
 
     Parameters
@@ -280,7 +280,7 @@ def _condensed_columns(
     p = div.degree
     elasticity = elasticity_of_layers(layers, div.part)
     directed = bool(has_directions(elasticity).any())
-    kinds_of_columns = _column_kinds(shoe, div, directed=directed)
+    kinds_of_columns = column_kinds(shoe, div, directed=directed)
     plane = radius if shoe.flat else None
 
     def columns_of(row: Ints, layer: int, *, contact: bool, held: bool) -> list[ColumnSubstructure]:
@@ -333,7 +333,7 @@ def axis_angles_of_contact_nodes(ends: Floats, p: int) -> Floats:
     return angles
 
 
-def _measuring_axis_angles(shoe: Shoe, phi: Floats) -> Floats:
+def measuring_axis_angles(shoe: Shoe, phi: Floats) -> Floats:
     """The angles [rad] of the axes along which displacements at positions phi are measured.
 
     On an arc displacements are measured along the radius, on a pad along the plane's normal, and in
@@ -344,9 +344,9 @@ def _measuring_axis_angles(shoe: Shoe, phi: Floats) -> Floats:
     return np.full_like(phi, -0.5 * np.pi) if shoe.flat else phi
 
 
-def _rotations_to_shoe_frame(shoe: Shoe, div: ShoeDivision) -> Floats:
+def rotations_to_shoe_frame(shoe: Shoe, div: ShoeDivision) -> Floats:
     """Angles (n,) [rad] that rotate components at the contact nodes back to the shoe's frame."""
-    return -_measuring_axis_angles(shoe, axis_angles_of_contact_nodes(div.angles, div.degree))
+    return -measuring_axis_angles(shoe, axis_angles_of_contact_nodes(div.angles, div.degree))
 
 
 def condense_shoe(
@@ -378,19 +378,19 @@ def condense_shoe(
     if div.first_body_layer < div.layers and not any(row.grip):
         return _condense_hinged_shoe(shoe, radius, div, row, end_loads, R)
     S = _gripped_stiffness(row) if any(row.grip) else _lining_stiffness(row.under)
-    return _condense_back_held_shoe(
-        shoe, rotate_matrix_components(S, _rotations_to_shoe_frame(shoe, div)), R
+    return condense_back_held_shoe(
+        shoe, rotate_matrix_components(S, rotations_to_shoe_frame(shoe, div)), R
     )
 
 
-def _condense_back_held_shoe(shoe: Shoe, S: Floats, R: Floats) -> CondensedShoe:
+def condense_back_held_shoe(shoe: Shoe, S: Floats, R: Floats) -> CondensedShoe:
     """A condensed shoe whose back is held by a grip or by a rigid shoe, as is the force.
 
     `S` (2n, 2n) is the stiffness of the contact nodes, and `R` (2n, 3) their rigid-body modes.
     """
     zeros = np.zeros((len(R), FRAME))
     return CondensedShoe(
-        S=_stiffness_with_frame(S, R),
+        S=stiffness_with_frame(S, R),
         loads=np.vstack([np.eye(FRAME), zeros]),
         work=np.zeros((FRAME, FRAME)),
         centre=shoe.own_pin,
@@ -417,17 +417,17 @@ def _condense_hinged_shoe(
     R : (2n, 3) rigid-body modes of the contact nodes
     """
     p, place, pin = div.degree, point_map(shoe, radius), shoe.own_pin
-    back = _rotations_to_shoe_frame(shoe, div)
+    back = rotations_to_shoe_frame(shoe, div)
     depths = node_positions_of_row(div.depths[div.first_body_layer :], p)
     near, far = div.before[-1], div.after[-1]
     hinge_modes = rigid_body_modes(place(depths, near), pin)
-    hinge_modes = _rotate_all_nodes(hinge_modes, _measuring_axis_angles(shoe, near))
+    hinge_modes = rotate_all_nodes(hinge_modes, measuring_axis_angles(shoe, near))
     end = end_loads(place(depths, far), depths, p)
-    end_forces = _rotate_all_nodes(end.forces, _measuring_axis_angles(shoe, far))
+    end_forces = rotate_all_nodes(end.forces, measuring_axis_angles(shoe, far))
     # The assembled columns have the unknowns [frame | contact nodes | loads].
     columns = row.under.copy()
     columns[0] = _join_first_column_with_hinged_body(columns[0], row.before, hinge_modes)
-    loaded = _loaded_body_stiffness(row.after, end_forces)
+    loaded = loaded_body_stiffness(row.after, end_forces)
     columns[-1] = eliminate_side_line(columns[-1], loaded, len(end_forces), right=True)
     A = assemble_column_row(columns, 2).K
     extra = end.columns.count
@@ -439,10 +439,10 @@ def _condense_hinged_shoe(
     # Round-off has put the condensed loads out of balance: the contact nodes take the difference.
     imbalance = end.resultants(pin) - on_frame - R.T @ load
     load += R @ np.linalg.solve(R.T @ R, imbalance)
-    corrected = _correct_rigid_modes(S, R, rotate_vector_components(A[frame, contact], back).T)
+    corrected = correct_rigid_modes(S, R, rotate_vector_components(A[frame, contact], back).T)
     actuation = end.columns.slices[ACTUATION]
     return CondensedShoe(
-        S=_stiffness_with_frame(corrected.S, R),
+        S=stiffness_with_frame(corrected.S, R),
         loads=np.concatenate([on_frame, load]),
         work=-A[loads, loads],
         centre=end.centre,
@@ -508,7 +508,7 @@ def _join_first_column_with_hinged_body(
     return eliminate_side_line(first, body.K, len(held))
 
 
-def _loaded_body_stiffness(after: list[ColumnSubstructure], load: Floats) -> Floats:
+def loaded_body_stiffness(after: list[ColumnSubstructure], load: Floats) -> Floats:
     """Stiffness of the body behind the lining on [line at the lining's end | loads].
 
     `load` (n, l) are the unit loads on the line at the body's end.
@@ -552,7 +552,7 @@ class _CorrectedStiffness(NamedTuple):
     round_off_forces: Floats
 
 
-def _correct_rigid_modes(S: Floats, R: Floats, held: Floats) -> _CorrectedStiffness:
+def correct_rigid_modes(S: Floats, R: Floats, held: Floats) -> _CorrectedStiffness:
     """The stiffness of the contact nodes, corrected so that rigid-body modes strain nothing.
 
     If the contact moves with the frame by R, then S R = -held. The forces `held` are small beside
@@ -579,7 +579,7 @@ def _correct_rigid_modes(S: Floats, R: Floats, held: Floats) -> _CorrectedStiffn
     return _CorrectedStiffness(corrected, before)
 
 
-def _stiffness_with_frame(S: Floats, R: Floats) -> Floats:
+def stiffness_with_frame(S: Floats, R: Floats) -> Floats:
     """Stiffness on [frame | contact nodes] from the stiffness S (2n, 2n) of the contact nodes.
 
     The rigid-body modes R (2n, 3) strain nothing.
@@ -593,6 +593,6 @@ def _stiffness_with_frame(S: Floats, R: Floats) -> Floats:
     return whole
 
 
-def _rotate_all_nodes(V: Floats, angle: Floats) -> Floats:
+def rotate_all_nodes(V: Floats, angle: Floats) -> Floats:
     """Vectors V (2n, m) with the components of all nodes in axes turned by one angle [rad]."""
     return rotate_vector_components(V.T, np.reshape(angle, 1)).T

@@ -1,5 +1,6 @@
 """The solid model of a brake, from its file to its response, by the contact of the plane model."""
 
+from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 
@@ -7,6 +8,7 @@ from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.fields import Material
 from drumlin.brake.orthotropic import isotropic_only
+from drumlin.fem.error_control.adapt import Tolerance, check_tolerance
 from drumlin.fem.model import PENALTY, check_penalty, solve_prepared_model
 from drumlin.fem.preparation.bodies import ShoeSubstructure
 from drumlin.fem.preparation.cache import (
@@ -19,6 +21,7 @@ from drumlin.fem.preparation.scene import PreparedModel, Seconds, lines_on_rigid
 from drumlin.fem.preparation.scene import reason_why_not_modelled as plane_why_not
 from drumlin.fem.solid import MOST_ACROSS, MOST_ELEMENTS
 from drumlin.fem.solid.body import solid_body
+from drumlin.fem.width.ladder import solve_with_widths
 from drumlin.response.merit import with_merits
 from drumlin.response.response import Response
 
@@ -131,8 +134,9 @@ def _size_of(body: ShoeSubstructure) -> int:
 def solve(
     brake: Brake,
     *,
-    elements: int = SOLID_LINING_ELEMENTS,
+    elements: int | None = None,
     across: int | None = None,
+    tolerance: float | None = None,
     penalty: float = PENALTY,
     fields: Path | None = None,
     cache: Cache | None = None,
@@ -141,21 +145,29 @@ def solve(
 
     Parameters
     ----------
-    brake, elements, across, cache : as of `prepare`
+    brake, elements, across, cache : as of `prepare`; by default SOLID_LINING_ELEMENTS elements
+    tolerance : tolerance of the estimated relative errors of p (mean over the width, L2) and of the
+        torque; the brake is then solved by the hierarchic model of the width, see
+        fem/width/ladder.py, in place of hexahedra
     penalty : factor alpha of the contact stiffness alpha E/t
     fields : name of a .vtu file for the displacements and stresses inside the shoes
 
     Raises
     ------
     BadInput
-        as `prepare` does, and for a file of another kind
+        as `prepare` does, for a file of another kind, and for options of hexahedra beside a
+        tolerance
     NoAnswer
-        where the contact has no answer
+        where the contact has no answer, and where the tolerance is not reached
     """
     check_penalty(penalty)
+    if tolerance is not None:
+        given = {"elements": elements, "across": across, "fields": fields}
+        return _to_tolerance(brake, tolerance, given, penalty, cache)
     if fields is not None and fields.suffix != ".vtu":
         raise BadInput(f"--fields = {str(fields)!r}: must end in .vtu")
     brake.check_meshable()
+    elements = SOLID_LINING_ELEMENTS if elements is None else elements
     scene = prepare(brake, elements=elements, across=across, cache=cache)
     response = solve_prepared_model(scene, brake, penalty=penalty)
     if fields is not None:
@@ -167,3 +179,29 @@ def solve(
             fields, [recover(scene, brake, response, i) for i in range(len(brake.shoes))]
         )
     return with_merits(brake, response)
+
+
+def _to_tolerance(
+    brake: Brake,
+    tolerance: float,
+    given: Mapping[str, object],
+    penalty: float,
+    cache: Cache | None,
+) -> Response:
+    """The response of a brake by the hierarchic model of the width, to a tolerance.
+
+    Parameters
+    ----------
+    brake, tolerance, penalty, cache : as of `solve`
+    given : the options of hexahedra by name, which must all be None
+    """
+    for option, value in given.items():
+        if value is not None:
+            raise BadInput(
+                f"--tolerance = {tolerance:g}: chooses degree and division of the solid; leave "
+                f"out --{option} = {value}"
+            )
+    brake.check_meshable()
+    check_tolerance(brake, tolerance)
+    asked = Tolerance(tolerance, tolerance)
+    return with_merits(brake, solve_with_widths(brake, asked, penalty=penalty, cache=cache))

@@ -1,0 +1,154 @@
+"""The error of plane stress itself: how far its answer is from that of the shoes with their widths.
+
+The estimate is the distance of two answers on one coarse division of the section, graded to the
+contact that plane stress has found: that of degree 2 across the width, and that of plane stress.
+What the coarse division lacks is in both answers and cancels. Where it does not show the contact,
+the first level of a solve takes its place. Degree 1 does not tell the error,
+since u_x and u_y then vary in no part of one width.
+"""
+
+import math
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from drumlin.base.errors import NoAnswer
+from drumlin.brake.brake import Brake
+from drumlin.fem.error_control.levels import LEVEL_RULE, LEVELS
+from drumlin.fem.error_control.singular_points import singular_points_of
+from drumlin.fem.hp.division import Level
+from drumlin.fem.model import PENALTY, solve_prepared_model
+from drumlin.fem.preparation.cache import Cache, first_shoes_of_equal_shape
+from drumlin.fem.preparation.columns import PointsByShape
+from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.width.prepare import prepare_width, width_why_not
+from drumlin.response.norms import pressure_distance
+from drumlin.response.response import (
+    ModelError,
+    Response,
+    ShoeResponse,
+    reaction_size,
+    singular_zone,
+)
+
+WIDTH_LEVEL = replace(LEVEL_RULE.level(0), zone=1.0, edge=1.0, back=1.0, hinge=1.0)
+"""Division of the section on which the error of plane stress is estimated.
+
+It is one level coarser, by the rule of the levels, than the first level of a solve. The rule would
+let sizes at corners exceed the thickness of the parts; they are the thickness.
+"""
+WIDTH_DEGREE = 2
+"""Degree across the width of the answer from which the error of plane stress is estimated."""
+
+
+COARSE_ENOUGH = 0.1
+"""Error of p (L2, relative) of plane stress on the coarse section, above which the first level of a
+solve takes the place of the coarse section.
+
+Contacts that are short beside the lining's thickness lie on one to three nodes of the coarse
+section, and its p is off by 0.5 or more. All others are off by 0.05 at most.
+"""
+
+
+class CoarseSection(NamedTuple):
+    """The section on which functions across the width are compared.
+
+    `level` is its division with the singular `points` of each shape of shoe, and `plane` the answer
+    of plane stress on it.
+    """
+
+    level: Level
+    points: PointsByShape
+    plane: Response
+
+
+def coarse_section(
+    brake: Brake, response: Response, *, penalty: float = PENALTY, cache: Cache | None = None
+) -> CoarseSection:
+    """The coarse section of a brake, or the first level where a coarser one misses the contact.
+
+    Parameters as of `plane_stress_error`.
+
+    Raises
+    ------
+    NoAnswer
+        where plane stress has no answer on the first level
+    """
+    alike = first_shoes_of_equal_shape(brake)
+
+    def answered(level: Level) -> CoarseSection:
+        """The section of a level with its answer by plane stress."""
+        points = singular_points_of(brake, response, alike, level.error)
+        scene = prepare(brake, level, points, alike=alike, cache=cache)
+        plane = solve_prepared_model(scene, brake, penalty=penalty, start=response)
+        return CoarseSection(level, points, plane)
+
+    try:
+        coarse = answered(WIDTH_LEVEL)
+    except NoAnswer:
+        return answered(LEVELS[0])
+    error = model_distance(brake, coarse.plane, response)
+    if error.unknown or error.brake["pressure"] > COARSE_ENOUGH:
+        return answered(LEVELS[0])
+    return coarse
+
+
+def plane_stress_error(
+    brake: Brake, response: Response, *, penalty: float = PENALTY, cache: Cache | None = None
+) -> ModelError:
+    """The estimated error of plane stress, by two answers on a coarse division.
+
+    Parameters
+    ----------
+    brake : the brake
+    response : its answer by plane stress, whose contact grades the coarse division
+    penalty : factor alpha of the contact stiffness alpha E/t
+    cache : substructures of earlier solves
+    """
+    reason = width_why_not(brake)
+    if reason is not None:
+        return ModelError({}, unknown=reason)
+    try:
+        section = coarse_section(brake, response, penalty=penalty, cache=cache)
+        scene = prepare_width(brake, section.level, WIDTH_DEGREE, section.points, cache=cache)
+        wide = solve_prepared_model(scene, brake, penalty=penalty, start=response)
+    except (NoAnswer, np.linalg.LinAlgError) as error:
+        return ModelError({}, unknown=f"on a coarse section, with its width: {error}")
+    return model_distance(brake, section.plane, wide)
+
+
+def model_distance(brake: Brake, plane: Response, wide: Response) -> ModelError:
+    """The relative distance of an answer by plane stress from one of shoes with their widths.
+
+    Parameters
+    ----------
+    brake : the brake
+    plane : the answer by plane stress
+    wide : the answer with the widths, to which errors are relative
+    """
+    pairs = zip(plane.shoes, wide.shoes, strict=True)
+    shoes = [shoe_distance(brake.unit, *pair) for pair in pairs]
+    for shoe, answer in zip(shoes, plane.shoes, strict=True):
+        if not all(map(math.isfinite, shoe.values())):
+            name = answer.name
+            return ModelError({}, unknown=f"shoe {name!r} loses its contact with its width")
+    total = wide.torque or plane.torque or 1.0
+    worst = {name: max(shoe[name] for shoe in shoes) for name in ("pressure", "reaction")}
+    torque = abs(plane.torque - wide.torque) / total
+    return ModelError({"torque": torque, **worst}, tuple(shoes))
+
+
+def shoe_distance(unit: float, plane: ShoeResponse, wide: ShoeResponse) -> dict[str, float]:
+    """The relative distances of torque, mean pressure (L2) and reaction of one shoe.
+
+    unit: of the surface's coordinate per radian, see `Frame`
+    """
+    zone = singular_zone(float(wide.theta[-1] - wide.theta[0]), unit)
+    moved = math.dist(plane.hinge_reaction, wide.hinge_reaction)
+    total = wide.torque or plane.torque or 1.0
+    return {
+        "torque": abs(plane.torque - wide.torque) / total,
+        "pressure": pressure_distance(plane, wide, zone),
+        "reaction": moved / reaction_size(wide.hinge_reaction, wide.normal_force),
+    }

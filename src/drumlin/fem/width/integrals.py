@@ -1,0 +1,273 @@
+"""Integrals over the section of products of shape functions and gradients, and their stiffness.
+
+With the displacements of the room, the energy of an isotropic element is a sum of products of
+integrals over the section and over the width:
+
+    u_x, u_y twice:  Int lambda tr eps_a tr eps_b + 2 mu eps_a : eps_b dA  times  Int e_k e_l dz
+                   + Int mu psi_a . psi_b dA                               times  Int e_k' e_l' dz
+    with u_z:        Int lambda tr eps_a psi_b dA                          times  Int e_k o_l' dz
+                   + Int mu psi_a . grad psi_b dA                          times  Int e_k' o_l dz
+    u_z twice:       Int (lambda + 2 mu) psi_a psi_b dA                    times  Int o_k' o_l' dz
+                   + Int mu grad psi_a . grad psi_b dA                     times  Int o_k o_l dz
+
+Unknowns of the section are counted by their number along the column (of x and y together, or of z)
+and by their row of nodes, from the contact inwards. Between circles about one centre each integral
+is a product of a factor of the angles and a factor of the radii, as in fem/hp/arc.py; a column is
+then split into symmetric and antisymmetric displacements, of which u_z is even like the radial
+component.
+"""
+
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+
+from drumlin.base.arrays import Floats
+from drumlin.fem.hp.arc import nodal_functions
+from drumlin.fem.hp.element import reference_element, shape_function_gradients
+
+SYMMETRIES = (0, 1)
+"""Numbers of the symmetric and of the antisymmetric displacements of a column."""
+
+
+class LameConstants(NamedTuple):
+    """The Lame constants of a layer [Pa]; lambda of plane stress where nothing varies over z."""
+
+    lam: float
+    mu: float
+
+
+class SectionIntegrals(NamedTuple):
+    """The integrals over c elements of one layer, with n rows of nodes, times Lame's constants.
+
+    A unknowns along a column are of x and y, and B unknowns of z.
+
+    Attributes
+    ----------
+    plane : (c, A, A, n, n) energy of the strains in the plane [Pa]
+    shear : (c, A, A, n, n) Int mu psi_a . psi_b dA [N]
+    coupled : (c, A, B, n, n) Int lambda tr eps_a psi_b dA [N/m]
+    sheared : (c, A, B, n, n) Int mu psi_a . grad psi_b dA [N/m]
+    across : (c, B, B, n, n) Int (lambda + 2 mu) psi_a psi_b dA [N]
+    tilted : (c, B, B, n, n) Int mu grad psi_a . grad psi_b dA [Pa]
+    """
+
+    plane: Floats
+    shear: Floats
+    coupled: Floats
+    sheared: Floats
+    across: Floats
+    tilted: Floats
+
+
+class AngularFactors(NamedTuple):
+    """The factors of the angles of c columns, for displacements of one symmetry.
+
+    The letters k and l count the two terms of the gradients in fem/hp/arc.py: the tangential and
+    the radial one.
+
+    Attributes
+    ----------
+    strains : (c, A A, 8) traces and whole strains, by k and l each
+    values : (c, A A, 1) displacements
+    traces_values : (c, A B, 2) traces times u_z, by k
+    values_slopes : (c, A B, 2) displacements times gradients of u_z, by l
+    values_z : (c, B B, 1) u_z
+    slopes_z : (c, B B, 4) gradients of u_z, by k and l
+    """
+
+    strains: Floats
+    values: Floats
+    traces_values: Floats
+    values_slopes: Floats
+    values_z: Floats
+    slopes_z: Floats
+
+
+@cache
+def fold_z(p: int, symmetry: int) -> Floats:
+    """The matrix (B, p + 1) from forces along z on the nodes of a row to those on its unknowns.
+
+    The first unknown is that of both sides; then follow pairs further in, and the middle node.
+    """
+    count = (p + 1) // 2 + (p % 2 == 0 and symmetry == 0)
+    fold = np.zeros((count, p + 1))
+    own = np.arange(count)
+    fold[own, p - own] = 0.5 if symmetry == 0 else -0.5
+    fold[own, own] = 0.5
+    if p % 2 == 0 and symmetry == 0:
+        fold[-1, p // 2] = 1.0
+    return fold
+
+
+def angular_factors(angles: Floats, p: int, symmetry: int, *, flat: bool = False) -> AngularFactors:
+    """The factors of the angles of columns on an arc or a plane.
+
+    Displacements on a side are measured along its radius and across it.
+
+    Parameters
+    ----------
+    angles : (c, p + 1) nodes of the columns about their middle [rad]; lengths on a plane
+    p : degree
+    symmetry : 0 for symmetric displacements, 1 for antisymmetric ones
+    flat : whether the columns are on a plane
+    """
+    functions, (count, n) = nodal_functions(p), angles.shape
+    circle = np.array([np.cos(angles), np.sin(angles)])
+    at, by = circle @ functions.values, circle @ functions.slopes  # (2, c, q)
+    if flat:
+        at, by = np.zeros_like(at), np.array([np.zeros_like(by[0]), angles @ functions.slopes])
+        at[0] = 1.0
+    size = at[0] * by[1] - at[1] * by[0]
+    root = np.sqrt(functions.weights / size)
+    tangent, normal = np.array([-at[1], at[0]]) * root, np.array([by[1], -by[0]]) * root
+
+    # The gradients (x or y, columns, k, nodes, points) and values contain the root of the weights.
+    gradient = np.empty((2, count, 2, n, len(functions.x)))
+    gradient[:, :, 0] = tangent[:, :, None] * functions.slopes
+    gradient[:, :, 1] = normal[:, :, None] * functions.values
+    value = functions.values * np.sqrt(functions.weights * size)[:, None]  # (c, n, q)
+
+    # Unit displacements along the radius (x) and across it (y), turned on the sides.
+    turn = np.zeros((count, n))
+    turn[:, ::p] = 0.0 if flat else angles[:, ::p]
+    c, s = np.cos(turn)[:, :, None], np.sin(turn)[:, :, None]
+    ck, sk = c[:, None], s[:, None]
+    gx, gy = gradient
+    strain = np.empty((count, 2, n, 2, 3, len(functions.x)))
+    strain[:, :, :, 0, 0], strain[:, :, :, 1, 0] = ck * gx, -sk * gx
+    strain[:, :, :, 0, 1], strain[:, :, :, 1, 1] = sk * gy, ck * gy
+    strain[:, :, :, 0, 2] = np.sqrt(0.5) * (ck * gy + sk * gx)
+    strain[:, :, :, 1, 2] = np.sqrt(0.5) * (ck * gx - sk * gy)
+    moved = np.empty((count, n, 2, 2, len(functions.x)))
+    moved[:, :, 0, 0], moved[:, :, 0, 1] = c * value, s * value
+    moved[:, :, 1, 0], moved[:, :, 1, 1] = -s * value, c * value
+
+    fold, across = functions.fold[symmetry], fold_z(p, symmetry)
+    A, B = len(fold), len(across)
+    strain = (fold @ strain.reshape(count, 2, 2 * n, -1)).reshape(count, 2 * A, 3, -1)
+    moved = (fold @ moved.reshape(count, 2 * n, -1)).reshape(count, A, -1)
+    value = across @ value
+    gradient = across @ gradient.transpose(1, 2, 3, 0, 4).reshape(count, 2, n, -1)
+
+    trace = strain[:, :, 0] + strain[:, :, 1]
+    whole = np.sqrt(2) * strain.reshape(count, 2 * A, -1)
+    by_strains = np.stack([_products(trace, trace), _products(whole, whole)], axis=-1)
+    by_strains = by_strains.reshape(count, 2, A, 2, A, 2).transpose(0, 2, 4, 5, 1, 3)
+    by_slopes = _products(gradient.reshape(count, 2 * B, -1), gradient.reshape(count, 2 * B, -1))
+    by_slopes = by_slopes.reshape(count, 2, B, 2, B).transpose(0, 2, 4, 1, 3)
+    traces_values = _products(trace, value).reshape(count, 2, A, B).transpose(0, 2, 3, 1)
+    moved_slopes = _products(moved, gradient.reshape(count, 2 * B, -1))
+    moved_slopes = moved_slopes.reshape(count, A, 2, B).transpose(0, 1, 3, 2)
+    return AngularFactors(
+        strains=np.ascontiguousarray(by_strains).reshape(count, A * A, 8),
+        values=_products(moved, moved).reshape(count, A * A, 1),
+        traces_values=np.ascontiguousarray(traces_values).reshape(count, A * B, 2),
+        values_slopes=np.ascontiguousarray(moved_slopes).reshape(count, A * B, 2),
+        values_z=_products(value, value).reshape(count, B * B, 1),
+        slopes_z=np.ascontiguousarray(by_slopes).reshape(count, B * B, 4),
+    )
+
+
+def _products(left: Floats, right: Floats) -> Floats:
+    """The products (c, a, b) of rows (c, a, q) and (c, b, q)."""
+    return np.asarray(left @ right.swapaxes(-1, -2))
+
+
+def arc_integrals(
+    inner: float,
+    outer: float,
+    lame: LameConstants,
+    angular: AngularFactors,
+    p: int,
+    plane: float | None = None,
+) -> SectionIntegrals:
+    """The integrals over the elements of all columns in one layer between two circles.
+
+    Parameters
+    ----------
+    inner, outer : radii at which the layer begins, at the contact's side, and ends [m]
+    lame : constants of the layer
+    angular : factors of the columns
+    p : degree
+    plane : radius that divides the lengths of elements on a plane [m]; None on a drum
+    """
+    functions, (lam, mu) = nodal_functions(p), lame
+    step = outer - inner
+    size = abs(step)
+    r = inner + step * functions.x if plane is None else np.full_like(functions.x, plane)
+    weights, values, slopes = functions.weights, functions.values, functions.slopes
+    # The functions of the two terms of the gradients, and of displacements, with their weights.
+    radial = np.array(
+        [
+            values * np.sqrt(size * weights / r),
+            slopes * np.sqrt(weights * r / size) * np.sign(step),
+            values * np.sqrt(size * weights * r),
+        ]
+    )
+    n = p + 1
+    B = np.einsum("kiq,ljq->klij", radial, radial).reshape(3, 3, n * n)
+    twice = B[:2, :2].reshape(4, -1)
+    count = len(angular.values)
+
+    def product(factors: Floats, own: Floats) -> Floats:
+        """The integrals (c, rows, columns, n, n) of the factors (c, rows columns, k) and radii."""
+        return np.asarray(factors @ own)
+
+    found = [
+        product(angular.strains, np.concatenate([lam * twice, mu * twice])),
+        product(angular.values, mu * B[2, 2][None]),
+        product(angular.traces_values, lam * B[:2, 2]),
+        product(angular.values_slopes, mu * B[2, :2]),
+        product(angular.values_z, (lam + 2 * mu) * B[2, 2][None]),
+        product(angular.slopes_z, mu * twice),
+    ]
+    b = round(np.sqrt(angular.values_z.shape[1]))
+    a = angular.values_slopes.shape[1] // b
+    shapes = [(a, a), (a, a), (a, b), (a, b), (b, b), (b, b)]
+    each = [own.reshape(count, *shape, n, n) for own, shape in zip(found, shapes, strict=True)]
+    return SectionIntegrals(*each)
+
+
+def cell_integrals(xy: Floats, lame: LameConstants, p: int) -> SectionIntegrals:
+    """The integrals over elements of any shape, in axes of the frame.
+
+    Unknowns along a column are those of its nodes, x and y of a node together.
+
+    Parameters
+    ----------
+    xy : (c, 2, a) nodes in the order of `ReferenceElement` [m]
+    lame : constants of the layer
+    p : degree
+    """
+    (lam, mu), reference, n = lame, reference_element(p), p + 1
+    G, areas = shape_function_gradients(xy, p)  # (c, 2, a, q), (c, q)
+    count = len(xy)
+    order = np.argsort(reference.order)
+    root = np.sqrt(areas)[:, None]
+    # The first index of a node in its grid is that of its row, the second that along the column.
+    G = (G * root[:, None])[:, :, order]
+    value = (reference.values * root)[:, order]
+    flat = G.reshape(count, 2 * n * n, -1)
+    H = _products(flat, flat).reshape(count, 2, n, n, 2, n, n)  # c, x or y, row, along, ...
+    mixed = _products(flat, value).reshape(count, 2, n, n, n, n)
+    mass = _products(value, value).reshape(count, n, n, n, n)
+    stretch = H[:, 0, :, :, 0] + H[:, 1, :, :, 1]
+
+    plane = lam * H + mu * H.transpose(0, 4, 2, 3, 1, 5, 6)
+    shear = np.zeros_like(H)
+    for i in range(2):
+        plane[:, i, :, :, i] += mu * stretch
+        shear[:, i, :, :, i] = mu * mass
+    # From (x or y, row, along) twice to (along, x or y) twice and (row) twice.
+    to_plane, to_mixed, to_z = (0, 3, 1, 6, 4, 2, 5), (0, 3, 1, 5, 2, 4), (0, 2, 4, 1, 3)
+    by_nodes = 2 * n, n, n, n
+    sheared = mixed.transpose(0, 1, 4, 5, 2, 3)
+    return SectionIntegrals(
+        plane=plane.transpose(to_plane).reshape(count, 2 * n, 2 * n, n, n),
+        shear=shear.transpose(to_plane).reshape(count, 2 * n, 2 * n, n, n),
+        coupled=(lam * mixed).transpose(to_mixed).reshape(count, *by_nodes),
+        sheared=(mu * sheared).transpose(to_mixed).reshape(count, *by_nodes),
+        across=((lam + 2 * mu) * mass).transpose(to_z),
+        tilted=(mu * stretch).transpose(to_z),
+    )

@@ -1,0 +1,249 @@
+"""The prepared model of a brake in the hierarchic model of the width."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from drumlin.base.arrays import Floats
+from drumlin.base.errors import BadInput, NoAnswer
+from drumlin.base.lapack import dpotrf, dtrtrs, solve_lower
+from drumlin.brake.brake import Brake, Shoe
+from drumlin.brake.fields import Material
+from drumlin.brake.orthotropic import isotropic_only
+from drumlin.fem.hp.body import shoe_contact_line
+from drumlin.fem.hp.division import Level, ShoeDivision, divide_shoe
+from drumlin.fem.preparation.bodies import DividedBody, ShoeSubstructure, make_shoe_substructure
+from drumlin.fem.preparation.cache import Cache, first_shoes_of_equal_shape, shoe_without_loads
+from drumlin.fem.preparation.columns import MOST_CONTACT_NODES, PointsByShape
+from drumlin.fem.preparation.scene import PreparedModel, Seconds, add_elapsed_time
+from drumlin.fem.preparation.scene import reason_why_not_modelled as plane_why_not
+from drumlin.fem.substructure.body import FRAME, CondensedBody, InnerSystem, InnerUnknowns
+from drumlin.fem.substructure.elimination import SINGULAR_BODY, CondensedSystem
+from drumlin.fem.width.face import WidthFace
+from drumlin.fem.width.functions import WidthFunctions, functions_of
+from drumlin.fem.width.shoe import condense_width, width_layers
+
+LARGEST_WIDTH_NU = 0.499
+"""Largest Poisson's ratio at which displacements alone describe a body with a width."""
+LARGEST_WIDTH_DEGREE = 9
+"""Largest degree across the width: the Gauss rules over the width are exact up to degree 11."""
+INTERIOR = "interior fields: not recovered across the width"
+"""What a prepared model with a width leaves out."""
+
+MakeFunctions = Callable[[Shoe], WidthFunctions]
+"""Makes the functions across the width of a shoe."""
+
+
+@dataclass(frozen=True)
+class NodesOverWidth:
+    """The nodes of a body of columns, each with its functions across the width.
+
+    `N` is half the number of the body's displacements: the number of nodes of a section with as
+    many unknowns.
+    """
+
+    N: int
+
+
+class NotRecovered:
+    """The unknowns of a body with a width that condensation has eliminated; none is recovered.
+
+    Each method raises NotImplementedError.
+    """
+
+    def system(self) -> InnerSystem:
+        """The whole system of the body."""
+        raise NotImplementedError(INTERIOR)
+
+    def eliminate_loads(self) -> CondensedSystem:
+        """The unit loads condensed to contact and frame."""
+        raise NotImplementedError(INTERIOR)
+
+    def with_forces(self, forces: Floats) -> InnerUnknowns:
+        """The same unknowns with further unit loads."""
+        raise NotImplementedError(INTERIOR)
+
+    def displacements(self, nodal: Floats, frame: Floats, loads: Floats) -> Floats:
+        """Displacements of all nodes."""
+        raise NotImplementedError(INTERIOR)
+
+
+def width_why_not(brake: Brake) -> str | None:
+    """Why the hierarchic model of the width does not apply to a brake; None where it applies."""
+    if brake.unmeshable() is not None:
+        return brake.unmeshable()
+    if brake.ring is not None:
+        return "its drum is an elastic ring, whose own width is not modelled"
+    for shoe in brake.shoes:
+        reason = _shoe_why_not(shoe)
+        if reason is not None:
+            return f"shoe {shoe.name!r}: {reason}"
+    return isotropic_only(brake, "the model of the width") or plane_why_not(brake)
+
+
+def _shoe_why_not(shoe: Shoe) -> str | None:
+    """Why the hierarchic model of the width does not apply to a shoe; None where it applies."""
+    if shoe.mesh is not None:
+        return "a mesh of its own is a section without widths"
+    if shoe.body is not None and shoe.body.bending_stiffness is not None:
+        return "its bending_stiffness is not that of a section of its thickness and width"
+    for name, part in (("lining", shoe.lining), ("backing", shoe.backing), ("body", shoe.body)):
+        material = getattr(part, "material", None)
+        if isinstance(material, Material) and material.nu > LARGEST_WIDTH_NU:
+            given = f"{name}.material.nu = {material.nu:g}"
+            return f"{given} is all but incompressible; at most {LARGEST_WIDTH_NU:g}"
+    return None
+
+
+def prepare_width(
+    brake: Brake,
+    level: Level,
+    degree: int | MakeFunctions,
+    points: PointsByShape | None = None,
+    *,
+    cache: Cache | None = None,
+) -> PreparedModel:
+    """The bodies of a brake with widths, condensed and coupled; shoes of one shape share one.
+
+    Parameters
+    ----------
+    brake : the brake
+    level : degree and grading of the section
+    degree : degree across the width, or what makes the functions of each shoe; 0 is plane stress
+    points : singular points of the pressure, by shape
+    cache : keeps condensed bodies; found ones are taken from it, and new ones put there
+
+    Raises
+    ------
+    BadInput
+        where the model does not apply, and for a degree out of range
+    NoAnswer
+        for a singular stiffness, and for more than MOST_CONTACT_NODES nodes of a face
+    """
+    reason = width_why_not(brake)
+    if reason is not None:
+        raise BadInput(f"the model of the width does not apply to this brake: {reason}")
+    if not callable(degree) and not 0 <= degree <= LARGEST_WIDTH_DEGREE:
+        raise BadInput(f"--across = {degree}: must be from 0 to {LARGEST_WIDTH_DEGREE}")
+    make = degree if callable(degree) else partial(functions_of, degree=degree)
+    seconds: Seconds = {}
+    cache = cache or Cache()
+    alike = first_shoes_of_equal_shape(brake)
+    tip = brake.actuation is not None and brake.actuation.is_cam
+    made: dict[int, ShoeSubstructure] = {}
+    for i in dict.fromkeys(alike):
+        shoe = brake.shoes[i]
+        functions = make(shoe)
+        division = divide_shoe(
+            shoe, brake.size, level, (points or {}).get(i, ()), grades_loaded_end=tip
+        )
+        nodes = division.contact_nodes * len(functions.face_nodes(shoe.lining.width / 2))
+        if nodes > MOST_CONTACT_NODES:
+            raise NoAnswer(
+                f"its {nodes} contact nodes are more than the {MOST_CONTACT_NODES} that are allowed"
+            )
+        friction = brake.friction > 0
+        key = ("width", shoe_without_loads(shoe), brake.size, friction, division.key, functions)
+        body = partial(width_body, shoe, brake.size, division, functions, friction, seconds)
+        made[i] = cache.get(key, body, _size_of)
+    bodies = tuple(made[i] for i in alike)
+    return PreparedModel(brake, bodies, None, seconds, _lines(brake, alike), model="solid")
+
+
+def _lines(brake: Brake, alike: Sequence[int]) -> tuple[str, ...]:
+    """Lines that name quantities that are not computed."""
+    shapes, count = len(set(alike)), len(brake.shoes)
+    lines = [INTERIOR, "the other half of each shoe: symmetric"]
+    if shapes < count:
+        lines.append(f"{count - shapes} of {count} shoes: same shape as another, condensed once")
+    return tuple(lines)
+
+
+def _size_of(body: ShoeSubstructure) -> int:
+    """The memory [bytes] of a condensed body, approximately: six matrices of its contact."""
+    return 8 * 6 * len(body.line.nodes) ** 2
+
+
+def width_body(
+    shoe: Shoe,
+    radius: float,
+    division: ShoeDivision,
+    functions: WidthFunctions,
+    friction: bool,
+    seconds: Seconds,
+) -> ShoeSubstructure:
+    """The condensed body of a shoe with a width, coupled with its counterface.
+
+    Parameters
+    ----------
+    shoe : a parametric shoe
+    radius : of the drum [m]
+    division : of its section
+    functions : across its width
+    friction : whether the brake has friction
+    seconds : time of each phase [s], which this function adds to
+
+    Raises
+    ------
+    NoAnswer
+        for a singular stiffness
+    """
+    with add_elapsed_time(seconds, "condensation"):
+        found = condense_width(shoe, radius, division, functions)
+        L, info = dpotrf(found.S[FRAME:, FRAME:], lower=1)
+        if info:
+            raise NoAnswer(SINGULAR_BODY)
+        half_error = solve_lower(L, found.rigid_mode_forces)
+        condensed = CondensedBody(
+            L,
+            L_fc=solve_lower(L, found.S[FRAME:, :FRAME]).T,
+            load_on_contact=found.loads[FRAME:],
+            load_on_frame=found.loads[:FRAME],
+            load_work=found.work,
+            inner=NotRecovered(),
+            columns=found.columns,
+            force_imbalance=found.force_imbalance,
+            rigid_mode_error=dtrtrs(L, half_error, lower=1, trans=1)[0],
+        )
+    with add_elapsed_time(seconds, "coupling"):
+        face = face_of(shoe, radius, division, functions)
+        basis = NodesOverWidth(unknowns_of(shoe, division, functions) // 2)
+        divided = DividedBody(basis, basis, face)
+        return make_shoe_substructure(
+            ShoeSubstructure, shoe, divided, condensed, found.centre, friction=friction
+        )
+
+
+def face_of(
+    shoe: Shoe, radius: float, division: ShoeDivision, functions: WidthFunctions
+) -> WidthFace:
+    """The friction surface of a divided shoe with functions across its width."""
+    line, half = shoe_contact_line(shoe, radius, division), shoe.lining.width / 2
+    count = len(functions.face_nodes(half))
+    return WidthFace(
+        nodes=np.arange(len(line.nodes) * count),
+        xy=np.repeat(line.xy, count, axis=1),
+        phi=np.repeat(line.phi, count),
+        pieces=line.pieces,
+        edge=line.edge,
+        line=line,
+        functions=functions,
+        half=half,
+    )
+
+
+def unknowns_of(shoe: Shoe, division: ShoeDivision, functions: WidthFunctions) -> int:
+    """Number of displacements of a divided shoe with functions across its width.
+
+    Rows of nodes between two layers have the functions of the wider one; supports are not counted.
+    """
+    p, beyond = division.degree, len(division.before) + len(division.after) - 2
+    count = 0
+    layers = width_layers(shoe, division, functions)
+    for k, half in enumerate(layers.halves):
+        even, odd = functions.counts(half)
+        nodes = division.contact_nodes + (beyond * p if k >= division.first_body_layer else 0)
+        count += (2 * even + odd) * nodes * (p + (k == 0))
+    return count

@@ -1,0 +1,129 @@
+"""The estimated error of plane stress itself against the true one, on random brakes.
+
+    python -m drumlin_studies.width_error FIRST LAST [DEGREE]
+
+prints a line for each brake on a rigid drum that random_brake draws from the seeds FIRST to
+LAST - 1, and the table of estimated over true errors: by one width and by several, of brakes that
+plane stress misses by more than LEAST_JUDGED. The truth is the model of the width of the degree
+DEGREE (5) on the first level of the section. Plane stress on the same section is judged, so that
+the section's error cancels.
+"""
+
+import sys
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from drumlin.base.errors import NoAnswer
+from drumlin.brake.brake import Brake
+from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.singular_points import singular_points_of
+from drumlin.fem.model import solve_prepared_model
+from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.solve import solve
+from drumlin.fem.width.error import model_distance
+from drumlin.fem.width.functions import breaks_of
+from drumlin.fem.width.prepare import prepare_width, width_why_not
+from drumlin_studies.random_brake import SHAPE_KINDS, random_brake
+
+LEAST_JUDGED = 1e-3
+"""True relative error from which on an estimate is judged; smaller ones concern nobody."""
+TRUE_WIDTH_DEGREE = 5
+"""Degree across the width of the truth, by default."""
+KINDS_WITH_WIDTHS = tuple(kind for kind in SHAPE_KINDS if not kind.endswith("on ring"))
+"""Kinds of random brakes that have an estimate: those on a rigid drum."""
+JUDGED = ("torque", "pressure", "reaction")
+"""The errors that are judged, by their names in `ModelError`."""
+
+
+class WidthErrorRow(NamedTuple):
+    """The true and the estimated error of plane stress on a brake.
+
+    Attributes
+    ----------
+    title : of the brake
+    widths : number of different widths of its parts, and of breaks beside a web
+    true, estimated : relative errors by the names of JUDGED
+    """
+
+    title: str
+    widths: int
+    true: dict[str, float]
+    estimated: dict[str, float]
+
+    def ratio(self, name: str) -> float:
+        """The estimated error over the true one."""
+        return self.estimated[name] / self.true[name]
+
+
+def judged(brake: Brake, degree: int = TRUE_WIDTH_DEGREE) -> WidthErrorRow | str:
+    """The errors of plane stress on a brake, or why there are none."""
+    reason = width_why_not(brake)
+    if reason is not None:
+        return reason
+    try:
+        response = solve(brake, model_error=True)
+        points = singular_points_of(brake, response, error=LEVELS[0].error)
+        plane = solve_prepared_model(prepare(brake, LEVELS[0], points), brake, start=response)
+        scene = prepare_width(brake, LEVELS[0], degree, points)
+        true = model_distance(brake, plane, solve_prepared_model(scene, brake, start=response))
+    except NoAnswer as error:
+        return str(error)
+    found = response.plane_stress_error
+    assert found is not None
+    if found.unknown or true.unknown:
+        return f"estimate: {found.unknown or 'known'}; truth: {true.unknown or 'known'}"
+    widths = max(len(breaks_of(shoe)) - 1 for shoe in brake.shoes)
+    return WidthErrorRow(brake.title, widths, dict(true.brake), dict(found.brake))
+
+
+def rows_of_seeds(first: int, last: int, degree: int) -> Iterator[WidthErrorRow | str]:
+    """The rows of the brakes of the seeds from `first` to `last` - 1, or why one has none."""
+    for seed in range(first, last):
+        try:
+            brake = random_brake(seed, KINDS_WITH_WIDTHS[seed % len(KINDS_WITH_WIDTHS)])
+        except NoAnswer as error:
+            yield str(error)
+            continue
+        found = judged(brake, degree)
+        yield found if isinstance(found, WidthErrorRow) else f"{brake.title}: {found}"
+
+
+def table_of(rows: list[WidthErrorRow]) -> list[str]:
+    """Lines of estimated over true errors: their number, quantiles and parts within factors."""
+    lines = ["widths  error      brakes  least  5 %   half  95 %  most  within 1.5"]
+    for name in JUDGED:
+        for several in (False, True):
+            own = [row for row in rows if (row.widths > 1) == several]
+            ratios = [row.ratio(name) for row in own if row.true[name] > LEAST_JUDGED]
+            if not ratios:
+                continue
+            at = np.quantile(ratios, [0.0, 0.05, 0.5, 0.95, 1.0])
+            within = np.mean([1 / 1.5 <= ratio <= 1.5 for ratio in ratios])
+            numbers = "  ".join(f"{value:4.2f}" for value in at)
+            word = "several" if several else "one"
+            lines.append(f"{word:7} {name:10} {len(ratios):6}  {numbers}  {within:6.0%}")
+    return lines
+
+
+def main() -> None:
+    """Print the rows and the table of some seeds."""
+    first, last, *degree = map(int, sys.argv[1:])
+    rows = []
+    for row in rows_of_seeds(first, last, *degree or [TRUE_WIDTH_DEGREE]):
+        if isinstance(row, str):
+            sys.stdout.write(f"{row}\n")
+            continue
+        rows.append(row)
+        errors = ", ".join(
+            f"{name} {row.true[name]:.1e} x {row.estimated[name] / (row.true[name] or 1):.2f}"
+            for name in JUDGED
+        )
+        sys.stdout.write(f"{row.title} ({row.widths}): {errors}\n")
+        sys.stdout.flush()
+    sys.stdout.write("\n".join(table_of(rows)) + "\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,43 @@
+"""The judge of the estimated error of plane stress on random brakes."""
+
+import pytest
+
+from drumlin.brake.file import read_brake, vary
+from drumlin_studies.width_error import WidthErrorRow, judged, table_of
+from sections import t_section
+
+
+def row(widths, true, ratio):
+    """A row whose three errors are `true`, and estimated as a multiple of it."""
+    names = ("torque", "pressure", "reaction")
+    return WidthErrorRow(
+        "t", widths, dict.fromkeys(names, true), dict.fromkeys(names, ratio * true)
+    )
+
+
+def test_the_table_counts_errors_that_matter():
+    rows = [row(1, 1e-2, 0.5), row(1, 1e-2, 1.0), row(1, 1e-4, 9.0), row(3, 1e-2, 2.0)]
+    _, one, several, *_ = table_of(rows)
+    assert one.split() == [*["one", "torque", "2", "0.50"], "0.53", "0.75", "0.97", "1.00", "50%"]
+    assert several.split()[:4] == ["several", "torque", "1", "2.00"]
+
+
+def test_a_brake_is_judged_on_its_own_section(flexible):
+    found = judged(t_section(flexible), 3)
+    assert isinstance(found, WidthErrorRow)
+    assert found.widths == 3
+    for name, true in found.true.items():
+        assert true > 1e-3
+        assert 0.5 < found.ratio(name) < 2.0
+
+
+def test_a_brake_without_an_estimate_is_a_line(root, flexible):
+    ring = read_brake(root / "studies" / "post_brake" / "brake.toml")
+    assert judged(ring) == "its drum is an elastic ring, whose own width is not modelled"
+    stiff = vary(flexible, {"shoe.lining.material.nu": 0.4999})
+    assert "is all but incompressible" in judged(stiff)
+
+
+@pytest.mark.parametrize("name", ["torque", "pressure", "reaction"])
+def test_the_ratio_of_a_row_is_that_of_estimated_and_true(name):
+    assert row(1, 2e-3, 1.25).ratio(name) == pytest.approx(1.25)

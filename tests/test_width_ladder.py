@@ -1,0 +1,104 @@
+"""Brakes with widths solved to a tolerance: stated against true errors, and refusals."""
+
+import json
+
+import pytest
+
+from command_line import drumlin
+from drumlin.base.errors import BadInput, NoAnswer
+from drumlin.brake.file import vary
+from drumlin.fem.error_control.adapt import Tolerance
+from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.singular_points import singular_points_of
+from drumlin.fem.model import solve_prepared_model
+from drumlin.fem.solid import model as solid
+from drumlin.fem.solve import solve
+from drumlin.fem.width.error import model_distance
+from drumlin.fem.width.functions import WidthFunctions
+from drumlin.fem.width.ladder import solve_with_widths
+from drumlin.fem.width.prepare import prepare_width
+from sections import t_section
+
+GRADED = WidthFunctions((0.0, 17e-3, 20e-3), 4)
+"""Functions for one width of 40 mm that leave 1e-5 of the torque."""
+
+
+@pytest.fixture(scope="module")
+def truth(brake):
+    """The answer of the main brake on the second level, with functions graded to the side."""
+    start = solve(brake)
+    points = singular_points_of(brake, start)
+    scene = prepare_width(brake, LEVELS[1], lambda shoe: GRADED, points)
+    return solve_prepared_model(scene, brake, start=start)
+
+
+@pytest.mark.parametrize("tolerance", [2e-2, 5e-3, 2e-3])
+def test_stated_errors_are_above_the_true_ones_and_below_the_tolerance(brake, truth, tolerance):
+    found = solve_with_widths(brake, Tolerance(tolerance, tolerance))
+    true = model_distance(brake, found, truth).brake
+    assert found.error["pressure"] < tolerance
+    assert found.error["torque"] < tolerance
+    # Two parts of the error of the torque may cancel, so that only p tells errors far too large.
+    assert found.error["pressure"] < 6 * true["pressure"]
+    for name, error in true.items():
+        assert error < found.error[name], name
+
+
+def test_a_finer_tolerance_takes_a_finer_section_or_a_higher_degree(brake):
+    coarse, fine = (solve_with_widths(brake, Tolerance(t, t)) for t in (5e-2, 1e-3))
+    assert coarse.shoes[0].order < fine.shoes[0].order
+    assert "degree 2 across the width" in coarse.notes[-1]
+    assert "degree 2 across the width" not in fine.notes[-1]
+
+
+@pytest.mark.slow
+def test_on_a_t_section_stated_errors_are_above_the_true_ones(brake):
+    section = t_section(brake)
+    found = solve_with_widths(section, Tolerance(1e-2, 1e-2))
+    start = solve(section)
+    points = singular_points_of(section, start)
+    truth = solve_prepared_model(prepare_width(section, LEVELS[0], 6, points), section, start=start)
+    for name, error in model_distance(section, found, truth).brake.items():
+        assert error < found.error[name], name
+
+
+def test_a_tolerance_that_is_out_of_reach_is_refused_and_says_what_was_reached(brake):
+    with pytest.raises(NoAnswer, match=r"tolerance 1e-07 not reached .*: estimated error of p"):
+        solve_with_widths(brake, Tolerance(1e-7, 1e-7))
+
+
+def test_without_contraction_one_width_is_plane_stress(flexible):
+    changes = {"shoe.lining.material.nu": 0.0, "shoe.body.material.nu": 0.0}
+    brake = vary(flexible, changes)
+    found, plane = solve_with_widths(brake, Tolerance(1e-2, 1e-2)), solve(brake)
+    assert found.torque == pytest.approx(plane.torque, rel=found.error["torque"])
+    assert found.error["torque"] < 1e-4
+
+
+def test_the_command_line_takes_a_tolerance_for_solid_shoes(root, truth, tmp_path):
+    file = root / "studies" / "double_shoe" / "brake.toml"
+    done = drumlin(
+        "solve", file, "--model", "solid", "--tolerance", "0.01", "--json", tmp_path / "a.json"
+    )
+    assert done.returncode == 0, done.stderr
+    data = json.loads((tmp_path / "a.json").read_text())
+    assert data["model"] == "solid"
+    assert data["torque"] == pytest.approx(truth.torque, rel=data["error"]["torque"])
+    # The pressure of the face is as wide as the lining, and its mean is that of the curve.
+    surface = data["shoes"][0]["surface"]
+    assert surface["z"][0] == -surface["z"][-1] == pytest.approx(-20e-3)
+    assert "plane_stress_error" not in data
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"elements": 12}, "leave out --elements = 12"),
+        ({"across": 3}, "leave out --across = 3"),
+    ],
+)
+def test_options_of_hexahedra_do_not_go_with_a_tolerance(brake, options, said):
+    with pytest.raises(BadInput, match=f"chooses degree and division of the solid; {said}"):
+        solid.solve(brake, tolerance=1e-2, **options)
+    with pytest.raises(BadInput, match="--tolerance = 1: must be greater than 0"):
+        solid.solve(brake, tolerance=1.0)

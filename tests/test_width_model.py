@@ -1,0 +1,211 @@
+"""Brakes with widths: limits in which they are plane stress, balances, and the solid shoes."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from conftest import partly
+from drumlin.base.errors import BadInput
+from drumlin.brake.file import read_brake, vary
+from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.singular_points import singular_points_of
+from drumlin.fem.model import solve_prepared_model
+from drumlin.fem.preparation.prepare import prepare
+from drumlin.fem.solid import model as hexahedra
+from drumlin.fem.substructure.body import rigid_body_modes
+from drumlin.fem.width.error import WIDTH_LEVEL
+from drumlin.fem.width.functions import WidthFunctions
+from drumlin.fem.width.prepare import prepare_width, width_why_not
+from drumlin.response.norms import pressure_distance, relative
+from drumlin_studies.random_kinds import draw_brake_of_kind
+from flat_pads import pad
+from held_shoes import BODY, brake_of
+from sections import t_section
+
+ROOT = Path(__file__).resolve().parents[1]
+NO_CONTRACTION = {"shoe.lining.material.nu": 0.0, "shoe.body.material.nu": 0.0}
+STEEL_BACK = {"thickness": 0.004, "material": {"E": 2.1e11, "nu": 0.3}}
+SOFT_BACK = {"thickness": 0.004, "material": {"E": 2.1e11, "nu": 0.0}}
+FLAT_BODY = {
+    "thickness": 0.02,
+    "width": 0.04,
+    "start": 0.05,
+    "end": 0.19,
+    "material": {"E": 2.1e11, "nu": 0.3},
+}
+
+
+def post():
+    """A post brake of straight beams on a rigid drum, of one width."""
+    brake = read_brake(ROOT / "studies" / "post_brake" / "brake.toml")
+    width = brake.shoes[0].lining.width
+    own = {"shoe.body.width": width, "shoe.body.bending_stiffness": None}
+    return vary(brake, {"drum.ring": None, **own})
+
+
+HELD = {
+    "double shoe": lambda: read_brake(ROOT / "studies" / "double_shoe" / "brake.toml"),
+    "T-section": lambda: t_section(read_brake(ROOT / "studies" / "double_shoe" / "flexible.toml")),
+    "rigid": lambda: brake_of("pivot", 1),
+    "rigid with a backing": lambda: brake_of("guide", 1, backing=STEEL_BACK),
+    "abutment": lambda: brake_of("rough abutment", -1, body=BODY),
+    "grip": lambda: brake_of("pivot", 1, body=BODY),
+    "narrow body in a grip": lambda: brake_of("guide", 1, body=BODY | {"width": 0.015}),
+    "wide body": lambda: brake_of("abutment", 1, body=BODY | {"width": 0.06}),
+    "post": post,
+    "pad": lambda: pad("hinge", body=FLAT_BODY),
+    "pad in a grip": lambda: pad("pivot", body=FLAT_BODY),
+    "rigid pad": lambda: pad("hinge"),
+}
+"""Brakes of all ways to hold and push shoes."""
+QUICK = ("T-section", "post", "grip", "pad")
+
+
+def widths(brake, width):
+    """The brake with all parts of one width [m]."""
+    both = {"shoe.lining.width": width}
+    if any(shoe.body is not None for shoe in brake.shoes):
+        both["shoe.body.width"] = width
+    return vary(brake, both)
+
+
+def without_contraction(brake):
+    """The brake with Poisson's ratios of zero, and one width."""
+    none = {"shoe.lining.material.nu": 0.0}
+    if brake.shoes[0].body is not None:
+        none["shoe.body.material.nu"] = 0.0
+    if brake.shoes[0].backing is not None:
+        none["shoe.backing.material.nu"] = 0.0
+    return widths(vary(brake, none), brake.shoes[0].lining.width)
+
+
+def plane(brake, level=LEVELS[0]):
+    return solve_prepared_model(prepare(brake, level), brake)
+
+
+def wide(brake, degree, level=LEVELS[0], places=None):
+    return solve_prepared_model(prepare_width(brake, level, degree, places), brake)
+
+
+def assert_same(mine, other, within, reactions=1e-9):
+    """All torques agree to `within`, pressures in L2 and reactions more roughly.
+
+    Digits that either answer knows to have lost do not count.
+    """
+    least = within
+    for own, true in zip(mine.shoes, other.shoes, strict=True):
+        within = least + own.lost.torque + true.lost.torque
+        assert relative(own.normal_force, true.normal_force) == pytest.approx(0, abs=within)
+        assert own.torque == pytest.approx(true.torque, rel=within)
+        assert pressure_distance(own, true) < 1e-9
+        np.testing.assert_allclose(
+            own.hinge_reaction, true.hinge_reaction, atol=reactions * true.normal_force
+        )
+
+
+@pytest.mark.parametrize("kind", partly(HELD, QUICK))
+def test_degree_zero_is_plane_stress(kind):
+    brake = HELD[kind]()
+    assert_same(wide(brake, 0), plane(brake), 1e-11)
+
+
+@pytest.mark.parametrize("kind", partly(HELD, QUICK))
+@pytest.mark.parametrize("degree", [1, 2, 3, 5])
+def test_without_contraction_one_width_is_plane_stress_at_every_degree(kind, degree):
+    brake = without_contraction(HELD[kind]())
+    mine, other = wide(brake, degree), plane(brake)
+    assert_same(mine, other, 1e-10)
+    for shoe, true in zip(mine.shoes, other.shoes, strict=True):
+        # Nothing varies over the width.
+        apart = np.abs(shoe.surface.pressure.T - shoe.pressure).max()
+        assert apart < 1e-7 * true.pressure.max()
+
+
+@pytest.mark.parametrize("kind", partly(HELD, QUICK))
+@pytest.mark.parametrize("degree", [2, 3])
+def test_forces_and_moments_balance(kind, degree):
+    response = wide(HELD[kind](), degree)
+    assert response.balance.force < 1e-9
+    assert response.balance.moment < 1e-9
+
+
+@pytest.mark.parametrize("kind", partly(HELD, QUICK))
+def test_rigid_body_modes_strain_nothing(kind):
+    brake = HELD[kind]()
+    scene = prepare_width(brake, LEVELS[0], 3)
+    for body, shoe in zip(scene.bodies, brake.shoes, strict=True):
+        inner = body.condensed
+        R = rigid_body_modes(body.line.xy, shoe.own_pin)
+        # With the frame held, the forces that move the contact rigidly are those of the frame:
+        # S_cc R = -S_cf, here as L L^T R + L L_fc^T = 0.
+        forces = inner.L_cc @ (inner.L_cc.T @ R + inner.L_fc.T)
+        scale = np.abs(inner.L_cc @ (np.abs(inner.L_cc.T) @ np.abs(R))).max()
+        assert np.abs(forces).max() < 1e-9 * scale
+
+
+def test_as_the_width_goes_to_zero_the_difference_falls_in_proportion(brake):
+    apart = []
+    for width in (40e-3, 8e-3, 2e-3):
+        narrow = widths(brake, width)
+        own = wide(narrow, 2, LEVELS[1]), plane(narrow, LEVELS[1])
+        apart.append(abs(relative(own[0].torque, own[1].torque)))
+    first, second, third = apart
+    # 40 mm is wider than the lining is thick, where the difference has nearly saturated.
+    assert third / second == pytest.approx(1 / 4, rel=0.3)
+    assert second < first / 2
+
+
+@pytest.mark.slow
+def test_on_the_main_brake_it_is_the_solid_shoes_to_which_hexahedra_converge(brake):
+    points = singular_points_of(brake, plane(brake, LEVELS[1]))
+    functions = WidthFunctions((0.0, 17e-3, 20e-3), 4)
+    mine = wide(brake, lambda shoe: functions, LEVELS[1], points)
+    # 448.7310 N m is the limit of hexahedra, 80 of them along each lining.
+    assert mine.torque == pytest.approx(448.7310, rel=1e-5)
+    ungraded = wide(brake, 4, LEVELS[1], points)
+    assert ungraded.torque == pytest.approx(448.7310, rel=2e-4)
+    others = [solve_prepared_model(hexahedra.prepare(brake, elements=n), brake) for n in (14, 20)]
+    for other in others:
+        assert other.torque == pytest.approx(mine.torque, rel=2e-4)
+        assert pressure_distance(other.shoes[0], mine.shoes[0]) < 0.03
+
+
+@pytest.mark.slow
+def test_on_a_t_section_it_is_the_solid_shoes_to_which_hexahedra_converge(brake):
+    section = t_section(brake)
+    points = singular_points_of(section, plane(section, LEVELS[1]))
+    mine = wide(section, 4, LEVELS[0], points)
+    few, many = (
+        solve_prepared_model(hexahedra.prepare(section, elements=n, across=8), section)
+        for n in (14, 20)
+    )
+    # At the corners of table and web the error of hexahedra falls as their size.
+    limit = many.torque - (few.torque - many.torque) * 14 / (20 - 14)
+    assert mine.torque == pytest.approx(limit, rel=2e-4)
+    assert abs(many.torque - mine.torque) < 0.8 * abs(few.torque - mine.torque)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("kind", "seed"), [("arc", 1), ("backed", 2), ("misfit", 1), ("cam", 1), ("strut", 2)]
+)
+def test_on_random_brakes_degree_zero_is_plane_stress(kind, seed):
+    brake = draw_brake_of_kind(seed, kind)
+    assert_same(wide(brake, 0), plane(brake), 1e-11)
+    balance = wide(brake, 2, WIDTH_LEVEL).balance
+    assert max(balance.force, balance.moment) < 1e-9
+
+
+def test_what_is_not_covered_is_refused_in_a_line(brake, root):
+    ring = read_brake(root / "studies" / "post_brake" / "brake.toml")
+    assert width_why_not(brake) is None
+    with pytest.raises(BadInput, match="its drum is an elastic ring, whose own width"):
+        prepare_width(ring, LEVELS[0], 1)
+    with pytest.raises(BadInput, match="its bending_stiffness is not that of a section"):
+        prepare_width(vary(ring, {"drum.ring": None}), LEVELS[0], 1)
+    full = vary(brake, {"shoe.lining.material.nu": 0.4995})
+    with pytest.raises(BadInput, match=r"nu = 0\.4995 is all but incompressible; at most 0\.499"):
+        prepare_width(full, LEVELS[0], 1)
+    with pytest.raises(BadInput, match="--across = 10: must be from 0 to 9"):
+        prepare_width(brake, LEVELS[0], 10)
