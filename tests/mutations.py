@@ -64,7 +64,7 @@ STATED = "tests/test_stated_true.py"
 
 TUNED: dict[str, dict[str, Guard]] = {
     "fem/error_control/levels.py": {
-        "RULE": Guard("both", (TRUTHS,)),
+        "LEVEL_RULE": Guard("both", (TRUTHS,)),
     },
     "fem/width/ladder.py": {
         "WIDTH_SAFETY": Guard(
@@ -75,7 +75,7 @@ TUNED: dict[str, dict[str, Guard]] = {
         ),
     },
     "fem/error_control/adapt.py": {
-        "NEAR": Guard(
+        "PEAK_NEAR_END": Guard(
             "up",
             (f"{STATED}::test_a_peak_that_finer_columns_may_find_at_an_end_is_unknown_before",),
         ),

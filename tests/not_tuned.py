@@ -78,8 +78,8 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "LARGEST_FRICTION_RATIO_DIFFERENCE": SAID,
     },
     "fem/error_control/adapt.py": {
-        "DEFAULT": "what a solve aims at, as README says",
-        "SHORTEST": SAID,
+        "DEFAULT_TOLERANCE": "what a solve aims at, as README says",
+        "SHORTEST_KNOWN_CONTACT": SAID,
     },
     "fem/hp/corner.py": {
         "SMALLEST_ROOT": "limit of a search",
@@ -94,7 +94,7 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "LONGEST_CORNER_CONTACT": DEFINITION,
     },
     "fem/error_control/singular_points.py": {"CONTACT_END_BITS": ROUND_OFF},
-    "fem/hp/element.py": {"SLOPES_AT_ONCE": SPEED},
+    "fem/hp/element.py": {"SLOPES_PER_BATCH": SPEED},
     "fem/error_control/levels.py": {"DEG": DEFINITION, "LEVELS": DEFINITION, "MOST_PASSES": PASSES},
     "fem/hp/ring.py": {"FULL_TURN": DEFINITION, "SAME_ANGLE": ROUND_OFF},
     "fem/preparation/columns.py": {"MOST_CONTACT_NODES": MEMORY},
@@ -176,7 +176,7 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "EPSILON": DEFINITION,
         "MOST_CORRECTIONS": PASSES,
         "CONVERGED_CORRECTION": ROUND_OFF,
-        "SLOWEST": "factor by which corrections that converge shrink",
+        "SLOWEST_CONVERGENCE": "factor by which corrections that converge shrink",
         "MOST_REFINED_SETS": PASSES,
     },
     "fem/analysis/sensitivity.py": {"PERCENT_PER_MM": DEFINITION},

@@ -10,8 +10,8 @@ import pytest
 import blocks
 from drumlin import Brake, NoAnswer, Response, solve, vary
 from drumlin.fem.error_control import levels
-from drumlin.fem.error_control.adapt import DEFAULT
-from drumlin.fem.error_control.levels import LEVELS, steps
+from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE
+from drumlin.fem.error_control.levels import LEVELS, solved_levels
 from drumlin.fem.error_control.singular_points import pressure_changes_by_kinks, singular_points_of
 from drumlin.fem.hp.division import Singularity, SingularPoint, divide_shoe
 from drumlin.fem.model import solve_prepared_model
@@ -42,8 +42,8 @@ def test_a_lining_of_many_blocks_reaches_the_tolerance_and_says_its_error(steps:
     assert stated is not None
     error = off(response.shoes[0].pressure_at(blocks.angles_of(brake)), np.array(true["pressure"]))
     assert error <= stated["pressure"] + true["moved"]
-    assert stated["pressure"] <= DEFAULT.pressure
-    assert stated["torque"] <= DEFAULT.torque
+    assert stated["pressure"] <= DEFAULT_TOLERANCE.pressure
+    assert stated["torque"] <= DEFAULT_TOLERANCE.torque
     assert abs(response.torque / true["torque"] - 1) <= stated["torque"]
     assert len(response.shoes[0].theta) < 1000
 
@@ -102,7 +102,7 @@ def solved(brake: Brake, monkeypatch: pytest.MonkeyPatch) -> tuple[Response, Res
     """The default response, and that on the second level with all kinks as places."""
     found = solve(brake)
     monkeypatch.setattr("drumlin.fem.error_control.singular_points.NEGLIGIBLE_KINKS", 0.0)
-    (*_, true) = islice(steps(brake, solve_prepared_model), 2)
+    (*_, true) = islice(solved_levels(brake, solve_prepared_model), 2)
     return found, true.response
 
 
@@ -118,7 +118,11 @@ def test_the_chords_of_a_table_are_seen_where_they_matter(monkeypatch: pytest.Mo
     a, b = found.shoes[0], true.shoes[0]
     theta = np.linspace(*b.theta[[0, -1]], 4001)[20:-20]
     assert a.error is not None
-    assert off(a.pressure_at(theta), b.pressure_at(theta)) < a.error["pressure"] < DEFAULT.pressure
+    assert (
+        off(a.pressure_at(theta), b.pressure_at(theta))
+        < a.error["pressure"]
+        < DEFAULT_TOLERANCE.pressure
+    )
     assert abs(a.peak_pressure / b.peak_pressure - 1) < a.error["peak"]
 
 
@@ -184,7 +188,7 @@ def test_ends_of_the_contact_that_go_to_and_fro_are_left(
         passes.append(scene)
         return solve_prepared_model(scene, brake, start=start)
 
-    list(steps(brake, counted, levels=LEVELS[:1]))
+    list(solved_levels(brake, counted, levels=LEVELS[:1]))
     assert len(passes) == 2
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from drumlin.fem.error_control import estimate
 from drumlin.fem.error_control.estimate import FACTORS, QUANTITIES, Factors, read_factors
-from drumlin.fem.error_control.levels import steps
+from drumlin.fem.error_control.levels import solved_levels
 from drumlin.fem.model import solve_prepared_model
 from drumlin.studies import load
 from drumlin_studies.calibration import (
@@ -132,13 +132,13 @@ def test_the_file_that_the_code_reads_was_written_by_the_command():
 def seen():
     _, brake = draw_calibration_brake(300_001)
     return brake, level_errors(
-        brake, solve_by_finer_divisions(brake), steps(brake, solve_prepared_model)
+        brake, solve_by_finer_divisions(brake), solved_levels(brake, solve_prepared_model)
     )
 
 
 def test_what_is_observed_of_a_level_is_what_a_solve_states(seen):
     brake, levels = seen
-    responses = picked(steps(brake, solve_prepared_model), "response")
+    responses = picked(solved_levels(brake, solve_prepared_model), "response")
     for (before, last), level in zip(pairwise(responses), levels, strict=True):
         stated = estimate.estimate(brake, before, last)
         assert stated.brake["pressure"] == pytest.approx(

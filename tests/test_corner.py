@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.special import betainc
 
-from drumlin.fem.error_control.levels import steps
+from drumlin.fem.error_control.levels import solved_levels
 from drumlin.fem.hp.corner import (
     POWER_LAW_PART,
     UnboundedCorner,
@@ -85,7 +85,7 @@ def test_a_solved_contact_has_the_power_of_its_corner_over_decades():
     lining matter.
     """
     stored = read_stored_truth(TRUTHS / "corner_dragged_inwards.json")
-    *_, last = islice(steps(stored.brake, solve_prepared_model), 5)
+    *_, last = islice(solved_levels(stored.brake, solve_prepared_model), 5)
     (found,) = last.response.shoes
     ((at_start, power),) = unbounded_corners(stored.brake, 0, found)
     assert power == pytest.approx(min(corner_exponents_of(stored.brake, 0))) and power < -0.2
@@ -158,7 +158,7 @@ def test_p_between_the_nodes_near_a_corner_is_its_power_to_a_ten_thousandth():
 )
 def test_the_power_of_a_corner_makes_p_many_times_more_exact(name, level, most, gain):
     stored = read_stored_truth(TRUTHS / f"{name}.json")
-    *_, last = islice(steps(stored.brake, solve_prepared_model), level)
+    *_, last = islice(solved_levels(stored.brake, solve_prepared_model), level)
     raw = true_errors(stored.brake, last.response.shoes, stored.true.shoes)["pressure"]
     found = response_with_power_laws(stored.brake, last.response)
     error = true_errors(stored.brake, found.shoes, stored.true.shoes)["pressure"]
@@ -171,14 +171,14 @@ def test_what_is_left_of_p_is_known_where_it_has_no_bound():
     At a corner far smaller columns leave little error.
     """
     stored = read_stored_truth(TRUTHS / "tip_short.json")
-    *_, last = islice(steps(stored.brake, solve_prepared_model), 4)
+    *_, last = islice(solved_levels(stored.brake, solve_prepared_model), 4)
     (shoe,), (found,) = stored.brake.shoes, last.response.shoes
     left = pressure_error_under_tips(shoe, stored.brake.size, found)
     assert left == pytest.approx(
         true_errors(stored.brake, [found], stored.true.shoes)["pressure"], rel=0.3
     )
     corner = read_stored_truth(TRUTHS / "corner_dragged_inwards.json").brake
-    *_, last = islice(steps(corner, solve_prepared_model), 2)
+    *_, last = islice(solved_levels(corner, solve_prepared_model), 2)
     (found,) = last.response.shoes
     assert pressure_error_at_corners(corner, 0, found) > 2e-3
     (better,) = response_with_power_laws(corner, last.response).shoes

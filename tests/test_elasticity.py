@@ -16,11 +16,23 @@ from drumlin.brake.elasticity import (
 )
 from drumlin.brake.fields import Material
 from drumlin.fem.hp import element as hp
-from drumlin.fem.hp.arc import angular_integrals, arc_column_stiffness, condensed_arc_elements
-from drumlin.fem.hp.columns import column_stiffness, column_unknowns, rotate_components
+from drumlin.fem.hp.arc import (
+    angular_integrals,
+    arc_column_stiffness,
+    condensed_arc_element_stiffness,
+)
+from drumlin.fem.hp.columns import (
+    column_stiffness,
+    order_of_column_unknowns,
+    rotate_matrix_components,
+)
 from drumlin.fem.hp.shoe import element_nodes
 from drumlin.fem.substructure.body import scalar_basis, stiffness
-from drumlin.fem.substructure.elasticity import split_elasticity, stress, through_layers
+from drumlin.fem.substructure.elasticity import (
+    directions_through_layers,
+    split_elasticity,
+    stresses_from_gradients,
+)
 from drumlin.response.resultants import lobatto
 from drumlin.verification.triangles import lagrange
 from drumlin.verification.triangles.triangulation import TriangleLayer, initial_mesh
@@ -119,7 +131,7 @@ def test_stresses_are_those_of_the_matrix_in_the_layers_directions(name):
     points, H = random.uniform(0.1, 0.2, (2, 5)), random.standard_normal((2, 2, 5))
     t, n = directions(layer, points)
     assert layer.directions(points) == pytest.approx(t, abs=1e-14)
-    assert through_layers(t) == pytest.approx(n, abs=1e-14)
+    assert directions_through_layers(t) == pytest.approx(n, abs=1e-14)
     eps = 0.5 * (H + H.swapaxes(0, 1))
 
     def parts(tensor):
@@ -128,7 +140,9 @@ def test_stresses_are_those_of_the_matrix_in_the_layers_directions(name):
         )
 
     strains = parts(eps) * np.array([[1], [1], [2]])
-    assert parts(stress(H, DIRECTED, t)) == pytest.approx(DIRECTED @ strains, rel=1e-12)
+    assert parts(stresses_from_gradients(H, DIRECTED, t)) == pytest.approx(
+        DIRECTED @ strains, rel=1e-12
+    )
 
 
 @pytest.mark.parametrize("name", LAYERS)
@@ -164,7 +178,7 @@ def bent_elements(p):
 
 
 def along_at(layer, xy, p):
-    return np.moveaxis(layer.directions(np.moveaxis(hp.gauss_points(xy, p), 1, 0)), 0, 1)
+    return np.moveaxis(layer.directions(np.moveaxis(hp.element_gauss_points(xy, p), 1, 0)), 0, 1)
 
 
 @pytest.mark.parametrize("name", LAYERS)
@@ -173,8 +187,8 @@ def test_elements_of_high_degree_have_the_rotated_stiffness_of_every_point(p, na
     layer, xy = LAYERS[name], bent_elements(p)
     matrices = np.tile(layer.stiffness, (len(xy), 1, 1))
     K = hp.element_stiffness(xy, matrices, p, along_at(layer, xy, p))
-    gradients, area = hp.gradients(xy, p)
-    points = np.moveaxis(hp.gauss_points(xy, p), 1, 0)
+    gradients, area = hp.shape_function_gradients(xy, p)
+    points = np.moveaxis(hp.element_gauss_points(xy, p), 1, 0)
     theirs = lagrange._directed_stiffness(gradients.transpose(0, 2, 1, 3), area, layer, points)
     size = np.abs(K).max()
     assert np.abs(K.reshape(theirs.shape) - theirs).max() < 1e-13 * size
@@ -233,11 +247,11 @@ def test_columns_in_product_form_are_those_of_their_elements(p, contact, held, f
 
     xy = element_nodes(place, depths, angles, p)
     along = np.array([along_at(layer, own, p) for layer, own in zip(layers, xy, strict=True)])
-    of = column_unknowns(p, 3, contact=contact, held=held)
-    theirs = column_stiffness(hp.condensed_elements(xy, matrices, p, along), of)
+    of = order_of_column_unknowns(p, 3, contact=contact, held=held)
+    theirs = column_stiffness(hp.condensed_element_stiffness(xy, matrices, p, along), of)
     A = angular_integrals(angles, p, flat=flat, directed=True)
     ours = arc_column_stiffness(
-        condensed_arc_elements(radius - depths, A, matrices, p, radius if flat else None),
+        condensed_arc_element_stiffness(radius - depths, A, matrices, p, radius if flat else None),
         p,
         contact=contact,
         held=held,
@@ -246,7 +260,7 @@ def test_columns_in_product_form_are_those_of_their_elements(p, contact, held, f
     for K, own, side in zip(theirs, ours, 0.0 * half if flat else half, strict=True):
         lines = np.full(of.line // 2, side)
         ends = np.concatenate([[-side], np.zeros(nodes - 2), [side]]) if contact else []
-        expected = rotate_components(K, np.concatenate([lines * -1, ends, lines]))
+        expected = rotate_matrix_components(K, np.concatenate([lines * -1, ends, lines]))
         np.testing.assert_allclose(own, expected, rtol=0, atol=1e-11 * np.abs(expected).max())
 
 
@@ -275,6 +289,6 @@ def test_triangles_of_the_second_solver_carry_an_even_strain():
     energy = sum(
         0.5 * u[of].ravel() @ own @ u[of].ravel() for own, of in zip(K, nodes.of, strict=True)
     )
-    sigma = stress(H[..., None], DIRECTED, layer.along[:, None])[..., 0]
+    sigma = stresses_from_gradients(H[..., None], DIRECTED, layer.along[:, None])[..., 0]
     area = 0.2 * 0.02
     assert energy == pytest.approx(0.5 * (sigma * H).sum() * area * layer.width, rel=1e-12)

@@ -140,7 +140,9 @@ def test_a_ring_of_finite_elements_moves_by_the_closed_form(share, slack, twin):
             }
         },
     )
-    pressed = [part.sum(axis=1) for part in prepare(brake, elements=40).ring.pressed]
+    pressed = [
+        part.sum(axis=1) for part in prepare(brake, elements=40).ring.normal_half_flexibilities
+    ]
     fem = float(pressed[0] @ (sum(pressed) if twin else pressed[0]))
     points, weights = np.polynomial.legendre.leggauss(60)
     half = math.radians(20)

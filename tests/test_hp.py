@@ -19,24 +19,28 @@ from drumlin.fem.analysis.fields import recover_ring_fields, recover_shoe_fields
 from drumlin.fem.analysis.holding import find_full_slip_rotation, hold_drum_through_rotations
 from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity
 from drumlin.fem.equilibrium.group import divide_pressed_shoes_into_groups
-from drumlin.fem.error_control.adapt import DEFAULT, adapt
+from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE, solve_to_tolerance
 from drumlin.fem.error_control.estimate import FACTORS, estimate
-from drumlin.fem.error_control.levels import LEVELS, steps
+from drumlin.fem.error_control.levels import LEVELS, solved_levels
 from drumlin.fem.error_control.singular_points import singular_points_of
 from drumlin.fem.hp import division
-from drumlin.fem.hp.arc import angular_integrals, arc_column_stiffness, condensed_arc_elements
+from drumlin.fem.hp.arc import (
+    angular_integrals,
+    arc_column_stiffness,
+    condensed_arc_element_stiffness,
+)
 from drumlin.fem.hp.columns import (
     ColumnSubstructure,
-    assemble_pair,
-    assemble_row,
+    assemble_column_pair,
+    assemble_column_row,
     column_stiffness,
-    column_unknowns,
-    eliminate_line,
-    rotate_components,
+    eliminate_side_line,
+    order_of_column_unknowns,
+    rotate_matrix_components,
 )
 from drumlin.fem.hp.division import Singularity, SingularPoint, divide_shoe, graded_sizes
 from drumlin.fem.hp.element import (
-    condensed_elements,
+    condensed_element_stiffness,
     element_stiffness,
     reference_element,
     shape_functions,
@@ -47,8 +51,8 @@ from drumlin.fem.preparation.bodies import actuation_load_factors
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import prepare_finest_division, solve
-from drumlin.fem.substructure.body import FRAME, condense, rigid_body_modes
-from drumlin.fem.substructure.elasticity import layers_of
+from drumlin.fem.substructure.body import FRAME, condense_body, rigid_body_modes
+from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 from drumlin.laws import sine
 from drumlin.lining_wear.worn_in import solve_worn_in_brake as solve_worn_in
 from drumlin.response.norms import pressure_distance
@@ -156,26 +160,26 @@ def test_columns_merged_in_any_order_are_the_whole_eliminated_at_once():
             for d in depth
         ]
     )[..., reference_element(p).order]
-    K = condensed_elements(
+    K = condensed_element_stiffness(
         xy, np.tile(elasticity_matrix(Material(E=1.0, nu=0.3)), (layers, 1, 1)), p
     )
-    of = column_unknowns(p, layers, contact=True, held=False)
+    of = order_of_column_unknowns(p, layers, contact=True, held=False)
     parts = [ColumnSubstructure(part, of.line, of.line) for part in column_stiffness(K, of)]
-    whole = assemble_row(parts, 2)
+    whole = assemble_column_row(parts, 2)
     # Columns are joined from left to right, in place of pairs of pairs.
     one_by_one = parts[0]
     for part in parts[1:]:
-        one_by_one = assemble_pair(one_by_one, part, 2)
+        one_by_one = assemble_column_pair(one_by_one, part, 2)
     size = np.abs(whole.K).max()
     np.testing.assert_allclose(whole.K, one_by_one.K, atol=1e-11 * size)
     assert len(whole.K) == 2 * of.line + 2 * (m * p + 1)
     assert np.abs(whole.K.reshape(len(whole.K), -1, 2).sum(axis=1)).max() < 1e-12 * size
-    ends = assemble_row(
-        [eliminate_line(parts[0]), *parts[1:-1], eliminate_line(parts[-1], right=True)], 2
+    ends = assemble_column_row(
+        [eliminate_side_line(parts[0]), *parts[1:-1], eliminate_side_line(parts[-1], right=True)], 2
     )
     assert ends.left == ends.right == 0
     np.testing.assert_allclose(
-        ends.K, eliminate_line(eliminate_line(whole), right=True).K, atol=1e-11 * size
+        ends.K, eliminate_side_line(eliminate_side_line(whole), right=True).K, atol=1e-11 * size
     )
     np.testing.assert_allclose(ends.K, every_unknown_at_once(K, p), atol=1e-11 * size)
 
@@ -194,13 +198,13 @@ def test_columns_of_an_arc_by_symmetric_and_antisymmetric_motions_are_those_of_t
     def place(depth, phi):
         return np.array([(0.14 - depth) * np.cos(phi), (0.14 - depth) * np.sin(phi)])
 
-    of = column_unknowns(p, 3, contact=contact, held=held)
+    of = order_of_column_unknowns(p, 3, contact=contact, held=held)
     theirs = column_stiffness(
-        condensed_elements(element_nodes(place, depths, angles, p), matrices, p), of
+        condensed_element_stiffness(element_nodes(place, depths, angles, p), matrices, p), of
     )
     nodes = p + 1 if contact else 0
     ours = arc_column_stiffness(
-        condensed_arc_elements(radii, angular_integrals(angles, p), matrices, p),
+        condensed_arc_element_stiffness(radii, angular_integrals(angles, p), matrices, p),
         p,
         contact=contact,
         held=held,
@@ -208,7 +212,7 @@ def test_columns_of_an_arc_by_symmetric_and_antisymmetric_motions_are_those_of_t
     for K, own, side in zip(theirs, ours, half, strict=True):
         lines = np.full(of.line // 2, side)
         ends = np.concatenate([[-side], np.zeros(nodes - 2), [side]]) if contact else []
-        expected = rotate_components(K, np.concatenate([lines * -1, ends, lines]))
+        expected = rotate_matrix_components(K, np.concatenate([lines * -1, ends, lines]))
         np.testing.assert_allclose(own, expected, rtol=0, atol=1e-11 * np.abs(expected).max())
 
 
@@ -241,9 +245,12 @@ def body_and_parts(brake, index=0, level=LEVELS[1]):
 
 def factorised_at_once(shoe, body):
     """The shoe condensed by one sparse factorisation; its contact stiffness must be the body's."""
-    _, ties, loads = body.condensed.inside()
-    other = condense(
-        body.basis.stiffness(layers_of(shoe)), ties, {"actuation": loads}, 2 * len(body.line.nodes)
+    _, ties, loads = body.condensed.make_whole_system()
+    other = condense_body(
+        body.basis.stiffness(elastic_layers_of_shoe(shoe)),
+        ties,
+        {"actuation": loads},
+        2 * len(body.line.nodes),
     )
     expected = other.L_cc @ other.L_cc.T
     found = body.condensed.L_cc @ body.condensed.L_cc.T
@@ -300,7 +307,9 @@ def test_what_round_off_took_from_the_answer_is_little_and_seen(flexible, which,
     """
     brake = flexible if which == "flexible" else random_brake(which)
     brake = vary(brake, {"shoe.body.material.E": softer * brake.shoes[0].body.material.E})
-    made, response = list(steps(brake, solve_prepared_model, levels=LEVELS[: level + 1]))[-1]
+    made, response = list(solved_levels(brake, solve_prepared_model, levels=LEVELS[: level + 1]))[
+        -1
+    ]
     (group, *_) = divide_pressed_shoes_into_groups(made, brake, PENALTY)
     group, found = group.solve_contact(None)
     refined = refine_group_solution(group, found.active)
@@ -343,8 +352,9 @@ def test_a_ring_under_even_pressure_grows_as_lame_says(brake, support):
     }
     made = prepare(vary(brake, halves), LEVELS[2])
     p = [np.full(len(body.line.phi), 1e6) for body in made.bodies]
-    opened = sum(made.ring.pressed[j] @ p[j] for j in range(2))
-    gap = np.linalg.solve(made.bodies[0].coupling.M, made.ring.pressed[0].T @ opened)
+    halves_of_ring = made.ring.normal_half_flexibilities
+    opened = sum(halves_of_ring[j] @ p[j] for j in range(2))
+    gap = np.linalg.solve(made.bodies[0].coupling.M, halves_of_ring[0].T @ opened)
     if support == "free":
         u = 1e6 * R / E * ((1 - nu) * R**2 + (1 + nu) * b**2) / (b**2 - R**2)
     else:
@@ -372,7 +382,7 @@ def test_levels_converge_fast_and_the_estimate_is_an_upper_value(flexible):
     The finest level is the reference. The stated error is at most ten times the true one.
     """
     # The last level has fewer digits than the others.
-    made = list(steps(flexible, solve_prepared_model))[:5]
+    made = list(solved_levels(flexible, solve_prepared_model))[:5]
     responses, truth = picked(made, "response"), made[-1].response
     # Round-off of the finest level limits how well it can judge the others.
     lost = max(picked(truth.shoes, "lost.pressure"))
@@ -391,14 +401,14 @@ def test_levels_converge_fast_and_the_estimate_is_an_upper_value(flexible):
 def test_every_solve_states_its_error_and_columns_end_where_the_contact_ends(brake):
     half = vary(brake, {"shoe.lining.clearance": 1e-4})
     response = solve(half)
-    assert response.error["pressure"] <= DEFAULT.pressure
-    assert response.error["torque"] <= DEFAULT.torque
+    assert response.error["pressure"] <= DEFAULT_TOLERANCE.pressure
+    assert response.error["torque"] <= DEFAULT_TOLERANCE.torque
     assert (
         set(response.error)
         == set(response.shoes[0].error)
         == {"pressure", "torque", "peak", "reaction"}
     )
-    fine = picked(steps(half, solve_prepared_model), "response")[3]
+    fine = picked(solved_levels(half, solve_prepared_model), "response")[3]
     for shoe, a, b in zip(half.shoes, response.shoes, fine.shoes, strict=True):
         assert pressure_distance(a, b) < response.error["pressure"]
         start, end = shoe.lining.start, shoe.lining.end
@@ -440,7 +450,7 @@ def test_a_small_smooth_contact_is_that_of_hertz(brake):
 def test_columns_of_the_first_level_end_where_a_short_contact_ends(seed):
     """To 2 % of its length, within which the pressure rises from nothing to much of its peak."""
     brake = random_brake(seed, "small contact")
-    found = next(steps(brake, solve_prepared_model))
+    found = next(solved_levels(brake, solve_prepared_model))
     line, shoe = found.scene.bodies[0].line, found.response.shoes[0]
     first, last = shoe.contact_arcs[0]
     ends = brake.shoes[0].frame.theta(line.phi[:: line.order])
@@ -482,7 +492,7 @@ def test_a_block_deeper_than_long_bears_down_to_its_foot(length, thickness, back
         "shoe": [block],
     }
     brake = brake_from(data)
-    found = picked(islice(steps(brake, solve_prepared_model), 5), "response")
+    found = picked(islice(solved_levels(brake, solve_prepared_model), 5), "response")
     for k in (2, 3, 4):
         assert (
             abs(found[k - 1].torque / found[-1].torque - 1)
@@ -498,7 +508,7 @@ def test_corners_beyond_a_short_contact_cost_little_and_change_nothing(monkeypat
     (5) and on an elastic one (23), and moved p by less than the level's error.
     """
     brake, found = random_brake(seed, "small contact"), []
-    (_, before), (_, true) = islice(steps(brake, solve_prepared_model), 1, 3)
+    (_, before), (_, true) = islice(solved_levels(brake, solve_prepared_model), 1, 3)
     # The ends of the contact are kept: their rounding changes p by more.
     places = singular_points_of(brake, true)
     for rule in (division.size_far_from_contact, lambda size, distance, *, coarsens: size):
@@ -523,13 +533,13 @@ def test_most_short_contacts_are_known_by_default_on_the_third_level():
         found = []
         for seed in range(8):
             brake = random_brake(seed, "small contact")
-            (_, before), (_, last) = islice(steps(brake, solve_prepared_model), 1, 3)
+            (_, before), (_, last) = islice(solved_levels(brake, solve_prepared_model), 1, 3)
             found.append(pressure_distance(before.shoes[0], last.shoes[0]))
         return np.array(found)
 
     found = steps_of_p()
     assert np.count_nonzero(FACTORS.pressure * found < 1.5e-3) >= 5
-    assert np.count_nonzero(FACTORS.pressure * found < DEFAULT.pressure) >= 6
+    assert np.count_nonzero(FACTORS.pressure * found < DEFAULT_TOLERANCE.pressure) >= 6
 
 
 def test_a_short_contact_is_graded_faster():
@@ -539,7 +549,7 @@ def test_a_short_contact_is_graded_faster():
     more.
     """
     brake = random_brake(2, "small contact")
-    true = picked(steps(brake, solve_prepared_model), "response")[-1]
+    true = picked(solved_levels(brake, solve_prepared_model), "response")[-1]
     places = singular_points_of(brake, true)
 
     def solved(level):
@@ -560,7 +570,9 @@ def test_what_a_level_cannot_reach_is_said(brake):
         match=r"tolerance 1e-12 not reached on \d meshes of up to \d+ unknowns a shoe: estimated",
     ):
         solve(brake, tolerance=1e-12)
-    answered = adapt(brake, DEFAULT._replace(torque=0.0), solve_prepared_model, must=False).response
+    answered = solve_to_tolerance(
+        brake, DEFAULT_TOLERANCE._replace(torque=0.0), solve_prepared_model, must=False
+    ).response
     assert (
         answered.notes[-1].startswith("warning: tolerance ") and "not reached" in answered.notes[-1]
     )
@@ -665,7 +677,7 @@ def test_a_contact_that_ends_all_but_at_an_end_of_the_lining_converges():
     """
     *_, one, other = (
         step.response.shoes[0]
-        for step in steps(random_brake(7986), solve_prepared_model, levels=LEVELS[:5])
+        for step in solved_levels(random_brake(7986), solve_prepared_model, levels=LEVELS[:5])
     )
     assert pressure_distance(one, other) < 5e-4
 
@@ -778,7 +790,7 @@ def test_fields_recovered_on_a_grid_are_in_balance(brake):
     u = body.condensed.displacement(
         nodal, np.zeros(FRAME), shoe.actuation.force * actuation_load_factors(body, shoe)[0]
     )
-    forces = body.basis.stiffness(layers_of(shoe)) @ u.T.ravel()
+    forces = body.basis.stiffness(elastic_layers_of_shoe(shoe)) @ u.T.ravel()
     n = 2 * len(body.line.nodes)
     assert forces[:n] == pytest.approx(nodal, abs=1e-6 * np.abs(nodal).max())
 
@@ -840,7 +852,8 @@ def test_cases_of_a_sweep_state_their_errors_and_share_divisions(brake):
     rows = [case_row(case, cache) for cache in [Cache()] for case in cases]
     for row in rows:
         assert (
-            0 < row["error_pressure"] <= DEFAULT.pressure and row["error_torque"] <= DEFAULT.torque
+            0 < row["error_pressure"] <= DEFAULT_TOLERANCE.pressure
+            and row["error_torque"] <= DEFAULT_TOLERANCE.torque
         )
     # A row of a sweep must depend on its case alone.
     assert rows == list(map(case_row, cases))
@@ -883,7 +896,9 @@ def test_what_is_kept_is_never_that_of_another_brake_or_division(brake):
                 mine, theirs = getattr(a, name), getattr(b, name)
                 assert (mine is None) == (theirs is None), name
                 assert mine is None or np.array_equal(mine, theirs), name
-        for a, b in zip(kept.ring.pressed, anew.ring.pressed, strict=True):
+        for a, b in zip(
+            kept.ring.normal_half_flexibilities, anew.ring.normal_half_flexibilities, strict=True
+        ):
             assert np.array_equal(a, b)
 
 

@@ -12,8 +12,13 @@ from drumlin.brake.surface import DRUM
 from drumlin.contact import active_set
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.substructure.body import scalar_basis
-from drumlin.fem.substructure.interface import ContactLine, contact_line, couple, radial
-from drumlin.fem.substructure.ring import couple_ring
+from drumlin.fem.substructure.interface import (
+    ContactLine,
+    couple_with_counterface,
+    drum_directions,
+    make_contact_line,
+)
+from drumlin.fem.substructure.ring import ring_coupling_matrices
 from drumlin.response.resultants import cross, integrate, resultant
 from drumlin_studies import two_bodies as pair
 
@@ -98,7 +103,7 @@ def test_patch_test_on_the_arc(sign):
         mine, other = rings[::sign]
         for ours, theirs in zip(
             (both.coupling.N, both.coupling.T),
-            couple_ring(mine.line, other.line, 1.0, sign),
+            ring_coupling_matrices(mine.line, other.line, 1.0, sign),
             strict=True,
         ):
             a, b = (ours.T @ found.p).reshape(-1, 2), (theirs.T @ found.p).reshape(-1, 2)
@@ -176,7 +181,7 @@ def test_the_matrices_of_straight_edges_are_those_of_the_book(order):
         y,
         np.arange(order + 1)[:, None] + [0, order],
     )
-    found = couple(
+    found = couple_with_counterface(
         line,
         0.5,
         lambda x: (np.ones_like(x) * [[[0.6]], [[0.8]]], np.ones_like(x) * [[[-0.8]], [[0.6]]]),
@@ -208,7 +213,7 @@ def test_the_nodes_of_a_contact_line_follow_one_another_wherever_it_lies(kind, t
         mesh = skfem.MeshQuad(mesh.p, mesh.t, _boundaries=mesh.boundaries)
     basis = scalar_basis(mesh)
     facets = np.random.default_rng(0).permutation(mesh.boundaries["contact"])
-    line = contact_line(basis, facets, turned + 0.1)
+    line = make_contact_line(basis, facets, turned + 0.1)
     order = 2 if kind == "quad2" else 1
     assert line.order == order
     assert line.phi == pytest.approx(np.linspace(angles[0], angles[-1], 5 * order + 1), abs=1e-12)
@@ -218,6 +223,6 @@ def test_the_nodes_of_a_contact_line_follow_one_another_wherever_it_lies(kind, t
 
 @pytest.mark.parametrize("sign", (1, -1))
 def test_normals_point_from_the_lining_to_the_drum_and_tangents_along_growing_angles(sign):
-    n, e = radial(sign)(np.array([[3.0, 0.0], [4.0, -2.0]]))
+    n, e = drum_directions(sign)(np.array([[3.0, 0.0], [4.0, -2.0]]))
     assert n == pytest.approx(sign * np.array([[0.6, 0], [0.8, -1]]))
     assert e == pytest.approx(np.array([[-0.8, 1], [0.6, 0]]))

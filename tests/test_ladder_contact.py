@@ -11,7 +11,11 @@ from drumlin.brake.fields import Material
 from drumlin.contact import active_set, stick_slip
 from drumlin.fem.mesh.grading import points_graded_to_both_ends
 from drumlin.fem.substructure.body import scalar_basis, stiffness
-from drumlin.fem.substructure.interface import contact_line, couple, radial
+from drumlin.fem.substructure.interface import (
+    couple_with_counterface,
+    drum_directions,
+    make_contact_line,
+)
 from drumlin.response.resultants import integrate
 from drumlin_studies import closed_forms
 from drumlin_studies.two_bodies import (
@@ -261,8 +265,8 @@ def test_lame_ring_under_inner_pressure():
     mesh = closed_ring_mesh(np.linspace(-math.pi, math.pi, 33)[:-1], np.linspace(0, 0.1, 7), 0.1, 1)
     basis = scalar_basis(mesh)
     K = stiffness(basis, {"body": ElasticLayer.of(Material(E=200e9, nu=0.3), 0.02)}).tolil()
-    line = contact_line(basis, mesh.boundaries["contact"], 0.0)
-    coupling = couple(line, 0.02, radial(1))
+    line = make_contact_line(basis, mesh.boundaries["contact"], 0.0)
+    coupling = couple_with_counterface(line, 0.02, drum_directions(1))
     f = np.zeros(2 * basis.N)
     force = (coupling.N.T @ np.full(len(line.nodes), 60e6)).reshape(-1, 2)
     f[2 * line.nodes], f[2 * line.nodes + 1] = force.T

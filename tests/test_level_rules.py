@@ -5,7 +5,7 @@ import math
 import pytest
 
 from drumlin.fem.error_control.estimate import QUANTITIES, Factors
-from drumlin.fem.error_control.levels import RULE
+from drumlin.fem.error_control.levels import LEVEL_RULE
 from drumlin_studies.calibration import LevelRecord
 from drumlin_studies.level_rules import (
     LevelsOfRule,
@@ -59,7 +59,7 @@ def test_a_rule_is_reported_by_what_a_user_would_see():
 
 def test_words_change_numbers_of_the_rule():
     rule = changed_rule(["fall=6", "first_degree=4"])
-    assert (rule.fall, rule.first_degree, rule.sizes) == (6.0, 4, RULE.sizes)
+    assert (rule.fall, rule.first_degree, rule.sizes) == (6.0, 4, LEVEL_RULE.sizes)
     assert math.isclose(rule.level(2).degree, 5)
     with pytest.raises(ValueError, match="fal"):
         changed_rule(["fal=6"])

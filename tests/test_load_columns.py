@@ -6,7 +6,7 @@ import pytest
 from drumlin.brake import read_any, read_brake, vary
 from drumlin.fem.equilibrium.group import divide_pressed_shoes_into_groups
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.error_control.refinement import full_system, refine
+from drumlin.fem.error_control.refinement import full_system, refined_solution
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.bodies import (
     DividedBody,
@@ -15,11 +15,11 @@ from drumlin.fem.preparation.bodies import (
     make_shoe_substructure,
 )
 from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.substructure.body import condense, constrain, stiffness
-from drumlin.fem.substructure.elasticity import layers_of, ring_layers
+from drumlin.fem.substructure.body import body_constraints, condense_body, stiffness
+from drumlin.fem.substructure.elasticity import elastic_layers_of_ring, elastic_layers_of_shoe
 from drumlin.fem.substructure.expansion import expansion_forces, held_stress
 from drumlin.fem.substructure.loads import ACTUATION
-from drumlin.fem.substructure.ring import determinate_unknowns
+from drumlin.fem.substructure.ring import statically_determinate_unknowns
 
 HEAT = "heat"
 STRAIN = 1e-3
@@ -51,10 +51,10 @@ def free_body(brake, level):
     body, shoe = prepare(brake, level, elements=16).bodies[0], brake.shoes[0]
     basis, contact = body.basis, body.line.nodes
     inner = np.setdiff1d(np.arange(basis.N), contact)
-    held = determinate_unknowns(basis, inner)
-    constraints = constrain(basis, contact, inner[:0], np.zeros(2), held)
-    layers = layers_of(shoe)
-    condensed = condense(stiffness(basis, layers), constraints, {}, 2 * len(contact))
+    held = statically_determinate_unknowns(basis, inner)
+    constraints = body_constraints(basis, contact, inner[:0], np.zeros(2), held)
+    layers = elastic_layers_of_shoe(shoe)
+    condensed = condense_body(stiffness(basis, layers), constraints, {}, 2 * len(contact))
     return condensed, basis, layers, held
 
 
@@ -78,7 +78,7 @@ def test_a_heated_ring_has_the_displacements_of_the_closed_form(brake, level, su
     brake = vary(brake, {"drum.ring": RING | {"support": support}})
     ring, R = prepare(brake, level, elements=40).ring, brake.size
     section = brake.ring.section
-    u = displacement(heated(ring.condensed, ring.basis, ring_layers(section)), heat=1.0)
+    u = displacement(heated(ring.condensed, ring.basis, elastic_layers_of_ring(section)), heat=1.0)
     xy = ring.basis.doflocs
     r = np.hypot(*xy)
     if support == "free":
@@ -105,7 +105,7 @@ def test_a_clamped_body_is_pressed_as_plane_stress_tells(root, level):
     brake = read_any(root / "studies" / "brakes" / "rail_clamp.toml")
     shoe = brake.shoes[0]
     body = prepare(brake, level, elements=16).bodies[0]
-    layer = layers_of(shoe)["lining"]
+    layer = elastic_layers_of_shoe(shoe)["lining"]
     material = shoe.lining.material
     pressed = material.E * STRAIN / (1 - material.nu)
     points = body.line.xy
@@ -113,7 +113,9 @@ def test_a_clamped_body_is_pressed_as_plane_stress_tells(root, level):
     assert sigma == pytest.approx(
         np.broadcast_to((pressed * np.eye(2))[:, :, None], sigma.shape), rel=1e-12
     )
-    forces = expansion_forces(body.basis, layers_of(shoe), {"lining": EVEN}).reshape(-1, 2)
+    forces = expansion_forces(body.basis, elastic_layers_of_shoe(shoe), {"lining": EVEN}).reshape(
+        -1, 2
+    )
     length = np.ptp(body.line.xy[0])
     # The forces that the free strain puts on the clamped friction surface, y away from the plane.
     clamped = forces[body.line.nodes].sum(axis=0)
@@ -138,12 +140,12 @@ def test_a_free_straight_body_swells_through_its_layers_alone(root, level):
 def test_further_columns_are_those_of_one_elimination_of_all_loads(brake):
     """The elimination of elements one by one, and that of the whole grid at once."""
     shoe, body = brake.shoes[0], prepare(brake, LEVELS[0]).bodies[0]
-    warm = heated(body.condensed, body.basis, layers_of(shoe))
+    warm = heated(body.condensed, body.basis, elastic_layers_of_shoe(shoe))
     assert warm.columns.sizes == ((ACTUATION, 3), (HEAT, 1))
-    _, constraints, loads = warm.inside()
+    _, constraints, loads = warm.make_whole_system()
     named = {ACTUATION: loads[:, :3], HEAT: loads[:, 3:]}
-    K = body.basis.stiffness(layers_of(shoe))
-    other = condense(K, constraints, named, 2 * len(body.line.nodes))
+    K = body.basis.stiffness(elastic_layers_of_shoe(shoe))
+    other = condense_body(K, constraints, named, 2 * len(body.line.nodes))
     for name in ("load_on_contact", "load_on_frame", "load_work"):
         mine, theirs = getattr(warm, name), getattr(other, name)
         assert np.array_equal(mine[:, :3][:3], getattr(body.condensed, name)[:3])
@@ -158,16 +160,16 @@ def test_further_columns_are_those_of_one_elimination_of_all_loads(brake):
 @DIVISIONS
 def test_a_name_is_given_to_one_load(brake, level):
     shoe, body = brake.shoes[0], prepare(brake, level, elements=8).bodies[0]
-    warm = heated(body.condensed, body.basis, layers_of(shoe))
+    warm = heated(body.condensed, body.basis, elastic_layers_of_shoe(shoe))
     with pytest.raises(ValueError, match="heat"):
-        heated(warm, body.basis, layers_of(shoe))
+        heated(warm, body.basis, elastic_layers_of_shoe(shoe))
 
 
 @DIVISIONS
 def test_a_shoe_is_coupled_with_all_its_columns(brake, level):
     """The gap closes as the heated lining grows; the actuation keeps its own factors."""
     shoe, body = brake.shoes[0], prepare(brake, level, elements=40).bodies[0]
-    warm = heated(body.condensed, body.basis, layers_of(shoe))
+    warm = heated(body.condensed, body.basis, elastic_layers_of_shoe(shoe))
     division = DividedBody(body.mesh, body.basis, body.line)
     coupled = make_shoe_substructure(
         ShoeSubstructure, shoe, division, warm, body.load_centre, friction=True
@@ -188,7 +190,7 @@ def test_a_free_strain_in_the_linings_is_solved_and_refined_alike(brake, level, 
     """
 
     def with_free_strain(kind, shoe, division, condensed, centre, *, friction):
-        forces = expansion_forces(division.basis, layers_of(shoe), {"lining": EVEN})
+        forces = expansion_forces(division.basis, elastic_layers_of_shoe(shoe), {"lining": EVEN})
         loaded = condensed.with_loads({HEAT: forces[:, None]})
         return make_shoe_substructure(kind, shoe, division, loaded, centre, friction=friction)
 
@@ -208,6 +210,6 @@ def test_a_free_strain_in_the_linings_is_solved_and_refined_alike(brake, level, 
     assert max(warm.balance.force, warm.balance.moment) < 1e-8
     torque = 0.0
     for group in divide_pressed_shoes_into_groups(scene, brake):
-        refined = refine(full_system(group), group.solve_with_known_senses().active)
+        refined = refined_solution(full_system(group), group.solve_with_known_senses().active)
         torque += group.unit_force * refined.torque
     assert warm.torque == pytest.approx(torque, rel=1e-7)

@@ -7,13 +7,13 @@ import pytest
 
 from drumlin.brake.file import read_brake
 from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.hp.shoe import LoadedEnd, unit_actuations
+from drumlin.fem.hp.shoe import LoadedEnd, unit_actuation_loads
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation import columns as hp_path
 from drumlin.fem.preparation.bodies import actuation_load_factors
 from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.substructure.body import condense
-from drumlin.fem.substructure.elasticity import layers_of
+from drumlin.fem.substructure.body import condense_body
+from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 from drumlin.fem.substructure.loads import ACTUATION, LoadColumns
 
 FURTHER = "further force"
@@ -27,7 +27,7 @@ def brake(root):
 
 def with_further_force(xy, depths, p):
     """The unit actuations, and a unit force along y on the first node of the loaded end."""
-    end = unit_actuations(xy, depths, p)
+    end = unit_actuation_loads(xy, depths, p)
     force = np.zeros((len(end.forces), 1))
     force[1] = 1.0
     moment = np.array([[0.0], [1.0], [xy[0, 0] - end.centre[0]]])
@@ -39,7 +39,7 @@ def with_further_force(xy, depths, p):
 @pytest.fixture
 def further(monkeypatch):
     """Every body in hp elements has the further column."""
-    for name in ("condense_shoe", "condensed_body"):
+    for name in ("condense_shoe", "condensed_shoe_body"):
         made = partial(getattr(hp_path, name), end_loads=with_further_force)
         monkeypatch.setattr(hp_path, name, made)
 
@@ -48,8 +48,8 @@ def test_factors_name_the_loads_that_act():
     assert TWO.count == 4
     assert TWO.factors({FURTHER: np.array([2.0])}).tolist() == [0.0, 0.0, 0.0, 2.0]
     factors = TWO.factors({ACTUATION: np.array([1.0, 2.0, 3.0])})
-    assert TWO.part(ACTUATION, factors).tolist() == [1.0, 2.0, 3.0]
-    assert TWO.part(FURTHER, factors).tolist() == [0.0]
+    assert TWO.factors_of(ACTUATION, factors).tolist() == [1.0, 2.0, 3.0]
+    assert TWO.factors_of(FURTHER, factors).tolist() == [0.0]
     assert LoadColumns().factors({}).shape == (0,)
     with pytest.raises(KeyError):
         TWO.factors({"heat": np.array([1.0])})
@@ -60,9 +60,11 @@ def test_a_further_force_on_hp_elements_is_what_one_factorisation_leaves(brake, 
     assert body.columns == TWO
     assert body.closure_by_load.shape == (len(body.line.nodes), 4)
     assert body.load_motion_by_load.shape == (4, 4)
-    _, ties, loads = body.condensed.inside()
+    _, ties, loads = body.condensed.make_whole_system()
     named = {ACTUATION: loads[:, :3], FURTHER: loads[:, 3:]}
-    other = condense(body.basis.stiffness(layers_of(shoe)), ties, named, 2 * len(body.line.nodes))
+    other = condense_body(
+        body.basis.stiffness(elastic_layers_of_shoe(shoe)), ties, named, 2 * len(body.line.nodes)
+    )
     assert other.columns == TWO
     for name in ("load_on_contact", "load_on_frame", "load_work"):
         mine, theirs = getattr(body.condensed, name), getattr(other, name)

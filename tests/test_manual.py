@@ -339,7 +339,7 @@ def test_the_ten_changes_name_files_that_exist_and_touch_few():
 # names that texts mention
 
 DOTTED = re.compile(r"`((?:[a-z_]\w*\.)+\w+)(?:\(.*?\))?`")
-"""A dotted name in single back quotes, such as `drumlin.brake.surface` or `adapt.SHORTEST`."""
+"""A dotted name in single back quotes: `drumlin.brake.surface` or `adapt.DEFAULT_TOLERANCE`."""
 FILE = re.compile(r"(?<![\w./{])((?:[a-z_]\w*/)*[a-z_]\w*\.py)\b")
 """The path of a Python file in a text."""
 NOT_OURS = (
@@ -437,7 +437,7 @@ def test_files_that_texts_mention_exist():
 
 def test_a_name_that_is_gone_is_noticed():
     assert is_there("drumlin.fem.error_control.adapt")
-    assert is_there("adapt.DEFAULT")
+    assert is_there("adapt.DEFAULT_TOLERANCE")
     assert is_there("drumlin.door.WearRun") or is_there("drumlin.lining_wear.whole_brake.WearRun")
     assert not is_there("drumlin.misfit")
     assert not is_there("assembly.coupled")

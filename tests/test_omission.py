@@ -12,7 +12,7 @@ from drumlin.base.errors import BadInput
 from drumlin.brake.components import Ring
 from drumlin.brake.file import read_brake, vary
 from drumlin.fem.equilibrium.group import ShoeGroup
-from drumlin.fem.error_control.adapt import Tolerance, adapt
+from drumlin.fem.error_control.adapt import Tolerance, solve_to_tolerance
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
@@ -91,9 +91,10 @@ def test_the_sketched_ring_is_the_thick_walled_ring_and_the_thin_one_of_theory(s
     assert shear[below] == pytest.approx((1 - nu) * R / (E * below), rel=2e-2)
     assert radial[250] == pytest.approx(2 * R / (E * 250), rel=1e-12)
     if support == "free":
-        thin = Ring(thickness=1e-3 * R, width=0.04, material=IRON, support="free")
+        # Bending theory is off by 1.5 t/R. In a thinner ring round-off exceeds this error.
+        thin = Ring(thickness=2e-3 * R, width=0.04, material=IRON, support="free")
         k = np.arange(2, 6)
-        EI_per_width = E * (1e-3 * R) ** 3 / 12
+        EI_per_width = E * (2e-3 * R) ** 3 / 12
         assert ring_mode_compliances(thin, R, 1, k)[0] == pytest.approx(
             R**4 / (EI_per_width * (k**2 - 1) ** 2), rel=5e-3
         )
@@ -189,7 +190,7 @@ WITHIN = {
 @pytest.mark.parametrize("case", partly(WITHIN, {"ring fixed", "shoe", "shoe stiffest, ring"}))
 def test_a_tolerance_leaves_neither_ring_nor_shoe_out_and_holds(case):
     brake = WITHIN[case]
-    truth = adapt(brake, Tolerance(2e-4, 5e-6), solve_prepared_model).response
+    truth = solve_to_tolerance(brake, Tolerance(2e-4, 5e-6), solve_prepared_model).response
     for tolerance in (1e-1, 1e-2, 1e-3):
         response = solve(brake, tolerance=tolerance, penalty=math.inf)
         true = omission_change(response, truth)

@@ -121,7 +121,11 @@ def test_a_thin_free_ring_bends_as_theory_says():
         # Even pressures of one newton act on each side.
         p = [np.full(len(a), 1.0 / a.sum()) for a in areas]
         opening = [
-            float(p[i] @ ring.pressed[i].T @ sum(ring.pressed[j] @ p[j] for j in (0, 1)))
+            float(
+                p[i]
+                @ ring.normal_half_flexibilities[i].T
+                @ sum(ring.normal_half_flexibilities[j] @ p[j] for j in (0, 1))
+            )
             for i in (0, 1)
         ]
         EI = E * width * t**3 / 12

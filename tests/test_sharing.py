@@ -14,7 +14,7 @@ from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.bodies import actuation_load_factors
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.substructure.body import stiffness
-from drumlin.fem.substructure.elasticity import layers_of
+from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 from drumlin.laws import law
 from drumlin.response.balance import loaded
 from drumlin.response.merit import brake_factor
@@ -103,7 +103,7 @@ def test_the_tip_moves_as_the_energy_says() -> None:
     nodal = -body.coupling.N.T @ found.p[part]
     u = body.condensed.displacement(nodal, np.array([0.0, 0.0, found.y[0]]), _load(group))
     energy = 0.5 * float(
-        u.T.ravel() @ (stiffness(body.basis, layers_of(group.shoes[0])) @ u.T.ravel())
+        u.T.ravel() @ (stiffness(body.basis, elastic_layers_of_shoe(group.shoes[0])) @ u.T.ravel())
     )
     assert 0.5 * tip == pytest.approx(energy, rel=1e-6)
 

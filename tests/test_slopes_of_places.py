@@ -405,7 +405,7 @@ def test_displacements_by_way_of_the_sides_of_elements_are_those_of_the_whole_sy
             np.zeros((FRAME, 2)),
             rng.standard_normal((condensed.load_on_contact.shape[1], 2)),
         )
-        inside = condensed.inside()
+        inside = condensed.make_whole_system()
         right = inside.loads[:-FRAME] @ loads
         right[-len(nodal) :] += nodal
         u = spsolve(inside.A[:-FRAME, :-FRAME].tocsc(), right)

@@ -14,8 +14,8 @@ from drumlin.contact import active_set
 from drumlin.contact.equations import ContactProblem, condition_number
 from drumlin.fem import model
 from drumlin.fem.equilibrium.group import ShoeGroup
-from drumlin.fem.error_control.adapt import Tolerance, adapt
-from drumlin.fem.error_control.levels import steps
+from drumlin.fem.error_control.adapt import Tolerance, solve_to_tolerance
+from drumlin.fem.error_control.levels import solved_levels
 from drumlin.fem.model import (
     LARGEST_REFINED_ROUND_OFF,
     LARGEST_UNREFINED_ROUND_OFF,
@@ -26,7 +26,7 @@ from drumlin.fem.model import (
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
 from drumlin.fem.substructure.body import stiffness
-from drumlin.fem.substructure.elasticity import layers_of
+from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 from drumlin.verification import triangles
 from drumlin_studies.extreme_cases import KnobCase, designed_cases
 from drumlin_studies.random_brake import random_brake
@@ -94,7 +94,7 @@ def test_the_designed_set_turns_every_knob_to_its_end():
 @pytest.mark.parametrize("kind", ("quad2", "quad1", "tri2", "tri1"))
 def test_long_double_stiffness_is_that_of_double_and_strains_nothing_in_rigid_motion(kind):
     scene, brake, _ = solved(KnobCase(elements=8, kind=kind))
-    body, layers = scene.bodies[0], layers_of(brake.shoes[0])
+    body, layers = scene.bodies[0], elastic_layers_of_shoe(brake.shoes[0])
     K, L = (stiffness(body.basis, layers, precise=precise) for precise in (False, True))
     assert L.dtype == np.longdouble
     scale = abs(K).max()
@@ -125,7 +125,7 @@ def test_the_whole_system_finds_the_contact_set_itself():
     scene, brake, response = solved(KnobCase(clearance="split", elements=24))
     wrong = everywhere(scene)
     refined = refine_group_solution(ShoeGroup(scene, brake, (0,), 1e6), wrong)
-    assert refined.sets > 1
+    assert refined.contact_sets > 1
     assert refined.torque * 2000 == pytest.approx(response.torque, rel=1e-9)
 
 
@@ -208,7 +208,9 @@ def test_a_mesh_that_states_no_error_is_refused_where_digits_are_missing():
 
 def test_digits_that_condensation_loses_on_a_fine_division_are_part_of_the_error():
     """Too many unknowns to refine: the answer stands, and what it may be off by."""
-    _, found = adapt(random_brake(7246), Tolerance(1e-3, 1e-3), solve_prepared_model, must=False)
+    _, found = solve_to_tolerance(
+        random_brake(7246), Tolerance(1e-3, 1e-3), solve_prepared_model, must=False
+    )
     (shoe,) = found.shoes
     assert LARGEST_UNREFINED_ROUND_OFF < shoe.lost.pressure < LARGEST_REFINED_ROUND_OFF
     for name, lost in shoe.lost._asdict().items():
@@ -236,11 +238,11 @@ def test_what_a_refinement_cannot_settle_is_part_of_the_error(monkeypatch):
     refined_anyway(monkeypatch)
     brake = random_brake(8326)
     along, (true,) = (
-        islice(steps(brake, solve_prepared_model), 2),
+        islice(solved_levels(brake, solve_prepared_model), 2),
         triangles.solve_sequence(brake, triangles.TRIANGLE_LEVELS[:1]),
     )
-    found = adapt(
-        brake, Tolerance(1e-6, 1e-6), solve_prepared_model, must=False, along=along
+    found = solve_to_tolerance(
+        brake, Tolerance(1e-6, 1e-6), solve_prepared_model, must=False, levels=along
     ).response
     (shoe,) = found.shoes
     assert saying(found.notes, REFINED_REMARK)

@@ -9,7 +9,7 @@ from drumlin.brake.file import brake_from, vary
 from drumlin.contact import active_set
 from drumlin.contact.equations import ContactProblem
 from drumlin.fem.analysis.self_locking import friction_limits_of_groups
-from drumlin.fem.error_control.levels import LEVELS, steps
+from drumlin.fem.error_control.levels import LEVELS, solved_levels
 from drumlin.fem.preparation.meshes import ELEMENTS
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
@@ -133,7 +133,7 @@ def test_a_refusal_is_asked_for_once_more_where_another_division_may_answer(brak
         raise refusal
 
     with pytest.raises(NoAnswer) as raised:
-        list(steps(brake, refuse))
+        list(solved_levels(brake, refuse))
     assert raised.value is refusal
     assert len(nodes) == 2
     even = ELEMENTS * LEVELS[0].degree

@@ -10,10 +10,10 @@ import pytest
 
 from conftest import partly
 from drumlin import NoAnswer, vary
-from drumlin.fem.error_control.adapt import Tolerance, adapt, errors_with_singularities
+from drumlin.fem.error_control.adapt import Tolerance, errors_with_singularities, solve_to_tolerance
 from drumlin.fem.error_control.estimate import FACTORS, SOFTER, Errors, beside, estimate
 from drumlin.fem.error_control.levels import LEVELS as COLUMNS
-from drumlin.fem.error_control.levels import Step, steps
+from drumlin.fem.error_control.levels import SolvedLevel, solved_levels
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.solve import solve
@@ -254,9 +254,9 @@ def test_the_shortest_contact_of_a_shoe_counts(brake):
     arcs = (one.theta[0], last - 0.1), (last - 1e-8, last)
 
     def error(last):
-        along = [Step(made, before), Step(made, last)]
-        return adapt(
-            brake, Tolerance(0.5, 0.5), solve_prepared_model, must=False, along=along
+        along = [SolvedLevel(made, before), SolvedLevel(made, last)]
+        return solve_to_tolerance(
+            brake, Tolerance(0.5, 0.5), solve_prepared_model, must=False, levels=along
         ).response.error
 
     assert error(found)["torque"] == pytest.approx(
@@ -292,13 +292,13 @@ def test_a_peak_in_the_column_at_a_pressed_end_is_not_known():
     the last node.
     """
     brake = random_brake(488)
-    found = list(islice(steps(brake, solve_prepared_model), 3))
+    found = list(islice(solved_levels(brake, solve_prepared_model), 3))
     peaks = [step.response.shoes[0].peak_pressure for step in found]
     assert peaks[0] < 0.96 * peaks[1] < 0.96**2 * peaks[2]
     for some in (found[:2], found):
         assert not math.isclose(some[-1].response.shoes[0].pressure[-1], peaks[len(some) - 1])
-        stated = adapt(
-            brake, Tolerance(1e-9, 1e-9), solve_prepared_model, must=False, along=some
+        stated = solve_to_tolerance(
+            brake, Tolerance(1e-9, 1e-9), solve_prepared_model, must=False, levels=some
         ).response
         assert stated.shoes[0].error["peak"] == stated.error["peak"] == 1.0
 
@@ -392,12 +392,12 @@ def test_columns_that_lost_digits_are_no_truth_beyond_them(brake, monkeypatch):
     """Neighbouring levels may agree by chance where both have lost more."""
 
     def losing(brake, respond):
-        for made, found in steps(brake, respond):
+        for made, found in solved_levels(brake, respond):
             shoes = tuple(replace(shoe, lost=ShoeChange(1e-4, 2e-4, 3e-4)) for shoe in found.shoes)
-            yield Step(made, replace(found, shoes=shoes))
+            yield SolvedLevel(made, replace(found, shoes=shoes))
 
     sure = truth_by_hp_elements(brake, 1e-2).unsure
-    monkeypatch.setattr(stated_true, "steps", losing)
+    monkeypatch.setattr(stated_true, "solved_levels", losing)
     lost = {"pressure": 1e-4, "torque": 2e-4, "peak": 1e-4, "reaction": 3e-4}
     for name, value in truth_by_hp_elements(brake, 1e-2).unsure.items():
         assert value == pytest.approx(sure[name] + lost[name], rel=1e-4)
@@ -413,17 +413,17 @@ def test_a_level_that_moves_away_again_is_no_truth(brake, monkeypatch):
 
     def straying(last):
         def some(brake, respond):
-            for k, (made, found) in enumerate(steps(brake, respond)):
+            for k, (made, found) in enumerate(solved_levels(brake, respond)):
                 shoes = scaled_pressures(found.shoes, 1.1 ** (k - 2))
-                yield Step(made, replace(found, shoes=shoes) if 3 <= k <= last else found)
+                yield SolvedLevel(made, replace(found, shoes=shoes) if 3 <= k <= last else found)
 
         return some
 
     before, sure = truth_by_hp_elements(brake, 1e-2), truth_by_hp_elements(brake, 1e-5)
-    monkeypatch.setattr(stated_true, "steps", straying(9))
+    monkeypatch.setattr(stated_true, "solved_levels", straying(9))
     for own, other in zip(truth_by_hp_elements(brake, 1e-5).shoes, before.shoes, strict=True):
         np.testing.assert_array_equal(own.pressure, other.pressure)
-    monkeypatch.setattr(stated_true, "steps", straying(3))
+    monkeypatch.setattr(stated_true, "solved_levels", straying(3))
     home = truth_by_hp_elements(brake, 1e-5)
     assert true_errors(brake, home.shoes, sure.shoes)["pressure"] < 2 * sure.unsure["pressure"]
 
@@ -454,11 +454,11 @@ def test_a_peak_under_a_tip_of_the_gap_is_unbounded_and_so_is_its_error(brake, t
             NoAnswer,
             match=r"not reached on 3 .* p is unbounded at .* or a tip of the gap of '\w+'$",
         ):
-            adapt(
+            solve_to_tolerance(
                 kinked,
                 Tolerance(1e-6, 1e-6),
                 solve_prepared_model,
-                along=list(islice(steps(kinked, solve_prepared_model), 3)),
+                levels=list(islice(solved_levels(kinked, solve_prepared_model), 3)),
             )
     else:
         assert abs(fine.peak_pressure / rough.peak_pressure - 1) < rough.error["peak"] < 0.1
@@ -472,7 +472,7 @@ def test_a_peak_that_finer_columns_may_find_at_an_end_is_unknown_before(part, un
     largest now.
     """
     brake = random_brake(4334, "arc")
-    *_, last = islice(steps(brake, solve_prepared_model), 2)
+    *_, last = islice(solved_levels(brake, solve_prepared_model), 2)
     (shoe,) = last.response.shoes
     at_start = shoe.pressure[0] > shoe.pressure[-1]
     first, last_column = slice(0, shoe.order + 1), slice(-shoe.order - 1, None)
@@ -547,7 +547,9 @@ def test_a_reaction_that_two_levels_share_by_accident_is_not_stated_as_sure():
     _, hinged = draw_calibration_brake(300_259)
     truth = solve_by_finer_divisions(hinged)
     off = true_errors(hinged, solve(hinged).shoes, truth.shoes)["reaction"]
-    before, last = (step.response for step in islice(steps(hinged, solve_prepared_model), 2))
+    before, last = (
+        step.response for step in islice(solved_levels(hinged, solve_prepared_model), 2)
+    )
     stated = estimate(hinged, before, last)
     by_step = estimate(hinged, before, last, FACTORS._replace(cancelled=0.0))
     assert by_step.brake["reaction"] < 0.5 * off

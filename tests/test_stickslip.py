@@ -32,8 +32,12 @@ from drumlin.fem.analysis.holding import (
 from drumlin.fem.equilibrium.group import ShoeGroup
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import prepare
-from drumlin.fem.substructure.body import condense, constrain, scalar_basis, stiffness
-from drumlin.fem.substructure.interface import ContactLine, contact_line, couple
+from drumlin.fem.substructure.body import body_constraints, condense_body, scalar_basis, stiffness
+from drumlin.fem.substructure.interface import (
+    ContactLine,
+    couple_with_counterface,
+    make_contact_line,
+)
 from picking import picked
 from shared_parts import drum_ring
 
@@ -203,7 +207,7 @@ def test_direction_of_friction_on_a_wedge():
         shape = (2, *([1] * (points.ndim - 1)))
         return down.reshape(shape) * np.ones_like(points), -up.reshape(shape) * np.ones_like(points)
 
-    coupling = couple(line, 1.0, directions)
+    coupling = couple_with_counterface(line, 1.0, directions)
     p = np.full(5, 7.0)
     on_block = (-coupling.N.T @ p + mu * coupling.T.T @ p).reshape(-1, 2).sum(axis=0)
     # The push balances the horizontal part, the weight the vertical one.
@@ -232,14 +236,14 @@ def test_flat_patch_whole_and_inclined(turned):
         },
     )
     basis = scalar_basis(mesh)
-    line = contact_line(basis, mesh.boundaries["contact"], math.atan2(1.0, 3.0))
+    line = make_contact_line(basis, mesh.boundaries["contact"], math.atan2(1.0, 3.0))
     normal = np.array([s, -c])
     top = basis.get_dofs(mesh.boundaries["support"]).flatten()
     # nu = 0 and a rigid top: pressing by a distance strains the strip evenly
     K = stiffness(basis, {"body": ElasticLayer.of(Material(E=2e6, nu=0.0), 1.0)})
-    condensed = condense(
+    condensed = condense_body(
         K,
-        constrain(basis, line.nodes, top, np.zeros(2)),
+        body_constraints(basis, line.nodes, top, np.zeros(2)),
         {},
         2 * len(line.nodes),
     )
@@ -250,7 +254,7 @@ def test_flat_patch_whole_and_inclined(turned):
             shape
         ) * np.ones_like(points)
 
-    coupling = couple(line, 1.0, directions)
+    coupling = couple_with_counterface(line, 1.0, directions)
     Y = condensed.half_flexibility(-coupling.N.T)
     # The strip of height 1 has the strain -.05, which gives s = -1e5.
     depth = 0.05

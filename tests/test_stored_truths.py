@@ -141,14 +141,15 @@ def test_every_kind_of_brake_has_a_stored_truth():
 @pytest.mark.parametrize("name", ["hinge", pytest.param("pad_on_a_guide", marks=pytest.mark.slow)])
 def test_a_stored_truth_is_found_again_by_its_command(name):
     """To within the uncertainties of both, which would not hold if the file were of another brake
-    or other meshes.
+    or other meshes. At a pressed corner round-off of another processor changes p by 3e-6 of the
+    peak.
     """
     stored = read_stored_truth(FOLDER / f"{name}.json")
     again = make_stored_truth(name)
     assert stored.by == again.by
     for one, other in zip(stored.true.shoes, again.true.shoes, strict=True):
         np.testing.assert_allclose(
-            one.pressure, other.pressure, rtol=0, atol=1e-6 * other.pressure.max()
+            one.pressure, other.pressure, rtol=0, atol=1e-5 * other.pressure.max()
         )
         assert one.torque == pytest.approx(other.torque, rel=1e-9)
 

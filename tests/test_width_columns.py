@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from drumlin.fem.hp.element import reference_element
-from drumlin.fem.hp.shoe import nodes_of_pieces
+from drumlin.fem.hp.shoe import node_positions_of_elements
 from drumlin.fem.width.columns import (
     BackEdge,
     half_row,
@@ -31,7 +31,7 @@ HALVES = (1.1, 0.4)
 
 def cells(along, depths, p):
     """Nodes (layers, columns, 2, a) of elements on an arc that is bent by a quadratic map."""
-    r = 5.0 - nodes_of_pieces(depths, p)[:, None, :, None]
+    r = 5.0 - node_positions_of_elements(depths, p)[:, None, :, None]
     phi = along[:, None, :]
     r, phi = np.broadcast_arrays(r, phi)
     xy = np.array([r * np.cos(phi), r * np.sin(phi)])
@@ -63,7 +63,10 @@ def unknown_values(stack, along, xy_of, field, p):
 def columns_on_arc(p, q, *, contact=True, back=BackEdge.FREE):
     """A column with a width of two layers, by its nodes and by its symmetries."""
     functions = WidthFunctions(BREAKS, q)
-    depths, along = np.array([0.0, 0.5, 1.2]), 0.3 * nodes_of_pieces(np.array([-1.0, 1.0]), p)
+    depths, along = (
+        np.array([0.0, 0.5, 1.2]),
+        0.3 * node_positions_of_elements(np.array([-1.0, 1.0]), p),
+    )
     stack = stack_of(functions, HALVES, p, contact=contact, back=back)
     widths = [width_integrals(functions, half) for half in HALVES]
     xy = cells(along, depths, p)
@@ -150,8 +153,8 @@ def test_the_patch_test_holds_with_a_width(p, q):
     functions = WidthFunctions((0.0, half), q)
     stack = stack_of(functions, (half, half), p, contact=True, back=BackEdge.FREE)
     widths = [width_integrals(functions, half)] * 2
-    along = nodes_of_pieces(np.array([0.0, 2.0]), p)
-    rows = np.append(nodes_of_pieces(np.array([0.0, 0.6, 1.0]), p)[:, :-1].ravel(), 1.0)
+    along = node_positions_of_elements(np.array([0.0, 2.0]), p)
+    rows = np.append(node_positions_of_elements(np.array([0.0, 0.6, 1.0]), p)[:, :-1].ravel(), 1.0)
     # The back at y = 1 is straight, all other edges are curved.
     x, y = np.meshgrid(along[0], rows)
     bent = np.array([x + 0.1 * np.sin(3 * y) * (x + 1), y + 0.2 * (1 - y) * np.cos(2 * x)])
@@ -176,7 +179,7 @@ def test_the_patch_test_holds_with_a_width(p, q):
 
 def _places(along, depths, p):
     """From a row of nodes and a node along it to the point."""
-    rows = np.append(nodes_of_pieces(depths, p)[:, :-1].ravel(), depths[-1])
+    rows = np.append(node_positions_of_elements(depths, p)[:, :-1].ravel(), depths[-1])
 
     def place(row, node):
         r, phi = 5.0 - rows[row], along[0, node]

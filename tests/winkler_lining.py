@@ -3,7 +3,7 @@
 import numpy as np
 
 from drumlin.contact.equations import ContactProblem
-from drumlin.fem.substructure.interface import ContactLine, couple, radial
+from drumlin.fem.substructure.interface import ContactLine, couple_with_counterface, drum_directions
 from drumlin.lining_wear.archard import (
     WearInterface,
     WearLaw,
@@ -22,7 +22,9 @@ def winkler(gap, *, elements=24, mu=MU, arc=(0.3, 2.2)):
     phi = np.linspace(*arc, 2 * elements + 1)
     xy = RADIUS * np.array([np.cos(phi), np.sin(phi)])
     pieces = np.arange(0, 2 * elements, 2) + np.arange(3)[:, None]
-    coupling = couple(ContactLine(np.arange(len(phi)), xy, phi, pieces), WIDTH, radial(1))
+    coupling = couple_with_counterface(
+        ContactLine(np.arange(len(phi)), xy, phi, pieces), WIDTH, drum_directions(1)
+    )
     turned = np.column_stack([-xy[1], xy[0] - PIN]).ravel()
     approach = coupling.N @ turned
     problem = ContactProblem(

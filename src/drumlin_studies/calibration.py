@@ -25,7 +25,7 @@ from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.fem.error_control.adapt import errors_with_singularities
 from drumlin.fem.error_control.estimate import QUANTITIES, Errors, Factors, beside, distances
-from drumlin.fem.error_control.levels import Step, steps
+from drumlin.fem.error_control.levels import SolvedLevel, solved_levels
 from drumlin.fem.hp.corner import response_with_power_laws
 from drumlin.fem.model import solve_prepared_model
 from drumlin_studies.random_brake import SHAPE_KINDS as KINDS
@@ -108,7 +108,9 @@ def observe_levels(seed: int) -> dict[str, Any]:
         truth = (solve_by_deep_triangles if seed >= FIRST_CORNER else solve_by_finer_divisions)(
             brake
         )
-        levels = level_errors(brake, truth, islice(steps(brake, solve_prepared_model), FITTED))
+        levels = level_errors(
+            brake, truth, islice(solved_levels(brake, solve_prepared_model), FITTED)
+        )
     except (NoAnswer, AssertionError) as error:
         # Rounding turns over triangles that are too small.
         return {"seed": seed, "kind": kind, "reason": str(error), "levels": []}
@@ -120,7 +122,7 @@ def observe_levels(seed: int) -> dict[str, Any]:
     }
 
 
-def level_errors(brake: Brake, truth: Truth, found: Iterable[Step]) -> list[LevelRecord]:
+def level_errors(brake: Brake, truth: Truth, found: Iterable[SolvedLevel]) -> list[LevelRecord]:
     """Errors and estimates of the levels of a brake, from the second level on.
 
     The true error of a quantity is nan where a solve says that the quantity is not known, as for an

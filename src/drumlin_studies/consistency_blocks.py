@@ -12,7 +12,7 @@ import numpy as np
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
-from drumlin.fem.error_control.adapt import DEFAULT, adapt
+from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE, solve_to_tolerance
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.solve import solve
 from drumlin.response.response import Response, ShoeResponse
@@ -142,7 +142,9 @@ def stated_and_true_errors(brake: Brake) -> StatedAndTrue:
 
     Raises NoAnswer where the solve or the truth has no answer.
     """
-    response = adapt(brake, DEFAULT, solve_prepared_model, must=False).response
+    response = solve_to_tolerance(
+        brake, DEFAULT_TOLERANCE, solve_prepared_model, must=False
+    ).response
     true = truth_by_hp_elements(brake, BLOCKS_TRUTH_TOLERANCE)
     return StatedAndTrue(response, true, true_errors(brake, response.shoes, true.shoes))
 

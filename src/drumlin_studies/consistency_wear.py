@@ -16,7 +16,7 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
-from drumlin.fem.error_control.adapt import DEFAULT, adapt
+from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE, solve_to_tolerance
 from drumlin.fem.model import REFINED_REMARK, solve_prepared_model
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.preparation.scene import PreparedModel
@@ -131,7 +131,7 @@ def _rows_of_start(name: str, brake: Brake) -> list[Check]:
         """Torque and pressure of the unworn brake by a solve."""
         # As in `solve`, each level starts from the contact set of the level before.
         return _response_torque_and_pressure(
-            setup, adapt(brake, DEFAULT, EXACT_CONTACT, must=False).response
+            setup, solve_to_tolerance(brake, DEFAULT_TOLERANCE, EXACT_CONTACT, must=False).response
         )
 
     def answer_at_start_of_wear() -> _TorqueAndPressure:

@@ -14,7 +14,11 @@ from drumlin.brake.fields import Material
 from drumlin.contact import active_set
 from drumlin.contact.equations import ContactProblem
 from drumlin.fem.substructure.body import scalar_basis, stiffness
-from drumlin.fem.substructure.interface import contact_line, couple, radial
+from drumlin.fem.substructure.interface import (
+    couple_with_counterface,
+    drum_directions,
+    make_contact_line,
+)
 from drumlin.foundation.ring import two_forces
 from drumlin_studies import closed_forms
 from drumlin_studies.ladder_case import DISCRETE, EXACT, PRINTED, KnownAnswer
@@ -150,9 +154,11 @@ def _lame_ring_displacements() -> EdgeDisplacements:
     """A ring between the radii 0.1 m and 0.2 m under 60 MPa inside."""
     mesh = closed_ring_mesh(np.linspace(-math.pi, math.pi, 33)[:-1], np.linspace(0, 0.1, 7), 0.1, 1)
     basis, K = _basis_and_stiffness(mesh, Material(E=200e9, nu=0.3))
-    line = contact_line(basis, mesh.boundaries["contact"], 0.0)
+    line = make_contact_line(basis, mesh.boundaries["contact"], 0.0)
     # Consistent nodal forces of the pressure on the inner edge.
-    force = couple(line, 1.0, radial(1)).N.T @ np.full(len(line.nodes), 60e6)
+    force = couple_with_counterface(line, 1.0, drum_directions(1)).N.T @ np.full(
+        len(line.nodes), 60e6
+    )
     f = np.zeros((basis.N, 2))
     f[line.nodes] = force.reshape(-1, 2)
     x, y = basis.doflocs

@@ -23,9 +23,9 @@ from drumlin.fem.substructure.interface import (
     ContactLine,
     Coupling,
     Directions,
-    contact_line,
-    couple,
-    radial,
+    couple_with_counterface,
+    drum_directions,
+    make_contact_line,
 )
 from drumlin.laws import sine
 from drumlin.laws.simscape import DoubleShoe
@@ -110,7 +110,9 @@ def _wedge_push_ratio() -> float:
     up = np.array([math.cos(slope), math.sin(slope)])
     # A straight contact line of two quadratic edges.
     line = ContactLine(np.arange(5), up[:, None] * x, x, np.array([[0, 2], [1, 3], [2, 4]]))
-    coupling = couple(line, 1.0, _constant_directions(np.array([up[1], -up[0]]), -up))
+    coupling = couple_with_counterface(
+        line, 1.0, _constant_directions(np.array([up[1], -up[0]]), -up)
+    )
     p = np.full(5, 7.0)
     on_block = (-coupling.N.T @ p + 0.3 * coupling.T.T @ p).reshape(-1, 2).sum(axis=0)
     return float(-on_block[0] / on_block[1])
@@ -190,9 +192,9 @@ class FlexibleBody(NamedTuple):
         """
         basis = scalar_basis(mesh)
         K = stiffness(basis, {"body": ElasticLayer.of(material, 1.0)}).tocsc()
-        line = contact_line(basis, mesh.boundaries["contact"], middle)
+        line = make_contact_line(basis, mesh.boundaries["contact"], middle)
         free = np.setdiff1d(np.arange(2 * basis.N), held)
-        return cls(basis, K, line, couple(line, 1.0, directions), free)
+        return cls(basis, K, line, couple_with_counterface(line, 1.0, directions), free)
 
     @property
     def contact_unknowns(self) -> Ints:
@@ -251,7 +253,7 @@ def _belt_tension_ratio(mu: float, wrap: float) -> float:
     )
     at = scalar_basis(mesh).get_dofs(mesh.boundaries["support"]).flatten()
     belt = FlexibleBody.of(
-        mesh, LADDER_STEEL, np.concatenate([2 * at, 2 * at + 1]), radial(-1), wrap / 2
+        mesh, LADDER_STEEL, np.concatenate([2 * at, 2 * at + 1]), drum_directions(-1), wrap / 2
     )
     N, T = belt.coupling.N, belt.coupling.T
     x, y = belt.basis.doflocs
@@ -404,10 +406,10 @@ def _winkler_shoe(mu: float) -> tuple[WearInterface, Floats]:
     """A hinged rigid shoe with an unevenly worn lining of springs, and its nodes' angles (n,)."""
     phi = np.linspace(*SPRING_ARC, 49)
     xy = SPRING_RADIUS * np.array([np.cos(phi), np.sin(phi)])
-    coupling = couple(
+    coupling = couple_with_counterface(
         ContactLine(np.arange(49), xy, phi, np.arange(0, 48, 2) + np.arange(3)[:, None]),
         SPRING_WIDTH,
-        radial(1),
+        drum_directions(1),
     )
     # Displacements of the nodes as the shoe turns about its pin by 1 rad.
     turned = np.column_stack([-xy[1], xy[0] - SPRING_PIN]).ravel()

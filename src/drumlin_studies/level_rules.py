@@ -4,8 +4,9 @@
     make levels ARGS="fall=6"          the rule as it is, then with this number changed
     make levels ARGS="fall=6 sizes=.7" with both changed
 
-The rule, `levels.RULE`, has eight numbers that were found by experiment. For a rule this command
-takes the brakes that the error estimate is fitted on through four levels, and prints
+The rule, `levels.LEVEL_RULE`, has eight numbers that were found by experiment. For a
+rule this command takes the brakes that the error estimate is fitted on through four levels, and
+prints
 
 - the factors of the estimate, fitted on these levels alone;
 - for each of three tolerances the processor time of all answers up to the level where a solve would
@@ -27,7 +28,7 @@ import numpy as np
 
 from drumlin.base.errors import NoAnswer
 from drumlin.fem.error_control.estimate import QUANTITIES, Factors
-from drumlin.fem.error_control.levels import RULE, LevelRule, Step, steps
+from drumlin.fem.error_control.levels import LEVEL_RULE, LevelRule, SolvedLevel, solved_levels
 from drumlin.fem.model import solve_prepared_model
 from drumlin_studies.calibration import (
     FIRST_SEED,
@@ -73,11 +74,11 @@ def try_rule_on_brake(seed: int, truth: Truth | None, rule: LevelRule) -> Levels
     brake = draw_calibration_brake(seed)[1]
     if truth is None:
         return None
-    found: list[Step] = []
+    found: list[SolvedLevel] = []
     seconds: list[float] = []
     begin = time.process_time()
     try:
-        for step in steps(
+        for step in solved_levels(
             brake, solve_prepared_model, levels=[rule.level(k + 1) for k in range(LEVELS_TRIED)]
         ):
             seconds.append(time.process_time() - begin)
@@ -161,13 +162,13 @@ def changed_rule(words: Sequence[str]) -> LevelRule:
     for word in words:
         name, _, value = word.partition("=")
         numbers[name] = int(value) if name == "first_degree" else float(value)
-    return RULE._replace(**numbers)
+    return LEVEL_RULE._replace(**numbers)
 
 
 def main(words: Sequence[str]) -> int:
     """Try the rule RULE and, if there are words, the changed rule; return the exit status."""
     seeds = range(FIRST_SEED, FIRST_SEED + FITTED_BRAKES)
-    rules = {"as it is": RULE} | ({" ".join(words): changed_rule(words)} if words else {})
+    rules = {"as it is": LEVEL_RULE} | ({" ".join(words): changed_rule(words)} if words else {})
     with ProcessPoolExecutor(PROCESSES, mp_context=get_context("spawn")) as pool:
         truths = list(pool.map(solve_true_solution, seeds))
         for name, rule in rules.items():

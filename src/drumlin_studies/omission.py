@@ -17,7 +17,7 @@ import numpy as np
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Bar, Beam
-from drumlin.fem.error_control.levels import Respond
+from drumlin.fem.error_control.levels import ResponseFunction
 from drumlin.fem.mesh.arc import shoe_mesh
 from drumlin.fem.preparation.bodies import ShoeSubstructure
 from drumlin.fem.preparation.prepare import prepare
@@ -200,7 +200,10 @@ def _scene_without_friction(scene: PreparedModel, brake: Brake) -> PreparedModel
         bodies.append(made[id(body)])
     ring = scene.ring
     if ring is not None:
-        ring = replace(ring, dragged=tuple(map(np.zeros_like, ring.dragged)))
+        ring = replace(
+            ring,
+            friction_half_flexibilities=tuple(map(np.zeros_like, ring.friction_half_flexibilities)),
+        )
     return replace(scene, brake=brake, bodies=tuple(bodies), ring=ring)
 
 
@@ -221,7 +224,7 @@ def prepare_straight(brake: Brake, *, elements: int) -> PreparedModel:
 
 
 def predict_omission_change(
-    brake: Brake, names: Sequence[str], respond: Respond, sketch: Make | None = None
+    brake: Brake, names: Sequence[str], respond: ResponseFunction, sketch: Make | None = None
 ) -> OmissionChange:
     """The change by an omission, predicted on sketches in some milliseconds.
 

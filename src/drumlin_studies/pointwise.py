@@ -28,7 +28,7 @@ from drumlin.fem.preparation.bodies import actuation_load_factors, contact_stiff
 from drumlin.fem.preparation.meshes import ELEMENTS, AssembledShoe, Mesher, assemble_shoe
 from drumlin.fem.preparation.scene import Seconds, add_elapsed_time
 from drumlin.fem.substructure.body import FRAME
-from drumlin.fem.substructure.interface import edge_points, radial
+from drumlin.fem.substructure.interface import drum_directions, edge_quadrature_points
 from drumlin.fem.substructure.loads import ACTUATION
 from drumlin.response.balance import relative_balance, worst
 from drumlin.response.response import Balance, Response, ShoeResponse, pressed_shoe, untouched
@@ -161,7 +161,7 @@ def _solve_shoe(
             return PointwiseAnswer(untouched(shoe, -shoe.actuation.vector), Balance(0.0, 0.0), 0)
         # The pin holds both displacements of the shoe's frame.
         free = np.delete(np.arange(A.shape[0]), [-FRAME, 1 - FRAME])
-        load = force * (parts.loads[ACTUATION] @ parts.columns.part(ACTUATION, unit))
+        load = force * (parts.loads[ACTUATION] @ parts.columns.factors_of(ACTUATION, unit))
         stiffness = contact_stiffness(shoe, penalty)
         contact_state = _find_states_by_newton(A, load, points, stiffness, free, shoe.name)
         u, on = contact_state.u, contact_state.touching
@@ -170,7 +170,7 @@ def _solve_shoe(
         # The pin carries the residual at the two unknowns that it holds.
         reaction = (A @ u - load - nodal)[-FRAME : 1 - FRAME + 1]
     contact = nodal[2 * -len(parts.line.nodes) - FRAME : -FRAME].reshape(-1, 2)
-    given = force * parts.columns.part(ACTUATION, unit)
+    given = force * parts.columns.factors_of(ACTUATION, unit)
     balance = relative_balance(
         [contact.sum(axis=0), reaction, given[:2]],
         [
@@ -192,8 +192,8 @@ def _contact_points(parts: AssembledShoe, brake: Brake, shoe: Shoe, drag: float)
     """The quadrature points of a shoe, with the drag of friction along growing angles."""
     line = parts.line
     at, weights = np.polynomial.legendre.leggauss(line.order + 1)
-    psi, x, ds = edge_points(line.xy[:, line.pieces], at, weights)
-    normal, tangent = radial(shoe.sign)(x)
+    psi, x, ds = edge_quadrature_points(line.xy[:, line.pieces], at, weights)
+    normal, tangent = drum_directions(shoe.sign)(x)
     radius = np.hypot(*x)
     phi = shoe.phi_of(x, brake.size)
     unknowns = parts.constraints.matrix.shape[1]

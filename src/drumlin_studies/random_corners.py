@@ -22,7 +22,7 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import brake_from, vary
-from drumlin.fem.error_control.levels import steps
+from drumlin.fem.error_control.levels import solved_levels
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.solve import solve
 from drumlin.response.response import Response, ShoeResponse
@@ -264,7 +264,7 @@ def _scale_to_contact_length(
 
 def _solve_first_levels(brake: Brake) -> Response:
     """The response on the first FEW_LEVELS levels of a solve. Raises NoAnswer."""
-    *_, last = islice(steps(brake, solve_prepared_model), FEW_LEVELS)
+    *_, last = islice(solved_levels(brake, solve_prepared_model), FEW_LEVELS)
     return last.response
 
 

@@ -35,7 +35,7 @@ from drumlin.fem.preparation.bodies import ShoeSubstructure
 from drumlin.fem.preparation.cache import shape_key_of_shoe
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.preparation.scene import PreparedModel, reason_why_not_modelled
-from drumlin.fem.substructure.interface import edge_points
+from drumlin.fem.substructure.interface import edge_quadrature_points
 from drumlin.fem.substructure.ring import RingSubstructure
 
 SKETCH_ELEMENTS = 24
@@ -311,11 +311,11 @@ def _ring_flexibility_roots(
         basis=None,
         line=bodies[0].line,
         condensed=None,  # type: ignore[arg-type]
-        pressed=tuple(pressed),
-        dragged=tuple(dragged),
-        coupled=(),
+        normal_half_flexibilities=tuple(pressed),
+        friction_half_flexibilities=tuple(dragged),
+        coupling_matrices=(),
         held=k,
-        free=None,
+        rim_balance=None,
     )
 
 
@@ -325,7 +325,7 @@ def _wave_integrals(body: ShoeSubstructure, shoe: Shoe, k: Ints) -> tuple[Floats
     psi_i are the shape functions of the contact nodes, theta is the angle of the brake.
     """
     line = body.line
-    psi, x, ds = edge_points(line.xy[:, line.pieces])
+    psi, x, ds = edge_quadrature_points(line.xy[:, line.pieces])
     wave = np.exp(1j * k[:, None, None] * shoe.frame.theta(shoe.phi_of(x, 1.0)))
     found = np.zeros((len(k), len(line.nodes)), dtype=complex)
     # No node occurs twice in one row of the pieces, so that += adds each contribution.

@@ -27,8 +27,8 @@ from scipy.stats import binom
 from drumlin.base.errors import NoAnswer
 from drumlin.base.files import write_text
 from drumlin.brake.brake import Brake
-from drumlin.fem.error_control.adapt import DEFAULT, Tolerance, adapt
-from drumlin.fem.error_control.levels import Step, steps
+from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE, Tolerance, solve_to_tolerance
+from drumlin.fem.error_control.levels import SolvedLevel, solved_levels
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.response.response import Response
@@ -36,7 +36,7 @@ from drumlin_studies.stated_true import JUDGED_QUANTITIES as QUANTITIES
 from drumlin_studies.stated_true import stated_over_true, true_errors
 from drumlin_studies.stored_truth import CERTAIN, StoredTruth, read_stored_truth
 
-ASKED = {"default": DEFAULT, "1e-3": Tolerance(1e-3, 1e-3), "1e-4": Tolerance(1e-4, 1e-4)}
+ASKED = {"default": DEFAULT_TOLERANCE, "1e-3": Tolerance(1e-3, 1e-3), "1e-4": Tolerance(1e-4, 1e-4)}
 """The tolerances that a solve is asked for: the default one and two others, by name."""
 
 PROMISED = 0.01
@@ -136,7 +136,7 @@ def judge_stored_truth(name: str, stored: StoredTruth) -> list[StatedTrueErrors]
         solved.append(sum(body.unknowns for body in scene.bodies))
         return solve_prepared_model(scene, brake, start=start)
 
-    sequences: tuple[Iterable[Step], ...] = tee(steps(brake, counted), len(ASKED))
+    sequences: tuple[Iterable[SolvedLevel], ...] = tee(solved_levels(brake, counted), len(ASKED))
     found = []
     for (asked, tolerance), sequence in zip(ASKED.items(), sequences, strict=True):
         response = _solve_to_tolerance(brake, tolerance, sequence)
@@ -150,12 +150,16 @@ def judge_stored_truth(name: str, stored: StoredTruth) -> list[StatedTrueErrors]
 
 
 def _solve_to_tolerance(
-    brake: Brake, tolerance: Tolerance, sequence: Iterable[Step]
+    brake: Brake, tolerance: Tolerance, sequence: Iterable[SolvedLevel]
 ) -> Response | None:
     """The answer that a solve would give, or None where the solve would miss the tolerance."""
     try:
-        return adapt(
-            brake, tolerance, solve_prepared_model, must=tolerance != DEFAULT, along=sequence
+        return solve_to_tolerance(
+            brake,
+            tolerance,
+            solve_prepared_model,
+            must=tolerance != DEFAULT_TOLERANCE,
+            levels=sequence,
         ).response
     except NoAnswer:
         return None

@@ -21,8 +21,8 @@ from drumlin.fem.mesh.grading import points_with_growing_steps
 from drumlin.fem.solid.body import HALVES, constrain_solid
 from drumlin.fem.solid.face import ContactFace, contact_face
 from drumlin.fem.solid.mesh import Solid, extrude
-from drumlin.fem.substructure.body import condense, stiffness
-from drumlin.fem.substructure.interface import ContactLine, contact_line, radial
+from drumlin.fem.substructure.body import condense_body, stiffness
+from drumlin.fem.substructure.interface import ContactLine, drum_directions, make_contact_line
 
 PART = "lining"
 """Name of the only part of a body."""
@@ -62,7 +62,9 @@ def ring_sector_mesh(radii: Floats, angles: Floats, z: Floats) -> Solid:
 def contact_face_of(solid: Solid) -> ContactFace:
     """The contact face of a sector whose middle has the angle 0."""
     return contact_face(
-        contact_line(solid.plane, solid.section.boundaries["contact"], 0.0), solid.node, solid.z
+        make_contact_line(solid.plane, solid.section.boundaries["contact"], 0.0),
+        solid.node,
+        solid.z,
     )
 
 
@@ -95,9 +97,9 @@ def lame_displacement_error(
     K = stiffness(solid.basis, {PART: ElasticLayer(solid_elasticity_matrix(material), HALVES)})
     face, x = contact_face_of(solid), solid.basis.doflocs
     load = np.zeros((solid.basis.N, 3))
-    load[face.nodes, :2] = -(face.couple(0.0, radial(1)).N.T @ np.full(len(face.nodes), p)).reshape(
-        -1, 2
-    )
+    load[face.nodes, :2] = -(
+        face.couple_with_counterface(0.0, drum_directions(1)).N.T @ np.full(len(face.nodes), p)
+    ).reshape(-1, 2)
     fixed = np.zeros((solid.basis.N, 3), dtype=bool)
     for c in range(3):
         fixed[np.abs(x[c]) < 1e-9, c] = True
@@ -124,7 +126,9 @@ def patch_force_error(elements: int, material: Material) -> float:
     u = -(1 - 2 * material.nu) / material.E * solid.basis.doflocs.T
     forces = (K @ u.ravel()).reshape(-1, 3)
     face = contact_face_of(solid)
-    mine = -(face.couple(0.0, radial(1)).N.T @ np.ones(len(face.nodes))).reshape(-1, 2)
+    mine = -(
+        face.couple_with_counterface(0.0, drum_directions(1)).N.T @ np.ones(len(face.nodes))
+    ).reshape(-1, 2)
     within = (np.abs(face.phi) < 0.5 - 1e-9) & (
         np.tile(face.z, len(face.line.nodes)) < z[-1] - 1e-9
     )
@@ -192,8 +196,8 @@ def hertz_point_contact(
     held = np.unique(nodes_along_edges(solid.plane, groups["hinge"]))
     ties = constrain_solid(solid, face.nodes, solid.node[held].ravel(), np.zeros(2), bonded=True)
     K = stiffness(solid.basis, {PART: ElasticLayer(solid_elasticity_matrix(material), HALVES)})
-    body = condense(K, ties, {}, 2 * len(face.nodes))
-    coupling = face.couple(0.0, _upward_normal_and_tangent)
+    body = condense_body(K, ties, {}, 2 * len(face.nodes))
+    coupling = face.couple_with_counterface(0.0, _upward_normal_and_tangent)
     half = body.half_flexibility(coupling.N.T)
     r = np.hypot(face.xy[0], np.tile(face.z, len(face.line.nodes)))
     load, area = 4 / 3 / (1 - nu**2), coupling.area

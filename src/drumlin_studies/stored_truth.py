@@ -35,7 +35,7 @@ from drumlin.brake import clearance
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.brake.plane_brake import any_from
-from drumlin.fem.error_control.levels import DEG, steps
+from drumlin.fem.error_control.levels import DEG, solved_levels
 from drumlin.fem.hp.corner import (
     pressure_error_at_corners,
     pressure_with_power_law,
@@ -324,7 +324,7 @@ def solve_by_finer_divisions(brake: Brake) -> Truth:
     Raises NoAnswer where one of the divisions has no answer.
     """
     begin = time.process_time()
-    answers = steps(brake, partial(solve_prepared_model, penalty=math.inf), levels=FINER)
+    answers = solved_levels(brake, partial(solve_prepared_model, penalty=math.inf), levels=FINER)
     found = [step.response.shoes for step in answers]
     if len(found) < len(FINER):
         raise NoAnswer(f"only {len(found)} of {len(FINER)} divisions have an answer")

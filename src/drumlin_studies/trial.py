@@ -210,7 +210,7 @@ def _group_accuracy(response: Response, group: ShoeGroup) -> dict[str, Any]:
         "allowed": correct_digits(EPSILON * refined.condition if known_condition else 0.0),
         "torque_condition": refined.condition if known_condition else None,
         "pressure_error": float(np.abs(p - exact).max() / exact.max()),
-        "sets": refined.sets,
+        "sets": refined.contact_sets,
     }
 
 

@@ -19,13 +19,19 @@ from drumlin.contact import active_set, stick_slip
 from drumlin.contact.equations import ContactProblem
 from drumlin.fem.substructure.body import (
     CondensedBody,
-    condense,
-    constrain,
+    body_constraints,
+    condense_body,
     scalar_basis,
     stiffness,
 )
-from drumlin.fem.substructure.interface import ContactLine, Coupling, contact_line, couple, radial
-from drumlin.fem.substructure.ring import closed_mesh, couple_ring
+from drumlin.fem.substructure.interface import (
+    ContactLine,
+    Coupling,
+    couple_with_counterface,
+    drum_directions,
+    make_contact_line,
+)
+from drumlin.fem.substructure.ring import quadratic_ring_mesh, ring_coupling_matrices
 
 
 def growing_steps_to(fine: float, growth: float, end: float) -> Floats:
@@ -76,7 +82,7 @@ def sector_mesh(angles: Floats, depths: Floats, radius: float, sign: int) -> Any
 
 def closed_ring_mesh(angles: Floats, depths: Floats, radius: float, sign: int) -> Any:
     """Mesh of a closed ring; parameters as of `sector_mesh`."""
-    return closed_mesh(angles, depths, radius, sign, "body")
+    return quadratic_ring_mesh(angles, depths, radius, sign, "body")
 
 
 @dataclass(frozen=True)
@@ -105,12 +111,12 @@ def condense_contact_body(
         Angle in the middle of the contact [rad].
     """
     basis = scalar_basis(mesh)
-    line = contact_line(basis, mesh.boundaries["contact"], middle)
-    ties = constrain(
+    line = make_contact_line(basis, mesh.boundaries["contact"], middle)
+    ties = body_constraints(
         basis, line.nodes, basis.get_dofs(mesh.boundaries["support"]).flatten(), np.zeros(2)
     )
     K = stiffness(basis, {"body": ElasticLayer.of(material, width)})
-    return ContactBody(basis, line, condense(K, ties, {}, 2 * len(line.nodes)))
+    return ContactBody(basis, line, condense_body(K, ties, {}, 2 * len(line.nodes)))
 
 
 @dataclass(frozen=True)
@@ -153,13 +159,13 @@ class BodyPair:
         motions : str
             Directions in which the holder of the inner body moves: "", "x", "y" or "xy".
         """
-        coupling = couple(inner.line, 1.0, radial(sign))
+        coupling = couple_with_counterface(inner.line, 1.0, drum_directions(sign))
         halves = [
             _flexibility_root_times(inner, -coupling.N),
             _flexibility_root_times(inner, coupling.T),
         ]
         if outer is not None:
-            N, T = couple_ring(inner.line, outer.line, 1.0, sign)
+            N, T = ring_coupling_matrices(inner.line, outer.line, 1.0, sign)
             # The flexibilities of both bodies add up: their square roots are stacked.
             pressed, dragged = halves
             halves = [

@@ -25,8 +25,8 @@ from drumlin import peers
 from drumlin.base.errors import BadInput, DrumlinError
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
-from drumlin.fem.error_control.adapt import DEFAULT, Tolerance, adapt
-from drumlin.fem.error_control.levels import LEVELS, steps
+from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE, Tolerance, solve_to_tolerance
+from drumlin.fem.error_control.levels import LEVELS, solved_levels
 from drumlin.fem.mesh.arc import DEFAULT_KIND, shoe_mesh
 from drumlin.fem.mesh.grading import (
     EDGE_SIZE,
@@ -214,7 +214,7 @@ def _solve_on_level(brake: Brake, *, level: int) -> ColdSolve:
     The coarsest level finds the ends of the contact first.
     """
     levels = (LEVELS[0], LEVELS[level])[-level - 1 :]
-    *_, (scene, response) = steps(
+    *_, (scene, response) = solved_levels(
         brake, partial(solve_prepared_model, penalty=math.inf), levels=levels
     )
     return _cold_solve_of_scene(brake, scene, response, math.inf)
@@ -225,8 +225,10 @@ def _solve_to_tolerance(brake: Brake, *, tolerance: float) -> ColdSolve:
 
     The torque keeps the default tolerance where this is smaller.
     """
-    allowed = Tolerance(tolerance, min(tolerance, DEFAULT.torque))
-    scene, response = adapt(brake, allowed, partial(solve_prepared_model, penalty=math.inf))
+    allowed = Tolerance(tolerance, min(tolerance, DEFAULT_TOLERANCE.torque))
+    scene, response = solve_to_tolerance(
+        brake, allowed, partial(solve_prepared_model, penalty=math.inf)
+    )
     return _cold_solve_of_scene(brake, scene, response, math.inf)
 
 

@@ -14,7 +14,7 @@ from studies.manual import history
 from studies.manual.solve_path import solve_path_picture
 
 from drumlin.base.errors import NoAnswer
-from drumlin.fem.error_control.adapt import DEFAULT
+from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.model import (
     LARGEST_ANSWER_IMBALANCE,
@@ -45,8 +45,8 @@ def quoted_values() -> dict[str, str]:
         "penalty": _power_of_ten_text(PENALTY),
         "penalty_tex": f"10^{{{round(math.log10(PENALTY))}}}",
         "penalty_compression": _power_of_ten_text(1 / PENALTY),
-        "default_pressure": f"{100 * DEFAULT.pressure:g} %",
-        "default_torque": f"{100 * DEFAULT.torque:g} %",
+        "default_pressure": f"{100 * DEFAULT_TOLERANCE.pressure:g} %",
+        "default_torque": f"{100 * DEFAULT_TOLERANCE.torque:g} %",
         "edge_zone": f"{math.degrees(EDGE_ZONE):g} deg",
         "lowest_degree": str(min(level.degree for level in LEVELS)),
         "highest_degree": str(max(level.degree for level in LEVELS)),

@@ -42,7 +42,7 @@ from drumlin.response.response import (
 from drumlin.response.resultants import cross
 
 if TYPE_CHECKING:
-    from drumlin.fem.error_control.refinement import Refined
+    from drumlin.fem.error_control.refinement import RefinedSolution
 
 DOUBLE_SPACING = float(np.finfo(float).eps)
 """Relative spacing of double-precision numbers; no refined answer is stated to be more certain."""
@@ -360,13 +360,13 @@ def _results_after_refinement(solution: _GroupSolution, contact: Contact) -> dic
             f"{group.shoe_names}: lost digits, {TOO_FAR_REASON}; refined: {error}"
         ) from error
     by_penalty = solution.pressure_errors[0]
-    last_correction = size * np.concatenate(refined.last)
+    last_correction = size * np.concatenate(refined.last_correction)
     answers = _results_of_shoes(
         solution._replace(
             pressures=[size * p for p in refined.p],
             coordinates=[size * y for y in refined.coordinates],
             pressure_errors=np.array([by_penalty, last_correction]),
-            steps=solution.steps + refined.sets,
+            steps=solution.steps + refined.contact_sets,
             refined=True,
         )
     )
@@ -396,7 +396,9 @@ def _largest_imbalance(answers: dict[int, _ShoeResult]) -> float:
     return math.inf if math.isnan(largest) else largest
 
 
-def refine_group_solution(group: ShoeGroup, active: Bools, order: str = "COLAMD") -> "Refined":
+def refine_group_solution(
+    group: ShoeGroup, active: Bools, order: str = "COLAMD"
+) -> "RefinedSolution":
     """The answer of a group to all digits, by iterative refinement of the full system.
 
     Parameters
@@ -411,12 +413,12 @@ def refine_group_solution(group: ShoeGroup, active: Bools, order: str = "COLAMD"
         where the system is singular, or the contact set does not settle
     """
     # The module loads scipy.sparse, and only few brakes need a refinement.
-    from drumlin.fem.error_control.refinement import full_system, refine  # noqa: PLC0415
+    from drumlin.fem.error_control.refinement import full_system, refined_solution  # noqa: PLC0415
 
-    refined = refine(full_system(group), active, order)
+    refined = refined_solution(full_system(group), active, order)
     if refined.correction < LARGEST_CONVERGED_CORRECTION:
         return refined
-    other = refine(full_system(group, carried=False), active, order)
+    other = refined_solution(full_system(group, relative_to_rigid_motion=False), active, order)
     return min(refined, other, key=lambda each: each.correction)
 
 
@@ -490,7 +492,7 @@ def _forces_on_shoe(solution: _ShoeSolution) -> _ForcesOnShoe:
     shoe, body = group.shoes[k], group.bodies[k]
     load = acting_loads(body, shoe, solution.force)
     moment = abs(solution.force) * group.unit_loads[k].moment_about_pin
-    push = body.columns.part(ACTUATION, load)[:2]
+    push = body.columns.factors_of(ACTUATION, load)[:2]
     drag = group.brake.drag_on(shoe)
     normal, dragged = body.forces @ p
     contact = drag * dragged - normal

@@ -9,7 +9,12 @@ from functools import partial
 
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
-from drumlin.fem.error_control.adapt import DEFAULT, Tolerance, adapt, check_tolerance
+from drumlin.fem.error_control.adapt import (
+    DEFAULT_TOLERANCE,
+    Tolerance,
+    check_tolerance,
+    solve_to_tolerance,
+)
 from drumlin.fem.error_control.levels import LEVELS
 from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.model import PENALTY, check_penalty, solve_prepared_model
@@ -90,9 +95,13 @@ def solve(
     answer = partial(solve_prepared_model, penalty=penalty)
     if tolerance is not None:
         check_tolerance(brake, tolerance)
-        response = adapt(brake, Tolerance(tolerance, tolerance), answer, cache=cache).response
+        response = solve_to_tolerance(
+            brake, Tolerance(tolerance, tolerance), answer, cache=cache
+        ).response
     elif _is_solved_on_levels(brake, elements, kind):
-        response = adapt(brake, DEFAULT, answer, must=False, cache=cache).response
+        response = solve_to_tolerance(
+            brake, DEFAULT_TOLERANCE, answer, must=False, cache=cache
+        ).response
     else:
         response = answer(
             prepare_finest_division(brake, elements=elements, kind=kind, cache=cache), brake
@@ -135,7 +144,9 @@ def prepare_finest_division(
         return prepare(brake, elements=elements, kind=kind or DEFAULT_KIND, cache=cache)
     # The model is that of the last division on which the answer was found.
     try:
-        return adapt(brake, DEFAULT, solve_prepared_model, must=False, cache=cache).scene
+        return solve_to_tolerance(
+            brake, DEFAULT_TOLERANCE, solve_prepared_model, must=False, cache=cache
+        ).scene
     except NoAnswer:
         return prepare(brake, LEVELS[1], cache=cache)
 

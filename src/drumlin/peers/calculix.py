@@ -30,7 +30,7 @@ from drumlin.base.texts import formatted
 from drumlin.brake.brake import Brake
 from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.preparation.meshes import ELEMENTS, Mesher
-from drumlin.fem.substructure.interface import ContactLine, couple, radial
+from drumlin.fem.substructure.interface import ContactLine, couple_with_counterface, drum_directions
 from drumlin.peers.deck import (
     BEARING_STIFFNESS,
     BEYOND_ELEMENTS,
@@ -496,7 +496,7 @@ def response(loaded: Loaded, state: CalculixState) -> tuple[ShoeResponse, Balanc
     # Each piece of the line is an edge of three nodes.
     pieces = np.arange(3)[:, None] + np.arange(0, len(phi) - 2, 2)
     line = ContactLine(np.arange(len(phi)), xy, phi, pieces)
-    coupling = couple(line, shoe.lining.width, radial(shoe.sign))
+    coupling = couple_with_counterface(line, shoe.lining.width, drum_directions(shoe.sign))
     # Nodal forces of a unit pressure and of a unit shear at each node.
     pressing, dragging = -coupling.N.T, coupling.T.T
     both = np.hstack([pressing, dragging])

@@ -23,8 +23,8 @@ from drumlin.fem.mesh.abaqus import TYPE_OF_CELL
 from drumlin.fem.mesh.arc import mesh_kind_of
 from drumlin.fem.mesh.edges import nodes_along_edges
 from drumlin.fem.preparation.meshes import materials_of_parts
-from drumlin.fem.substructure.elasticity import layers_of
-from drumlin.fem.substructure.interface import end_loads
+from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
+from drumlin.fem.substructure.interface import unit_loads_on_end
 from drumlin.peers.peer import Loaded
 
 MM = 1e3
@@ -212,7 +212,7 @@ def _material_lines(loaded: Loaded, setting: DeckSetting) -> list[str]:
     thickness = setting.thickness * lining.width * MM
     drum_material = Material(E=DRUM_MODULUS * lining.material.E_through, nu=0.0)
     parts = materials_of_parts(loaded.shoe) | {"drum": (drum_material, lining.width)}
-    layers, lines = layers_of(loaded.shoe), []
+    layers, lines = elastic_layers_of_shoe(loaded.shoe), []
     for part, (material, width) in parts.items():
         name, times = part.upper(), width / lining.width
         section = f"*SOLID SECTION, ELSET={name}, MATERIAL={name}"
@@ -354,7 +354,7 @@ def _load_lines(loaded: Loaded, setting: DeckSetting, grid: DeckGrid) -> list[st
     if "actuation" not in grid.edges:
         return pin_load_lines(loaded, setting, grid)
     parts = loaded.parts
-    unit, _ = end_loads(parts.basis, parts.mesh.boundaries["actuation"])
+    unit, _ = unit_loads_on_end(parts.basis, parts.mesh.boundaries["actuation"])
     nodal = (unit @ np.array([*loaded.force, loaded.couple])).reshape(-1, 2)
     forces = setting.thickness * loaded.shoe.frame.to_brake(nodal)
     return nodal_load_lines(forces, np.unique(grid.edges["actuation"]))

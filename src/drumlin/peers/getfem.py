@@ -29,7 +29,7 @@ from drumlin.fem.mesh.arc import DEFAULT_KIND
 from drumlin.fem.mesh.edges import nodes_along_edges
 from drumlin.fem.model import LARGEST_ANSWER_IMBALANCE
 from drumlin.fem.preparation.meshes import ELEMENTS, Mesher
-from drumlin.fem.substructure.elasticity import layers_of, split_elasticity
+from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe, split_elasticity
 from drumlin.peers.peer import (
     Loaded,
     MeshedShoe,
@@ -402,7 +402,7 @@ def _body_arrays(brake: Brake, loaded: Loaded) -> dict[str, Any]:
     E, width = shoe.lining.material.E_through, shoe.lining.width
     constants, straight = np.zeros((4, mesh.nelements)), np.zeros((2, mesh.nelements))
     for name, elements in mesh.subdomains.items():
-        layer = layers_of(shoe)[name]
+        layer = elastic_layers_of_shoe(shoe)[name]
         constants[:, elements] = split_elasticity(layer.stiffness)[:, None] / width / E
         if layer.along is not None:
             straight[:, elements] = layer.along[:, None]

@@ -166,7 +166,7 @@ def under_force(brake: Brake, shoe: Shoe, meshed: MeshedShoe, sense: int = 1) ->
     """
     parts = meshed.parts
     factors, moment = actuation_load_factors(parts, shoe)
-    load = parts.columns.part(ACTUATION, factors)
+    load = parts.columns.factors_of(ACTUATION, factors)
     size, free = abs(shoe.actuation.force), shoe.freedoms(sense)
     if shoe.held_by == "hinge" and not shoe.flat:
         # The lining at (x, y) closes by -sign a y/r per turn about the pin at (a, 0).

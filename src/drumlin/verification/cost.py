@@ -30,7 +30,7 @@ from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.solve import check_division_options
 from drumlin.fem.substructure.body import scalar_basis, stiffness
-from drumlin.fem.substructure.elasticity import layers_of
+from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 from drumlin.models import pick
 
 COST_ELEMENTS = 140
@@ -148,7 +148,7 @@ def _baseline_seconds(body: ShoeSubstructure, shoe: Shoe, repeats: int) -> Float
 
     Each time is the median of a number of `repeats`.
     """
-    K = stiffness(body.basis, layers_of(shoe))
+    K = stiffness(body.basis, elastic_layers_of_shoe(shoe))
     free = np.ones(K.shape[0], dtype=bool)
     hinge = body.basis.get_dofs(body.mesh.boundaries["hinge"]).flatten()
     free[2 * hinge] = free[2 * hinge + 1] = False
@@ -162,7 +162,11 @@ def _baseline_seconds(body: ShoeSubstructure, shoe: Shoe, repeats: int) -> Float
         options={"SymmetricMode": True},
     )
     substitute = partial(factorise().solve, np.ones(K.shape[0]))
-    tasks = (lambda: stiffness(scalar_basis(body.mesh), layers_of(shoe)), factorise, substitute)
+    tasks = (
+        lambda: stiffness(scalar_basis(body.mesh), elastic_layers_of_shoe(shoe)),
+        factorise,
+        substitute,
+    )
     return np.array([_median_seconds(task, repeats) for task in tasks])
 
 

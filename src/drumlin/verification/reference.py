@@ -23,7 +23,7 @@ from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake
 from drumlin.brake.surface import DRUM, FrictionSurface
 from drumlin.comparison import edge_of
-from drumlin.fem.error_control.levels import steps
+from drumlin.fem.error_control.levels import solved_levels
 from drumlin.fem.error_control.singular_points import singular_points_of
 from drumlin.fem.hp.division import Level
 from drumlin.fem.model import solve_prepared_model
@@ -118,7 +118,7 @@ def solve_reference_responses(brake: Brake, refinement: Refinement = FINE) -> Re
             )
     solve_exactly = partial(solve_prepared_model, penalty=math.inf)
     # Coarse levels find the ends of the contact, near which the divisions are fine.
-    for step in islice(steps(brake, solve_exactly), refinement.first):
+    for step in islice(solved_levels(brake, solve_exactly), refinement.first):
         last = step.response
     found = []
     for level in refinement.levels:

@@ -18,8 +18,12 @@ from drumlin.fem.hp.grid import ColumnGrid
 from drumlin.fem.mesh.arc import mesh_kind_of
 from drumlin.fem.preparation.bodies import ShoeSubstructure, acting_loads
 from drumlin.fem.preparation.scene import PreparedModel
-from drumlin.fem.substructure.elasticity import layers_of, ring_layers, stress
-from drumlin.fem.substructure.interface import Directions, radial, straight
+from drumlin.fem.substructure.elasticity import (
+    elastic_layers_of_ring,
+    elastic_layers_of_shoe,
+    stresses_from_gradients,
+)
+from drumlin.fem.substructure.interface import Directions, drum_directions, plane_directions
 from drumlin.response.balance import loaded
 from drumlin.response.response import Response, ShoeResponse
 
@@ -142,8 +146,8 @@ def recover_shoe_fields(
     u = displacements_of_shoe(body, brake, shoe, answer, p).reshape(-1, 2).T
     pressure = np.zeros(body.basis.N)
     pressure[body.line.nodes] = p
-    solved = _SolvedBody(body.mesh, body.basis, layers_of(shoe), u, pressure)
-    directions = straight if shoe.flat else radial(shoe.sign)
+    solved = _SolvedBody(body.mesh, body.basis, elastic_layers_of_shoe(shoe), u, pressure)
+    directions = plane_directions if shoe.flat else drum_directions(shoe.sign)
     return _recover_fields_in_brake_frame(solved, _Placement(shoe.frame, shoe.points, directions))
 
 
@@ -157,9 +161,9 @@ def recover_ring_fields(scene: PreparedModel, brake: Brake, response: Response) 
         raise BadInput("drum.ring: is missing, a rigid drum has no fields")
     u = ring.displacement(nodal_pressures_of_shoes(brake, response), brake.drag)
     no_pressure = np.zeros(ring.basis.N)
-    solved = _SolvedBody(ring.mesh, ring.basis, ring_layers(section), u, no_pressure)
+    solved = _SolvedBody(ring.mesh, ring.basis, elastic_layers_of_ring(section), u, no_pressure)
     return _recover_fields_in_brake_frame(
-        solved, _Placement(ShoeFrame(0.0, 1), np.asarray, radial(1))
+        solved, _Placement(ShoeFrame(0.0, 1), np.asarray, drum_directions(1))
     )
 
 
@@ -246,7 +250,7 @@ def _fields_of_subdomain(basis: Any, u: Floats, name: str, layer: ElasticLayer) 
     gradient = np.einsum("ian,ajnq->ijnq", u[:, dofs], slopes)
     along = layer.directions(basis.doflocs[:, dofs].transpose(0, 2, 1))
     # Elements differ in the stress at a shared node, so that their mean is drawn.
-    means = mean_tensors_at_nodes(stress(gradient, layer.elasticity, along), dofs)
+    means = mean_tensors_at_nodes(stresses_from_gradients(gradient, layer.elasticity, along), dofs)
     cells = means.cells[corners].reshape(len(corners), -1).T
     return _SubdomainFields(means.nodes, cells, means.values)
 

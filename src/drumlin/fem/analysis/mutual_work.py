@@ -30,7 +30,7 @@ import numpy as np
 
 from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.brake.elasticity import ElasticLayer, has_directions
-from drumlin.fem.hp.element import gauss_points, gradients, reference_element
+from drumlin.fem.hp.element import element_gauss_points, reference_element, shape_function_gradients
 from drumlin.fem.hp.grid import ColumnGrid
 from drumlin.fem.substructure.body import quadrature_points, shape_values
 from drumlin.fem.substructure.elasticity import split_elasticity
@@ -252,7 +252,7 @@ def _find_layer_directions(
     if not any(has_directions(layers[name].elasticity) for name in subdomains):
         return None
     if isinstance(basis, ColumnGrid):
-        points = np.moveaxis(gauss_points(basis.element_nodes, basis.degree), 1, 0)
+        points = np.moveaxis(element_gauss_points(basis.element_nodes, basis.degree), 1, 0)
     else:
         points = quadrature_points(basis)
     along, straight = np.empty(points.shape), np.zeros(points.shape[1], dtype=bool)
@@ -275,7 +275,7 @@ def _sample_elements_in_chunks(basis: Any) -> Iterator[_QuadratureSample]:
         count = len(basis.ordered_dofs)
         for first in range(0, count, ELEMENTS_AT_A_TIME):
             own = slice(first, first + ELEMENTS_AT_A_TIME)
-            slopes, area = gradients(basis.element_nodes[own], basis.degree)
+            slopes, area = shape_function_gradients(basis.element_nodes[own], basis.degree)
             elements, dofs = np.arange(count)[own], basis.ordered_dofs[own]
             yield _QuadratureSample(
                 elements, dofs, slopes, reference_element(basis.degree).values, area

@@ -47,7 +47,7 @@ from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.solve import solve
 from drumlin.fem.substructure.body import FRAME
-from drumlin.fem.substructure.elasticity import layers_of
+from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 from drumlin.fem.substructure.interface import ContactLine
 from drumlin.fem.substructure.loads import ACTUATION
 from drumlin.laws import law as rigid_law
@@ -205,7 +205,7 @@ def _logarithmic_slope(x: float, slope: float, value: float) -> float | None:
 def _sensitivity_of_unpressed_shoe(body: ShoeSubstructure, shoe: Shoe) -> ShoeSensitivity:
     """The sensitivities, all zero, of a shoe that does not press on the drum."""
     theta = shoe.frame.theta(body.line.phi)[:: shoe.frame.sense]
-    moduli = dict.fromkeys(map(_material_of_part, layers_of(shoe)), 0.0)
+    moduli = dict.fromkeys(map(_material_of_part, elastic_layers_of_shoe(shoe)), 0.0)
     given = shoe.body is not None and shoe.body.bending_stiffness is not None
     return ShoeSensitivity(
         name=shoe.name,
@@ -316,7 +316,8 @@ class _TorqueSlopesOfShoe:
         """
         u, v = self.displacements
         effects: dict[str, float] = {}
-        for part, work in mutual_work_by_part(self.body.basis, layers_of(self.shoe), u, v).items():
+        layers = elastic_layers_of_shoe(self.shoe)
+        for part, work in mutual_work_by_part(self.body.basis, layers, u, v).items():
             name = _material_of_part(part)
             more = by_penalty if part == "lining" else 0.0
             effects[name] = effects.get(name, 0.0) - work + more
@@ -377,7 +378,7 @@ class _TorqueSlopesOfShoe:
             [move.axis_turn for move in moves],
         )
         effects = -mutual_work_change_by_node_motions(
-            body.basis, layers_of(self.shoe), u, v, nodes, axes
+            body.basis, elastic_layers_of_shoe(self.shoe), u, v, nodes, axes
         )
         # A change of the nodal forces changes the torque by this much per force.
         per_force = own.force * v - self.tip_multiplier * u
@@ -446,8 +447,8 @@ class _TorqueSlopesOfShoe:
         lines = [body.line for body in scene.bodies]
         lines[group.members[self.k]] = line
         ring = scene.ring_under_lines(tuple(lines))
-        pressed = np.hstack([ring.pressed[i] for i in group.members])
-        dragged = np.hstack([ring.dragged[i] for i in group.members])
+        pressed = np.hstack([ring.normal_half_flexibilities[i] for i in group.members])
+        dragged = np.hstack([ring.friction_half_flexibilities[i] for i in group.members])
         a = np.concatenate([shoe.gap_multipliers for shoe in self.adjoint.shoes])
         p = np.concatenate([shoe.pressures for shoe in self.adjoint.shoes])
         return float((pressed @ a) @ ((pressed + group.brake.drag * dragged) @ p))

@@ -231,8 +231,8 @@ class GroupState:
         if ring is None:
             return None
         return RingFlexibilityRoots(
-            pressed=np.hstack([ring.pressed[i] for i in self.members]),
-            dragged=np.hstack([ring.dragged[i] for i in self.members]),
+            pressed=np.hstack([ring.normal_half_flexibilities[i] for i in self.members]),
+            dragged=np.hstack([ring.friction_half_flexibilities[i] for i in self.members]),
         )
 
     @cached_property

@@ -1,8 +1,9 @@
-"""Error control: a posteriori error estimates, finer levels until they suffice, and round-off.
+"""Error control: a posteriori error estimates, finer levels up to a tolerance, and round-off.
 
-The room compares the answers of a brake on finer and finer divisions, estimates the error that is
-left (with factors fitted on random brakes, factors.json), and grades the next division to the ends
-of contact. A brake, tolerances and a function that solves a prepared model come in. The last
-answer with its stated errors goes out. Iterative refinement in long double removes round-off error
-from a group of shoes where stiffnesses are far apart.
+The room solves a brake on finer and finer divisions. From the difference of two levels it estimates
+the error of the finer one, with factors that were fitted on random brakes (factors.json). It grades
+the next division to the ends of the contact and to other singular points. A brake, a tolerance and
+a function that solves a prepared model come in. The last response with its estimated errors goes
+out. Where stiffnesses are far apart, iterative refinement in long double removes the round-off
+errors of a group of shoes.
 """

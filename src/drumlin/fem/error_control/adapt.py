@@ -11,7 +11,7 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.fem.error_control.estimate import SOFTER, Errors, estimate
-from drumlin.fem.error_control.levels import Respond, Step, steps
+from drumlin.fem.error_control.levels import ResponseFunction, SolvedLevel, solved_levels
 from drumlin.fem.error_control.singular_points import contact_arcs_without_narrow_gaps
 from drumlin.fem.hp.corner import (
     TIP_TOLERANCE,
@@ -25,15 +25,16 @@ from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.response.response import Response, ShoeResponse, edge_zone
 from drumlin.response.resultants import edge_left_out, largest
 
-SHORTEST = 1000 * SMALLEST_COLUMN
+SHORTEST_KNOWN_CONTACT = 1000 * SMALLEST_COLUMN
 """Length of a contact, relative to the lining's thickness, below which the response says that its
-pressure is not known. No hp element is smaller than SMALLEST_COLUMN, and the elements at the ends
-of a contact are a thousandth of it on a level that states an error of 1e-4.
+pressure is not known. No hp element is smaller than SMALLEST_COLUMN. On a level that states an
+error of 1e-4 the elements at the ends of a contact are a thousandth of the contact's length.
 """
-NEAR = 0.5
-"""Fraction of the peak up to which p may rise in the hp element at an end of the lining. Above it
-the peak counts as unknown: p grows there without bound, and on a finer level it would be the peak.
-The value is a judgement.
+PEAK_NEAR_END = 0.5
+"""Fraction of the peak pressure up to which p may rise in the hp element at an end of the lining.
+
+If p is higher there, the peak counts as unknown: p grows without bound at the lining's end, and on
+a finer level it would be the peak. The value is a judgement.
 """
 
 
@@ -47,7 +48,7 @@ class Tolerance(NamedTuple):
     torque: float
 
 
-DEFAULT = Tolerance(5e-3, 1e-4)
+DEFAULT_TOLERANCE = Tolerance(5e-3, 1e-4)
 """The tolerance of a solve without `--tolerance`: 0.5 % of p and 0.01 % of the torque. No brake is
 manufactured as precisely.
 """
@@ -58,11 +59,11 @@ class _Progress(NamedTuple):
 
     Attributes
     ----------
-    scene : the prepared model of the last level
-    responses : the responses of all levels
-    error : the estimated errors of the last response; empty on the first level
-    unknowns : the most unknowns of a shoe
-    missed : why the tolerance is not reached; empty where it is
+    scene : prepared model of the last level
+    responses : responses of all levels
+    error : estimated errors of the last response; empty on the first level
+    unknowns : largest number of unknowns of a shoe
+    missed : reason why the tolerance is not reached; empty if it is reached
     """
 
     scene: PreparedModel
@@ -72,37 +73,38 @@ class _Progress(NamedTuple):
     missed: str
 
 
-def adapt(
+def solve_to_tolerance(
     brake: Brake,
     tolerance: Tolerance,
-    respond: Respond,
+    respond: ResponseFunction,
     *,
     must: bool = True,
     cache: Cache | None = None,
-    along: Iterable[Step] | None = None,
-) -> Step:
+    levels: Iterable[SolvedLevel] | None = None,
+) -> SolvedLevel:
     """The response whose estimated errors meet the tolerance, with its prepared model.
 
     Parameters
     ----------
     brake : the brake
     tolerance : relative errors that are allowed
-    respond : answers a prepared model
+    respond : computes the response on a prepared model
     must : whether a tolerance that is not reached is refused; otherwise the last level is returned
-    cache : substructures of earlier solves, see `prepare`
-    along : the levels with their responses, where they are known already
+    cache : keeps condensed bodies of earlier solves, see `prepare`
+    levels : levels that are solved already; solved here if it is None
 
     Raises
     ------
     NoAnswer
-        where no level has an answer, or where the tolerance must be reached and is not; the line
-        says what was reached
+        where no level has an answer, or where the tolerance must be reached and is not; the message
+        states the errors that were reached
     BadInput
         for a brake with a mesh file
     """
-    progress = _climbed(brake, tolerance, along or steps(brake, respond, cache))
+    levels = levels or solved_levels(brake, respond, cache)
+    progress = _solve_until_tolerance(brake, tolerance, levels)
     if not progress.missed:
-        return Step(progress.scene, _final(progress))
+        return SolvedLevel(progress.scene, _response_with_errors(progress))
     why = _unbounded_text(brake, progress.responses[-1])
     if must:
         reached = _reached_text(progress, tolerance)
@@ -110,10 +112,13 @@ def adapt(
             f"{progress.missed} on {len(progress.responses)} meshes of up to {progress.unknowns} "
             f"unknowns a shoe: {reached}{why}"
         )
-    return Step(progress.scene, _final(progress._replace(missed=progress.missed + why)))
+    progress = progress._replace(missed=progress.missed + why)
+    return SolvedLevel(progress.scene, _response_with_errors(progress))
 
 
-def _climbed(brake: Brake, tolerance: Tolerance, along: Iterable[Step]) -> _Progress:
+def _solve_until_tolerance(
+    brake: Brake, tolerance: Tolerance, levels: Iterable[SolvedLevel]
+) -> _Progress:
     """The levels up to the first that meets the tolerance, or up to the last that has an answer.
 
     Raises NoAnswer where not even two levels have answers.
@@ -123,14 +128,15 @@ def _climbed(brake: Brake, tolerance: Tolerance, along: Iterable[Step]) -> _Prog
     unknowns = 0
     missed = f"tolerance {tolerance.pressure:g} not reached"
     try:
-        for scene, response in along:
+        for scene, response in levels:
             responses.append(response_with_power_laws(brake, response))
             unknowns = max(body.unknowns for body in scene.bodies)
             if len(responses) == 1:
                 continue
             before, last = responses[-2:]
-            error, unknown = errors_with_singularities(estimate(brake, before, last), brake, last)
-            if _within(error, tolerance):
+            of_levels = estimate(brake, before, last)
+            error, unknown = errors_with_singularities(of_levels, brake, last)
+            if _meets_tolerance(error, tolerance):
                 return _Progress(scene, responses, error, unknowns, missed="")
             if unknown:
                 missed += f": {unknown}"
@@ -143,17 +149,17 @@ def _climbed(brake: Brake, tolerance: Tolerance, along: Iterable[Step]) -> _Prog
     return _Progress(scene, responses, error, unknowns, missed)
 
 
-def _within(error: Errors, tolerance: Tolerance) -> bool:
-    """Whether estimated errors meet a tolerance."""
+def _meets_tolerance(error: Errors, tolerance: Tolerance) -> bool:
+    """Whether the estimated errors of a brake meet a tolerance."""
     pressure, torque = error.brake["pressure"], error.brake["torque"]
     return pressure <= tolerance.pressure and torque <= tolerance.torque
 
 
 def _unbounded_text(brake: Brake, response: Response) -> str:
-    """The words on shoes whose peak of p is unbounded; empty where there are none."""
+    """The text that names the shoes whose pressure is unbounded; empty without such a shoe."""
     unbounded = []
     for shoe, answer in zip(brake.shoes, response.shoes, strict=True):
-        if _lacking(shoe, brake.scale_factor, answer) == 1.0:
+        if _missing_part_of_peak(shoe, brake.scale_factor, answer) == 1.0:
             unbounded.append(repr(shoe.name))
     if not unbounded:
         return ""
@@ -161,7 +167,7 @@ def _unbounded_text(brake: Brake, response: Response) -> str:
 
 
 def _reached_text(progress: _Progress, tolerance: Tolerance) -> str:
-    """The words on the errors that were reached, and on the penalty where it is half of them."""
+    """The text on the errors that were reached, and on the penalty if it causes half of them."""
     error = progress.error.brake
     text = f"estimated error of p {error['pressure']:.1e}, of the torque {error['torque']:.1e}"
     shoes = progress.responses[-1].shoes
@@ -171,10 +177,10 @@ def _reached_text(progress: _Progress, tolerance: Tolerance) -> str:
     return text
 
 
-def _final(progress: _Progress) -> Response:
-    """The last response with its errors, the time of all levels and a line on them.
+def _response_with_errors(progress: _Progress) -> Response:
+    """The last response with its errors, the time of all levels, and a note on the levels.
 
-    Its steps are those of the level that took the most. A warning says where the errors missed the
+    Its number of iterations is the largest of any level. A warning follows if the errors miss the
     tolerance.
     """
     responses, error = progress.responses, progress.error
@@ -192,75 +198,86 @@ def _final(progress: _Progress) -> Response:
     return replace(
         last,
         error=error.brake,
-        shoes=tuple(replace(shoe, error=own) for shoe, own in pairs),
+        shoes=tuple(replace(shoe, error=errors_of_shoe) for shoe, errors_of_shoe in pairs),
         seconds=seconds,
         iterations=max(response.iterations for response in responses),
         notes=(*last.notes, *notes),
     )
 
 
-# What two levels cannot estimate: singular pressure, and contacts too short for the division
+# Errors that the difference of two levels does not show: those of singular pressures, and of
+# contacts that are too short for any division.
 
 
 def errors_with_singularities(
     error: Errors, brake: Brake, response: Response
 ) -> tuple[Errors, str]:
-    """The errors with those at singular points added, and the words on an unknown pressure.
+    """The errors with those at singular points added, and a text on any unknown pressure.
 
-    The difference of two levels does not contain what p and its peak lack at corners of the lining
-    and under tips of the gap. An error of 1 means unknown: a peak that is at an end of the lining
-    or under a tip, and the pressure of a contact that is too short, which the words name.
+    Near corners of the lining and under tips of the gap, p and its peak lack a part that the
+    difference of two levels does not show. An error of 1 means unknown. It is stated for a peak at
+    an end of the lining or under a tip, and for the pressure of a contact that is too short. The
+    text names such a contact, and is empty otherwise.
+
+    Parameters
+    ----------
+    error : errors estimated from two levels
+    brake : the brake
+    response : response of the finer level
     """
-    shoes, words = [], ""
+    shoes, text = [], ""
     for i, (shoe, answer) in enumerate(zip(brake.shoes, response.shoes, strict=True)):
-        lacking = _lacking(shoe, brake.scale_factor, answer)
+        missing_peak = _missing_part_of_peak(shoe, brake.scale_factor, answer)
         at_corners = pressure_error_at_corners(brake, i, answer)
-        left = at_corners + pressure_error_under_tips(shoe, brake.scale_factor, answer)
+        under_tips = pressure_error_under_tips(shoe, brake.scale_factor, answer)
+        at_singular_points = at_corners + under_tips
         errors = {
             **error.shoes[i],
-            "pressure": error.shoes[i]["pressure"] + left,
-            "peak": 1.0 if lacking == 1.0 else error.shoes[i]["peak"] + lacking,
+            "pressure": error.shoes[i]["pressure"] + at_singular_points,
+            "peak": 1.0 if missing_peak == 1.0 else error.shoes[i]["peak"] + missing_peak,
         }
-        length = _shortest_contact(brake, shoe, answer)
-        if length < SHORTEST * shoe.lining.thickness:
-            words = (
+        length = _shortest_contact_length(brake, shoe, answer)
+        if length < SHORTEST_KNOWN_CONTACT * shoe.lining.thickness:
+            text = (
                 f"shoe {shoe.name!r}: its contact is {1e6 * length:.1g} um long, too short to know "
                 "its pressure; torque and forces do not need it"
             )
-            errors = _pressure_unknown(errors)
+            errors = _errors_with_unknown_pressure(errors)
         shoes.append(errors)
-    return Errors.worst(error.brake["torque"], shoes), words
+    return Errors.worst(error.brake["torque"], shoes), text
 
 
-def _shortest_contact(brake: Brake, shoe: Shoe, answer: ShoeResponse) -> float:
+def _shortest_contact_length(brake: Brake, shoe: Shoe, answer: ShoeResponse) -> float:
     """The length [m] of the shortest contact of a shoe; inf for a shoe that does not touch."""
-    lengths = (end - start for start, end in contact_arcs_without_narrow_gaps(shoe, answer))
-    return min(lengths, default=math.inf) * brake.size
+    arcs = contact_arcs_without_narrow_gaps(shoe, answer)
+    return min((end - start for start, end in arcs), default=math.inf) * brake.size
 
 
-def _pressure_unknown(errors: Mapping[str, float]) -> dict[str, float]:
-    """The errors of a shoe with 1 for its pressure and its peak."""
+def _errors_with_unknown_pressure(errors: Mapping[str, float]) -> dict[str, float]:
+    """The errors of a shoe with an error of 1 for its pressure and its peak."""
     unknown = {"pressure", "peak"}
     return {name: max(error, float(name in unknown)) for name, error in errors.items()}
 
 
-def _lacking(shoe: Shoe, scale_factor: float, answer: ShoeResponse) -> float:
-    """The fraction that the peak of p may lack.
+def _missing_part_of_peak(shoe: Shoe, scale_factor: float, answer: ShoeResponse) -> float:
+    """The fraction of the peak of p by which the peak may be too small because p is singular.
 
-    It is 1 where the peak is at, or near, a pressure that grows without bound: at a lining's end,
-    or under a tip of its gap.
+    The fraction is 1, for unknown, where the peak is at or near a pressure that grows without
+    bound: at a lining's end, or under a tip of its gap. `scale_factor` is the length [m] of the
+    surface's coordinate 1.
     """
     zone = edge_zone(shoe, scale_factor)
-    if _peak_at_corner(answer, zone):
+    if _is_peak_at_lining_end(answer, zone):
         return 1.0
-    return _lacking_under_tips(shoe, scale_factor, answer, zone)
+    return _missing_part_of_peak_under_tips(shoe, scale_factor, answer, zone)
 
 
-def _peak_at_corner(answer: ShoeResponse, zone: float) -> bool:
-    """Whether p is largest in an hp element at a pressed end of the lining, where it is unbounded.
+def _is_peak_at_lining_end(answer: ShoeResponse, zone: float) -> bool:
+    """Whether p peaks in an hp element at a pressed end of the lining, where p is unbounded.
 
-    zone: of the lining's ends, see `edge_zone`. Where the ends count for the peak, p near the peak
-    suffices: on a finer level it will be the peak.
+    `zone` is the length of the zone at the lining's ends, see `edge_zone`. If the peak is looked
+    for in this zone too, a pressure of PEAK_NEAR_END of the peak suffices, because on a finer level
+    it would be the peak.
     """
     theta, p, order = answer.theta, answer.pressure, answer.order
     heights = []
@@ -270,40 +287,48 @@ def _peak_at_corner(answer: ShoeResponse, zone: float) -> bool:
             heights.append(height / answer.peak_pressure)
     if any(math.isclose(height, 1.0) for height in heights):
         return True
-    return max(heights, default=0.0) > NEAR and edge_left_out(theta, p, order, zone) == 0
+    is_high = max(heights, default=0.0) > PEAK_NEAR_END
+    return is_high and edge_left_out(theta, p, order, zone) == 0
 
 
-def _lacking_under_tips(
+def _missing_part_of_peak_under_tips(
     shoe: Shoe, scale_factor: float, answer: ShoeResponse, zone: float
 ) -> float:
-    """The fraction that the peak of p may lack because p grows without bound under tips of the gap.
+    """The fraction by which the peak of p may be too small because p is unbounded under tips.
 
     A wedge whose slope changes by s has the pressure E s/(2 pi) ln(1/x) on a half-plane of modulus
-    E (Johnson, Contact Mechanics, ch. 5). As the elements beside a tip become smaller, down to
-    SMALLEST_COLUMN, p at the tip grows by this law. The growth matters where p at the tip would
-    then be above the peak. If hp elements end at the tip, the peak is unknown: the fraction is 1.
-    At a tip that p hardly feels no elements end, see `singular_points_of`; the peak lacks at most
-    the part by which p at the tip could exceed it. In the zone at the lining's ends
-    `_peak_at_corner` judges.
+    E (Johnson, Contact Mechanics, ch. 5). As the elements beside a tip of the gap become smaller,
+    down to SMALLEST_COLUMN, p at the tip grows by this law. The growth matters where p at the tip
+    would then exceed the peak. If hp elements end at the tip, the peak is unknown, and the fraction
+    is 1. At a tip that p hardly feels no elements end, see `singular_points_of`. The peak then
+    lacks at most the part by which p at the tip could exceed it. Tips in the zone at the lining's
+    ends are left to `_is_peak_at_lining_end`.
+
+    Parameters
+    ----------
+    shoe, answer : the shoe and its response
+    scale_factor : length [m] of the surface's coordinate 1
+    zone : length of the zone at the lining's ends, see `edge_zone`
     """
     start, end, order = shoe.lining.start, shoe.lining.end, answer.order
     theta, p = answer.theta, answer.pressure
     zone = edge_left_out(theta, p, order, zone)
     modulus = shoe.lining.material.E_half_plane
-    lacking = 0.0
+    missing = 0.0
     for tip, slope in clearance.tips(shoe.lining):
         if not start + zone < tip < end - zone:
             continue
         nearest = int(np.abs(theta[::order] - tip).argmin()) * order
         around = slice(max(nearest - order, 0), nearest + order + 1)
         width = scale_factor * float(theta[around][-1] - theta[around][0])
-        smaller = max(width / (SMALLEST_COLUMN * shoe.lining.thickness), 1.0)
-        growth = modulus * slope / scale_factor * math.log(smaller) / (2 * math.pi)
-        most = largest(theta[around], p[around], order) + growth
-        divided = abs(theta[nearest] - tip) < TIP_TOLERANCE * shoe.frame.unit
-        if most > answer.peak_pressure:
-            lacking = max(lacking, 1.0 if divided else most / answer.peak_pressure - 1.0)
-    return min(lacking, 1.0)
+        size_ratio = max(width / (SMALLEST_COLUMN * shoe.lining.thickness), 1.0)
+        growth = modulus * slope / scale_factor * math.log(size_ratio) / (2 * math.pi)
+        possible_peak = largest(theta[around], p[around], order) + growth
+        elements_end_at_tip = abs(theta[nearest] - tip) < TIP_TOLERANCE * shoe.frame.unit
+        if possible_peak > answer.peak_pressure:
+            excess = possible_peak / answer.peak_pressure - 1.0
+            missing = max(missing, 1.0 if elements_end_at_tip else excess)
+    return min(missing, 1.0)
 
 
 def check_tolerance(brake: Brake, tolerance: float) -> None:

@@ -1,10 +1,10 @@
-"""A brake on finer and finer divisions, the levels of a solve.
+"""The levels of a solve: a brake solved on finer and finer divisions into hp elements.
 
-Each division is moved to the ends of the contact that the division before it found.
+Each division has its grading points at the ends of the contact that the division before has found.
 """
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import NamedTuple, Protocol
 
@@ -14,24 +14,27 @@ from drumlin.fem.error_control.singular_points import singular_points_of
 from drumlin.fem.hp.division import UNRESOLVED_LENGTH, Level, Singularity, SingularPoint
 from drumlin.fem.preparation.cache import Cache
 from drumlin.fem.preparation.cache import first_shoes_of_equal_shape as equal_shapes
+from drumlin.fem.preparation.columns import PointsByShape
 from drumlin.fem.preparation.meshes import ELEMENTS
 from drumlin.fem.preparation.prepare import prepare
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.response.response import Response
 
 DEG = math.pi / 180
+"""A degree [rad]."""
 
 
 class LevelRule(NamedTuple):
-    """How finely the levels of a solve divide: each by the error that it leaves.
+    """The rule that makes the levels of a solve: each level from the error of p that it may leave.
 
-    Level k = 1, 2, ... has the degree p and leaves the error e, of p(theta) in L2, relative:
+    Level k = 1, 2, ... has the degree p, and its grading leaves the error e of p(theta) in L2,
+    relative:
 
         p = first_degree + k - 1
         e = first_error / fall^(k - 1)
 
-    From these follow the ratio q of the sizes of neighbours and the sizes at singular places, as
-    parts of the lengths that `Level` says:
+    From both follow the ratio q of the sizes of neighbouring elements, and the sizes at singular
+    points as parts of the lengths that `Level` names:
 
         sqrt q(e) = (1 - e^(1/p)) / (1 + e^(1/p))
 
@@ -42,9 +45,21 @@ class LevelRule(NamedTuple):
         zone = edge = back = hinge = corner e^sizes
 
     Elements that grow by 1/q from a singular point leave the error ((1 - sqrt q)/(1 + sqrt q))^p of
-    the best polynomials of degree p (Gui & Babuska, Numer. Math. 49, 1986), which is e. What is
-    coarser than e asks is felt less by p(theta): the layers by their compliance alone, an energy,
-    whose error is the square of the stresses' error; a short contact in few columns.
+    the best polynomials of degree p (Gui & Babuska, Numer. Math. 49, 1986), which is e. Where the
+    division is coarser than e asks, p(theta) feels it less. The layers are felt by their compliance
+    alone, an energy, whose error is the square of the error of the stresses. A short contact is
+    felt in few columns.
+
+    Attributes
+    ----------
+    first_degree : degree of the first level
+    first_error : error of p that the first level may leave
+    fall : error of a level over that of the next level
+    sizes : power of e by which sizes at singular points shrink from level to level
+    layers : power of e that the grading through the layers leaves
+    end : size at the ends of the contact over e^sizes
+    corner : sizes at corners over e^sizes
+    largest : largest size of a column [rad]
     """
 
     first_degree: int
@@ -57,7 +72,7 @@ class LevelRule(NamedTuple):
     largest: float
 
     def level(self, k: int) -> Level:
-        """The level k, from 1 on."""
+        """The level with the number k, which counts from 1."""
         p = self.first_degree + k - 1
         e = self.first_error / self.fall ** (k - 1)
         corner = self.corner * e**self.sizes
@@ -66,22 +81,25 @@ class LevelRule(NamedTuple):
             zone=corner,
             edge=corner,
             end=self.end * e**self.sizes,
-            ratio=_ratio(e, p),
-            opening=_ratio(e**self.sizes, p),
+            ratio=_size_ratio_for_error(e, p),
+            opening=_size_ratio_for_error(e**self.sizes, p),
             largest=self.largest,
             back=corner,
             hinge=corner,
-            through=_ratio(e**self.layers, p),
+            through=_size_ratio_for_error(e**self.layers, p),
         )
 
 
-def _ratio(error: float, p: int) -> float:
-    """The ratio of sizes whose growth leaves this error with the degree p, see `LevelRule`."""
-    left = error ** (1 / p)
-    return ((1 - left) / (1 + left)) ** 2
+def _size_ratio_for_error(error: float, p: int) -> float:
+    """The ratio q of neighbouring sizes whose growth leaves this error with elements of degree p.
+
+    The formula is that of `LevelRule`.
+    """
+    root = error ** (1 / p)
+    return ((1 - root) / (1 + root)) ** 2
 
 
-RULE = LevelRule(
+LEVEL_RULE = LevelRule(
     first_degree=3,
     first_error=0.02,
     fall=5.0,
@@ -93,124 +111,140 @@ RULE = LevelRule(
 )
 """The eight numbers of the levels, found by experiment on random brakes of all kinds.
 
-`make levels ARGS="fall=6"` finds the figures below again, for any values: on the brakes that
-`make calibrate` fits on, the factors of the error estimate on four levels, the processor time of
-answers, and the medians of stated over true errors. A force is a torque or a reaction.
+`make levels ARGS="fall=6"` finds the figures below again, for any values. It reports, for the
+brakes that `make calibrate` fits on, the factors of the error estimate on four levels, the
+processor time of answers, and the medians of stated over true errors. A force is a torque or a
+reaction.
 
-- first_degree: the degree of the first level, which only finds the contact (judgement).
-- first_error: the error of p that the first level leaves. With 0.03 the factor of forces rises from
-  0.57 to 0.75, with 0.04 to 1.3: what a coarse first level and the second one have in common is
-  chance. Smaller, every level has more unknowns.
-- fall: the error of a level over that of the next. With 6 default answers take 9 % more time. With
-  4.5 some brakes need one more level for 1e-4, which takes twice the time.
-- sizes: the power of e by which sizes at singular places shrink from level to level. With 0.667 the
-  factor of forces is twice as large, since sizes at supports shrink more slowly than p converges.
-  With 0.8 default answers take 19 % more time.
-- layers: the power of e that the layers leave. With 0.5 the factor of forces is 1.5 times as
-  large. With 0.667 answers to 1e-4 take a twentieth more time, and nothing is more accurate.
-- end, corner: sizes over e^sizes, at the ends of the contact and at corners. With 0.6 and 6 the
-  second level of the double-shoe brake has 1.2 times as many unknowns, and stated errors are no
-  sharper.
-- largest: size of a column. With 60 deg the torque was three times as far off on the first level.
+- first_degree: the first level only finds the contact. The degree 3 is a judgement.
+- first_error: with 0.03 the factor of forces rises from 0.57 to 0.75, with 0.04 to 1.3, because a
+  coarse first level resembles the second level only by chance. With smaller values every level has
+  more unknowns.
+- fall: with 6 default answers take 9 % more time. With 4.5 some brakes need one more level for
+  1e-4, which takes twice the time.
+- sizes: with 0.667 the factor of forces is twice as large, since sizes at supports shrink more
+  slowly than p converges. With 0.8 default answers take 19 % more time.
+- layers: with 0.5 the factor of forces is 1.5 times as large. With 0.667 answers to 1e-4 take a
+  twentieth more time, and nothing is more accurate.
+- end, corner: with 0.6 and 6 the second level of the double-shoe brake has 1.2 times as many
+  unknowns, and stated errors are no sharper.
+- largest: with 60 deg the torque was three times as far off on the first level.
 """
-LEVELS = tuple(RULE.level(k) for k in range(1, 7))
+LEVELS = tuple(LEVEL_RULE.level(k) for k in range(1, 7))
+"""The levels of a solve, from coarse to fine."""
 MOST_PASSES = 8
+"""Largest number of divisions on one level. Each pass follows the ends of the contact that the pass
+before has found, and the last pass stands even if the ends still move.
+"""
 
 
-class Respond(Protocol):
-    """What answers for a brake on a scene, from the contact of an earlier response."""
+class ResponseFunction(Protocol):
+    """A function that computes the response of a brake on its prepared model."""
 
     def __call__(
         self, scene: PreparedModel, brake: Brake, *, start: Response | None = None
     ) -> Response:
-        """The response."""
+        """The response; `start` is an earlier response, whose contact is the first guess."""
 
 
-class Step(NamedTuple):
-    """A level's scene and response."""
+class SolvedLevel(NamedTuple):
+    """The prepared model of a level, `scene`, and the response on it."""
 
     scene: PreparedModel
     response: Response
 
 
-def steps(
+def solved_levels(
     brake: Brake,
-    respond: Respond,
+    respond: ResponseFunction,
     cache: Cache | None = None,
     levels: Sequence[Level] = (),
-) -> Iterator[Step]:
-    """The brake on all levels, or on those given, finer and finer; cache: see `scene`.
+) -> Iterator[SolvedLevel]:
+    """The brake solved on one level after the other, finer and finer.
 
-    A division is coarse where the contact of the level before does not lie. But what the answer is
-    followed through as friction grows lies there too, and a short contact on nodes far apart may
-    find no way. So a refusal is asked for once more on an even division of the same level, of as
-    many columns as a mesh has elements, and all levels from there on are so. Lost digits are not:
-    no division of a level brings them back.
+    The contact is found by following it as the friction grows. On the way the contact may lie where
+    the division is coarse, and a short contact on nodes far apart may have no solution. A level
+    without an answer is therefore solved once more with an upper limit of the size of columns, as
+    many along the lining as a mesh has elements. All later levels keep this limit. A level whose
+    answer has lost its digits is not solved again: no division of the level restores them.
 
-    Raises NoAnswer where neither division of the first level has an answer, or two later levels
-    have none.
+    Parameters
+    ----------
+    brake : the brake
+    respond : computes the response on a prepared model
+    cache : keeps condensed bodies, see `prepare`
+    levels : the levels; LEVELS if it is empty
+
+    Raises
+    ------
+    NoAnswer
+        where neither division of the first level has an answer, or two later levels have none
     """
     last: Response | None = None
     alike = equal_shapes(brake)
-    refused, even = 0, math.inf
-    arcs = [shoe.arc for shoe in brake.shoes]
+    refusals, column_limit = 0, math.inf
+    shortest_arc = min(end - start for start, end in (shoe.arc for shoe in brake.shoes))
     for level in levels or LEVELS:
-        step: Step | None = None
-        places = singular_points_of(brake, last, alike, level.error)
-        tried: list[Mapping[int, Sequence[SingularPoint]]] = []
+        solved: SolvedLevel | None = None
+        points = singular_points_of(brake, last, alike, level.error)
+        points_of_passes: list[PointsByShape] = []
         for _ in range(MOST_PASSES):
-            made = prepare(brake, _evened(level, even), places, alike=alike, cache=cache)
+            limited = replace(level, largest=min(level.largest, column_limit))
+            model = prepare(brake, limited, points, alike=alike, cache=cache)
             try:
-                found = respond(made, brake, start=last)
+                response = respond(model, brake, start=last)
             except NoAnswer as refusal:
-                step = None
-                if math.isinf(even) and not isinstance(refusal, LostDigits):
-                    even = min(end - start for start, end in arcs) / ELEMENTS
+                solved = None
+                if math.isinf(column_limit) and not isinstance(refusal, LostDigits):
+                    column_limit = shortest_arc / ELEMENTS
                     continue
-                refused += 1
-                if refused == 2 or (last is None and math.isfinite(even)):
+                refusals += 1
+                if refusals == 2 or (last is None and math.isfinite(column_limit)):
                     raise
                 break
-            step = Step(made, found)
-            tried.append(places)
-            last, places = found, singular_points_of(brake, found, alike, level.error)
-            # Ends that go back to where an earlier pass had them would go to and fro for ever.
-            if any(not _moved(brake, meant, places) for meant in tried):
+            solved = SolvedLevel(model, response)
+            points_of_passes.append(points)
+            last, points = response, singular_points_of(brake, response, alike, level.error)
+            # The passes end when the new points are those of any earlier pass: ends of the contact
+            # that return to an earlier position would alternate forever.
+            if any(not _has_new_points(brake, earlier, points) for earlier in points_of_passes):
                 break
-        if step is not None:
-            yield step
+        if solved is not None:
+            yield solved
 
 
-def _evened(level: Level, largest: float) -> Level:
-    """The level with columns of this size [rad] at most."""
-    return replace(level, largest=min(level.largest, largest))
+def _has_new_points(brake: Brake, before: PointsByShape, now: PointsByShape) -> bool:
+    """Whether a singular point of any shape of shoe lies where a division has no grading point.
 
+    Such a point is an end of the contact that moved by more than UNRESOLVED_LENGTH, or a kink of
+    the gap.
 
-def _moved(
-    brake: Brake,
-    meant: Mapping[int, Sequence[SingularPoint]],
-    now: Mapping[int, Sequence[SingularPoint]],
-) -> bool:
-    """Whether a singular point of any shape of shoe lies where no columns end yet.
-
-    It is an end of the contact that moved by more than UNRESOLVED_LENGTH, or a kink of the gap.
+    Parameters
+    ----------
+    brake : the brake
+    before : singular points that the division was made for
+    now : singular points of the response on this division
     """
-    return any(_off(brake.shoes[i].arc, meant[i], places) for i, places in now.items())
+    return any(
+        _has_new_points_on_lining(brake.shoes[i].arc, before[i], points)
+        for i, points in now.items()
+    )
 
 
-def _off(
-    arc: tuple[float, float], places: Sequence[SingularPoint], now: Sequence[SingularPoint]
+def _has_new_points_on_lining(
+    arc: tuple[float, float], before: Sequence[SingularPoint], now: Sequence[SingularPoint]
 ) -> bool:
-    """Whether a singular point `now` of one shoe lies where no columns ended on the last pass.
+    """Whether a singular point `now` of one lining lies away from all points `before`.
 
-    An end of the contact may move by UNRESOLVED_LENGTH of the length that it bounds.
+    The ends of the lining, `arc`, always are grading points. An end of the contact may move by
+    UNRESOLVED_LENGTH of the length that it bounds.
     """
-    meant = [*arc, *(place.at for place in places)]
+    known = [*arc, *(point.at for point in before)]
     for point in now:
-        if point.kind in {Singularity.KINK, Singularity.TIP} and point.at not in meant:
+        if point.kind in {Singularity.KINK, Singularity.TIP} and point.at not in known:
             return True
         if point.kind == Singularity.END:
-            distance = min(abs(point.at - x) for x in meant)
-            if distance > UNRESOLVED_LENGTH * point.length:
+            moved = min(abs(point.at - at) for at in known)
+            if moved > UNRESOLVED_LENGTH * point.length:
                 return True
     return False

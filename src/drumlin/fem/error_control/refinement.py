@@ -1,19 +1,20 @@
 """The full system of a group of shoes, solved by another elimination and refined in long double.
 
-The unknowns that static condensation eliminates stay in the system: all displacements of the shoes
-and of the ring, the generalised coordinates y, and the pressures p on the contact set, together. A
-shoe moves by u = v + r y, with v the displacements while its frame is held and r its rigid-body
-modes. These strain nothing, so that K r = 0 never meets the round-off of K. Per newton of the
-largest force:
+The full system keeps the unknowns that static condensation eliminates: all displacements of the
+shoes and of the ring, the generalised coordinates y, and the pressures p on the contact set. A shoe
+moves by u = v + r y, where v are the displacements while its frame is held, and r its rigid-body
+modes. Rigid-body modes strain nothing, so the system leaves out K r, which would be round-off of K
+alone. Per newton of the largest force:
 
     K v + (N - drag T)^T p = f,    r^T (N - drag T)^T p = moment,
     M (g + p/eps) - N v - N r y + N_ring u_ring = 0  on the contact set
 
-The stiffness is assembled in long double. LU factors of the rounded system (SuperLU, pivoted, in an
-order of its own) are the preconditioner of an iterative refinement whose residuals are long double,
-too (Wilkinson; Higham, Accuracy and Stability of Numerical Algorithms, ch. 12). Where it converges,
-the answer is that of the discrete brake to all digits of double precision. It tells how many digits
-another answer has, by different arithmetic in another order.
+The stiffness is assembled in long double. LU factors of the system, rounded to double precision
+(SuperLU, pivoted, in an order of its own), are the preconditioner of an iterative refinement. The
+residuals of the refinement are in long double (Wilkinson; Higham, Accuracy and Stability of
+Numerical Algorithms, ch. 12). Where the refinement converges, its solution is that of the discrete
+brake to all digits of double precision. Comparing another solution with it shows how many digits
+that solution has, since the arithmetic and its order are different.
 
 The condition of the torque is that of the linear functional T = l . x of a system A x = b under
 changes of each entry by a fraction of the entry (Skeel; Higham, ch. 7):
@@ -38,21 +39,21 @@ from drumlin.fem.equilibrium.group import ShoeGroup
 from drumlin.fem.preparation.bodies import acting_loads
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.substructure.body import FRAME, stiffness
-from drumlin.fem.substructure.elasticity import layers_of
+from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 from drumlin.fem.substructure.ring import ring_stiffness
 
 LONG_DOUBLE = np.longdouble
 EPSILON = float(np.finfo(float).eps)
 """Relative spacing of double-precision numbers."""
 MOST_CORRECTIONS = 30
-"""Number of corrections after which a refinement ends, whether it has converged or not."""
+"""Number of corrections after which a refinement ends even if it has not converged."""
 CONVERGED_CORRECTION = 1e-14
 """Largest correction of the pressures, relative to the largest pressure, at which the refinement
 ends: some 45 times the spacing of double-precision numbers. Above it a further correction follows.
 """
-SLOWEST = 0.5
-"""Factor by which each correction from the third on must be smaller than the one before. Above it
-the refinement has come to its end, and `Refined.correction` tells how well it has converged.
+SLOWEST_CONVERGENCE = 0.5
+"""Ratio of a correction to the correction before it, from the third correction on, above which the
+refinement ends. `RefinedSolution.correction` then tells how well it has converged.
 """
 MOST_REFINED_SETS = 40
 """Number of contact sets that are tried, from the given set on, before the answer is refused. In a
@@ -60,30 +61,30 @@ solve the given set is that of the condensed answer.
 """
 
 
-class Refined(NamedTuple):
+class RefinedSolution(NamedTuple):
     """The solution of the full system for a group of shoes, per newton of their largest force.
 
     Attributes
     ----------
-    p : pressures (n_i,) of each shoe
-    last : last correction (n_i,) of the pressures of each shoe
+    p : pressures (n_i,) of each shoe [1/m^2]
+    last_correction : last correction (n_i,) of the pressures of each shoe [1/m^2]
     coordinates : generalised coordinates (k_i,) of each shoe
-    torque : of all shoes [m]
-    gap : weighted gaps (n,) of all nodes, relative to the largest term in them
-    correction : largest part of the last correction, relative to the largest pressure
+    torque : torque of all shoes [m]
+    gap : weighted gaps (n,) of all nodes, relative to the largest term of their sum
+    correction : largest entry of the last correction, relative to the largest pressure
     corrections : number of corrections
-    sets : number of contact sets that were tried
-    condition : of the torque, relative to each entry of the assembled system
+    contact_sets : number of contact sets that were tried
+    condition : condition of the torque for relative changes of each entry of the system
     """
 
     p: tuple[Floats, ...]
-    last: tuple[Floats, ...]
+    last_correction: tuple[Floats, ...]
     coordinates: tuple[Floats, ...]
     torque: float
     gap: Floats
     correction: float
     corrections: int
-    sets: int
+    contact_sets: int
     condition: float
 
 
@@ -95,10 +96,10 @@ class FullSystem:
     ----------
     matrix : sparse matrix (unknowns, unknowns); the rows of the pressures come last
     right : right side (unknowns,)
-    pressures : place of each shoe's pressures
-    coordinates : place of each shoe's generalised coordinates
-    lever : (unknowns,), with torque = lever . x
-    scale : factors (unknowns,) of the unknowns, and of the rows
+    pressures : slice of each shoe's pressures among the unknowns
+    coordinates : slice of each shoe's generalised coordinates among the unknowns
+    lever : (unknowns,) with torque = lever . x
+    scale : (unknowns,) factors that equilibrate rows and columns, see `_equilibrating_factors`
     """
 
     matrix: Any
@@ -109,36 +110,36 @@ class FullSystem:
     scale: Floats
 
     @property
-    def first(self) -> int:
-        """Place of the first pressure."""
+    def first_pressure(self) -> int:
+        """Number of the first pressure among the unknowns."""
         return self.pressures[0].start
 
 
-# The system is assembled
+# The following functions assemble the full system.
 
 
 class _ShoeBlock(NamedTuple):
     """The part of one shoe in the full system, in long double.
 
-    Its unknowns are the inner displacements, those of the contact nodes, and the generalised
-    coordinates, to which no stiffness belongs.
+    Its unknowns are the displacements of the inner nodes, those of the contact nodes, and the
+    generalised coordinates, which have no stiffness.
 
     Attributes
     ----------
     K : stiffness (unknowns, unknowns)
-    pushed : forces (unknowns, n) per pressure
-    closed : closing (n, unknowns) of the weighted gaps per unknown
-    load : actuation (unknowns,)
+    pressure_forces : forces (unknowns, n) per pressure
+    gap_closures : closures (n, unknowns) of the weighted gaps per unknown
+    load : force of the actuation on each unknown (unknowns,)
     """
 
     K: Any
-    pushed: Any
-    closed: Any
+    pressure_forces: Any
+    gap_closures: Any
     load: Any
 
 
 class _RingCoupling(NamedTuple):
-    """N and T (n, unknowns of the ring) of one shoe's contact with the ring."""
+    """The coupling matrices N and T (n, unknowns of the ring) of one shoe with the ring."""
 
     N: Any
     T: Any
@@ -156,54 +157,70 @@ class _RingBlock(NamedTuple):
 
 @dataclass(frozen=True)
 class _Layout:
-    """The places of the unknowns: those of each shoe, those of the ring, then all pressures.
+    """The order of the unknowns: those of each shoe, those of the ring, then all pressures.
 
-    `starts`: of each block of displacements, with the end; `firsts`: of each shoe's pressures, with
-    the end.
+    Attributes
+    ----------
+    block_starts : number of the first unknown of each shoe and of the ring; then the number of
+        these unknowns
+    pressure_starts : number of the first pressure of each shoe; then the number of all unknowns
     """
 
-    starts: Any
-    firsts: Any
+    block_starts: Any
+    pressure_starts: Any
 
 
-def full_system(group: ShoeGroup, *, carried: bool = True) -> FullSystem:
-    """The full system of a group of shoes, all of its nodes in contact.
+def full_system(group: ShoeGroup, *, relative_to_rigid_motion: bool = True) -> FullSystem:
+    """The full system of a group of shoes, with all of its nodes in contact.
 
-    carried: whether displacements are counted from where the rigid-body modes carry the shoes.
-    Otherwise they are counted from the undeformed shoes, which keeps more digits where the drum
-    holds the lining and a soft shoe turns behind it.
+    Parameters
+    ----------
+    group : the group of shoes
+    relative_to_rigid_motion : whether displacements are measured from the shoes moved by their
+        rigid-body modes. Otherwise they are measured from the unloaded shoes, which keeps more
+        digits where the drum holds the lining and a soft shoe turns behind it.
     """
     members = range(len(group.members))
-    shoe_blocks = [_shoe_block(group, k, carried) for k in members]
+    shoe_blocks = [_shoe_block(group, k, relative_to_rigid_motion) for k in members]
     ring = _ring_block(group.scene, group.brake) if group.scene.ring is not None else None
     stiffnesses = [block.K for block in shoe_blocks] + ([ring.K] if ring else [])
     sizes = [int(block.shape[0]) for block in stiffnesses]
     counts = [len(gap) for gap in group.initial_gaps]
     starts = np.cumsum([0, *sizes])
     layout = _Layout(starts, np.cumsum([starts[-1], *counts]))
-    blocks = _all_blocks(group, shoe_blocks, ring, stiffnesses)
-    matrix = _joined(blocks, [*sizes, *counts])
-    ends = layout.starts[1 : len(members) + 1]
+    blocks = _matrix_blocks(group, shoe_blocks, ring, stiffnesses)
+    matrix = _assemble_blocks(blocks, [*sizes, *counts])
+    ends = layout.block_starts[1 : len(members) + 1]
     return FullSystem(
         matrix=matrix,
         right=_right_side(group, shoe_blocks, layout),
-        pressures=tuple(slice(int(a), int(b)) for a, b in pairwise(layout.firsts)),
+        pressures=tuple(slice(int(a), int(b)) for a, b in pairwise(layout.pressure_starts)),
         coordinates=tuple(
             slice(int(end) - modes.actuation_work.size, int(end))
             for end, modes in zip(ends, group.rigid_body_modes, strict=True)
         ),
         lever=_torque_lever(group, layout),
-        scale=_scale(matrix, int(layout.firsts[0])),
+        scale=_equilibrating_factors(matrix, int(layout.pressure_starts[0])),
     )
 
 
-def _all_blocks(
+def _matrix_blocks(
     group: ShoeGroup,
     shoe_blocks: list[_ShoeBlock],
     ring: _RingBlock | None,
     stiffnesses: list[Any],
 ) -> list[list[Any]]:
-    """The full matrix by blocks, None where zero: shoes, ring, and then pressures of each shoe."""
+    """The blocks of the full matrix, None for a zero block, by block rows and block columns.
+
+    The block rows are those of the shoes, that of the ring, and those of each shoe's pressures.
+
+    Parameters
+    ----------
+    group : the group of shoes
+    shoe_blocks : part of each shoe
+    ring : part of the ring; None for a rigid drum
+    stiffnesses : stiffness of each shoe, and that of the ring
+    """
     count = len(stiffnesses) + len(shoe_blocks)
     blocks: list[list[Any]] = [[None] * count for _ in range(count)]
     for k, block in enumerate(stiffnesses):
@@ -213,7 +230,7 @@ def _all_blocks(
     for k, shoe_block in enumerate(shoe_blocks):
         M = group.bodies[k].coupling.M
         at = len(stiffnesses) + k
-        blocks[k][at], blocks[at][k] = shoe_block.pushed, -shoe_block.closed
+        blocks[k][at], blocks[at][k] = shoe_block.pressure_forces, -shoe_block.gap_closures
         blocks[at][at] = sp.csr_matrix((M / group.contact_stiffnesses[k]).astype(LONG_DOUBLE))
         if ring is not None:
             N, T = ring.couplings[group.members[k]]
@@ -222,30 +239,30 @@ def _all_blocks(
 
 
 def _right_side(group: ShoeGroup, shoe_blocks: list[_ShoeBlock], layout: _Layout) -> Any:
-    """The right side of the full system: loads, and weighted gaps of the unloaded linings."""
-    right = np.zeros(int(layout.firsts[-1]), dtype=LONG_DOUBLE)
+    """The right side of the full system: actuations, and weighted gaps of the unloaded linings."""
+    right = np.zeros(int(layout.pressure_starts[-1]), dtype=LONG_DOUBLE)
     for k, shoe_block in enumerate(shoe_blocks):
-        right[layout.starts[k] : layout.starts[k + 1]] = shoe_block.load
+        right[layout.block_starts[k] : layout.block_starts[k + 1]] = shoe_block.load
         M = group.bodies[k].coupling.M.astype(LONG_DOUBLE)
         gap = group.initial_gaps[k].astype(LONG_DOUBLE) / group.unit_force
-        right[layout.firsts[k] : layout.firsts[k + 1]] = -(M @ gap)
+        right[layout.pressure_starts[k] : layout.pressure_starts[k + 1]] = -(M @ gap)
     return right
 
 
 def _torque_lever(group: ShoeGroup, layout: _Layout) -> Floats:
     """The torque (unknowns,) per unknown of the full system."""
-    lever = np.zeros(int(layout.firsts[-1]))
+    lever = np.zeros(int(layout.pressure_starts[-1]))
     for k, body in enumerate(group.bodies):
-        at = slice(layout.firsts[k], layout.firsts[k + 1])
+        at = slice(layout.pressure_starts[k], layout.pressure_starts[k + 1])
         lever[at] = group.brake.friction * body.coupling.lever
     return lever
 
 
-def _shoe_block(group: ShoeGroup, k: int, carried: bool) -> _ShoeBlock:
-    """The part of shoe `k` in the full system; carried: see `full_system`."""
+def _shoe_block(group: ShoeGroup, k: int, relative_to_rigid_motion: bool) -> _ShoeBlock:
+    """The part of shoe `k` in the full system; parameters as of `full_system`."""
     body, shoe, modes = group.bodies[k], group.shoes[k], group.rigid_body_modes[k]
     constraints = body.condensed.constraints.matrix.astype(LONG_DOUBLE)
-    K = stiffness(body.basis, layers_of(shoe), precise=True)
+    K = stiffness(body.basis, elastic_layers_of_shoe(shoe), precise=True)
     constrained = (constraints.T @ K @ constraints).tocsr()
     inside, n = constrained.shape[0] - FRAME, len(body.line.nodes)
     share = LONG_DOUBLE(abs(shoe.actuation.force)) / group.unit_force
@@ -258,19 +275,22 @@ def _shoe_block(group: ShoeGroup, k: int, carried: bool) -> _ShoeBlock:
     test_modes = modes.test_modes.astype(LONG_DOUBLE)
     pin_motion = modes.pin_motion.astype(LONG_DOUBLE)
     count = contact_modes.shape[1]
-    # The contact nodes are the last of the displacements, two degrees of freedom each.
+    # The contact nodes have the last displacements, two for each node.
     first, shape = inside - 2 * n, (inside + count, n)
-    closed = _placed(N.T, shape, row=first)
-    if carried:
-        closed = closed + _placed((N @ contact_modes).T, shape, row=inside)
-        along = None
+    closures = _sparse_from_row(N.T, shape, row=first)
+    modes_to_nodes = None
+    if relative_to_rigid_motion:
+        closures = closures + _sparse_from_row((N @ contact_modes).T, shape, row=inside)
     else:
-        along = (constrained[:inside, inside:] @ sp.csr_matrix(pin_motion)).tocsr()
-    on_modes = _placed(test_modes.T @ pushing, shape, row=inside)
+        # The generalised coordinates move the frame, and the frame strains the body.
+        modes_to_nodes = (constrained[:inside, inside:] @ sp.csr_matrix(pin_motion)).tocsr()
+    on_nodes = _sparse_from_row(pushing, shape, row=first)
+    on_modes = _sparse_from_row(test_modes.T @ pushing, shape, row=inside)
+    stiffness_blocks = [[constrained[:inside, :inside], modes_to_nodes], [None, None]]
     return _ShoeBlock(
-        K=_joined([[constrained[:inside, :inside], along], [None, None]], [inside, count]),
-        pushed=_placed(pushing, shape, row=first) + on_modes,
-        closed=closed.T.tocsr(),
+        K=_assemble_blocks(stiffness_blocks, [inside, count]),
+        pressure_forces=on_nodes + on_modes,
+        gap_closures=closures.T.tocsr(),
         load=np.append(load[:inside], share * modes.actuation_work.astype(LONG_DOUBLE)),
     )
 
@@ -285,35 +305,38 @@ def _ring_block(scene: PreparedModel, brake: Brake) -> _RingBlock:
     keep = np.ones(2 * basis.N, dtype=bool)
     keep[2 * ring.held] = keep[2 * ring.held + 1] = False
     K = K[keep][:, keep]
-    if ring.free is not None:
-        forces = ring.free.rim.transpose(1, 0, 2).reshape(-1, FRAME)
+    if ring.rim_balance is not None:
+        forces = ring.rim_balance.forces.transpose(1, 0, 2).reshape(-1, FRAME)
         rim = sp.csr_matrix(forces.astype(LONG_DOUBLE))
-        K = _joined([[K, rim], [rim.T.tocsr(), None]], [2 * basis.N, FRAME])
+        K = _assemble_blocks([[K, rim], [rim.T.tocsr(), None]], [2 * basis.N, FRAME])
     place = np.cumsum(keep) - 1
     nodes = ring.line.nodes
     dofs = place[np.column_stack([2 * nodes, 2 * nodes + 1]).ravel()]
     couplings = []
-    for normal, tangential in ring.coupled:
-        N, T = (_spread(matrix, dofs, K.shape[0]) for matrix in (normal, tangential))
+    for normal, tangential in ring.coupling_matrices:
+        N, T = (_sparse_in_columns(part, dofs, K.shape[0]) for part in (normal, tangential))
         couplings.append(_RingCoupling(N, T))
     return _RingBlock(K, couplings)
 
 
-def _spread(values: Floats, dofs: Any, count: int) -> Any:
-    """A sparse matrix of `count` columns: at `dofs` the columns of `values`, 0 elsewhere."""
+def _sparse_in_columns(values: Floats, dofs: Any, count: int) -> Any:
+    """A sparse matrix of `count` columns that has the columns of `values` at the numbers `dofs`."""
     entries = sp.coo_matrix(values.astype(LONG_DOUBLE))
     places = (entries.row, dofs[entries.col])
     return sp.csr_matrix((entries.data, places), shape=(entries.shape[0], count))
 
 
-def _placed(values: Any, size: tuple[int, int], row: int) -> Any:
-    """A sparse matrix of this size that holds the dense `values` from a row on."""
+def _sparse_from_row(values: Any, size: tuple[int, int], row: int) -> Any:
+    """A sparse matrix of this size that holds the dense `values` from the row `row` on."""
     i, j = np.nonzero(values)
     return sp.csr_matrix((values[i, j], (i + row, j)), shape=size)
 
 
-def _joined(blocks: list[list[Any]], sizes: list[int]) -> Any:
-    """Sparse blocks, None where zero, as one matrix in long double; `sizes` of the block rows."""
+def _assemble_blocks(blocks: list[list[Any]], sizes: list[int]) -> Any:
+    """The sparse matrix in long double that has the given blocks; None stands for a zero block.
+
+    `sizes` are the numbers of unknowns of the block rows, which are those of the block columns.
+    """
     starts = np.cumsum([0, *sizes])
     data, rows, columns = [], [], []
     for a, line in enumerate(blocks):
@@ -329,11 +352,13 @@ def _joined(blocks: list[list[Any]], sizes: list[int]) -> Any:
     return sp.csr_matrix((values, places), shape=(starts[-1], starts[-1]))
 
 
-def _scale(matrix: Any, first: int) -> Floats:
-    """Factors (unknowns,) by which the full system is equilibrated; `first`: first pressure.
+def _equilibrating_factors(matrix: Any, first: int) -> Floats:
+    """Factors (unknowns,) of rows and columns that equilibrate the full system.
 
-    They give the stiffness a unit diagonal, and rows of length one to the unknowns that are coupled
-    with it: first to the pressures, then to the turns and to the forces on the rim of a free ring.
+    The factors give the stiffness a unit diagonal. The unknowns without stiffness get rows of
+    length one, by their coupling with other unknowns: first the pressures, then the generalised
+    coordinates and the forces on the rim of a free ring. `first` is the number of the first
+    pressure.
     """
     diagonal = np.abs(matrix.diagonal()).astype(float)
     stiff = diagonal > 0
@@ -348,30 +373,30 @@ def _scale(matrix: Any, first: int) -> Floats:
     return scale
 
 
-# The system is solved
+# The following functions solve the full system.
 
 
-def refine(system: FullSystem, active: Bools, order: str = "COLAMD") -> Refined:
-    """The refined solution of a full system, from a contact set that it corrects.
+def refined_solution(system: FullSystem, active: Bools, order: str = "COLAMD") -> RefinedSolution:
+    """The refined solution of a full system; it starts from a contact set and corrects the set.
 
     Parameters
     ----------
     system : the full system
-    active : the contact set, nodes (n,) of all shoes
-    order : of the elimination, by SuperLU's names
+    active : (n,) whether each node of all shoes touches at the start
+    order : order of the elimination, by SuperLU's names
 
     Raises
     ------
     NoAnswer
-        for a singular system, and where the contact set does not settle; a refinement that does not
-        converge is returned, and its `correction` tells how far it is
+        for a singular system, and where the contact set does not settle. A refinement that does not
+        converge is returned; its `correction` tells how far it has converged.
     """
-    first = system.first
+    first = system.first_pressure
     active = active.copy()
     rows, right = system.matrix[first:], system.right[first:]
-    for sets in range(1, MOST_REFINED_SETS + 1):
+    for contact_sets in range(1, MOST_REFINED_SETS + 1):
         on = np.concatenate([np.ones(first, dtype=bool), active])
-        solution = _solution(system, on, order)
+        solution = _solution_on_contact_set(system, on, order)
         x = solution.x
         p = x[first:]
         w = (rows @ x - right).astype(float)
@@ -382,7 +407,7 @@ def refine(system: FullSystem, active: Bools, order: str = "COLAMD") -> Refined:
         change = np.where(active, tension, penetrates)
         if not change.any():
             gap = w / (bound.max(initial=0.0) or 1.0)
-            return _refined(system, on, solution, gap, sets)
+            return _refined_solution_by_shoes(system, on, solution, gap, contact_sets)
         active ^= change
     raise NoAnswer(
         f"not converged: the contact set still changes after {MOST_REFINED_SETS} refined solutions"
@@ -395,38 +420,51 @@ class _Solution(NamedTuple):
     Attributes
     ----------
     x : unknowns (unknowns,) in long double
-    last : last correction (unknowns,) of x
-    correction : largest correction of a pressure, relative to the largest pressure
+    last_correction : last correction (unknowns,) of x
+    correction : largest part of the last correction of a pressure, relative to the largest pressure
     corrections : number of corrections
     factors : LU factors of the equilibrated system
     """
 
     x: Any
-    last: Any
+    last_correction: Any
     correction: float
     corrections: int
     factors: Any
 
 
-def _refined(system: FullSystem, on: Bools, solution: _Solution, gap: Floats, sets: int) -> Refined:
-    """The solution on the settled contact set, by shoes."""
+def _refined_solution_by_shoes(
+    system: FullSystem, on: Bools, solution: _Solution, gap: Floats, contact_sets: int
+) -> RefinedSolution:
+    """The solution on the settled contact set, by shoes.
+
+    Parameters
+    ----------
+    system : the full system
+    on : (unknowns,) whether each unknown is part of the system on this contact set
+    solution : the refined solution
+    gap : (n,) relative weighted gaps of all nodes
+    contact_sets : number of contact sets that were tried
+    """
     x = solution.x
     torque = float(system.lever @ x)
-    return Refined(
+    return RefinedSolution(
         p=tuple(np.maximum(x[part].astype(float), 0.0) for part in system.pressures),
-        last=tuple(solution.last[part].astype(float) for part in system.pressures),
+        last_correction=tuple(
+            solution.last_correction[part].astype(float) for part in system.pressures
+        ),
         coordinates=tuple(x[part].astype(float) for part in system.coordinates),
         torque=torque,
         gap=gap,
         correction=solution.correction,
         corrections=solution.corrections,
-        sets=sets,
-        condition=_condition(system, on, solution, torque),
+        contact_sets=contact_sets,
+        condition=_torque_condition(system, on, solution, torque),
     )
 
 
-def _solution(system: FullSystem, on: Bools, order: str) -> _Solution:
-    """The refined solution with the unknowns `on` (unknowns,), the others zero."""
+def _solution_on_contact_set(system: FullSystem, on: Bools, order: str) -> _Solution:
+    """The refined solution for the unknowns `on` (unknowns,); the other unknowns are zero."""
     at = np.flatnonzero(on)
     A, b, scale = system.matrix[at][:, at], system.right[at], system.scale[at]
     D = sp.diags(scale.astype(LONG_DOUBLE))
@@ -436,8 +474,8 @@ def _solution(system: FullSystem, on: Bools, order: str) -> _Solution:
     except RuntimeError as error:
         raise NoAnswer("no equilibrium: the whole system is singular") from error
     x = np.zeros(len(at), dtype=LONG_DOUBLE)
-    first = np.count_nonzero(on[: system.first])
-    residual, last = b, math.inf
+    first = np.count_nonzero(on[: system.first_pressure])
+    residual, previous = b, math.inf
     for corrections in range(1, MOST_CORRECTIONS + 1):
         # A residual of unit size keeps its digits as it is rounded to double precision.
         largest = float(np.abs(residual).max()) or 1.0
@@ -447,17 +485,17 @@ def _solution(system: FullSystem, on: Bools, order: str) -> _Solution:
         p = scale[first:] * x[first:]
         change = scale[first:] * dx[first:]
         correction = float(np.abs(change).max() / (np.abs(p).max() or 1))
-        stalls = corrections > 2 and correction > SLOWEST * last
+        stalls = corrections > 2 and correction > SLOWEST_CONVERGENCE * previous
         if correction < CONVERGED_CORRECTION or stalls:
             break
-        last = correction
-    found = np.zeros((2, len(on)), dtype=LONG_DOUBLE)
-    found[:, at] = scale * x, scale * dx
-    return _Solution(found[0], found[1], correction, corrections, factors)
+        previous = correction
+    solution, last_correction = np.zeros((2, len(on)), dtype=LONG_DOUBLE)
+    solution[at], last_correction[at] = scale * x, scale * dx
+    return _Solution(solution, last_correction, correction, corrections, factors)
 
 
-def _condition(system: FullSystem, on: Bools, solution: _Solution, torque: float) -> float:
-    """The condition of the torque, relative to each entry of the system; nan for no torque."""
+def _torque_condition(system: FullSystem, on: Bools, solution: _Solution, torque: float) -> float:
+    """The condition of the torque for relative changes of each entry; nan for a torque of 0."""
     if torque == 0:
         return math.nan
     at = np.flatnonzero(on)

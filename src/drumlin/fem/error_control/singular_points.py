@@ -72,8 +72,8 @@ def singular_points_of(
     brake : the brake
     response : an earlier response, or None. Without a response the kinks of a table of clearances
         are not singular yet, because their strength depends on the pressure.
-    alike : for each shoe the index of the first shoe of the same shape, see `cache.alike`; found
-        here if it is empty
+    alike : for each shoe the index of the first shoe of the same shape, see
+        `cache.first_shoes_of_equal_shape`; found here if it is empty
     error : error of p that the next level leaves, see `Level.error`; with 0 every kink of a table
         is singular where the lining presses
     """

@@ -25,11 +25,11 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.base.arrays import Floats, Ints
-from drumlin.fem.hp.columns import column_stiffness, column_unknowns
+from drumlin.fem.hp.columns import column_stiffness, order_of_column_unknowns
 from drumlin.fem.hp.element import (
-    grid_points,
     schur_complements,
     shape_functions,
+    square_grid_points,
     unit_gauss_rule,
 )
 from drumlin.fem.substructure.elasticity import split_elasticity
@@ -73,7 +73,7 @@ def nodal_functions(p: int) -> NodalFunctions:
     """
     n = p + 1
     x, weights = unit_gauss_rule(p)
-    value, slope = shape_functions(p, grid_points(x))
+    value, slope = shape_functions(p, square_grid_points(x))
     # The functions are summed over the nodes across the column, at the first Gauss point there.
     values = value.reshape(n, n, n, n).sum(axis=0)[:, 0]
     slopes = slope[:, 1].reshape(n, n, n, n).sum(axis=0)[:, 0]
@@ -211,7 +211,7 @@ def _radial_integrals(radii: Floats, constants: Floats, p: int, plane: float | N
     return scaled.reshape(len(constants), 4 * constants.shape[1], -1)
 
 
-def condensed_arc_elements(
+def condensed_arc_element_stiffness(
     radii: Floats, A: Floats, elasticity: Floats, p: int, plane: float | None = None
 ) -> Floats:
     """Stiffness (l, 2, c, 4 p, 4 p) of condensed arc elements, for both symmetries.
@@ -251,14 +251,14 @@ def arc_column_stiffness(
 
     Parameters
     ----------
-    parts : (l, 2, c, 4 p, 4 p) stiffness of `condensed_arc_elements`
+    parts : (l, 2, c, 4 p, 4 p) stiffness of `condensed_arc_element_stiffness`
     p : degree
     contact : whether the outermost edge of the columns is in contact
     held : whether the innermost edge of the columns is held
     loads : (c, 2 (p + 1), m) unit loads on the innermost edge; the factors of the loads
         become m extra unknowns
     """
-    half = column_unknowns(p, len(parts), contact=contact, held=held, sides=1)
+    half = order_of_column_unknowns(p, len(parts), contact=contact, held=held, sides=1)
     n = 2 * (p + 1) * contact
     folded = None
     if loads is not None:

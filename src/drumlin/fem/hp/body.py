@@ -14,12 +14,12 @@ from drumlin.fem.hp.shoe import (
     CondensedShoe,
     EndLoads,
     LoadedEnd,
-    nodes_between,
+    node_positions_of_row,
     point_map,
-    unit_actuations,
+    unit_actuation_loads,
 )
-from drumlin.fem.substructure.body import FRAME, CondensedBody, InnerSystem, constrain
-from drumlin.fem.substructure.elasticity import layers_of
+from drumlin.fem.substructure.body import FRAME, CondensedBody, InnerSystem, body_constraints
+from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 from drumlin.fem.substructure.elimination import SINGULAR_BODY
 from drumlin.fem.substructure.interface import ContactLine
 from drumlin.response.response import own_edge_zone
@@ -36,8 +36,8 @@ def shoe_grid(shoe: Shoe, radius: float, div: ShoeDivision) -> ColumnGrid:
     radius : of the drum [m]
     div : division of the shoe
     """
-    p, first = div.degree, div.first
-    depth, along = nodes_between(div.depths, p), nodes_between(div.angles, p)
+    p, first = div.degree, div.first_body_layer
+    depth, along = node_positions_of_row(div.depths, p), node_positions_of_row(div.angles, p)
     rows, n = len(depth), len(along)
     under = np.arange(rows * n).reshape(rows, n)
     blocks, count = [ElementBlock(under, depth, along, div.part)], rows * n
@@ -47,7 +47,7 @@ def shoe_grid(shoe: Shoe, radius: float, div: ShoeDivision) -> ColumnGrid:
         if first == div.layers or len(ends) == 1:
             continue
         # A block beyond the lining shares its first column of nodes with the lining's block.
-        places = nodes_between(ends, p)
+        places = node_positions_of_row(ends, p)
         inner = count + np.arange(len(faces[k]) * (len(places) - 1)).reshape(len(faces[k]), -1)
         count += inner.size
         nodes = np.concatenate([faces[k][:, None], inner], axis=1)
@@ -74,7 +74,7 @@ def _held_and_loaded_nodes(
     back : (n,) nodes on the back under the lining
     faces : nodes of both end faces of the body
     """
-    if div.first == div.layers:
+    if div.first_body_layer == div.layers:
         return {"hinge": back}
     grip = shoe.grip(radius)
     if grip is None:
@@ -82,12 +82,12 @@ def _held_and_loaded_nodes(
     return {"hinge": back[(along > grip[0] - 1e-9) & (along < grip[1] + 1e-9)]}
 
 
-def condensed_body(
+def condensed_shoe_body(
     shoe: Shoe,
     div: ShoeDivision,
     found: CondensedShoe,
     grid: ColumnGrid,
-    end_loads: EndLoads = unit_actuations,
+    end_loads: EndLoads = unit_actuation_loads,
 ) -> CondensedBody:
     """The condensed body of a shoe, with its contact stiffness factorised.
 
@@ -109,21 +109,21 @@ def condensed_body(
         raise NoAnswer(SINGULAR_BODY)
     # Forces that round-off leaves on the rigid-body modes move the contact nodes.
     half_error = solve_lower(L, found.rigid_mode_forces)
-    system = partial(_whole_system, shoe, div, grid, end_loads)
+    system = partial(_uncondensed_shoe_system, shoe, div, grid, end_loads)
     return CondensedBody(
         L,
         L_fc=solve_lower(L, S[FRAME:, :FRAME]).T,
         load_on_contact=loads[FRAME:],
         load_on_frame=loads[:FRAME],
         load_work=found.work,
-        inner=GridUnknowns.of(grid, layers_of(shoe), system),
+        inner=GridUnknowns.of(grid, elastic_layers_of_shoe(shoe), system),
         columns=found.columns,
         force_imbalance=found.force_imbalance,
         rigid_mode_error=dtrtrs(L, half_error, lower=1, trans=1)[0],
     )
 
 
-def _whole_system(
+def _uncondensed_shoe_system(
     shoe: Shoe,
     div: ShoeDivision,
     grid: ColumnGrid,
@@ -134,28 +134,30 @@ def _whole_system(
 
     Parameters
     ----------
-    shoe, div, grid, end_loads : as of `condensed_body`
+    shoe, div, grid, end_loads : as of `condensed_shoe_body`
     basis : the grid or its skeleton
     """
     contact = basis.numbers_of(np.arange(div.contact_nodes))
-    constraints = constrain(basis, contact, basis.numbers_of(grid.sets["hinge"]), shoe.own_pin)
+    constraints = body_constraints(
+        basis, contact, basis.numbers_of(grid.sets["hinge"]), shoe.own_pin
+    )
     if "actuation" in grid.sets:
-        forces = _grid_forces(grid, _loads_on_end(div, grid, end_loads).forces)
+        forces = _end_forces_on_grid(grid, _unit_loads_on_end(div, grid, end_loads).forces)
         loads = constraints.matrix.T @ forces[basis.dofs]
     else:
         # The three unit actuations act on the frame.
         loads = np.zeros((constraints.matrix.shape[1], FRAME))
         loads[-FRAME:] = np.eye(FRAME)
-    return InnerSystem.of(basis.stiffness(layers_of(shoe)), constraints, loads)
+    return InnerSystem.of(basis.stiffness(elastic_layers_of_shoe(shoe)), constraints, loads)
 
 
 def unit_actuation_forces(div: ShoeDivision, grid: ColumnGrid) -> tuple[Floats, Floats]:
     """Nodal forces (2 N, 3) of the unit actuations on the loaded end, and its centre (2,) [m]."""
-    end = _loads_on_end(div, grid, unit_actuations)
-    return _grid_forces(grid, end.forces), end.centre
+    end = _unit_loads_on_end(div, grid, unit_actuation_loads)
+    return _end_forces_on_grid(grid, end.forces), end.centre
 
 
-def _loads_on_end(div: ShoeDivision, grid: ColumnGrid, end_loads: EndLoads) -> LoadedEnd:
+def _unit_loads_on_end(div: ShoeDivision, grid: ColumnGrid, end_loads: EndLoads) -> LoadedEnd:
     """The unit loads on the nodes of the loaded end of a divided shoe.
 
     Parameters
@@ -163,11 +165,11 @@ def _loads_on_end(div: ShoeDivision, grid: ColumnGrid, end_loads: EndLoads) -> L
     div, grid : the division and the grid of the shoe
     end_loads : makes the unit loads from the nodes of the end
     """
-    depths = nodes_between(div.depths[div.first :], div.degree)
+    depths = node_positions_of_row(div.depths[div.first_body_layer :], div.degree)
     return end_loads(grid.doflocs[:, grid.sets["actuation"]], depths, div.degree)
 
 
-def _grid_forces(grid: ColumnGrid, forces: Floats) -> Floats:
+def _end_forces_on_grid(grid: ColumnGrid, forces: Floats) -> Floats:
     """Nodal forces (2 N, l) on the whole grid, from forces (2n, l) on the loaded end."""
     nodes, count = grid.sets["actuation"], forces.shape[1]
     full = np.zeros((grid.N, 2, count))
@@ -185,7 +187,7 @@ def shoe_contact_line(shoe: Shoe, radius: float, div: ShoeDivision) -> ContactLi
     div : division of the shoe
     """
     p = div.degree
-    phi = nodes_between(div.angles, p)
+    phi = node_positions_of_row(div.angles, p)
     pieces = np.arange(len(div.angles) - 1) * p + np.arange(p + 1)[:, None]
     xy = shoe.at(np.zeros(1), phi, radius)
     edge = own_edge_zone(shoe, radius)

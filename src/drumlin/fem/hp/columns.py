@@ -1,13 +1,15 @@
-"""Columns of elements as substructures: condensed to two sides and contact, and assembled.
+"""Columns of elements as substructures, condensed to their two sides and their contact nodes.
 
-A column is a stack of elements from the contact inwards. On an arc the displacements on each side
-are measured along the radius and around the drum, those between the sides as in the middle.
-So equal columns have equal stiffness wherever they stand, and each kind is made once.
+A column is a stack of elements from the contact inwards. On an arc the displacements of the nodes
+on each side are measured along the radius and around the drum. Displacements of nodes between the
+sides are measured in the axes of the column's middle. Columns of equal shape then have equal
+stiffness wherever they lie, and the stiffness is computed once for each shape.
 
-A substructure has the unknowns [left line | contact | right line], x and y of a node together. The
-lines go from the contact inwards without their contact node; a substructure without contact has
-whole lines. `extra` unknowns, which all substructures share, may stand before the others: unit
-loads, as unknowns of negative stiffness.
+The nodes on a side of a column form a line. The unknowns of a substructure are [left line | contact
+| right line], with x and y of a node together. A line goes from the contact inwards and lacks its
+contact node, which belongs to the contact. In a substructure without contact the lines are whole.
+`extra` unknowns, which all substructures share, may stand before the others. They are factors of
+unit loads, and have a negative stiffness.
 """
 
 from collections.abc import Sequence
@@ -21,18 +23,20 @@ from drumlin.base.arrays import Floats
 from drumlin.fem.hp.element import schur_complement, schur_complements
 
 UnknownsAt = tuple[slice, slice]
-"""Two places of some unknowns: in the stiffness of an element, and in that of its column."""
+"""The slices of some unknowns: in the stiffness of an element, and in that of its column."""
 
 
 class ColumnUnknowns(NamedTuple):
-    """Where the unknowns of the elements of a column stand in the stiffness of the column.
+    """The order of unknowns: which unknowns of an element are which unknowns of its column.
 
     Attributes
     ----------
-    kept : (layers,) the unknowns of each element on the two lines and on the contact of the column
-    inside : (layers,) the other unknowns of each element, by edges from the contact inwards
+    kept : (layers,) unknowns of each element that the condensed column keeps: those on the two
+        lines and on the contact
+    inside : (layers,) unknowns of each element that are eliminated, by edges from the contact
+        inwards
     sides : number of kept unknowns of the column
-    rest : number of other unknowns
+    rest : number of eliminated unknowns of the column
     line : number of unknowns of a line
     """
 
@@ -44,10 +48,10 @@ class ColumnUnknowns(NamedTuple):
 
 
 @cache
-def column_unknowns(
+def order_of_column_unknowns(
     p: int, layers: int, *, contact: bool, held: bool, sides: int = 2
 ) -> ColumnUnknowns:
-    """The places of the unknowns of elements in the stiffness of their column.
+    """The order of the unknowns of a column and of its elements.
 
     Parameters
     ----------
@@ -99,12 +103,12 @@ def column_unknowns(
 def column_stiffness(
     elements: Floats, unknowns: ColumnUnknowns, loads: Floats | None = None
 ) -> Floats:
-    """The stiffness (c, n, n) of columns, without their inner unknowns.
+    """The condensed stiffness (c, n, n) of c columns of equal layers.
 
     Parameters
     ----------
     elements : (layers, c, m, m) stiffness of condensed elements
-    unknowns : where the unknowns of the elements are
+    unknowns : order of the unknowns
     loads : (c, k, l) unit loads on the k unknowns of the innermost edge, of one side; they become
         l extra unknowns
     """
@@ -116,9 +120,9 @@ def column_stiffness(
     inner = np.zeros((count, unknowns.rest, unknowns.rest))
     sides, coupling = K[:, extra:, extra:], C[:, :, extra:]
     for part, kept, inside in zip(elements, unknowns.kept, unknowns.inside, strict=True):
-        _add_blocks(part, kept, kept, sides)
-        _add_blocks(part, (inside,), kept, coupling)
-        _add_blocks(part, (inside,), (inside,), inner)
+        _add_element_blocks(part, kept, kept, sides)
+        _add_element_blocks(part, (inside,), kept, coupling)
+        _add_element_blocks(part, (inside,), (inside,), inner)
     if loads is not None:
         # The first two unknowns of the innermost edge end the line; its other unknowns are
         # eliminated.
@@ -129,7 +133,7 @@ def column_stiffness(
     return schur_complements(K, C, inner)
 
 
-def _add_blocks(
+def _add_element_blocks(
     part: Floats, rows: Sequence[UnknownsAt], columns: Sequence[UnknownsAt], target: Floats
 ) -> None:
     """Add blocks of the elements `part` (c, m, m) of one layer to the columns `target`.
@@ -158,10 +162,10 @@ class ColumnSubstructure(NamedTuple):
     right: int
 
 
-def assemble_pair(
+def assemble_column_pair(
     A: ColumnSubstructure, B: ColumnSubstructure, shared: int, extra: int = 0
 ) -> ColumnSubstructure:
-    """Two neighbouring substructures as one, without the unknowns of the line between them.
+    """Two neighbouring substructures as one; the line between them is eliminated.
 
     Parameters
     ----------
@@ -190,13 +194,13 @@ def assemble_pair(
     return ColumnSubstructure(schur_complement(K, C, inner), A.left, B.right)
 
 
-def assemble_row(
+def assemble_column_row(
     pieces: Sequence[ColumnSubstructure], shared: int, extra: int = 0
 ) -> ColumnSubstructure:
-    """All substructures of a row as one substructure, on the outer lines and the contact.
+    """All substructures of a row as one, condensed to its outer lines and its contact.
 
-    `shared` and `extra` are numbers of unknowns, as in `assemble_pair`. The two neighbours that
-    make the smallest substructure are assembled first, which takes within a few percent of the
+    `shared` and `extra` are numbers of unknowns, as in `assemble_column_pair`. The two neighbours
+    that make the smallest substructure are assembled first, which takes within a few percent of the
     fewest multiplications. Equal pairs, of the same two objects, are assembled once.
     """
     made = list(pieces)
@@ -214,7 +218,7 @@ def assemble_row(
         pair = row[k], row[k + 1]
         if pair not in made_of:
             made_of[pair] = len(made)
-            made.append(assemble_pair(made[pair[0]], made[pair[1]], shared, extra))
+            made.append(assemble_column_pair(made[pair[0]], made[pair[1]], shared, extra))
         row[k : k + 2] = [made_of[pair]]
         # Only the sizes of the pairs with the new substructure change.
         near = max(k - 1, 0)
@@ -222,7 +226,7 @@ def assemble_row(
     return made[row[0]]
 
 
-def eliminate_line(
+def eliminate_side_line(
     piece: ColumnSubstructure, end: Floats | None = None, part: int = 0, *, right: bool = False
 ) -> ColumnSubstructure:
     """The substructure without the unknowns of its left or right line, which has no neighbour.
@@ -258,12 +262,12 @@ def eliminate_line(
     return ColumnSubstructure(K, piece.left, 0) if right else ColumnSubstructure(K, 0, piece.right)
 
 
-def rotate_components(K: Floats, angle: Floats) -> Floats:
+def rotate_matrix_components(K: Floats, angle: Floats) -> Floats:
     """The matrix K (n, n) with each node's components in axes turned by an angle (n/2,) [rad]."""
-    return rotate_row_components(rotate_row_components(K, angle).T, angle)
+    return rotate_vector_components(rotate_vector_components(K, angle).T, angle)
 
 
-def rotate_row_components(V: Floats, angle: Floats) -> Floats:
+def rotate_vector_components(V: Floats, angle: Floats) -> Floats:
     """Vectors V (..., m, n) with each node's components in axes turned by the node's angle.
 
     Each row has x and y of a node together; the angles (..., n/2) are in rad.

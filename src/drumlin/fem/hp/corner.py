@@ -88,7 +88,7 @@ def corner_exponent(
     ----------
     inward_friction : float
         Friction coefficient f [1], positive where the friction drags the lining's face away from
-        the corner, into the lining. Where the friction drags towards the corner of a rigid drum, p
+        the corner, into the lining. Where the friction drags towards the corner on a rigid drum, p
         is bounded, and 0 is returned.
     nu : float
         Poisson's ratio of the lining.

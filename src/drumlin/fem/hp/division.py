@@ -115,25 +115,28 @@ class GradingPoint(NamedTuple):
 
 @dataclass(frozen=True)
 class Level:
-    """How finely a body is divided into columns and layers.
+    """The degree of the hp elements of a body, and the sizes of its columns and layers of elements.
 
     Attributes
     ----------
-    degree : of the hp elements
-    zone : size of columns and layers at the lining's ends at its face, as a part of EDGE_ZONE;
-        of columns where this is less than by `edge`
-    edge : size of columns at the lining's ends, as a part of its thickness or of half its length,
-        and of half the length of a contact that reaches the lining's end
-    end : size of columns at ends of the contact and at kinks, as a part of the contact's length, or
-        of the geometric mean of length and thickness where this is less: p rises from an end over
-        the thickness, and the longer the contact, the less of p is there
-    ratio : sizes grow by 1/ratio from column to column
-    opening : the same from ends of a contact that is shorter than the lining is thick
-    largest : size of a column that is not exceeded [rad]
-    back : size of layers at the ends of layers, as a part of the thinner layer
-    hinge : size of columns and layers at the face that the hinge holds, as a part of the body's
-        thickness
-    through : sizes grow by 1/through from layer to layer
+    degree : degree of the hp elements
+    zone : size of the outermost layer of elements, relative to EDGE_ZONE; and of the columns at the
+        lining's ends where this is less than the size by `edge`
+    edge : size of the columns at the lining's ends, relative to the lining's thickness or to half
+        its length, whichever is less; relative to half the length of a contact that reaches the
+        lining's end
+    end : size of the columns at ends of the contact and at kinks, relative to the contact's length,
+        or to the geometric mean of length and thickness where this is less. The pressure rises from
+        an end of the contact over the thickness. The longer the contact, the smaller is the part of
+        p there.
+    ratio : ratio of the sizes of neighbouring columns: sizes grow by 1/ratio away from a point
+    opening : the same at the ends of a contact that is shorter than the lining is thick
+    largest : upper limit of the size of a column [rad]
+    back : size of the layers of elements at the interface of two layers of the shoe, relative to
+        the thinner of both
+    hinge : size of columns and layers of elements at the face that the hinge holds, relative to the
+        body's thickness
+    through : ratio of the sizes of neighbouring layers of elements
     """
 
     degree: int
@@ -156,7 +159,7 @@ class Level:
 
 @dataclass(frozen=True)
 class ShoeLayer:
-    """A layer of a shoe: the `part` that it belongs to and its `thickness` [m]."""
+    """A layer of a shoe: the name of the `part` that it belongs to, and its `thickness` [m]."""
 
     part: str
     thickness: float
@@ -164,16 +167,17 @@ class ShoeLayer:
 
 @dataclass(frozen=True)
 class ShoeDivision:
-    """The columns and layers of a shoe.
+    """The division of a shoe into m columns and l layers of elements.
 
     Attributes
     ----------
-    degree : of the elements
-    angles : (m + 1,) phi of the ends of the columns under the lining [rad]
-    before, after : the same of the columns of the body beyond the lining, starting at the lining
-    depths : (l + 1,) ends of the layers from the contact inwards; of an arc [m],
-        of a beam in layers
-    part : (l,) the part that each layer belongs to
+    degree : degree of the elements
+    angles : (m + 1,) positions phi of the ends of the columns under the lining [rad]
+    before, after : positions phi of the ends of the columns of the body before and behind the
+        lining, from the lining on [rad]
+    depths : (l + 1,) ends of the layers from the contact inwards [m]; for a straight beam in layers
+        of the shoe
+    part : (l,) name of the part of the shoe that each layer belongs to
     singular_layer_size : size [m] of the layer of elements at the face where an unbounded p, at a
         corner or under a tip, needs a thinner layer than the contact does; inf elsewhere
     """
@@ -203,10 +207,10 @@ class ShoeDivision:
         return len(self.part)
 
     @property
-    def first(self) -> int:
-        """The first layer that continues beyond the lining, that of the body.
+    def first_body_layer(self) -> int:
+        """The number of the outermost layer of the body, which continues beyond the lining.
 
-        It is the number of layers for a rigid shoe, none of whose layers continues.
+        It is the number of all layers for a rigid shoe, where no layer continues.
         """
         for i, part in enumerate(self.part):
             if part in {"table", "shoe"}:
@@ -221,7 +225,7 @@ class ShoeDivision:
     @property
     def unknowns(self) -> int:
         """Number of degrees of freedom."""
-        p, beyond = self.degree, self.layers - self.first
+        p, beyond = self.degree, self.layers - self.first_body_layer
         under = (self.layers * p + 1) * self.contact_nodes
         over = (beyond * p + 1) * p * (len(self.before) + len(self.after) - 2) if beyond else 0
         return 2 * (under + over)
@@ -388,7 +392,7 @@ class _ContactExtent(NamedTuple):
     ----------
     thickness : thickness of the lining
     smallest_column : smallest size of a column
-    lengths : lengths of the contacts at the ends of contacts
+    lengths : length of the contact at each end of a contact
     longest : length of the longest contact, which the grading far from the contact depends on; the
         length of the lining where no contact is known
     open_lengths : distances of the outermost contacts from the lining's start and end

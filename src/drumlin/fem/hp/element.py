@@ -16,14 +16,14 @@ from numpy.polynomial.legendre import leggauss
 from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import NoAnswer
 from drumlin.base.lapack import dgemm, dpotrf, dtrsm
-from drumlin.fem.substructure.elasticity import split_elasticity, through_layers
+from drumlin.fem.substructure.elasticity import directions_through_layers, split_elasticity
 from drumlin.response.resultants import lobatto
 
-SLOPES_AT_ONCE = 32_000
-"""Number of slopes of shape functions that are worked on at once.
+SLOPES_PER_BATCH = 32_000
+"""Number of slopes of shape functions in a batch of elements whose stiffness is computed together.
 
-They then stay in the processor's cache. Larger and smaller numbers give the same stiffness, more
-slowly.
+A batch of this size stays in the processor's cache. Larger and smaller batches give the same
+stiffness, but take more time.
 """
 SINGULAR_ELEMENT = (
     "singular stiffness: a part hangs on nothing, or moduli or sizes are too far apart"
@@ -38,10 +38,10 @@ class ReferenceElement(NamedTuple):
     ----------
     slopes : (a, 2 q) derivatives of the shape functions by both coordinates at the Gauss points
     weights : (q,) weights of the Gauss points
-    order : (a,) the element's nodes as numbers of the (p + 1)^2 grid, which counts the nodes along
-        the layers first: the nodes on the boundary, then those inside
-    outer : number of nodes on the boundary, which stand in the order left side, right side, rest of
-        the first edge, rest of the last edge
+    order : (a,) the order of the element's nodes: those on the boundary, then those inside. The
+        numbers are those of the (p + 1)^2 grid of nodes, counted along the layers first.
+    outer : number of nodes on the boundary; their order is left side, right side, rest of the
+        first edge, rest of the last edge
     values : (a, q) shape functions at the Gauss points
     """
 
@@ -59,7 +59,9 @@ def reference_element(p: int, *, precise: bool = False) -> ReferenceElement:
     number = np.arange((p + 1) ** 2).reshape(p + 1, p + 1)
     edges = number[:, 0], number[:, -1], number[0, 1:-1], number[-1, 1:-1]
     order = np.concatenate([*edges, number[1:-1, 1:-1].ravel()])
-    functions = _precise_shape_functions(p, x) if precise else shape_functions(p, grid_points(x))
+    functions = (
+        _long_double_shape_functions(p, x) if precise else shape_functions(p, square_grid_points(x))
+    )
     values, slopes = functions
     return ReferenceElement(
         slopes=np.ascontiguousarray(slopes[order].reshape(len(order), -1)),
@@ -76,12 +78,12 @@ def unit_gauss_rule(p: int) -> tuple[Floats, Floats]:
     return 0.5 * (x + 1), 0.5 * w
 
 
-def unit_nodes(p: int) -> Floats:
+def unit_edge_nodes(p: int) -> Floats:
     """The p + 1 Gauss-Lobatto points of [0, 1], at which the nodes of an edge lie."""
     return 0.5 * (lobatto(p) + 1)
 
 
-def grid_points(x: Floats) -> Floats:
+def square_grid_points(x: Floats) -> Floats:
     """The points (2, n n) of the square grid of x (n,); the first coordinate grows by rows."""
     return np.array([np.repeat(x, len(x)), np.tile(x, len(x))])
 
@@ -96,7 +98,9 @@ def shape_functions(p: int, x: Floats) -> tuple[Floats, Floats]:
 
     hierarchical = skfem.ElementQuadP(p) if p > 2 else skfem.ElementQuad2()
     count = (p + 1) ** 2
-    at_nodes = [hierarchical.lbasis(grid_points(unit_nodes(p)), i)[0] for i in range(count)]
+    at_nodes = [
+        hierarchical.lbasis(square_grid_points(unit_edge_nodes(p)), i)[0] for i in range(count)
+    ]
     at_points = [hierarchical.lbasis(x, i) for i in range(count)]
     values = np.array([value for value, _ in at_points])
     slopes = np.array([slope for _, slope in at_points])
@@ -105,12 +109,12 @@ def shape_functions(p: int, x: Floats) -> tuple[Floats, Floats]:
     return nodal @ values, (nodal @ slopes.reshape(count, -1)).reshape(slopes.shape)
 
 
-def _precise_shape_functions(p: int, x: Floats) -> tuple[Any, Any]:
+def _long_double_shape_functions(p: int, x: Floats) -> tuple[Any, Any]:
     """Values (a, q) and slopes (a, 2, q) of the nodal functions at the grid of x, in long double.
 
     They are products of Lagrange's polynomials.
     """
-    nodes = unit_nodes(p).astype(np.longdouble)
+    nodes = unit_edge_nodes(p).astype(np.longdouble)
     x = x.astype(np.longdouble)
     apart = nodes[:, None] - nodes + np.eye(p + 1)
 
@@ -130,7 +134,7 @@ def _precise_shape_functions(p: int, x: Floats) -> tuple[Any, Any]:
     return np.einsum("ik,jl->ijkl", value, value).reshape((p + 1) ** 2, -1), slopes
 
 
-def gauss_points(xy: Any, p: int) -> Any:
+def element_gauss_points(xy: Any, p: int) -> Any:
     """The Gauss points (e, 2, q) of elements with nodes xy (e, 2, a) [m], as precise as xy."""
     return xy @ reference_element(p, precise=xy.dtype == np.longdouble).values
 
@@ -150,8 +154,8 @@ def element_stiffness(xy: Any, elasticity: Any, p: int, along: Any = None) -> An
     xy : (e, 2, a) nodes [m]
     elasticity : (e, 3, 3) elasticity matrices times the width [N/m]
     p : degree
-    along : (e, 2, q) unit vectors along the layers at the `gauss_points`; None where all layers are
-        isotropic
+    along : (e, 2, q) unit vectors along the layers at the `element_gauss_points`; None where all
+        layers are isotropic
     """
     return _element_integrals(xy, elasticity, p, along).stiffness(slice(None), slice(None))
 
@@ -214,7 +218,10 @@ def _element_integrals(xy: Any, elasticity: Any, p: int, along: Any) -> _Element
     if len(directed):
         t = np.moveaxis(along[directed], 1, 0)  # (2, m, q)
         own = slopes[directed]
-        strains = _strains_in_direction(own, t), _strains_in_direction(own, through_layers(t))
+        strains = (
+            _strains_in_direction(own, t),
+            _strains_in_direction(own, directions_through_layers(t)),
+        )
     return _ElementIntegrals(products, constants, directed, strains)
 
 
@@ -279,12 +286,15 @@ def schur_complements(K: Floats, C: Floats, inner: Floats) -> Floats:
     return K
 
 
-class _Blocks(NamedTuple):
-    """The stiffness of a batch of elements, by boundary nodes and inner nodes.
+class _StiffnessBlocks(NamedTuple):
+    """The stiffness of a batch of e elements, by blocks of boundary unknowns and inner unknowns.
 
-    `part` is the place of the batch among all elements. `outer` (e, k, k) is the block of the
-    boundary, `coupling` (e, m, k) that of inner by boundary unknowns, `inner` (e, m, m) that of the
-    inner unknowns.
+    Attributes
+    ----------
+    part : slice of the batch among all elements
+    outer : (e, k, k) block of the boundary unknowns
+    coupling : (e, m, k) block of inner by boundary unknowns
+    inner : (e, m, m) block of the inner unknowns
     """
 
     part: slice
@@ -293,10 +303,10 @@ class _Blocks(NamedTuple):
     inner: Floats
 
 
-def _blocks_in_batches(
+def _stiffness_blocks_in_batches(
     xy: Floats, elasticity: Floats, p: int, along: Floats | None
-) -> Iterator[_Blocks]:
-    """The stiffness of elements in batches that the processor's cache holds.
+) -> Iterator[_StiffnessBlocks]:
+    """The stiffness of elements, in batches that fit into the processor's cache.
 
     The parameters are those of `element_stiffness`.
     """
@@ -304,12 +314,12 @@ def _blocks_in_batches(
     on, inside = slice(reference.outer), slice(reference.outer, None)
     outer_count = 2 * reference.outer
     inner_count = 2 * len(reference.order) - outer_count
-    step = max(1, SLOPES_AT_ONCE // reference.slopes.size)
+    step = max(1, SLOPES_PER_BATCH // reference.slopes.size)
     for k in range(0, len(xy), step):
         part = slice(k, k + step)
         directions = None if along is None else along[part]
         integrals = _element_integrals(xy[part], elasticity[part], p, directions)
-        yield _Blocks(
+        yield _StiffnessBlocks(
             part,
             integrals.stiffness(on, on).reshape(-1, outer_count, outer_count),
             integrals.stiffness(inside, on).reshape(-1, inner_count, outer_count),
@@ -317,7 +327,7 @@ def _blocks_in_batches(
         )
 
 
-def condensed_elements(
+def condensed_element_stiffness(
     xy: Floats, elasticity: Floats, p: int, along: Floats | None = None
 ) -> Floats:
     """The condensed stiffness (l, c, 8 p, 8 p) of elements on their boundary nodes.
@@ -329,15 +339,15 @@ def condensed_elements(
     xy : (l, c, 2, a) nodes of c elements in each of l layers [m]
     elasticity : (l, 3, 3) elasticity matrix times the width of each layer [N/m]
     p : degree
-    along : (l, c, 2, q) unit vectors along the layers at the `gauss_points`; None where all layers
-        are isotropic
+    along : (l, c, 2, q) unit vectors along the layers at the `element_gauss_points`; None where all
+        layers are isotropic
     """
     shape = xy.shape[:2]
     xy = xy.reshape(-1, *xy.shape[2:])
     elasticity = np.repeat(elasticity, shape[1], axis=0)
     along = None if along is None else along.reshape(len(xy), 2, -1)
     condensed = np.empty((len(xy), 8 * p, 8 * p))
-    for part, outer, coupling, inner in _blocks_in_batches(xy, elasticity, p, along):
+    for part, outer, coupling, inner in _stiffness_blocks_in_batches(xy, elasticity, p, along):
         condensed[part] = schur_complements(outer, coupling, inner)
     return condensed.reshape(*shape, 8 * p, 8 * p)
 
@@ -365,7 +375,7 @@ def condense_inner_forces(
     """
     count = inner_forces.shape[2]
     forces, work = np.empty((len(xy), 8 * p, count)), np.zeros((count, count))
-    for part, _, coupling, inner in _blocks_in_batches(xy, elasticity, p, along):
+    for part, _, coupling, inner in _stiffness_blocks_in_batches(xy, elasticity, p, along):
         own = inner_forces[part]
         displacements = np.linalg.solve(inner, own)
         forces[part] = -(coupling.transpose(0, 2, 1) @ displacements)
@@ -381,19 +391,19 @@ def stress_forces(xy: Floats, stresses: Floats, p: int) -> Floats:
     Parameters
     ----------
     xy : (e, 2, a) nodes of the elements [m]
-    stresses : (e, 2, 2, q) stresses times the width [N/m] at the `gauss_points`
+    stresses : (e, 2, 2, q) stresses times the width [N/m] at the `element_gauss_points`
     p : degree
     """
     forces = np.empty((len(xy), xy.shape[2], 2))
-    step = max(1, SLOPES_AT_ONCE // reference_element(p).slopes.size)
+    step = max(1, SLOPES_PER_BATCH // reference_element(p).slopes.size)
     for k in range(0, len(xy), step):
         part = slice(k, k + step)
-        G, area = gradients(xy[part], p)
+        G, area = shape_function_gradients(xy[part], p)
         forces[part] = np.einsum("eijq,ejaq,eq->eai", stresses[part], G, area, optimize=True)
     return forces
 
 
-def inner_displacements(
+def inner_node_displacements(
     xy: Floats,
     elasticity: Floats,
     p: int,
@@ -411,7 +421,7 @@ def inner_displacements(
     """
     inner_count = 2 * xy.shape[2] - 8 * p
     found = np.empty((len(xy), inner_count, u.shape[2]))
-    for part, _, coupling, inner in _blocks_in_batches(xy, elasticity, p, along):
+    for part, _, coupling, inner in _stiffness_blocks_in_batches(xy, elasticity, p, along):
         right = coupling @ u[part]
         if inner_forces is not None:
             right -= inner_forces[part]
@@ -419,7 +429,7 @@ def inner_displacements(
     return found
 
 
-def gradients(xy: Floats, p: int) -> tuple[Floats, Floats]:
+def shape_function_gradients(xy: Floats, p: int) -> tuple[Floats, Floats]:
     """Gradients (e, 2, a, q) of the shape functions [1/m], and areas (e, q) of Gauss points [m^2].
 
     `xy` (e, 2, a) are the nodes of the elements.

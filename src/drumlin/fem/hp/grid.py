@@ -1,7 +1,8 @@
-"""All nodes and elements of a body of columns, numbered.
+"""The grid of a body in hp elements: all of its nodes and elements, with their numbers.
 
-Pictures, files, slopes and refinement of round-off need all nodes, which are made when asked for.
-The grid stands where skfem's basis stands for a body on a mesh.
+A solve needs the condensed columns only. Pictures, files, slopes and the refinement of round-off
+errors need all nodes, which are computed at the first access. The grid has the attributes of
+skfem's basis (`doflocs`, `element_dofs`, `N`), so that functions for bodies on meshes take it too.
 """
 
 from collections.abc import Callable, Mapping
@@ -15,24 +16,24 @@ from drumlin.base.arrays import Floats, Ints
 from drumlin.brake.elasticity import ElasticLayer, has_directions
 from drumlin.fem.hp.element import (
     condense_inner_forces,
-    condensed_elements,
+    condensed_element_stiffness,
+    element_gauss_points,
     element_stiffness,
-    gauss_points,
-    grid_points,
-    inner_displacements,
+    inner_node_displacements,
     reference_element,
     shape_functions,
+    square_grid_points,
     stress_forces,
-    unit_nodes,
+    unit_edge_nodes,
 )
 from drumlin.fem.substructure.body import InnerSystem, sparse_stiffness
-from drumlin.fem.substructure.elimination import Eliminated
+from drumlin.fem.substructure.elimination import CondensedSystem
 from drumlin.fem.substructure.expansion import Strains, held_stress
 
 
 @dataclass(frozen=True)
 class ElementBlock:
-    """A rectangle of elements between rows of nodes, which lie at one depth each.
+    """A rectangle of elements in rows of nodes; all nodes of a row have the same depth.
 
     Attributes
     ----------
@@ -81,7 +82,7 @@ class ColumnGrid:
         return np.arange(2 * self.N)
 
     def numbers_of(self, nodes: Ints) -> Ints:
-        """The same `nodes`; a `Skeleton` gives the numbers that they have there."""
+        """The numbers of `nodes` in this grid: the same. In a `Skeleton` the numbers differ."""
         return nodes
 
     @cached_property
@@ -98,7 +99,7 @@ class ColumnGrid:
 
     @cached_property
     def subdomains(self) -> dict[str, Ints]:
-        """Elements of each part, by the name of the part."""
+        """The elements of each part of the body, by the name of the part."""
         names: list[str] = []
         for block in self.blocks:
             columns = (block.number.shape[1] - 1) // self.degree
@@ -125,7 +126,7 @@ class ColumnGrid:
 
     def gradients(self, elements: Ints) -> Floats:
         """Gradients (a, 2, elements, a) [1/m] of the shape functions of elements at their nodes."""
-        _, slopes = shape_functions(self.degree, grid_points(unit_nodes(self.degree)))
+        _, slopes = shape_functions(self.degree, square_grid_points(unit_edge_nodes(self.degree)))
         J = np.einsum("can,adq->nqcd", self.doflocs[:, self.element_dofs[:, elements]], slopes)
         return np.asarray(np.einsum("adq,nqdc->acnq", slopes, np.linalg.inv(J)))
 
@@ -154,7 +155,7 @@ class ColumnGrid:
         """
         if not any(has_directions(layers[name].elasticity) for name in self.subdomains):
             return None
-        points = gauss_points(xy, self.degree)
+        points = element_gauss_points(xy, self.degree)
         directions = np.empty_like(points)
         for name, elements in self.subdomains.items():
             of_layer = layers[name].directions(np.moveaxis(points[elements], 1, 0))
@@ -175,7 +176,7 @@ class ColumnGrid:
     def expansion_forces(self, layers: Mapping[str, ElasticLayer], strains: Strains) -> Floats:
         """Nodal forces (2 N,) [N] of strains without stress; see `expansion.expansion_forces`."""
         xy = self.element_nodes
-        points = gauss_points(xy, self.degree)
+        points = element_gauss_points(xy, self.degree)
         forces = np.zeros((self.N, 2))
         for name, strain in strains.items():
             elements = self.subdomains[name]
@@ -187,7 +188,7 @@ class ColumnGrid:
 
     @cached_property
     def skeleton(self) -> "Skeleton":
-        """The grid's nodes on the sides of elements, without those inside elements."""
+        """The system of the nodes on the sides of elements, without those inside elements."""
         dofs = self.ordered_dofs[:, : reference_element(self.degree).outer]
         nodes = np.unique(dofs)
         number = np.full(self.N, -1)
@@ -199,8 +200,9 @@ class ColumnGrid:
 class Skeleton:
     """The nodes on the sides of a grid's elements, without those inside the elements.
 
-    A skeleton stands where skfem's basis stands for a body on a mesh. A grid of high degree has
-    most of its unknowns inside its elements, and the elimination of these couples no two elements.
+    A grid of high degree has most of its unknowns inside its elements. Their elimination couples no
+    two elements, so each element is condensed on its own. A skeleton has the attributes of skfem's
+    basis, as a grid has.
 
     Attributes
     ----------
@@ -239,7 +241,7 @@ class Skeleton:
         """The stiffness (2 N, 2 N) [N/m], with the insides of the elements condensed."""
         grid = self.grid
         xy, along = grid.element_nodes, grid.layer_directions(layers, grid.element_nodes)
-        K = condensed_elements(xy[:, None], grid.elasticity(layers), grid.degree, along)
+        K = condensed_element_stiffness(xy[:, None], grid.elasticity(layers), grid.degree, along)
         return sparse_stiffness(K, self.element_dofs.T, self.N)
 
     def condense_forces(
@@ -272,7 +274,7 @@ class Skeleton:
         by_node = forces.reshape(self.grid.N, 2, -1)
         return by_node[inside].reshape(len(inside), -1, forces.shape[1])
 
-    def displacements_everywhere(
+    def displacements_of_all_nodes(
         self, layers: Mapping[str, ElasticLayer], u: Floats, forces: Floats | None = None
     ) -> Floats:
         """Displacements (2 grid nodes, m) of all nodes of the grid.
@@ -291,7 +293,9 @@ class Skeleton:
         outer = on_sides[self.element_dofs.T].reshape(len(grid.ordered_dofs), -1, u.shape[1])
         xy, along = grid.element_nodes, grid.layer_directions(layers, grid.element_nodes)
         own = None if forces is None else self._inner_forces(forces)
-        inner = inner_displacements(xy, grid.elasticity(layers), grid.degree, along, outer, own)
+        inner = inner_node_displacements(
+            xy, grid.elasticity(layers), grid.degree, along, outer, own
+        )
         inside = grid.ordered_dofs[:, len(self.element_dofs) :]
         everywhere[inside] = inner.reshape(*inside.shape, 2, -1)
         return everywhere.reshape(2 * grid.N, -1)
@@ -340,7 +344,7 @@ class GridUnknowns:
         """The same unknowns with further unit loads: nodal forces (2 grid nodes, k)."""
         return replace(self, further=np.hstack([self.further, forces]))
 
-    def eliminate_loads(self) -> Eliminated:
+    def eliminate_loads(self) -> CondensedSystem:
         """The unit loads condensed to contact and frame, with the stiffness there."""
         sides = self.grid.skeleton
         on_sides, inner_work = sides.condense_forces(self.layers, self.further)
@@ -348,7 +352,7 @@ class GridUnknowns:
         S, loads, work = system.eliminate_loads()
         first = len(work) - len(inner_work)
         work[first:, first:] += inner_work
-        return Eliminated(S, loads, work)
+        return CondensedSystem(S, loads, work)
 
     def displacements(self, nodal: Floats, frame: Floats, loads: Floats) -> Floats:
         """Displacements (2 grid nodes, m) of all nodes [m]; see `CondensedBody.displacements`."""
@@ -356,12 +360,12 @@ class GridUnknowns:
         system = self.whole_system(sides)
         if not count:
             on_sides = system.displacements(nodal, frame, loads)
-            return sides.displacements_everywhere(self.layers, on_sides)
+            return sides.displacements_of_all_nodes(self.layers, on_sides)
         forces_on_sides, _ = sides.condense_forces(self.layers, self.further)
         system = self._add_further(system, forces_on_sides)
         on_sides = system.displacements(nodal, frame, loads)
         forces = self.further @ loads[len(loads) - count :]
-        return sides.displacements_everywhere(self.layers, on_sides, forces)
+        return sides.displacements_of_all_nodes(self.layers, on_sides, forces)
 
     def _add_further(self, system: InnerSystem, forces: Floats) -> InnerSystem:
         """A system with the further unit loads, given as its nodal forces (2 N, k)."""

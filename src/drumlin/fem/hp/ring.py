@@ -1,4 +1,4 @@
-"""The drum's ring in hp elements: a closed row of columns, in contact under the linings."""
+"""The drum's elastic ring in hp elements: a closed row of columns, in contact under the linings."""
 
 import math
 from functools import partial
@@ -13,31 +13,40 @@ from drumlin.base.lapack import dpotrf
 from drumlin.brake.brake import Brake
 from drumlin.brake.components import Ring, Section
 from drumlin.brake.elasticity import has_directions
-from drumlin.fem.hp.arc import angular_integrals, arc_column_stiffness, condensed_arc_elements
+from drumlin.fem.hp.arc import (
+    angular_integrals,
+    arc_column_stiffness,
+    condensed_arc_element_stiffness,
+)
 from drumlin.fem.hp.columns import (
     ColumnSubstructure,
-    assemble_row,
-    column_unknowns,
-    eliminate_line,
-    rotate_components,
-    rotate_row_components,
+    assemble_column_row,
+    eliminate_side_line,
+    order_of_column_unknowns,
+    rotate_matrix_components,
+    rotate_vector_components,
 )
 from drumlin.fem.hp.division import Level, graded_sizes, piece_ends
 from drumlin.fem.hp.grid import ColumnGrid, ElementBlock, GridUnknowns, Skeleton
-from drumlin.fem.hp.shoe import distinct_sizes, nodes_between, nodes_of_pieces, side_angles
-from drumlin.fem.substructure.body import FRAME, CondensedBody, InnerSystem, constrain
-from drumlin.fem.substructure.elasticity import ring_layers, stack_elasticity
+from drumlin.fem.hp.shoe import (
+    axis_angles_of_contact_nodes,
+    distinct_sizes,
+    node_positions_of_elements,
+    node_positions_of_row,
+)
+from drumlin.fem.substructure.body import FRAME, CondensedBody, InnerSystem, body_constraints
+from drumlin.fem.substructure.elasticity import elastic_layers_of_ring, elasticity_of_layers
 from drumlin.fem.substructure.elimination import SINGULAR_BODY
 from drumlin.fem.substructure.interface import ContactLine
 from drumlin.fem.substructure.loads import LoadColumns
 from drumlin.fem.substructure.ring import (
     RIM,
-    FreeRing,
+    RimBalance,
     RingSubstructure,
-    coupled_ring,
-    determinate_unknowns,
+    couple_ring_with_linings,
     nodes_held,
     ring_stiffness,
+    statically_determinate_unknowns,
 )
 from drumlin.response.resultants import WEIGHTS, at_gauss, lobatto
 
@@ -79,7 +88,7 @@ class RingDivision(NamedTuple):
         return np.unique(self.contact_edges)
 
     @property
-    def first_of_runs(self) -> Ints:
+    def first_columns_of_runs(self) -> Ints:
         """The first column of each run; a run is all columns under one lining or between two."""
         runs = np.flatnonzero(np.diff(self.contact, prepend=not self.contact[0]))
         # A ring in contact all around has two runs, so that a line between them closes it.
@@ -116,7 +125,7 @@ def divide_ring(
     sizes = np.diff(places)
     for k, (a, b) in enumerate(pairwise(places)):
         middle = 0.5 * (float(a) + float(b))
-        covered = any(_lies_under(middle, part) for part in parts)
+        covered = any(_lies_under_lining(middle, part) for part in parts)
         pieces = [b - a]
         if not covered:
             before, after = sizes[k - 1], sizes[(k + 1) % len(sizes)]
@@ -130,12 +139,12 @@ def divide_ring(
     return RingDivision(level.degree, ends, np.array(contact), piece_ends(layers, 0.0, t))
 
 
-def _lies_under(angle: float, ends: Floats) -> bool:
+def _lies_under_lining(angle: float, ends: Floats) -> bool:
     """Whether an `angle` [rad] lies between the `ends` of a lining; whole turns do not count."""
     return any(ends[0] < angle + turn < ends[-1] for turn in (0.0, FULL_TURN))
 
 
-def ring_body(
+def condensed_hp_ring(
     brake: Brake,
     level: Level,
     linings: tuple[ContactLine, ...],
@@ -163,13 +172,13 @@ def ring_body(
     grid = ring_grid(radius, sign, div)
     rim = np.zeros((2 * grid.N, 0))
     if free:
-        rim = rim_forces(radius + sign * ring.section.thickness, div, grid)
+        rim = rim_forces_on_grid(radius + sign * ring.section.thickness, div, grid)
 
     contact = _ring_contact_line(div, grid)
-    condensed = _condensed_ring(ring, radius, sign, div, grid, rim)
-    balance = FreeRing.of(grid, rim, condensed, contact) if free else None
+    condensed = _condense_ring(ring, radius, sign, div, grid, rim)
+    balance = RimBalance.of(grid, rim, condensed, contact) if free else None
     held = nodes_held(ring, grid.sets["support"])
-    return coupled_ring(brake, linings, grid, grid, contact, condensed, held, balance)
+    return couple_ring_with_linings(brake, linings, grid, grid, contact, condensed, held, balance)
 
 
 def _ring_contact_line(div: RingDivision, grid: ColumnGrid) -> ContactLine:
@@ -177,11 +186,11 @@ def _ring_contact_line(div: RingDivision, grid: ColumnGrid) -> ContactLine:
     nodes, touching = grid.sets["contact"], div.contact_nodes
     place = np.full(len(div.contact) * div.degree, -1)
     place[touching] = np.arange(len(touching))
-    angles = nodes_between(div.angles, div.degree)[touching]
+    angles = node_positions_of_row(div.angles, div.degree)[touching]
     return ContactLine(nodes, grid.doflocs[:, nodes], angles, place[div.contact_edges])
 
 
-def _condensed_ring(
+def _condense_ring(
     ring: Ring, radius: float, sign: int, div: RingDivision, grid: ColumnGrid, rim: Floats
 ) -> CondensedBody:
     """The ring condensed to its contact nodes, with the loads on its rim.
@@ -189,7 +198,7 @@ def _condensed_ring(
     Parameters
     ----------
     ring : the ring, which has a section
-    radius, sign, div : as of `_assembled_runs`
+    radius, sign, div : as of `_stiffness_of_runs`
     grid : all nodes and elements of the ring
     rim : (2 N, l) unit loads on the rim; l is 0 where the rim is fixed
     """
@@ -198,32 +207,32 @@ def _condensed_ring(
     extra = rim.shape[1]
     free = extra > 0
     layers = len(div.depths) - 1
-    line = column_unknowns(div.degree, layers, contact=True, held=not free).line
+    line = order_of_column_unknowns(div.degree, layers, contact=True, held=not free).line
     n = 2 * len(div.contact_nodes)
     A = _closed_ring_stiffness(
-        _assembled_runs(section, radius, sign, div, free=free), div, line, extra
+        _stiffness_of_runs(section, radius, sign, div, free=free), div, line, extra
     )
     # Three unknowns of the rim hold a free ring; the support is statically determinate.
     if free:
-        A = _without_rigid_motion(A, extra, n, line, div)
-    A = eliminate_line(ColumnSubstructure(A, 0, len(A) - extra - n), right=True).K
-    back = -side_angles(div.angles, div.degree)[div.contact_nodes]
-    L, info = dpotrf(rotate_components(A[extra:, extra:], back), lower=1)
+        A = _hold_against_rigid_motion(A, extra, n, line, div)
+    A = eliminate_side_line(ColumnSubstructure(A, 0, len(A) - extra - n), right=True).K
+    back = -axis_angles_of_contact_nodes(div.angles, div.degree)[div.contact_nodes]
+    L, info = dpotrf(rotate_matrix_components(A[extra:, extra:], back), lower=1)
     if info:
         raise NoAnswer(SINGULAR_BODY)
-    system = partial(_whole_system, ring, grid, rim)
+    system = partial(_uncondensed_ring_system, ring, grid, rim)
     return CondensedBody(
         L,
         L_fc=np.zeros((FRAME, n)),
-        load_on_contact=-rotate_row_components(A[:extra, extra:], back).T,
+        load_on_contact=-rotate_vector_components(A[:extra, extra:], back).T,
         load_on_frame=np.zeros((FRAME, extra)),
         load_work=-A[:extra, :extra],
-        inner=GridUnknowns.of(grid, ring_layers(section), system),
+        inner=GridUnknowns.of(grid, elastic_layers_of_ring(section), system),
         columns=LoadColumns(((RIM, extra),)),
     )
 
 
-def _assembled_runs(
+def _stiffness_of_runs(
     section: Section, radius: float, sign: int, div: RingDivision, *, free: bool
 ) -> list[Floats]:
     """The stiffness (n, n) of each run of element columns of a ring, from the first angle on.
@@ -241,29 +250,29 @@ def _assembled_runs(
     p, layers = div.degree, len(div.depths) - 1
     sizes, which = distinct_sizes(np.diff(div.angles))
     along = 0.5 * sizes[:, None] * lobatto(p)
-    elasticity = stack_elasticity(ring_layers(section), ("drum",) * layers)
+    elasticity = elasticity_of_layers(elastic_layers_of_ring(section), ("drum",) * layers)
     A = angular_integrals(along, p, directed=bool(has_directions(elasticity).any()))
-    K = condensed_arc_elements(radius + sign * div.depths, A, elasticity, p)
-    loads = _side_loads(radius + sign * section.thickness, along, p) if free else None
+    K = condensed_arc_element_stiffness(radius + sign * div.depths, A, elasticity, p)
+    loads = _rim_loads_in_side_axes(radius + sign * section.thickness, along, p) if free else None
     middle = 0.5 * (div.angles[1:] + div.angles[:-1])
     runs = []
-    for first, last in pairwise([*div.first_of_runs, len(which)]):
+    for first, last in pairwise([*div.first_columns_of_runs, len(which)]):
         contact = bool(div.contact[first])
         kinds, kind_of = np.unique(which[first:last], return_inverse=True)
-        line = column_unknowns(p, layers, contact=contact, held=not free).line
+        line = order_of_column_unknowns(p, layers, contact=contact, held=not free).line
         own = None if loads is None else loads[kinds]
         made = arc_column_stiffness(K[:, :, kinds], p, contact=contact, held=not free, loads=own)
         if free:
             # The loads have their own direction in each column: no two columns are equal.
-            made = _rotate_loads(made[kind_of], middle[first:last])
+            made = _rotate_loads_to_brake_frame(made[kind_of], middle[first:last])
             kind_of = np.arange(last - first)
         kinds_made = [ColumnSubstructure(each, line, line) for each in made]
         row = [kinds_made[k] for k in kind_of]
-        runs.append(assemble_row(row, 2 * contact, FRAME * free).K)
+        runs.append(assemble_column_row(row, 2 * contact, FRAME * free).K)
     return runs
 
 
-def _side_loads(radius: float, along: Floats, p: int) -> Floats:
+def _rim_loads_in_side_axes(radius: float, along: Floats, p: int) -> Floats:
     """The rim loads of `_column_rim_loads`, with end nodes measured in the axes of column sides.
 
     Parameters
@@ -275,7 +284,7 @@ def _side_loads(radius: float, along: Floats, p: int) -> Floats:
     loads = _column_rim_loads(radius, along, p)
     for at, k in ((slice(2), 0), (slice(-2, None), -1)):
         nodal = loads[:, at].transpose(0, 2, 1)
-        rotated = rotate_row_components(nodal, along[:, k, None])
+        rotated = rotate_vector_components(nodal, along[:, k, None])
         loads[:, at] = rotated.transpose(0, 2, 1)
     return loads
 
@@ -296,7 +305,7 @@ def _column_rim_loads(radius: float, along: Floats, p: int) -> Floats:
     return found.reshape(len(along), -1, FRAME)
 
 
-def _rotate_loads(K: Floats, angle: Floats) -> Floats:
+def _rotate_loads_to_brake_frame(K: Floats, angle: Floats) -> Floats:
     """Columns (c, n, n) with their loads rotated from the columns' frames to the brake's frame.
 
     `angle` (c,) [rad] is that of each column's middle.
@@ -323,7 +332,7 @@ def _closed_ring_stiffness(runs: list[Floats], div: RingDivision, line: int, ext
     line : number of unknowns of a line without its first node
     extra : number of extra unknowns
     """
-    starts, count = div.first_of_runs, len(runs)
+    starts, count = div.first_columns_of_runs, len(runs)
     # Number of contact unknowns of each run without its last node. A run between two linings has
     # those of its first node only.
     p = div.degree
@@ -347,13 +356,13 @@ def _closed_ring_stiffness(runs: list[Floats], div: RingDivision, line: int, ext
     return A
 
 
-def _without_rigid_motion(
+def _hold_against_rigid_motion(
     A: Floats, extra: int, contact: int, line: int, div: RingDivision
 ) -> Floats:
-    """The stiffness without three unknowns at the rim, which hold the ring against rigid motion.
+    """The stiffness without three unknowns at the rim, which are held against rigid-body motion.
 
-    The three are both displacements of one node, and one displacement of another node that turns
-    about the first.
+    Two of them are the displacements of one node. The third is a displacement of another node, in
+    a direction in which a rotation about the first node moves it.
 
     Parameters
     ----------
@@ -361,7 +370,7 @@ def _without_rigid_motion(
     extra, contact, line : numbers of unknowns of the loads, of the contact, and of a line
     div : division of the ring
     """
-    angles = div.angles[div.first_of_runs]
+    angles = div.angles[div.first_columns_of_runs]
     away = 0.5 * (angles - angles[0])
     k = int(np.abs(np.sin(away)).argmax())
     # Whether a rotation moves the other node more around the drum than along the radius.
@@ -377,10 +386,10 @@ def ring_grid(radius: float, sign: int, div: RingDivision) -> ColumnGrid:
 
     Parameters
     ----------
-    radius, sign, div : as of `_assembled_runs`
+    radius, sign, div : as of `_stiffness_of_runs`
     """
     p = div.degree
-    depth, along = nodes_between(div.depths, p), nodes_between(div.angles, p)
+    depth, along = node_positions_of_row(div.depths, p), node_positions_of_row(div.angles, p)
     rows, n = len(depth), len(along) - 1
     nodes = np.arange(rows * n).reshape(rows, n)
     # The ring closes: the last column of nodes is the first column again.
@@ -396,7 +405,7 @@ def ring_grid(radius: float, sign: int, div: RingDivision) -> ColumnGrid:
     return ColumnGrid(p, (block,), point_at, sets, rows * n)
 
 
-def rim_forces(radius: float, div: RingDivision, grid: ColumnGrid) -> Floats:
+def rim_forces_on_grid(radius: float, div: RingDivision, grid: ColumnGrid) -> Floats:
     """Nodal forces (2 N, 3) that are spread over the rim like the rigid-body modes.
 
     Parameters
@@ -407,13 +416,13 @@ def rim_forces(radius: float, div: RingDivision, grid: ColumnGrid) -> Floats:
     """
     p, count = div.degree, len(div.contact)
     forces = np.zeros((grid.N, 2, FRAME))
-    pieces = _column_rim_loads(radius, nodes_of_pieces(div.angles, p), p)
+    pieces = _column_rim_loads(radius, node_positions_of_elements(div.angles, p), p)
     edges = (np.arange(count)[:, None] * p + np.arange(p + 1)) % (count * p)
     np.add.at(forces, grid.sets["support"][edges], pieces.reshape(count, p + 1, 2, FRAME))
     return forces.reshape(-1, FRAME)
 
 
-def _whole_system(
+def _uncondensed_ring_system(
     ring: Ring, grid: ColumnGrid, rim: Floats, basis: ColumnGrid | Skeleton
 ) -> InnerSystem:
     """The stiffness, constraints and loads of a ring on all nodes of its grid or its skeleton.
@@ -428,7 +437,7 @@ def _whole_system(
     contact = basis.numbers_of(grid.sets["contact"])
     far_edge = basis.numbers_of(grid.sets["support"])
     # The rim of a free ring has loads, and three of its unknowns are held.
-    alone = determinate_unknowns(basis, far_edge) if rim.shape[1] else None
-    constraints = constrain(basis, contact, nodes_held(ring, far_edge), np.zeros(2), alone)
+    alone = statically_determinate_unknowns(basis, far_edge) if rim.shape[1] else None
+    constraints = body_constraints(basis, contact, nodes_held(ring, far_edge), np.zeros(2), alone)
     loads = constraints.matrix.T @ rim[basis.dofs]
     return InnerSystem.of(ring_stiffness(basis, ring), constraints, loads)

@@ -1,4 +1,8 @@
-"""A parametric shoe of columns: its geometry, and its condensation to contact, frame and loads."""
+"""A parametric shoe in hp elements: its geometry, and its condensation.
+
+The element columns of the shoe are condensed and assembled to a stiffness on the frame (the rigid
+motion of the hinge), the contact nodes and the unit loads.
+"""
 
 from collections.abc import Callable
 from functools import partial
@@ -11,29 +15,37 @@ from drumlin.brake.beam_axis import axis_of
 from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Beam
 from drumlin.brake.elasticity import ElasticLayer, has_directions
-from drumlin.fem.hp.arc import angular_integrals, arc_column_stiffness, condensed_arc_elements
+from drumlin.fem.hp.arc import (
+    angular_integrals,
+    arc_column_stiffness,
+    condensed_arc_element_stiffness,
+)
 from drumlin.fem.hp.columns import (
     ColumnSubstructure,
-    assemble_row,
+    assemble_column_row,
     column_stiffness,
-    column_unknowns,
-    eliminate_line,
-    rotate_components,
-    rotate_row_components,
+    eliminate_side_line,
+    order_of_column_unknowns,
+    rotate_matrix_components,
+    rotate_vector_components,
 )
 from drumlin.fem.hp.division import ShoeDivision
-from drumlin.fem.hp.element import condensed_elements, gauss_points, reference_element
+from drumlin.fem.hp.element import (
+    condensed_element_stiffness,
+    element_gauss_points,
+    reference_element,
+)
 from drumlin.fem.substructure.body import FRAME, rigid_body_modes
-from drumlin.fem.substructure.elasticity import stack_elasticity
+from drumlin.fem.substructure.elasticity import elasticity_of_layers
 from drumlin.fem.substructure.loads import ACTUATION, LoadColumns
 from drumlin.response.resultants import GAUSS, WEIGHTS, at_gauss, lobatto
 
 PointMap = Callable[[Floats, Floats], Floats]
-"""Gives points (2, ...) in the shoe's frame [m] at depths and positions along the lining."""
+"""A function from depths and positions along the lining to points (2, ...) of the shoe [m]."""
 
 
 class LoadedEnd(NamedTuple):
-    """Unit loads on the loaded end of a shoe's body.
+    """The unit loads on the loaded end of a shoe's body.
 
     Attributes
     ----------
@@ -57,10 +69,10 @@ class LoadedEnd(NamedTuple):
 
 
 EndLoads = Callable[[Floats, Floats, int], LoadedEnd]
-"""Makes the loads of the loaded end from its nodes (2, n) [m], their depths (n,) and the degree."""
+"""A function that makes the unit loads on the loaded end, as `unit_actuation_loads` does."""
 
 
-def unit_actuations(xy: Floats, depths: Floats, p: int) -> LoadedEnd:
+def unit_actuation_loads(xy: Floats, depths: Floats, p: int) -> LoadedEnd:
     """Unit force x, unit force y and unit couple on the straight loaded end.
 
     The forces are spread evenly; the couple is a traction that grows linearly from the centre. The
@@ -91,9 +103,9 @@ def unit_actuations(xy: Floats, depths: Floats, p: int) -> LoadedEnd:
 
 
 class CondensedShoe(NamedTuple):
-    """A shoe condensed to [frame | contact nodes x, y], with estimates of round-off.
+    """A shoe condensed to [frame | contact nodes x, y], with estimates of round-off errors.
 
-    The estimates are zero for a shoe whose frame is its back, since they are not known then.
+    The estimates are zero for a shoe whose back is its frame: they are not known there.
 
     Attributes
     ----------
@@ -103,7 +115,7 @@ class CondensedShoe(NamedTuple):
     centre : (2,) point that the unit actuations act about [m]
     rigid_mode_forces : (2n, 3) forces on the contact that round-off leaves on the rigid-body modes,
         which strain nothing
-    force_imbalance : force by which round-off puts a unit force out of balance
+    force_imbalance : force by which round-off puts a unit force out of balance [1]
     columns : the unit loads by name
     """
 
@@ -118,10 +130,14 @@ class CondensedShoe(NamedTuple):
 
 def point_map(shoe: Shoe, radius: float) -> PointMap:
     """The map from depths and positions along the lining to points in the shoe's frame."""
-    return _beam_map(shoe, radius) if isinstance(shoe.body, Beam) else partial(shoe.at, size=radius)
+    return (
+        _beam_point_map(shoe, radius)
+        if isinstance(shoe.body, Beam)
+        else partial(shoe.at, size=radius)
+    )
 
 
-def _beam_map(shoe: Shoe, radius: float) -> PointMap:
+def _beam_point_map(shoe: Shoe, radius: float) -> PointMap:
     """The map from depths and positions to points of a shoe with a straight beam.
 
     Depths from 0 to 1 are in the lining, from 1 to 2 in the block, which is cut square to the beam,
@@ -155,18 +171,18 @@ def _beam_map(shoe: Shoe, radius: float) -> PointMap:
     return point_at
 
 
-def nodes_of_pieces(ends: Floats, p: int) -> Floats:
+def node_positions_of_elements(ends: Floats, p: int) -> Floats:
     """Positions (m, p + 1) of the nodes of m elements of degree p between `ends` (m + 1,)."""
     first, last = ends[:-1, None], ends[1:, None]
     return np.asarray(0.5 * (last + first) + 0.5 * (last - first) * lobatto(p))
 
 
-def nodes_between(ends: Floats, p: int) -> Floats:
+def node_positions_of_row(ends: Floats, p: int) -> Floats:
     """Positions (m p + 1,) of the nodes of m elements in a row; common nodes count once.
 
     `ends` (m + 1,) are the ends of the elements, and p is their degree.
     """
-    return np.append(nodes_of_pieces(ends, p)[:, :-1].ravel(), ends[-1])
+    return np.append(node_positions_of_elements(ends, p)[:, :-1].ravel(), ends[-1])
 
 
 def element_nodes(place: PointMap, depths: Floats, along: Floats, p: int) -> Floats:
@@ -180,7 +196,7 @@ def element_nodes(place: PointMap, depths: Floats, along: Floats, p: int) -> Flo
     p : degree
     """
     # xy are the points of all nodes, (2, layers, columns, p + 1, p + 1).
-    xy = place(nodes_of_pieces(depths, p)[:, None, :, None], along[:, None, :])
+    xy = place(node_positions_of_elements(depths, p)[:, None, :, None], along[:, None, :])
     xy = xy.reshape(*xy.shape[:3], -1).transpose(1, 2, 0, 3)
     return np.ascontiguousarray(xy[..., reference_element(p).order])
 
@@ -188,7 +204,7 @@ def element_nodes(place: PointMap, depths: Floats, along: Floats, p: int) -> Flo
 def distinct_sizes(sizes: Floats) -> tuple[Floats, Ints]:
     """The k different sizes (k,) among `sizes` (m,), and the number of the size of each (m,).
 
-    Sizes that differ by round-off are equal.
+    Sizes that agree in twelve digits count as equal.
     """
     numbers: dict[float, int] = {}
     which = []
@@ -205,7 +221,7 @@ def _layer_directions(
 
     `part` (l,) names the layer of each row of elements with the nodes xy (l, c, 2, a) [m].
     """
-    points = np.moveaxis(gauss_points(xy, p), 2, 1)  # (l, 2, c, q)
+    points = np.moveaxis(element_gauss_points(xy, p), 2, 1)  # (l, 2, c, q)
     vectors = [layers[name].directions(own) for name, own in zip(part, points, strict=True)]
     return np.moveaxis(np.array(vectors), 1, 2)
 
@@ -246,10 +262,10 @@ def column_kinds(shoe: Shoe, div: ShoeDivision, *, directed: bool) -> _ColumnKin
     """
     p = div.degree
     rows = [div.angles]
-    if div.first < div.layers:
+    if div.first_body_layer < div.layers:
         rows += [div.before[::-1], div.after]
     if isinstance(shoe.body, Beam):
-        along = np.concatenate([nodes_of_pieces(ends, p) for ends in rows])
+        along = np.concatenate([node_positions_of_elements(ends, p) for ends in rows])
         return _ColumnKinds(along, None, np.arange(len(along)))
     sizes, which = distinct_sizes(np.concatenate([ends[1:] - ends[:-1] for ends in rows]))
     along = 0.5 * sizes[:, None] * lobatto(p)
@@ -262,7 +278,7 @@ def _condensed_columns(
 ) -> _ShoeColumns:
     """The condensed element columns of a shoe; parameters as of `condense_shoe`."""
     p = div.degree
-    elasticity = stack_elasticity(layers, div.part)
+    elasticity = elasticity_of_layers(layers, div.part)
     directed = bool(has_directions(elasticity).any())
     kinds_of_columns = column_kinds(shoe, div, directed=directed)
     plane = radius if shoe.flat else None
@@ -282,14 +298,14 @@ def _condensed_columns(
         # bincount stands for np.unique, which would load numpy's masked arrays.
         kinds = np.flatnonzero(np.bincount(row))
         depths, own = div.depths[layer:], elasticity[layer:]
-        unknowns = column_unknowns(p, div.layers - layer, contact=contact, held=held)
+        unknowns = order_of_column_unknowns(p, div.layers - layer, contact=contact, held=held)
         if kinds_of_columns.angular is None:
             xy = element_nodes(point_map(shoe, radius), depths, kinds_of_columns.along[kinds], p)
             along = _layer_directions(layers, div.part[layer:], xy, p) if directed else None
-            stiffness = column_stiffness(condensed_elements(xy, own, p, along), unknowns)
+            stiffness = column_stiffness(condensed_element_stiffness(xy, own, p, along), unknowns)
         else:
             A = kinds_of_columns.angular[:, kinds]
-            parts = condensed_arc_elements(radius - shoe.sign * depths, A, own, p, plane)
+            parts = condensed_arc_element_stiffness(radius - shoe.sign * depths, A, own, p, plane)
             stiffness = arc_column_stiffness(parts, p, contact=contact, held=held)
         made = {}
         for kind, K in zip(kinds.tolist(), stiffness, strict=True):
@@ -301,13 +317,13 @@ def _condensed_columns(
     ends = shoe.grip(radius)
     a, b = (0, 0) if ends is None else (int(np.abs(div.angles - x).argmin()) for x in ends)
     outside_grip = np.concatenate([which[:a], which[b:under]])
-    free = columns_of(outside_grip, 0, contact=True, held=div.first == div.layers)
+    free = columns_of(outside_grip, 0, contact=True, held=div.first_body_layer == div.layers)
     gripped = columns_of(which[a:b], 0, contact=True, held=True)
-    rest = columns_of(which[under:], div.first, contact=False, held=False)
+    rest = columns_of(which[under:], div.first_body_layer, contact=False, held=False)
     return _ShoeColumns([*free[:a], *gripped, *free[a:]], rest[:before], rest[before:], (a, b))
 
 
-def side_angles(ends: Floats, p: int) -> Floats:
+def axis_angles_of_contact_nodes(ends: Floats, p: int) -> Floats:
     """Angles (m p + 1,) of the axes along which displacements of contact nodes are measured.
 
     A node between two `ends` (m + 1,) of columns has the axes of the column's middle.
@@ -317,7 +333,7 @@ def side_angles(ends: Floats, p: int) -> Floats:
     return angles
 
 
-def axis_angle(shoe: Shoe, phi: Floats) -> Floats:
+def measuring_axis_angles(shoe: Shoe, phi: Floats) -> Floats:
     """The angles [rad] of the axes along which displacements at positions phi are measured.
 
     On an arc displacements are measured along the radius, on a pad along the plane's normal, and in
@@ -328,9 +344,9 @@ def axis_angle(shoe: Shoe, phi: Floats) -> Floats:
     return np.full_like(phi, -0.5 * np.pi) if shoe.flat else phi
 
 
-def angles_back_to_frame(shoe: Shoe, div: ShoeDivision) -> Floats:
+def rotations_to_shoe_frame(shoe: Shoe, div: ShoeDivision) -> Floats:
     """Angles (n,) [rad] that rotate components at the contact nodes back to the shoe's frame."""
-    return -axis_angle(shoe, side_angles(div.angles, div.degree))
+    return -measuring_axis_angles(shoe, axis_angles_of_contact_nodes(div.angles, div.degree))
 
 
 def condense_shoe(
@@ -338,7 +354,7 @@ def condense_shoe(
     radius: float,
     div: ShoeDivision,
     layers: dict[str, ElasticLayer],
-    end_loads: EndLoads = unit_actuations,
+    end_loads: EndLoads = unit_actuation_loads,
 ) -> CondensedShoe:
     """The shoe condensed to its frame and its contact nodes, by growing angle.
 
@@ -356,16 +372,18 @@ def condense_shoe(
     NoAnswer
         for a singular stiffness
     """
-    phi = nodes_between(div.angles, div.degree)
+    phi = node_positions_of_row(div.angles, div.degree)
     R = rigid_body_modes(point_map(shoe, radius)(np.zeros(1), phi), shoe.own_pin)
     row = _condensed_columns(shoe, radius, div, layers)
-    if div.first < div.layers and not any(row.grip):
-        return _hinged_shoe(shoe, radius, div, row, end_loads, R)
+    if div.first_body_layer < div.layers and not any(row.grip):
+        return _condense_hinged_shoe(shoe, radius, div, row, end_loads, R)
     S = _gripped_stiffness(row) if any(row.grip) else _lining_stiffness(row.under)
-    return back_held_shoe(shoe, rotate_components(S, angles_back_to_frame(shoe, div)), R)
+    return condense_back_held_shoe(
+        shoe, rotate_matrix_components(S, rotations_to_shoe_frame(shoe, div)), R
+    )
 
 
-def back_held_shoe(shoe: Shoe, S: Floats, R: Floats) -> CondensedShoe:
+def condense_back_held_shoe(shoe: Shoe, S: Floats, R: Floats) -> CondensedShoe:
     """A condensed shoe whose back is held by a grip or by a rigid shoe, as is the force.
 
     `S` (2n, 2n) is the stiffness of the contact nodes, and `R` (2n, 3) their rigid-body modes.
@@ -382,7 +400,7 @@ def back_held_shoe(shoe: Shoe, S: Floats, R: Floats) -> CondensedShoe:
     )
 
 
-def _hinged_shoe(
+def _condense_hinged_shoe(
     shoe: Shoe,
     radius: float,
     div: ShoeDivision,
@@ -399,30 +417,30 @@ def _hinged_shoe(
     R : (2n, 3) rigid-body modes of the contact nodes
     """
     p, place, pin = div.degree, point_map(shoe, radius), shoe.own_pin
-    back = angles_back_to_frame(shoe, div)
-    depths = nodes_between(div.depths[div.first :], p)
+    back = rotations_to_shoe_frame(shoe, div)
+    depths = node_positions_of_row(div.depths[div.first_body_layer :], p)
     near, far = div.before[-1], div.after[-1]
     hinge_modes = rigid_body_modes(place(depths, near), pin)
-    hinge_modes = rotate_all(hinge_modes, axis_angle(shoe, near))
+    hinge_modes = rotate_all_nodes(hinge_modes, measuring_axis_angles(shoe, near))
     end = end_loads(place(depths, far), depths, p)
-    end_forces = rotate_all(end.forces, axis_angle(shoe, far))
+    end_forces = rotate_all_nodes(end.forces, measuring_axis_angles(shoe, far))
     # The assembled columns have the unknowns [frame | contact nodes | loads].
     columns = row.under.copy()
-    columns[0] = _first_column_on_hinge(columns[0], row.before, hinge_modes)
+    columns[0] = _join_first_column_with_hinged_body(columns[0], row.before, hinge_modes)
     loaded = loaded_body_stiffness(row.after, end_forces)
-    columns[-1] = eliminate_line(columns[-1], loaded, len(end_forces), right=True)
-    A = assemble_row(columns, 2).K
+    columns[-1] = eliminate_side_line(columns[-1], loaded, len(end_forces), right=True)
+    A = assemble_column_row(columns, 2).K
     extra = end.columns.count
     frame, contact, loads = slice(FRAME), slice(FRAME, -extra), slice(-extra, None)
-    S = rotate_components(A[contact, contact], back)
-    load = -rotate_row_components(A[loads, contact], back).T
+    S = rotate_matrix_components(A[contact, contact], back)
+    load = -rotate_vector_components(A[loads, contact], back).T
     on_frame = -A[frame, loads]
 
     # Round-off has put the condensed loads out of balance: the contact nodes take the difference.
     imbalance = end.resultants(pin) - on_frame - R.T @ load
     load += R @ np.linalg.solve(R.T @ R, imbalance)
-    corrected = correct_rigid_modes(S, R, rotate_row_components(A[frame, contact], back).T)
-    actuation = end.columns.places[ACTUATION]
+    corrected = correct_rigid_modes(S, R, rotate_vector_components(A[frame, contact], back).T)
+    actuation = end.columns.slices[ACTUATION]
     return CondensedShoe(
         S=stiffness_with_frame(corrected.S, R),
         loads=np.concatenate([on_frame, load]),
@@ -445,9 +463,9 @@ def _lining_stiffness(
     left, right : stiffness of the bodies that hang on the back of both ends, if there are any
     """
     row = row.copy()
-    row[0] = eliminate_line(row[0], left, 0 if left is None else len(left))
-    row[-1] = eliminate_line(row[-1], right, 0 if right is None else len(right), right=True)
-    return assemble_row(row, 2).K
+    row[0] = eliminate_side_line(row[0], left, 0 if left is None else len(left))
+    row[-1] = eliminate_side_line(row[-1], right, 0 if right is None else len(right), right=True)
+    return assemble_column_row(row, 2).K
 
 
 def _gripped_stiffness(columns: _ShoeColumns) -> Floats:
@@ -466,12 +484,12 @@ def _gripped_stiffness(columns: _ShoeColumns) -> Floats:
         free = np.delete(np.arange(len(K)), [line, line + 1])
         row[last] = ColumnSubstructure(K[free[:, None], free], line, right)
     before, after = columns.before, columns.after
-    body_before = eliminate_line(assemble_row(before, 0)).K if before else None
-    body_after = eliminate_line(assemble_row(after, 0), right=True).K if after else None
+    body_before = eliminate_side_line(assemble_column_row(before, 0)).K if before else None
+    body_after = eliminate_side_line(assemble_column_row(after, 0), right=True).K if after else None
     return _lining_stiffness(row, body_before, body_after)
 
 
-def _first_column_on_hinge(
+def _join_first_column_with_hinged_body(
     first: ColumnSubstructure, before: list[ColumnSubstructure], held: Floats
 ) -> ColumnSubstructure:
     """The first column under the lining, joined to the part of the body that the hinge holds.
@@ -485,9 +503,9 @@ def _first_column_on_hinge(
     held : (n, 3) rigid-body modes of the line at the hinge
     """
     if not before:
-        return eliminate_line(_constrain_to_frame(first, held))
-    body = assemble_row([_constrain_to_frame(before[0], held), *before[1:]], 0)
-    return eliminate_line(first, body.K, len(held))
+        return eliminate_side_line(_constrain_to_frame(first, held))
+    body = assemble_column_row([_constrain_to_frame(before[0], held), *before[1:]], 0)
+    return eliminate_side_line(first, body.K, len(held))
 
 
 def loaded_body_stiffness(after: list[ColumnSubstructure], load: Floats) -> Floats:
@@ -500,8 +518,8 @@ def loaded_body_stiffness(after: list[ColumnSubstructure], load: Floats) -> Floa
     end[:part, part:], end[part:, :part] = -load, -load.T
     if not after:
         return end
-    last = eliminate_line(after[-1], end, part, right=True)
-    return assemble_row([*after[:-1], last], 0).K
+    last = eliminate_side_line(after[-1], end, part, right=True)
+    return assemble_column_row([*after[:-1], last], 0).K
 
 
 def _constrain_to_frame(piece: ColumnSubstructure, held: Floats) -> ColumnSubstructure:
@@ -575,6 +593,6 @@ def stiffness_with_frame(S: Floats, R: Floats) -> Floats:
     return whole
 
 
-def rotate_all(V: Floats, angle: Floats) -> Floats:
+def rotate_all_nodes(V: Floats, angle: Floats) -> Floats:
     """Vectors V (2n, m) with the components of all nodes in axes turned by one angle [rad]."""
-    return rotate_row_components(V.T, np.reshape(angle, 1)).T
+    return rotate_vector_components(V.T, np.reshape(angle, 1)).T

@@ -11,7 +11,12 @@ from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Shoe
 from drumlin.fem.mesh.from_file import ShoeMesh
 from drumlin.fem.substructure.body import CondensedBody
-from drumlin.fem.substructure.interface import ContactLine, Coupling, radial, straight
+from drumlin.fem.substructure.interface import (
+    ContactLine,
+    Coupling,
+    drum_directions,
+    plane_directions,
+)
 from drumlin.fem.substructure.loads import ACTUATION, LoadColumns
 
 
@@ -129,8 +134,8 @@ class BodyNodes(NamedTuple):
 
 def couple_contact_line(line: ContactLine, shoe: Shoe) -> Coupling:
     """The coupling of a shoe's contact line with the drum or the plane."""
-    directions = straight if shoe.flat else radial(shoe.sign)
-    return line.couple(shoe.lining.width, directions)
+    directions = plane_directions if shoe.flat else drum_directions(shoe.sign)
+    return line.couple_with_counterface(shoe.lining.width, directions)
 
 
 def make_shoe_substructure(

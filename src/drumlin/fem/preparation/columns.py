@@ -10,7 +10,12 @@ import numpy as np
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Beam
-from drumlin.fem.hp.body import condensed_body, shoe_contact_line, shoe_grid, unit_actuation_forces
+from drumlin.fem.hp.body import (
+    condensed_shoe_body,
+    shoe_contact_line,
+    shoe_grid,
+    unit_actuation_forces,
+)
 from drumlin.fem.hp.corner import corner_exponents_of
 from drumlin.fem.hp.division import (
     LONGEST_CORNER_CONTACT,
@@ -20,7 +25,7 @@ from drumlin.fem.hp.division import (
     SingularPoint,
     divide_shoe,
 )
-from drumlin.fem.hp.ring import ring_body
+from drumlin.fem.hp.ring import condensed_hp_ring
 from drumlin.fem.hp.shoe import condense_shoe
 from drumlin.fem.preparation.bodies import (
     BodyNodes,
@@ -36,7 +41,7 @@ from drumlin.fem.preparation.cache import (
     shoe_without_loads,
 )
 from drumlin.fem.preparation.scene import DividedBodies, Seconds, add_elapsed_time
-from drumlin.fem.substructure.elasticity import layers_of
+from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 
 MOST_CONTACT_NODES = 3000
 """Largest number of contact nodes that are coupled: those of one shoe, or of all shoes on a ring.
@@ -78,7 +83,7 @@ def make_hp_bodies(
     brake : the brake
     level : degree and grading of the elements
     places : singular points of the pressure, by shape
-    alike : for each shoe the first one of its shape, see `cache.alike`
+    alike : for each shoe the first one of its shape, see `cache.first_shoes_of_equal_shape`
     cache : keeps condensed bodies; found ones are taken from it, and new ones put there
     seconds : time of each phase [s], which this function adds to
 
@@ -95,7 +100,7 @@ def make_hp_bodies(
 
     singular_layer_size = min(rule.division.singular_layer_size for rule in rules.values())
     ring = None
-    ring_under = partial(ring_body, brake, level, singular_layer_size=singular_layer_size)
+    ring_under = partial(condensed_hp_ring, brake, level, singular_layer_size=singular_layer_size)
     if brake.ring is not None:
         with add_elapsed_time(seconds, "ring"):
             lines = tuple(body.line for body in bodies)
@@ -152,10 +157,10 @@ def _condense_shoe(
 ) -> ShoeSubstructure:
     """The condensed body of a parametric shoe with this division, coupled with its counterface."""
     with add_elapsed_time(seconds, "condensation"):
-        found = condense_shoe(shoe, radius, division, layers_of(shoe))
+        found = condense_shoe(shoe, radius, division, elastic_layers_of_shoe(shoe))
         line = shoe_contact_line(shoe, radius, division)
         grid = shoe_grid(shoe, radius, division)
-        inner = condensed_body(shoe, division, found, grid)
+        inner = condensed_shoe_body(shoe, division, found, grid)
     with add_elapsed_time(seconds, "coupling"):
         divided = DividedBody(grid, grid, line)
         return make_shoe_substructure(

@@ -32,15 +32,15 @@ from drumlin.fem.preparation.scene import DividedBodies, Seconds, add_elapsed_ti
 from drumlin.fem.substructure.body import (
     FRAME,
     Constraints,
-    condense,
-    constrain,
+    body_constraints,
+    condense_body,
     scalar_basis,
     stiffness,
 )
-from drumlin.fem.substructure.elasticity import layers_of
-from drumlin.fem.substructure.interface import ContactLine, contact_line, end_loads
+from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
+from drumlin.fem.substructure.interface import ContactLine, make_contact_line, unit_loads_on_end
 from drumlin.fem.substructure.loads import ACTUATION, LoadColumns
-from drumlin.fem.substructure.ring import ring_body
+from drumlin.fem.substructure.ring import condensed_ring_on_mesh
 from drumlin.response.response import own_edge_zone
 
 ELEMENTS = 80
@@ -106,7 +106,7 @@ def make_mesh_bodies(
             made[shape] = cache.get(key, make, memory_of_body)
     bodies = tuple(made[shape_key_of_shoe(brake, shoe)] for shoe in brake.shoes)
     ring = None
-    ring_under = partial(ring_body, brake, elements)
+    ring_under = partial(condensed_ring_on_mesh, brake, elements)
     if brake.ring is not None:
         with add_elapsed_time(seconds, "ring"):
             lines = tuple(body.line for body in bodies)
@@ -127,7 +127,7 @@ def _mesh_nodes_of_changed_shoe(
     basis = scalar_basis(mesh)
     if "actuation" not in mesh.boundaries or shoe.gripped:
         return BodyNodes(basis.doflocs, np.zeros(basis.doflocs.shape))
-    unit_loads, centre = end_loads(basis, mesh.boundaries["actuation"])
+    unit_loads, centre = unit_loads_on_end(basis, mesh.boundaries["actuation"])
     factors, _ = actuation_about_centre(centre, shoe)
     load = unit_loads @ factors
     return BodyNodes(basis.doflocs, load.reshape(-1, 2).T)
@@ -167,7 +167,7 @@ def contact_line_of_mesh(basis: Any, facets: Ints, shoe: Shoe, radius: float) ->
     """The contact line of a shoe on the `facets` of a scalar basis; `radius` [m] is the drum's."""
     middle = sum(shoe.arc) / 2
     unit = radius if shoe.flat else None
-    return contact_line(basis, facets, middle, unit, own_edge_zone(shoe, radius))
+    return make_contact_line(basis, facets, middle, unit, own_edge_zone(shoe, radius))
 
 
 def assemble_shoe(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) -> AssembledShoe:
@@ -183,14 +183,14 @@ def assemble_shoe(brake: Brake, shoe: Shoe, mesher: Mesher, seconds: Seconds) ->
         mesh = mesher(shoe, brake.size) if of_file is None else of_file.mesh
         basis = scalar_basis(mesh)
     with add_elapsed_time(seconds, "assembly"):
-        K = stiffness(basis, layers_of(shoe))
+        K = stiffness(basis, elastic_layers_of_shoe(shoe))
     with add_elapsed_time(seconds, "ties"):
         pin = shoe.own_pin
         line = contact_line_of_mesh(basis, mesh.boundaries["contact"], shoe, brake.size)
         rigid = basis.get_dofs(mesh.boundaries["hinge"]).flatten()
-        constraints = constrain(basis, line.nodes, rigid, pin)
+        constraints = body_constraints(basis, line.nodes, rigid, pin)
         if "actuation" in mesh.boundaries and not shoe.gripped:
-            unit_loads, load_centre = end_loads(basis, mesh.boundaries["actuation"])
+            unit_loads, load_centre = unit_loads_on_end(basis, mesh.boundaries["actuation"])
             actuated = constraints.matrix.T @ unit_loads
         else:
             # The force acts on the frame: the rigid shoe itself, or the grip behind the body.
@@ -218,7 +218,7 @@ def _condense_meshed_shoe(
     parts = assemble_shoe(brake, shoe, mesher, seconds)
     with add_elapsed_time(seconds, "condensation"):
         contact_unknowns = 2 * len(parts.line.nodes)
-        condensed = condense(parts.K, parts.constraints, parts.loads, contact_unknowns)
+        condensed = condense_body(parts.K, parts.constraints, parts.loads, contact_unknowns)
     divided = DividedBody(parts.mesh, parts.basis, parts.line, parts.of_file)
     friction = brake.friction > 0
     with add_elapsed_time(seconds, "coupling"):

@@ -38,7 +38,8 @@ def prepare(
     brake : the brake
     level : degree and grading of hp elements; with None every shoe is meshed
     places : singular points of the pressure by shape, for hp elements
-    alike : for each shoe the first one of its shape, see `cache.alike`; found here if empty
+    alike : for each shoe the first one of its shape, see `cache.first_shoes_of_equal_shape`; found
+        here if empty
     elements : number of elements along each parametric lining of a mesh
     kind : kind of a mesh, "quad2", "quad1", "tri2" or "tri1"
     mesher : makes the mesh of a shoe without a file, in place of `shoe_mesh`; `elements` then

@@ -21,12 +21,12 @@ from drumlin.fem.solid.mesh import Solid, solid_mesh
 from drumlin.fem.substructure.body import (
     FRAME,
     Constraints,
-    condense,
+    condense_body,
     constraint_matrix,
     stiffness,
 )
-from drumlin.fem.substructure.elimination import dissection
-from drumlin.fem.substructure.interface import end_loads
+from drumlin.fem.substructure.elimination import nested_dissection
+from drumlin.fem.substructure.interface import unit_loads_on_end
 from drumlin.fem.substructure.loads import ACTUATION
 
 HALVES = 2.0
@@ -87,7 +87,7 @@ def constrain_solid(
     bonded : whether the rigid nodes are bonded to a rigid shoe; they are free along z otherwise
     """
     basis = solid.basis
-    order = dissection(basis.doflocs, basis.element_dofs)
+    order = nested_dissection(basis.doflocs, basis.element_dofs)
     inner = np.ones((basis.N, 3), dtype=bool)
     inner[contact, :2] = inner[rigid, :2] = False
     inner[solid.node[solid.node[:, 0] >= 0, 0], 2] = False
@@ -108,7 +108,7 @@ def end_forces(solid: Solid) -> tuple[Floats, Floats]:
     The last axis counts unit force x, unit force y and unit couple, the second one the components.
     The loads are even over the width.
     """
-    line, centre = end_loads(solid.plane, solid.section.boundaries["actuation"])
+    line, centre = unit_loads_on_end(solid.plane, solid.section.boundaries["actuation"])
     nodes = np.unique(nodes_along_edges(solid.plane, solid.section.boundaries["actuation"]))
     count = solid.levels("shoe")
     share = width_matrix(solid.z[:count]).sum(axis=1)
@@ -159,7 +159,7 @@ def solid_body(
         constraints = constrain_solid(solid, face.nodes, rigid, shoe.own_pin, bonded=bonded)
         loads, centre = _unit_loads(solid, shoe, constraints)
     with add_elapsed_time(seconds, "condensation"):
-        condensed = condense(K, constraints, {ACTUATION: loads}, 2 * len(face.nodes))
+        condensed = condense_body(K, constraints, {ACTUATION: loads}, 2 * len(face.nodes))
     with add_elapsed_time(seconds, "coupling"):
         divided = DividedBody(solid.mesh, solid.basis, face)
         friction = brake.friction > 0

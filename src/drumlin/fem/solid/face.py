@@ -11,8 +11,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from drumlin.base.arrays import Floats, Ints
-from drumlin.fem.substructure.interface import ContactLine, Coupling, Directions, edge_points
-from drumlin.fem.substructure.interface import couple as couple_line
+from drumlin.fem.substructure.interface import (
+    ContactLine,
+    Coupling,
+    Directions,
+    edge_quadrature_points,
+)
+from drumlin.fem.substructure.interface import couple_with_counterface as couple_line
 from drumlin.response.response import PressureOverWidth
 
 
@@ -38,7 +43,7 @@ class ContactFace(ContactLine):
         """The widths 2 Int zeta_k dz (m,) [m] of the levels; their sum is the whole width."""
         return width_matrix(self.z).sum(axis=1)
 
-    def couple(self, width: float, directions: Directions) -> Coupling:
+    def couple_with_counterface(self, width: float, directions: Directions) -> Coupling:
         """The coupling with a counterface; its width is that of the face, not `width`."""
         line, m = couple_line(self.line, 1.0, directions), width_matrix(self.z)
         n = len(self.line.nodes)
@@ -66,7 +71,7 @@ class ContactFace(ContactLine):
 def width_matrix(z: Floats) -> Floats:
     """The matrix 2 Int zeta_k zeta_l dz (m, m) [m] of quadratic functions over levels z (m,)."""
     pieces = np.arange(3)[:, None] + np.arange(0, len(z) - 2, 2)
-    psi, _, dz = edge_points(np.array([z, np.zeros_like(z)])[:, pieces])
+    psi, _, dz = edge_quadrature_points(np.array([z, np.zeros_like(z)])[:, pieces])
     matrix = np.zeros((len(z), len(z)))
     np.add.at(matrix, (pieces[:, None], pieces[None]), 2 * np.einsum("aq,bq,iq->abi", psi, psi, dz))
     return matrix

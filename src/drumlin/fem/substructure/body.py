@@ -1,10 +1,12 @@
 """An elastic body as a substructure: its stiffness, and its static condensation.
 
 Condensation keeps two groups of degrees of freedom: the displacements c of the contact nodes, and
-the frame f = (dx, dy, rotation) of the rigid line that the hinge holds. All others are eliminated
-once, which leaves the Schur complement S. With the frame held (f = 0), the Cholesky factor of
-S_cc = L_cc L_cc^T and Y = L_cc^-1 G, nodal forces G do the work G^T S_cc^-1 G = Y^T Y. The frame is
-then held by the forces L_fc Y, with L_fc = S_fc L_cc^-T.
+the frame f = (dx, dy, rotation) of the rigid line that the hinge holds. All other degrees of
+freedom are eliminated once, which leaves the Schur complement S on c and f.
+
+With the frame held (f = 0), nodal forces G on the contact nodes do the work G^T S_cc^-1 G = Y^T Y.
+Here S_cc = L_cc L_cc^T is the Cholesky factorisation, and Y = L_cc^-1 G is called the half
+flexibility. The forces L_fc Y then hold the frame, with L_fc = S_fc L_cc^-T.
 """
 
 from collections.abc import Mapping
@@ -18,26 +20,30 @@ from drumlin.base.errors import NoAnswer
 from drumlin.base.lapack import dpotrf, solve_lower
 from drumlin.brake.elasticity import ElasticLayer, has_directions
 from drumlin.fem.mesh.arc import mesh_kind_of
-from drumlin.fem.substructure.elasticity import split_elasticity, through_layers
+from drumlin.fem.substructure.elasticity import directions_through_layers, split_elasticity
 from drumlin.fem.substructure.elimination import (
     SINGULAR_BODY,
-    Eliminated,
-    dissection,
-    eliminate,
+    CondensedSystem,
+    eliminate_inner_unknowns,
+    nested_dissection,
     solve_by_fronts,
 )
 from drumlin.fem.substructure.loads import LoadColumns, stack_loads
 
 FRAME = 3
-"""Number of degrees of freedom of a rigid line: dx, dy and the rotation about the pin."""
+"""Number of degrees of freedom of the frame, a rigid line: dx, dy and rotation about the pin."""
 
 
 class Constraints(NamedTuple):
-    """The multi-point constraints of a body: the degrees of freedom that remain.
+    """The multi-point constraints of a body, which leave fewer unknowns than displacements.
 
-    `matrix` (2 nodes, unknowns) maps the reduced unknowns to the displacements of all nodes.
-    `region` is the number of the region in which elimination removes each inner unknown. The
-    unknowns stand in the order: inner nodes, contact nodes as x, y pairs by growing angle, frame.
+    The order of these reduced unknowns is: inner nodes, contact nodes as x, y pairs by growing
+    angle, frame.
+
+    Attributes
+    ----------
+    matrix : (2 nodes, unknowns) sparse; from reduced unknowns to displacements of all nodes
+    region : number of the region of `nested_dissection` in which each inner unknown is eliminated
     """
 
     matrix: Any
@@ -45,10 +51,13 @@ class Constraints(NamedTuple):
 
 
 class InnerSystem(NamedTuple):
-    """The whole system of a body on its reduced unknowns.
+    """The system of a body before condensation, on its reduced unknowns.
 
-    `A` (unknowns, unknowns) is the sparse stiffness, `constraints` are the reduced unknowns, and
-    `loads` (unknowns, l) the unit loads.
+    Attributes
+    ----------
+    A : (unknowns, unknowns) sparse stiffness
+    constraints : the constraints that define the reduced unknowns
+    loads : (unknowns, l) unit loads
     """
 
     A: Any
@@ -57,7 +66,7 @@ class InnerSystem(NamedTuple):
 
     @classmethod
     def of(cls, K: Any, constraints: Constraints, loads: Floats) -> "InnerSystem":
-        """The whole system of a body, from the stiffness K (2 nodes, 2 nodes) of all nodes."""
+        """The system of a body from the stiffness K (2 nodes, 2 nodes) of all nodes."""
         A = constraints.matrix.T @ K @ constraints.matrix
         return cls(A.tocsc(), constraints, loads)
 
@@ -65,9 +74,9 @@ class InnerSystem(NamedTuple):
         """The system itself, see `InnerUnknowns`."""
         return self
 
-    def eliminate_loads(self) -> Eliminated:
+    def eliminate_loads(self) -> CondensedSystem:
         """The unit loads condensed to contact and frame, with the stiffness there."""
-        return eliminate(self.A, self.constraints.region, self.loads)
+        return eliminate_inner_unknowns(self.A, self.constraints.region, self.loads)
 
     def with_forces(self, forces: Floats) -> "InnerSystem":
         """The system with further unit loads: nodal forces (2 nodes, k)."""
@@ -93,7 +102,7 @@ class InnerUnknowns(Protocol):
     def system(self) -> InnerSystem:
         """The whole system of the body, on all nodes."""
 
-    def eliminate_loads(self) -> Eliminated:
+    def eliminate_loads(self) -> CondensedSystem:
         """The unit loads condensed to contact and frame, with the stiffness there."""
 
     def with_forces(self, forces: Floats) -> "InnerUnknowns":
@@ -131,19 +140,19 @@ class CondensedBody:
     force_imbalance: float = 0.0
     rigid_mode_error: Floats | None = None
 
-    def inside(self) -> InnerSystem:
+    def make_whole_system(self) -> InnerSystem:
         """The whole system of the body, which this call assembles."""
         return self.inner.system()
 
     @property
     def constraints(self) -> Constraints:
         """The multi-point constraints of the body; the call makes the whole system."""
-        return self.inside().constraints
+        return self.make_whole_system().constraints
 
     @property
     def loads(self) -> Floats:
         """The unit loads (unknowns, l) on the reduced unknowns; the call makes the whole system."""
-        return self.inside().loads
+        return self.make_whole_system().loads
 
     def half_flexibility(self, forces: Floats) -> Floats:
         """The half flexibility Y = L_cc^-1 G of nodal forces G (2n, m) on the contact nodes."""
@@ -184,7 +193,7 @@ class CondensedBody:
         ValueError
             for a name that a load of the body has already
         """
-        if taken := self.columns.places.keys() & loads.keys():
+        if taken := self.columns.slices.keys() & loads.keys():
             raise ValueError(f"the body has loads of these names already: {sorted(taken)}")
         inner = self.inner.with_forces(np.concatenate(list(loads.values()), axis=1))
         eliminated = inner.eliminate_loads()
@@ -219,9 +228,9 @@ def stiffness(basis: Any, layers: Mapping[str, ElasticLayer], *, precise: bool =
 
         K_ai,bj = b Int lambda psi_a,i psi_b,j + mu psi_a,j psi_b,i + mu delta_ij psi_a,k psi_b,k dA
 
-    and layers with directions add the terms of `hp.element.element_stiffness`. The gradients of all
-    shape functions meet in one batched matrix product for each element, in place of one evaluation
-    of the form for each pair of shape functions.
+    and orthotropic layers add the terms of `hp.element.element_stiffness`. One batched matrix
+    product for each element multiplies the gradients of all shape functions. skfem would evaluate
+    the form once for each pair of shape functions.
 
     Parameters
     ----------
@@ -233,7 +242,7 @@ def stiffness(basis: Any, layers: Mapping[str, ElasticLayer], *, precise: bool =
         # A skeleton has no stiffness in long double.
         return basis.stiffness(layers, precise=True) if precise else basis.stiffness(layers)
     if precise:
-        gradients, dx = _precise_gradients(basis)
+        gradients, dx = _long_double_gradients(basis)
     else:
         gradients, dx = np.array([psi[0].grad for psi in basis.basis]), basis.dx
     K = _isotropic_stiffness(basis, layers, gradients, dx)
@@ -328,11 +337,11 @@ def _directional_stiffness(layer: ElasticLayer, gradients: Any, dx: Any, points:
         return (stretch * dx[:, None]) @ stretch.transpose(0, 2, 1)
 
     _, _, by_along, by_through = split_elasticity(layer.stiffness)
-    added = by_along * work(along) + by_through * work(through_layers(along))
+    added = by_along * work(along) + by_through * work(directions_through_layers(along))
     return added.reshape(elements, a, d, a, d)
 
 
-def _precise_gradients(basis: Any) -> tuple[Any, Any]:
+def _long_double_gradients(basis: Any) -> tuple[Any, Any]:
     """Gradients (a, 2, elements, points) and areas (elements, points) in long double.
 
     The elements are isoparametric: the nodes of the shape functions are those of the map.
@@ -355,10 +364,12 @@ def rigid_body_modes(xy: Floats, pin: Floats) -> Floats:
     return modes.reshape(-1, FRAME)
 
 
-def constrain(
+def body_constraints(
     basis: Any, contact: Ints, rigid: Ints, pin: Floats, alone: Ints | None = None
 ) -> Constraints:
-    """The multi-point constraints of a body: inner nodes by dissection, contact nodes, frame.
+    """The multi-point constraints of a body, which tie its rigid line to the frame.
+
+    The inner nodes are in the order of a nested dissection.
 
     Parameters
     ----------
@@ -366,10 +377,10 @@ def constrain(
     contact : (n,) contact nodes by growing angle
     rigid : nodes of the rigid line, which move with u = (dx, dy) + rotation k x (x - pin)
     pin : (2,) point of the pin [m]
-    alone : (3,) unknowns of a body without rigid nodes that take the place of the frame; None for a
-        body with rigid nodes
+    alone : (3,) displacements that take the place of the frame for a body without rigid nodes; None
+        for a body with rigid nodes
     """
-    order = dissection(basis.doflocs, basis.element_dofs)
+    order = nested_dissection(basis.doflocs, basis.element_dofs)
     inner = np.ones(basis.N, dtype=bool)
     inner[contact] = inner[rigid] = False
     is_inner = inner[order.nodes]
@@ -415,10 +426,10 @@ def constraint_matrix(
     return sp.csc_matrix(entries, shape=(count, unknowns))
 
 
-def condense(
+def condense_body(
     K: Any, constraints: Constraints, loads: Mapping[str, Floats], contact: int
 ) -> CondensedBody:
-    """The body after static condensation: only contact nodes and frame remain.
+    """The body reduced to its contact nodes and its frame by static condensation.
 
     Parameters
     ----------

@@ -21,7 +21,7 @@ from drumlin.brake.components import Beam, Section
 from drumlin.brake.elasticity import ElasticLayer, stiffer_along_and_through
 
 
-def layers_of(shoe: Shoe) -> dict[str, ElasticLayer]:
+def elastic_layers_of_shoe(shoe: Shoe) -> dict[str, ElasticLayer]:
     """The elastic layers of a shoe by subdomain, with their directions in the shoe's frame.
 
     On a drum the directions turn with the arc. The layers of a pad are straight, as are a straight
@@ -43,7 +43,7 @@ def layers_of(shoe: Shoe) -> dict[str, ElasticLayer]:
     return layers
 
 
-def ring_layers(section: Section) -> dict[str, ElasticLayer]:
+def elastic_layers_of_ring(section: Section) -> dict[str, ElasticLayer]:
     """The one layer of an elastic ring of this section, by the name of its subdomain."""
     return {"drum": ElasticLayer.of(section.material, section.width)}
 
@@ -58,17 +58,17 @@ def split_elasticity(elasticity: Any) -> Any:
     return np.concatenate([isotropic, stiffer_along_and_through(elasticity)], axis=-1)
 
 
-def stack_elasticity(layers: Mapping[str, ElasticLayer], part: Sequence[str]) -> Floats:
+def elasticity_of_layers(layers: Mapping[str, ElasticLayer], part: Sequence[str]) -> Floats:
     """Elasticity matrices times the width (l, 3, 3) [N/m] of the layers named by `part` (l,)."""
     return np.array([layers[name].stiffness for name in part])
 
 
-def through_layers(along: Any) -> Any:
+def directions_through_layers(along: Any) -> Any:
     """Unit vectors (2, ...) through layers, from unit vectors `along` (2, ...) the layers."""
     return np.stack([-along[1], along[0]])
 
 
-def stress(gradient: Floats, elasticity: Floats, along: Floats | None) -> Floats:
+def stresses_from_gradients(gradient: Floats, elasticity: Floats, along: Floats | None) -> Floats:
     """Stresses (2, 2, ...) of displacement gradients, in the unit of `elasticity`.
 
     Parameters
@@ -84,7 +84,7 @@ def stress(gradient: Floats, elasticity: Floats, along: Floats | None) -> Floats
     for i in range(2):
         stresses[i, i] += lam * (gradient[0, 0] + gradient[1, 1])
     if along is not None:
-        for stiffer, direction in ((a, along), (b, through_layers(along))):
+        for stiffer, direction in ((a, along), (b, directions_through_layers(along))):
             stretch = np.einsum("i...,ij...,j...->...", direction, strain, direction)
             stresses += stiffer * stretch * direction[:, None] * direction
     return stresses

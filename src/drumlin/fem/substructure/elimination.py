@@ -18,7 +18,7 @@ from drumlin.base.errors import NoAnswer
 from drumlin.base.lapack import dpotrf, dtrsm
 
 LEAF_HALVINGS = 5
-"""Number of halvings that the dissection leaves out: the smallest regions have 2^5 elements.
+"""Number of the last halvings that the dissection omits: the smallest regions have 2^5 elements.
 
 Smaller regions cost more calls, larger regions more multiplications with zeros. The answer is the
 same but for round-off.
@@ -34,22 +34,27 @@ SINGULAR_BODY = "singular stiffness: a part hangs on nothing, or moduli are too 
 """Message of the refusal where the stiffness of a body is not positive definite."""
 
 
-class Order(NamedTuple):
+class EliminationOrder(NamedTuple):
     """The order in which elimination removes the nodes of a mesh.
 
-    `nodes` (n,) are the nodes in this order, and `region` (n,) the number of the region of each
-    node, which does not decrease.
+    Attributes
+    ----------
+    nodes : (n,) nodes in this order
+    region : (n,) number of the region of each of these nodes, not decreasing
     """
 
     nodes: Ints
     region: Ints
 
 
-class Eliminated(NamedTuple):
-    """The result of eliminating the inner unknowns of a body.
+class CondensedSystem(NamedTuple):
+    """The system of a body on its k kept unknowns, after the inner unknowns are eliminated.
 
-    `S` (k, k) is the Schur complement on the k kept unknowns, `loads` (k, l) are the condensed
-    loads, and `work` (l, l) is the work of the loads with the kept unknowns held.
+    Attributes
+    ----------
+    S : (k, k) Schur complement on the kept unknowns
+    loads : (k, l) condensed loads
+    work : (l, l) work of the loads with the kept unknowns held
     """
 
     S: Floats
@@ -57,7 +62,7 @@ class Eliminated(NamedTuple):
     work: Floats
 
 
-def dissection(xy: Floats, elements: Ints) -> Order:
+def nested_dissection(xy: Floats, elements: Ints) -> EliminationOrder:
     """The order of elimination by a nested dissection of a mesh.
 
     The elements are halved across the long direction of their region. A node comes after all nodes
@@ -96,7 +101,7 @@ def dissection(xy: Floats, elements: Ints) -> Order:
     nodes = np.lexsort((height, end))
     other_end = np.diff(end[nodes], prepend=-1).astype(bool)
     other_height = np.diff(height[nodes], prepend=-1).astype(bool)
-    return Order(nodes, np.cumsum(other_end | other_height) - 1)
+    return EliminationOrder(nodes, np.cumsum(other_end | other_height) - 1)
 
 
 def _axis_positions(group: Ints, x: Floats) -> Floats:
@@ -123,7 +128,7 @@ def _group_means(group: Ints, values: Floats) -> Floats:
     return np.array([(np.bincount(group, row) / size)[group] for row in values])
 
 
-def eliminate(A: Any, region: Ints, loads: Floats) -> Eliminated:
+def eliminate_inner_unknowns(A: Any, region: Ints, loads: Floats) -> CondensedSystem:
     """The Schur complement of a sparse matrix on its last unknowns, and the condensed loads.
 
     Parameters
@@ -148,7 +153,7 @@ def eliminate(A: Any, region: Ints, loads: Floats) -> Eliminated:
             f[front.later] -= front.below @ y
             work += y.T @ y
     S = _kept_complement(lower, len(region), complements)
-    return Eliminated(np.tril(S) + np.tril(S, -1).T, f[len(region) :], work)
+    return CondensedSystem(np.tril(S) + np.tril(S, -1).T, f[len(region) :], work)
 
 
 def solve_by_fronts(A: Any, region: Ints, right: Floats) -> Floats:
@@ -194,9 +199,12 @@ def solve_by_fronts(A: Any, region: Ints, right: Floats) -> Floats:
 class _FrontFactor(NamedTuple):
     """The Cholesky factor of a front, the dense matrix of one region.
 
-    `own` are the unknowns that the front eliminates, `later` (m,) the unknowns of later regions
-    that they touch. `L` (k, k) is the factor of the own part, and `below` (m, k) its rows for the
-    later unknowns.
+    Attributes
+    ----------
+    own : the k unknowns that the front eliminates
+    later : (m,) unknowns of later regions that the own unknowns touch
+    L : (k, k) Cholesky factor of the block of the own unknowns
+    below : (m, k) rows of the factor for the later unknowns
     """
 
     own: slice

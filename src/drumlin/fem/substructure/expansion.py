@@ -17,7 +17,7 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.fem.substructure.body import quadrature_points
-from drumlin.fem.substructure.elasticity import stress, through_layers
+from drumlin.fem.substructure.elasticity import directions_through_layers, stresses_from_gradients
 
 Strains = Mapping[str, Floats]
 """Free strains (2,) along and through each layer that has some, by the layer's name.
@@ -32,9 +32,9 @@ def held_stress(layer: ElasticLayer, strain: Floats, points: Floats) -> Floats:
     `strain` (2,) is the free strain along and through the layer.
     """
     along = layer.directions(points)
-    through = through_layers(along)
+    through = directions_through_layers(along)
     free_strain = strain[0] * along[:, None] * along + strain[1] * through[:, None] * through
-    return stress(free_strain, layer.stiffness, along)
+    return stresses_from_gradients(free_strain, layer.stiffness, along)
 
 
 def expansion_forces(basis: Any, layers: Mapping[str, ElasticLayer], strains: Strains) -> Floats:

@@ -25,7 +25,7 @@ from drumlin.response.response import PressureOverWidth
 from drumlin.response.resultants import GAUSS, WEIGHTS, InnerPart, at_gauss, shape, slopes
 
 Directions = Callable[[Floats], tuple[Floats, Floats]]
-"""Gives a counterface's unit normals and unit tangents (2, ...) at points (2, ...) of it [m]."""
+"""A function from points (2, ...) of a counterface [m] to unit normals and tangents (2, ...)."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class ContactLine:
     xy : (2, n) points [m]
     phi : (n,) angles [rad]
     pieces : (order + 1, m) positions in `nodes` of the nodes of each edge, by growing angle
-    edge : angle at both ends [rad] within which no peak of the pressure is looked for
+    edge : length [rad] of the zone at both ends in which no peak of the pressure is looked for
     """
 
     nodes: Ints
@@ -52,9 +52,9 @@ class ContactLine:
         """Degree of the interpolation along an edge."""
         return len(self.pieces) - 1
 
-    def couple(self, width: float, directions: Directions) -> "Coupling":
+    def couple_with_counterface(self, width: float, directions: Directions) -> "Coupling":
         """The coupling of this line with a counterface; `width` [m] is the lining's."""
-        return couple(self, width, directions)
+        return couple_with_counterface(self, width, directions)
 
     @cached_property
     def inside(self) -> InnerPart:
@@ -77,10 +77,13 @@ class ContactLine:
 class Coupling:
     """The matrices of the weak coupling of a lining's pressure with its displacement.
 
-    M p is the nodal pressure p weighted with the nodes' areas. The nodal forces of p are -N^T p,
-    and mu s T^T p by friction. `M` is (n, n), `N` and `T` are (n, 2n). `lever` (n,) = b Int psi_i
-    |x| ds [m^3] gives the torque mu lever . p of a drum brake; on a plane it lacks |x| and gives
-    the braking force.
+    Attributes
+    ----------
+    M : (n, n) mass matrix of the pressure [m^2]; M p are the integrals of the pressure p
+    N : (n, 2n) normal coupling [m^2]; the nodal forces of p are -N^T p
+    T : (n, 2n) tangential coupling [m^2]; the nodal forces of the friction are mu s T^T p
+    lever : (n,) b Int psi_i |x| ds [m^3], with which the torque of a drum brake is mu lever . p. On
+        a plane it is b Int psi_i ds [m^2] and gives the braking force.
     """
 
     M: Floats
@@ -109,7 +112,7 @@ class EdgePoints(NamedTuple):
     ds: Floats
 
 
-def edge_points(xy: Floats, at: Floats = GAUSS, weights: Floats = WEIGHTS) -> EdgePoints:
+def edge_quadrature_points(xy: Floats, at: Floats = GAUSS, weights: Floats = WEIGHTS) -> EdgePoints:
     """The quadrature points on edges, with the shape functions and lengths there.
 
     The quadrature goes along the edges themselves. skfem's boundary bases invert the map of the
@@ -126,7 +129,7 @@ def edge_points(xy: Floats, at: Floats = GAUSS, weights: Floats = WEIGHTS) -> Ed
     return EdgePoints(psi, xy @ psi, np.hypot(*(xy @ slope)) * weights)
 
 
-def end_loads(basis: Any, facets: Ints) -> tuple[Floats, Floats]:
+def unit_loads_on_end(basis: Any, facets: Ints) -> tuple[Floats, Floats]:
     """Nodal forces (2 nodes, 3) of the unit loads on a loaded end, and its centre (2,) [m].
 
     The loads are unit force x, unit force y and a unit couple about the centre. The forces are
@@ -138,7 +141,7 @@ def end_loads(basis: Any, facets: Ints) -> tuple[Floats, Floats]:
     facets : facets of the loaded end
     """
     nodes = nodes_along_edges(basis, facets)
-    psi, x, ds = edge_points(basis.doflocs[:, nodes])
+    psi, x, ds = edge_quadrature_points(basis.doflocs[:, nodes])
     centre = (x * ds).sum(axis=(1, 2)) / ds.sum()
     arm = x - centre[:, None, None]
     couple_traction = np.array([-arm[1], arm[0]]) / float((arm**2 * ds).sum())
@@ -149,7 +152,7 @@ def end_loads(basis: Any, facets: Ints) -> tuple[Floats, Floats]:
     return loads.reshape(-1, 3), centre
 
 
-def contact_line(
+def make_contact_line(
     basis: Any, facets: Ints, middle: float, unit: float | None = None, edge: float = 0.0
 ) -> ContactLine:
     """The contact line on the `facets` of a scalar basis.
@@ -177,8 +180,8 @@ def contact_line(
     return ContactLine(nodes, basis.doflocs[:, nodes], phi, pieces, edge=edge)
 
 
-def radial(sign: int) -> Directions:
-    """Makes the normals sign e_r and tangents e_phi of a round drum about O."""
+def drum_directions(sign: int) -> Directions:
+    """The function of the unit normals, sign e_r, and unit tangents, e_phi, of a drum about O."""
 
     def directions(x: Floats) -> tuple[Floats, Floats]:
         """Unit normals and unit tangents (2, ...) of the drum at points x (2, ...)."""
@@ -188,20 +191,24 @@ def radial(sign: int) -> Directions:
     return directions
 
 
-def straight(x: Floats) -> tuple[Floats, Floats]:
-    """Normals and tangents at the points x (2, ...) of a plane y = 0 under the lining."""
+def plane_directions(x: Floats) -> tuple[Floats, Floats]:
+    """The unit normals and tangents (2, ...) of the plane y = 0 under a lining, at x (2, ...)."""
     ones, zeros = np.ones(x.shape[1:]), np.zeros(x.shape[1:])
     return np.array([zeros, -ones]), np.array([ones, zeros])
 
 
-def couple(line: ContactLine, width: float, directions: Directions) -> Coupling:
-    """The coupling of a lining of this `width` b [m] with a counterface of these directions.
+def couple_with_counterface(line: ContactLine, width: float, directions: Directions) -> Coupling:
+    """The weak coupling of a lining with its counterface.
 
-    The torque's lever is the distance from the drum's centre, and 1 on a plane.
+    Parameters
+    ----------
+    line : contact line of the lining
+    width : width b of the lining [m]
+    directions : normals and tangents of the counterface
     """
     n, m = len(line.nodes), line.pieces.shape[1]
-    psi, x, ds = edge_points(line.xy[:, line.pieces])
-    r = np.ones(ds.shape) if directions is straight else np.hypot(*x)
+    psi, x, ds = edge_quadrature_points(line.xy[:, line.pieces])
+    r = np.ones(ds.shape) if directions is plane_directions else np.hypot(*x)
     weight = width * ds
 
     # One row has the integrals over all edges for M, for each component of N, and for each of T.

@@ -21,9 +21,9 @@ ACTUATION = "actuation"
 
 @dataclass(frozen=True)
 class LoadColumns:
-    """The columns of a body's unit loads.
+    """The load columns of a body: which columns belong to which unit load.
 
-    `sizes` has the name of each load and the number of its columns.
+    `sizes` are the name of each load and the number of its columns, in the order of the columns.
     """
 
     sizes: tuple[tuple[str, int], ...] = ()
@@ -34,8 +34,8 @@ class LoadColumns:
         return cls(tuple((name, forces.shape[1]) for name, forces in loads.items()))
 
     @cached_property
-    def places(self) -> dict[str, slice]:
-        """The places of the columns of each load among all columns, by the name of the load."""
+    def slices(self) -> dict[str, slice]:
+        """The columns of each load as a slice of all columns, by the name of the load."""
         names = [name for name, _ in self.sizes]
         return dict(zip(names, in_turn(size for _, size in self.sizes), strict=True))
 
@@ -58,12 +58,12 @@ class LoadColumns:
         """
         factors = np.zeros(self.count)
         for name, own in acting.items():
-            factors[self.places[name]] = own
+            factors[self.slices[name]] = own
         return factors
 
-    def part(self, name: str, factors: Floats) -> Floats:
+    def factors_of(self, name: str, factors: Floats) -> Floats:
         """The factors (k, ...) of the load `name`, out of the factors (l, ...) of all columns."""
-        return factors[self.places[name]]
+        return factors[self.slices[name]]
 
 
 def stack_loads(loads: Mapping[str, Floats], unknowns: int) -> Floats:

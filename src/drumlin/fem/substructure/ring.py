@@ -32,14 +32,18 @@ from drumlin.fem.mesh.grading import (
 from drumlin.fem.substructure.body import (
     FRAME,
     CondensedBody,
-    condense,
-    constrain,
+    body_constraints,
+    condense_body,
     rigid_body_modes,
     scalar_basis,
     stiffness,
 )
-from drumlin.fem.substructure.elasticity import ring_layers
-from drumlin.fem.substructure.interface import ContactLine, contact_line, edge_points
+from drumlin.fem.substructure.elasticity import elastic_layers_of_ring
+from drumlin.fem.substructure.interface import (
+    ContactLine,
+    edge_quadrature_points,
+    make_contact_line,
+)
 from drumlin.response.resultants import GAUSS, WEIGHTS, shape, slopes
 
 RIM = "rim"
@@ -52,26 +56,27 @@ class RingSubstructure:
 
     Attributes
     ----------
-    mesh, basis : mesh and scalar basis, or a grid of columns
-    line : the contact line
-    condensed : the statically condensed ring
-    pressed, dragged : for each shoe i the half flexibilities (m, n_i) under the nodal forces N^T
-        and -T^T of its pressure. The weighted gap of shoe i opens under the pressure of shoe j by
-        pressed[i]^T (pressed[j] + drag dragged[j]) p_j.
-    coupled : N and T (n_i, 2n) of each shoe
+    mesh, basis : mesh and scalar basis; or both the grid of a ring in hp elements
+    line : contact line of the ring
+    condensed : the ring, condensed to its contact nodes
+    normal_half_flexibilities, friction_half_flexibilities : for each shoe i the half flexibility
+        (m, n_i) of the ring under the nodal forces N^T of the pressure, and -T^T of the friction.
+        Called Y_i and Z_i, they open the weighted gap of shoe i under the pressure p_j of shoe j by
+        Y_i^T (Y_j + drag Z_j) p_j.
+    coupling_matrices : N and T (n_i, 2n) of each shoe
     held : nodes of the far edge that stand still; none of a free ring
-    free : the balance of a free ring; None where the far edge is fixed
+    rim_balance : balance of forces on the rim of a free ring; None where the far edge is fixed
     """
 
     mesh: Any
     basis: Any
     line: ContactLine
     condensed: CondensedBody
-    pressed: tuple[Floats, ...]
-    dragged: tuple[Floats, ...]
-    coupled: tuple[tuple[Floats, Floats], ...]
+    normal_half_flexibilities: tuple[Floats, ...]
+    friction_half_flexibilities: tuple[Floats, ...]
+    coupling_matrices: tuple[tuple[Floats, Floats], ...]
     held: Ints
-    free: "FreeRing | None"
+    rim_balance: "RimBalance | None"
 
     def displacement(self, pressures: list[Floats], drag: float) -> Floats:
         """Displacement (2, nodes) of all nodes [m] under the pressures of the linings.
@@ -81,22 +86,21 @@ class RingSubstructure:
         pressures : (n_i,) nodal pressure of each lining [Pa]
         drag : friction coefficient mu times the sense s of sliding
         """
-        forces = sum(
-            N.T @ p - drag * (T.T @ p) for (N, T), p in zip(self.coupled, pressures, strict=True)
-        )
-        nodal = np.asarray(forces)
+        nodal = np.zeros(2 * len(self.line.nodes))
+        for (N, T), p in zip(self.coupling_matrices, pressures, strict=True):
+            nodal += N.T @ p - drag * (T.T @ p)
         frame = np.zeros(FRAME)
-        if self.free is None:
+        if self.rim_balance is None:
             return self.condensed.displacement(nodal, frame, self.condensed.columns.factors({}))
-        on_rim = self.condensed.columns.factors({RIM: -self.free.balance @ nodal})
+        on_rim = self.condensed.columns.factors({RIM: -self.rim_balance.factors @ nodal})
         u = self.condensed.displacement(nodal, frame, on_rim)
-        # A rigid-body motion is taken off, so that the mean motion of the rim is zero.
+        # A rigid-body motion is subtracted, so that the mean motion of the rim is zero.
         modes_by_node = rigid_body_modes(self.basis.doflocs, np.zeros(2)).reshape(-1, 2, FRAME)
         modes = np.ascontiguousarray(modes_by_node.transpose(2, 1, 0))
-        mean_of_modes = np.einsum("kci,cil->kl", modes, self.free.rim)
-        mean = np.einsum("ci,cil->l", u, self.free.rim)
-        amounts = np.linalg.solve(mean_of_modes.T, mean)
-        return np.asarray(u - np.einsum("k,kci->ci", amounts, modes))
+        mean_of_modes = np.einsum("kci,cil->kl", modes, self.rim_balance.forces)
+        mean = np.einsum("ci,cil->l", u, self.rim_balance.forces)
+        rigid_motion = np.linalg.solve(mean_of_modes.T, mean)
+        return np.asarray(u - np.einsum("k,kci->ci", rigid_motion, modes))
 
 
 def ring_mesh(ring: Section, radius: float, shoes: tuple[Shoe, ...], elements: int) -> Any:
@@ -115,7 +119,7 @@ def ring_mesh(ring: Section, radius: float, shoes: tuple[Shoe, ...], elements: i
     depths = points_graded_to_both_ends(
         0, ring.thickness, number_of_lining_layers(elements), ring.thickness / 2, EDGE_SIZE
     )
-    return closed_mesh(angles, depths, radius, shoes[0].sign, "drum")
+    return quadratic_ring_mesh(angles, depths, radius, shoes[0].sign, "drum")
 
 
 def _ring_angles(radius: float, shoes: tuple[Shoe, ...], elements: int) -> Floats:
@@ -146,7 +150,7 @@ def _ring_angles(radius: float, shoes: tuple[Shoe, ...], elements: int) -> Float
     return np.concatenate(filled)
 
 
-def closed_mesh(angles: Floats, depths: Floats, radius: float, sign: int, name: str) -> Any:
+def quadratic_ring_mesh(angles: Floats, depths: Floats, radius: float, sign: int, name: str) -> Any:
     """Quadratic quadrilateral mesh of a closed ring from `radius` to radius + sign depth [m].
 
     The boundary "contact" lies at depth 0, "support" at the other side.
@@ -188,7 +192,9 @@ def closed_mesh(angles: Floats, depths: Floats, radius: float, sign: int, name: 
     )
 
 
-def ring_body(brake: Brake, elements: int, linings: tuple[ContactLine, ...]) -> RingSubstructure:
+def condensed_ring_on_mesh(
+    brake: Brake, elements: int, linings: tuple[ContactLine, ...]
+) -> RingSubstructure:
     """The ring of a brake on a mesh, condensed to its nodes under the linings.
 
     Parameters
@@ -207,22 +213,22 @@ def ring_body(brake: Brake, elements: int, linings: tuple[ContactLine, ...]) -> 
     for shoe, lining in zip(brake.shoes, linings, strict=True):
         angles = shoe.frame.theta(lining.phi)
         arcs.append((float(angles.min()), float(angles.max())))
-    under = _facets_under(mesh, arcs)
-    line = contact_line(basis, under, math.pi)
+    under = _facets_under_arcs(mesh, arcs)
+    line = make_contact_line(basis, under, math.pi)
     n = 2 * len(line.nodes)
     far_edge = basis.get_dofs(mesh.boundaries["support"]).flatten()
     held = nodes_held(ring, far_edge)
     if ring.support != "free":
-        constraints = constrain(basis, line.nodes, held, np.zeros(2))
-        condensed = condense(K, constraints, {}, n)
-        free = None
+        constraints = body_constraints(basis, line.nodes, held, np.zeros(2))
+        condensed = condense_body(K, constraints, {}, n)
+        rim_balance = None
     else:
-        determinate = determinate_unknowns(basis, far_edge)
-        constraints = constrain(basis, line.nodes, held, np.zeros(2), determinate)
-        rim = rim_loads(basis, mesh.boundaries["support"])
-        condensed = condense(K, constraints, {RIM: constraints.matrix.T @ rim}, n)
-        free = FreeRing.of(basis, rim, condensed, line)
-    return coupled_ring(brake, linings, mesh, basis, line, condensed, held, free)
+        determinate = statically_determinate_unknowns(basis, far_edge)
+        constraints = body_constraints(basis, line.nodes, held, np.zeros(2), determinate)
+        rim = rim_forces_like_rigid_modes(basis, mesh.boundaries["support"])
+        condensed = condense_body(K, constraints, {RIM: constraints.matrix.T @ rim}, n)
+        rim_balance = RimBalance.of(basis, rim, condensed, line)
+    return couple_ring_with_linings(brake, linings, mesh, basis, line, condensed, held, rim_balance)
 
 
 def ring_stiffness(basis: Any, ring: Ring, *, precise: bool = False) -> Any:
@@ -238,7 +244,7 @@ def ring_stiffness(basis: Any, ring: Ring, *, precise: bool = False) -> Any:
     precise : whether to compute in long double
     """
     assert ring.section is not None
-    return stiffness(basis, ring_layers(ring.section), precise=precise)
+    return stiffness(basis, elastic_layers_of_ring(ring.section), precise=precise)
 
 
 def nodes_held(ring: Ring, far_edge: Ints) -> Ints:
@@ -246,7 +252,7 @@ def nodes_held(ring: Ring, far_edge: Ints) -> Ints:
     return far_edge if ring.support == "fixed" else far_edge[:0]
 
 
-def coupled_ring(
+def couple_ring_with_linings(
     brake: Brake,
     linings: tuple[ContactLine, ...],
     mesh: Any,
@@ -254,7 +260,7 @@ def coupled_ring(
     line: ContactLine,
     condensed: CondensedBody,
     held: Ints,
-    free: "FreeRing | None",
+    rim_balance: "RimBalance | None",
 ) -> RingSubstructure:
     """A condensed ring, coupled with the linings that press it.
 
@@ -262,46 +268,50 @@ def coupled_ring(
     ----------
     brake : the brake
     linings : contact line of each lining, in its shoe's frame
-    mesh, basis, line, condensed, held, free : as of `RingSubstructure`
+    mesh, basis, line, condensed, held, rim_balance : as of `RingSubstructure`
     """
-    coupled = []
+    matrices = []
     for shoe, lining in zip(brake.shoes, linings, strict=True):
         in_brake = replace(lining, xy=shoe.frame.to_brake(lining.xy.T).T)
-        coupled.append(couple_ring(in_brake, line, shoe.lining.width, shoe.sign))
+        matrices.append(ring_coupling_matrices(in_brake, line, shoe.lining.width, shoe.sign))
     return RingSubstructure(
         mesh,
         basis,
         line,
         condensed,
-        pressed=tuple(_half_flexibility(condensed, N.T, free) for N, _ in coupled),
-        dragged=tuple(_half_flexibility(condensed, -T.T, free) for _, T in coupled),
-        coupled=tuple(coupled),
+        normal_half_flexibilities=tuple(
+            _ring_half_flexibility(condensed, N.T, rim_balance) for N, _ in matrices
+        ),
+        friction_half_flexibilities=tuple(
+            _ring_half_flexibility(condensed, -T.T, rim_balance) for _, T in matrices
+        ),
+        coupling_matrices=tuple(matrices),
         held=held,
-        free=free,
+        rim_balance=rim_balance,
     )
 
 
-def _facets_under(mesh: Any, arcs: list[tuple[float, float]]) -> Ints:
+def _facets_under_arcs(mesh: Any, arcs: list[tuple[float, float]]) -> Ints:
     """Facets of the friction surface that lie under one of the arcs [rad], at least in part."""
     facets = mesh.boundaries["contact"]
     x, y = mesh.p[:, mesh.facets[:, facets]]
     first, second = np.arctan2(y, x)
-    half_facet = 0.5 * np.abs(_within_half_turn(second - first))
+    half_facet = 0.5 * np.abs(_wrap_to_half_turn(second - first))
     middle = np.arctan2(y.sum(axis=0), x.sum(axis=0))
     under = np.zeros(len(facets), dtype=bool)
     for start, end in arcs:
-        away = np.abs(_within_half_turn(middle - 0.5 * (start + end)))
+        away = np.abs(_wrap_to_half_turn(middle - 0.5 * (start + end)))
         half_arc = 0.5 * (end - start)
         under |= away < half_arc + half_facet * (1 - 1e-9)
     return facets[under]
 
 
-def _within_half_turn(angle: Floats) -> Floats:
+def _wrap_to_half_turn(angle: Floats) -> Floats:
     """The angles [rad] moved by whole turns to the interval from -pi to pi."""
     return np.asarray((angle + math.pi) % (2 * math.pi) - math.pi)
 
 
-def couple_ring(
+def ring_coupling_matrices(
     lining: ContactLine, ring: ContactLine, width: float, sign: int
 ) -> tuple[Floats, Floats]:
     """The coupling matrices N and T (n, 2 n_ring) of a lining's pressure with the ring.
@@ -316,7 +326,7 @@ def couple_ring(
     sign : 1 where the lining presses outwards, -1 where it presses inwards
     """
     own, other = _edge_arcs(lining), _edge_arcs(ring)
-    overlaps = _common_refinement(own, other)
+    overlaps = _edge_overlaps(own, other)
     own_nodes = own.pieces[:, overlaps.lining]
     ring_nodes = other.pieces[:, overlaps.ring]
     own_xy, ring_xy = lining.xy[:, own_nodes], ring.xy[:, ring_nodes]
@@ -324,8 +334,8 @@ def couple_ring(
     # Each overlap has quadrature points, with a local coordinate on the edge of either side.
     length = (overlaps.end - overlaps.start)[:, None]
     angle = overlaps.start[:, None] + 0.5 * length * (1 + GAUSS)
-    xi = _local_coordinates(own_xy, angle)
-    eta = _local_coordinates(ring_xy, angle)
+    xi = _edge_coordinates_on_rays(own_xy, angle)
+    eta = _edge_coordinates_on_rays(ring_xy, angle)
     psi = shape(lining.order, xi.ravel()).reshape(-1, *xi.shape)
     phi = shape(ring.order, eta.ravel()).reshape(-1, *eta.shape)
     x = np.einsum("cki,kiq->ciq", own_xy, psi)
@@ -365,7 +375,7 @@ class _Overlaps(NamedTuple):
     end: Floats
 
 
-def _common_refinement(lining: "_EdgeArcs", ring: "_EdgeArcs") -> _Overlaps:
+def _edge_overlaps(lining: "_EdgeArcs", ring: "_EdgeArcs") -> _Overlaps:
     """The overlaps of a lining's edges with the ring's edges; whole turns do not count."""
     turns = np.subtract.outer(lining.start + lining.end, ring.start + ring.end)
     whole_turns = 2 * math.pi * np.round(0.5 * turns / (2 * math.pi))
@@ -398,7 +408,7 @@ def _edge_arcs(line: ContactLine) -> _EdgeArcs:
     return _EdgeArcs(pieces, start, start + np.abs(turn))
 
 
-def _local_coordinates(xy: Floats, angle: Floats) -> Floats:
+def _edge_coordinates_on_rays(xy: Floats, angle: Floats) -> Floats:
     """Local coordinates xi (m, points) in [-1, 1] where edges cross rays from the drum's centre.
 
     `xy` (2, k, m) are the nodes of the edges, and `angle` (m, points) the angles of the rays [rad].
@@ -416,14 +426,14 @@ def _local_coordinates(xy: Floats, angle: Floats) -> Floats:
     return np.clip(xi, -1.0, 1.0)
 
 
-def rim_loads(basis: Any, facets: Ints) -> Floats:
+def rim_forces_like_rigid_modes(basis: Any, facets: Ints) -> Floats:
     """Nodal forces (2 nodes, 3) that are spread over the rim like the rigid-body modes.
 
     The work of these forces on a displacement is the mean motion of the rim. `facets` are the edges
     of the rim.
     """
     nodes = nodes_along_edges(basis, facets)
-    psi, x, ds = edge_points(basis.doflocs[:, nodes])
+    psi, x, ds = edge_quadrature_points(basis.doflocs[:, nodes])
     weight = ds / ds.sum()
     modes = np.array([[np.ones_like(ds), 0 * ds], [0 * ds, np.ones_like(ds)], [-x[1], x[0]]])
     loads = np.zeros((basis.N, 2, FRAME))
@@ -431,7 +441,7 @@ def rim_loads(basis: Any, facets: Ints) -> Floats:
     return loads.reshape(-1, FRAME)
 
 
-def determinate_unknowns(basis: Any, support: Ints) -> Ints:
+def statically_determinate_unknowns(basis: Any, support: Ints) -> Ints:
     """Three unknowns (3,) of rim nodes that hold the body against its rigid-body modes.
 
     The support is statically determinate: it takes no force under balanced loads.
@@ -443,30 +453,32 @@ def determinate_unknowns(basis: Any, support: Ints) -> Ints:
 
 
 @dataclass(frozen=True)
-class FreeRing:
-    """The balance of a free ring: forces on its rim balance the forces on its contact nodes.
+class RimBalance:
+    """The balance of a free ring: forces on its rim that balance the forces on its contact nodes.
 
-    The rim forces -B lambda meet the contact forces f, and the mean motion of the rim is zero. With
-    the rigid-body modes R,  lambda = (R^T B)^-1 R^T f. The ring is held at three determinate
-    unknowns, which then take no force. The displacements do the work
+    The rim forces -B lambda balance the contact forces f, and the mean motion of the rim is zero.
+    With the rigid-body modes R,  lambda = (R^T B)^-1 R^T f. The ring is held at three statically
+    determinate unknowns, which then carry no force. The work of the displacements is
     (Y - Y_B lambda)^T (Y - Y_B lambda) + lambda^T beta lambda, where beta is the work of B with the
     contact nodes held too.
 
     Attributes
     ----------
-    rim : (2, nodes, 3) the rim forces B
-    balance : (3, 2n) lambda per nodal force on the contact
-    half_rim : (2n, 3) Y_B, the half flexibility under B
-    root : (3, 3) square root of beta
+    forces : (2, nodes, 3) rim forces B
+    factors : (3, 2n) lambda per nodal force on the contact
+    half_flexibility : (2n, 3) Y_B, the half flexibility under B
+    root_of_work : (3, 3) square root of beta
     """
 
-    rim: Floats
-    balance: Floats
-    half_rim: Floats
-    root: Floats
+    forces: Floats
+    factors: Floats
+    half_flexibility: Floats
+    root_of_work: Floats
 
     @classmethod
-    def of(cls, basis: Any, rim: Floats, condensed: CondensedBody, line: ContactLine) -> "FreeRing":
+    def of(
+        cls, basis: Any, rim: Floats, condensed: CondensedBody, line: ContactLine
+    ) -> "RimBalance":
         """The balance of a ring that is condensed with the rim forces B as its loads.
 
         Parameters
@@ -478,29 +490,32 @@ class FreeRing:
         """
         modes = rigid_body_modes(basis.doflocs, np.zeros(2))
         on_contact = modes.reshape(-1, 2, FRAME)[line.nodes].reshape(-1, FRAME).T
-        balance = np.linalg.solve(modes.T @ rim, on_contact)
+        factors = np.linalg.solve(modes.T @ rim, on_contact)
         # Only rings load scipy.linalg.
         from scipy.linalg import sqrtm  # noqa: PLC0415
 
         return cls(
-            rim=rim.reshape(-1, 2, FRAME).transpose(1, 0, 2),
-            balance=np.asarray(balance),
-            half_rim=condensed.half_flexibility(condensed.load_on_contact),
-            root=sqrtm(condensed.load_work).real,
+            forces=rim.reshape(-1, 2, FRAME).transpose(1, 0, 2),
+            factors=np.asarray(factors),
+            half_flexibility=condensed.half_flexibility(condensed.load_on_contact),
+            root_of_work=sqrtm(condensed.load_work).real,
         )
 
 
-def _half_flexibility(condensed: CondensedBody, forces: Floats, free: FreeRing | None) -> Floats:
+def _ring_half_flexibility(
+    condensed: CondensedBody, forces: Floats, rim_balance: RimBalance | None
+) -> Floats:
     """The half flexibility W (m, k) of a ring: W^T W is the work of nodal forces (2n, k).
 
     Parameters
     ----------
     condensed : the condensed ring
     forces : (2n, k) nodal forces on its contact nodes
-    free : the balance of a free ring; None where the far edge is fixed
+    rim_balance : balance of a free ring; None where the far edge is fixed
     """
     Y = condensed.half_flexibility(forces)
-    if free is None:
+    if rim_balance is None:
         return Y
-    reaction = free.balance @ forces
-    return np.vstack([Y - free.half_rim @ reaction, free.root @ reaction])
+    rim_factors = rim_balance.factors @ forces
+    on_contact = Y - rim_balance.half_flexibility @ rim_factors
+    return np.vstack([on_contact, rim_balance.root_of_work @ rim_factors])

@@ -15,7 +15,7 @@ import numpy as np
 
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
-from drumlin.fem.error_control.levels import LEVELS, RULE
+from drumlin.fem.error_control.levels import LEVEL_RULE, LEVELS
 from drumlin.fem.error_control.singular_points import singular_points_of
 from drumlin.fem.hp.division import Level
 from drumlin.fem.model import PENALTY, solve_prepared_model
@@ -32,7 +32,7 @@ from drumlin.response.response import (
     singular_zone,
 )
 
-WIDTH_LEVEL = replace(RULE.level(0), zone=1.0, edge=1.0, back=1.0, hinge=1.0)
+WIDTH_LEVEL = replace(LEVEL_RULE.level(0), zone=1.0, edge=1.0, back=1.0, hinge=1.0)
 """Division of the section on which the error of plane stress is estimated.
 
 It is one level coarser, by the rule of the levels, than the first level of a solve. The rule would

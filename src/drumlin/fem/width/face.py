@@ -11,7 +11,12 @@ from functools import cached_property
 import numpy as np
 
 from drumlin.base.arrays import Floats
-from drumlin.fem.substructure.interface import ContactLine, Coupling, Directions, couple
+from drumlin.fem.substructure.interface import (
+    ContactLine,
+    Coupling,
+    Directions,
+    couple_with_counterface,
+)
 from drumlin.fem.width.functions import WidthFunctions, nodes_to_functions, width_integrals
 from drumlin.response.response import PressureOverWidth
 
@@ -58,9 +63,9 @@ class WidthFace(ContactLine):
         """The widths Int zeta_k dz (m,) [m] of the nodes; their sum is the whole width."""
         return self.across.sum(axis=1)
 
-    def couple(self, width: float, directions: Directions) -> Coupling:
+    def couple_with_counterface(self, width: float, directions: Directions) -> Coupling:
         """The coupling with a counterface; its width is that of the face, not `width`."""
-        line, m = couple(self.line, 1.0, directions), self.across
+        line, m = couple_with_counterface(self.line, 1.0, directions), self.across
         n, count = len(self.line.nodes), len(self.z)
 
         def spread(vectors: Floats) -> Floats:

@@ -24,7 +24,7 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.fem.hp.arc import nodal_functions
-from drumlin.fem.hp.element import gradients, reference_element
+from drumlin.fem.hp.element import reference_element, shape_function_gradients
 
 SYMMETRIES = (0, 1)
 """Numbers of the symmetric and of the antisymmetric displacements of a column."""
@@ -241,7 +241,7 @@ def cell_integrals(xy: Floats, lame: LameConstants, p: int) -> SectionIntegrals:
     p : degree
     """
     (lam, mu), reference, n = lame, reference_element(p), p + 1
-    G, areas = gradients(xy, p)  # (c, 2, a, q), (c, q)
+    G, areas = shape_function_gradients(xy, p)  # (c, 2, a, q), (c, q)
     count = len(xy)
     order = np.argsort(reference.order)
     root = np.sqrt(areas)[:, None]

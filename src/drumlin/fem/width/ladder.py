@@ -22,9 +22,9 @@ from typing import NamedTuple
 
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
-from drumlin.fem.error_control.adapt import Tolerance, adapt
+from drumlin.fem.error_control.adapt import Tolerance, solve_to_tolerance
 from drumlin.fem.error_control.estimate import QUANTITIES, Errors
-from drumlin.fem.error_control.levels import LEVELS, Respond, Step, steps
+from drumlin.fem.error_control.levels import LEVELS, ResponseFunction, SolvedLevel, solved_levels
 from drumlin.fem.error_control.singular_points import singular_points_of
 from drumlin.fem.hp.division import Level
 from drumlin.fem.model import PENALTY, solve_prepared_model
@@ -144,21 +144,23 @@ def solve_with_widths(
 
 
 def _sections(
-    brake: Brake, tolerance: Tolerance, answer: Respond, cache: Cache | None
+    brake: Brake, tolerance: Tolerance, answer: ResponseFunction, cache: Cache | None
 ) -> list[_Section]:
     """The levels of the section by plane stress, from the coarsest on, each with its error.
 
     Parameters as of `solve_with_widths`.
     """
-    climbed: list[Step] = []
+    climbed: list[SolvedLevel] = []
 
-    def recorded() -> Iterator[Step]:
+    def recorded() -> Iterator[SolvedLevel]:
         """The levels of a solve, each of which is kept."""
-        for step in steps(brake, answer, cache):
+        for step in solved_levels(brake, answer, cache):
             climbed.append(step)
             yield step
 
-    last = adapt(brake, tolerance, answer, must=False, cache=cache, along=recorded()).response
+    last = solve_to_tolerance(
+        brake, tolerance, answer, must=False, cache=cache, levels=recorded()
+    ).response
     stated = SolidErrors(
         (last.error or {})["torque"], tuple(dict(s.error or {}) for s in last.shoes)
     )

@@ -20,7 +20,7 @@ from drumlin.fem.preparation.columns import MOST_CONTACT_NODES, PointsByShape
 from drumlin.fem.preparation.scene import PreparedModel, Seconds, add_elapsed_time
 from drumlin.fem.preparation.scene import reason_why_not_modelled as plane_why_not
 from drumlin.fem.substructure.body import FRAME, CondensedBody, InnerSystem, InnerUnknowns
-from drumlin.fem.substructure.elimination import SINGULAR_BODY, Eliminated
+from drumlin.fem.substructure.elimination import SINGULAR_BODY, CondensedSystem
 from drumlin.fem.width.face import WidthFace
 from drumlin.fem.width.functions import WidthFunctions, functions_of
 from drumlin.fem.width.shoe import condense_width, width_layers
@@ -57,7 +57,7 @@ class NotRecovered:
         """The whole system of the body."""
         raise NotImplementedError(INTERIOR)
 
-    def eliminate_loads(self) -> Eliminated:
+    def eliminate_loads(self) -> CondensedSystem:
         """The unit loads condensed to contact and frame."""
         raise NotImplementedError(INTERIOR)
 
@@ -244,6 +244,6 @@ def unknowns_of(shoe: Shoe, division: ShoeDivision, functions: WidthFunctions) -
     layers = width_layers(shoe, division, functions)
     for k, half in enumerate(layers.halves):
         even, odd = functions.counts(half)
-        nodes = division.contact_nodes + (beyond * p if k >= division.first else 0)
+        nodes = division.contact_nodes + (beyond * p if k >= division.first_body_layer else 0)
         count += (2 * even + odd) * nodes * (p + (k == 0))
     return count

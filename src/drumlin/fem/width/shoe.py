@@ -10,28 +10,28 @@ from drumlin.brake.brake import Shoe
 from drumlin.brake.fields import Material
 from drumlin.fem.hp.columns import (
     ColumnSubstructure,
-    assemble_row,
-    eliminate_line,
-    rotate_components,
-    rotate_row_components,
+    assemble_column_row,
+    eliminate_side_line,
+    rotate_matrix_components,
+    rotate_vector_components,
 )
 from drumlin.fem.hp.division import ShoeDivision
 from drumlin.fem.hp.element import schur_complement
 from drumlin.fem.hp.shoe import (
     CondensedShoe,
     EndLoads,
-    angles_back_to_frame,
-    axis_angle,
-    back_held_shoe,
     column_kinds,
+    condense_back_held_shoe,
     correct_rigid_modes,
     element_nodes,
     loaded_body_stiffness,
-    nodes_between,
+    measuring_axis_angles,
+    node_positions_of_row,
     point_map,
-    rotate_all,
+    rotate_all_nodes,
+    rotations_to_shoe_frame,
     stiffness_with_frame,
-    unit_actuations,
+    unit_actuation_loads,
 )
 from drumlin.fem.preparation.meshes import materials_of_parts
 from drumlin.fem.substructure.body import FRAME, rigid_body_modes
@@ -86,10 +86,10 @@ class WidthLayers(NamedTuple):
 
     def body_line(self, div: ShoeDivision) -> "BodyLine":
         """The line of the layers that continue beyond the lining."""
-        stack = self.stack(div.degree, div.first, contact=False, back=BackEdge.FREE)
+        stack = self.stack(div.degree, div.first_body_layer, contact=False, back=BackEdge.FREE)
         line = stack.line(half_row(div.degree, 0).left)
         z, component, row, function = np.array(line, dtype=int).reshape(-1, 4).T
-        return BodyLine(z, component, row, function, self.halves[div.first])
+        return BodyLine(z, component, row, function, self.halves[div.first_body_layer])
 
 
 class BodyLine(NamedTuple):
@@ -206,10 +206,10 @@ def _width_columns(
     under, before = len(div.angles) - 1, len(div.before) - 1
     ends = shoe.grip(radius)
     a, b = (0, 0) if ends is None else (int(np.abs(div.angles - x).argmin()) for x in ends)
-    back = BackEdge.BONDED if div.first == div.layers else BackEdge.FREE
+    back = BackEdge.BONDED if div.first_body_layer == div.layers else BackEdge.FREE
     free = columns_of(np.concatenate([which[:a], which[b:under]]), 0, contact=True, back=back)
     gripped = columns_of(which[a:b], 0, contact=True, back=BackEdge.GRIPPED)
-    rest = columns_of(which[under:], div.first, contact=False, back=BackEdge.FREE)
+    rest = columns_of(which[under:], div.first_body_layer, contact=False, back=BackEdge.FREE)
     row = [*free[:a], *gripped, *free[a:]]
     # The columns beside a grip share a line with gripped ones.
     stack = layers.stack(p, 0, contact=True, back=BackEdge.FREE)
@@ -225,7 +225,7 @@ def condense_width(
     radius: float,
     div: ShoeDivision,
     functions: WidthFunctions,
-    end_loads: EndLoads = unit_actuations,
+    end_loads: EndLoads = unit_actuation_loads,
 ) -> CondensedShoe:
     """The shoe condensed to its frame and to the nodes of its face.
 
@@ -248,25 +248,25 @@ def condense_width(
     layers = width_layers(shoe, div, functions)
     row = _width_columns(shoe, radius, div, layers)
     count = layers.functions.counts(layers.halves[0])[0]
-    phi = nodes_between(div.angles, div.degree)
+    phi = node_positions_of_row(div.angles, div.degree)
     xy = np.repeat(point_map(shoe, radius)(np.zeros(1), phi), count, axis=1)
     R = rigid_body_modes(xy, shoe.own_pin)
-    if div.first < div.layers and not any(row.grip):
+    if div.first_body_layer < div.layers and not any(row.grip):
         return _hinged_width(shoe, radius, div, layers, row, end_loads, R)
     ends: list[Floats | None] = [None, None]
     if any(row.grip):
         before, after = row.before, row.after
         ends = [
-            eliminate_line(assemble_row(before, 0)).K if before else None,
-            eliminate_line(assemble_row(after, 0), right=True).K if after else None,
+            eliminate_side_line(assemble_column_row(before, 0)).K if before else None,
+            eliminate_side_line(assemble_column_row(after, 0), right=True).K if after else None,
         ]
     columns = row.under.copy()
     first, last = (0 if end is None else len(end) for end in ends)
-    columns[0] = eliminate_line(columns[0], ends[0], first)
-    columns[-1] = eliminate_line(columns[-1], ends[1], last, right=True)
-    S = assemble_row(columns, 2 * count).K
+    columns[0] = eliminate_side_line(columns[0], ends[0], first)
+    columns[-1] = eliminate_side_line(columns[-1], ends[1], last, right=True)
+    S = assemble_column_row(columns, 2 * count).K
     face = _FaceAxes.of(shoe, div, layers)
-    return back_held_shoe(shoe, face.stiffness(S), R)
+    return condense_back_held_shoe(shoe, face.stiffness(S), R)
 
 
 class _FaceAxes(NamedTuple):
@@ -285,12 +285,12 @@ class _FaceAxes(NamedTuple):
     def of(cls, shoe: Shoe, div: ShoeDivision, layers: WidthLayers) -> "_FaceAxes":
         """The axes of the face of a divided shoe."""
         inverse = nodes_to_functions(layers.functions, layers.halves[0])
-        angles = np.repeat(angles_back_to_frame(shoe, div), len(inverse))
+        angles = np.repeat(rotations_to_shoe_frame(shoe, div), len(inverse))
         return cls(angles, inverse)
 
     def rows(self, V: Floats) -> Floats:
         """Forces (m, 2 n functions) on nodes in the frame, from those on functions."""
-        turned = rotate_row_components(V, self.angles)
+        turned = rotate_vector_components(V, self.angles)
         count = len(self.inverse)
         if count == 1:
             return turned
@@ -300,7 +300,7 @@ class _FaceAxes(NamedTuple):
     def stiffness(self, S: Floats) -> Floats:
         """The stiffness (2 n nodes, 2 n nodes) in the frame, from that on functions."""
         if len(self.inverse) == 1:
-            return rotate_components(S, self.angles)
+            return rotate_matrix_components(S, self.angles)
         return self.rows(np.ascontiguousarray(self.rows(S).T))
 
 
@@ -323,30 +323,32 @@ def _hinged_width(
     R : (2n, 3) rigid-body modes of the face's nodes
     """
     p, place, pin = div.degree, point_map(shoe, radius), shoe.own_pin
-    depths = nodes_between(div.depths[div.first :], p)
+    depths = node_positions_of_row(div.depths[div.first_body_layer :], p)
     near, far = div.before[-1], div.after[-1]
     line = layers.body_line(div)
     even = width_integrals(layers.functions, line.half).even
     only_first, evenly = np.zeros(len(even)), even[0] / even[0, 0]
     only_first[0] = 1.0
-    modes = rotate_all(rigid_body_modes(place(depths, near), pin), axis_angle(shoe, near))
+    modes = rotate_all_nodes(
+        rigid_body_modes(place(depths, near), pin), measuring_axis_angles(shoe, near)
+    )
     end = end_loads(place(depths, far), depths, p)
-    end_forces = line.spread(rotate_all(end.forces, axis_angle(shoe, far)), evenly)
+    end_forces = line.spread(rotate_all_nodes(end.forces, measuring_axis_angles(shoe, far)), evenly)
 
     # The assembled columns have the unknowns [frame | face | loads].
     columns = row.under.copy()
     tied, modes = np.flatnonzero(line.z == 0), line.spread(modes, only_first)[line.z == 0]
     if row.before:
         held = _on_frame(row.before[0], tied, modes)
-        body = assemble_row([held, *row.before[1:]], 0)
-        columns[0] = eliminate_line(columns[0], body.K, len(line.z))
+        body = assemble_column_row([held, *row.before[1:]], 0)
+        columns[0] = eliminate_side_line(columns[0], body.K, len(line.z))
     else:
         own = columns[0].left - len(line.z)
         columns[0] = _on_frame(columns[0], own + tied, modes)._replace(left=0)
     loaded = loaded_body_stiffness(row.after, end_forces)
-    columns[-1] = eliminate_line(columns[-1], loaded, len(end_forces), right=True)
+    columns[-1] = eliminate_side_line(columns[-1], loaded, len(end_forces), right=True)
     count = layers.functions.counts(layers.halves[0])[0]
-    A = assemble_row(columns, 2 * count).K
+    A = assemble_column_row(columns, 2 * count).K
     extra = end.columns.count
     frame, contact, loads = slice(FRAME), slice(FRAME, -extra), slice(-extra, None)
     face = _FaceAxes.of(shoe, div, layers)
@@ -358,7 +360,7 @@ def _hinged_width(
     imbalance = end.resultants(pin) - on_frame - R.T @ load
     load = load + R @ np.linalg.solve(R.T @ R, imbalance)
     corrected = correct_rigid_modes(S, R, face.rows(A[frame, contact]).T)
-    actuation = end.columns.places[ACTUATION]
+    actuation = end.columns.slices[ACTUATION]
     return CondensedShoe(
         S=stiffness_with_frame(corrected.S, R),
         loads=np.concatenate([on_frame, load]),
