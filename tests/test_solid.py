@@ -450,9 +450,10 @@ def test_a_sweep_of_solid_shoes_makes_each_body_once(root, flexible, monkeypatch
         ({"elements": 500}, "model.solid: elements = 500"),
         ({"across": 0}, "model.solid: across = 0"),
         (
-            {"tolerance": 1e-3},
-            "model.solid: unknown key 'tolerance'; allowed: penalty, elements, across",
+            {"kind": "tri2"},
+            "model.solid: unknown key 'kind'; allowed: penalty, elements, across, tolerance",
         ),
+        ({"tolerance": 1e-3, "across": 2}, "model.solid: tolerance chooses the division"),
     ],
 )
 def test_options_that_a_sweep_of_solids_has_not(root, options, said):
