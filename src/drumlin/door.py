@@ -309,7 +309,7 @@ def wear(
     -------
     WearRun
         `states` from the unworn one on, each with distance [m], depth [m], pressure [Pa] and torque
-        [N m]; `target`, what wear tends to; `lines()` and `states_as_plain_data()`
+        [N m]; `target`, what wear tends to; `lines()` and `as_dict()`
 
     Raises
     ------

@@ -3,8 +3,8 @@
 The estimate is the distance of two answers on one coarse division of the section, graded to the
 contact that plane stress has found: that of degree 2 across the width, and that of plane stress.
 What the coarse division lacks is in both answers and cancels. Where it does not show the contact,
-the first level of a solve takes its place. Degree 1 does not tell the error,
-since u_x and u_y then vary in no part of one width.
+the first level of a solve takes its place. Degree 1 does not tell the error, since u_x and u_y then
+vary in no part of one width.
 """
 
 import math
@@ -40,8 +40,6 @@ let sizes at corners exceed the thickness of the parts; they are the thickness.
 """
 WIDTH_DEGREE = 2
 """Degree across the width of the answer from which the error of plane stress is estimated."""
-
-
 COARSE_ENOUGH = 0.1
 """Error of p (L2, relative) of plane stress on the coarse section, above which the first level of a
 solve takes the place of the coarse section.

@@ -25,7 +25,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial import legendre
 
-from drumlin.base.arrays import Floats, Ints
+from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Shoe
 from drumlin.fem.preparation.meshes import materials_of_parts
 from drumlin.response.resultants import GAUSS, WEIGHTS, lobatto
@@ -228,12 +228,7 @@ def breaks_of(shoe: Shoe, *, beside: bool = True) -> tuple[float, ...]:
     return tuple(breaks)
 
 
-def functions_of(shoe: Shoe, degree: int, *, beside: bool = True) -> WidthFunctions:
-    """The functions of a `degree` across the width of a shoe; `beside` as of `breaks_of`."""
-    breaks = breaks_of(shoe, beside=beside)
+def functions_of(shoe: Shoe, degree: int) -> WidthFunctions:
+    """The functions of a `degree` across the width of a shoe."""
+    breaks = breaks_of(shoe)
     return WidthFunctions((0.0, breaks[-1]) if degree == 0 else breaks, degree)
-
-
-def pieces_of_functions(functions: tuple[WidthFunction, ...]) -> Ints:
-    """The number of the first piece of each function (n,)."""
-    return np.array([function.piece for function in functions], dtype=int)
