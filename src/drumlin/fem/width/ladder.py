@@ -15,7 +15,7 @@ for higher degrees beside the web: on three of seven such brakes the stated erro
 the true one.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
@@ -24,12 +24,17 @@ from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.fem.error_control.adapt import Tolerance, solve_to_tolerance
 from drumlin.fem.error_control.estimate import QUANTITIES, Errors
-from drumlin.fem.error_control.levels import LEVELS, ResponseFunction, SolvedLevel, solved_levels
+from drumlin.fem.error_control.levels import LEVELS, SolvedLevel, solved_levels
 from drumlin.fem.error_control.singular_points import singular_points_of
 from drumlin.fem.hp.division import Level
 from drumlin.fem.model import PENALTY, solve_prepared_model
 from drumlin.fem.preparation.cache import Cache
-from drumlin.fem.width.error import WIDTH_DEGREE, coarse_section, shoe_distance
+from drumlin.fem.width.error import (
+    WIDTH_DEGREE,
+    CoarseSection,
+    coarse_section,
+    shoe_distance,
+)
 from drumlin.fem.width.prepare import LARGEST_WIDTH_DEGREE, prepare_width
 from drumlin.response.response import Response
 
@@ -117,9 +122,20 @@ def solve_with_widths(
     """
     half = Tolerance(0.5 * tolerance.pressure, 0.5 * tolerance.torque)
     answer, cache = partial(solve_prepared_model, penalty=penalty), cache or Cache()
-    sections = _sections(brake, half, answer, cache)
-    plane = sections[-1].response
-    width = chosen_degree(brake, plane, half, penalty=penalty, cache=cache)
+    climbed: list[SolvedLevel] = []
+
+    def recorded() -> Iterator[SolvedLevel]:
+        """The levels of a solve by plane stress, each of which is kept."""
+        for step in solved_levels(brake, answer, cache):
+            climbed.append(step)
+            yield step
+
+    plane = solve_to_tolerance(
+        brake, half, answer, must=False, cache=cache, levels=recorded()
+    ).response
+    coarse = coarse_section(brake, plane, penalty=penalty, cache=cache)
+    sections = _sections(brake, coarse, climbed, plane)
+    width = chosen_degree(brake, plane, coarse, half, penalty=penalty, cache=cache)
     if must and not (width.error.meets(half) and sections[-1].error.meets(half)):
         raise NoAnswer(_reached_text(tolerance, sections[-1].error.plus(width.error), width.degree))
     section = next((each for each in sections if each.error.meets(half)), sections[-1])
@@ -144,27 +160,20 @@ def solve_with_widths(
 
 
 def _sections(
-    brake: Brake, tolerance: Tolerance, answer: ResponseFunction, cache: Cache | None
+    brake: Brake, coarse: CoarseSection, climbed: Sequence[SolvedLevel], last: Response
 ) -> list[_Section]:
     """The levels of the section by plane stress, from the coarsest on, each with its error.
 
-    Parameters as of `solve_with_widths`.
+    Parameters
+    ----------
+    brake : the brake
+    coarse : its coarse section
+    climbed : the levels of its solve by plane stress
+    last : the answer of this solve, with its stated errors
     """
-    climbed: list[SolvedLevel] = []
-
-    def recorded() -> Iterator[SolvedLevel]:
-        """The levels of a solve, each of which is kept."""
-        for step in solved_levels(brake, answer, cache):
-            climbed.append(step)
-            yield step
-
-    last = solve_to_tolerance(
-        brake, tolerance, answer, must=False, cache=cache, levels=recorded()
-    ).response
     stated = SolidErrors(
         (last.error or {})["torque"], tuple(dict(s.error or {}) for s in last.shoes)
     )
-    coarse = coarse_section(brake, last, cache=cache)
     degrees = {level.degree: level for level in LEVELS}
     error = _errors_from(brake, coarse.plane, last).plus(stated)
     found = [_Section(coarse.level, coarse.plane, error)]
@@ -188,6 +197,7 @@ def _reached_text(tolerance: Tolerance, error: SolidErrors, degree: int) -> str:
 def chosen_degree(
     brake: Brake,
     plane: Response,
+    section: CoarseSection,
     tolerance: Tolerance,
     *,
     penalty: float = PENALTY,
@@ -198,12 +208,12 @@ def chosen_degree(
     Parameters
     ----------
     brake : the brake
-    plane : its answer by plane stress, whose contact grades the coarse section
+    plane : its answer by plane stress
+    section : its coarse section
     tolerance : relative errors that the degree may leave
     penalty : factor alpha of the contact stiffness alpha E/t
     cache : substructures of earlier solves
     """
-    section = coarse_section(brake, plane, penalty=penalty, cache=cache)
     answers: dict[int, Response] = {}
 
     def coarse(degree: int) -> Response:
