@@ -23,7 +23,7 @@ from drumlin.fem.model import (
     PENALTY,
 )
 from drumlin.fem.preparation.finite_width import LARGEST_CHECKED_NU
-from drumlin.fem.solid.model import SOFTEST
+from drumlin.fem.width.prepare import LARGEST_WIDTH_NU
 from drumlin.lining_wear.run_in import COEFFICIENT, WEAR_SETTLED, WORN_OUT
 from drumlin.response.response import EDGE_ZONE
 from drumlin.studies import REPOSITORY
@@ -54,7 +54,7 @@ def quoted_values() -> dict[str, str]:
         "largest_loss": _power_of_ten_text(LARGEST_UNREFINED_ROUND_OFF),
         "most_loss": _power_of_ten_text(LARGEST_REFINED_ROUND_OFF),
         "width_poisson": f"{LARGEST_CHECKED_NU:g}",
-        "solid_poisson": f"{SOFTEST:g}",
+        "solid_poisson": f"{LARGEST_WIDTH_NU:g}",
         "wear_coefficient": f"{1e9 * COEFFICIENT:g} mm³/(N m)",
         "wear_settled": f"{100 * WEAR_SETTLED:g} %",
         "worn_out": f"{100 * WORN_OUT:g} %",

@@ -116,6 +116,27 @@ def _forces_by_symmetry(V: Floats, p: int) -> Floats:
     return np.asarray(fold.reshape(2, *(1,) * (V.ndim - 2), *fold.shape[1:]) @ V)
 
 
+def circle_at_gauss_points(angles: Floats, p: int, *, flat: bool) -> tuple[Floats, Floats]:
+    """Points (2, c, q) of the unit circle at the Gauss points of columns; their derivatives by xi.
+
+    Both are interpolated between the nodes of the columns. On a plane the line x = 1 takes the
+    place of the circle.
+
+    Parameters
+    ----------
+    angles : (c, p + 1) nodes of the columns about their middle [rad]; lengths on a plane
+    p : degree
+    flat : whether the columns are on a plane
+    """
+    functions = nodal_functions(p)
+    if flat:
+        slope = angles @ functions.slopes
+        one, zero = np.ones_like(slope), np.zeros_like(slope)
+        return np.array([one, zero]), np.array([zero, slope])
+    circle = np.array([np.cos(angles), np.sin(angles)])
+    return circle @ functions.values, circle @ functions.slopes
+
+
 def angular_integrals(
     angles: Floats, p: int, *, flat: bool = False, directed: bool = False
 ) -> Floats:
@@ -130,12 +151,8 @@ def angular_integrals(
     flat : whether the columns are on a plane
     directed : whether A''_kl and A'''_kl follow, (2, c, (p + 1)^2, 16), for layers with directions
     """
-    functions, (count, n) = nodal_functions(p), angles.shape
-    circle = np.array([np.cos(angles), np.sin(angles)])
-    at, by = circle @ functions.values, circle @ functions.slopes  # (2, c, q)
-    if flat:
-        at, by = np.zeros_like(at), np.array([np.zeros_like(by[0]), angles @ functions.slopes])
-        at[0] = 1.0
+    count, n = angles.shape
+    at, by = circle_at_gauss_points(angles, p, flat=flat)
     strain = _weighted_strains(angles, at, by, p, flat=flat)  # (2 c, k a, 3, q)
     trace = strain[:, :, 0] + strain[:, :, 1]
     whole = np.sqrt(2) * strain.reshape(2 * count, 2 * n, -1)

@@ -18,7 +18,13 @@ from drumlin.fem.hp.shoe import (
     point_map,
     unit_actuation_loads,
 )
-from drumlin.fem.substructure.body import FRAME, CondensedBody, InnerSystem, body_constraints
+from drumlin.fem.substructure.body import (
+    FRAME,
+    CondensedBody,
+    InnerSystem,
+    InnerUnknowns,
+    body_constraints,
+)
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 from drumlin.fem.substructure.elimination import SINGULAR_BODY
 from drumlin.fem.substructure.interface import ContactLine
@@ -103,20 +109,36 @@ def condensed_shoe_body(
     NoAnswer
         for a singular stiffness
     """
+    system = partial(_uncondensed_shoe_system, shoe, div, grid, end_loads)
+    return factorised_shoe(found, GridUnknowns.of(grid, elastic_layers_of_shoe(shoe), system))
+
+
+def factorised_shoe(found: CondensedShoe, inner: InnerUnknowns) -> CondensedBody:
+    """The condensed body of a condensed shoe, with its contact stiffness factorised.
+
+    Parameters
+    ----------
+    found : the condensed shoe
+    inner : the unknowns that condensation has eliminated
+
+    Raises
+    ------
+    NoAnswer
+        for a singular stiffness
+    """
     S, loads = found.S, found.loads
     L, info = dpotrf(S[FRAME:, FRAME:], lower=1)
     if info:
         raise NoAnswer(SINGULAR_BODY)
     # Forces that round-off leaves on the rigid-body modes move the contact nodes.
     half_error = solve_lower(L, found.rigid_mode_forces)
-    system = partial(_uncondensed_shoe_system, shoe, div, grid, end_loads)
     return CondensedBody(
         L,
         L_fc=solve_lower(L, S[FRAME:, :FRAME]).T,
         load_on_contact=loads[FRAME:],
         load_on_frame=loads[:FRAME],
         load_work=found.work,
-        inner=GridUnknowns.of(grid, elastic_layers_of_shoe(shoe), system),
+        inner=inner,
         columns=found.columns,
         force_imbalance=found.force_imbalance,
         rigid_mode_error=dtrtrs(L, half_error, lower=1, trans=1)[0],

@@ -430,16 +430,48 @@ def _condense_hinged_shoe(
     loaded = loaded_body_stiffness(row.after, end_forces)
     columns[-1] = eliminate_side_line(columns[-1], loaded, len(end_forces), right=True)
     A = assemble_column_row(columns, 2).K
+
+    def forces_in_frame(V: Floats) -> Floats:
+        """Forces (m, 2n) on the contact nodes in the shoe's frame."""
+        return rotate_vector_components(V, back)
+
+    def stiffness_in_frame(S: Floats) -> Floats:
+        """Stiffness (2n, 2n) of the contact nodes in the shoe's frame."""
+        return rotate_matrix_components(S, back)
+
+    return condensed_shoe_in_balance(A, end, R, pin, forces_in_frame, stiffness_in_frame)
+
+
+def condensed_shoe_in_balance(
+    A: Floats,
+    end: LoadedEnd,
+    R: Floats,
+    pin: Floats,
+    forces_in_frame: Callable[[Floats], Floats],
+    stiffness_in_frame: Callable[[Floats], Floats],
+) -> CondensedShoe:
+    """The condensed shoe of assembled columns, whose loads are put in balance again.
+
+    Parameters
+    ----------
+    A : stiffness of the assembled columns, on [frame | contact | unit loads]
+    end : the unit loads
+    R : (2n, 3) rigid-body modes of the contact nodes
+    pin : (2,) point that the frame turns about [m]
+    forces_in_frame : from forces (m, .) on the contact's unknowns of the columns to forces (m, 2n)
+        on the contact nodes, in the shoe's frame
+    stiffness_in_frame : the same for the stiffness of the contact
+    """
     extra = end.columns.count
     frame, contact, loads = slice(FRAME), slice(FRAME, -extra), slice(-extra, None)
-    S = rotate_matrix_components(A[contact, contact], back)
-    load = -rotate_vector_components(A[loads, contact], back).T
+    S = stiffness_in_frame(A[contact, contact])
+    load = -forces_in_frame(A[loads, contact]).T
     on_frame = -A[frame, loads]
 
     # Round-off has put the condensed loads out of balance: the contact nodes take the difference.
     imbalance = end.resultants(pin) - on_frame - R.T @ load
     load += R @ np.linalg.solve(R.T @ R, imbalance)
-    corrected = correct_rigid_modes(S, R, rotate_vector_components(A[frame, contact], back).T)
+    corrected = correct_rigid_modes(S, R, forces_in_frame(A[frame, contact]).T)
     actuation = end.columns.slices[ACTUATION]
     return CondensedShoe(
         S=stiffness_with_frame(corrected.S, R),

@@ -13,6 +13,7 @@ from drumlin.fem.preparation.meshes import ELEMENTS, Mesher, make_mesh_bodies
 from drumlin.fem.preparation.scene import (
     PreparedModel,
     Seconds,
+    lines_on_equal_shapes,
     lines_on_rigid_parts,
     reason_why_not_modelled,
 )
@@ -78,10 +79,8 @@ def prepare(
 
 def _lines_on_neglected_quantities(brake: Brake, shapes: int) -> list[str]:
     """Lines that name quantities that are not computed; `shapes` is the number of shoes' shapes."""
-    count = len(brake.shoes)
     lines = ["interior fields: recovered only for a picture"]
-    if shapes < count:
-        lines.append(f"{count - shapes} of {count} shoes: same shape as another, condensed once")
+    lines += lines_on_equal_shapes(brake, shapes)
     if brake.friction == 0:
         lines.append("friction: mu = 0, symmetric, without the flexibility under drag")
     return lines

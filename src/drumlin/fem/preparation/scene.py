@@ -99,6 +99,17 @@ def reason_why_not_modelled(brake: Brake) -> str | None:
     return None
 
 
+def lines_on_equal_shapes(brake: Brake, shapes: int) -> list[str]:
+    """A line on the shoes that share the body of another one; none where all shapes differ.
+
+    shapes: number of different shapes of shoe
+    """
+    count = len(brake.shoes)
+    if shapes == count:
+        return []
+    return [f"{count - shapes} of {count} shoes: same shape as another, condensed once"]
+
+
 def lines_on_rigid_parts(brake: Brake) -> list[str]:
     """A line for each elastic part that the brake's file does not have, and that is rigid here."""
     lines = []

@@ -6,8 +6,6 @@ from pathlib import Path
 
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.fields import Material
-from drumlin.brake.orthotropic import isotropic_only
 from drumlin.fem.error_control.adapt import Tolerance, check_tolerance
 from drumlin.fem.model import PENALTY, check_penalty, solve_prepared_model
 from drumlin.fem.preparation.bodies import ShoeSubstructure
@@ -17,12 +15,17 @@ from drumlin.fem.preparation.cache import (
     shape_key_of_shoe,
     shoe_without_loads,
 )
-from drumlin.fem.preparation.scene import PreparedModel, Seconds, lines_on_rigid_parts
-from drumlin.fem.preparation.scene import reason_why_not_modelled as plane_why_not
+from drumlin.fem.preparation.scene import (
+    PreparedModel,
+    Seconds,
+    lines_on_equal_shapes,
+    lines_on_rigid_parts,
+)
 from drumlin.fem.solid import MOST_ACROSS, MOST_ELEMENTS
 from drumlin.fem.solid.body import solid_body
 from drumlin.fem.width.functions import half_widths_of
 from drumlin.fem.width.ladder import solve_with_widths
+from drumlin.fem.width.prepare import OTHER_HALF, reason_against_widths
 from drumlin.response.merit import with_merits
 from drumlin.response.response import Response
 
@@ -30,35 +33,12 @@ SOLID_LINING_ELEMENTS = 48
 """Default number of elements along a lining. The work grows with its fourth power."""
 STIFFNESS = 2500
 """Memory of a row of the stiffness of a solid [bytes], approximately."""
-SOFTEST = 0.499
-"""Largest Poisson's ratio at which displacements alone describe a solid."""
 
 
 def why_not(brake: Brake) -> str | None:
     """Why the solid model does not apply to a brake; None where it applies."""
-    if brake.unmeshable() is not None:
-        return brake.unmeshable()
-    if brake.ring is not None:
-        return "its drum is an elastic ring; solid shoes are pressed on a rigid drum"
-    for shoe in brake.shoes:
-        reason = _shoe_why_not(shoe)
-        if reason is not None:
-            return f"shoe {shoe.name!r}: {reason}"
-    return isotropic_only(brake, "the solid model") or plane_why_not(brake)
-
-
-def _shoe_why_not(shoe: Shoe) -> str | None:
-    """Why the solid model does not apply to a shoe; None where it applies."""
-    if shoe.mesh is not None:
-        return "a mesh of its own is a section without widths"
-    if shoe.body is not None and shoe.body.bending_stiffness is not None:
-        return "its bending_stiffness is not that of a section of its thickness and width"
-    for name, part in (("lining", shoe.lining), ("backing", shoe.backing), ("body", shoe.body)):
-        material = getattr(part, "material", None)
-        if isinstance(material, Material) and material.nu > SOFTEST:
-            given = f"{name}.material.nu = {material.nu:g}"
-            return f"{given} is all but incompressible; at most {SOFTEST:g}"
-    return None
+    on_ring = "its drum is an elastic ring; solid shoes are pressed on a rigid drum"
+    return reason_against_widths(brake, "the solid model", on_ring)
 
 
 def elements_across(shoe: Shoe, elements: int) -> int:
@@ -112,12 +92,9 @@ def prepare(
             made[key] = cache.get(same, make, _size_of)
     left_out = [
         "interior fields: recovered only for a picture",
-        "the other half of each shoe: symmetric",
+        OTHER_HALF,
+        *lines_on_equal_shapes(brake, len(made)),
     ]
-    if len(made) < len(keys):
-        left_out.append(
-            f"{len(keys) - len(made)} of {len(keys)} shoes: same shape as another, condensed once"
-        )
     bodies = tuple(made[key] for key in keys)
     return PreparedModel(
         brake, bodies, None, seconds, (*left_out, *lines_on_rigid_parts(brake)), model="solid"

@@ -23,7 +23,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.base.arrays import Floats
-from drumlin.fem.hp.arc import nodal_functions
+from drumlin.fem.hp.arc import circle_at_gauss_points, nodal_functions
 from drumlin.fem.hp.element import reference_element, shape_function_gradients
 
 SYMMETRIES = (0, 1)
@@ -113,11 +113,7 @@ def angular_factors(angles: Floats, p: int, symmetry: int, *, flat: bool = False
     flat : whether the columns are on a plane
     """
     functions, (count, n) = nodal_functions(p), angles.shape
-    circle = np.array([np.cos(angles), np.sin(angles)])
-    at, by = circle @ functions.values, circle @ functions.slopes  # (2, c, q)
-    if flat:
-        at, by = np.zeros_like(at), np.array([np.zeros_like(by[0]), angles @ functions.slopes])
-        at[0] = 1.0
+    at, by = circle_at_gauss_points(angles, p, flat=flat)
     size = at[0] * by[1] - at[1] * by[0]
     root = np.sqrt(functions.weights / size)
     tangent, normal = np.array([-at[1], at[0]]) * root, np.array([by[1], -by[0]]) * root

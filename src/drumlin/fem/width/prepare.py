@@ -1,6 +1,6 @@
 """The prepared model of a brake in the hierarchic model of the width."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
@@ -8,19 +8,23 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
-from drumlin.base.lapack import dpotrf, dtrtrs, solve_lower
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.fields import Material
 from drumlin.brake.orthotropic import isotropic_only
-from drumlin.fem.hp.body import shoe_contact_line
+from drumlin.fem.hp.body import factorised_shoe, shoe_contact_line
 from drumlin.fem.hp.division import Level, ShoeDivision, divide_shoe
 from drumlin.fem.preparation.bodies import DividedBody, ShoeSubstructure, make_shoe_substructure
 from drumlin.fem.preparation.cache import Cache, first_shoes_of_equal_shape, shoe_without_loads
 from drumlin.fem.preparation.columns import MOST_CONTACT_NODES, PointsByShape
-from drumlin.fem.preparation.scene import PreparedModel, Seconds, add_elapsed_time
+from drumlin.fem.preparation.scene import (
+    PreparedModel,
+    Seconds,
+    add_elapsed_time,
+    lines_on_equal_shapes,
+)
 from drumlin.fem.preparation.scene import reason_why_not_modelled as plane_why_not
-from drumlin.fem.substructure.body import FRAME, CondensedBody, InnerSystem, InnerUnknowns
-from drumlin.fem.substructure.elimination import SINGULAR_BODY, CondensedSystem
+from drumlin.fem.substructure.body import InnerSystem, InnerUnknowns
+from drumlin.fem.substructure.elimination import CondensedSystem
 from drumlin.fem.width.face import WidthFace
 from drumlin.fem.width.functions import WidthFunctions, functions_of
 from drumlin.fem.width.shoe import condense_width, width_layers
@@ -30,7 +34,8 @@ LARGEST_WIDTH_NU = 0.499
 LARGEST_WIDTH_DEGREE = 9
 """Largest degree across the width: the Gauss rules over the width are exact up to degree 11."""
 INTERIOR = "interior fields: not recovered across the width"
-"""What a prepared model with a width leaves out."""
+OTHER_HALF = "the other half of each shoe: symmetric"
+"""Lines on what a prepared model with a width leaves out."""
 
 MakeFunctions = Callable[[Shoe], WidthFunctions]
 """Makes the functions across the width of a shoe."""
@@ -72,19 +77,32 @@ class NotRecovered:
 
 def width_why_not(brake: Brake) -> str | None:
     """Why the hierarchic model of the width does not apply to a brake; None where it applies."""
+    on_ring = "its drum is an elastic ring, whose own width is not modelled"
+    return reason_against_widths(brake, "the model of the width", on_ring)
+
+
+def reason_against_widths(brake: Brake, model: str, on_ring: str) -> str | None:
+    """Why no model of shoes with widths applies to a brake; None where such a model applies.
+
+    Parameters
+    ----------
+    brake : the brake
+    model : name of the model, for the words on what it does not know
+    on_ring : the reason that an elastic ring is
+    """
     if brake.unmeshable() is not None:
         return brake.unmeshable()
     if brake.ring is not None:
-        return "its drum is an elastic ring, whose own width is not modelled"
+        return on_ring
     for shoe in brake.shoes:
-        reason = _shoe_why_not(shoe)
+        reason = _reason_against_widths_of_shoe(shoe)
         if reason is not None:
             return f"shoe {shoe.name!r}: {reason}"
-    return isotropic_only(brake, "the model of the width") or plane_why_not(brake)
+    return isotropic_only(brake, model) or plane_why_not(brake)
 
 
-def _shoe_why_not(shoe: Shoe) -> str | None:
-    """Why the hierarchic model of the width does not apply to a shoe; None where it applies."""
+def _reason_against_widths_of_shoe(shoe: Shoe) -> str | None:
+    """Why no model of shoes with widths applies to a shoe; None where such a model applies."""
     if shoe.mesh is not None:
         return "a mesh of its own is a section without widths"
     if shoe.body is not None and shoe.body.bending_stiffness is not None:
@@ -149,16 +167,8 @@ def prepare_width(
         body = partial(width_body, shoe, brake.size, division, functions, friction, seconds)
         made[i] = cache.get(key, body, _size_of)
     bodies = tuple(made[i] for i in alike)
-    return PreparedModel(brake, bodies, None, seconds, _lines(brake, alike), model="solid")
-
-
-def _lines(brake: Brake, alike: Sequence[int]) -> tuple[str, ...]:
-    """Lines that name quantities that are not computed."""
-    shapes, count = len(set(alike)), len(brake.shoes)
-    lines = [INTERIOR, "the other half of each shoe: symmetric"]
-    if shapes < count:
-        lines.append(f"{count - shapes} of {count} shoes: same shape as another, condensed once")
-    return tuple(lines)
+    left_out = (INTERIOR, OTHER_HALF, *lines_on_equal_shapes(brake, len(made)))
+    return PreparedModel(brake, bodies, None, seconds, left_out, model="solid")
 
 
 def _size_of(body: ShoeSubstructure) -> int:
@@ -192,21 +202,7 @@ def width_body(
     """
     with add_elapsed_time(seconds, "condensation"):
         found = condense_width(shoe, radius, division, functions)
-        L, info = dpotrf(found.S[FRAME:, FRAME:], lower=1)
-        if info:
-            raise NoAnswer(SINGULAR_BODY)
-        half_error = solve_lower(L, found.rigid_mode_forces)
-        condensed = CondensedBody(
-            L,
-            L_fc=solve_lower(L, found.S[FRAME:, :FRAME]).T,
-            load_on_contact=found.loads[FRAME:],
-            load_on_frame=found.loads[:FRAME],
-            load_work=found.work,
-            inner=NotRecovered(),
-            columns=found.columns,
-            force_imbalance=found.force_imbalance,
-            rigid_mode_error=dtrtrs(L, half_error, lower=1, trans=1)[0],
-        )
+        condensed = factorised_shoe(found, NotRecovered())
     with add_elapsed_time(seconds, "coupling"):
         face = face_of(shoe, radius, division, functions)
         basis = NodesOverWidth(unknowns_of(shoe, division, functions) // 2)

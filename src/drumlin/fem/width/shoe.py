@@ -19,10 +19,9 @@ from drumlin.fem.hp.division import ShoeDivision
 from drumlin.fem.hp.element import schur_complement
 from drumlin.fem.hp.shoe import (
     CondensedShoe,
-    EndLoads,
     column_kinds,
     condense_back_held_shoe,
-    correct_rigid_modes,
+    condensed_shoe_in_balance,
     element_nodes,
     loaded_body_stiffness,
     measuring_axis_angles,
@@ -30,12 +29,10 @@ from drumlin.fem.hp.shoe import (
     point_map,
     rotate_all_nodes,
     rotations_to_shoe_frame,
-    stiffness_with_frame,
     unit_actuation_loads,
 )
 from drumlin.fem.preparation.meshes import materials_of_parts
 from drumlin.fem.substructure.body import FRAME, rigid_body_modes
-from drumlin.fem.substructure.loads import ACTUATION
 from drumlin.fem.width.columns import (
     BackEdge,
     Stack,
@@ -225,7 +222,6 @@ def condense_width(
     radius: float,
     div: ShoeDivision,
     functions: WidthFunctions,
-    end_loads: EndLoads = unit_actuation_loads,
 ) -> CondensedShoe:
     """The shoe condensed to its frame and to the nodes of its face.
 
@@ -238,7 +234,6 @@ def condense_width(
     radius : radius of the drum [m]
     div : division of the section
     functions : functions across the width
-    end_loads : makes the unit loads on the loaded end, even over the width
 
     Raises
     ------
@@ -252,7 +247,7 @@ def condense_width(
     xy = np.repeat(point_map(shoe, radius)(np.zeros(1), phi), count, axis=1)
     R = rigid_body_modes(xy, shoe.own_pin)
     if div.first_body_layer < div.layers and not any(row.grip):
-        return _hinged_width(shoe, radius, div, layers, row, end_loads, R)
+        return _hinged_width(shoe, radius, div, layers, row, R)
     ends: list[Floats | None] = [None, None]
     if any(row.grip):
         before, after = row.before, row.after
@@ -299,6 +294,7 @@ class _FaceAxes(NamedTuple):
 
     def stiffness(self, S: Floats) -> Floats:
         """The stiffness (2 n nodes, 2 n nodes) in the frame, from that on functions."""
+        S = np.ascontiguousarray(S)
         if len(self.inverse) == 1:
             return rotate_matrix_components(S, self.angles)
         return self.rows(np.ascontiguousarray(self.rows(S).T))
@@ -310,13 +306,12 @@ def _hinged_width(
     div: ShoeDivision,
     layers: WidthLayers,
     row: _WidthColumns,
-    end_loads: EndLoads,
     R: Floats,
 ) -> CondensedShoe:
     """A condensed elastic shoe that is held at its hinge and loaded at its other end.
 
-    The hinge holds the plane's displacements over the whole width and lets u_z free. Parameters as
-    of `condense_width`, and
+    The hinge holds the plane's displacements over the whole width and lets u_z free. The unit loads
+    on the loaded end are even over the width. Parameters as of `condense_width`, and
 
     layers : layers with functions across the width
     row : columns of the shoe
@@ -332,7 +327,7 @@ def _hinged_width(
     modes = rotate_all_nodes(
         rigid_body_modes(place(depths, near), pin), measuring_axis_angles(shoe, near)
     )
-    end = end_loads(place(depths, far), depths, p)
+    end = unit_actuation_loads(place(depths, far), depths, p)
     end_forces = line.spread(rotate_all_nodes(end.forces, measuring_axis_angles(shoe, far)), evenly)
 
     # The assembled columns have the unknowns [frame | face | loads].
@@ -349,27 +344,8 @@ def _hinged_width(
     columns[-1] = eliminate_side_line(columns[-1], loaded, len(end_forces), right=True)
     count = layers.functions.counts(layers.halves[0])[0]
     A = assemble_column_row(columns, 2 * count).K
-    extra = end.columns.count
-    frame, contact, loads = slice(FRAME), slice(FRAME, -extra), slice(-extra, None)
     face = _FaceAxes.of(shoe, div, layers)
-    S = face.stiffness(np.ascontiguousarray(A[contact, contact]))
-    load = -face.rows(A[loads, contact]).T
-    on_frame = -A[frame, loads]
-
-    # Round-off has put the condensed loads out of balance: the face takes the difference.
-    imbalance = end.resultants(pin) - on_frame - R.T @ load
-    load = load + R @ np.linalg.solve(R.T @ R, imbalance)
-    corrected = correct_rigid_modes(S, R, face.rows(A[frame, contact]).T)
-    actuation = end.columns.slices[ACTUATION]
-    return CondensedShoe(
-        S=stiffness_with_frame(corrected.S, R),
-        loads=np.concatenate([on_frame, load]),
-        work=-A[loads, loads],
-        centre=end.centre,
-        rigid_mode_forces=corrected.round_off_forces,
-        force_imbalance=float(np.abs(imbalance[:2, actuation][:, :2]).max()),
-        columns=end.columns,
-    )
+    return condensed_shoe_in_balance(A, end, R, pin, face.rows, face.stiffness)
 
 
 def _on_frame(piece: ColumnSubstructure, tied: Ints, modes: Floats) -> ColumnSubstructure:
