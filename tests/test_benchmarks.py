@@ -24,6 +24,7 @@ def measured():
         return benchmarks.measure_figures(repeats=1)
 
 
+@pytest.mark.slow
 def test_the_command_appends_a_line(measured, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(benchmarks, "measure_figures", lambda repeats: measured)
     path = tmp_path / "new" / "history.jsonl"
@@ -35,6 +36,7 @@ def test_the_command_appends_a_line(measured, tmp_path, monkeypatch, capsys):
     assert set(json.loads(first)) == {"commit", "date", "figures"}
 
 
+@pytest.mark.slow
 def test_figures_are_ratios_in_their_range(measured):
     figures = measured.figures
     for value in figures.values():

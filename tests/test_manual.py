@@ -198,6 +198,24 @@ def test_a_notebook_runs(path, monkeypatch):
     assert sum(bool(cell.outputs) for cell in notebook.cells if cell.cell_type == "code") >= 5
 
 
+CELL = re.compile(r"^```\{code-cell\}\n(.*?)^```", re.MULTILINE | re.DOTALL)
+"""A cell of a page, which is run as the manual is built."""
+
+
+@pytest.mark.parametrize("page", ["contact", "ladder", "new_brake", "new_model", "python"])
+def test_cells_of_pages_for_researchers_run(page, monkeypatch):
+    """These cells call functions of all rooms, whose names may change."""
+    monkeypatch.setenv("MPLBACKEND", "agg")
+    monkeypatch.setenv("MANUAL_ROOT", str(ROOT))
+    monkeypatch.chdir(ROOT)
+    cells = CELL.findall((PAGES / "researcher" / f"{page}.md").read_text(encoding="utf-8"))
+    names: dict[str, object] = {}
+    for cell in cells:
+        code = "\n".join(line for line in cell.splitlines() if not line.startswith(":"))
+        exec(compile(code, page, "exec"), names)
+    assert cells
+
+
 # the site
 
 EXECUTED = "---\nfile_format: mystnb\nkernelspec:\n  name: python3\n---\n"

@@ -380,6 +380,7 @@ def test_the_second_solver_finds_the_same_torques(seed):
         assert b.torque == pytest.approx(a.torque, rel=max(1e-5, 2 * found.error["torque"]))
 
 
+@pytest.mark.slow
 def test_the_second_solver_finds_the_same_torque_of_one_shoe():
     one = brake_from(
         {

@@ -1,5 +1,7 @@
 """Every promise names a test that exists; the page of promises is in the fault study."""
 
+import pytest
+
 from conftest import ROOT
 from drumlin.studies import load
 from drumlin_studies.fuzzing import trials
@@ -19,6 +21,7 @@ def test_each_promise_names_a_test_that_exists():
     assert len(set(picked(PROMISES, "promise"))) == len(PROMISES) > 20
 
 
+@pytest.mark.slow
 def test_the_short_fault_study_finds_no_fault_and_shows_one(tmp_path):
     module, _ = load("faults")
     result = module.study(short=True)

@@ -5,6 +5,7 @@ import math
 import pytest
 
 import drumlin
+from conftest import partly
 from drumlin_studies.random_corners import (
     CORNER_KINDS,
     SHORT_CONTACT,
@@ -16,7 +17,7 @@ from drumlin_studies.random_corners import (
 FIRST = 400_000
 
 
-@pytest.mark.parametrize("number", [0, 1, 5, 6, 9])
+@pytest.mark.parametrize("number", partly([0, 1, 5, 6, 9], {1, 6}))
 def test_a_seed_gives_a_brake_that_presses_as_its_kind_says(number):
     """With a corner or under a tip, and on no more of the lining than some degrees."""
     kind = list(CORNER_KINDS)[number]

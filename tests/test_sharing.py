@@ -63,6 +63,7 @@ def test_under_a_cam_the_tips_of_elastic_shoes_go_the_same_way() -> None:
     assert tips[0] == pytest.approx(tips[1], rel=1e-8)
 
 
+@pytest.mark.slow
 def test_a_cam_feels_the_corners_of_the_loaded_ends() -> None:
     """A cam feels the singular corners of the loaded ends of its shoes.
 

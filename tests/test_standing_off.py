@@ -141,6 +141,7 @@ def test_a_refusal_is_asked_for_once_more_where_another_division_may_answer(brak
     assert (nodes[1] > even) == evened
 
 
+@pytest.mark.slow
 def test_a_cam_that_would_have_to_pull_is_not_said_to_lock():
     """A cam that would have to pull is refused as such, not as locked.
 

@@ -13,6 +13,7 @@ from drumlin_studies.sharpness import (
     judge_folder,
     lines_on_losses,
     lines_on_stated_errors,
+    quickly_solved_brakes,
     read_sharpness,
     scale_stated_errors,
     truth_files,
@@ -25,7 +26,14 @@ FOLDER = Path(__file__).parent / "truths"
 
 @pytest.fixture(scope="module")
 def rows():
+    """Stated and true errors of all brakes: half a minute, for slow tests alone."""
     return judge_folder(FOLDER)
+
+
+@pytest.fixture(scope="module")
+def quick_rows(written):
+    """Stated and true errors of the brakes that are quickly solved."""
+    return judge_folder(FOLDER, quickly_solved_brakes(written.worths))
 
 
 @pytest.fixture(scope="module")
@@ -33,15 +41,36 @@ def written():
     return read_sharpness(FOLDER)
 
 
+def test_stated_errors_of_quick_brakes_are_large_enough_and_no_larger_than_they_were(
+    quick_rows, written
+):
+    assert len(quick_rows) >= 60
+    assert lines_on_stated_errors(quick_rows, written.quick_spreads) == []
+    assert all(one.ratio(quantity) >= 0.5 for one in quick_rows for quantity in JUDGED_QUANTITIES)
+
+
+@pytest.mark.parametrize("factor", [0.5, 2.0])
+@pytest.mark.parametrize("quantity", JUDGED_QUANTITIES)
+def test_a_quantity_whose_stated_errors_are_halved_or_doubled_is_noticed_on_quick_brakes(
+    quick_rows, written, quantity, factor
+):
+    changed = scale_stated_errors(quick_rows, quantity, factor)
+    said = lines_on_stated_errors(changed, written.quick_spreads)
+    assert said and all(line.startswith(quantity) for line in said)
+
+
+@pytest.mark.slow
 def test_stated_errors_are_large_enough_and_no_larger_than_they_were(rows, written):
     assert len(rows) >= 120
     assert lines_on_stated_errors(rows, written.spreads) == []
 
 
+@pytest.mark.slow
 def test_answers_are_as_exact_and_as_cheap_as_they_were(rows, written):
     assert lines_on_losses(rows, written.worths) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("change", "said"),
     [
@@ -56,6 +85,7 @@ def test_answers_that_are_less_exact_or_cost_more_are_noticed(rows, written, cha
     )
 
 
+@pytest.mark.slow
 def test_one_brake_that_takes_far_more_unknowns_is_noticed(rows, written):
     slow = [
         one._replace(unknowns=one.unknowns * 2) if one.name == "short_contact" else one
@@ -76,6 +106,7 @@ have one sign and nearly one size. No brake of the fit presses with a corner.
 """
 
 
+@pytest.mark.slow
 def test_no_other_stated_error_is_below_half_of_the_true_one(rows):
     small = {
         (one.name, one.asked, quantity): one.ratio(quantity)
@@ -85,6 +116,7 @@ def test_no_other_stated_error_is_below_half_of_the_true_one(rows):
     assert {key for key, value in small.items() if value < 0.5} == BELOW_HALF
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("factor", [0.5, 2.0])
 @pytest.mark.parametrize("quantity", JUDGED_QUANTITIES)
 def test_a_quantity_whose_stated_errors_are_halved_or_doubled_is_noticed(
@@ -94,6 +126,7 @@ def test_a_quantity_whose_stated_errors_are_halved_or_doubled_is_noticed(
     assert said and all(line.startswith(quantity) for line in said)
 
 
+@pytest.mark.slow
 def test_every_quantity_is_judged_by_truths_that_are_known_well_enough(rows):
     for quantity in JUDGED_QUANTITIES:
         assert sum(one.certain(quantity) for one in rows) >= 60, quantity
@@ -138,7 +171,8 @@ def test_every_kind_of_brake_has_a_stored_truth():
     }
 
 
-@pytest.mark.parametrize("name", ["hinge", pytest.param("pad_on_a_guide", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["hinge", "pad_on_a_guide"])
 def test_a_stored_truth_is_found_again_by_its_command(name):
     """To within the uncertainties of both, which would not hold if the file were of another brake
     or other meshes. At a pressed corner round-off of another processor changes p by 3e-6 of the

@@ -231,6 +231,7 @@ def die_while_answering():
     return bytes(10**9)
 
 
+@pytest.mark.slow
 def test_a_process_that_dies_while_it_sends_its_answer_costs_that_answer_alone():
     with workers.provide_workers(2) as (pool, _):
         with pytest.raises(BrokenExecutor):

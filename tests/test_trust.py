@@ -103,6 +103,7 @@ def test_such_a_contact_is_known_as_well_as_it_says(gap, force, length):
     assert abs(one.peak_pressure / finer.peak_pressure - 1) < one.error["peak"]
 
 
+@pytest.mark.slow
 def test_of_a_contact_too_short_to_be_seen_the_torque_is_known_and_the_pressure_is_not():
     """A tenth of a micrometre: its error is all of it, whatever two meshes agree on."""
     brake, torque = corner("10 mm", "5 N")

@@ -16,7 +16,7 @@ as well as a doubled one.
 import json
 import math
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 from itertools import tee
 from pathlib import Path
 from typing import NamedTuple
@@ -39,6 +39,9 @@ from drumlin_studies.stored_truth import CERTAIN, StoredTruth, read_stored_truth
 ASKED = {"default": DEFAULT_TOLERANCE, "1e-3": Tolerance(1e-3, 1e-3), "1e-4": Tolerance(1e-4, 1e-4)}
 """The tolerances that a solve is asked for: the default one and two others, by name."""
 
+SMALLEST_TOLERANCE = "1e-4"
+"""Name of the smallest tolerance of ASKED, at which a solve is dearest."""
+
 PROMISED = 0.01
 """Largest share of stated errors that are smaller than the true ones, as README promises."""
 
@@ -60,8 +63,19 @@ MUCH_MORE = 1.4
 """Factor by which the number of unknowns of a single brake may grow. An end of the contact that
 round-off moves costs one further pass on a level, in addition to four or more passes."""
 
+QUICK = 100_000
+"""Largest number of unknowns, of all divisions up to the answer at the smallest tolerance, of a
+brake that is solved in at most half a second. The fast tests judge these brakes alone."""
+
 FILE = "sharpness.json"
 """Name of the file with the numbers of the last fit, in the folder of the stored truths."""
+
+
+SHARPNESS_KEY = "sharpness"
+"""Key of FILE for the spreads of all brakes."""
+
+QUICK_SHARPNESS_KEY = "sharpness of quick brakes"
+"""Key of FILE for the spreads of the brakes that are quickly solved."""
 
 
 class StatedTrueErrors(NamedTuple):
@@ -165,13 +179,22 @@ def _solve_to_tolerance(
         return None
 
 
-def judge_folder(folder: Path) -> list[StatedTrueErrors]:
-    """Stated and true errors of all brakes with stored truths in a folder."""
-    return [
-        one
-        for path in truth_files(folder)
-        for one in judge_stored_truth(path.stem, read_stored_truth(path))
-    ]
+def judge_folder(folder: Path, names: Container[str] | None = None) -> list[StatedTrueErrors]:
+    """Stated and true errors of the brakes with stored truths in a folder.
+
+    names : names of the brakes to be judged; all of the folder by default
+    """
+    found: list[StatedTrueErrors] = []
+    for path in truth_files(folder):
+        if names is None or path.stem in names:
+            found += judge_stored_truth(path.stem, read_stored_truth(path))
+    return found
+
+
+def quickly_solved_brakes(worths: Mapping[str, AccuracyAndCost]) -> set[str]:
+    """Names of the brakes that reach every tolerance of ASKED with at most QUICK unknowns."""
+    unknowns = worths[SMALLEST_TOLERANCE].unknowns
+    return {name for name, count in unknowns.items() if count <= QUICK}
 
 
 def truth_files(folder: Path) -> list[Path]:
@@ -264,28 +287,46 @@ def scale_stated_errors(
 
 
 class Written(NamedTuple):
-    """The contents of FILE: spreads by quantity, and accuracy and cost by tolerance of ASKED."""
+    """The contents of FILE.
+
+    Attributes
+    ----------
+    spreads : spreads of the ratios of stated to true error of all brakes, by quantity
+    quick_spreads : spreads of the ratios of the brakes that are quickly solved, by quantity
+    worths : accuracy and cost of the answers of all brakes, by tolerance of ASKED
+    """
 
     spreads: dict[str, Spread]
+    quick_spreads: dict[str, Spread]
     worths: dict[str, AccuracyAndCost]
 
 
 def read_sharpness(folder: Path) -> Written:
     """The contents of FILE in a folder of stored truths."""
     data = json.loads((folder / FILE).read_text(encoding="utf-8"))
-    spreads = {quantity: Spread(**values) for quantity, values in data["sharpness"].items()}
-    return Written(
-        spreads, {asked: AccuracyAndCost(**values) for asked, values in data["worth"].items()}
+    spreads, quick_spreads = (
+        {quantity: Spread(**values) for quantity, values in data[key].items()}
+        for key in (SHARPNESS_KEY, QUICK_SHARPNESS_KEY)
     )
+    worths = {asked: AccuracyAndCost(**values) for asked, values in data["worth"].items()}
+    return Written(spreads, quick_spreads, worths)
+
+
+def _rounded_spreads(rows: Sequence[StatedTrueErrors]) -> dict[str, dict[str, float]]:
+    """The spreads of `error_ratio_spreads`, rounded as FILE holds them."""
+    return {
+        quantity: {which: round(value, 2) for which, value in spread._asdict().items()}
+        for quantity, spread in error_ratio_spreads(rows).items()
+    }
 
 
 def main(folder: str) -> None:
     """Write the sharpness and the worth of the stored truths of a folder into its FILE."""
     rows = judge_folder(Path(folder))
-    spreads = {
-        quantity: {which: round(value, 2) for which, value in spread._asdict().items()}
-        for quantity, spread in error_ratio_spreads(rows).items()
-    }
+    worths = accuracy_and_costs(rows)
+    quick = quickly_solved_brakes(worths)
+    spreads = _rounded_spreads(rows)
+    quick_spreads = _rounded_spreads([one for one in rows if one.name in quick])
     worth = {
         asked: {
             "answers": of.answers,
@@ -293,9 +334,9 @@ def main(folder: str) -> None:
             "torque": float(f"{of.torque:.3g}"),
             "unknowns": of.unknowns,
         }
-        for asked, of in accuracy_and_costs(rows).items()
+        for asked, of in worths.items()
     }
-    data = {"sharpness": spreads, "worth": worth}
+    data = {SHARPNESS_KEY: spreads, QUICK_SHARPNESS_KEY: quick_spreads, "worth": worth}
     write_text(Path(folder) / FILE, json.dumps(data, indent=1) + "\n")
     sys.stdout.write(f"{json.dumps(spreads)}\n")
 
