@@ -1,4 +1,4 @@
-"""Self-locking of an elastic brake: the limit of friction, and the torque below the limit."""
+"""Friction limits of self-locking of an elastic brake, and the torques below these limits."""
 
 import math
 from collections.abc import Sequence
@@ -18,17 +18,19 @@ def friction_limits_of_groups(
     most: float = LARGEST_SOUGHT_FRICTION,
     penalty: float = math.inf,
 ) -> dict[tuple[int, ...], FrictionLimit]:
-    """The friction limit of self-locking of each group of shoes, by the positions of the shoes.
+    """The friction coefficient at which each group of shoes locks itself, from small friction on.
 
-    The limit comes earlier where a foot leaves its abutment, or where a cam or a strut would have
-    to pull.
+    The keys of the result are the positions of the group's shoes in the brake. The limit comes
+    earlier where a foot of a shoe leaves its abutment, or where a cam or a strut would have to
+    pull.
 
     Parameters
     ----------
     scene : the prepared model
     brake : the brake
     most : friction coefficient up to which the limit is sought
-    penalty : factor alpha of the contact stiffness alpha E/t
+    penalty : factor alpha of the contact stiffness alpha E/t of a lining of modulus E and thickness
+        t
 
     Raises
     ------
