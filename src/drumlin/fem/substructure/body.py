@@ -1,8 +1,9 @@
 """An elastic body as a substructure: its stiffness, and its static condensation.
 
 Condensation keeps two groups of degrees of freedom: the displacements c of the contact nodes, and
-the frame f = (dx, dy, rotation) of the rigid line that the hinge holds. All other degrees of
-freedom are eliminated once, which leaves the Schur complement S on c and f.
+the frame f. The frame is a rigid line of the body, which the hinge holds, with the displacements
+(dx, dy, rotation). All other degrees of freedom are eliminated once, which leaves the Schur
+complement S on c and f.
 
 With the frame held (f = 0), nodal forces G on the contact nodes do the work G^T S_cc^-1 G = Y^T Y.
 Here S_cc = L_cc L_cc^T is the Cholesky factorisation, and Y = L_cc^-1 G is called the half
@@ -31,18 +32,18 @@ from drumlin.fem.substructure.elimination import (
 from drumlin.fem.substructure.loads import LoadColumns, stack_loads
 
 FRAME = 3
-"""Number of degrees of freedom of the frame, a rigid line: dx, dy and rotation about the pin."""
+"""Number of degrees of freedom of a body's frame, a rigid line: dx, dy and rotation about a pin."""
 
 
 class Constraints(NamedTuple):
     """The multi-point constraints of a body, which leave fewer unknowns than displacements.
 
-    The order of these reduced unknowns is: inner nodes, contact nodes as x, y pairs by growing
-    angle, frame.
+    The constraints tie the nodes of the rigid line to the frame. The order of the reduced unknowns
+    is: inner nodes, contact nodes as x, y pairs by growing angle, frame.
 
     Attributes
     ----------
-    matrix : (2 nodes, unknowns) sparse; from reduced unknowns to displacements of all nodes
+    matrix : sparse matrix (2 nodes, unknowns) from reduced unknowns to displacements of all nodes
     region : number of the region of `nested_dissection` in which each inner unknown is eliminated
     """
 
@@ -51,7 +52,7 @@ class Constraints(NamedTuple):
 
 
 class InnerSystem(NamedTuple):
-    """The system of a body before condensation, on its reduced unknowns.
+    """The equations of a body before condensation, on its reduced unknowns.
 
     Attributes
     ----------
@@ -66,20 +67,20 @@ class InnerSystem(NamedTuple):
 
     @classmethod
     def of(cls, K: Any, constraints: Constraints, loads: Floats) -> "InnerSystem":
-        """The system of a body from the stiffness K (2 nodes, 2 nodes) of all nodes."""
+        """The equations of a body from the stiffness K (2 nodes, 2 nodes) of all its nodes."""
         A = constraints.matrix.T @ K @ constraints.matrix
         return cls(A.tocsc(), constraints, loads)
 
     def system(self) -> "InnerSystem":
-        """The system itself, see `InnerUnknowns`."""
+        """This system itself, which `InnerUnknowns` requires of every kind of body."""
         return self
 
     def eliminate_loads(self) -> CondensedSystem:
-        """The unit loads condensed to contact and frame, with the stiffness there."""
+        """The unit loads and the stiffness of the body, condensed to its contact and its frame."""
         return eliminate_inner_unknowns(self.A, self.constraints.region, self.loads)
 
     def with_forces(self, forces: Floats) -> "InnerSystem":
-        """The system with further unit loads: nodal forces (2 nodes, k)."""
+        """The system with additional unit loads behind its own: nodal forces (2 nodes, k)."""
         further = self.constraints.matrix.T @ forces
         return self._replace(loads=np.hstack([self.loads, further]))
 
@@ -95,18 +96,18 @@ class InnerSystem(NamedTuple):
 class InnerUnknowns(Protocol):
     """The unknowns of a body that condensation has eliminated, and the body's unit loads.
 
-    An `InnerSystem` holds all of them assembled. A body in hp elements assembles them when asked,
-    see `hp.grid.GridUnknowns`.
+    An `InnerSystem` holds the whole stiffness. A body of hp elements assembles its stiffness only
+    when a method needs it, see `hp.grid.GridUnknowns`.
     """
 
     def system(self) -> InnerSystem:
-        """The whole system of the body, on all nodes."""
+        """The equations of the body on all its nodes, before condensation."""
 
     def eliminate_loads(self) -> CondensedSystem:
-        """The unit loads condensed to contact and frame, with the stiffness there."""
+        """The unit loads and the stiffness of the body, condensed to its contact and its frame."""
 
     def with_forces(self, forces: Floats) -> "InnerUnknowns":
-        """The same unknowns with further unit loads: nodal forces (2 nodes, k)."""
+        """The same unknowns with additional unit loads: nodal forces (2 nodes, k)."""
 
     def displacements(self, nodal: Floats, frame: Floats, loads: Floats) -> Floats:
         """Displacements (2 nodes, m) of all nodes [m]; see `CondensedBody.displacements`."""
@@ -115,6 +116,8 @@ class InnerUnknowns(Protocol):
 @dataclass(frozen=True)
 class CondensedBody:
     """A body reduced to its 2n contact displacements and its frame by static condensation.
+
+    The frame is the rigid line of the body that its hinge holds.
 
     Attributes
     ----------
@@ -141,17 +144,23 @@ class CondensedBody:
     rigid_mode_error: Floats | None = None
 
     def make_whole_system(self) -> InnerSystem:
-        """The whole system of the body, which this call assembles."""
+        """Assemble and return the equations of the body on all its nodes, before condensation."""
         return self.inner.system()
 
     @property
     def constraints(self) -> Constraints:
-        """The multi-point constraints of the body; the call makes the whole system."""
+        """The multi-point constraints of the body.
+
+        Each access assembles the whole system.
+        """
         return self.make_whole_system().constraints
 
     @property
     def loads(self) -> Floats:
-        """The unit loads (unknowns, l) on the reduced unknowns; the call makes the whole system."""
+        """The unit loads (unknowns, l) on the reduced unknowns.
+
+        Each access assembles the whole system.
+        """
         return self.make_whole_system().loads
 
     def half_flexibility(self, forces: Floats) -> Floats:
@@ -159,7 +168,7 @@ class CondensedBody:
         return solve_lower(self.L_cc, forces)
 
     def displacement(self, nodal: Floats, frame: Floats, loads: Floats) -> Floats:
-        """Displacement (2, nodes) of all nodes [m], the eliminated ones included.
+        """Displacement (2, nodes) of all nodes [m], the eliminated ones included, in one load case.
 
         Parameters
         ----------
@@ -179,14 +188,14 @@ class CondensedBody:
         return self.inner.displacements(nodal, frame, loads)
 
     def with_loads(self, loads: Mapping[str, Floats]) -> "CondensedBody":
-        """The body with the columns of further unit loads behind the columns that it has.
+        """The body with further unit loads, whose columns follow the columns of its present loads.
 
-        The stiffness stays. The eliminated unknowns are eliminated once more, under all loads.
+        The stiffness stays. The inner unknowns are eliminated once more, under all loads.
 
         Parameters
         ----------
         loads : nodal forces (2 nodes, k) of each further load on all nodes, by its name, in the
-            body's own frame; for a strain without stress see `expansion.expansion_forces`
+            body's own frame; for thermal strain see `expansion.expansion_forces`
 
         Raises
         ------
@@ -199,7 +208,7 @@ class CondensedBody:
         eliminated = inner.eliminate_loads()
         contact, present = len(self.L_cc), self.columns.count
         further = eliminated.loads[:, present:]
-        # The columns that the body has keep all their digits.
+        # The results of the present loads are kept, so that no digit of them changes.
         work = eliminated.work.copy()
         work[:present, :present] = self.load_work
         return replace(
@@ -213,7 +222,10 @@ class CondensedBody:
 
 
 def scalar_basis(mesh: Any) -> Any:
-    """skfem's basis of one component, with quadrature of order 4 (2 for linear elements)."""
+    """The scikit-fem basis of one displacement component on a mesh.
+
+    The quadrature has order 4, or 2 on linear elements.
+    """
     # Only bodies on meshes load scikit-fem.
     import skfem  # noqa: PLC0415
 
@@ -228,18 +240,19 @@ def stiffness(basis: Any, layers: Mapping[str, ElasticLayer], *, precise: bool =
 
         K_ai,bj = b Int lambda psi_a,i psi_b,j + mu psi_a,j psi_b,i + mu delta_ij psi_a,k psi_b,k dA
 
-    and orthotropic layers add the terms of `hp.element.element_stiffness`. One batched matrix
-    product for each element multiplies the gradients of all shape functions. skfem would evaluate
-    the form once for each pair of shape functions.
+    with the width b and the shape functions psi, and orthotropic layers add the terms of
+    `hp.element.element_stiffness`. One batched matrix product for each element multiplies the
+    gradients of all shape functions. skfem would evaluate the form once for each pair of shape
+    functions.
 
     Parameters
     ----------
-    basis : scalar basis of a mesh, or a grid of columns, which makes its own stiffness
+    basis : scalar basis of a mesh, or a grid of hp elements, which computes its own stiffness
     layers : elastic layers by subdomain; those of a solid are isotropic
     precise : whether to compute in long double from the nodes on (plane stress only)
     """
     if hasattr(basis, "stiffness"):
-        # A skeleton has no stiffness in long double.
+        # The skeleton of a grid has no option `precise`, since its stiffness is in double only.
         return basis.stiffness(layers, precise=True) if precise else basis.stiffness(layers)
     if precise:
         gradients, dx = _long_double_gradients(basis)
@@ -284,14 +297,14 @@ def _isotropic_stiffness(
 
 
 def sparse_stiffness(K: Any, nodes: Ints, N: int, d: int = 2) -> Any:
-    """The sparse stiffness (d N, d N) of N nodes, assembled from that of elements.
+    """The sparse stiffness (d N, d N) of a mesh of N nodes, assembled from its elements.
 
     Parameters
     ----------
     K : (e, a, d, a, d) or (e, d a, d a) stiffness of elements, the components of a node together
     nodes : (e, a) nodes of the elements
     N : number of nodes
-    d : number of components
+    d : number of displacement components of a node
     """
     # Only bodies on meshes and whole systems load scipy.sparse.
     import scipy.sparse as sp  # noqa: PLC0415
@@ -312,17 +325,20 @@ def shape_values(basis: Any, *, precise: bool = False) -> Any:
 
 
 def quadrature_points(basis: Any, *, precise: bool = False) -> Any:
-    """Quadrature points (2, elements, points) of a basis [m]; with `precise` in long double."""
+    """The quadrature points (2, elements, points) [m] of all elements of a basis.
+
+    With `precise` the coordinates are computed in long double.
+    """
     nodes = basis.doflocs[:, basis.element_dofs]
     return np.einsum("cae,aq->ceq", nodes, shape_values(basis, precise=precise))
 
 
 def _directional_stiffness(layer: ElasticLayer, gradients: Any, dx: Any, points: Any) -> Any:
-    """Stiffness (e, a, 2, a, 2) that orthotropy adds to the isotropic part of a layer [N/m].
+    """Stiffness (e, a, 2, a, 2) [N/m] that orthotropy adds to the isotropic stiffness of elements.
 
     Parameters
     ----------
-    layer : the layer
+    layer : the orthotropic layer that the e elements belong to
     gradients : (a, 2, e, q) gradients of the shape functions [1/m]
     dx : (e, q) areas of the quadrature points [m^2]
     points : (2, e, q) quadrature points [m]
@@ -331,7 +347,7 @@ def _directional_stiffness(layer: ElasticLayer, gradients: Any, dx: Any, points:
     along = layer.directions(points)
 
     def work(direction: Any) -> Any:
-        """The integrals (e, d a, d a) of products of two strains in a direction (2, e, q)."""
+        """The integrals (e, d a, d a) [1] of products of two stretches in a direction (2, e, q)."""
         grown = np.einsum("ceq,aceq->aeq", direction, gradients)
         stretch = np.einsum("ceq,aeq->eacq", direction, grown).reshape(elements, d * a, -1)
         return (stretch * dx[:, None]) @ stretch.transpose(0, 2, 1)
@@ -342,9 +358,10 @@ def _directional_stiffness(layer: ElasticLayer, gradients: Any, dx: Any, points:
 
 
 def _long_double_gradients(basis: Any) -> tuple[Any, Any]:
-    """Gradients (a, 2, elements, points) and areas (elements, points) in long double.
+    """Shape-function gradients (a, 2, elements, points) and quadrature areas, in long double.
 
-    The elements are isoparametric: the nodes of the shape functions are those of the map.
+    The areas are (elements, points). The elements are isoparametric: the same shape functions
+    interpolate places and displacements.
     """
     at = basis.X.astype(np.longdouble)
     count = basis.element_dofs.shape[0]
@@ -357,7 +374,10 @@ def _long_double_gradients(basis: Any) -> tuple[Any, Any]:
 
 
 def rigid_body_modes(xy: Floats, pin: Floats) -> Floats:
-    """The rigid-body modes (2n, 3) of nodes xy (2, n): dx, dy and rotation about the pin."""
+    """The rigid-body displacements (2n, 3) of nodes xy (2, n).
+
+    The modes are dx, dy and the rotation about the pin.
+    """
     modes = np.zeros((xy.shape[1], 2, FRAME))
     modes[:, 0, 0] = modes[:, 1, 1] = 1.0
     modes[:, 0, 2], modes[:, 1, 2] = pin[1] - xy[1], xy[0] - pin[0]
@@ -388,6 +408,7 @@ def body_constraints(
     region = np.repeat(order.region[is_inner], 2)
     dofs = np.column_stack([2 * nodes, 2 * nodes + 1]).ravel()
 
+    # A body without rigid nodes has three displacements in the place of the frame, put last.
     if alone is not None:
         others = ~np.isin(dofs, alone)
         free = np.concatenate([dofs[others], alone])
@@ -400,14 +421,14 @@ def body_constraints(
 def constraint_matrix(
     dofs: Ints, count: int, rigid: Ints | None = None, arm: Floats | None = None
 ) -> Any:
-    """The sparse matrix (count, unknowns) from the reduced unknowns to all displacements.
+    """The sparse matrix (count, unknowns) from the reduced unknowns to all displacements of a body.
 
     Parameters
     ----------
     dofs : displacements that are unknowns themselves, in the order of the unknowns
     count : number of all displacements
-    rigid : (n,) displacement x of each node that moves with the frame, before that node's y; None
-        for a body without a frame
+    rigid : (n,) number of the displacement x of each node that moves with the frame; y is the next
+        number; None for a body without a frame
     arm : (2, n) distance of the rigid nodes from the pin [m]
     """
     # Only whole systems load scipy.sparse.
@@ -434,7 +455,7 @@ def condense_body(
     Parameters
     ----------
     K : (2 nodes, 2 nodes) stiffness [N/m]
-    constraints : the reduced unknowns
+    constraints : the multi-point constraints that define the reduced unknowns
     loads : unit loads (unknowns, k) on the reduced unknowns, by name
     contact : number of displacements of the contact nodes
 
