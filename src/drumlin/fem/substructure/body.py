@@ -72,7 +72,7 @@ class InnerSystem(NamedTuple):
         return cls(A.tocsc(), constraints, loads)
 
     def system(self) -> "InnerSystem":
-        """This system itself, which `InnerUnknowns` requires of every kind of body."""
+        """Return the system itself, as the interface `InnerUnknowns` asks of every body."""
         return self
 
     def eliminate_loads(self) -> CondensedSystem:
@@ -226,7 +226,7 @@ def scalar_basis(mesh: Any) -> Any:
 
     The quadrature has order 4, or 2 on linear elements.
     """
-    # Only bodies on meshes load scikit-fem.
+    # The import of skfem takes time, and bodies of hp elements do without it.
     import skfem  # noqa: PLC0415
 
     element = mesh_kind_of(mesh).element()
@@ -306,7 +306,7 @@ def sparse_stiffness(K: Any, nodes: Ints, N: int, d: int = 2) -> Any:
     N : number of nodes
     d : number of displacement components of a node
     """
-    # Only bodies on meshes and whole systems load scipy.sparse.
+    # The import of scipy.sparse takes time, and condensed hp elements do without it.
     import scipy.sparse as sp  # noqa: PLC0415
 
     dofs = (d * nodes[:, :, None] + np.arange(d)).reshape(len(nodes), -1).astype(np.int32)
@@ -431,7 +431,7 @@ def constraint_matrix(
         number; None for a body without a frame
     arm : (2, n) distance of the rigid nodes from the pin [m]
     """
-    # Only whole systems load scipy.sparse.
+    # The import of scipy.sparse takes time, and condensed hp elements do without it.
     import scipy.sparse as sp  # noqa: PLC0415
 
     free = len(dofs)

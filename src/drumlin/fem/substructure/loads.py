@@ -62,7 +62,7 @@ class LoadColumns:
         return factors
 
     def factors_of(self, name: str, factors: Floats) -> Floats:
-        """The factors (k, ...) of load `name`, selected from the factors (l, ...) of all columns."""
+        """The factors (k, ...) of load `name`, selected from the factors (l, ...) of all loads."""
         return factors[self.slices[name]]
 
 
