@@ -94,7 +94,8 @@ def solve_adjoint_of_group(group: ShoeGroup) -> GroupAdjoint:
     for k, (nodes, modes) in enumerate(zip(group.node_ranges, group.mode_ranges, strict=True)):
         p, force = size * contact.p[nodes], size * float(F[k])
         shoes.append(ShoeAdjoint(a[nodes], b[modes], float(c[k]), p, size * y[k], force))
-    # Friction changes the torque at fixed pressures, and the pressures through the equations.
+    # The first term is the change of the torque at fixed pressures. The second term is the change
+    # of the pressures, since friction enters the equations.
     by_friction = lever.T @ contact.p - each.T @ (per_friction @ answer)
     given = _slope_by_given_forces(group, shoes)
     return GroupAdjoint(
@@ -108,7 +109,10 @@ def solve_adjoint_of_group(group: ShoeGroup) -> GroupAdjoint:
 
 
 def _slope_by_ring_modulus(group: ShoeGroup, a: Floats, p: Floats) -> float:
-    """The change of the torque by the logarithm of the ring's modulus [N m]; 0 for a rigid drum."""
+    """The change of the torque [N m] by the logarithm of the elastic modulus of the drum ring.
+
+    `a` are the gap multipliers and `p` the pressures (n,) of the group. A rigid drum gives 0.
+    """
     if group.ring_flexibility_roots is None:
         return 0.0
     pressed, dragged = group.ring_flexibility_roots
@@ -141,7 +145,7 @@ def _matrix_of_group_equations(group: ShoeGroup, friction: float) -> Floats:
 
 
 def _solve_transposed_equations(matrix: Floats, on: Bools, weights: Floats) -> Floats:
-    """Solve the transposed equations for the adjoints of j torques.
+    """Solve the transposed equations of a group of shoes for the adjoints of j torques.
 
     Parameters
     ----------

@@ -92,7 +92,7 @@ class _Placement(NamedTuple):
 
 
 class _SubdomainFields(NamedTuple):
-    """The nodes, cells and stresses of one subdomain of a body.
+    """The nodes, cells and stresses of one subdomain, a part of a body with one material.
 
     Attributes
     ----------
@@ -140,7 +140,7 @@ class _ElementNodes(NamedTuple):
 def recover_shoe_fields(
     scene: PreparedModel, brake: Brake, response: Response, index: int
 ) -> Fields:
-    """The fields of shoe `index` under the contact pressure and actuation force of a response."""
+    """Displacements and stresses in shoe `index` under the pressure and the force of a response."""
     shoe, body = loaded(brake, response).shoes[index], scene.bodies[index]
     answer = response.shoes[index]
     p = answer.pressure[:: shoe.frame.sense]
@@ -153,7 +153,7 @@ def recover_shoe_fields(
 
 
 def recover_ring_fields(scene: PreparedModel, brake: Brake, response: Response) -> Fields:
-    """The fields of the drum ring under the contact pressures of all shoes.
+    """Displacements and stresses in the drum ring under the contact pressures of all shoes.
 
     Raises BadInput for a rigid drum.
     """
@@ -169,13 +169,16 @@ def recover_ring_fields(scene: PreparedModel, brake: Brake, response: Response) 
 
 
 def nodal_pressures_of_shoes(brake: Brake, response: Response) -> list[Floats]:
-    """The nodal pressures (n_i,) [Pa] of each shoe, in the order of its own frame."""
+    """The pressures (n_i,) [Pa] at the lining nodes of each shoe.
+
+    The nodes are in the order of the shoe's own frame.
+    """
     pairs = zip(brake.shoes, response.shoes, strict=True)
     return [answer.pressure[:: shoe.frame.sense] for shoe, answer in pairs]
 
 
 def recover_all_fields(scene: PreparedModel, brake: Brake, response: Response) -> list[Fields]:
-    """The fields of each shoe, followed by the fields of the drum ring if the ring is elastic."""
+    """Displacements and stresses in each shoe, and then in the drum ring if it is elastic."""
     every = [recover_shoe_fields(scene, brake, response, i) for i in range(len(brake.shoes))]
     if scene.ring is not None:
         every.append(recover_ring_fields(scene, brake, response))
@@ -258,7 +261,7 @@ def _fields_of_subdomain(basis: Any, u: Floats, name: str, layer: ElasticLayer) 
 
 
 def mean_tensors_at_nodes(values: Floats, dofs: Ints) -> NodalMeans:
-    """The means of tensors at nodes, over the elements around each node.
+    """The means of tensors at the nodes of a mesh, over the elements that meet at each node.
 
     Parameters
     ----------

@@ -107,7 +107,7 @@ class Hold:
 
     @property
     def sticking(self) -> float:
-        """The fraction of the touching contact nodes that stick; 0 if no node touches."""
+        """The fraction of the touching contact nodes that stick; 0 if no node touches the drum."""
         states = np.concatenate(self.state)
         touching = np.count_nonzero(states != OPEN)
         sticking = np.count_nonzero(states == STICK)
@@ -547,7 +547,10 @@ def _notes_on_different_moment(path: _RotationPath, k: int) -> list[str]:
 
 
 def _sense_of_full_slip(held: _LoadedGroupAtRest, at: Increment) -> int:
-    """The sense +1 or -1 in which all touching nodes of the linings slip; 0 at partial slip."""
+    """The sense, +1 or -1, in which all touching nodes of the linings slip.
+
+    It is 0 if some touching nodes stick, or slip the other way.
+    """
     touching = set(at.state[: held.lining_nodes].tolist()) - {OPEN}
     return int(touching == {FORWARD}) - int(touching == {BACKWARD})
 

@@ -67,7 +67,7 @@ class NodeMotion(NamedTuple):
 
     @property
     def contact_stays(self) -> bool:
-        """Whether no node of the contact moves."""
+        """Whether all contact nodes stay in their places."""
         return float(np.abs(self.line_motion).max()) < LARGEST_UNMOVED_MOTION
 
 
@@ -126,7 +126,7 @@ def _differentiate_node_places(
     places, loads = [], []
     for step in (h, -h):
         there = _nodes_in_brake_frame(scene, i, _shoe_with_moved_point(shoe, key, step * direction))
-        # A side on which the division into elements changes does not count.
+        # A step after which the division into elements is another one does not count.
         same_division = there.xy.shape == here.xy.shape
         if same_division and np.abs(there.xy - here.xy).max() < LARGEST_NODE_MOTION * h:
             places.append((there.xy - here.xy) / step)

@@ -63,11 +63,17 @@ class _QuadratureSample(NamedTuple):
     area: Floats
 
     def gradient_of(self, u: Floats) -> Floats:
-        """The gradients H_cd = d u_c / d x_d (e, q, 2, 2) of displacements u (2 nodes,)."""
+        """The displacement gradients d u_c / d x_d (e, q, 2, 2) at the quadrature points.
+
+        `u` (2 nodes,) are the displacements of the nodes.
+        """
         return np.asarray(np.einsum("eac,edaq->eqcd", u.reshape(-1, 2)[self.dofs], self.slopes))
 
     def displacement_of(self, u: Floats) -> Floats:
-        """The displacements (e, q, 2) at the quadrature points, from nodal values u (2 nodes,)."""
+        """The displacements (e, q, 2) at the quadrature points, interpolated from the nodes.
+
+        `u` (2 nodes,) are the displacements of the nodes.
+        """
         return np.asarray(np.einsum("eac,aq->eqc", u.reshape(-1, 2)[self.dofs], self.values))
 
 
@@ -136,15 +142,17 @@ def mutual_work_change_by_node_motions(
     moves: Floats,
     axes: Sequence[float],
 ) -> Floats:
-    """The derivatives (k,) [N] of the mutual work v^T K u as the nodes of a body move in k ways.
+    """The derivatives (k,) [N] of the mutual work v^T K u by k motions of a body's nodes.
+
+    K is the stiffness of the body. The displacements u and v stay as the nodes move.
 
     Parameters
     ----------
     basis : finite-element basis of the body
     layers : materials of the parts by their names
-    u, v : displacements (2 nodes,) [m], which stay as the nodes move
-    moves : motions (k, 2 nodes) of the nodes per unit motion of a point
-    axes : turns (k,) [rad/m] of the axis of a straight beam per unit motion of a point
+    u, v : displacements (2 nodes,) [m]
+    moves : motions (k, 2 nodes) of the nodes per unit motion of a point of the shoe
+    axes : turns (k,) [rad/m] of the axis of a straight beam per unit motion of a point of the shoe
     """
     constants, directions = (
         _elastic_constants_of_elements(basis, layers),
@@ -198,7 +206,10 @@ def _stress_of_displacement_gradients(H: Floats, constants: Floats, along: Float
 
 
 def _unit_vectors_through_layers(along: Floats) -> Floats:
-    """The unit vectors (..., 2) through layers, from the unit vectors along the layers."""
+    """The unit vectors (..., 2) in the thickness direction of layers.
+
+    `along` (..., 2) are the unit vectors along the layers.
+    """
     return np.stack([-along[..., 1], along[..., 0]], axis=-1)
 
 
@@ -233,7 +244,11 @@ class _DirectionStrains(NamedTuple):
 
 
 def _strains_in_layer_directions(H: Floats, constants: Floats, along: Floats) -> _DirectionStrains:
-    """The strains of displacement gradients H (e, q, 2, 2) in the directions of the layers."""
+    """The shear and stretch of displacement gradients H (e, q, 2, 2) in the layers' directions.
+
+    `constants` (e, 4) [N/m] are those of `elasticity.split_elasticity`, and `along` (e, q, 2) the
+    unit vectors along the layers.
+    """
     a, b, through = constants[:, 2:3], constants[:, 3:4], _unit_vectors_through_layers(along)
     eps_along = np.einsum("eqc,eqcd,eqd->eq", along, H, along)
     eps_through = np.einsum("eqc,eqcd,eqd->eq", through, H, through)
@@ -252,7 +267,7 @@ def _elastic_constants_of_elements(basis: Any, layers: Mapping[str, ElasticLayer
 def _find_layer_directions(
     basis: Any, layers: Mapping[str, ElasticLayer]
 ) -> _LayerDirections | None:
-    """The directions of the layers of a body; None if all layers are isotropic."""
+    """The directions of a body's layers at its quadrature points; None if all are isotropic."""
     subdomains = _mesh_of(basis).subdomains
     if not any(has_directions(layers[name].elasticity) for name in subdomains):
         return None

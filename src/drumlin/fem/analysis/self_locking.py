@@ -46,9 +46,9 @@ def friction_limits_of_groups(
 def torques_at_frictions(
     scene: PreparedModel, brake: Brake, frictions: Sequence[float], penalty: float = math.inf
 ) -> Floats:
-    """The torque (m, shoes) [N m] of each shoe at m growing friction coefficients.
+    """The torque (m, shoes) [N m] of each shoe at m friction coefficients in growing order.
 
-    Raises NoAnswer at the limit of self-locking and beyond the limit.
+    Raises NoAnswer at the friction limit of self-locking and beyond this limit.
     """
     values = np.zeros((len(frictions), len(brake.shoes)))
     for group in divide_pressed_shoes_into_groups(scene, brake, penalty):

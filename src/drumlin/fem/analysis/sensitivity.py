@@ -64,7 +64,8 @@ PERCENT_PER_MM = 0.1
 class ShoeSensitivity:
     """The derivatives of one shoe's own torque, and of the brake's torque T by data of this shoe.
 
-    On a plane T is the braking force [N], and all units are divided by a length; `theta` is in m.
+    dT stands for the derivative of T. On a plane T is the braking force [N], and all units are
+    divided by a length; `theta` is in m.
 
     Attributes
     ----------
@@ -83,7 +84,7 @@ class ShoeSensitivity:
         "abutment.friction" (1,) [N m]
     penalty : dT by the logarithm of the contact stiffness [N m]
     theta : growing angles (n,) [rad] of the lining's nodes
-    density : dT per clearance and length of arc (n,) [N/m]; 0 off the contact
+    density : dT per clearance and length of arc (n,) [N/m] at each node; 0 off the contact
     """
 
     name: str
@@ -199,7 +200,7 @@ def compute_torque_sensitivity(
 
 
 def _logarithmic_slope(x: float, slope: float, value: float) -> float | None:
-    """The relative change of a value per relative change of x; None if the value is 0."""
+    """The slope d ln(value) / d ln(x) = x slope / value; None if the value is 0."""
     return x * slope / value if value else None
 
 
@@ -272,7 +273,7 @@ class _TorqueSlopesOfShoe:
             float(own.gap_multipliers @ (coupling.M @ own.pressures)) / group.contact_stiffnesses[k]
         )
         moduli, bending_stiffness = self._slopes_by_moduli(by_penalty)
-        # The force of a shoe under a cam or behind a strut is no datum of the brake file.
+        # The brake file does not give the force of a shoe under a cam or behind a strut.
         shares_force = k in [*group.cam_shoes, *(to for _, to in group.struts)]
         sign_of_force = math.copysign(1.0, shoe.actuation.force)
         forward = slice(None, None, shoe.frame.sense)
@@ -491,8 +492,8 @@ class _TorqueSlopesOfShoe:
     def slopes_by_force_point(self) -> list[Floats]:
         """The slopes (2,) [N] of the torque by the point at which a strut pushes the shoe.
 
-        The slopes come in parts to be added: first by the moment of the force, and then by the
-        nodes of the body if nodes move with the point.
+        The list has one or two parts, whose sum is the slope: first the part by the moment of the
+        force, and then the part by motions of the body's nodes if nodes move with the point.
         """
         key, direction = "actuation.point", self.shoe.actuation.direction_vector
         moves = node_motions_by_point(self.group.scene, self.group.members[self.k], self.shoe, key)
@@ -509,7 +510,7 @@ class _TorqueSlopesOfShoe:
         direction, point = shoe.actuation.direction_vector, shoe.actuation.point.xy
         turned = np.array([-direction[1], direction[0]])
         slope = self.slope_by_force_line(turned, float(cross(point, turned)))
-        # In a chain the shoe passes its force on to a further shoe.
+        # If the foot of this shoe stands on a further strut, this strut pushes the next shoe.
         for to in self._shoes_pushed_by_struts():
             slope -= (
                 self.adjoint.shoes[to].force_multiplier

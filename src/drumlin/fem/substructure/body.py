@@ -85,7 +85,10 @@ class InnerSystem(NamedTuple):
         return self._replace(loads=np.hstack([self.loads, further]))
 
     def displacements(self, nodal: Floats, frame: Floats, loads: Floats) -> Floats:
-        """Displacements (2 nodes, m) of all nodes [m]; see `CondensedBody.displacements`."""
+        """Displacements (2 nodes, m) of all nodes [m] in m load cases.
+
+        The parameters are those of `CondensedBody.displacements`.
+        """
         right = self.loads[:-FRAME] @ loads - self.A[:-FRAME, -FRAME:] @ frame
         # The nodal forces act on the contact nodes, the last unknowns before the frame.
         right[len(right) - len(nodal) :] += nodal
@@ -110,7 +113,10 @@ class InnerUnknowns(Protocol):
         """The same unknowns with additional unit loads: nodal forces (2 nodes, k)."""
 
     def displacements(self, nodal: Floats, frame: Floats, loads: Floats) -> Floats:
-        """Displacements (2 nodes, m) of all nodes [m]; see `CondensedBody.displacements`."""
+        """Displacements (2 nodes, m) of all nodes [m] in m load cases.
+
+        The parameters are those of `CondensedBody.displacements`.
+        """
 
 
 @dataclass(frozen=True)
@@ -164,7 +170,11 @@ class CondensedBody:
         return self.make_whole_system().loads
 
     def half_flexibility(self, forces: Floats) -> Floats:
-        """The half flexibility Y = L_cc^-1 G of nodal forces G (2n, m) on the contact nodes."""
+        """The half flexibility Y = L_cc^-1 G of nodal forces G (2n, m) on the contact nodes.
+
+        L_cc is the Cholesky factor of the condensed stiffness. Y^T Y is the flexibility: the work
+        that each of the m load cases does on the displacements of every other.
+        """
         return solve_lower(self.L_cc, forces)
 
     def displacement(self, nodal: Floats, frame: Floats, loads: Floats) -> Floats:
@@ -180,7 +190,7 @@ class CondensedBody:
         return np.asarray(u.reshape(-1, 2).T)
 
     def displacements(self, nodal: Floats, frame: Floats, loads: Floats) -> Floats:
-        """Displacements (2 nodes, m) of all nodes [m] in m load cases.
+        """Displacements (2 nodes, m) of all nodes [m] in m load cases, eliminated nodes included.
 
         The parameters are those of `displacement` with one column for each case: nodal (2n, m),
         frame (3, m), loads (l, m).

@@ -44,7 +44,7 @@ def elastic_layers_of_shoe(shoe: Shoe) -> dict[str, ElasticLayer]:
 
 
 def elastic_layers_of_ring(section: Section) -> dict[str, ElasticLayer]:
-    """The one layer of an elastic ring of this section, by the name of its subdomain."""
+    """The elastic layer of a drum ring, under the name "drum" of the ring's only subdomain."""
     return {"drum": ElasticLayer.of(section.material, section.width)}
 
 

@@ -100,7 +100,8 @@ def nested_dissection(xy: Floats, elements: Ints) -> EliminationOrder:
     differing_bits = np.ceil(np.log2((first ^ last) + 1.0)).astype(np.int64)
     height = np.maximum(differing_bits, min(LEAF_HALVINGS, depth))
 
-    # Regions are eliminated in the order of their ends, smaller ones first.
+    # A region is a range of paths. Regions are eliminated in the order in which these ranges end,
+    # and of two with the same end the smaller one comes first.
     end = (first >> height << height) + (1 << height)
     nodes = np.lexsort((height, end))
     other_end = np.diff(end[nodes], prepend=-1).astype(bool)
@@ -127,7 +128,10 @@ def _axis_positions(group: Ints, x: Floats) -> Floats:
 
 
 def _group_means(group: Ints, values: Floats) -> Floats:
-    """The mean (k, m) of each row of `values` (k, m) over the group of each member (m,)."""
+    """For each member of a group, the mean of its group's `values` (k, m), row by row (k, m).
+
+    `group` (m,) is the number of the group of each member.
+    """
     size = np.maximum(np.bincount(group), 1)
     return np.array([(np.bincount(group, row) / size)[group] for row in values])
 

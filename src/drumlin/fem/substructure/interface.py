@@ -101,7 +101,7 @@ class Coupling:
 
     @cached_property
     def area(self) -> Floats:
-        """The areas b Int psi_i ds (n,) of the contact nodes [m^2]."""
+        """The areas (n,) [m^2] of the friction surface that the contact nodes stand for."""
         return self.M.sum(axis=1)
 
 

@@ -35,7 +35,7 @@ class LoadColumns:
 
     @cached_property
     def slices(self) -> dict[str, slice]:
-        """The columns of each load as a slice of all columns, by the name of the load."""
+        """The slice of all load columns that belongs to each load, by the load's name."""
         names = [name for name, _ in self.sizes]
         return dict(zip(names, in_turn(size for _, size in self.sizes), strict=True))
 

@@ -207,7 +207,7 @@ def condensed_ring_on_mesh(
     elements : number of elements along each lining
     linings : contact line of each lining, in its shoe's frame
     """
-    # The assertion holds of every brake that `scene.why_not` lets pass.
+    # Every brake that `scene.reason_why_not_modelled` lets pass has a section here.
     ring = brake.ring
     assert ring is not None and ring.section is not None
     mesh = ring_mesh(ring.section, brake.size, brake.shoes, elements)
@@ -515,12 +515,14 @@ class RimBalance:
 def _ring_half_flexibility(
     condensed: CondensedBody, forces: Floats, rim_balance: RimBalance | None
 ) -> Floats:
-    """The half flexibility W (m, k) of a ring: W^T W is the work of nodal forces (2n, k).
+    """The half flexibility W (m, k) of a drum ring under nodal forces on its contact nodes.
+
+    W^T W is the work that each of the k load cases does on the displacements of every other.
 
     Parameters
     ----------
     condensed : the condensed ring
-    forces : (2n, k) nodal forces on its contact nodes
+    forces : (2n, k) nodal forces
     rim_balance : balance of a free ring; None where the far edge is fixed
     """
     Y = condensed.half_flexibility(forces)

@@ -95,7 +95,11 @@ class WidthFace(ContactLine):
         return self.line.phi, p.reshape(-1, len(self.z)) @ self.shares / self.shares.sum()
 
     def surface(self, p: Floats) -> PressureOverWidth:
-        """The pressure over arc and whole width, at even steps of z in each piece."""
+        """The pressure over arc and whole width of the lining, at even steps of z in each piece.
+
+        z is the distance from the mid-plane, and a piece is a part of the half width between
+        breaks.
+        """
         ends = np.array(self.functions.breaks)
         ends = ends[: self.functions.pieces_of(self.half) + 1]
         if len(ends) == 1:

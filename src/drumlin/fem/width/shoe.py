@@ -130,7 +130,7 @@ def width_layers(shoe: Shoe, div: ShoeDivision, functions: WidthFunctions) -> Wi
     """The layers of a divided shoe of isotropic parts, with functions across the width."""
     halves, lame = half_widths_of(shoe), {}
     for name, (material, _) in materials_of_parts(shoe).items():
-        # The assertion holds of every brake that `prepare.why_not` lets pass.
+        # `prepare.width_why_not` lets only brakes of isotropic materials pass.
         assert isinstance(material, Material)
         E, nu = material.E, material.nu
         # Degree 0 takes the lambda of plane stress, all other degrees that of the solid.
