@@ -254,11 +254,11 @@ class _TorqueSlopesOfShoe:
         self.own: ShoeAdjoint = adjoint.shoes[k]
         self.body, self.shoe = self.group.bodies[k], self.group.shoes[k]
         self.drag = self.group.brake.drag_on(self.shoe)
-        # Under a cam the travel of the shoe's tip enters the equation that gives its force.
+        # Under a cam the travel of the shoe's tip enters the equation of the shoe's force.
         self.under_cam = k in self.group.cam_shoes
         self.tip_multiplier = self.own.force_multiplier if self.under_cam else 0.0
         names = np.array(self.shoe.freedoms(self.group.friction_senses[k]).names)
-        # The sign of each rigid-body mode in the frame of the shoe against the frame of the brake.
+        # A rotation counts with another sign in the brake's frame if the shoe's frame is mirrored.
         self.mode_signs = np.where(names == "turn", float(self.shoe.frame.sense), 1.0)
         # The actuation does no work on the tilt of a shoe on a lever.
         self.works = np.where(names == "tilt", 0.0, 1.0)

@@ -422,7 +422,7 @@ def _edge_coordinates_on_rays(xy: Floats, angle: Floats) -> Floats:
     `xy` (2, k, m) are the nodes of the edges, and `angle` (m, points) the angles of the rays [rad].
     """
     order = xy.shape[1] - 1
-    # A point lies on the ray where its product with the normal of the ray is zero.
+    # A point lies on the ray where its scalar product with the ray's normal is zero.
     normal = np.array([-np.sin(angle), np.cos(angle)])
     side = np.einsum("cki,ciq->kiq", xy, normal)
     xi = (side[0] + side[-1]) / (side[0] - side[-1])

@@ -217,7 +217,8 @@ def column_plan(stack: Stack, along: AlongRow) -> ColumnPlan:
     p, last = stack.p, len(stack.counts)
     left, right = stack.line(along.left), stack.line(along.right)
     stays = [*left, *stack.on_contact(along), *right]
-    # The column keeps its two lines and its contact, and eliminates the edges between its layers.
+    # The column keeps its two lines and its contact. It eliminates the inner nodes on the edges of
+    # its layers.
     edges = [stack.row_of(k * p, along.inside) for k in range(last + 1)]
     goes = [unknown for edge in edges for unknown in edge]
     kept, rest = ({unknown: k for k, unknown in enumerate(row)} for row in (stays, goes))
