@@ -23,6 +23,8 @@ from drumlin.fem.equilibrium.sharing import matrix_with_force_unknowns
 class ShoeAdjoint(NamedTuple):
     """The adjoint of the brake's torque on one shoe, and the solution of the contact of this shoe.
 
+    A weighted gap is the integral of the gap times the shape function of a contact node.
+
     Attributes
     ----------
     gap_multipliers : adjoint multipliers (n,) of the equations of the weighted gaps
@@ -69,15 +71,12 @@ def solve_adjoint_of_group(group: ShoeGroup) -> GroupAdjoint:
     Raises NoAnswer as `ShoeGroup.solve_contact` does.
     """
     group, contact = group.solve_contact()
-    size, mu, lever, n = (
-        group.unit_force,
-        group.brake.friction,
-        group.torque_per_pressure,
-        len(contact.p),
-    )
+    size, mu = group.unit_force, group.brake.friction
+    lever, n = group.torque_per_pressure, len(contact.p)
     without_friction = _matrix_of_group_equations(group, 0.0)
     per_friction = _matrix_of_group_equations(group, 1.0) - without_friction
-    y, F = group.generalised_coordinates(contact), np.abs(group.actuation_forces(contact.p))
+    y = group.generalised_coordinates(contact)
+    F = np.abs(group.actuation_forces(contact.p))
     coordinates = sum(map(len, y))
     # The last unknown is the travel of a cam's tips. In no equation the coefficient of the travel
     # depends on the friction mu, so that zeros may stand for the travel here.
@@ -140,7 +139,8 @@ def _matrix_of_group_equations(group: ShoeGroup, friction: float) -> Floats:
     The matrix is linear in the friction coefficient. The actuation forces are among the unknowns,
     see `matrix_with_force_unknowns`.
     """
-    blocks, effects = group.problem_with_own_forces(friction), group.effects_of_forces(friction)
+    blocks = group.problem_with_own_forces(friction)
+    effects = group.effects_of_forces(friction)
     return matrix_with_force_unknowns(blocks, effects, group.struts, group.cam_shoes)
 
 

@@ -45,6 +45,9 @@ def make_stick_slip_problem(group: ShoeGroup) -> tuple[FrictionalProblem, Floats
 class _TractionMatrices(NamedTuple):
     """The matrices that tractions t and slips s of a lining add to the contact problem of its shoe.
 
+    Weighted gaps and slips are integrals of the gap and of the slip times the shape function of
+    each contact node.
+
     Attributes
     ----------
     A_wt : weighted gaps (n, n) per traction
@@ -69,7 +72,8 @@ class _TractionMatrices(NamedTuple):
 
 def _traction_matrices_of_shoe(group: ShoeGroup, k: int) -> _TractionMatrices:
     """The matrices of tractions on the lining of shoe `k` of a group without friction."""
-    body, shoe, modes = group.bodies[k], group.shoes[k], group.rigid_body_modes[k]
+    body, shoe = group.bodies[k], group.shoes[k]
+    modes = group.rigid_body_modes[k]
     coupling, condensed = body.coupling, body.condensed
     n = len(body.line.nodes)
     # Tractions count along e_theta of the brake, whichever way the shoe's own frame turns.
@@ -166,7 +170,8 @@ class RoughFeet(NamedTuple):
         # Without a penalty the contact of linings has no compliance, but a sticking foot needs a
         # finite stiffness.
         penalty = PENALTY if math.isinf(group.penalty) else group.penalty
-        on, stiffness, senses = [], [], [1] * len(group.shoes)
+        on, stiffness = [], []
+        senses = [1] * len(group.shoes)
         for k, shoe in enumerate(group.shoes):
             if shoe.abutment is None or not shoe.abutment.friction > 0:
                 continue

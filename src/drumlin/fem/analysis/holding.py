@@ -365,7 +365,8 @@ def _turn_drum_through_rotations(held: _LoadedGroupAtRest, rotations: Floats) ->
     Raises NoAnswer as `hold_drum_through_rotations` does.
     """
     group, brake = held.group, held.group.brake
-    increment, reached, energy = held.rest, 0.0, held.dissipated
+    increment, reached = held.rest, 0.0
+    energy = held.dissipated
     increments, spent = [], []
     for rotation in rotations:
         try:
@@ -374,9 +375,8 @@ def _turn_drum_through_rotations(held: _LoadedGroupAtRest, rotations: Floats) ->
                 increment = step
         except NoAnswer as error:
             # On a brake that locks itself `solve_contact` raises a NoAnswer with the limit.
-            _group_on_other_brake(
-                group, brake if rotation > reached else brake.reversed()
-            ).solve_contact()
+            turning = brake if rotation > reached else brake.reversed()
+            _group_on_other_brake(group, turning).solve_contact()
             raise NoAnswer(f"{group.shoe_names}: {error}, turned by {rotation:.3g} rad") from error
         reached = float(rotation)
         increments.append(increment)
@@ -456,7 +456,8 @@ def _state_of_brake_at_rotation(
 ) -> Hold:
     """The state of the whole brake at rotation number `k`, from the paths of all its groups."""
     linings: dict[int, _LiningNodeStates] = {}
-    torque, dissipated, notes = 0.0, 0.0, list[str]()
+    torque, dissipated = 0.0, 0.0
+    notes: list[str] = []
     for path in paths:
         dissipated += path.dissipated[k]
         notes += _notes_on_different_moment(path, k)
@@ -567,15 +568,16 @@ def _feet_with_different_friction(
     group, contact : the equilibrium of the group under the sliding drum
     """
     size, feet = held.group.unit_force, []
-    for node, k in enumerate(RoughFeet.of_group(held.group).shoe_numbers, start=held.lining_nodes):
-        shoe, (x, y) = group.shoes[k], group.force_on_foot(contact, k)
+    numbers = RoughFeet.of_group(held.group).shoe_numbers
+    for node, k in enumerate(numbers, start=held.lining_nodes):
+        shoe = group.shoes[k]
+        x, y = group.force_on_foot(contact, k)
+        # The force on the foot has a component normal to the abutment and another along it.
         bearing, along = float(shoe.bearing @ (x, y)), float(shoe.bearing @ (y, -x))
-        presses = at.p[node] > 0
-        if (
-            presses
-            and abs(at.t[node] / at.p[node] - along / bearing) <= LARGEST_FRICTION_RATIO_DIFFERENCE
-        ):
-            continue
+        if at.p[node] > 0:
+            difference = abs(at.t[node] / at.p[node] - along / bearing)
+            if difference <= LARGEST_FRICTION_RATIO_DIFFERENCE:
+                continue
         slide = (
             float(group.generalised_coordinates(contact)[k][-1])
             if group.known_friction_senses[k]
@@ -614,12 +616,9 @@ def find_full_slip_rotation(
     ends = []
     for held in _load_groups_at_rest(scene, brake, increments, penalty):
         target = sum(shoes[i].torque for i in held.group.members)
+        slipping = FORWARD if brake.spin > 0 else BACKWARD
         try:
-            ends.append(
-                _find_full_slip_rotation_of_group(
-                    held, target, FORWARD if brake.spin > 0 else BACKWARD
-                )
-            )
+            ends.append(_find_full_slip_rotation_of_group(held, target, slipping))
         except NoAnswer as error:
             raise NoAnswer(f"{held.group.shoe_names}: {error}") from error
     return (1 + EXTRA_ROTATION) * max(ends)
@@ -641,7 +640,8 @@ def _find_full_slip_rotation_of_group(
     NoAnswer
         where the moment at full slip is not the target, and where no rotation is found
     """
-    increment, reached, step, n = held.rest, 0.0, FIRST_ROTATION, held.lining_nodes
+    increment, reached = held.rest, 0.0
+    step, n = FIRST_ROTATION, held.lining_nodes
     for _ in range(MOST_INCREMENTS):
         before = held.torque(increment)
         *_, increment = held.turn_drum_in_increments(increment, reached, reached + step)

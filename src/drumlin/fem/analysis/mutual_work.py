@@ -117,10 +117,8 @@ def mutual_work_by_part(
     layers : materials of the parts by their names
     u, v : displacements (2 nodes,) [m]
     """
-    constants, directions = (
-        _elastic_constants_of_elements(basis, layers),
-        _find_layer_directions(basis, layers),
-    )
+    constants = _elastic_constants_of_elements(basis, layers)
+    directions = _find_layer_directions(basis, layers)
     work = np.zeros(len(constants))
     for sample in _sample_elements_in_chunks(basis):
         along = None if directions is None else directions.along[sample.elements]
@@ -154,19 +152,15 @@ def mutual_work_change_by_node_motions(
     moves : motions (k, 2 nodes) of the nodes per unit motion of a point of the shoe
     axes : turns (k,) [rad/m] of the axis of a straight beam per unit motion of a point of the shoe
     """
-    constants, directions = (
-        _elastic_constants_of_elements(basis, layers),
-        _find_layer_directions(basis, layers),
-    )
+    constants = _elastic_constants_of_elements(basis, layers)
+    directions = _find_layer_directions(basis, layers)
     changes = np.zeros(len(moves))
     for sample in _sample_elements_in_chunks(basis):
         own = constants[sample.elements]
         along = None if directions is None else directions.along[sample.elements]
         of_u, of_v = sample.gradient_of(u), sample.gradient_of(v)
-        stress_u, stress_v = (
-            _stress_of_displacement_gradients(of_u, own, along),
-            _stress_of_displacement_gradients(of_v, own, along),
-        )
+        stress_u = _stress_of_displacement_gradients(of_u, own, along)
+        stress_v = _stress_of_displacement_gradients(of_v, own, along)
         by_turn = None if along is None else _work_change_by_turn_of_layers(of_u, of_v, own, along)
         # This density of work is multiplied by div V, the growth of the area.
         work = np.einsum("eqcd,eqcd->eq", stress_u, of_v)
@@ -249,7 +243,8 @@ def _strains_in_layer_directions(H: Floats, constants: Floats, along: Floats) ->
     `constants` (e, 4) [N/m] are those of `elasticity.split_elasticity`, and `along` (e, q, 2) the
     unit vectors along the layers.
     """
-    a, b, through = constants[:, 2:3], constants[:, 3:4], _unit_vectors_through_layers(along)
+    a, b = constants[:, 2:3], constants[:, 3:4]
+    through = _unit_vectors_through_layers(along)
     eps_along = np.einsum("eqc,eqcd,eqd->eq", along, H, along)
     eps_through = np.einsum("eqc,eqcd,eqd->eq", through, H, through)
     shear = np.einsum("eqc,eqcd,eqd->eq", along, H + H.swapaxes(2, 3), through)

@@ -173,7 +173,8 @@ def compute_torque_sensitivity(
         adjoint = solve_adjoint_of_group(group)
         for k, i in enumerate(group.members):
             pressed[i] = _TorqueSlopesOfShoe(adjoint, k).sensitivity()
-        ring, drive = ring + adjoint.ring_modulus_slope, drive + adjoint.given_forces_slope
+        ring += adjoint.ring_modulus_slope
+        drive += adjoint.given_forces_slope
     shoes = []
     for i, shoe in enumerate(brake.shoes):
         shoes.append(
@@ -265,8 +266,9 @@ class _TorqueSlopesOfShoe:
 
     def sensitivity(self) -> ShoeSensitivity:
         """Compute all sensitivities of the torque to data of the shoe."""
-        group, k, own, body = self.group, self.k, self.own, self.body
-        shoe, coupling = self.shoe, self.body.coupling
+        group, k, own = self.group, self.k, self.own
+        body, shoe = self.body, self.shoe
+        coupling = body.coupling
         torque = float(self.adjoint.torques[k])
         friction = float(self.adjoint.friction_slopes[k])
         by_penalty = (
@@ -359,10 +361,8 @@ class _TorqueSlopesOfShoe:
         own, shoe, works = self.own, self.shoe, self.works
         N, T = self.body.coupling.N, self.body.coupling.T
         xy = shoe.points(self.body.line.xy)
-        on_gaps, by_drum = (
-            own.gap_multipliers @ N,
-            self.drag * (own.pressures @ T) - own.pressures @ N,
-        )
+        on_gaps = own.gap_multipliers @ N
+        by_drum = self.drag * (own.pressures @ T) - own.pressures @ N
         # The wrenches belong to the adjoint contact forces, the forces of the drum and the
         # actuation force, in this order.
         of_gaps = wrench(shoe.frame.to_brake(on_gaps.reshape(-1, 2)), xy.T)
@@ -382,10 +382,8 @@ class _TorqueSlopesOfShoe:
         """
         own, body = self.own, self.body
         u, v = self.displacements
-        nodes, axes = (
-            np.array([move.node_motion for move in moves]),
-            [move.axis_turn for move in moves],
-        )
+        nodes = np.array([move.node_motion for move in moves])
+        axes = [move.axis_turn for move in moves]
         effects = -mutual_work_change_by_node_motions(
             body.basis, elastic_layers_of_shoe(self.shoe), u, v, nodes, axes
         )
@@ -426,10 +424,13 @@ class _TorqueSlopesOfShoe:
         step : distance [m] by which the point has moved
         move : motion of the nodes per motion of the point
         """
-        own, group, brake, shoe, k = self.own, self.group, self.group.brake, self.shoe, self.k
+        own, shoe, k = self.own, self.shoe, self.k
+        group, brake = self.group, self.group.brake
         modes, nodes = group.rigid_body_modes[k], self.body.line.nodes
         contact = np.column_stack([2 * nodes, 2 * nodes + 1]).ravel()
-        squeezed, turns = own.pressures / group.contact_stiffnesses[k], modes.pin_motion[2]
+        # The penalty lets the lining penetrate the drum by the pressure over its stiffness.
+        squeezed = own.pressures / group.contact_stiffnesses[k]
+        turns = modes.pin_motion[2]
         u = self.displacements.u[contact] + modes.contact_modes @ own.coordinates
         v = self.displacements.v[contact] - modes.test_modes @ own.equilibrium_multipliers
         coupling = couple_contact_line(line, shoe)

@@ -445,7 +445,8 @@ def constraint_matrix(
     import scipy.sparse as sp  # noqa: PLC0415
 
     free = len(dofs)
-    rows, columns, values = [dofs], [np.arange(free)], [np.ones(free)]
+    rows, columns = [dofs], [np.arange(free)]
+    values = [np.ones(free)]
     if rigid is not None and arm is not None:
         # Each rigid node has four entries: x by dx, x by the rotation, y by dy, y by the rotation.
         ones = np.ones(len(rigid))

@@ -230,7 +230,9 @@ def couple_with_counterface(line: ContactLine, width: float, directions: Directi
     blocks = (factors @ products.T).reshape(len(factors), -1)
     at = (line.pieces[:, None] * n + line.pieces).reshape(-1, m).T.ravel()
     M, *parts = (_sum_by_position(at, block, n * n).reshape(n, n) for block in blocks)
-    N, T = (np.array(parts[k : k + 2]).transpose(1, 2, 0).reshape(n, 2 * n) for k in (0, 2))
+    # The x and y components of N, and those of T, are interleaved for each node.
+    N = np.array(parts[:2]).transpose(1, 2, 0).reshape(n, 2 * n)
+    T = np.array(parts[2:]).transpose(1, 2, 0).reshape(n, 2 * n)
     lever = _sum_by_position(line.pieces.T.ravel(), (weight * r) @ psi.T, n)
     return Coupling(M, N, T, lever)
 
