@@ -117,7 +117,8 @@ class Hold:
 class _LoadedGroupAtRest(NamedTuple):
     """A group of shoes with the actuation force on and the drum at rest.
 
-    The stick-slip problem and its increments hold per newton of the group's unit force.
+    The stick-slip problem and its increments hold per newton of the group's unit force, and
+    energies per newton squared.
 
     Attributes
     ----------
@@ -238,8 +239,7 @@ def hold_drum_through_rotations(
     brake : the brake
     rotations : rotations (m,) of the drum [rad] from its rest, positive in the sense of the brake's
         rotation
-    penalty : factor alpha of the contact stiffness alpha E/t of a lining of modulus E and thickness
-        t
+    penalty : factor alpha of the contact stiffness alpha E/t (lining modulus E, thickness t)
     say : function that receives a line of text on the group of shoes that is solved next
 
     Raises
@@ -445,7 +445,10 @@ def _group_on_other_brake(group: ShoeGroup, brake: Brake) -> ShoeGroup:
 def _energy_dissipated_by_slip(
     problem: FrictionalProblem, after: Increment, before: SlipHistory
 ) -> float:
-    """The energy [J/N^2] dissipated by slip in an increment, with the tractions at its end."""
+    """The energy dissipated by slip in an increment, per newton squared of the unit force [J/N^2].
+
+    It is computed with the tractions at the end of the increment.
+    """
     # The compliance Q of the penalty adds elastic slip, which dissipates no energy.
     slip = after.s - before.s - problem.Q @ (after.t - before.t)
     return float(after.t @ slip)
@@ -603,8 +606,7 @@ def find_full_slip_rotation(
     scene : the prepared model
     brake : the brake
     increments : number of increments in which the force comes on, see `hold_drum_through_rotations`
-    penalty : factor alpha of the contact stiffness alpha E/t of a lining of modulus E and thickness
-        t
+    penalty : factor alpha of the contact stiffness alpha E/t (lining modulus E, thickness t)
 
     Raises
     ------

@@ -18,7 +18,7 @@ def friction_limits_of_groups(
     most: float = LARGEST_SOUGHT_FRICTION,
     penalty: float = math.inf,
 ) -> dict[tuple[int, ...], FrictionLimit]:
-    """The friction coefficient at which each group of shoes locks itself, from small friction on.
+    """The smallest friction coefficient at which each group of shoes locks itself.
 
     The keys of the result are the positions of the group's shoes in the brake. The limit comes
     earlier where a foot of a shoe leaves its abutment, or where a cam or a strut would have to
@@ -29,8 +29,7 @@ def friction_limits_of_groups(
     scene : the prepared model
     brake : the brake
     most : friction coefficient up to which the limit is sought
-    penalty : factor alpha of the contact stiffness alpha E/t of a lining of modulus E and thickness
-        t
+    penalty : factor alpha of the contact stiffness alpha E/t (lining modulus E, thickness t)
 
     Raises
     ------

@@ -688,7 +688,7 @@ def compare_with_differences_of_solves(
     index : position of the shoe whose force, moduli, clearance and hinge are changed; its body is
         elastic, and its clearance one number
     elements : finite elements along each lining
-    penalty : factor alpha of the contact stiffness alpha E/t
+    penalty : factor alpha of the contact stiffness alpha E/t (lining modulus E, thickness t)
 
     Returns
     -------

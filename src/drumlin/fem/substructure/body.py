@@ -80,7 +80,7 @@ class InnerSystem(NamedTuple):
         return eliminate_inner_unknowns(self.A, self.constraints.region, self.loads)
 
     def with_forces(self, forces: Floats) -> "InnerSystem":
-        """The system with additional unit loads behind its own: nodal forces (2 nodes, k)."""
+        """A system with nodal forces (2 nodes, k) as k more unit loads, after the present ones."""
         further = self.constraints.matrix.T @ forces
         return self._replace(loads=np.hstack([self.loads, further]))
 
@@ -110,7 +110,9 @@ class InnerUnknowns(Protocol):
         """The unit loads and the stiffness of the body, condensed to its contact and its frame."""
 
     def with_forces(self, forces: Floats) -> "InnerUnknowns":
-        """The same unknowns with additional unit loads: nodal forces (2 nodes, k)."""
+        """The same unknowns with nodal forces (2 nodes, k) as k more unit loads, after present
+        ones.
+        """
 
     def displacements(self, nodal: Floats, frame: Floats, loads: Floats) -> Floats:
         """Displacements (2 nodes, m) of all nodes [m] in m load cases.

@@ -30,7 +30,7 @@ class LoadColumns:
 
     @classmethod
     def of(cls, loads: Mapping[str, Floats]) -> "LoadColumns":
-        """The load columns of unit loads (unknowns, k), which are given by name."""
+        """Make the load columns of unit loads (unknowns, k), given by name, with k columns each."""
         return cls(tuple((name, forces.shape[1]) for name, forces in loads.items()))
 
     @cached_property

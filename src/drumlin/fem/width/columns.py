@@ -175,7 +175,7 @@ def stack_of(
 
 
 Run = tuple[slice, slice]
-"""Two slices of the same unknowns: in a condensed element's stiffness and in its column's."""
+"""Two slices of the same unknowns: in the stiffness of a condensed element, and of its column."""
 
 
 class LayerPlan(NamedTuple):
@@ -393,7 +393,7 @@ def whole_columns(
 
 
 def _contact_by_nodes(stack: Stack, plan: ColumnPlan, sides: int) -> Ints:
-    """The order (n,) of a column's unknowns in which x and y of a contact node stand together.
+    """The order (n,) of a column's unknowns that keeps x and y of a contact node together.
 
     The order is empty without contact. `sides` is 2 for a whole column and 1 for a half.
     """
@@ -447,7 +447,10 @@ def mirrored_columns(
 
 
 def _mirror(unknown: WidthUnknown) -> float:
-    """The sign of an unknown of a line on the other side, in symmetric displacements."""
+    """The sign by which a symmetric displacement on the left line is repeated on the right line.
+
+    It is -1 for displacements around the drum, and +1 for all others.
+    """
     return -1.0 if unknown.z == 0 and unknown.along == 1 else 1.0
 
 
@@ -483,7 +486,7 @@ def _unfold_contact(halves: list[Floats], stack: Stack, mirror: Floats, whole: F
 
 
 def restrict_back(piece: ColumnSubstructure, stack: Stack, *, right: bool) -> ColumnSubstructure:
-    """A column beside a grip, with the last nodes of one of its sides free along z only.
+    """A column beside a grip, with the innermost nodes of one of its sides free along z only.
 
     Parameters
     ----------

@@ -66,9 +66,10 @@ class CoarseSection(NamedTuple):
 def coarse_section(
     brake: Brake, response: Response, *, penalty: float = PENALTY, cache: Cache | None = None
 ) -> CoarseSection:
-    """The coarse section of a brake, or the first level of a solve where it misses the contact.
+    """The coarse section of a brake, with the answer of plane stress on it.
 
-    The parameters are those of `plane_stress_error`.
+    Where the coarse section misses the contact, the first level of a solve takes its place. The
+    parameters are those of `plane_stress_error`.
 
     Raises
     ------
@@ -103,8 +104,7 @@ def plane_stress_error(
     ----------
     brake : the brake
     response : answer of plane stress, whose contact grades the coarse division
-    penalty : factor alpha of the contact stiffness alpha E/t of a lining of modulus E and thickness
-        t
+    penalty : factor alpha of the contact stiffness alpha E/t (lining modulus E, thickness t)
     cache : substructures of earlier solves
     """
     reason = width_why_not(brake)

@@ -114,8 +114,7 @@ def solve_with_widths(
         torque
     must : whether a tolerance that is not reached is an error; otherwise the best answer is
         returned
-    penalty : factor alpha of the contact stiffness alpha E/t of a lining of modulus E and thickness
-        t
+    penalty : factor alpha of the contact stiffness alpha E/t (lining modulus E, thickness t)
     cache : substructures of earlier solves
 
     Raises
@@ -219,8 +218,7 @@ def chosen_degree(
     plane : answer of plane stress
     section : coarse section of the brake
     tolerance : relative errors that are allowed for the width's part
-    penalty : factor alpha of the contact stiffness alpha E/t of a lining of modulus E and thickness
-        t
+    penalty : factor alpha of the contact stiffness alpha E/t (lining modulus E, thickness t)
     cache : substructures of earlier solves
     """
     answers: dict[int, Response] = {}
