@@ -110,9 +110,7 @@ class InnerUnknowns(Protocol):
         """The unit loads and the stiffness of the body, condensed to its contact and its frame."""
 
     def with_forces(self, forces: Floats) -> "InnerUnknowns":
-        """The same unknowns with nodal forces (2 nodes, k) as k more unit loads, after present
-        ones.
-        """
+        """The same unknowns with nodal forces (2 nodes, k) as k more unit loads, after its own."""
 
     def displacements(self, nodal: Floats, frame: Floats, loads: Floats) -> Floats:
         """Displacements (2 nodes, m) of all nodes [m] in m load cases.
