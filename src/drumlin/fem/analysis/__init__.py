@@ -1,7 +1,7 @@
-"""Analyses of a prepared or solved brake that go beyond the response of a solve.
+"""Analyses of a solved or prepared elastic brake: holding, self-locking, sensitivity and fields.
 
-Holding turns the drum from rest to full slip. Self-locking finds the friction coefficient at which
-the brake locks. Sensitivity gives exact derivatives of the torque by adjoints. Fields recover
-displacements and stresses inside the bodies. Each analysis takes a prepared model with a brake and
-returns a result class of its own.
+The holding analysis turns the drum from rest to full slip. The self-locking analysis finds the
+friction coefficient at which the brake locks. The sensitivity analysis gives exact derivatives of
+the torque by adjoints. The fields are the displacements and stresses inside the bodies. Each
+analysis takes a prepared model and its brake, and returns a result class of its own.
 """

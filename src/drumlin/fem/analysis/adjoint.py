@@ -1,9 +1,10 @@
 """The adjoint of the torques of a group of shoes, which gives the derivatives of the torque.
 
-On the contact set of the answer, linear equations r = 0 hold for the pressures p, the generalised
-coordinates y, the actuation forces F and the travel d of a cam's tips. The adjoint (a, b, c) solves
-the transposed equations for a torque T. A small change dr of the equations changes the torque by
-dT = -(a, b, c) . dr. A change of the friction coefficient adds T/mu dmu.
+On the contact set of the solved brake, linear equations r = 0 hold for the pressures p, the
+generalised coordinates y of the rigid-body motions, the actuation forces F and the travel d of a
+cam's tips. The adjoint (a, b, c) is the solution of the transposed equations whose right side is
+the derivative of a torque T by these unknowns. A small change dr of the equations changes the
+torque by dT = -(a, b, c) . dr. A change dmu of the friction coefficient adds (T/mu) dmu.
 
 The actuation forces are unknowns of the equations, so that forces of struts and cams need no
 special case: c is the change of T per given force.
@@ -20,16 +21,18 @@ from drumlin.fem.equilibrium.sharing import matrix_with_force_unknowns
 
 
 class ShoeAdjoint(NamedTuple):
-    """The adjoint of the brake's torque on one shoe, and the answer of this shoe.
+    """The adjoint of the brake's torque on one shoe, and the solution of the contact of this shoe.
+
+    A weighted gap is the integral of the gap times the shape function of a contact node.
 
     Attributes
     ----------
-    gap_multipliers : adjoint multipliers (n,) of the weighted gaps
-    equilibrium_multipliers : adjoint multipliers (k,) of the equilibria
+    gap_multipliers : adjoint multipliers (n,) of the equations of the weighted gaps
+    equilibrium_multipliers : adjoint multipliers (k,) of the equilibrium equations of the shoe
     force_multiplier : adjoint multiplier of the equation that gives the shoe's actuation force
-    pressures : pressures (n,) [Pa] of the answer
-    coordinates : generalised coordinates (k,) of the answer
-    force : size of the actuation force [N] of the answer
+    pressures : pressures (n,) [Pa] on the lining in the solution
+    coordinates : generalised coordinates (k,) of the shoe's rigid-body motion in the solution
+    force : size of the shoe's actuation force [N] in the solution
     """
 
     gap_multipliers: Floats
@@ -41,16 +44,17 @@ class ShoeAdjoint(NamedTuple):
 
 
 class GroupAdjoint(NamedTuple):
-    """The adjoint of the torques of a group of shoes.
+    """The derivatives of the torques of a group of shoes, and the adjoint of each shoe.
 
     Attributes
     ----------
-    group : the group, with the senses of friction at its abutments that its answer has
-    shoes : the adjoint and the answer of each shoe
+    group : the group, with the senses of friction at its abutments that its solution has
+    shoes : the adjoint and the solution of each shoe
     torques : torque of each shoe (shoes,) [N m]
     friction_slopes : change of the torque of each shoe per friction coefficient (shoes,) [N m]
     ring_modulus_slope : change of the group's torque by the logarithm of the ring's modulus [N m]
-    given_forces_slope : change of the group's torque by the logarithm of all given forces [N m]
+    given_forces_slope : change of the group's torque by the logarithm of all actuation forces that
+        the brake file gives [N m]
     """
 
     group: ShoeGroup
@@ -62,27 +66,25 @@ class GroupAdjoint(NamedTuple):
 
 
 def solve_adjoint_of_group(group: ShoeGroup) -> GroupAdjoint:
-    """Solve for the adjoint of the sum of a group's torques.
+    """Solve a group's contact problem, and the adjoint problem for the sum of its torques.
 
     Raises NoAnswer as `ShoeGroup.solve_contact` does.
     """
     group, contact = group.solve_contact()
-    size, mu, lever, n = (
-        group.unit_force,
-        group.brake.friction,
-        group.torque_per_pressure,
-        len(contact.p),
-    )
+    size, mu = group.unit_force, group.brake.friction
+    lever, n = group.torque_per_pressure, len(contact.p)
     without_friction = _matrix_of_group_equations(group, 0.0)
     per_friction = _matrix_of_group_equations(group, 1.0) - without_friction
-    y, F = group.generalised_coordinates(contact), np.abs(group.actuation_forces(contact.p))
+    y = group.generalised_coordinates(contact)
+    F = np.abs(group.actuation_forces(contact.p))
     coordinates = sum(map(len, y))
-    # The last unknown is the travel of a cam's tips. No equation multiplies the travel by mu, so
-    # that its value does not matter here.
+    # The last unknown is the travel of a cam's tips. In no equation the coefficient of the travel
+    # depends on the friction mu, so that zeros may stand for the travel here.
     travel = np.zeros(len(without_friction) - n - coordinates - len(F))
     answer = np.concatenate([contact.p, *y, F, travel])
     weights = np.zeros((len(answer), len(F)))
     weights[:n] = mu * lever
+    # Pressures are unknowns at the active contact nodes only. All other unknowns are always free.
     on = np.concatenate([contact.active, np.ones(len(answer) - n, dtype=bool)])
     each = _solve_transposed_equations(without_friction + mu * per_friction, on, weights)
     # The torque of the group is the sum of the shoes' torques, and so is its adjoint.
@@ -91,7 +93,8 @@ def solve_adjoint_of_group(group: ShoeGroup) -> GroupAdjoint:
     for k, (nodes, modes) in enumerate(zip(group.node_ranges, group.mode_ranges, strict=True)):
         p, force = size * contact.p[nodes], size * float(F[k])
         shoes.append(ShoeAdjoint(a[nodes], b[modes], float(c[k]), p, size * y[k], force))
-    # Friction changes the torque at fixed pressures, and the pressures through the equations.
+    # The first term is the change of the torque at fixed pressures. The second term is the change
+    # of the pressures, since friction enters the equations.
     by_friction = lever.T @ contact.p - each.T @ (per_friction @ answer)
     given = _slope_by_given_forces(group, shoes)
     return GroupAdjoint(
@@ -105,7 +108,10 @@ def solve_adjoint_of_group(group: ShoeGroup) -> GroupAdjoint:
 
 
 def _slope_by_ring_modulus(group: ShoeGroup, a: Floats, p: Floats) -> float:
-    """The change of the torque by the logarithm of the ring's modulus [N m]; 0 for a rigid drum."""
+    """The change of the torque [N m] by the logarithm of the elastic modulus of the drum ring.
+
+    `a` are the gap multipliers and `p` the pressures (n,) of the group. A rigid drum gives 0.
+    """
     if group.ring_flexibility_roots is None:
         return 0.0
     pressed, dragged = group.ring_flexibility_roots
@@ -113,7 +119,10 @@ def _slope_by_ring_modulus(group: ShoeGroup, a: Floats, p: Floats) -> float:
 
 
 def _slope_by_given_forces(group: ShoeGroup, shoes: list[ShoeAdjoint]) -> float:
-    """The change of the torque by the logarithm of all forces but the forces of struts [N m]."""
+    """The change of the torque by the logarithm of all given actuation forces [N m].
+
+    The forces of struts are not given by the brake file and do not count.
+    """
     pushed_by_struts = [to for _, to in group.struts]
     return float(
         sum(
@@ -125,16 +134,18 @@ def _slope_by_given_forces(group: ShoeGroup, shoes: list[ShoeAdjoint]) -> float:
 
 
 def _matrix_of_group_equations(group: ShoeGroup, friction: float) -> Floats:
-    """The matrix of all equations of a group, which is linear in the friction coefficient.
+    """The matrix of all equations of a group of shoes at a friction coefficient.
 
-    The actuation forces are among the unknowns, see `matrix_with_force_unknowns`.
+    The matrix is linear in the friction coefficient. The actuation forces are among the unknowns,
+    see `matrix_with_force_unknowns`.
     """
-    blocks, effects = group.problem_with_own_forces(friction), group.effects_of_forces(friction)
+    blocks = group.problem_with_own_forces(friction)
+    effects = group.effects_of_forces(friction)
     return matrix_with_force_unknowns(blocks, effects, group.struts, group.cam_shoes)
 
 
 def _solve_transposed_equations(matrix: Floats, on: Bools, weights: Floats) -> Floats:
-    """Solve the transposed equations for the adjoints of j torques.
+    """Solve the transposed equations of a group of shoes for the adjoints of j torques.
 
     Parameters
     ----------
@@ -152,7 +163,7 @@ def _solve_transposed_equations(matrix: Floats, on: Bools, weights: Floats) -> F
         where the equations are singular
     """
     K = matrix[np.ix_(on, on)]
-    # The equations are equilibrated by rows, and then by columns.
+    # Scaling of the rows and then of the columns makes their largest entries 1.
     row = 1 / np.abs(K).max(axis=1)
     column = 1 / np.abs(row[:, None] * K).max(axis=0)
     scaled = (row[:, None] * K * column).T

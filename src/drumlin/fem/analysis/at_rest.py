@@ -1,7 +1,8 @@
 """The stick-slip problem of shoes on a drum that rests or is turned by a small angle.
 
-The tangential tractions on the linings are unknowns beside the pressures. A foot on a rough
-abutment sticks and slips as a lining does, so that its two forces are unknowns as well.
+On a sliding drum the friction follows from the pressure. On a drum at rest the tangential tractions
+on the linings are further unknowns. A foot on a rough abutment sticks and slips as a lining does,
+so that the normal force and the friction force on the foot are unknowns as well.
 """
 
 import math
@@ -23,11 +24,13 @@ from drumlin.fem.preparation.bodies import acting_loads, actuation_load_factors,
 
 
 def make_stick_slip_problem(group: ShoeGroup) -> tuple[FrictionalProblem, Floats]:
-    """The stick-slip problem of a group of shoes on a resting drum, per newton, and its lever.
+    """The stick-slip problem of a group of shoes on a resting drum, and its slip per rotation.
 
-    The lever (n,) [m^3] is the weighted slip per rotation of the drum: a rotation by Omega adds
-    lever Omega to the slips q_s. Tractions and slips count along e_theta of the brake. One node for
-    each foot on a rough abutment follows the nodes of the linings, see `RoughFeet`.
+    The problem holds for pressures per newton of the group's actuation force. The second value (n,)
+    [m^3] is the weighted slip of each contact node per radian: a rotation of the drum by Omega adds
+    this value times Omega to the slips q_s. Tractions and slips count along e_theta of the brake.
+    The nodes of the linings come first, then one node for each foot on a rough abutment, see
+    `RoughFeet`.
     """
     feet = RoughFeet.of_group(group)
     still = replace(group, brake=feet.brake_with_smooth_abutments(0.0), friction_senses=feet.senses)
@@ -40,15 +43,19 @@ def make_stick_slip_problem(group: ShoeGroup) -> tuple[FrictionalProblem, Floats
 
 
 class _TractionMatrices(NamedTuple):
-    """The matrices that tractions t and slips s add to the contact problem of one shoe.
+    """The matrices that tractions t and slips s of a lining add to the contact problem of its shoe.
+
+    Weighted gaps and slips are integrals of the gap and of the slip times the shape function of
+    each contact node.
 
     Attributes
     ----------
     A_wt : weighted gaps (n, n) per traction
     A_sp, A_st : weighted slips (n, n) per pressure and per traction
-    B_s : weighted slips (n, k) per generalised coordinate
-    C_t : equilibria (k, n) per traction
-    compliance : compliance (n, n) of the penalty, the same along the surface as across it
+    B_s : weighted slips (n, k) per generalised coordinate of the shoe's rigid-body motion
+    C_t : generalised forces (k, n) per traction, in the equilibrium equations of the shoe
+    compliance : compliance (n, n) of the penalty, which is the same along the friction surface as
+        across the surface
     q_s : weighted slips (n,) without pressure and traction
     effects : effects of the actuation force in which tractions take the place of pressures
     """
@@ -64,13 +71,15 @@ class _TractionMatrices(NamedTuple):
 
 
 def _traction_matrices_of_shoe(group: ShoeGroup, k: int) -> _TractionMatrices:
-    """The matrices of tractions on shoe `k` of a group without friction."""
-    body, shoe, modes = group.bodies[k], group.shoes[k], group.rigid_body_modes[k]
+    """The matrices of tractions on the lining of shoe `k` of a group without friction."""
+    body, shoe = group.bodies[k], group.shoes[k]
+    modes = group.rigid_body_modes[k]
     coupling, condensed = body.coupling, body.condensed
     n = len(body.line.nodes)
     # Tractions count along e_theta of the brake, whichever way the shoe's own frame turns.
     T = shoe.frame.sense * coupling.T
-    # Products of two halves are entries of the flexibility by pressures, tractions and loads.
+    # Y holds half flexibilities. The product of two of them, such as pressed^T dragged, gives
+    # displacements under tractions, weighted as the gaps are weighted by the pressures.
     Y = condensed.half_flexibility(np.hstack([-coupling.N.T, T.T, condensed.load_on_contact]))
     pressed, dragged, loaded = np.split(Y, [n, 2 * n], axis=1)
     load, _ = actuation_load_factors(body, shoe)
@@ -82,7 +91,8 @@ def _traction_matrices_of_shoe(group: ShoeGroup, k: int) -> _TractionMatrices:
         bearing = -shoe.frame.to_brake(nodal) @ shoe.bearing
     effects = group.effects_of_forces(0.0)[k]
     return _TractionMatrices(
-        # The gaps close by N u as the tractions T^T t act.
+        # Displacements u of the contact nodes close the weighted gaps by N u. The nodal forces of
+        # tractions t are T^T t.
         A_wt=pressed.T @ dragged,
         A_sp=-dragged.T @ pressed,
         A_st=-dragged.T @ dragged,
@@ -97,17 +107,17 @@ def _traction_matrices_of_shoe(group: ShoeGroup, k: int) -> _TractionMatrices:
 
 
 def _problem_with_free_feet(still: ShoeGroup, shoes: list[_TractionMatrices]) -> FrictionalProblem:
-    """The stick-slip problem of a group whose feet are free in the plane.
+    """The stick-slip problem of the linings of a group whose feet move freely in the plane.
 
     Parameters
     ----------
     still : the group without friction
-    shoes : the matrices of tractions on each shoe
+    shoes : the matrices of tractions on each lining
     """
     normal = still.problem_with_own_forces(0.0)
 
     def diagonal(name: str) -> Floats:
-        """The matrices of this name of all shoes as the blocks of one matrix."""
+        """The block-diagonal matrix of all shoes' `_TractionMatrices` entries with this name."""
         return block_diag(*(getattr(shoe, name) for shoe in shoes))
 
     A_wt, A_sp, A_st = diagonal("A_wt"), diagonal("A_sp"), diagonal("A_st")
@@ -134,18 +144,19 @@ def _problem_with_free_feet(still: ShoeGroup, shoes: list[_TractionMatrices]) ->
 
 
 class RoughFeet(NamedTuple):
-    """The feet of a group's shoes on rough abutments, each a node of the stick-slip problem.
+    """The feet of a group's shoes on rough abutments, each as a node of the stick-slip problem.
 
-    The node of a foot bears a force p [N] along the normal of the abutment's face and a force
-    t [N] along the face.
+    The node of a foot bears a force p [N] along the normal of the abutment's face and a force t [N]
+    along the face.
 
     Attributes
     ----------
     group : the group of shoes
     shoe_numbers : numbers, within the group, of the shoes whose feet stand on rough abutments
-    senses : sense of friction at each abutment of the group, UNHELD where the foot is a node
-    foot_compliance : compliance (feet,) [m/N] of each foot across and along the face, in the place
-        of a lining's penalty
+    senses : sense of friction at the abutment of each shoe of the group; UNHELD where the foot is a
+        node of the stick-slip problem
+    foot_compliance : compliance (feet,) [m/N] of each foot across and along the face of its
+        abutment, in the place of a lining's penalty
     """
 
     group: ShoeGroup
@@ -155,10 +166,12 @@ class RoughFeet(NamedTuple):
 
     @classmethod
     def of_group(cls, group: ShoeGroup) -> "RoughFeet":
-        """Collect the feet of a group on rough abutments."""
-        # Exact contact of linings has no compliance, but a sticking foot needs one.
+        """Collect the feet of a group's shoes on rough abutments."""
+        # Without a penalty the contact of linings has no compliance, but a sticking foot needs a
+        # finite stiffness.
         penalty = PENALTY if math.isinf(group.penalty) else group.penalty
-        on, stiffness, senses = [], [], [1] * len(group.shoes)
+        on, stiffness = [], []
+        senses = [1] * len(group.shoes)
         for k, shoe in enumerate(group.shoes):
             if shoe.abutment is None or not shoe.abutment.friction > 0:
                 continue
@@ -177,26 +190,27 @@ class RoughFeet(NamedTuple):
         return self.group.brake.model_copy(update={"friction": friction, "shoes": tuple(shoes)})
 
     def friction_of_all_nodes(self) -> Floats:
-        """The friction coefficient (n,) of every node, of linings first and then of feet."""
+        """The friction coefficients (n,) of all nodes, those of linings before those of feet."""
         n = self.group.node_ranges[-1].stop
         abutments = [self.group.shoes[k].abutment for k in self.shoe_numbers]
         of_feet = [abutment.friction for abutment in abutments if abutment is not None]
         return np.array([self.group.brake.friction] * n + of_feet)
 
     def add_foot_nodes(self, problem: FrictionalProblem, still: ShoeGroup) -> FrictionalProblem:
-        """Add a node for each foot to a stick-slip problem.
+        """Add a node for each foot on a rough abutment to a stick-slip problem.
 
         Parameters
         ----------
         problem : the stick-slip problem of the linings
-        still : the group of this problem, whose feet are free in the plane
+        still : the group without friction that belongs to this problem, with feet that move freely
         """
         if not self.shoe_numbers:
             return problem
         count = len(self.shoe_numbers)
         off = np.zeros((count, problem.B_w.shape[1]))
         slid = np.zeros((count, problem.B_w.shape[1]))
-        # Only the two slides of a shoe move its foot: the shoe turns about the foot.
+        # The rigid-body modes of the shoe are two translations and the rotation about its foot.
+        # The translations move the foot off and along the abutment; the rotation leaves it.
         for row, k in enumerate(self.shoe_numbers):
             names = still.shoes[k].freedoms(UNHELD).names
             first = still.mode_ranges[k].start
@@ -222,17 +236,17 @@ class RoughFeet(NamedTuple):
 def _add_shared_forces(
     still: ShoeGroup, problem: FrictionalProblem, shoes: list[_TractionMatrices]
 ) -> FrictionalProblem:
-    """Let the shoes of a stick-slip problem share forces by struts and a cam.
+    """Add to a stick-slip problem that struts and a cam share forces among the shoes.
 
     Parameters
     ----------
     still : the group without friction
-    problem : the stick-slip problem in which each shoe has its own force
-    shoes : the matrices of tractions on each shoe
+    problem : the stick-slip problem in which each shoe has an actuation force of its own
+    shoes : the matrices of tractions on each lining
     """
     n = len(problem.q_w)
-    # For `make_problem_with_shared_forces` the n pressures and n tractions are the unknowns of one
-    # contact problem.
+    # `make_problem_with_shared_forces` takes a contact problem with one kind of unknowns, so that
+    # the n pressures and the n tractions are stacked to 2n unknowns.
     whole = equations.ContactProblem(
         A=np.block([[problem.A_wp, problem.A_wt], [problem.A_sp, problem.A_st]]),
         q=np.concatenate([problem.q_w, problem.q_s]),
@@ -241,6 +255,7 @@ def _add_shared_forces(
         h=problem.h,
     )
     effects = []
+    # The effects of each actuation force on gaps and on slips are stacked in the same way.
     for normal, shoe in zip(still.effects_of_forces(0.0), shoes, strict=True):
         nodes, tangential = np.arange(n)[normal.nodes], shoe.effects
         both = normal._replace(
@@ -257,6 +272,7 @@ def _add_shared_forces(
     sharing = make_problem_with_shared_forces(
         whole, effects, still.own_forces, still.struts, still.cam_shoes, still.cam_force_sum
     )
+    # The stacked problem is split into the parts of pressures and of tractions again.
     A, q, B, C, h = sharing.problem
     return FrictionalProblem(
         A_wp=A[:n, :n],

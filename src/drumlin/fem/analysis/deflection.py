@@ -1,4 +1,8 @@
-"""Displacements of a beam and a ring by finite elements, to compare with the foundation model."""
+"""Displacements of a straight beam and of the drum ring by finite elements.
+
+They are compared with the displacements by the foundation model, in which the lining is a Winkler
+foundation.
+"""
 
 import numpy as np
 
@@ -14,17 +18,18 @@ from drumlin.response.response import Response
 def deflection_along_beam(
     scene: PreparedModel, brake: Brake, response: Response, index: int
 ) -> tuple[Floats, Floats]:
-    """The stations x (m,) [m] along a straight beam and its displacement w (m,) [m] there.
+    """The stations x (m,) [m] along a straight beam and its deflection w (m,) [m] there.
 
-    The beam is the body of shoe `index`. Positive w points towards the drum.
+    The beam is the body of shoe `index`. x counts from the hinge, and positive w points towards the
+    drum.
     """
     shoe = brake.shoes[index]
     axis = axis_of(shoe.pin.xy, shoe.actuation.point.xy)
     of_shoe = recover_shoe_fields(scene, brake, response, index)
     from_hinge = of_shoe.points - axis.hinge
-    # Nodes on the axis are off the axis by round-off only.
+    # The nodes on the beam's axis are those whose distance from the axis is round-off.
     on = np.abs(from_hinge @ axis.towards) < 1e-9 * axis.length
-    # The fields repeat a node for each material around the node: each place is taken once.
+    # The fields repeat a node for each material around the node. `unique` keeps each place once.
     x, first = np.unique(np.round(from_hinge[on] @ axis.along, 12), return_index=True)
     return x, (of_shoe.displacement[on] @ axis.towards)[first]
 
@@ -32,7 +37,7 @@ def deflection_along_beam(
 def inward_displacement_of_rim(
     scene: PreparedModel, brake: Brake, response: Response
 ) -> tuple[Floats, Floats]:
-    """The angles (m,) [rad] and the inward displacements z (m,) [m] of the ring's friction surface.
+    """The angles (m,) [rad] and inward displacements (m,) [m] of the drum ring's friction surface.
 
     Raises BadInput for a rigid drum.
     """

@@ -1,4 +1,4 @@
-"""Displacements and stresses inside the bodies, recovered from a solved brake for pictures."""
+"""Displacements and stresses inside the shoes and the drum ring of a solved brake, for pictures."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -59,7 +59,7 @@ class Fields:
 
 
 class _SolvedBody(NamedTuple):
-    """A body with its displacements, in its own frame.
+    """A body and the displacements of its nodes, in the body's own frame.
 
     Attributes
     ----------
@@ -77,12 +77,12 @@ class _SolvedBody(NamedTuple):
 
 
 class _Placement(NamedTuple):
-    """Functions that carry a body from its own frame into the frame of the brake.
+    """Functions that transform a body from its own frame to the frame of the brake.
 
     Attributes
     ----------
-    frame : the frame of the body, which turns vectors
-    points : function that carries points (2, n) [m]
+    frame : the frame of the body, which rotates vectors
+    points : function that transforms the coordinates (2, n) [m] of points
     directions : function that returns the normals of the lining at points (2, n) [m]
     """
 
@@ -92,7 +92,7 @@ class _Placement(NamedTuple):
 
 
 class _SubdomainFields(NamedTuple):
-    """The nodes, cells and stresses of one subdomain of a body.
+    """The nodes, cells and stresses of one subdomain, a part of a body with one material.
 
     Attributes
     ----------
@@ -107,7 +107,7 @@ class _SubdomainFields(NamedTuple):
 
 
 class NodalMeans(NamedTuple):
-    """The mean of a tensor at each node, over the elements around the node.
+    """The mean of a tensor field at each node, over the elements that meet at the node.
 
     Attributes
     ----------
@@ -128,7 +128,8 @@ class _ElementNodes(NamedTuple):
     ----------
     dofs : nodes (a, m) of the elements
     slopes : gradients (a, 2, m, a) [1/m] of the shape functions at the nodes
-    corners : corners (k, c) of the c cells as which an element is drawn, as numbers below a
+    corners : corners (k, c) of the c cells as which each element is drawn; the corners are local
+        node numbers of the element
     """
 
     dofs: Ints
@@ -139,7 +140,7 @@ class _ElementNodes(NamedTuple):
 def recover_shoe_fields(
     scene: PreparedModel, brake: Brake, response: Response, index: int
 ) -> Fields:
-    """The fields of shoe `index` under its contact pressure and actuation force in a response."""
+    """Displacements and stresses in shoe `index` under the pressure and the force of a response."""
     shoe, body = loaded(brake, response).shoes[index], scene.bodies[index]
     answer = response.shoes[index]
     p = answer.pressure[:: shoe.frame.sense]
@@ -152,7 +153,7 @@ def recover_shoe_fields(
 
 
 def recover_ring_fields(scene: PreparedModel, brake: Brake, response: Response) -> Fields:
-    """The fields of the drum ring under the contact pressures of all shoes.
+    """Displacements and stresses in the drum ring under the contact pressures of all shoes.
 
     Raises BadInput for a rigid drum.
     """
@@ -168,13 +169,16 @@ def recover_ring_fields(scene: PreparedModel, brake: Brake, response: Response) 
 
 
 def nodal_pressures_of_shoes(brake: Brake, response: Response) -> list[Floats]:
-    """The nodal pressures (n_i,) [Pa] of each shoe, in the order of its own frame."""
+    """The pressures (n_i,) [Pa] at the lining nodes of each shoe.
+
+    The nodes are in the order of the shoe's own frame.
+    """
     pairs = zip(brake.shoes, response.shoes, strict=True)
     return [answer.pressure[:: shoe.frame.sense] for shoe, answer in pairs]
 
 
 def recover_all_fields(scene: PreparedModel, brake: Brake, response: Response) -> list[Fields]:
-    """The fields of each shoe, followed by the fields of the drum ring if the ring is elastic."""
+    """Displacements and stresses in each shoe, and then in the drum ring if it is elastic."""
     every = [recover_shoe_fields(scene, brake, response, i) for i in range(len(brake.shoes))]
     if scene.ring is not None:
         every.append(recover_ring_fields(scene, brake, response))
@@ -184,7 +188,7 @@ def recover_all_fields(scene: PreparedModel, brake: Brake, response: Response) -
 def displacements_of_shoe(
     body: ShoeSubstructure, brake: Brake, shoe: Shoe, answer: ShoeResponse, p: Floats
 ) -> Floats:
-    """The displacements (d nodes,) [m] of all nodes of a shoe with d components, in its own frame.
+    """The displacements (d nodes,) [m] of all nodes of a shoe in d dimensions, in its own frame.
 
     Parameters
     ----------
@@ -192,17 +196,17 @@ def displacements_of_shoe(
     brake : the brake
     shoe : the shoe with the force that it has in the response
     answer : the response of the shoe
-    p : pressures (n,) [Pa] on its lining, in the order of its own frame
+    p : pressures (n,) [Pa] on the lining of the shoe, in the order of the shoe's own frame
     """
     load = acting_loads(body, shoe, shoe.actuation.force)
-    # The nodal forces of pressure and friction on the contact nodes.
+    # These forces (2n,) [N] of pressure and friction act on the contact nodes.
     nodal = brake.drag_on(shoe) * (body.coupling.T.T @ p) - body.coupling.N.T @ p
     motion = np.array(answer.motion or (0.0, 0.0, shoe.frame.sense * (answer.turn or 0.0)))
     return body.condensed.displacements(nodal[:, None], motion[:, None], load[:, None])[:, 0]
 
 
 def _recover_fields_in_brake_frame(solved: _SolvedBody, place: _Placement) -> Fields:
-    """Recover the fields of a body and turn them into the frame of the brake."""
+    """Recover the fields of a solved body, and transform them to the frame of the brake."""
     mesh, basis = solved.mesh, solved.basis
     nodes, cells, numbers, stresses, pressures, first = [], [], [], [], [], 0
     for number, name in enumerate(mesh.subdomains):
@@ -211,7 +215,8 @@ def _recover_fields_in_brake_frame(solved: _SolvedBody, place: _Placement) -> Fi
         cells.append(part.cells + first)
         numbers.append(np.full(len(part.cells), number))
         stresses.append(part.stress)
-        # The shoe or a backing may end in the friction surface, where the lining bears alone.
+        # The edge of a shoe body or a backing may meet the friction surface at the lining's end.
+        # The contact pressure at such a node belongs to the lining alone.
         bears = 1.0 if name == "lining" else 0.0
         pressures.append(bears * solved.pressure[part.nodes])
         first += len(part.nodes)
@@ -249,14 +254,14 @@ def _fields_of_subdomain(basis: Any, u: Floats, name: str, layer: ElasticLayer) 
     dofs, slopes, corners = _shape_functions_at_element_nodes(mesh, mesh.subdomains[name])
     gradient = np.einsum("ian,ajnq->ijnq", u[:, dofs], slopes)
     along = layer.directions(basis.doflocs[:, dofs].transpose(0, 2, 1))
-    # Elements differ in the stress at a shared node, so that their mean is drawn.
+    # Each element has its own stress at a shared node. The field is the mean of these stresses.
     means = mean_tensors_at_nodes(stresses_from_gradients(gradient, layer.elasticity, along), dofs)
     cells = means.cells[corners].reshape(len(corners), -1).T
     return _SubdomainFields(means.nodes, cells, means.values)
 
 
 def mean_tensors_at_nodes(values: Floats, dofs: Ints) -> NodalMeans:
-    """The means of tensors at nodes, over the elements around each node.
+    """The means of tensors at the nodes of a mesh, over the elements that meet at each node.
 
     Parameters
     ----------
@@ -271,7 +276,7 @@ def mean_tensors_at_nodes(values: Floats, dofs: Ints) -> NodalMeans:
 
 
 def _shape_functions_at_element_nodes(mesh: Any, elements: Ints) -> _ElementNodes:
-    """The shape functions of the given elements of a mesh at their own nodes."""
+    """The shape functions of chosen elements of a mesh, at the nodes of the elements."""
     if isinstance(mesh, ColumnGrid):
         dofs = mesh.element_dofs[:, elements]
         return _ElementNodes(dofs, mesh.gradients(elements), mesh.subcells)
@@ -290,7 +295,8 @@ FIELD_OF_VTU_NAME = {
     "pressure [Pa]": "pressure",
     "push of the drum [Pa]": "push",
 }
-"""The name of each nodal field in a .vtu file, with its unit, and the attribute of `Fields`."""
+"""The attribute of `Fields` that each nodal field in a .vtu file shows, by the field's name there.
+"""
 
 
 def write_fields_as_vtu(path: Path, parts: Sequence[Any]) -> None:
@@ -301,7 +307,7 @@ def write_fields_as_vtu(path: Path, parts: Sequence[Any]) -> None:
         numbers.append(part.part)
         shoes.append(np.full(len(part.cells), i))
         first += len(part.points)
-    # Fields of a solid lack some of the names.
+    # `SolidFields` lack some of these attributes.
     nodal = {}
     for head, name in FIELD_OF_VTU_NAME.items():
         if hasattr(parts[0], name):
@@ -313,7 +319,7 @@ def write_fields_as_vtu(path: Path, parts: Sequence[Any]) -> None:
 
 
 def _concatenated(parts: Sequence[Any], name: str) -> Floats:
-    """The values of an attribute of all parts in one array; vectors in the plane get z = 0."""
+    """The values of attribute `name` of all parts in one array; vectors in the plane get z = 0."""
     values = np.concatenate([getattr(part, name) for part in parts])
     if values.shape[1:] == (2,):
         return np.column_stack([values, np.zeros(len(values))])

@@ -1,10 +1,11 @@
 """The holding brake: from rest through partial slip to full slip, as the drum is turned.
 
-Here the actuation force comes on while the drum is at rest. In `solve` the drum turns already as
-the force comes on. The linings forget this difference at full slip, where all their nodes have
-slipped one way. A foot on a rough abutment remembers the difference: the foot slides while the
-force comes on, and may then stick. The end of the path is an equilibrium within the foot's cone of
-friction, but the torque differs from the torque of `solve`. A note of the state says so.
+Here the actuation force comes on while the drum is at rest, and the drum turns afterwards. In
+`solve` the drum turns already as the force comes on. At full slip, where all nodes of the linings
+have slipped one way, both orders give the same pressures on linings. A foot on a rough abutment
+still depends on the order: the foot slides while the force comes on, and may then stick. The path
+then ends in another equilibrium within the foot's cone of friction, with a torque that differs from
+the torque of `solve`. A note of the result says so.
 """
 
 import math
@@ -37,40 +38,41 @@ from drumlin.fem.preparation.scene import PreparedModel
 MOST_HALVINGS = 8
 """Largest number of times that an increment of the rotation is halved before it is refused.
 
-The states of a node may change more than once within an increment: then no set of states settles in
-one step. Increments that do not settle are some times the rotation to full slip. Each halving
-allows twice as large an increment, and an increment of forty times the rotation to full slip needs
-seven or eight halvings. More halvings only take longer to refuse.
+The states of a node may change more than once within an increment. Then no set of node states
+solves the increment in one step. Such increments are some times the rotation to full slip. Each
+halving allows twice as large an increment, and an increment of forty times the rotation to full
+slip needs seven or eight halvings. More halvings only take longer to refuse.
 """
 FIRST_ROTATION = 1e-7
-"""Rotation [rad] at which the search for full slip starts.
+"""Rotation of the drum [rad] at which the search for full slip starts.
 
-The start lies far below any rotation that makes a lining slip, which is 1e-4 of p/E or more. The
-search is geometric: a hundredth of this start takes one increment in a hundred more.
+The start lies far below any rotation that makes a lining slip, which is 1e-4 p/E or more for a
+lining of modulus E under the pressure p. The search is geometric: from a hundredth of this start it
+takes one increment more, out of about a hundred.
 """
 EXTRA_ROTATION = 0.1
 """Fraction by which `find_full_slip_rotation` enlarges the rotation at which it has met full slip.
 
-Full slip may come later on a path of other increments. With half of this fraction some linings on a
-pivot still stick at a few nodes. With a larger fraction fewer rotations of a user's path are left
+Full slip may come later on a path with other increments. With half of this fraction some linings on
+a pivot still stick at a few nodes. With a larger fraction fewer rotations of a user's path are left
 for partial slip. The search itself is as coarse: each increment grows the rotation by this fraction
-at least, and by its reciprocal at most.
+at least, and by the reciprocal of the fraction at most.
 """
 MOST_INCREMENTS = 100
 """Number of increments after which the search for full slip is refused as not converged."""
 LARGEST_TORQUE_DIFFERENCE = 1e-6
-"""Relative difference of two torques at full slip above which the torques belong to two answers.
+"""Relative difference of two torques at full slip above which they belong to two equilibria.
 
-Torques of one answer differ by the penalty only, which is worth 1e-8.
+Torques of the same equilibrium differ by the penalty only, which is worth 1e-8.
 """
 LARGEST_FRICTION_RATIO_DIFFERENCE = 1e-6
-"""Difference of a foot's ratio of friction to pressure above which two states of the foot differ.
+"""Difference of friction force over normal force above which two states of a foot differ.
 
-Smaller differences are round-off and the penalty.
+Smaller differences are round-off and the effect of the penalty.
 """
 
 Arcs = tuple[tuple[float, float], ...]
-"""The start and the end of each arc [rad]."""
+"""A tuple of the start and the end [rad] of each arc."""
 
 
 @dataclass(frozen=True)
@@ -88,7 +90,7 @@ class Hold:
     state : state (n,) of each node: open, stick, slip forward or slip backward
     stick, slip : arcs [rad] of each lining that stick, and arcs that slip
     dissipated : energy [J] dissipated by slip since the force came on
-    notes : lines that explain a moment at full slip which differs from the moment of `solve`
+    notes : lines of text that explain why the moment at full slip differs from that of `solve`
     """
 
     rotation: float
@@ -105,7 +107,7 @@ class Hold:
 
     @property
     def sticking(self) -> float:
-        """The fraction of the touching contact nodes that stick; 0 if no node touches."""
+        """The fraction of the touching contact nodes that stick; 0 if no node touches the drum."""
         states = np.concatenate(self.state)
         touching = np.count_nonzero(states != OPEN)
         sticking = np.count_nonzero(states == STICK)
@@ -113,7 +115,10 @@ class Hold:
 
 
 class _LoadedGroupAtRest(NamedTuple):
-    """A group of shoes with the force on and the drum at rest. All values hold per newton.
+    """A group of shoes with the actuation force on and the drum at rest.
+
+    The stick-slip problem and its increments hold per newton of the group's unit force, and
+    energies per newton squared.
 
     Attributes
     ----------
@@ -122,7 +127,7 @@ class _LoadedGroupAtRest(NamedTuple):
     slip_per_rotation : growth (n,) of the slips q_s per radian of the drum, in the sense of the
         brake's rotation
     friction : friction coefficient (n,) of each node
-    rest : the increment with the force fully on and the drum at rest
+    rest : the load increment at whose end the force is fully on and the drum at rest
     dissipated : energy [J/N^2] dissipated while the force came on
     """
 
@@ -139,27 +144,30 @@ class _LoadedGroupAtRest(NamedTuple):
         return self.group.node_ranges[-1].stop
 
     def torque(self, at: Increment) -> float:
-        """The moment [N m] that holds the drum in an increment, positive against the rotation."""
+        """The moment [N m] that holds the drum at an increment, against the brake's rotation."""
         return float(self.group.unit_force**2 * (self.slip_per_rotation @ at.t))
 
     def turn_drum_in_increments(
         self, increment: Increment, start: float, end: float
     ) -> Iterator[Increment]:
-        """Turn the drum from the rotation `start`, at a converged increment, to `end` [rad]."""
+        """Turn the drum from `start` to `end` [rad], and yield each converged increment.
+
+        `increment` is the converged increment at the rotation `start`.
+        """
         return turn_drum_in_increments(
             self.problem, self.slip_per_rotation, self.friction, increment, start, end
         )
 
 
 class _SlidingDrumSolution(NamedTuple):
-    """The answer of a group under a drum that slides already as the force comes on.
+    """The equilibrium of a group of shoes under a drum that slides already as the force comes on.
 
     Attributes
     ----------
-    group : the group, with the senses of friction at its abutments that the answer has
-    contact : the contact of the answer; None without an answer
+    group : the group, with the senses of friction at its abutments that the equilibrium has
+    contact : the contact of the linings in the equilibrium; None without an equilibrium
     torque : torque [N m], positive against the sense of the brake's rotation
-    refusal : the reason why there is no answer; empty with an answer
+    refusal : the reason why there is no equilibrium; empty with an equilibrium
     """
 
     group: ShoeGroup
@@ -169,15 +177,15 @@ class _SlidingDrumSolution(NamedTuple):
 
 
 class _RotationPath(NamedTuple):
-    """The path of a group through given rotations of the drum.
+    """The increments of a group of shoes as the drum turns through given rotations.
 
     Attributes
     ----------
     held : the group with the force on and the drum at rest
-    increments : the increment at each rotation
+    increments : the converged increment at each rotation
     dissipated : energy [J] dissipated up to each rotation
-    solve_under_sliding_drum : function that returns the answer of the sliding drum; its argument is
-        the sense, +1 or -1, in which all nodes slip
+    solve_under_sliding_drum : function that returns the equilibrium under the sliding drum; its
+        argument is the sense, +1 or -1, in which all nodes slip
     """
 
     held: _LoadedGroupAtRest
@@ -187,7 +195,10 @@ class _RotationPath(NamedTuple):
 
 
 class _LiningNodeStates(NamedTuple):
-    """The nodes of one lining in a `Hold`: angles, pressures, tractions and states (n,)."""
+    """Angles [rad], pressures [Pa], tractions [Pa] and states (n,) of the nodes of one lining.
+
+    They become the entries of one shoe in a `Hold`.
+    """
 
     theta: Floats
     pressure: Floats
@@ -198,7 +209,7 @@ class _LiningNodeStates(NamedTuple):
 class _FootSlide(NamedTuple):
     """The slide of a foot along its abutment, as words for a note.
 
-    `came_to` is the slide at the end of a path, `by_solve` the slide in the answer of `solve`.
+    `came_to` is the slide at the end of the path of rotations, `by_solve` the slide by `solve`.
     """
 
     came_to: str
@@ -215,24 +226,27 @@ def hold_drum_through_rotations(
 ) -> list[Hold]:
     """Put the force on, turn the drum through rotations, and return the state at each rotation.
 
-    The force comes on while the drum rests. If a gap has to close, the force comes on in as many
-    increments as there are rotations, since the closure under little force decides where the lining
-    sticks. Then each rotation is one increment. The dissipated energy converges with the first
-    order of the increment. The moment hardly depends on the increment unless the drum turns back. A
-    state at full slip has a note where its moment differs from the moment of `solve`.
+    The force comes on while the drum rests. If the linings have a gap to close, the force comes on
+    in as many increments as there are rotations, since the closure under little force decides where
+    a lining sticks. Without a gap one increment is exact. Then each rotation is one increment. The
+    error of the dissipated energy is proportional to the size of the increments. The moment hardly
+    depends on the increments unless the drum turns back. A state at full slip has a note where its
+    moment differs from the moment of `solve`.
 
     Parameters
     ----------
     scene : the prepared model
     brake : the brake
-    rotations : rotations (m,) of the drum [rad], positive in the sense of the brake's rotation
-    penalty : factor alpha of the contact stiffness alpha E/t
-    say : function that is told which group of shoes is solved next
+    rotations : rotations (m,) of the drum [rad] from its rest, positive in the sense of the brake's
+        rotation
+    penalty : factor alpha of the contact stiffness alpha E/t (lining modulus E, thickness t)
+    say : function that receives a line of text on the group of shoes that is solved next
 
     Raises
     ------
     NoAnswer
-        a shoe that does not touch, self-locking with its limit, no equilibrium, not converged
+        for a shoe that does not touch the drum, for a brake that locks itself (with the friction
+        limit), where there is no equilibrium, and where an increment does not converge
     BadInput
         for a brake without friction
     """
@@ -246,14 +260,15 @@ def hold_drum_through_rotations(
     ]
 
 
-# The force comes on
+# First part of the path: the actuation force comes on while the drum rests
 
 
 def _load_groups_at_rest(
     scene: PreparedModel, brake: Brake, increments: int, penalty: float
 ) -> Iterator[_LoadedGroupAtRest]:
-    """Put the force on each group of shoes while the drum is at rest.
+    """Put the actuation force on each group of shoes while the drum is at rest.
 
+    Yields each loaded group. `increments` is the number of increments in which the force comes on.
     Raises NoAnswer and BadInput as `hold_drum_through_rotations` does.
     """
     if brake.friction == 0 or scene.brake.friction == 0:
@@ -269,14 +284,15 @@ def _load_groups_at_rest(
 
 
 def _load_group_at_rest(group: ShoeGroup, increments: int) -> _LoadedGroupAtRest:
-    """Put the force on a group while the drum is at rest.
+    """Put the actuation force on a group of shoes, in increments, while the drum is at rest.
 
     Raises NoAnswer as `hold_drum_through_rotations` does.
     """
     problem, lever = make_stick_slip_problem(group)
     feet = RoughFeet.of_group(group)
     count = len(feet.shoe_numbers)
-    # The first guess: nodes that touch without friction stick, and so do all feet.
+    # The first guess of the states: nodes that touch in the solution without friction stick, and
+    # all feet stick.
     touches = (
         replace(group, brake=feet.brake_with_smooth_abutments(0.0), friction_senses=())
         .solve_with_known_senses()
@@ -289,7 +305,7 @@ def _load_group_at_rest(group: ShoeGroup, increments: int) -> _LoadedGroupAtRest
     try:
         rest, spent = _increase_force_at_rest(problem, gap, friction, start, increments)
     except NoAnswer as error:
-        # A brake that locks itself is refused by the line below, with its limit.
+        # On a brake that locks itself `solve_contact` raises a NoAnswer that states the limit.
         group.solve_contact()
         raise NoAnswer(f"{group.shoe_names}: {error}, the drum at rest") from error
     per_rotation = lever * (group.brake.spin / group.unit_force)
@@ -301,10 +317,11 @@ def _increase_force_at_rest(
 ) -> tuple[Increment, float]:
     """Increase the actuation force to its full value while the drum rests.
 
-    Without gaps all quantities grow with the force, and one increment is exact. With gaps the force
-    grows like the cubes of whole numbers, since most changes happen under little force. Under a
-    very small force, which one or two nodes bear, an increment may not settle from the present
-    states. An increment that does not settle is taken together with the next increment.
+    Without gaps all quantities grow with the force, and one increment is exact. With gaps the
+    shares of the force grow like the cubes of whole numbers, since most changes happen under little
+    force. Under a very small force one or two nodes bear the whole force, and an increment may not
+    settle from the present node states. An increment that does not settle is joined with the next
+    increment.
 
     Parameters
     ----------
@@ -339,16 +356,17 @@ def _increase_force_at_rest(
     return increment, energy
 
 
-# The drum is turned
+# Second part of the path: the drum turns under the full actuation force
 
 
 def _turn_drum_through_rotations(held: _LoadedGroupAtRest, rotations: Floats) -> _RotationPath:
-    """Turn the drum of a group through the rotations (m,) [rad], one after the other.
+    """Turn the drum under a loaded group through rotations (m,) [rad], one after the other.
 
     Raises NoAnswer as `hold_drum_through_rotations` does.
     """
     group, brake = held.group, held.group.brake
-    increment, reached, energy = held.rest, 0.0, held.dissipated
+    increment, reached = held.rest, 0.0
+    energy = held.dissipated
     increments, spent = [], []
     for rotation in rotations:
         try:
@@ -356,10 +374,9 @@ def _turn_drum_through_rotations(held: _LoadedGroupAtRest, rotations: Floats) ->
                 energy += _energy_dissipated_by_slip(held.problem, step, increment.history)
                 increment = step
         except NoAnswer as error:
-            # A brake that locks itself is refused by the line below, with its limit.
-            _group_on_other_brake(
-                group, brake if rotation > reached else brake.reversed()
-            ).solve_contact()
+            # On a brake that locks itself `solve_contact` raises a NoAnswer with the limit.
+            turning = brake if rotation > reached else brake.reversed()
+            _group_on_other_brake(group, turning).solve_contact()
             raise NoAnswer(f"{group.shoe_names}: {error}, turned by {rotation:.3g} rad") from error
         reached = float(rotation)
         increments.append(increment)
@@ -377,13 +394,13 @@ def turn_drum_in_increments(
 ) -> Iterator[Increment]:
     """Turn the drum from one rotation to another, and yield each converged increment.
 
-    The whole turn is one increment if its states settle. Otherwise the turn is halved up to
-    HALVINGS times, and its parts are the increments.
+    The whole turn is one increment if the states of its nodes settle. Otherwise the turn is halved
+    up to MOST_HALVINGS times, and its parts are the increments.
 
     Parameters
     ----------
     problem : the stick-slip problem while the drum rests
-    lever : growth (n,) of the slips q_s per radian
+    lever : growth (n,) of the slips q_s per radian of the drum
     friction : friction coefficient of all nodes, or (n,) of each node
     increment : the converged increment at the rotation `start`
     start, end : rotations [rad]
@@ -393,7 +410,7 @@ def turn_drum_in_increments(
     NoAnswer
         where the smallest part does not settle
     """
-    # A turn by nothing is solved once as well.
+    # If `start` equals `end`, the state at this rotation is still solved once.
     reached, pieces = start, 1
     while reached != end or start == end:
         step = end if pieces == 1 else reached + (end - reached) / pieces
@@ -414,7 +431,7 @@ def turn_drum_in_increments(
 
 
 def _group_on_other_brake(group: ShoeGroup, brake: Brake) -> ShoeGroup:
-    """The group on a brake with another rotation or friction of the drum.
+    """The group of shoes on a brake with another rotation or friction of its drum.
 
     The senses of friction at rough abutments become unknown, since feet may slide the other way.
     """
@@ -428,8 +445,11 @@ def _group_on_other_brake(group: ShoeGroup, brake: Brake) -> ShoeGroup:
 def _energy_dissipated_by_slip(
     problem: FrictionalProblem, after: Increment, before: SlipHistory
 ) -> float:
-    """Return the energy [J/N^2] that slip dissipates in an increment, by its last tractions."""
-    # The elastic slip of the penalty dissipates nothing.
+    """The energy dissipated by slip in an increment, per newton squared of the unit force [J/N^2].
+
+    It is computed with the tractions at the end of the increment.
+    """
+    # The compliance Q of the penalty adds elastic slip, which dissipates no energy.
     slip = after.s - before.s - problem.Q @ (after.t - before.t)
     return float(after.t @ slip)
 
@@ -437,9 +457,10 @@ def _energy_dissipated_by_slip(
 def _state_of_brake_at_rotation(
     brake: Brake, paths: list[_RotationPath], k: int, rotation: float
 ) -> Hold:
-    """The state of the brake at rotation number `k`, from the paths of all groups of shoes."""
+    """The state of the whole brake at rotation number `k`, from the paths of all its groups."""
     linings: dict[int, _LiningNodeStates] = {}
-    torque, dissipated, notes = 0.0, 0.0, list[str]()
+    torque, dissipated = 0.0, 0.0
+    notes: list[str] = []
     for path in paths:
         dissipated += path.dissipated[k]
         notes += _notes_on_different_moment(path, k)
@@ -464,12 +485,12 @@ def _state_of_brake_at_rotation(
 
 
 def _node_states_of_linings(group: ShoeGroup, at: Increment) -> dict[int, _LiningNodeStates]:
-    """The nodes of each lining of a group in an increment, by the position of the shoe."""
+    """The nodes of each lining of a group at an increment, by the shoe's position in the brake."""
     size = group.unit_force
     states = {}
     for k, part in enumerate(group.node_ranges):
         frame = group.shoes[k].frame
-        # Nodes in a frame against the brake's sense stand at falling angles.
+        # If the shoe's frame counts angles against the brake's sense, the nodes are reversed.
         forward = slice(None, None, frame.sense)
         p, t = size * at.p[part], size * at.t[part]
         theta = frame.theta(group.bodies[k].line.phi)
@@ -479,11 +500,14 @@ def _node_states_of_linings(group: ShoeGroup, at: Increment) -> dict[int, _Linin
     return states
 
 
-# Full slip
+# Full slip: comparison with `solve`, and the rotation that reaches full slip
 
 
 def _solve_under_sliding_drum(held: _LoadedGroupAtRest, sense: int) -> _SlidingDrumSolution:
-    """The answer of a group under a sliding drum; `sense` +1 or -1 is the sense of the slip."""
+    """The equilibrium of a group of shoes under a drum that slides as the force comes on.
+
+    `sense` +1 or -1 is the sense in which the nodes slip.
+    """
     brake = held.group.brake
     group = _group_on_other_brake(held.group, brake if sense == brake.spin else brake.reversed())
     try:
@@ -497,9 +521,10 @@ def _solve_under_sliding_drum(held: _LoadedGroupAtRest, sense: int) -> _SlidingD
 
 
 def _notes_on_different_moment(path: _RotationPath, k: int) -> list[str]:
-    """A note with both moments if the moment at full slip differs from the moment of `solve`.
+    """A note with both moments where the moment at full slip differs from the moment of `solve`.
 
-    The list is empty if the moments agree, and at partial slip. `k` is the number of the rotation.
+    The list is empty if the moments agree, and at partial slip. `k` is the number of the rotation
+    on the path.
     """
     held, at = path.held, path.increments[k]
     sense = _sense_of_full_slip(held, at)
@@ -526,7 +551,10 @@ def _notes_on_different_moment(path: _RotationPath, k: int) -> list[str]:
 
 
 def _sense_of_full_slip(held: _LoadedGroupAtRest, at: Increment) -> int:
-    """The sense +1 or -1 in which all touching nodes of the linings slip; 0 at partial slip."""
+    """The sense, +1 or -1, in which all touching nodes of the linings slip.
+
+    It is 0 if some touching nodes stick, or slip the other way.
+    """
     touching = set(at.state[: held.lining_nodes].tolist()) - {OPEN}
     return int(touching == {FORWARD}) - int(touching == {BACKWARD})
 
@@ -534,30 +562,31 @@ def _sense_of_full_slip(held: _LoadedGroupAtRest, at: Increment) -> int:
 def _feet_with_different_friction(
     held: _LoadedGroupAtRest, at: Increment, group: ShoeGroup, contact: Contact
 ) -> list[_FootSlide]:
-    """The feet whose friction differs between the end of a path and the sliding answer.
+    """The feet whose ratio of friction to normal force differs from that under the sliding drum.
 
     Parameters
     ----------
-    held : the group of the path
-    at : the increment at the end of the path
-    group, contact : the answer under the sliding drum
+    held : the group whose drum was turned from rest
+    at : the increment at the end of its rotations
+    group, contact : the equilibrium of the group under the sliding drum
     """
     size, feet = held.group.unit_force, []
-    for node, k in enumerate(RoughFeet.of_group(held.group).shoe_numbers, start=held.lining_nodes):
-        shoe, (x, y) = group.shoes[k], group.force_on_foot(contact, k)
+    numbers = RoughFeet.of_group(held.group).shoe_numbers
+    for node, k in enumerate(numbers, start=held.lining_nodes):
+        shoe = group.shoes[k]
+        x, y = group.force_on_foot(contact, k)
+        # The force on the foot has a component normal to the abutment and another along it.
         bearing, along = float(shoe.bearing @ (x, y)), float(shoe.bearing @ (y, -x))
-        presses = at.p[node] > 0
-        if (
-            presses
-            and abs(at.t[node] / at.p[node] - along / bearing) <= LARGEST_FRICTION_RATIO_DIFFERENCE
-        ):
-            continue
+        if at.p[node] > 0:
+            difference = abs(at.t[node] / at.p[node] - along / bearing)
+            if difference <= LARGEST_FRICTION_RATIO_DIFFERENCE:
+                continue
         slide = (
             float(group.generalised_coordinates(contact)[k][-1])
             if group.known_friction_senses[k]
             else 0.0
         )
-        # The slip counts against the slide. Subtraction from 0.0 never prints -0.
+        # The slip of a node counts against the slide of its foot. Subtraction from 0.0 avoids -0.
         came_to = f"{1e6 * size * (0.0 - at.s[node]):.6g} µm"
         by_solve = f"{1e6 * size * slide:.6g} µm"
         feet.append(_FootSlide(f"the foot of shoe {shoe.name!r} {came_to}", by_solve))
@@ -569,30 +598,29 @@ def find_full_slip_rotation(
 ) -> float:
     """Find a rotation of the drum [rad] after which every touching node slips.
 
-    The moment at this rotation is the moment of the sliding drum.
+    The moment at this rotation is the moment of the sliding drum, except where a foot sticks on a
+    rough abutment.
 
     Parameters
     ----------
     scene : the prepared model
     brake : the brake
     increments : number of increments in which the force comes on, see `hold_drum_through_rotations`
-    penalty : factor alpha of the contact stiffness alpha E/t
+    penalty : factor alpha of the contact stiffness alpha E/t (lining modulus E, thickness t)
 
     Raises
     ------
     NoAnswer
-        self-locking with its limit, a shoe that does not touch, not converged
+        for a brake that locks itself (with the friction limit), for a shoe that does not touch the
+        drum, and where the search does not converge
     """
     shoes = solve_prepared_model(scene, brake, penalty=penalty).shoes
     ends = []
     for held in _load_groups_at_rest(scene, brake, increments, penalty):
         target = sum(shoes[i].torque for i in held.group.members)
+        slipping = FORWARD if brake.spin > 0 else BACKWARD
         try:
-            ends.append(
-                _find_full_slip_rotation_of_group(
-                    held, target, FORWARD if brake.spin > 0 else BACKWARD
-                )
-            )
+            ends.append(_find_full_slip_rotation_of_group(held, target, slipping))
         except NoAnswer as error:
             raise NoAnswer(f"{held.group.shoe_names}: {error}") from error
     return (1 + EXTRA_ROTATION) * max(ends)
@@ -601,26 +629,28 @@ def find_full_slip_rotation(
 def _find_full_slip_rotation_of_group(
     held: _LoadedGroupAtRest, target: float, slipping: int
 ) -> float:
-    """Find a rotation [rad] after which all touching nodes of a group slip.
+    """Find a rotation of the drum [rad] after which all touching nodes of a group slip.
 
     Parameters
     ----------
     held : the group with the force on and the drum at rest
     target : moment [N m] of the sliding drum
-    slipping : the state of the nodes, FORWARD or BACKWARD
+    slipping : the state of the nodes at full slip, FORWARD or BACKWARD
 
     Raises
     ------
     NoAnswer
         where the moment at full slip is not the target, and where no rotation is found
     """
-    increment, reached, step, n = held.rest, 0.0, FIRST_ROTATION, held.lining_nodes
+    increment, reached = held.rest, 0.0
+    step, n = FIRST_ROTATION, held.lining_nodes
     for _ in range(MOST_INCREMENTS):
         before = held.torque(increment)
         *_, increment = held.turn_drum_in_increments(increment, reached, reached + step)
         torque, reached = held.torque(increment), reached + step
         if np.isin(increment.state[:n], [OPEN, slipping]).all():
-            # A sticking foot remembers its path, so that the moment may differ from the target.
+            # The friction of a sticking foot depends on the order of force and rotation, so that
+            # the moment may differ from the target.
             has_feet = len(increment.state) > n
             if has_feet or math.isclose(torque, target, rel_tol=LARGEST_TORQUE_DIFFERENCE):
                 return reached
@@ -628,7 +658,7 @@ def _find_full_slip_rotation_of_group(
                 f"more than one answer: held it comes to slip everywhere at {torque:.5g} N m, "
                 f"at once it slides at {target:.5g} N m"
             )
-        # The number of steps like the last step that would add the missing moment.
+        # By linear extrapolation this many steps like the last one add the missing moment.
         lacking = (target - torque) / (torque - before) if torque > before else math.inf
         step = min(max(step * lacking, EXTRA_ROTATION * reached), reached / EXTRA_ROTATION)
     sticking = np.count_nonzero(increment.state[:n] == STICK)
@@ -639,11 +669,14 @@ def _find_full_slip_rotation_of_group(
     )
 
 
-# Plain data
+# Conversion of the states to plain data for JSON
 
 
 def states_as_plain_data(states: list[Hold]) -> list[dict[str, Any]]:
-    """Convert states to plain data for JSON, in rad, N m, Pa and J; nodes have named states."""
+    """Convert the states of a holding brake to plain data for JSON, in rad, N m, Pa and J.
+
+    The state of each node is a word: "open", "stick", "slip" or "slip back".
+    """
     rows = []
     for state in states:
         shoes = [_lining_as_dict(state, i) for i in range(len(state.names))]
@@ -659,7 +692,7 @@ def states_as_plain_data(states: list[Hold]) -> list[dict[str, Any]]:
 
 
 def _lining_as_dict(state: Hold, i: int) -> dict[str, Any]:
-    """Convert lining `i` of a state to plain data for JSON."""
+    """Convert the nodal values of lining `i` in a state of the brake to plain data for JSON."""
     names = {OPEN: "open", STICK: "stick", FORWARD: "slip", BACKWARD: "slip back"}
     return {
         "name": state.names[i],

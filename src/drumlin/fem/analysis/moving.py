@@ -1,9 +1,10 @@
 """The motion of a shoe's nodes as a hinge, pivot, abutment or actuation point of the shoe moves.
 
-A straight beam runs from the hinge to the point of the actuation. As either point moves, the beam
-turns. The lining stays, and the block between beam and lining changes its shape. The back of an arc
-is gripped at the pivot, and elements end where the grip ends. A mesh in the shoe's own frame turns
-with the frame. The nodes of all other bodies stay in their places on the drum or the plane.
+A straight beam runs from the hinge to the actuation point. As either point moves, the beam turns.
+The lining stays, and the block between beam and lining changes its shape. The back of an arc is
+gripped at the pivot, and elements end where the grip ends. A mesh of the user in the shoe's own
+frame moves and turns with the frame. The nodes of all other bodies stay in their places on the drum
+or the plane.
 """
 
 from collections.abc import Iterator
@@ -25,18 +26,18 @@ from drumlin.fem.substructure.interface import ContactLine
 NODE_STEP = 1e-5
 """Step, in radii of the drum, by which a point moves in central differences of nodal places.
 
-The places are smooth functions of the point over a length of some radii. The difference is
-therefore off by NODE_STEP^2 = 1e-10, and by some 1e-11 of round-off. A larger step is less exact,
-and a smaller step loses digits.
+The nodal places are smooth functions of the point over a length of some radii. The relative error
+of the difference is therefore NODE_STEP^2 = 1e-10, with some 1e-11 of round-off. A larger step is
+less exact, and a smaller step loses digits.
 """
 LARGEST_NODE_MOTION = 1e3
-"""Motion of a node per motion of a point beyond which the division into elements has changed.
+"""Ratio of a node's motion to a point's motion above which the division into elements has changed.
 
 A node moves so far if the moved shoe has one hp element or layer more, or if another element ends
 where the grip ends.
 """
 LARGEST_UNMOVED_MOTION = 1e-6
-"""Motion of a contact node per motion of a point below which the contact counts as unmoved.
+"""Ratio of a contact node's motion to a point's motion below which the contact stays in its place.
 
 Smaller motions are round-off, which is some 1e-11 in the central differences.
 """
@@ -47,7 +48,9 @@ BEAM_AXIS_POINTS = ("hinge", "actuation.point")
 
 
 class NodeMotion(NamedTuple):
-    """The motion of a body's nodes per unit motion of a point, in the frame of the shoe.
+    """The motion of a body's nodes per unit motion of a support or of the actuation point.
+
+    Vectors are in the frame of the shoe.
 
     Attributes
     ----------
@@ -64,26 +67,27 @@ class NodeMotion(NamedTuple):
 
     @property
     def contact_stays(self) -> bool:
-        """Whether no node of the contact moves."""
+        """Whether all contact nodes stay in their places."""
         return float(np.abs(self.line_motion).max()) < LARGEST_UNMOVED_MOTION
 
 
 def node_motions_by_point(scene: PreparedModel, i: int, shoe: Shoe, key: str) -> list[NodeMotion]:
     """The motions of the nodes of a shoe as one of its points moves along x and along y.
 
-    The axes x and y are the axes of the brake. The list is empty if no node moves.
+    The axes x and y are those of the brake. The list has one motion for each axis. It is empty if
+    no node moves.
 
     Parameters
     ----------
     scene : the prepared model
     i : position of the shoe in the brake
     shoe : the shoe
-    key : "hinge", "pivot", "abutment.point" or "actuation.point"
+    key : the point: "hinge", "pivot", "abutment.point" or "actuation.point"
 
     Raises
     ------
     NoAnswer
-        where the division into elements changes within a step on both sides
+        where the division into elements changes both on a step forwards and on a step backwards
     """
     moving = _does_point_move_nodes(scene, shoe, key)
     turns_axis = isinstance(shoe.body, Beam) and key in BEAM_AXIS_POINTS
@@ -96,7 +100,7 @@ def node_motions_by_point(scene: PreparedModel, i: int, shoe: Shoe, key: str) ->
 
 def _does_point_move_nodes(scene: PreparedModel, shoe: Shoe, key: str) -> bool:
     """Whether nodes of a shoe's body move with the point of the shoe that `key` names."""
-    # Without a mesh of the user the body is divided anew between its points.
+    # Without a mesh of the user the division into elements follows the points of the shoe.
     if shoe.mesh is None:
         beam = isinstance(shoe.body, Beam) and key in BEAM_AXIS_POINTS
         return beam or (key == "pivot" and shoe.grip(scene.brake.size) is not None)
@@ -113,16 +117,16 @@ def _does_point_move_nodes(scene: PreparedModel, shoe: Shoe, key: str) -> bool:
 def _differentiate_node_places(
     scene: PreparedModel, i: int, shoe: Shoe, key: str, direction: Floats
 ) -> NodeMotion:
-    """The motion of a shoe's nodes by central differences as a point moves along a direction (2,).
+    """The motion of a shoe's nodes per motion of a point along `direction` (2,).
 
-    Raises NoAnswer as `node_motions_by_point` does.
+    The motion is a central difference. Raises NoAnswer as `node_motions_by_point` does.
     """
     h = NODE_STEP * scene.brake.size
     here = _nodes_in_brake_frame(scene, i, shoe)
     places, loads = [], []
     for step in (h, -h):
         there = _nodes_in_brake_frame(scene, i, _shoe_with_moved_point(shoe, key, step * direction))
-        # A side on which the division into elements changes does not count.
+        # A step after which the division into elements is another one does not count.
         same_division = there.xy.shape == here.xy.shape
         if same_division and np.abs(there.xy - here.xy).max() < LARGEST_NODE_MOTION * h:
             places.append((there.xy - here.xy) / step)
@@ -141,7 +145,10 @@ def _differentiate_node_places(
 def _motion_of_axis_alone(
     body: ShoeSubstructure, shoe: Shoe, key: str, direction: Floats
 ) -> NodeMotion:
-    """The motion of a beam's mesh in the brake's frame: no node moves, but the layers turn."""
+    """The motion of a straight beam on a mesh in the brake's frame, as an end of its axis moves.
+
+    No node moves, but the directions of orthotropic layers turn with the axis.
+    """
     still = np.zeros(2 * body.basis.N)
     return NodeMotion(
         still, np.zeros(body.line.xy.shape), still, _turn_of_beam_axis(shoe, key, direction)
@@ -151,8 +158,8 @@ def _motion_of_axis_alone(
 def _turn_of_beam_axis(shoe: Shoe, key: str, direction: Floats) -> float:
     """The turn [rad/m] of a straight beam's axis per motion of the point `key` along a direction.
 
-    The direction (2,) is a unit vector. Other bodies have the turn 0. The turn counts in the
-    shoe's frame.
+    The direction (2,) is a unit vector. Other bodies have the turn 0. The turn counts in the shoe's
+    frame.
     """
     if not isinstance(shoe.body, Beam):
         return 0.0
@@ -163,7 +170,7 @@ def _turn_of_beam_axis(shoe: Shoe, key: str, direction: Floats) -> float:
 
 
 def _nodes_in_brake_frame(scene: PreparedModel, i: int, shoe: Shoe) -> BodyNodes:
-    """The nodes and nodal forces, in the frame of the brake, of `shoe` in the place of shoe `i`."""
+    """The nodes and nodal forces of `shoe` in the frame of the brake, in the place of shoe `i`."""
     assert scene.nodes_of_changed_shoe is not None
     nodes = scene.nodes_of_changed_shoe(i, shoe)
     return BodyNodes(shoe.points(nodes.xy), shoe.frame.to_brake(nodes.load.T).T)
@@ -183,13 +190,15 @@ def _shoe_with_moved_point(shoe: Shoe, key: str, step: Floats) -> Shoe:
 def contact_lines_of_moved_point(
     body: ShoeSubstructure, shoe: Shoe, radius: float, moves: NodeMotion
 ) -> Iterator[tuple[float, ContactLine]]:
-    """The step [m] of a point and the moved contact line, for a step ahead and a step behind.
+    """Yield the moved contact line for a step forwards and a step backwards of a point.
+
+    Each item is the step [m] and the contact line with its nodes moved.
 
     Parameters
     ----------
     body, shoe : the substructure and the shoe
     radius : radius of the drum [m]
-    moves : motion of the nodes with the point
+    moves : motion of the nodes per motion of the point
     """
     line = body.line
     for step in (NODE_STEP * radius, -NODE_STEP * radius):

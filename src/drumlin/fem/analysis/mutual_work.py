@@ -1,14 +1,15 @@
 """The mutual work v^T K u of two displacements of a body, and its change as the nodes move.
 
-With the stiffness K of plane stress and the gradients H_cd = d u_c / d x_d of both displacements,
+With the stiffness K of plane stress, the width b and the gradients H_cd = d u_c / d x_d of both
+displacements u and v,
 
     v^T K u = b Int sigma(u) : H_v dA,   sigma(u) = lambda tr(H_u) I + mu (H_u + H_u^T)
 
-and, for an orthotropic layer, its further stiffness along and through the layer
+and, for an orthotropic layer, further stresses along and through the layer
 (fem.substructure.elasticity).
 
-Nodes that move by s V, while their displacements stay, change the gradients by -s H (grad V) and
-areas by s div V, so that at s = 0
+If the nodes move by s V while their displacements stay, the gradients change by -s H (grad V) and
+the areas by s div V, so that at s = 0
 
     d/ds v^T K u
         = b Int sigma(u) : H_v div V - sigma(u) : (H_v grad V) - sigma(v) : (H_u grad V) dA.
@@ -16,7 +17,7 @@ areas by s div V, so that at s = 0
 The directions of a layer change as well. Directions around the drum's centre turn by t . V/r, and
 the directions of a straight beam turn with its axis. A turn by phi adds phi gamma to the stretch
 along the layer and -phi gamma to the stretch through the layer. Here gamma = t . (H + H^T) n is the
-shear between both directions.
+shear between the unit vectors t along and n through the layer.
 
 V is interpolated as displacements are, and both integrals use the quadrature of the stiffness. The
 derivatives are therefore exact for the discrete body (Haslinger & Makinen, Introduction to Shape
@@ -36,9 +37,10 @@ from drumlin.fem.substructure.body import quadrature_points, shape_values
 from drumlin.fem.substructure.elasticity import split_elasticity
 
 ELEMENTS_AT_A_TIME = 500
-"""Elements of a grid whose gradients are in memory at once: a few megabytes at degree 8.
+"""Number of hp elements whose shape-function gradients are in memory at once.
 
-Fewer elements take more turns of a Python loop, and more elements take memory in proportion.
+At degree 8 they take a few megabytes. Fewer elements take more turns of a Python loop, and more
+elements take memory in proportion.
 """
 
 
@@ -61,11 +63,17 @@ class _QuadratureSample(NamedTuple):
     area: Floats
 
     def gradient_of(self, u: Floats) -> Floats:
-        """The gradients H_cd = d u_c / d x_d (e, q, 2, 2) of displacements u (2 nodes,)."""
+        """The displacement gradients d u_c / d x_d (e, q, 2, 2) at the quadrature points.
+
+        `u` (2 nodes,) are the displacements of the nodes.
+        """
         return np.asarray(np.einsum("eac,edaq->eqcd", u.reshape(-1, 2)[self.dofs], self.slopes))
 
     def displacement_of(self, u: Floats) -> Floats:
-        """The displacements (e, q, 2) at the quadrature points, from nodal values u (2 nodes,)."""
+        """The displacements (e, q, 2) at the quadrature points, interpolated from the nodes.
+
+        `u` (2 nodes,) are the displacements of the nodes.
+        """
         return np.asarray(np.einsum("eac,aq->eqc", u.reshape(-1, 2)[self.dofs], self.values))
 
 
@@ -84,12 +92,12 @@ class _LayerDirections(NamedTuple):
     straight: Bools
 
     def turn_of_moved_points(self, elements: Ints, moved: Floats, axis: float) -> Floats:
-        """The turn (e, q) [rad] of the directions in elements whose points move.
+        """The turn (e, q) [rad] of the layer directions at quadrature points that move.
 
         Parameters
         ----------
-        elements : numbers (e,) of the elements
-        moved : motion (e, q, 2) [m] of their quadrature points
+        elements : numbers (e,) of the elements that contain the points
+        moved : motion (e, q, 2) [m] of the quadrature points
         axis : turn [rad] of the axis of a straight beam
         """
         around = np.einsum("eqc,eqc->eq", self.along[elements], moved) * self.curvature[elements]
@@ -99,7 +107,9 @@ class _LayerDirections(NamedTuple):
 def mutual_work_by_part(
     basis: Any, layers: Mapping[str, ElasticLayer], u: Floats, v: Floats
 ) -> dict[str, float]:
-    """The mutual work v^T K u [N m] of displacements u and v in each part of a body, by its name.
+    """The mutual work v^T K u [N m] of displacements u and v in each part of a body.
+
+    The keys are the names of the parts.
 
     Parameters
     ----------
@@ -107,10 +117,8 @@ def mutual_work_by_part(
     layers : materials of the parts by their names
     u, v : displacements (2 nodes,) [m]
     """
-    constants, directions = (
-        _elastic_constants_of_elements(basis, layers),
-        _find_layer_directions(basis, layers),
-    )
+    constants = _elastic_constants_of_elements(basis, layers)
+    directions = _find_layer_directions(basis, layers)
     work = np.zeros(len(constants))
     for sample in _sample_elements_in_chunks(basis):
         along = None if directions is None else directions.along[sample.elements]
@@ -132,33 +140,31 @@ def mutual_work_change_by_node_motions(
     moves: Floats,
     axes: Sequence[float],
 ) -> Floats:
-    """The derivatives (k,) [N] of the mutual work v^T K u as the nodes of a body move in k ways.
+    """The derivatives (k,) [N] of the mutual work v^T K u by k motions of a body's nodes.
+
+    K is the stiffness of the body. The displacements u and v stay as the nodes move.
 
     Parameters
     ----------
     basis : finite-element basis of the body
     layers : materials of the parts by their names
-    u, v : displacements (2 nodes,) [m], which stay as the nodes move
-    moves : motions (k, 2 nodes) of the nodes per unit motion of a point
-    axes : turns (k,) [rad/m] of the axis of a straight beam per unit motion of a point
+    u, v : displacements (2 nodes,) [m]
+    moves : motions (k, 2 nodes) of the nodes per unit motion of a point of the shoe
+    axes : turns (k,) [rad/m] of the axis of a straight beam per unit motion of a point of the shoe
     """
-    constants, directions = (
-        _elastic_constants_of_elements(basis, layers),
-        _find_layer_directions(basis, layers),
-    )
+    constants = _elastic_constants_of_elements(basis, layers)
+    directions = _find_layer_directions(basis, layers)
     changes = np.zeros(len(moves))
     for sample in _sample_elements_in_chunks(basis):
         own = constants[sample.elements]
         along = None if directions is None else directions.along[sample.elements]
         of_u, of_v = sample.gradient_of(u), sample.gradient_of(v)
-        stress_u, stress_v = (
-            _stress_of_displacement_gradients(of_u, own, along),
-            _stress_of_displacement_gradients(of_v, own, along),
-        )
+        stress_u = _stress_of_displacement_gradients(of_u, own, along)
+        stress_v = _stress_of_displacement_gradients(of_v, own, along)
         by_turn = None if along is None else _work_change_by_turn_of_layers(of_u, of_v, own, along)
-        # The areas grow by div V.
+        # This density of work is multiplied by div V, the growth of the area.
         work = np.einsum("eqcd,eqcd->eq", stress_u, of_v)
-        # The gradients change by -H (grad V), which enters both displacements.
+        # The gradients of both displacements change by -H (grad V). This is the factor of grad V.
         by_gradient = np.einsum("eqcj,eqcd->eqdj", stress_u, of_v)
         by_gradient = by_gradient + np.einsum("eqcj,eqcd->eqdj", stress_v, of_u)
         for k, move in enumerate(moves):
@@ -194,14 +200,17 @@ def _stress_of_displacement_gradients(H: Floats, constants: Floats, along: Float
 
 
 def _unit_vectors_through_layers(along: Floats) -> Floats:
-    """The unit vectors (..., 2) through layers, from the unit vectors along the layers."""
+    """The unit vectors (..., 2) in the thickness direction of layers.
+
+    `along` (..., 2) are the unit vectors along the layers.
+    """
     return np.stack([-along[..., 1], along[..., 0]], axis=-1)
 
 
 def _work_change_by_turn_of_layers(
     of_u: Floats, of_v: Floats, constants: Floats, along: Floats
 ) -> Floats:
-    """The change (e, q) [N/m] of b sigma(u) : H_v per turn of the layers' directions.
+    """The change (e, q) [N/m] of the work density b sigma(u) : H_v per turn of the layers.
 
     Parameters
     ----------
@@ -215,12 +224,13 @@ def _work_change_by_turn_of_layers(
 
 
 class _DirectionStrains(NamedTuple):
-    """Strains (e, q) in the directions along and through a layer.
+    """Shear and stretch (e, q) in the directions along and through a layer.
 
     Attributes
     ----------
     shear : shear strain gamma between both directions
-    stretched : a eps_along - b eps_through [N/m], with the stiffnesses a and b of both directions
+    stretched : a eps_along - b eps_through [N/m], with the stiffnesses a and b that the layer's
+        directions add to its isotropic stiffness
     """
 
     shear: Floats
@@ -228,8 +238,13 @@ class _DirectionStrains(NamedTuple):
 
 
 def _strains_in_layer_directions(H: Floats, constants: Floats, along: Floats) -> _DirectionStrains:
-    """The strains of displacement gradients H (e, q, 2, 2) in the directions of the layers."""
-    a, b, through = constants[:, 2:3], constants[:, 3:4], _unit_vectors_through_layers(along)
+    """The shear and stretch of displacement gradients H (e, q, 2, 2) in the layers' directions.
+
+    `constants` (e, 4) [N/m] are those of `elasticity.split_elasticity`, and `along` (e, q, 2) the
+    unit vectors along the layers.
+    """
+    a, b = constants[:, 2:3], constants[:, 3:4]
+    through = _unit_vectors_through_layers(along)
     eps_along = np.einsum("eqc,eqcd,eqd->eq", along, H, along)
     eps_through = np.einsum("eqc,eqcd,eqd->eq", through, H, through)
     shear = np.einsum("eqc,eqcd,eqd->eq", along, H + H.swapaxes(2, 3), through)
@@ -237,7 +252,7 @@ def _strains_in_layer_directions(H: Floats, constants: Floats, along: Floats) ->
 
 
 def _elastic_constants_of_elements(basis: Any, layers: Mapping[str, ElasticLayer]) -> Floats:
-    """The elastic constants (elements, 4) [N/m] of each element, by `split_elasticity`."""
+    """The constants lambda, mu, a, b (elements, 4) [N/m] of each element by `split_elasticity`."""
     constants = np.zeros((basis.element_dofs.shape[1], 4))
     for name, elements in _mesh_of(basis).subdomains.items():
         constants[elements] = split_elasticity(layers[name].stiffness)
@@ -247,7 +262,7 @@ def _elastic_constants_of_elements(basis: Any, layers: Mapping[str, ElasticLayer
 def _find_layer_directions(
     basis: Any, layers: Mapping[str, ElasticLayer]
 ) -> _LayerDirections | None:
-    """The directions of the layers of a body; None if all layers are isotropic."""
+    """The directions of a body's layers at its quadrature points; None if all are isotropic."""
     subdomains = _mesh_of(basis).subdomains
     if not any(has_directions(layers[name].elasticity) for name in subdomains):
         return None
@@ -265,12 +280,12 @@ def _find_layer_directions(
 
 
 def _mesh_of(basis: Any) -> Any:
-    """The mesh of a basis, which knows the subdomains. A grid of columns is its own mesh."""
+    """The mesh of a basis, which knows the subdomains. A grid of hp elements is its own mesh."""
     return basis if isinstance(basis, ColumnGrid) else basis.mesh
 
 
 def _sample_elements_in_chunks(basis: Any) -> Iterator[_QuadratureSample]:
-    """The shape functions of all elements of a body, in chunks of elements that fit in memory."""
+    """Yield the shape functions of all elements of a body, in chunks that fit in memory."""
     if isinstance(basis, ColumnGrid):
         count = len(basis.ordered_dofs)
         for first in range(0, count, ELEMENTS_AT_A_TIME):

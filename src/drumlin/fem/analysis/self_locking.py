@@ -1,4 +1,4 @@
-"""Self-locking of an elastic brake: the limit of friction, and the torque below the limit."""
+"""Friction limits of self-locking of an elastic brake, and the torques below these limits."""
 
 import math
 from collections.abc import Sequence
@@ -18,17 +18,18 @@ def friction_limits_of_groups(
     most: float = LARGEST_SOUGHT_FRICTION,
     penalty: float = math.inf,
 ) -> dict[tuple[int, ...], FrictionLimit]:
-    """The friction limit of self-locking of each group of shoes, by the positions of the shoes.
+    """The smallest friction coefficient at which each group of shoes locks itself.
 
-    The limit comes earlier where a foot leaves its abutment, or where a cam or a strut would have
-    to pull.
+    The keys of the result are the positions of the group's shoes in the brake. The limit comes
+    earlier where a foot of a shoe leaves its abutment, or where a cam or a strut would have to
+    pull.
 
     Parameters
     ----------
     scene : the prepared model
     brake : the brake
     most : friction coefficient up to which the limit is sought
-    penalty : factor alpha of the contact stiffness alpha E/t
+    penalty : factor alpha of the contact stiffness alpha E/t (lining modulus E, thickness t)
 
     Raises
     ------
@@ -44,9 +45,9 @@ def friction_limits_of_groups(
 def torques_at_frictions(
     scene: PreparedModel, brake: Brake, frictions: Sequence[float], penalty: float = math.inf
 ) -> Floats:
-    """The torque (m, shoes) [N m] of each shoe at m growing friction coefficients.
+    """The torque (m, shoes) [N m] of each shoe at m friction coefficients in growing order.
 
-    Raises NoAnswer at the limit of self-locking and beyond the limit.
+    Raises NoAnswer at the friction limit of self-locking and beyond this limit.
     """
     values = np.zeros((len(frictions), len(brake.shoes)))
     for group in divide_pressed_shoes_into_groups(scene, brake, penalty):

@@ -1,10 +1,10 @@
 """Exact sensitivities of the torque of an elastic brake, from the tangent of its equations.
 
-One adjoint, the solution of the transposed equations (fem.analysis.adjoint), holds the effect of
-any small change on the torque. No differences of solves are needed.
+The adjoint is the solution of the transposed equations (fem.analysis.adjoint). One adjoint gives
+the effect of any small change on the torque, so that no differences of solves are needed.
 
-- Moduli act through the displacements u under the loads and v under the adjoint loads:
-  dT = -v^T dK u. Here dK is the part of the stiffness that is proportional to the modulus.
+- Moduli act through the displacements u under the loads and v under the adjoint loads: dT = -v^T dK
+  u. Here dK is the change of the part of the stiffness that is proportional to the modulus.
 - The supports of a shoe act through its rigid-body modes. A support also acts through the body if
   nodes of the body move with the support (fem.analysis.moving): a straight beam ends at the hinge,
   and the back of an arc is gripped at the pivot. Then dT = -v^T (dK/dX dX) u. Here dK/dX is the
@@ -13,9 +13,9 @@ any small change on the torque. No differences of solves are needed.
   are central differences.
 
 The division into elements stays: a mesh stays as `solve` would make it, and hp elements end where
-the contact ends. If the contact set is about to change, the torque has a kink. The sensitivities
-are then the slopes on the side of the present contact set. Forces of struts and cams are shared
-anew.
+the contact ends. If the contact set is about to change, the torque has a kink, and the
+sensitivities are the slopes on the side of the present contact set. The forces that struts and cams
+pass on change with all data.
 """
 
 import math
@@ -57,14 +57,15 @@ from drumlin.response.merit import sensitivity as by_differences
 from drumlin.response.resultants import cross
 
 PERCENT_PER_MM = 0.1
-"""Percent per millimetre in a relative change by a place of 1/m."""
+"""Factor from a relative change of the torque per motion of a point in 1/m to percent per mm."""
 
 
 @dataclass(frozen=True)
 class ShoeSensitivity:
     """The derivatives of one shoe's own torque, and of the brake's torque T by data of this shoe.
 
-    On a plane T is the braking force [N], and all units are divided by a length; `theta` is in m.
+    dT stands for the derivative of T. On a plane T is the braking force [N], and all units are
+    divided by a length; `theta` is in m.
 
     Attributes
     ----------
@@ -83,7 +84,7 @@ class ShoeSensitivity:
         "abutment.friction" (1,) [N m]
     penalty : dT by the logarithm of the contact stiffness [N m]
     theta : growing angles (n,) [rad] of the lining's nodes
-    density : dT per clearance and length of arc (n,) [N/m]; 0 off the contact
+    density : dT per clearance and length of arc (n,) [N/m] at each node; 0 off the contact
     """
 
     name: str
@@ -131,7 +132,7 @@ class Sensitivity:
     law: tuple[float | None, ...] | None
 
     def as_dict(self) -> dict[str, Any]:
-        """Convert the sensitivities to plain data for JSON, in SI units."""
+        """Convert the sensitivities of the brake to plain data for JSON, in SI units."""
         shoes = list(map(_shoe_as_dict, self.shoes))
         return vars(self) | {"shoes": shoes, "law": None if self.law is None else list(self.law)}
 
@@ -153,7 +154,7 @@ def _shoe_as_dict(shoe: ShoeSensitivity) -> dict[str, Any]:
 def compute_torque_sensitivity(
     scene: PreparedModel, brake: Brake, *, penalty: float = PENALTY
 ) -> Sensitivity:
-    """Compute the sensitivities of the torque of a brake on a prepared model.
+    """Compute the sensitivities of a brake's torque to its data, on a prepared model.
 
     Raises NoAnswer and BadInput as `solve_prepared_model` does, and NoAnswer for a brake without
     friction, which has no torque.
@@ -172,7 +173,8 @@ def compute_torque_sensitivity(
         adjoint = solve_adjoint_of_group(group)
         for k, i in enumerate(group.members):
             pressed[i] = _TorqueSlopesOfShoe(adjoint, k).sensitivity()
-        ring, drive = ring + adjoint.ring_modulus_slope, drive + adjoint.given_forces_slope
+        ring += adjoint.ring_modulus_slope
+        drive += adjoint.given_forces_slope
     shoes = []
     for i, shoe in enumerate(brake.shoes):
         shoes.append(
@@ -180,7 +182,8 @@ def compute_torque_sensitivity(
         )
     torque = math.fsum(shoe.torque for shoe in shoes)
     friction = math.fsum(shoe.friction for shoe in shoes)
-    # The slope by the ring's modulus holds where the modulus alone makes the ring's flexibility.
+    # The adjoint's slope by the ring's modulus assumes that the ring's flexibility is inversely
+    # proportional to this modulus. A far edge that yields adds a flexibility of its own.
     scaled = brake.ring is not None and brake.ring.is_plain
     # A given bending stiffness takes the place of the ring's modulus.
     given = brake.ring is not None and brake.ring.bending_stiffness is not None
@@ -198,7 +201,7 @@ def compute_torque_sensitivity(
 
 
 def _logarithmic_slope(x: float, slope: float, value: float) -> float | None:
-    """The relative change of a value per relative change of x; None if the value is 0."""
+    """The slope d ln(value) / d ln(x) = x slope / value; None if the value is 0."""
     return x * slope / value if value else None
 
 
@@ -229,9 +232,10 @@ def _material_of_part(part: str) -> str:
 
 
 class _LoadedDisplacements(NamedTuple):
-    """Displacements (2 nodes,) of a shoe whose rigid-body motion is held.
+    """Displacements (2 nodes,) of all nodes of a shoe, without its rigid-body motion.
 
-    u are the displacements under the loads [m], v under the adjoint loads.
+    u are the displacements [m] under the loads of the shoe, and v the displacements under the
+    adjoint loads.
     """
 
     u: Floats
@@ -239,37 +243,39 @@ class _LoadedDisplacements(NamedTuple):
 
 
 class _TorqueSlopesOfShoe:
-    """The slopes of the brake's torque by data of one shoe.
+    """Computes the derivatives of the brake's torque by the data of one shoe.
 
     `adjoint` is the adjoint of the shoe's group, and `k` the number of the shoe in the group.
     """
 
     def __init__(self, adjoint: GroupAdjoint, k: int) -> None:
+        """Collect the shoe, its adjoint, and the signs of its rigid-body modes."""
         self.adjoint, self.k = adjoint, k
         self.group: ShoeGroup = adjoint.group
         self.own: ShoeAdjoint = adjoint.shoes[k]
         self.body, self.shoe = self.group.bodies[k], self.group.shoes[k]
         self.drag = self.group.brake.drag_on(self.shoe)
-        # Under a cam the travel of the shoe's tip enters the equation that gives its force.
+        # Under a cam the travel of the shoe's tip enters the equation of the shoe's force.
         self.under_cam = k in self.group.cam_shoes
         self.tip_multiplier = self.own.force_multiplier if self.under_cam else 0.0
         names = np.array(self.shoe.freedoms(self.group.friction_senses[k]).names)
-        # The sign of each rigid-body mode in the frame of the shoe against the frame of the brake.
+        # A rotation counts with another sign in the brake's frame if the shoe's frame is mirrored.
         self.mode_signs = np.where(names == "turn", float(self.shoe.frame.sense), 1.0)
         # The actuation does no work on the tilt of a shoe on a lever.
         self.works = np.where(names == "tilt", 0.0, 1.0)
 
     def sensitivity(self) -> ShoeSensitivity:
-        """Compute all sensitivities of the shoe."""
-        group, k, own, body = self.group, self.k, self.own, self.body
-        shoe, coupling = self.shoe, self.body.coupling
+        """Compute all sensitivities of the torque to data of the shoe."""
+        group, k, own = self.group, self.k, self.own
+        body, shoe = self.body, self.shoe
+        coupling = body.coupling
         torque = float(self.adjoint.torques[k])
         friction = float(self.adjoint.friction_slopes[k])
         by_penalty = (
             float(own.gap_multipliers @ (coupling.M @ own.pressures)) / group.contact_stiffnesses[k]
         )
         moduli, bending_stiffness = self._slopes_by_moduli(by_penalty)
-        # The force of a shoe under a cam or behind a strut is no datum of the brake file.
+        # The brake file does not give the force of a shoe under a cam or behind a strut.
         shares_force = k in [*group.cam_shoes, *(to for _, to in group.struts)]
         sign_of_force = math.copysign(1.0, shoe.actuation.force)
         forward = slice(None, None, shoe.frame.sense)
@@ -292,11 +298,11 @@ class _TorqueSlopesOfShoe:
         """The numbers, within the group, of the shoes that struts from this shoe push."""
         return [to for source, to in self.group.struts if source == self.k]
 
-    # Moduli
+    # Slopes by moduli
 
     @cached_property
     def displacements(self) -> _LoadedDisplacements:
-        """The displacements of the shoe under its loads and under the adjoint loads."""
+        """The displacements of the shoe under its loads, and under the adjoint loads."""
         own, load = self.own, self.group.unit_loads[self.k].load_factors
         N, T = self.body.coupling.N, self.body.coupling.T
         nodal = np.column_stack(
@@ -326,12 +332,14 @@ class _TorqueSlopesOfShoe:
         bending_stiffness = effects.pop("shoe") if given else None
         return effects, bending_stiffness
 
-    # Supports
+    # Slopes by supports
 
     def _slopes_by_supports(self) -> dict[str, Floats]:
-        """The slopes of the torque by the supports of the shoe, by the keys of `Held.changes`.
+        """The slopes of the brake's torque by the supports of the shoe.
 
-        A support changes the rigid-body modes, and the strains if nodes move with the support.
+        The keys are those of `Held.changes`, and the units those of `ShoeSensitivity.held`. A
+        motion of a support changes the rigid-body modes of the shoe. It also changes strains if
+        nodes of the body move with the support.
         """
         group, k = self.group, self.k
         effects = {}
@@ -345,18 +353,18 @@ class _TorqueSlopesOfShoe:
         return effects
 
     def _slope_by_change_of_modes(self, change: SupportChange) -> float:
-        """The slope of the torque by a change of the rigid-body modes.
+        """The slope of the torque by a change of the shoe's rigid-body modes.
 
-        Motions enter the equations by the work of forces alone. On a rigid motion this is the work
-        of the wrench of the forces.
+        The equations contain a rigid-body mode only in the work of forces on this mode. This work
+        is that of the resultant wrench of the forces, so that wrenches suffice here.
         """
         own, shoe, works = self.own, self.shoe, self.works
         N, T = self.body.coupling.N, self.body.coupling.T
         xy = shoe.points(self.body.line.xy)
-        on_gaps, by_drum = (
-            own.gap_multipliers @ N,
-            self.drag * (own.pressures @ T) - own.pressures @ N,
-        )
+        on_gaps = own.gap_multipliers @ N
+        by_drum = self.drag * (own.pressures @ T) - own.pressures @ N
+        # The wrenches belong to the adjoint contact forces, the forces of the drum and the
+        # actuation force, in this order.
         of_gaps = wrench(shoe.frame.to_brake(on_gaps.reshape(-1, 2)), xy.T)
         of_drum = wrench(shoe.frame.to_brake(by_drum.reshape(-1, 2)), xy.T)
         sign = math.copysign(1.0, shoe.actuation.force)
@@ -367,20 +375,20 @@ class _TorqueSlopesOfShoe:
         return float(y @ (change.motions @ of_gaps) - b @ by_equilibria - by_tip)
 
     def _slopes_by_node_motions(self, moves: list[NodeMotion]) -> Floats:
-        """The slopes (moves,) of the torque by motions of nodes.
+        """The slopes (moves,) of the torque by motions of the body's nodes.
 
-        Moving nodes change the stiffness, the load, and the contact if its nodes move.
+        Motions of nodes change the stiffness and the nodal forces of the actuation. They also
+        change the contact if contact nodes move.
         """
         own, body = self.own, self.body
         u, v = self.displacements
-        nodes, axes = (
-            np.array([move.node_motion for move in moves]),
-            [move.axis_turn for move in moves],
-        )
+        nodes = np.array([move.node_motion for move in moves])
+        axes = [move.axis_turn for move in moves]
         effects = -mutual_work_change_by_node_motions(
             body.basis, elastic_layers_of_shoe(self.shoe), u, v, nodes, axes
         )
-        # A change of the nodal forces changes the torque by this much per force.
+        # The product of `per_force` and a change of the actuation's nodal forces is the change of
+        # the torque.
         per_force = own.force * v - self.tip_multiplier * u
         for j, move in enumerate(moves):
             effects[j] += float(move.load_change @ per_force)
@@ -391,8 +399,8 @@ class _TorqueSlopesOfShoe:
     def _slope_by_contact_node_motion(self, move: NodeMotion) -> float:
         """The slope of the torque by a motion of contact nodes, by central differences.
 
-        Only the coupling and the gap change. All pressures, displacements and motions stay, and so
-        do their adjoints.
+        Only the coupling of pressures and displacements and the initial gap change. The pressures,
+        displacements, rigid-body motions and their adjoints stay.
         """
         values = []
         for step, line in contact_lines_of_moved_point(
@@ -405,9 +413,10 @@ class _TorqueSlopesOfShoe:
     def _weighted_contact_equations(
         self, line: ContactLine, step: float, move: NodeMotion
     ) -> float:
-        """The contact terms of the torque with contact nodes moved by a step.
+        """The contact terms of the torque [N m], with contact nodes that have moved by a step.
 
-        The equations of gaps and equilibria are weighted by their adjoints.
+        The terms are the equations of gaps and equilibrium, multiplied by their adjoints, and the
+        torque of the friction. Their difference between two steps gives the slope by the motion.
 
         Parameters
         ----------
@@ -415,31 +424,34 @@ class _TorqueSlopesOfShoe:
         step : distance [m] by which the point has moved
         move : motion of the nodes per motion of the point
         """
-        own, group, brake, shoe, k = self.own, self.group, self.group.brake, self.shoe, self.k
+        own, shoe, k = self.own, self.shoe, self.k
+        group, brake = self.group, self.group.brake
         modes, nodes = group.rigid_body_modes[k], self.body.line.nodes
         contact = np.column_stack([2 * nodes, 2 * nodes + 1]).ravel()
-        squeezed, turns = own.pressures / group.contact_stiffnesses[k], modes.pin_motion[2]
+        # The penalty lets the lining penetrate the drum by the pressure over its stiffness.
+        squeezed = own.pressures / group.contact_stiffnesses[k]
+        turns = modes.pin_motion[2]
         u = self.displacements.u[contact] + modes.contact_modes @ own.coordinates
         v = self.displacements.v[contact] - modes.test_modes @ own.equilibrium_multipliers
         coupling = couple_contact_line(line, shoe)
         nodal = self.drag * (coupling.T.T @ own.pressures) - coupling.N.T @ own.pressures
-        # Nodes that have moved by `step` travel aside as well when the shoe turns.
+        # A rotation of the shoe moves a displaced node along the rotated step too.
         aside = step * np.array([-move.line_motion[1], move.line_motion[0]]).T.ravel()
         gap = unloaded_gaps_at(line.xy, line.phi, brake, shoe)
         value = brake.friction * float(coupling.lever @ own.pressures)
         closing = coupling.N @ (u + aside * (turns @ own.coordinates))
         value += float(own.gap_multipliers @ (closing - coupling.M @ (gap + squeezed)))
         value += float(nodal @ (v - aside * (turns @ own.equilibrium_multipliers)))
-        # A strut passes on the part of these nodal forces that the shoe's foot bears.
+        # A strut pushes the next shoe with the part of these nodal forces that the foot bears.
         whole = shoe.frame.to_brake(nodal.reshape(-1, 2).sum(axis=0))
         for to in self._shoes_pushed_by_struts():
             value -= self.adjoint.shoes[to].force_multiplier * float(whole @ shoe.bearing)
         return value
 
     def _weighted_gaps_by_ring(self, line: ContactLine) -> float:
-        """The ring's part of the weighted gaps, times the adjoint, on a moved contact line.
+        """The ring's part of the weighted gaps, times their adjoint, on a moved contact line.
 
-        The value is 0 for a rigid drum.
+        The value [N m] is 0 for a rigid drum.
         """
         group, scene = self.group, self.group.scene
         if scene.ring is None or scene.ring_under_lines is None:
@@ -453,10 +465,10 @@ class _TorqueSlopesOfShoe:
         p = np.concatenate([shoe.pressures for shoe in self.adjoint.shoes])
         return float((pressed @ a) @ ((pressed + group.brake.drag * dragged) @ p))
 
-    # The line of a strut
+    # Slopes by the line of action of a strut's force
 
     def slope_by_force_line(self, force: Floats, moment: float, *, carried: bool = False) -> float:
-        """The slope of the torque by a change of the line along which the shoe's force acts.
+        """The slope of the torque by a change of the shoe's line of action of its actuation force.
 
         Parameters
         ----------
@@ -481,8 +493,8 @@ class _TorqueSlopesOfShoe:
     def slopes_by_force_point(self) -> list[Floats]:
         """The slopes (2,) [N] of the torque by the point at which a strut pushes the shoe.
 
-        The slopes come in parts to be added: first by the moment of the force, and then by the
-        nodes of the body if nodes move with the point.
+        The list has one or two parts, whose sum is the slope: first the part by the moment of the
+        force, and then the part by motions of the body's nodes if nodes move with the point.
         """
         key, direction = "actuation.point", self.shoe.actuation.direction_vector
         moves = node_motions_by_point(self.group.scene, self.group.members[self.k], self.shoe, key)
@@ -499,7 +511,7 @@ class _TorqueSlopesOfShoe:
         direction, point = shoe.actuation.direction_vector, shoe.actuation.point.xy
         turned = np.array([-direction[1], direction[0]])
         slope = self.slope_by_force_line(turned, float(cross(point, turned)))
-        # In a chain the shoe passes its force on to a further shoe.
+        # If the foot of this shoe stands on a further strut, this strut pushes the next shoe.
         for to in self._shoes_pushed_by_struts():
             slope -= (
                 self.adjoint.shoes[to].force_multiplier
@@ -512,12 +524,14 @@ class _TorqueSlopesOfShoe:
 def _add_slopes_by_strut_line(effects: dict[str, Floats], pushed: _TorqueSlopesOfShoe) -> None:
     """Add the slopes by a strut's line of action to the slopes by the abutment on the strut.
 
-    The strut pushes along a line that moves and turns with the abutment. The size of the force does
-    not change with the direction: without friction no force acts across the strut.
+    The strut pushes another shoe along a line that moves and turns with the abutment. The size of
+    the strut's force does not change with the direction of the abutment: without friction no force
+    acts across the strut.
 
     Parameters
     ----------
-    effects : slopes by the supports of the shoe that stands on the strut, which are changed
+    effects : slopes by the supports of the shoe that stands on the strut, which are changed in
+        place
     pushed : slopes of the shoe that the strut pushes
     """
     for part in pushed.slopes_by_force_point():
@@ -526,13 +540,14 @@ def _add_slopes_by_strut_line(effects: dict[str, Floats], pushed: _TorqueSlopesO
     effects["abutment.direction"] = effects["abutment.direction"] + by_direction
 
 
-# Lines for people
+# Text for people
 
 
 def sensitivity_as_text_lines(found: Sensitivity, brake: Brake) -> list[str]:
-    """The sensitivities as lines of text, with relative slopes d ln T / d ln x of the whole torque.
+    """The sensitivities of a brake as lines of text.
 
-    `found` holds the sensitivities of the brake.
+    Slopes are relative: d ln T / d ln x of the whole torque T by a quantity x. `found` holds the
+    sensitivities of the brake.
     """
     surface = brake.surface
     symbol, effect, unit = surface.symbol, surface.effect, surface.effect_unit
@@ -612,15 +627,16 @@ def _slope_text_of_support(key: str, value: Floats) -> str:
     return f"{key} {100 * math.radians(value[0]):+.4g} %/deg"
 
 
-# Sensitivities by laws and by differences
+# Sensitivities by rigid-shoe laws and by differences of solves, for comparison
 
 
 def sensitivity_by_rigid_law(brake: Brake) -> tuple[float | None, ...] | None:
     """The sensitivity S by the rigid-shoe law, of each shoe and then of the whole brake.
 
-    S by the sine law is exact, since the shape of its pressure is constant (UWA notes, eq. 8). By
-    other laws S is None for each shoe, and S of the whole brake comes from differences of the
-    closed form. The result is None if no law has an answer, as for an orthotropic brake.
+    S = (mu/T) dT/dmu is the relative change of the torque T per relative change of friction. By the
+    sine law S is exact, since the shape of its pressure is constant (UWA notes, eq. 8). By other
+    laws S is None for each shoe, and S of the whole brake comes from differences of the closed
+    form. The result is None if no law has an answer, as for an orthotropic brake.
     """
     if any(orthotropic_parts(brake)):
         return None
@@ -637,7 +653,7 @@ def sensitivity_by_rigid_law(brake: Brake) -> tuple[float | None, ...] | None:
 
 
 class _ProbedSlope(NamedTuple):
-    """A slope of the torque that is compared with a central difference of solves.
+    """A slope of the torque, and the step of the central difference that checks the slope.
 
     Attributes
     ----------
@@ -645,8 +661,10 @@ class _ProbedSlope(NamedTuple):
     unit : unit of the slope
     exact : exact value of the slope
     changes : function of the step that returns the changed keys of the brake file with their values
-    step : step of the central difference; relative for force and moduli, else in the key's unit
-    per_force : force [N] by which a slope by a relative step of the force is divided; 1 for others
+    step : step of the central difference; relative for force and moduli, otherwise in the key's
+        unit
+    per_force : actuation force [N] by which a slope by the logarithm of the force is divided to
+        give the slope by the force; 1 for all other slopes
     """
 
     what: str
@@ -670,7 +688,7 @@ def compare_with_differences_of_solves(
     index : position of the shoe whose force, moduli, clearance and hinge are changed; its body is
         elastic, and its clearance one number
     elements : finite elements along each lining
-    penalty : factor alpha of the contact stiffness alpha E/t
+    penalty : factor alpha of the contact stiffness alpha E/t (lining modulus E, thickness t)
 
     Returns
     -------
@@ -692,7 +710,10 @@ def compare_with_differences_of_solves(
 
 
 def _slopes_to_compare(brake: Brake, index: int, slopes: Sensitivity) -> list[_ProbedSlope]:
-    """The slopes that are compared with differences: by friction, and by data of shoe `index`."""
+    """The slopes that are compared with differences: by friction, and by data of shoe `index`.
+
+    The data are the actuation force, the moduli of lining and body, the clearance and the hinge.
+    """
     shoe, own, key = brake.shoes[index], slopes.shoes[index], f"shoe[{index}]."
     gap, body = shoe.lining.clearance, shoe.body
     assert isinstance(gap, float) and body is not None and body.material is not None
@@ -705,15 +726,19 @@ def _slopes_to_compare(brake: Brake, index: int, slopes: Sensitivity) -> list[_P
         return {f"{key}{part}.material.{name}": E * (1 + step) for name, E in values.items()}
 
     def friction(step: float) -> dict[str, Any]:
+        """The key of the friction coefficient, with its value increased by a step."""
         return {"friction": brake.friction + step}
 
     def actuation_force(step: float) -> dict[str, Any]:
+        """The key of the actuation force, with its value increased by a relative step."""
         return {key + "actuation.force": force * (1 + step)}
 
     def clearance(step: float) -> dict[str, Any]:
+        """The key of the clearance, with its value increased by a step [m]."""
         return {key + "lining.clearance": gap + step}
 
     def hinge(along_x: float, along_y: float, step: float) -> dict[str, Any]:
+        """The key of the hinge, with its place moved by a step [m] along a unit vector."""
         return {key + "hinge": {"x": x + along_x * step, "y": y + along_y * step}}
 
     lining_moduli = partial(scaled, "lining", linings)

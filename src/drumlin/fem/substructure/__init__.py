@@ -1,7 +1,7 @@
-"""Substructures: the stiffness of bodies, their static condensation, and their coupling at contact.
+"""Substructures: bodies reduced to the unknowns that their contact and supports need.
 
-The room reduces an elastic body to the unknowns that contact and supports need (Schur complement).
-A mesh with the elasticity of its layers comes in. A condensed body, the matrices that couple its
-contact line with a counterface (mortar), and the compliance of an elastic drum ring under all
-linings go out.
+The reduction is static condensation (Schur complement). Its input is a mesh with the elasticity of
+its layers. Its results are condensed bodies, the matrices that couple the contact line of a lining
+with the drum or the plane (mortar method), and the compliance of an elastic drum ring under all
+linings.
 """

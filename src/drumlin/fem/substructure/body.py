@@ -1,8 +1,9 @@
 """An elastic body as a substructure: its stiffness, and its static condensation.
 
 Condensation keeps two groups of degrees of freedom: the displacements c of the contact nodes, and
-the frame f = (dx, dy, rotation) of the rigid line that the hinge holds. All other degrees of
-freedom are eliminated once, which leaves the Schur complement S on c and f.
+the frame f. The frame is a rigid line of the body, which the hinge holds, with the displacements
+(dx, dy, rotation). All other degrees of freedom are eliminated once, which leaves the Schur
+complement S on c and f.
 
 With the frame held (f = 0), nodal forces G on the contact nodes do the work G^T S_cc^-1 G = Y^T Y.
 Here S_cc = L_cc L_cc^T is the Cholesky factorisation, and Y = L_cc^-1 G is called the half
@@ -31,18 +32,18 @@ from drumlin.fem.substructure.elimination import (
 from drumlin.fem.substructure.loads import LoadColumns, stack_loads
 
 FRAME = 3
-"""Number of degrees of freedom of the frame, a rigid line: dx, dy and rotation about the pin."""
+"""Number of degrees of freedom of a body's frame, a rigid line: dx, dy and rotation about a pin."""
 
 
 class Constraints(NamedTuple):
     """The multi-point constraints of a body, which leave fewer unknowns than displacements.
 
-    The order of these reduced unknowns is: inner nodes, contact nodes as x, y pairs by growing
-    angle, frame.
+    The constraints tie the nodes of the rigid line to the frame. The order of the reduced unknowns
+    is: inner nodes, contact nodes as x, y pairs by growing angle, frame.
 
     Attributes
     ----------
-    matrix : (2 nodes, unknowns) sparse; from reduced unknowns to displacements of all nodes
+    matrix : sparse matrix (2 nodes, unknowns) from reduced unknowns to displacements of all nodes
     region : number of the region of `nested_dissection` in which each inner unknown is eliminated
     """
 
@@ -51,7 +52,7 @@ class Constraints(NamedTuple):
 
 
 class InnerSystem(NamedTuple):
-    """The system of a body before condensation, on its reduced unknowns.
+    """The equations of a body before condensation, on its reduced unknowns.
 
     Attributes
     ----------
@@ -66,25 +67,28 @@ class InnerSystem(NamedTuple):
 
     @classmethod
     def of(cls, K: Any, constraints: Constraints, loads: Floats) -> "InnerSystem":
-        """The system of a body from the stiffness K (2 nodes, 2 nodes) of all nodes."""
+        """The equations of a body from the stiffness K (2 nodes, 2 nodes) of all its nodes."""
         A = constraints.matrix.T @ K @ constraints.matrix
         return cls(A.tocsc(), constraints, loads)
 
     def system(self) -> "InnerSystem":
-        """The system itself, see `InnerUnknowns`."""
+        """Return the system itself, as the interface `InnerUnknowns` asks of every body."""
         return self
 
     def eliminate_loads(self) -> CondensedSystem:
-        """The unit loads condensed to contact and frame, with the stiffness there."""
+        """The unit loads and the stiffness of the body, condensed to its contact and its frame."""
         return eliminate_inner_unknowns(self.A, self.constraints.region, self.loads)
 
     def with_forces(self, forces: Floats) -> "InnerSystem":
-        """The system with further unit loads: nodal forces (2 nodes, k)."""
+        """A system with nodal forces (2 nodes, k) as k more unit loads, after the present ones."""
         further = self.constraints.matrix.T @ forces
         return self._replace(loads=np.hstack([self.loads, further]))
 
     def displacements(self, nodal: Floats, frame: Floats, loads: Floats) -> Floats:
-        """Displacements (2 nodes, m) of all nodes [m]; see `CondensedBody.displacements`."""
+        """Displacements (2 nodes, m) of all nodes [m] in m load cases.
+
+        The parameters are those of `CondensedBody.displacements`.
+        """
         right = self.loads[:-FRAME] @ loads - self.A[:-FRAME, -FRAME:] @ frame
         # The nodal forces act on the contact nodes, the last unknowns before the frame.
         right[len(right) - len(nodal) :] += nodal
@@ -95,26 +99,31 @@ class InnerSystem(NamedTuple):
 class InnerUnknowns(Protocol):
     """The unknowns of a body that condensation has eliminated, and the body's unit loads.
 
-    An `InnerSystem` holds all of them assembled. A body in hp elements assembles them when asked,
-    see `hp.grid.GridUnknowns`.
+    An `InnerSystem` holds the whole stiffness. A body of hp elements assembles its stiffness only
+    when a method needs it, see `hp.grid.GridUnknowns`.
     """
 
     def system(self) -> InnerSystem:
-        """The whole system of the body, on all nodes."""
+        """The equations of the body on all its nodes, before condensation."""
 
     def eliminate_loads(self) -> CondensedSystem:
-        """The unit loads condensed to contact and frame, with the stiffness there."""
+        """The unit loads and the stiffness of the body, condensed to its contact and its frame."""
 
     def with_forces(self, forces: Floats) -> "InnerUnknowns":
-        """The same unknowns with further unit loads: nodal forces (2 nodes, k)."""
+        """The same unknowns with nodal forces (2 nodes, k) as k more unit loads, after its own."""
 
     def displacements(self, nodal: Floats, frame: Floats, loads: Floats) -> Floats:
-        """Displacements (2 nodes, m) of all nodes [m]; see `CondensedBody.displacements`."""
+        """Displacements (2 nodes, m) of all nodes [m] in m load cases.
+
+        The parameters are those of `CondensedBody.displacements`.
+        """
 
 
 @dataclass(frozen=True)
 class CondensedBody:
     """A body reduced to its 2n contact displacements and its frame by static condensation.
+
+    The frame is the rigid line of the body that its hinge holds.
 
     Attributes
     ----------
@@ -141,25 +150,35 @@ class CondensedBody:
     rigid_mode_error: Floats | None = None
 
     def make_whole_system(self) -> InnerSystem:
-        """The whole system of the body, which this call assembles."""
+        """Assemble and return the equations of the body on all its nodes, before condensation."""
         return self.inner.system()
 
     @property
     def constraints(self) -> Constraints:
-        """The multi-point constraints of the body; the call makes the whole system."""
+        """The multi-point constraints of the body.
+
+        Each access assembles the whole system.
+        """
         return self.make_whole_system().constraints
 
     @property
     def loads(self) -> Floats:
-        """The unit loads (unknowns, l) on the reduced unknowns; the call makes the whole system."""
+        """The unit loads (unknowns, l) on the reduced unknowns.
+
+        Each access assembles the whole system.
+        """
         return self.make_whole_system().loads
 
     def half_flexibility(self, forces: Floats) -> Floats:
-        """The half flexibility Y = L_cc^-1 G of nodal forces G (2n, m) on the contact nodes."""
+        """The half flexibility Y = L_cc^-1 G of nodal forces G (2n, m) on the contact nodes.
+
+        L_cc is the Cholesky factor of the condensed stiffness. Y^T Y is the flexibility: the work
+        that each of the m load cases does on the displacements of every other.
+        """
         return solve_lower(self.L_cc, forces)
 
     def displacement(self, nodal: Floats, frame: Floats, loads: Floats) -> Floats:
-        """Displacement (2, nodes) of all nodes [m], the eliminated ones included.
+        """Displacement (2, nodes) of all nodes [m], the eliminated ones included, in one load case.
 
         Parameters
         ----------
@@ -171,7 +190,7 @@ class CondensedBody:
         return np.asarray(u.reshape(-1, 2).T)
 
     def displacements(self, nodal: Floats, frame: Floats, loads: Floats) -> Floats:
-        """Displacements (2 nodes, m) of all nodes [m] in m load cases.
+        """Displacements (2 nodes, m) of all nodes [m] in m load cases, eliminated nodes included.
 
         The parameters are those of `displacement` with one column for each case: nodal (2n, m),
         frame (3, m), loads (l, m).
@@ -179,14 +198,14 @@ class CondensedBody:
         return self.inner.displacements(nodal, frame, loads)
 
     def with_loads(self, loads: Mapping[str, Floats]) -> "CondensedBody":
-        """The body with the columns of further unit loads behind the columns that it has.
+        """The body with further unit loads, whose columns follow the columns of its present loads.
 
-        The stiffness stays. The eliminated unknowns are eliminated once more, under all loads.
+        The stiffness stays. The inner unknowns are eliminated once more, under all loads.
 
         Parameters
         ----------
         loads : nodal forces (2 nodes, k) of each further load on all nodes, by its name, in the
-            body's own frame; for a strain without stress see `expansion.expansion_forces`
+            body's own frame; for thermal strain see `expansion.expansion_forces`
 
         Raises
         ------
@@ -199,7 +218,7 @@ class CondensedBody:
         eliminated = inner.eliminate_loads()
         contact, present = len(self.L_cc), self.columns.count
         further = eliminated.loads[:, present:]
-        # The columns that the body has keep all their digits.
+        # The results of the present loads are kept, so that no digit of them changes.
         work = eliminated.work.copy()
         work[:present, :present] = self.load_work
         return replace(
@@ -213,8 +232,11 @@ class CondensedBody:
 
 
 def scalar_basis(mesh: Any) -> Any:
-    """skfem's basis of one component, with quadrature of order 4 (2 for linear elements)."""
-    # Only bodies on meshes load scikit-fem.
+    """The scikit-fem basis of one displacement component on a mesh.
+
+    The quadrature has order 4, or 2 on linear elements.
+    """
+    # The import of skfem takes time, and bodies of hp elements do without it.
     import skfem  # noqa: PLC0415
 
     element = mesh_kind_of(mesh).element()
@@ -228,18 +250,19 @@ def stiffness(basis: Any, layers: Mapping[str, ElasticLayer], *, precise: bool =
 
         K_ai,bj = b Int lambda psi_a,i psi_b,j + mu psi_a,j psi_b,i + mu delta_ij psi_a,k psi_b,k dA
 
-    and orthotropic layers add the terms of `hp.element.element_stiffness`. One batched matrix
-    product for each element multiplies the gradients of all shape functions. skfem would evaluate
-    the form once for each pair of shape functions.
+    with the width b and the shape functions psi, and orthotropic layers add the terms of
+    `hp.element.element_stiffness`. One batched matrix product for each element multiplies the
+    gradients of all shape functions. skfem would evaluate the form once for each pair of shape
+    functions.
 
     Parameters
     ----------
-    basis : scalar basis of a mesh, or a grid of columns, which makes its own stiffness
+    basis : scalar basis of a mesh, or a grid of hp elements, which computes its own stiffness
     layers : elastic layers by subdomain; those of a solid are isotropic
     precise : whether to compute in long double from the nodes on (plane stress only)
     """
     if hasattr(basis, "stiffness"):
-        # A skeleton has no stiffness in long double.
+        # The skeleton of a grid has no option `precise`, since its stiffness is in double only.
         return basis.stiffness(layers, precise=True) if precise else basis.stiffness(layers)
     if precise:
         gradients, dx = _long_double_gradients(basis)
@@ -284,16 +307,16 @@ def _isotropic_stiffness(
 
 
 def sparse_stiffness(K: Any, nodes: Ints, N: int, d: int = 2) -> Any:
-    """The sparse stiffness (d N, d N) of N nodes, assembled from that of elements.
+    """The sparse stiffness (d N, d N) of a mesh of N nodes, assembled from its elements.
 
     Parameters
     ----------
     K : (e, a, d, a, d) or (e, d a, d a) stiffness of elements, the components of a node together
     nodes : (e, a) nodes of the elements
     N : number of nodes
-    d : number of components
+    d : number of displacement components of a node
     """
-    # Only bodies on meshes and whole systems load scipy.sparse.
+    # The import of scipy.sparse takes time, and condensed hp elements do without it.
     import scipy.sparse as sp  # noqa: PLC0415
 
     dofs = (d * nodes[:, :, None] + np.arange(d)).reshape(len(nodes), -1).astype(np.int32)
@@ -312,17 +335,20 @@ def shape_values(basis: Any, *, precise: bool = False) -> Any:
 
 
 def quadrature_points(basis: Any, *, precise: bool = False) -> Any:
-    """Quadrature points (2, elements, points) of a basis [m]; with `precise` in long double."""
+    """The quadrature points (2, elements, points) [m] of all elements of a basis.
+
+    With `precise` the coordinates are computed in long double.
+    """
     nodes = basis.doflocs[:, basis.element_dofs]
     return np.einsum("cae,aq->ceq", nodes, shape_values(basis, precise=precise))
 
 
 def _directional_stiffness(layer: ElasticLayer, gradients: Any, dx: Any, points: Any) -> Any:
-    """Stiffness (e, a, 2, a, 2) that orthotropy adds to the isotropic part of a layer [N/m].
+    """Stiffness (e, a, 2, a, 2) [N/m] that orthotropy adds to the isotropic stiffness of elements.
 
     Parameters
     ----------
-    layer : the layer
+    layer : the orthotropic layer that the e elements belong to
     gradients : (a, 2, e, q) gradients of the shape functions [1/m]
     dx : (e, q) areas of the quadrature points [m^2]
     points : (2, e, q) quadrature points [m]
@@ -331,7 +357,7 @@ def _directional_stiffness(layer: ElasticLayer, gradients: Any, dx: Any, points:
     along = layer.directions(points)
 
     def work(direction: Any) -> Any:
-        """The integrals (e, d a, d a) of products of two strains in a direction (2, e, q)."""
+        """The integrals (e, d a, d a) [1] of products of two stretches in a direction (2, e, q)."""
         grown = np.einsum("ceq,aceq->aeq", direction, gradients)
         stretch = np.einsum("ceq,aeq->eacq", direction, grown).reshape(elements, d * a, -1)
         return (stretch * dx[:, None]) @ stretch.transpose(0, 2, 1)
@@ -342,9 +368,10 @@ def _directional_stiffness(layer: ElasticLayer, gradients: Any, dx: Any, points:
 
 
 def _long_double_gradients(basis: Any) -> tuple[Any, Any]:
-    """Gradients (a, 2, elements, points) and areas (elements, points) in long double.
+    """Shape-function gradients (a, 2, elements, points) and quadrature areas, in long double.
 
-    The elements are isoparametric: the nodes of the shape functions are those of the map.
+    The areas are (elements, points). The elements are isoparametric: the same shape functions
+    interpolate places and displacements.
     """
     at = basis.X.astype(np.longdouble)
     count = basis.element_dofs.shape[0]
@@ -357,7 +384,10 @@ def _long_double_gradients(basis: Any) -> tuple[Any, Any]:
 
 
 def rigid_body_modes(xy: Floats, pin: Floats) -> Floats:
-    """The rigid-body modes (2n, 3) of nodes xy (2, n): dx, dy and rotation about the pin."""
+    """The rigid-body displacements (2n, 3) of nodes xy (2, n).
+
+    The modes are dx, dy and the rotation about the pin.
+    """
     modes = np.zeros((xy.shape[1], 2, FRAME))
     modes[:, 0, 0] = modes[:, 1, 1] = 1.0
     modes[:, 0, 2], modes[:, 1, 2] = pin[1] - xy[1], xy[0] - pin[0]
@@ -388,6 +418,7 @@ def body_constraints(
     region = np.repeat(order.region[is_inner], 2)
     dofs = np.column_stack([2 * nodes, 2 * nodes + 1]).ravel()
 
+    # A body without rigid nodes has three displacements in the place of the frame, put last.
     if alone is not None:
         others = ~np.isin(dofs, alone)
         free = np.concatenate([dofs[others], alone])
@@ -400,21 +431,22 @@ def body_constraints(
 def constraint_matrix(
     dofs: Ints, count: int, rigid: Ints | None = None, arm: Floats | None = None
 ) -> Any:
-    """The sparse matrix (count, unknowns) from the reduced unknowns to all displacements.
+    """The sparse matrix (count, unknowns) from the reduced unknowns to all displacements of a body.
 
     Parameters
     ----------
     dofs : displacements that are unknowns themselves, in the order of the unknowns
     count : number of all displacements
-    rigid : (n,) displacement x of each node that moves with the frame, before that node's y; None
-        for a body without a frame
+    rigid : (n,) number of the displacement x of each node that moves with the frame; y is the next
+        number; None for a body without a frame
     arm : (2, n) distance of the rigid nodes from the pin [m]
     """
-    # Only whole systems load scipy.sparse.
+    # The import of scipy.sparse takes time, and condensed hp elements do without it.
     import scipy.sparse as sp  # noqa: PLC0415
 
     free = len(dofs)
-    rows, columns, values = [dofs], [np.arange(free)], [np.ones(free)]
+    rows, columns = [dofs], [np.arange(free)]
+    values = [np.ones(free)]
     if rigid is not None and arm is not None:
         # Each rigid node has four entries: x by dx, x by the rotation, y by dy, y by the rotation.
         ones = np.ones(len(rigid))
@@ -434,7 +466,7 @@ def condense_body(
     Parameters
     ----------
     K : (2 nodes, 2 nodes) stiffness [N/m]
-    constraints : the reduced unknowns
+    constraints : the multi-point constraints that define the reduced unknowns
     loads : unit loads (unknowns, k) on the reduced unknowns, by name
     contact : number of displacements of the contact nodes
 

@@ -1,12 +1,12 @@
-"""The elastic layers of shoes and rings, and the constants that element kernels make of them.
+"""The elastic layers of shoes and rings, and the constants that their stiffness is computed from.
 
-The elasticity matrix D of a layer (brake.elasticity) is split into an isotropic part, which kernels
-integrate once for all layers, and the stiffness that the layer's two directions add,
+The elasticity matrix D of a layer (brake.elasticity) is split into an isotropic part, which is
+integrated for all layers at once, and the additional stiffness in the layer's two directions,
 
     sigma = lambda tr(eps) 1 + 2 mu eps + a eps_along t t^T + b eps_through n n^T
 
 with the unit vectors t along and n through the layer, lambda = D_12, mu = D_33, a = D_11 - lambda -
-2 mu and b = D_22 - lambda - 2 mu. Isotropic layers have a = b = 0, and kernels skip both terms.
+2 mu and b = D_22 - lambda - 2 mu. Isotropic layers have a = b = 0, and both terms are skipped.
 """
 
 from collections.abc import Mapping, Sequence
@@ -24,8 +24,8 @@ from drumlin.brake.elasticity import ElasticLayer, stiffer_along_and_through
 def elastic_layers_of_shoe(shoe: Shoe) -> dict[str, ElasticLayer]:
     """The elastic layers of a shoe by subdomain, with their directions in the shoe's frame.
 
-    On a drum the directions turn with the arc. The layers of a pad are straight, as are a straight
-    beam and the block that is cut to it.
+    On a drum the directions turn with the arc. The layers of a pad on a plane are straight. A
+    straight beam is straight too, and so is the block between the beam and its lining.
     """
     lining, backing, body = shoe.lining, shoe.backing, shoe.body
     around: Floats | None = None
@@ -44,27 +44,27 @@ def elastic_layers_of_shoe(shoe: Shoe) -> dict[str, ElasticLayer]:
 
 
 def elastic_layers_of_ring(section: Section) -> dict[str, ElasticLayer]:
-    """The one layer of an elastic ring of this section, by the name of its subdomain."""
+    """The elastic layer of a drum ring, under the name "drum" of the ring's only subdomain."""
     return {"drum": ElasticLayer.of(section.material, section.width)}
 
 
 def split_elasticity(elasticity: Any) -> Any:
     """The constants lambda, mu, a, b (..., 4) of elasticity matrices D (..., 3, 3).
 
-    They have the unit of the matrices. lambda = D_12 and mu = D_33 belong to the isotropic part; a
-    and b are the stiffness that is added along and through the layer.
+    The constants have the unit of the matrices. lambda = D_12 and mu = D_33 belong to the isotropic
+    part; a and b are the additional stiffness along and through the layer.
     """
     isotropic = np.stack([elasticity[..., 0, 1], elasticity[..., 2, 2]], axis=-1)
     return np.concatenate([isotropic, stiffer_along_and_through(elasticity)], axis=-1)
 
 
 def elasticity_of_layers(layers: Mapping[str, ElasticLayer], part: Sequence[str]) -> Floats:
-    """Elasticity matrices times the width (l, 3, 3) [N/m] of the layers named by `part` (l,)."""
+    """Elasticity matrices times width (l, 3, 3) [N/m] of the layers with the names `part` (l,)."""
     return np.array([layers[name].stiffness for name in part])
 
 
 def directions_through_layers(along: Any) -> Any:
-    """Unit vectors (2, ...) through layers, from unit vectors `along` (2, ...) the layers."""
+    """Unit vectors (2, ...) through layers, from the unit vectors `along` the layers (2, ...)."""
     return np.stack([-along[1], along[0]])
 
 
@@ -80,7 +80,7 @@ def stresses_from_gradients(gradient: Floats, elasticity: Floats, along: Floats 
     lam, mu, a, b = np.moveaxis(split_elasticity(elasticity), -1, 0)
     strain = 0.5 * (gradient + gradient.swapaxes(0, 1))
     stresses = 2 * mu * strain
-    # In plane stress the trace is that of the two strains in the plane.
+    # The lambda of plane stress multiplies the sum of the two strains in the plane alone.
     for i in range(2):
         stresses[i, i] += lam * (gradient[0, 0] + gradient[1, 1])
     if along is not None:

@@ -1,11 +1,12 @@
-"""Static condensation of a body by dense fronts over a nested dissection.
+"""Static condensation of a body by dense matrices, called fronts, over a nested dissection.
 
-The elements are halved again and again. A node belongs to the smallest region that holds all its
-elements. The unknowns of a region are eliminated together, by one dense Cholesky factorisation of a
-front: the region's own unknowns and those of later regions that they touch. The Schur complement of
-the front is added to the front of the next region among the later ones (multifrontal elimination:
-Duff & Reid 1983). The work consists of matrix products, and the kept unknowns come last whatever
-the sparsity. The factors are kept only where the eliminated displacements are asked for.
+The elements of the mesh are halved again and again. A node belongs to the smallest region that
+holds all its elements. The unknowns of a region are eliminated together, by one dense Cholesky
+factorisation of the region's front. The front is the matrix of the region's own unknowns and of
+those later unknowns that they touch. The Schur complement of the front is added to the front of the
+earliest later region that it touches (multifrontal elimination: Duff & Reid 1983). The work
+consists of dense matrix products, and the kept unknowns come last whatever the sparsity. The
+factors are stored only if the displacements of the eliminated unknowns are needed.
 """
 
 from collections.abc import Iterator
@@ -20,18 +21,18 @@ from drumlin.base.lapack import dpotrf, dtrsm
 LEAF_HALVINGS = 5
 """Number of the last halvings that the dissection omits: the smallest regions have 2^5 elements.
 
-Smaller regions cost more calls, larger regions more multiplications with zeros. The answer is the
-same but for round-off.
+Smaller regions take more calls, and larger regions more multiplications with zeros. The result is
+the same but for round-off.
 """
 
 _Complements = list[list[tuple[Ints, Floats]]]
-"""For each region the Schur complements of earlier fronts that its own front will take up.
+"""For each region the Schur complements of earlier fronts that wait to be added to its own front.
 
 Each complement has the numbers of its unknowns (m,) and its lower triangle (m, m).
 """
 
 SINGULAR_BODY = "singular stiffness: a part hangs on nothing, or moduli are too far apart"
-"""Message of the refusal where the stiffness of a body is not positive definite."""
+"""Message of the error that is raised if the stiffness of a body is not positive definite."""
 
 
 class EliminationOrder(NamedTuple):
@@ -39,7 +40,7 @@ class EliminationOrder(NamedTuple):
 
     Attributes
     ----------
-    nodes : (n,) nodes in this order
+    nodes : (n,) numbers of the nodes in the order of elimination
     region : (n,) number of the region of each of these nodes, not decreasing
     """
 
@@ -48,11 +49,11 @@ class EliminationOrder(NamedTuple):
 
 
 class CondensedSystem(NamedTuple):
-    """The system of a body on its k kept unknowns, after the inner unknowns are eliminated.
+    """The equations of a body on its k kept unknowns, after the inner unknowns are eliminated.
 
     Attributes
     ----------
-    S : (k, k) Schur complement on the kept unknowns
+    S : (k, k) Schur complement on the kept unknowns, the condensed stiffness
     loads : (k, l) condensed loads
     work : (l, l) work of the loads with the kept unknowns held
     """
@@ -63,22 +64,25 @@ class CondensedSystem(NamedTuple):
 
 
 def nested_dissection(xy: Floats, elements: Ints) -> EliminationOrder:
-    """The order of elimination by a nested dissection of a mesh.
+    """The order in which the nodes of a mesh are eliminated, by nested dissection.
 
     The elements are halved across the long direction of their region. A node comes after all nodes
-    of the regions inside the node's own region.
+    of the smaller regions inside the node's own region.
 
     Parameters
     ----------
     xy : (2, n) or (3, n) nodes [m]
     elements : (k, m) nodes of each of m elements
     """
-    # The bits of `path` say which half of each region an element belongs to, the first bit first.
+    # The bits of an element's `path` tell in which half of each halving the element lies. The bit
+    # of the first halving is the highest.
     centre = xy[:, elements].mean(axis=1)
     count = elements.shape[1]
     path = np.zeros(count, dtype=np.int64)
     depth = max(0, int(np.ceil(np.log2(count))))
     resolution = 1e-9 * float(np.ptp(centre, axis=1).max()) or 1.0
+    # Each level halves every region: elements are sorted along the region's long direction, and
+    # the second half of the ranks gets the bit 1.
     for level in range(depth):
         size = np.bincount(path, minlength=1 << level)
         position = np.round(_axis_positions(path, centre - _group_means(path, centre)) / resolution)
@@ -96,7 +100,8 @@ def nested_dissection(xy: Floats, elements: Ints) -> EliminationOrder:
     differing_bits = np.ceil(np.log2((first ^ last) + 1.0)).astype(np.int64)
     height = np.maximum(differing_bits, min(LEAF_HALVINGS, depth))
 
-    # Regions are eliminated in the order of their ends, smaller ones first.
+    # A region is a range of paths. Regions are eliminated in the order in which these ranges end,
+    # and of two with the same end the smaller one comes first.
     end = (first >> height << height) + (1 << height)
     nodes = np.lexsort((height, end))
     other_end = np.diff(end[nodes], prepend=-1).astype(bool)
@@ -105,7 +110,7 @@ def nested_dissection(xy: Floats, elements: Ints) -> EliminationOrder:
 
 
 def _axis_positions(group: Ints, x: Floats) -> Floats:
-    """Positions (m,) of points along the principal axis of their group.
+    """Positions (m,) of points along the principal axis of their group, its long direction.
 
     `x` (d, m) are the points relative to the middle of their group, and `group` (m,) is the number
     of the group of each point.
@@ -123,7 +128,10 @@ def _axis_positions(group: Ints, x: Floats) -> Floats:
 
 
 def _group_means(group: Ints, values: Floats) -> Floats:
-    """The mean (k, m) of each row of `values` (k, m) over the group of each member (m,)."""
+    """For each member of a group, the mean of its group's `values` (k, m), row by row (k, m).
+
+    `group` (m,) is the number of the group of each member.
+    """
     size = np.maximum(np.bincount(group), 1)
     return np.array([(np.bincount(group, row) / size)[group] for row in values])
 
@@ -133,9 +141,9 @@ def eliminate_inner_unknowns(A: Any, region: Ints, loads: Floats) -> CondensedSy
 
     Parameters
     ----------
-    A : (n, n) symmetric positive definite sparse matrix
-    region : number of the region of each eliminated unknown, not decreasing; these unknowns stand
-        first
+    A : (n, n) sparse matrix, symmetric and positive definite
+    region : number of the region of each eliminated unknown, not decreasing; the eliminated
+        unknowns come first in A, and the kept unknowns last
     loads : (n, l) loads
 
     Raises
@@ -149,6 +157,7 @@ def eliminate_inner_unknowns(A: Any, region: Ints, loads: Floats) -> CondensedSy
     work = np.zeros((f.shape[1], f.shape[1]))
     for front in _factorised_fronts(lower, region, complements):
         if f.shape[1]:
+            # One step of the forward substitution condenses the loads of this front.
             y = dtrsm(1.0, front.L, f[front.own], lower=1)
             f[front.later] -= front.below @ y
             work += y.T @ y
@@ -157,13 +166,13 @@ def eliminate_inner_unknowns(A: Any, region: Ints, loads: Floats) -> CondensedSy
 
 
 def solve_by_fronts(A: Any, region: Ints, right: Floats) -> Floats:
-    """The solution (n, m) of A x = right, with the fronts kept for the back substitution.
+    """The solution x (n, m) of A x = right by multifrontal elimination.
 
     Parameters
     ----------
-    A : (n, n) symmetric positive definite sparse matrix
+    A : (n, n) sparse matrix, symmetric and positive definite
     region : number of the region of each unknown that a front eliminates, not decreasing; the
-        unknowns behind the last of these are solved for together
+        unknowns behind the last of these are solved for by one dense matrix
     right : (n, m) right-hand sides
 
     Raises
@@ -176,7 +185,7 @@ def solve_by_fronts(A: Any, region: Ints, right: Floats) -> Floats:
     complements = _empty_complements(region)
     x = np.array(right, dtype=float)
 
-    # The forward substitution goes front by front.
+    # The forward substitution goes front by front, and keeps all fronts for the way back.
     fronts = []
     for front in _factorised_fronts(lower, region, complements):
         x[front.own] = dtrsm(1.0, front.L, x[front.own], lower=1)
@@ -188,7 +197,7 @@ def solve_by_fronts(A: Any, region: Ints, right: Floats) -> Floats:
         raise NoAnswer(SINGULAR_BODY)
     x[inner:] = dtrsm(1.0, L, dtrsm(1.0, L, x[inner:], lower=1), lower=1, trans_a=1)
 
-    # The back substitution frees the memory of each front.
+    # The back substitution takes the fronts in reverse order, and frees the memory of each.
     while fronts:
         front = fronts.pop()
         rest = x[front.own] - front.below.T @ x[front.later]
@@ -197,7 +206,7 @@ def solve_by_fronts(A: Any, region: Ints, right: Floats) -> Floats:
 
 
 class _FrontFactor(NamedTuple):
-    """The Cholesky factor of a front, the dense matrix of one region.
+    """The Cholesky factor of a front, the dense matrix of one region of the dissection.
 
     Attributes
     ----------
@@ -214,14 +223,14 @@ class _FrontFactor(NamedTuple):
 
 
 def _empty_complements(region: Ints) -> _Complements:
-    """An empty list of Schur complements for each region, and a last one for the kept unknowns."""
+    """An empty list of Schur complements for each region, and one more for the kept unknowns."""
     regions = int(region[-1]) + 1 if len(region) else 0
     return [[] for _ in range(regions + 1)]
 
 
 def _lower_triangle(A: Any) -> Any:
-    """The lower triangle of a sparse matrix, with sorted columns."""
-    # Only whole systems load scipy.sparse.
+    """The lower triangle of a sparse matrix in CSC format, with sorted row numbers."""
+    # The import of scipy.sparse takes time, and condensed hp elements do without it.
     import scipy.sparse as sp  # noqa: PLC0415
 
     lower = sp.tril(A, format="csc")
@@ -232,9 +241,9 @@ def _lower_triangle(A: Any) -> Any:
 def _factorised_fronts(
     lower: Any, region: Ints, complements: _Complements
 ) -> Iterator[_FrontFactor]:
-    """The factorised fronts of all regions in turn.
+    """Yield the factorised front of each region, in the order of elimination.
 
-    The Schur complement of each front goes to `complements`.
+    The Schur complement of each front is appended to `complements`.
 
     Parameters
     ----------
@@ -249,7 +258,8 @@ def _factorised_fronts(
         start, end = starts[r], starts[r + 1]
         if start == end:
             continue
-        # The front holds the region's own unknowns first, then the later unknowns that they touch.
+        # The front holds the region's own unknowns first, then the later unknowns that they touch
+        # by entries of the matrix or by complements of earlier fronts.
         span = slice(indptr[start], indptr[end])
         rows = indices[span]
         columns = np.repeat(np.arange(end - start), np.diff(indptr[start : end + 1]))
@@ -275,7 +285,7 @@ def _factorised_fronts(
 def _kept_complement(lower: Any, inner: int, complements: _Complements) -> Floats:
     """The lower triangle (k, k) of the Schur complement on the k unknowns that are kept.
 
-    They stand behind the first `inner` unknowns of `lower`.
+    The kept unknowns follow the first `inner` unknowns of `lower`.
     """
     S: Floats = lower[inner:, inner:].toarray(order="F")
     _add_complements(S, np.arange(inner, lower.shape[0]), complements, len(complements) - 1)
@@ -283,12 +293,12 @@ def _kept_complement(lower: Any, inner: int, complements: _Complements) -> Float
 
 
 def _add_complements(F: Floats, touched: Ints, complements: _Complements, region: int) -> None:
-    """Add the Schur complements of earlier fronts to the lower triangle of a region's front.
+    """Add waiting Schur complements of earlier fronts to the lower triangle of a region's front.
 
     `F` (n, n) is the front and `touched` (n,) are its unknowns.
     """
     for unknowns, complement in complements[region]:
         position = np.searchsorted(touched, unknowns)
-        # The transposes of both matrices have rows that lie together in memory.
+        # Both matrices are stored by columns, so that their transposes have contiguous rows.
         F.T[np.ix_(position, position)] += complement.T
     complements[region] = []

@@ -1,12 +1,12 @@
-"""Strains without stress: the nodal forces by which heat or swelling load a body.
+"""Thermal strain and swelling: the nodal forces by which strains without stress load a body.
 
 A layer with the free strain eps_0 has the stress sigma = D (eps - eps_0). The nodal forces
 
     f_ai = b Int sigma^0_ij psi_a,j dA,   sigma^0 = D eps_0
 
-move the body as its heat or its swelling does (Duhamel's analogy: Timoshenko & Goodier, Theory of
-Elasticity, ch. 13). They are in equilibrium. The stress of the body is the stress of its
-displacements less sigma^0.
+with the width b and the shape functions psi_a deform the body as the free strain does (Duhamel's
+analogy: Timoshenko & Goodier, Theory of Elasticity, ch. 13). These forces are in equilibrium. The
+stress of the body is the stress of its displacements less sigma^0.
 """
 
 from collections.abc import Mapping
@@ -20,16 +20,18 @@ from drumlin.fem.substructure.body import quadrature_points
 from drumlin.fem.substructure.elasticity import directions_through_layers, stresses_from_gradients
 
 Strains = Mapping[str, Floats]
-"""Free strains (2,) along and through each layer that has some, by the layer's name.
+"""Free strains (2,) along and through each layer that expands, by the layer's name.
 
-Both strains of a heated isotropic layer are its expansion coefficient times its warming.
+Both strains of a heated isotropic layer are its coefficient of expansion times its temperature
+rise.
 """
 
 
 def held_stress(layer: ElasticLayer, strain: Floats, points: Floats) -> Floats:
-    """Stress D eps_0 (2, 2, ...) of a layer at points (2, ...) [m], times its width [N/m].
+    """The stress D eps_0 that belongs to the free strain of a layer, times the layer's width [N/m].
 
-    `strain` (2,) is the free strain along and through the layer.
+    The result is (2, 2, ...) at points (2, ...) [m]. `strain` (2,) is the free strain along and
+    through the layer.
     """
     along = layer.directions(points)
     through = directions_through_layers(along)
@@ -38,13 +40,13 @@ def held_stress(layer: ElasticLayer, strain: Floats, points: Floats) -> Floats:
 
 
 def expansion_forces(basis: Any, layers: Mapping[str, ElasticLayer], strains: Strains) -> Floats:
-    """Nodal forces (2 nodes,) [N] by which strains without stress load a body.
+    """Nodal forces (2 nodes,) [N] that deform a body as the free strains of its layers do.
 
     Parameters
     ----------
-    basis : scalar basis of a mesh, or a grid of columns, which makes its own forces
+    basis : scalar basis of a mesh, or a grid of hp elements, which computes its own forces
     layers : elastic layers by subdomain
-    strains : free strains of the subdomains that have some
+    strains : free strains of the subdomains that expand
     """
     if hasattr(basis, "expansion_forces"):
         return np.asarray(basis.expansion_forces(layers, strains))

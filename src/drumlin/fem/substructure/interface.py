@@ -1,15 +1,16 @@
 """The contact line of a lining, and the weak (mortar) coupling of its pressure and displacement.
 
-The pressure is interpolated with the trace psi_i of the displacement's shape functions. Along the
-discrete arc x(xi) = sum_i psi_i(xi) x_i, with the exact radial normal n = sign e_r and tangent
-e_phi at every point, and with the lining's width b:
+The pressure is interpolated with the shape functions psi_i that the displacement has on the contact
+line. Along the discrete arc x(xi) = sum_i psi_i(xi) x_i, with the exact radial normal n = sign e_r
+and tangent e_phi at every point, and with the lining's width b:
 
     M_ij   = b Int psi_i psi_j ds
     N_i,jc = b Int psi_i psi_j n_c ds
     T_i,jc = b Int psi_i psi_j e_c ds
 
-The nodal forces of a pressure p with the friction mu s p are  -N^T p + mu s T^T p. Their resultants
-equal those of the traction on the same arc to round-off, on any mesh.
+The nodal forces of a pressure p with the friction coefficient mu and the sense s of sliding are
+-N^T p + mu s T^T p. Their resultants equal those of the traction on the same arc to round-off, on
+any mesh.
 """
 
 from collections.abc import Callable
@@ -25,7 +26,10 @@ from drumlin.response.response import PressureOverWidth
 from drumlin.response.resultants import GAUSS, WEIGHTS, InnerPart, at_gauss, shape, slopes
 
 Directions = Callable[[Floats], tuple[Floats, Floats]]
-"""A function from points (2, ...) of a counterface [m] to unit normals and tangents (2, ...)."""
+"""A function from points (2, ...) [m] to the counterface's unit normals and unit tangents (2, ...).
+
+The counterface is the drum or the plane on which the lining slides.
+"""
 
 
 @dataclass(frozen=True)
@@ -34,11 +38,11 @@ class ContactLine:
 
     Attributes
     ----------
-    nodes : (n,) numbers in the mesh
-    xy : (2, n) points [m]
-    phi : (n,) angles [rad]
+    nodes : (n,) numbers of the contact nodes in the mesh
+    xy : (2, n) places of these nodes [m]
+    phi : (n,) angles of these nodes [rad]
     pieces : (order + 1, m) positions in `nodes` of the nodes of each edge, by growing angle
-    edge : length [rad] of the zone at both ends in which no peak of the pressure is looked for
+    edge : length [rad] of the zones at both ends of the lining in which no pressure peak is sought
     """
 
     nodes: Ints
@@ -49,27 +53,27 @@ class ContactLine:
 
     @property
     def order(self) -> int:
-        """Degree of the interpolation along an edge."""
+        """Polynomial degree of the interpolation along an edge of the contact line."""
         return len(self.pieces) - 1
 
     def couple_with_counterface(self, width: float, directions: Directions) -> "Coupling":
-        """The coupling of this line with a counterface; `width` [m] is the lining's."""
+        """The coupling of this line with the drum or the plane; `width` [m] is the lining's."""
         return couple_with_counterface(self, width, directions)
 
     @cached_property
     def inside(self) -> InnerPart:
-        """The part of the contact line in which a peak of the pressure is looked for."""
+        """The part of the contact line in which a peak of the pressure is sought."""
         return InnerPart(self.along(np.zeros(len(self.phi)))[0], self.order, self.edge)
 
     def along(self, p: Floats) -> tuple[Floats, Floats]:
         """Angles (n,) [rad] of the contact nodes, and the pressure (n,) [Pa] there.
 
-        The pressure of a solid's face is its mean over the width.
+        On the contact face of a solid the pressure is the mean over the width.
         """
         return self.phi, p
 
     def surface(self, p: Floats) -> PressureOverWidth | None:
-        """The pressure over arc and width on the face of a solid; None on a line."""
+        """The pressure over arc and width on the contact face of a solid; None on a line."""
         return None
 
 
@@ -77,11 +81,15 @@ class ContactLine:
 class Coupling:
     """The matrices of the weak coupling of a lining's pressure with its displacement.
 
+    b is the width of the lining, and psi_i are the shape functions of the contact nodes.
+
     Attributes
     ----------
-    M : (n, n) mass matrix of the pressure [m^2]; M p are the integrals of the pressure p
+    M : (n, n) mass matrix of the pressure [m^2]; M p are the integrals of the pressure p, weighted
+        with each shape function
     N : (n, 2n) normal coupling [m^2]; the nodal forces of p are -N^T p
-    T : (n, 2n) tangential coupling [m^2]; the nodal forces of the friction are mu s T^T p
+    T : (n, 2n) tangential coupling [m^2]; the nodal forces of the friction are mu s T^T p, with the
+        sense s of sliding
     lever : (n,) b Int psi_i |x| ds [m^3], with which the torque of a drum brake is mu lever . p. On
         a plane it is b Int psi_i ds [m^2] and gives the braking force.
     """
@@ -93,18 +101,18 @@ class Coupling:
 
     @cached_property
     def area(self) -> Floats:
-        """The areas b Int psi_i ds (n,) of the contact nodes [m^2]."""
+        """The areas (n,) [m^2] of the friction surface that the contact nodes stand for."""
         return self.M.sum(axis=1)
 
 
 class EdgePoints(NamedTuple):
-    """The quadrature points on m edges.
+    """The quadrature points on m edges of a mesh.
 
     Attributes
     ----------
     functions : (order + 1, q) shape functions at the points
     xy : (2, m, q) the points [m]
-    ds : (m, q) lengths of the points, their weights times the length of the edge [m]
+    ds : (m, q) length of edge that each point stands for [m]
     """
 
     functions: Floats
@@ -115,7 +123,7 @@ class EdgePoints(NamedTuple):
 def edge_quadrature_points(xy: Floats, at: Floats = GAUSS, weights: Floats = WEIGHTS) -> EdgePoints:
     """The quadrature points on edges, with the shape functions and lengths there.
 
-    The quadrature goes along the edges themselves. skfem's boundary bases invert the map of the
+    The quadrature is done on the edges themselves. skfem's boundary bases invert the map of the
     element with an absolute tolerance, which small and slender elements do not meet.
 
     Parameters
@@ -130,10 +138,11 @@ def edge_quadrature_points(xy: Floats, at: Floats = GAUSS, weights: Floats = WEI
 
 
 def unit_loads_on_end(basis: Any, facets: Ints) -> tuple[Floats, Floats]:
-    """Nodal forces (2 nodes, 3) of the unit loads on a loaded end, and its centre (2,) [m].
+    """Nodal forces (2 nodes, 3) of the unit loads on a loaded end, and the end's centre (2,) [m].
 
     The loads are unit force x, unit force y and a unit couple about the centre. The forces are
-    spread evenly; the couple is a traction that grows linearly from the centre.
+    spread evenly over the end. The couple is a traction that grows linearly with the distance from
+    the centre.
 
     Parameters
     ----------
@@ -155,15 +164,15 @@ def unit_loads_on_end(basis: Any, facets: Ints) -> tuple[Floats, Floats]:
 def make_contact_line(
     basis: Any, facets: Ints, middle: float, unit: float | None = None, edge: float = 0.0
 ) -> ContactLine:
-    """The contact line on the `facets` of a scalar basis.
+    """The contact line on the friction surface of a mesh, with nodes and edges by growing angle.
 
     Parameters
     ----------
     basis : scalar basis of the mesh
     facets : facets of the friction surface
-    middle : angle [rad] from which no node is farther than 180 degrees
+    middle : angle [rad] near which the nodes' angles are sought, at most 180 degrees away
     unit : length [m] by which x is divided to give the "angle" on a plane; None on a drum
-    edge : see `ContactLine` [rad]
+    edge : length [rad] of the zones at both ends in which no pressure peak is sought
     """
     dofs = nodes_along_edges(basis, facets)
     nodes = np.unique(dofs)
@@ -181,7 +190,10 @@ def make_contact_line(
 
 
 def drum_directions(sign: int) -> Directions:
-    """The function of the unit normals, sign e_r, and unit tangents, e_phi, of a drum about O."""
+    """The function that gives unit normals, sign e_r, and unit tangents, e_phi, of a drum about O.
+
+    `sign` is 1 for shoes inside the drum, and -1 for shoes outside.
+    """
 
     def directions(x: Floats) -> tuple[Floats, Floats]:
         """Unit normals and unit tangents (2, ...) of the drum at points x (2, ...)."""
@@ -192,36 +204,39 @@ def drum_directions(sign: int) -> Directions:
 
 
 def plane_directions(x: Floats) -> tuple[Floats, Floats]:
-    """The unit normals and tangents (2, ...) of the plane y = 0 under a lining, at x (2, ...)."""
+    """The unit normals and tangents (2, ...) of the plane y = 0 under a lining, at points x."""
     ones, zeros = np.ones(x.shape[1:]), np.zeros(x.shape[1:])
     return np.array([zeros, -ones]), np.array([ones, zeros])
 
 
 def couple_with_counterface(line: ContactLine, width: float, directions: Directions) -> Coupling:
-    """The weak coupling of a lining with its counterface.
+    """The weak coupling of a lining with the drum or the plane.
 
     Parameters
     ----------
     line : contact line of the lining
     width : width b of the lining [m]
-    directions : normals and tangents of the counterface
+    directions : function that gives normals and tangents of the drum or the plane
     """
     n, m = len(line.nodes), line.pieces.shape[1]
     psi, x, ds = edge_quadrature_points(line.xy[:, line.pieces])
     r = np.ones(ds.shape) if directions is plane_directions else np.hypot(*x)
     weight = width * ds
 
-    # One row has the integrals over all edges for M, for each component of N, and for each of T.
+    # The five rows belong to M, to the two components of N and to the two components of T. Each row
+    # holds the integrals of psi_a psi_b over every edge.
     factors = weight * np.concatenate([np.ones((1, *ds.shape)), *directions(x)])
     products = (psi[:, None] * psi).reshape(len(psi) ** 2, -1)
     blocks = (factors @ products.T).reshape(len(factors), -1)
     at = (line.pieces[:, None] * n + line.pieces).reshape(-1, m).T.ravel()
     M, *parts = (_sum_by_position(at, block, n * n).reshape(n, n) for block in blocks)
-    N, T = (np.array(parts[k : k + 2]).transpose(1, 2, 0).reshape(n, 2 * n) for k in (0, 2))
+    # The x and y components of N, and those of T, are interleaved for each node.
+    N = np.array(parts[:2]).transpose(1, 2, 0).reshape(n, 2 * n)
+    T = np.array(parts[2:]).transpose(1, 2, 0).reshape(n, 2 * n)
     lever = _sum_by_position(line.pieces.T.ravel(), (weight * r) @ psi.T, n)
     return Coupling(M, N, T, lever)
 
 
 def _sum_by_position(at: Ints, values: Floats, count: int) -> Floats:
-    """Sums (count,) of all values that have the same position `at`."""
+    """Sums (count,) of `values` over all entries that have the same position `at`."""
     return np.bincount(at, values.ravel(), count).astype(float, copy=False)

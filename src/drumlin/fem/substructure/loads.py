@@ -1,10 +1,10 @@
-"""The load columns of a body, by the names of its unit loads.
+"""The load columns of a body: which columns of its load matrices belong to which unit load.
 
 A body is condensed once for all unit loads that its model needs. Each load has a name and as many
-columns as components. The actuation has three: unit force x, unit force y and unit couple on the
-loaded end, or on the frame of a body whose back is held. A further force, or a thermal strain, adds
-one more name. A caller that combines the columns names the acting loads and receives the factors
-of all columns.
+columns as components. The actuation has three components: unit force x, unit force y and unit
+couple on the loaded end, or on the frame of a body whose back is held. A further force, or a
+thermal strain, adds one more name. A caller that combines the columns names the acting loads and
+receives the factors of all columns.
 """
 
 from collections.abc import Mapping
@@ -16,7 +16,7 @@ import numpy as np
 from drumlin.base.arrays import Floats, in_turn
 
 ACTUATION = "actuation"
-"""Name of the unit loads of a shoe's own force on its body: force x, force y and couple."""
+"""Name of the unit loads of a shoe's actuation force on its body: force x, force y and couple."""
 
 
 @dataclass(frozen=True)
@@ -30,26 +30,26 @@ class LoadColumns:
 
     @classmethod
     def of(cls, loads: Mapping[str, Floats]) -> "LoadColumns":
-        """The load columns of unit loads (unknowns, k), which are given by name."""
+        """Make the load columns of unit loads (unknowns, k), given by name, with k columns each."""
         return cls(tuple((name, forces.shape[1]) for name, forces in loads.items()))
 
     @cached_property
     def slices(self) -> dict[str, slice]:
-        """The columns of each load as a slice of all columns, by the name of the load."""
+        """The slice of all load columns that belongs to each load, by the load's name."""
         names = [name for name, _ in self.sizes]
         return dict(zip(names, in_turn(size for _, size in self.sizes), strict=True))
 
     @property
     def count(self) -> int:
-        """Number of columns of all loads together."""
+        """Number of columns of all unit loads of the body together."""
         return sum(size for _, size in self.sizes)
 
     def factors(self, acting: Mapping[str, Floats]) -> Floats:
-        """Factors (l,) by which all columns are multiplied, zero for loads that do not act.
+        """Factors (l,) of all load columns, zero for loads that do not act.
 
         Parameters
         ----------
-        acting : factors (k,) of each load that acts, by name
+        acting : factors (k,) of each load that acts, by the name of the load
 
         Raises
         ------
@@ -62,7 +62,7 @@ class LoadColumns:
         return factors
 
     def factors_of(self, name: str, factors: Floats) -> Floats:
-        """The factors (k, ...) of the load `name`, out of the factors (l, ...) of all columns."""
+        """The factors (k, ...) of load `name`, selected from the factors (l, ...) of all loads."""
         return factors[self.slices[name]]
 
 

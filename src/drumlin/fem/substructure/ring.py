@@ -1,16 +1,16 @@
 """The elastic drum ring: its mesh, its static condensation, and its coupling with all linings.
 
-The linings load the ring with the same pressures that act on themselves, on meshes that need not
-match. The pressure's shape functions psi_i of a lining and the ring's phi_j are integrated on the
-common refinement of both angle grids,
+The pressures that act on the linings also act on the ring, on meshes that need not match. The
+pressure's shape functions psi_i of a lining and the ring's phi_j are integrated over the overlaps
+of the edges of both contact lines,
 
     N_i,jc = b Int psi_i phi_j n_c ds
     T_i,jc = b Int psi_i [phi_j e_c + (r - r_ring) (k x tau)_c d phi_j/ds_ring] ds
 
-with the lining's ds and radius r and the ring's tangent tau. Both discrete arcs are only nearly
-round: the friction acts at r, off the ring's own arc at r_ring. The second term in the bracket
-moves the friction to the ring's arc by a couple that is exact for rigid-body modes. So the forces
-and torques of both sides cancel to round-off.
+with the lining's width b, ds and radius r and the ring's tangent tau. Both discrete arcs are only
+nearly round: the friction acts at the radius r, but the ring's own arc is at r_ring. The second
+term in the bracket moves the friction to the ring's arc by a couple that is exact for rigid-body
+modes. So the forces and torques on linings and ring cancel to round-off.
 """
 
 import math
@@ -47,7 +47,7 @@ from drumlin.fem.substructure.interface import (
 from drumlin.response.resultants import GAUSS, WEIGHTS, shape, slopes
 
 RIM = "rim"
-"""Name of the unit loads on the rim of a free ring, which balance the forces of the linings."""
+"""Name of the unit loads on the far edge of a free ring, which balance the forces of linings."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class RingSubstructure:
 
     Attributes
     ----------
-    mesh, basis : mesh and scalar basis; or both the grid of a ring in hp elements
+    mesh, basis : mesh and scalar basis; for a ring of hp elements both are its grid
     line : contact line of the ring
     condensed : the ring, condensed to its contact nodes
     normal_half_flexibilities, friction_half_flexibilities : for each shoe i the half flexibility
@@ -64,8 +64,9 @@ class RingSubstructure:
         Called Y_i and Z_i, they open the weighted gap of shoe i under the pressure p_j of shoe j by
         Y_i^T (Y_j + drag Z_j) p_j.
     coupling_matrices : N and T (n_i, 2n) of each shoe
-    held : nodes of the far edge that stand still; none of a free ring
-    rim_balance : balance of forces on the rim of a free ring; None where the far edge is fixed
+    held : nodes of the far edge, opposite to the friction surface, that stand still; empty for a
+        free ring
+    rim_balance : balance of forces on the far edge of a free ring; None where the far edge is fixed
     """
 
     mesh: Any
@@ -79,7 +80,7 @@ class RingSubstructure:
     rim_balance: "RimBalance | None"
 
     def displacement(self, pressures: list[Floats], drag: float) -> Floats:
-        """Displacement (2, nodes) of all nodes [m] under the pressures of the linings.
+        """Displacement (2, nodes) [m] of all nodes of the ring under the pressures of the linings.
 
         Parameters
         ----------
@@ -94,7 +95,7 @@ class RingSubstructure:
             return self.condensed.displacement(nodal, frame, self.condensed.columns.factors({}))
         on_rim = self.condensed.columns.factors({RIM: -self.rim_balance.factors @ nodal})
         u = self.condensed.displacement(nodal, frame, on_rim)
-        # A rigid-body motion is subtracted, so that the mean motion of the rim is zero.
+        # A rigid-body motion is subtracted, so that the mean motion of the ring's far edge is zero.
         modes_by_node = rigid_body_modes(self.basis.doflocs, np.zeros(2)).reshape(-1, 2, FRAME)
         modes = np.ascontiguousarray(modes_by_node.transpose(2, 1, 0))
         mean_of_modes = np.einsum("kci,cil->kl", modes, self.rim_balance.forces)
@@ -106,14 +107,15 @@ class RingSubstructure:
 def ring_mesh(ring: Section, radius: float, shoes: tuple[Shoe, ...], elements: int) -> Any:
     """Quadratic quadrilateral mesh of the whole ring, finer where linings end.
 
-    The boundary "contact" is all of the friction surface, "support" the far edge.
+    The boundary "contact" is the friction surface of the ring, and "support" the far edge opposite
+    to it.
 
     Parameters
     ----------
     ring : section of the ring
-    radius : of the friction surface [m]
+    radius : radius of the friction surface [m]
     shoes : shoes whose linings press the ring
-    elements : number along each lining
+    elements : number of elements along each lining
     """
     angles = _ring_angles(radius, shoes, elements)
     depths = points_graded_to_both_ends(
@@ -129,7 +131,7 @@ def _ring_angles(radius: float, shoes: tuple[Shoe, ...], elements: int) -> Float
     ----------
     radius : radius of the friction surface [m]
     shoes : shoes whose linings press the ring
-    elements : number along each lining
+    elements : number of elements along each lining
     """
     parts, arcs = [], []
     for shoe in sorted(shoes, key=lambda shoe: shoe.lining.start % (2 * math.pi)):
@@ -139,9 +141,10 @@ def _ring_angles(radius: float, shoes: tuple[Shoe, ...], elements: int) -> Float
         parts.append(lining.start % (2 * math.pi) + angles_of_lining)
     angles = np.unique(np.concatenate(parts) % (2 * math.pi))
     step = min(arcs) / elements
-    # Where linings overlap, angles that are nearly the same would make slivers.
+    # Where linings overlap, two nearly equal angles would make a thin element. One is left out.
     if len(arcs) > 1:
         angles = angles[np.append(True, np.diff(angles) > 0.01 * step)]
+    # Wide gaps between these angles are divided equally, into elements of some 1.5 steps.
     gaps = np.diff(np.append(angles, angles[0] + 2 * math.pi))
     filled = []
     for angle, gap in zip(angles, gaps, strict=True):
@@ -153,17 +156,17 @@ def _ring_angles(radius: float, shoes: tuple[Shoe, ...], elements: int) -> Float
 def quadratic_ring_mesh(angles: Floats, depths: Floats, radius: float, sign: int, name: str) -> Any:
     """Quadratic quadrilateral mesh of a closed ring from `radius` to radius + sign depth [m].
 
-    The boundary "contact" lies at depth 0, "support" at the other side.
+    The boundary "contact" is the circle at depth 0, and "support" the circle at the largest depth.
 
     Parameters
     ----------
     angles : (m,) ends of the elements within one turn [rad]
     depths : (l + 1,) ends of the layers from 0 [m]
-    radius : of the contact [m]
+    radius : radius of the friction surface [m]
     sign : 1 where the depth grows outwards, -1 where it grows inwards
-    name : of the subdomain
+    name : name of the one subdomain
     """
-    # Only bodies on meshes load scikit-fem.
+    # The import of skfem takes time, and bodies of hp elements do without it.
     import skfem  # noqa: PLC0415
 
     m = len(angles)
@@ -172,7 +175,8 @@ def quadratic_ring_mesh(angles: Floats, depths: Floats, radius: float, sign: int
     after = np.roll(corner, -1, axis=1)
     cells = np.array([corner[:-1], corner[1:], after[1:], after[:-1]]).reshape(4, -1)
 
-    # A midside node has the direction of its chord's middle, and the depth of both ends' mean.
+    # A midside node lies on the ray through the middle of its chord, at the mean depth of both ends
+    # of the edge.
     circle = np.array([np.cos(theta), np.sin(theta)])
     grid = skfem.MeshQuad(circle, cells, validate=False)
     direction = skfem.MeshQuad2.from_mesh(grid).doflocs
@@ -200,10 +204,10 @@ def condensed_ring_on_mesh(
     Parameters
     ----------
     brake : the brake, which has a ring with a section
-    elements : number along each lining
+    elements : number of elements along each lining
     linings : contact line of each lining, in its shoe's frame
     """
-    # The assertion holds of every brake that `scene.why_not` lets pass.
+    # Every brake that `scene.reason_why_not_modelled` lets pass has a section here.
     ring = brake.ring
     assert ring is not None and ring.section is not None
     mesh = ring_mesh(ring.section, brake.size, brake.shoes, elements)
@@ -213,6 +217,7 @@ def condensed_ring_on_mesh(
     for shoe, lining in zip(brake.shoes, linings, strict=True):
         angles = shoe.frame.theta(lining.phi)
         arcs.append((float(angles.min()), float(angles.max())))
+    # Only nodes under the linings are contact nodes; the rest of the surface is condensed.
     under = _facets_under_arcs(mesh, arcs)
     line = make_contact_line(basis, under, math.pi)
     n = 2 * len(line.nodes)
@@ -234,12 +239,12 @@ def condensed_ring_on_mesh(
 def ring_stiffness(basis: Any, ring: Ring, *, precise: bool = False) -> Any:
     """Sparse stiffness (2 nodes, 2 nodes) [N/m] of a ring, before any node is held.
 
-    Meshes, hp elements and the refinement of round-off take it from here. A support that yields
-    adds its own stiffness here.
+    All models of the ring take its stiffness from this function. The stiffness of an elastic
+    support would be added here.
 
     Parameters
     ----------
-    basis : scalar basis of a mesh, or a grid of columns, or its skeleton
+    basis : scalar basis of a mesh, or a grid of hp elements, or the skeleton of such a grid
     ring : the ring, which has a section
     precise : whether to compute in long double
     """
@@ -248,7 +253,7 @@ def ring_stiffness(basis: Any, ring: Ring, *, precise: bool = False) -> Any:
 
 
 def nodes_held(ring: Ring, far_edge: Ints) -> Ints:
-    """The nodes of a ring that stand still, among those of its far edge."""
+    """The nodes of a ring that stand still: all of the far edge if it is fixed, otherwise none."""
     return far_edge if ring.support == "fixed" else far_edge[:0]
 
 
@@ -262,13 +267,13 @@ def couple_ring_with_linings(
     held: Ints,
     rim_balance: "RimBalance | None",
 ) -> RingSubstructure:
-    """A condensed ring, coupled with the linings that press it.
+    """A condensed ring with its half flexibilities under the pressure and friction of all linings.
 
     Parameters
     ----------
     brake : the brake
     linings : contact line of each lining, in its shoe's frame
-    mesh, basis, line, condensed, held, rim_balance : as of `RingSubstructure`
+    mesh, basis, line, condensed, held, rim_balance : attributes of the `RingSubstructure`
     """
     matrices = []
     for shoe, lining in zip(brake.shoes, linings, strict=True):
@@ -292,7 +297,7 @@ def couple_ring_with_linings(
 
 
 def _facets_under_arcs(mesh: Any, arcs: list[tuple[float, float]]) -> Ints:
-    """Facets of the friction surface that lie under one of the arcs [rad], at least in part."""
+    """Facets of the ring's friction surface that lie at least partly under any arc [rad]."""
     facets = mesh.boundaries["contact"]
     x, y = mesh.p[:, mesh.facets[:, facets]]
     first, second = np.arctan2(y, x)
@@ -314,15 +319,16 @@ def _wrap_to_half_turn(angle: Floats) -> Floats:
 def ring_coupling_matrices(
     lining: ContactLine, ring: ContactLine, width: float, sign: int
 ) -> tuple[Floats, Floats]:
-    """The coupling matrices N and T (n, 2 n_ring) of a lining's pressure with the ring.
+    """The coupling matrices N and T (n, 2 n_ring) [m^2] of a lining's pressure with the ring.
 
-    They are integrated on the common refinement of both angle grids, with the normal sign e_r. The
-    nodal forces of a pressure p on the ring are N^T p, and -mu s T^T p by friction.
+    They are integrated over the overlaps of the edges of both contact lines, with the normal sign
+    e_r. The nodal forces of a pressure p on the ring are N^T p, and -mu s T^T p by friction with
+    the sense s of sliding.
 
     Parameters
     ----------
     lining, ring : contact lines in the brake's frame
-    width : of the lining [m]
+    width : width of the lining [m]
     sign : 1 where the lining presses outwards, -1 where it presses inwards
     """
     own, other = _edge_arcs(lining), _edge_arcs(ring)
@@ -331,7 +337,8 @@ def ring_coupling_matrices(
     ring_nodes = other.pieces[:, overlaps.ring]
     own_xy, ring_xy = lining.xy[:, own_nodes], ring.xy[:, ring_nodes]
 
-    # Each overlap has quadrature points, with a local coordinate on the edge of either side.
+    # Each overlap has quadrature points. xi is their local coordinate on the lining's edge, and eta
+    # that on the ring's edge.
     length = (overlaps.end - overlaps.start)[:, None]
     angle = overlaps.start[:, None] + 0.5 * length * (1 + GAUSS)
     xi = _edge_coordinates_on_rays(own_xy, angle)
@@ -344,7 +351,8 @@ def ring_coupling_matrices(
     angle_per_xi = np.abs(x[0] * dx[1] - x[1] * dx[0]) / r**2
     ds = np.hypot(*dx) / angle_per_xi * 0.5 * length * WEIGHTS * width
 
-    # The couple `arm` moves the friction from the lining's arc to the ring's arc.
+    # The friction moves from the lining's arc to the ring's arc, by the vector `arm`. The couple of
+    # this motion acts on the slopes of the ring's shape functions.
     r_ring = np.hypot(*np.einsum("cki,kiq->ciq", ring_xy, phi))
     ring_slopes = slopes(ring.order, eta)
     tau = np.einsum("cki,kiq->ciq", ring_xy, ring_slopes)
@@ -365,7 +373,7 @@ def ring_coupling_matrices(
 class _Overlaps(NamedTuple):
     """The k overlaps of a lining's edges with edges of the ring.
 
-    `lining` (k,) and `ring` (k,) are the numbers of both edges of each overlap. The overlap goes
+    `lining` (k,) and `ring` (k,) are the numbers of the two edges that overlap. The overlap goes
     from the angle `start` (k,) to the angle `end` (k,) [rad].
     """
 
@@ -376,7 +384,7 @@ class _Overlaps(NamedTuple):
 
 
 def _edge_overlaps(lining: "_EdgeArcs", ring: "_EdgeArcs") -> _Overlaps:
-    """The overlaps of a lining's edges with the ring's edges; whole turns do not count."""
+    """The overlaps of a lining's edges with the ring's edges; angles may differ by whole turns."""
     turns = np.subtract.outer(lining.start + lining.end, ring.start + ring.end)
     whole_turns = 2 * math.pi * np.round(0.5 * turns / (2 * math.pi))
     first = np.maximum(lining.start[:, None], ring.start + whole_turns)
@@ -389,8 +397,8 @@ def _edge_overlaps(lining: "_EdgeArcs", ring: "_EdgeArcs") -> _Overlaps:
 class _EdgeArcs(NamedTuple):
     """The m edges of a contact line: their nodes, and the angles between which they lie.
 
-    `pieces` (order + 1, m) are the nodes of each edge; it goes from `start` (m,) to `end` (m,)
-    [rad].
+    `pieces` (order + 1, m) are the nodes of each edge. Each edge goes from the angle `start` (m,)
+    to the angle `end` (m,) [rad].
     """
 
     pieces: Ints
@@ -399,7 +407,7 @@ class _EdgeArcs(NamedTuple):
 
 
 def _edge_arcs(line: ContactLine) -> _EdgeArcs:
-    """The edges of a contact line, each by growing angle, with the angles of both ends."""
+    """The nodes of each edge of a contact line by growing angle, and the angles of its two ends."""
     z = line.xy[0] + 1j * line.xy[1]
     first, last = z[line.pieces[0]], z[line.pieces[-1]]
     turn = np.angle(last / first)
@@ -414,7 +422,7 @@ def _edge_coordinates_on_rays(xy: Floats, angle: Floats) -> Floats:
     `xy` (2, k, m) are the nodes of the edges, and `angle` (m, points) the angles of the rays [rad].
     """
     order = xy.shape[1] - 1
-    # A point lies on the ray where its product with the normal of the ray is zero.
+    # A point lies on the ray where its scalar product with the ray's normal is zero.
     normal = np.array([-np.sin(angle), np.cos(angle)])
     side = np.einsum("cki,ciq->kiq", xy, normal)
     xi = (side[0] + side[-1]) / (side[0] - side[-1])
@@ -427,10 +435,10 @@ def _edge_coordinates_on_rays(xy: Floats, angle: Floats) -> Floats:
 
 
 def rim_forces_like_rigid_modes(basis: Any, facets: Ints) -> Floats:
-    """Nodal forces (2 nodes, 3) that are spread over the rim like the rigid-body modes.
+    """Nodal forces (2 nodes, 3) on a ring's far edge, distributed like its rigid-body modes.
 
-    The work of these forces on a displacement is the mean motion of the rim. `facets` are the edges
-    of the rim.
+    The work of these forces on a displacement is the mean rigid-body motion of the edge. `facets`
+    are the facets of the far edge.
     """
     nodes = nodes_along_edges(basis, facets)
     psi, x, ds = edge_quadrature_points(basis.doflocs[:, nodes])
@@ -442,9 +450,10 @@ def rim_forces_like_rigid_modes(basis: Any, facets: Ints) -> Floats:
 
 
 def statically_determinate_unknowns(basis: Any, support: Ints) -> Ints:
-    """Three unknowns (3,) of rim nodes that hold the body against its rigid-body modes.
+    """Three displacements (3,) of far-edge nodes that hold a free ring against rigid-body motion.
 
-    The support is statically determinate: it takes no force under balanced loads.
+    The result has the numbers of the unknowns. The support is statically determinate: it takes no
+    force under balanced loads.
     """
     angle = np.arctan2(basis.doflocs[1, support], basis.doflocs[0, support])
     right = support[np.argmin(np.abs(angle))]
@@ -454,13 +463,14 @@ def statically_determinate_unknowns(basis: Any, support: Ints) -> Ints:
 
 @dataclass(frozen=True)
 class RimBalance:
-    """The balance of a free ring: forces on its rim that balance the forces on its contact nodes.
+    """The balance of a free ring: forces on its far edge that balance the forces of the linings.
 
-    The rim forces -B lambda balance the contact forces f, and the mean motion of the rim is zero.
-    With the rigid-body modes R,  lambda = (R^T B)^-1 R^T f. The ring is held at three statically
-    determinate unknowns, which then carry no force. The work of the displacements is
-    (Y - Y_B lambda)^T (Y - Y_B lambda) + lambda^T beta lambda, where beta is the work of B with the
-    contact nodes held too.
+    The far edge, or rim, is the edge opposite to the friction surface. The rim forces -B lambda
+    balance the contact forces f, and the mean motion of the rim is zero. With the rigid-body modes
+    R,  lambda = (R^T B)^-1 R^T f. The ring is held at three statically determinate unknowns, which
+    then carry no force. The work of the displacements is (Y - Y_B lambda)^T (Y - Y_B lambda) +
+    lambda^T beta lambda, where Y is the half flexibility under f, and beta is the work of B with
+    the contact nodes held too.
 
     Attributes
     ----------
@@ -479,19 +489,19 @@ class RimBalance:
     def of(
         cls, basis: Any, rim: Floats, condensed: CondensedBody, line: ContactLine
     ) -> "RimBalance":
-        """The balance of a ring that is condensed with the rim forces B as its loads.
+        """The rim balance of a ring that is condensed with the rim forces B as its loads.
 
         Parameters
         ----------
-        basis : scalar basis, or a grid of columns
+        basis : scalar basis, or a grid of hp elements
         rim : (2 nodes, 3) rim forces B
         condensed : the condensed ring
-        line : its contact line
+        line : contact line of the ring
         """
         modes = rigid_body_modes(basis.doflocs, np.zeros(2))
         on_contact = modes.reshape(-1, 2, FRAME)[line.nodes].reshape(-1, FRAME).T
         factors = np.linalg.solve(modes.T @ rim, on_contact)
-        # Only rings load scipy.linalg.
+        # The import of scipy.linalg takes time, and brakes with a rigid drum do without it.
         from scipy.linalg import sqrtm  # noqa: PLC0415
 
         return cls(
@@ -505,12 +515,14 @@ class RimBalance:
 def _ring_half_flexibility(
     condensed: CondensedBody, forces: Floats, rim_balance: RimBalance | None
 ) -> Floats:
-    """The half flexibility W (m, k) of a ring: W^T W is the work of nodal forces (2n, k).
+    """The half flexibility W (m, k) of a drum ring under nodal forces on its contact nodes.
+
+    W^T W is the work that each of the k load cases does on the displacements of every other.
 
     Parameters
     ----------
     condensed : the condensed ring
-    forces : (2n, k) nodal forces on its contact nodes
+    forces : (2n, k) nodal forces
     rim_balance : balance of a free ring; None where the far edge is fixed
     """
     Y = condensed.half_flexibility(forces)

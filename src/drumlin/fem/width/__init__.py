@@ -1,12 +1,14 @@
-"""The hierarchic model of the width: the section's hp elements times polynomials across the width.
+"""Shoes with a finite width: hp elements in the section times polynomials across the width.
 
-The displacements are sums of products of the section's shape functions and functions of z,
+The section is the x-y plane of the brake, and z is the distance from the mid-plane of a shoe. The
+displacements are sums of products of the section's shape functions psi_a and functions of z,
 
     u_x, u_y = sum psi_a(x, y) e_k(z),   e_k even,
     u_z      = sum psi_a(x, y) o_k(z),   o_k odd.
 
-All polynomials up to a degree q make the model of degree q; q = 0 with the constants of plane
-stress is plane stress itself. A divided shoe and a degree come in. Substructures that contact,
-equilibrium and response take like those of plane stress go out, and the error of plane stress.
-(Szabo & Babuska, Introduction to Finite Element Analysis, ch. 13; Duester, Broeker & Rank 2001.)
+All polynomials of z up to a degree q give the model of degree q. The degree q = 0 with the
+constants of plane stress is plane stress itself. The input is a divided shoe and a degree. The
+results are the substructures of the shoe, which enter contact, equilibrium and response like those
+of plane stress, and the error of plane stress (hierarchic plate models: Szabo & Babuska,
+Introduction to Finite Element Analysis, ch. 13; Duester, Broeker & Rank 2001).
 """

@@ -1,10 +1,12 @@
-"""Element columns of the section times the functions across, condensed to substructures.
+"""Columns of hp elements times functions across the width, condensed to substructures.
 
-A substructure has the unknowns [left line | contact | right line] of `hp.columns`. At each row of
-nodes a line has x and y of every even function and z of every odd one. Functions that only wider
-parts have come first in a row, so that the unknowns of a narrower body which continues beyond the
-lining are the last ones of the line. At the contact x and y of all even functions stand together
-node by node; u_z, on which nothing acts there, belongs to the lines.
+A column is a stack of elements from the contact inwards. The nodes on its left and its right side
+form the left and the right line. A substructure has the unknowns [left line | contact | right line]
+of `hp.columns`. At each row of nodes a line has the displacements x and y for every even function
+of z, and the displacement z for every odd function. In a row the functions that only wider parts
+have come first. So the unknowns of a narrower body, which continues beyond the lining, are the last
+ones of the line. At the contact x and y of all even functions stand together node by node. u_z is
+free of forces there and belongs to the lines.
 """
 
 from collections.abc import Sequence
@@ -23,7 +25,7 @@ from drumlin.fem.width.integrals import SYMMETRIES, SectionIntegrals, fold_z
 
 
 class BackEdge(IntEnum):
-    """How the innermost edge of a column moves: freely, only along z (in a grip), or not."""
+    """How the innermost edge of a column moves: freely, along z only (in a grip), or not at all."""
 
     FREE = 0
     GRIPPED = 1
@@ -31,14 +33,15 @@ class BackEdge(IntEnum):
 
 
 class WidthUnknown(NamedTuple):
-    """An unknown of a column.
+    """A displacement that is an unknown of a column of elements.
 
     Attributes
     ----------
-    z : 1 for a displacement along z, 0 for one in the plane
-    along : number along the row of nodes, of the unknowns of its kind
-    row : row of nodes, from the contact inwards
-    function : number of the function across the width, of its parity
+    z : 1 for a displacement along z, 0 for a displacement in the section
+    along : number along the row of nodes, among the unknowns with the same `z`
+    row : row of nodes, counted from the contact inwards
+    function : number of the function across the width, among the even (z = 0) or the odd ones (z =
+        1)
     """
 
     z: int
@@ -48,10 +51,11 @@ class WidthUnknown(NamedTuple):
 
 
 class AlongRow(NamedTuple):
-    """The unknowns along one row of nodes: numbers of those in the plane and of those along z.
+    """The numbers of the unknowns along one row of nodes of a column.
 
-    Each of the three parts (the left side, the inside, the right side) has both numbers; a half
-    column has no right side.
+    The row has three parts: the left side, the inside and the right side. Each part has the numbers
+    of its displacements in the section and the numbers of its displacements along z. A half column,
+    for symmetric or antisymmetric displacements, has no right side.
     """
 
     left: tuple[tuple[int, ...], tuple[int, ...]]
@@ -60,30 +64,35 @@ class AlongRow(NamedTuple):
 
     @property
     def contact(self) -> tuple[int, ...]:
-        """Numbers of all unknowns in the plane, in the order of the contact."""
+        """Numbers of all displacements in the section, in the order of the contact's unknowns."""
         return tuple(sorted((*self.left[0], *self.inside[0], *self.right[0])))
 
 
 def whole_row(p: int) -> AlongRow:
-    """The unknowns along a row of p + 1 nodes, x and y of a node together."""
+    """The unknowns along a row of p + 1 nodes of a column, x and y of a node together."""
     inside = tuple(range(2, 2 * p)), tuple(range(1, p))
     return AlongRow(((0, 1), (0,)), inside, ((2 * p, 2 * p + 1), (p,)))
 
 
 def half_row(p: int, symmetry: int) -> AlongRow:
-    """The symmetric (0) or antisymmetric (1) unknowns along a row of p + 1 nodes."""
+    """The unknowns along a row of p + 1 nodes for displacements of one symmetry.
+
+    `symmetry` is 0 for displacements that are symmetric about the column's middle, and 1 for
+    antisymmetric ones.
+    """
     inside = tuple(range(2, p + 1)), tuple(range(1, len(fold_z(p, symmetry))))
     return AlongRow(((0, 1), (0,)), inside)
 
 
 class Stack(NamedTuple):
-    """What tells the unknowns of a column: its layers, its functions, and its edges.
+    """The layers of a column of elements, which determine the column's unknowns.
 
     Attributes
     ----------
     p : degree of the section
     counts : (layers,) numbers of even and of odd functions of each layer, from the contact inwards
-    even, odd : first piece of each function of the shoe
+    even, odd : number of the first piece of the width of each even and each odd function of the
+        shoe
     contact : whether the outermost edge is in contact
     back : how the innermost edge moves
     """
@@ -96,15 +105,19 @@ class Stack(NamedTuple):
     back: BackEdge
 
     def functions(self, row: int) -> tuple[int, int]:
-        """Numbers of even and of odd functions that a row of nodes has."""
+        """Numbers of even and of odd functions across the width at a row of nodes."""
         layers = len(self.counts)
         if row == layers * self.p and self.back != BackEdge.FREE:
             return 0, (self.counts[-1][1] if self.back == BackEdge.GRIPPED else 0)
+        # A row between two layers has the functions of the layer that has more of them.
         near = {(row - 1) // self.p, row // self.p} if row else {0}
         return max(self.counts[layer] for layer in near if layer < layers)
 
     def unknowns_of_row(self, row: int) -> list[tuple[int, int]]:
-        """The kind and the function of each displacement of a row, those of wide parts first."""
+        """The kind and the function of each displacement of a row, those of wide parts first.
+
+        The kind is 1 for displacements along z and 0 for displacements in the section.
+        """
         even, odd = self.functions(row)
         found = []
         for piece in range(max((*self.even, *self.odd)), -1, -1):
@@ -115,7 +128,7 @@ class Stack(NamedTuple):
     def row_of(
         self, row: int, along: tuple[tuple[int, ...], tuple[int, ...]]
     ) -> list[WidthUnknown]:
-        """The unknowns of a row with the numbers `along` it, without those of the contact."""
+        """The unknowns of a row of nodes with the numbers `along` it without those of contact."""
         found = []
         for z, function in self.unknowns_of_row(row):
             if not (self.contact and row == 0 and z == 0):
@@ -123,12 +136,15 @@ class Stack(NamedTuple):
         return found
 
     def line(self, along: tuple[tuple[int, ...], tuple[int, ...]]) -> list[WidthUnknown]:
-        """The unknowns of a line, of the left or the right side."""
+        """The unknowns of the left or the right line of a column, from the contact inwards.
+
+        `along` are the numbers of this side in each row.
+        """
         rows = range(len(self.counts) * self.p + 1)
         return [unknown for row in rows for unknown in self.row_of(row, along)]
 
     def on_contact(self, along: AlongRow) -> list[WidthUnknown]:
-        """The unknowns of the contact, by their number along the row and by function."""
+        """The unknowns of the contact, by their number along the row and then by function."""
         if not self.contact:
             return []
         functions = range(self.counts[0][0])
@@ -138,7 +154,16 @@ class Stack(NamedTuple):
 def stack_of(
     functions: WidthFunctions, halves: Sequence[float], p: int, *, contact: bool, back: BackEdge
 ) -> Stack:
-    """The stack of layers with `halves` of their widths (l,) [m], from the contact inwards."""
+    """The stack of given layers of a shoe with functions across its width.
+
+    Parameters
+    ----------
+    functions : functions across the width
+    halves : half width of each layer (l,) [m], from the contact inwards
+    p : degree of the section
+    contact : whether the outermost edge is in contact
+    back : how the innermost edge moves
+    """
     return Stack(
         p,
         tuple(functions.counts(half) for half in halves),
@@ -150,18 +175,17 @@ def stack_of(
 
 
 Run = tuple[slice, slice]
-"""Places of some unknowns: in the stiffness of a condensed element, and in that of its column."""
+"""Two slices of the same unknowns: in the stiffness of a condensed element, and of its column."""
 
 
 class LayerPlan(NamedTuple):
-    """How the elements of a layer are condensed and added to their columns.
+    """How the elements of a layer are condensed and added to the stiffness of their columns.
 
     Attributes
     ----------
-    outer, mixed, inner : positions of the blocks of boundary unknowns, of inner by boundary
-        unknowns and of inner unknowns in the integrals of an element
-    kept, rest : runs of boundary unknowns among those of the column that stay, and among those that
-        are eliminated
+    outer, mixed, inner : positions, in the values of `_element_values`, of three blocks of an
+        element's stiffness: boundary unknowns, inner by boundary unknowns, and inner unknowns
+    kept, rest : runs of boundary unknowns that the column keeps, and of those that it eliminates
     """
 
     outer: Ints
@@ -172,7 +196,11 @@ class LayerPlan(NamedTuple):
 
 
 class ColumnPlan(NamedTuple):
-    """How a column is condensed: its layers, and the numbers of unknowns that stay or go."""
+    """How a column is condensed: the plan of each layer, and numbers of unknowns.
+
+    `kept` and `rest` are the numbers of kept and of eliminated unknowns, and `line` that of a side
+    line.
+    """
 
     layers: tuple[LayerPlan, ...]
     kept: int
@@ -182,10 +210,15 @@ class ColumnPlan(NamedTuple):
 
 @cache
 def column_plan(stack: Stack, along: AlongRow) -> ColumnPlan:
-    """The plan of the columns of a stack, with these unknowns along each row of nodes."""
+    """The plan that condenses columns of a stack of layers.
+
+    `along` are the unknowns along each row of nodes.
+    """
     p, last = stack.p, len(stack.counts)
     left, right = stack.line(along.left), stack.line(along.right)
     stays = [*left, *stack.on_contact(along), *right]
+    # The column keeps its two lines and its contact. It eliminates the inner nodes on the edges of
+    # its layers.
     edges = [stack.row_of(k * p, along.inside) for k in range(last + 1)]
     goes = [unknown for edge in edges for unknown in edge]
     kept, rest = ({unknown: k for k, unknown in enumerate(row)} for row in (stays, goes))
@@ -193,6 +226,7 @@ def column_plan(stack: Stack, along: AlongRow) -> ColumnPlan:
     for k, counts in enumerate(stack.counts):
         rows = range(k * p, (k + 1) * p + 1)
         mine = [u for u in (*stays, *edges[k], *edges[k + 1]) if _in_layer(u, rows, counts)]
+        # The unknowns inside an element are eliminated before the element is added to its column.
         within = []
         for row in rows[1:-1]:
             own = [u for u in stack.row_of(row, along.inside) if _in_layer(u, rows, counts)]
@@ -211,12 +245,15 @@ def column_plan(stack: Stack, along: AlongRow) -> ColumnPlan:
 
 
 def _in_layer(unknown: WidthUnknown, rows: range, counts: tuple[int, int]) -> bool:
-    """Whether an unknown is one of the elements of a layer with these rows and functions."""
+    """Whether an unknown belongs to the elements of a layer with these rows and function counts."""
     return unknown.row in rows and unknown.function < counts[unknown.z]
 
 
 def _runs(mine: list[WidthUnknown], numbers: dict[WidthUnknown, int]) -> tuple[Run, ...]:
-    """The runs of unknowns that follow one another both in `mine` and by their `numbers`."""
+    """The runs of unknowns that follow one another both in `mine` and by their `numbers`.
+
+    A run is a slice in `mine` and a slice of numbers; unknowns without a number are left out.
+    """
     found: list[list[int]] = []
     for k, unknown in enumerate(mine):
         at = numbers.get(unknown)
@@ -237,14 +274,14 @@ def _positions(
     p: int,
     first: int,
 ) -> Ints:
-    """Positions (rows, columns) of a block in the integrals that `_element_values` puts together.
+    """Positions (rows, columns) of a block of an element's stiffness in the `_element_values`.
 
     Parameters
     ----------
     rows, columns : unknowns of the block
     along : the unknowns along a row of nodes
     counts : numbers of even and of odd functions of the layer
-    p : degree
+    p : degree of the section
     first : the first row of nodes of the layer
     """
     parts = along.left, along.inside, along.right
@@ -252,11 +289,13 @@ def _positions(
     n, functions = p + 1, np.array(counts)
     r = np.array(rows, dtype=int).reshape(-1, 4)[:, None]
     c = np.array(columns, dtype=int).reshape(-1, 4)[None]
-    # The block of z by the plane is the transpose of that of the plane by z.
+    # The values have a block of displacements in the section by those along z. Entries of the
+    # transposed block are found in it with row and column swapped.
     swapped = ((r[..., 0] == 1) & (c[..., 0] == 0))[..., None]
     r, c = np.where(swapped, c, r), np.where(swapped, r, c)
     of, by = r[..., 0], c[..., 0]
-    # The three parts of the values follow one another: plane by plane, plane by z, and z by z.
+    # The values have three parts, one behind the other: products of two displacements in the
+    # section, products of one in the section and one along z, and products of two along z.
     lengths = sizes * n * functions
     start = np.array([0, lengths[0] ** 2, lengths[0] ** 2 + lengths[0] * lengths[1]])[of + by]
     along_both = r[..., 1] * sizes[by] + c[..., 1]
@@ -267,9 +306,10 @@ def _positions(
 
 
 def _element_values(section: SectionIntegrals, width: WidthIntegrals) -> Floats:
-    """The stiffness of elements (c, values), with u_x and u_y, mixed, and with u_z.
+    """The entries of the stiffness of elements, in one row (c, values) for each element.
 
-    Each part has the indices (along, along, row, row, function, function).
+    The entries of u_x and u_y by themselves come first, then those by u_z, then those of u_z by
+    itself. Each of the three parts has the indices (along, along, row, row, function, function).
 
     Parameters
     ----------
@@ -286,7 +326,7 @@ def _element_values(section: SectionIntegrals, width: WidthIntegrals) -> Floats:
 
 
 def _spread(section: list[Floats], width: list[Floats]) -> Floats:
-    """The sum of the products of two integrals over the section and two over the width."""
+    """The sum of two products, each of an integral over the section and one over the width."""
     if width[0].size == 0:
         return np.zeros((len(section[0]), 0))
     over = np.array([own.ravel() for own in width])
@@ -312,6 +352,7 @@ def _condensed(
     C = np.zeros((count, plan.rest, plan.kept))
     inner = np.zeros((count, plan.rest, plan.rest))
     for part, width, layer in zip(parts, widths, plan.layers, strict=True):
+        # The inner unknowns of each element are eliminated first.
         values = _element_values(part, width)
         own = values.take(layer.outer, axis=1)
         if layer.inner.size:
@@ -325,7 +366,7 @@ def _condensed(
 
 
 def _add_runs(part: Floats, rows: Sequence[Run], columns: Sequence[Run], target: Floats) -> None:
-    """Add blocks of the elements `part` (c, m, m) to the columns `target` (c, n, n)."""
+    """Add blocks of element stiffness `part` (c, m, m) to column stiffness `target` (c, n, n)."""
     for own, at in rows:
         for other, to in columns:
             view = target[:, at, to]
@@ -335,13 +376,13 @@ def _add_runs(part: Floats, rows: Sequence[Run], columns: Sequence[Run], target:
 def whole_columns(
     parts: Sequence[SectionIntegrals], widths: Sequence[WidthIntegrals], stack: Stack
 ) -> list[ColumnSubstructure]:
-    """Columns whose section integrals have the unknowns of all nodes, in any axes.
+    """Condensed columns of elements of any shape, from integrals on the unknowns of all nodes.
 
     Parameters
     ----------
     parts : integrals over the section of the elements of each layer
     widths : integrals over the width of each layer
-    stack : the layers
+    stack : the layers of the columns
     """
     plan = column_plan(stack, whole_row(stack.p))
     order = _contact_by_nodes(stack, plan, 2)
@@ -352,7 +393,10 @@ def whole_columns(
 
 
 def _contact_by_nodes(stack: Stack, plan: ColumnPlan, sides: int) -> Ints:
-    """The order (n,) of unknowns in which x and y at the contact stand together."""
+    """The order (n,) of a column's unknowns that keeps x and y of a contact node together.
+
+    The order is empty without contact. `sides` is 2 for a whole column and 1 for a half.
+    """
     if not stack.contact:
         return np.zeros(0, dtype=int)
     functions, nodes = stack.counts[0][0], stack.p + 1
@@ -366,13 +410,17 @@ def _contact_by_nodes(stack: Stack, plan: ColumnPlan, sides: int) -> Ints:
 def mirrored_columns(
     parts: Sequence[Sequence[SectionIntegrals]], widths: Sequence[WidthIntegrals], stack: Stack
 ) -> list[ColumnSubstructure]:
-    """Columns that are their own mirror images, from integrals of both symmetries.
+    """Condensed columns that are their own mirror images, from integrals of both symmetries.
+
+    Symmetric and antisymmetric displacements about the middle of a column do no work on each other,
+    so that each half is condensed alone.
 
     Parameters
     ----------
-    parts : of the symmetric and of the antisymmetric unknowns, as of `whole_columns`
+    parts : integrals over the section of each layer, for the symmetric and for the antisymmetric
+        displacements
     widths : integrals over the width of each layer
-    stack : the layers
+    stack : the layers of the columns
     """
     plans = [column_plan(stack, half_row(stack.p, symmetry)) for symmetry in SYMMETRIES]
     halves = [_condensed(parts[i], widths, plans[i]) for i in SYMMETRIES]
@@ -381,6 +429,8 @@ def mirrored_columns(
     mirror = np.array([_mirror(unknown) for unknown in stack.line(half_row(stack.p, 0).left)])
     n = 2 * (stack.p + 1) * stack.counts[0][0] if stack.contact else 0
     left, right = slice(line), slice(line + n, None)
+    # Displacements of the left line alone are half symmetric and half antisymmetric. So the sum of
+    # both stiffnesses belongs to one side, and their difference couples the two sides.
     (S, A), count = own, len(halves[0])
     whole = np.empty((count, 2 * line + n, 2 * line + n))
     np.add(S[:, :, :line], A[:, :, :line], out=whole[:, left, left])
@@ -397,23 +447,27 @@ def mirrored_columns(
 
 
 def _mirror(unknown: WidthUnknown) -> float:
-    """The sign of a line's unknown on the other side, in symmetric displacements."""
+    """The sign by which a symmetric displacement on the left line is repeated on the right line.
+
+    It is -1 for displacements around the drum, and +1 for all others.
+    """
     return -1.0 if unknown.z == 0 and unknown.along == 1 else 1.0
 
 
 def _unfold_contact(halves: list[Floats], stack: Stack, mirror: Floats, whole: Floats) -> None:
-    """Put the contact's rows and columns of mirrored columns into `whole`.
+    """Write the contact's rows and columns of the stiffness of mirrored columns into `whole`.
 
     Parameters
     ----------
-    halves : stiffness (c, kept, kept) of both symmetries
-    stack : the layers
-    mirror : (line,) signs of the right line
-    whole : (c, n, n) stiffness of the whole columns
+    halves : stiffness (c, kept, kept) of the symmetric and of the antisymmetric displacements
+    stack : the layers of the columns
+    mirror : (line,) signs of the right line's unknowns in symmetric displacements
+    whole : (c, n, n) stiffness of the whole columns, which is changed in place
     """
     functions, count = nodal_functions(stack.p), stack.counts[0][0]
     line = len(mirror)
-    # The unknown of x and y at each node, of each function, with x and y together.
+    # `place` is the symmetric or antisymmetric unknown to which x or y of a contact node belongs,
+    # for each function across the width, with x and y together.
     place = functions.place.reshape(-1, 1, 2) * count + np.arange(count)[:, None]
     place = line + place.ravel()
     signs = [np.repeat(sign.reshape(-1, 1, 2), count, axis=1).ravel() for sign in functions.sign]
@@ -432,12 +486,12 @@ def _unfold_contact(halves: list[Floats], stack: Stack, mirror: Floats, whole: F
 
 
 def restrict_back(piece: ColumnSubstructure, stack: Stack, *, right: bool) -> ColumnSubstructure:
-    """A column beside a grip: the last row of one of its lines moves along z alone.
+    """A column beside a grip, with the innermost nodes of one of its sides free along z only.
 
     Parameters
     ----------
     piece : the column, of a stack with a free back
-    stack : its layers
+    stack : the layers of the column
     right : whether the grip begins at the right line; otherwise it ends at the left line
     """
     last = len(stack.counts) * stack.p

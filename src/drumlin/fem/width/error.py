@@ -1,10 +1,11 @@
-"""The error of plane stress itself: how far its answer is from that of the shoes with their widths.
+"""The error of plane stress: the distance of its answer from that of shoes with their widths.
 
-The estimate is the distance of two answers on one coarse division of the section, graded to the
-contact that plane stress has found: that of degree 2 across the width, and that of plane stress.
-What the coarse division lacks is in both answers and cancels. Where it does not show the contact,
-the first level of a solve takes its place. Degree 1 does not tell the error, since u_x and u_y then
-vary in no part of one width.
+The estimate is the distance of two answers on one coarse division of the section: the answer of
+degree 2 across the width, and the answer of plane stress. The division is graded to the contact
+that plane stress has found. The discretisation error of the coarse division is in both answers and
+cancels. Where the coarse division does not show the contact, the first level of a solve takes its
+place. Degree 1 across the width does not show the error, since u_x and u_y are then constant over
+the width of a shoe whose parts have one width.
 """
 
 import math
@@ -35,25 +36,26 @@ from drumlin.response.response import (
 WIDTH_LEVEL = replace(LEVEL_RULE.level(0), zone=1.0, edge=1.0, back=1.0, hinge=1.0)
 """Division of the section on which the error of plane stress is estimated.
 
-It is one level coarser, by the rule of the levels, than the first level of a solve. The rule would
-let sizes at corners exceed the thickness of the parts; they are the thickness.
+By the rule of the levels it is one level coarser than the first level of a solve. The rule would
+let the sizes of elements at corners exceed the thickness of the parts. Here these sizes are the
+thickness.
 """
 WIDTH_DEGREE = 2
 """Degree across the width of the answer from which the error of plane stress is estimated."""
 COARSE_ENOUGH = 0.1
-"""Error of p (L2, relative) of plane stress on the coarse section, above which the first level of a
-solve takes the place of the coarse section.
+"""Relative error (L2) of the pressure by plane stress above which a coarse section is replaced.
 
-Contacts that are short beside the lining's thickness lie on one to three nodes of the coarse
-section, and its p is off by 0.5 or more. All others are off by 0.05 at most.
+The first level of a solve then takes the place of the coarse section. Contacts that are short
+beside the lining's thickness lie on one to three nodes of the coarse section, and their pressure is
+off by 0.5 or more. All other contacts are off by 0.05 at most.
 """
 
 
 class CoarseSection(NamedTuple):
-    """The section on which functions across the width are compared.
+    """The coarse division of a brake's section on which degrees across the width are compared.
 
-    `level` is its division with the singular `points` of each shape of shoe, and `plane` the answer
-    of plane stress on it.
+    `level` is the division, `points` are the singular points of each shape of shoe, and `plane` is
+    the answer of plane stress on this division.
     """
 
     level: Level
@@ -64,9 +66,10 @@ class CoarseSection(NamedTuple):
 def coarse_section(
     brake: Brake, response: Response, *, penalty: float = PENALTY, cache: Cache | None = None
 ) -> CoarseSection:
-    """The coarse section of a brake, or the first level where a coarser one misses the contact.
+    """The coarse section of a brake, with the answer of plane stress on it.
 
-    Parameters as of `plane_stress_error`.
+    Where the coarse section misses the contact, the first level of a solve takes its place. The
+    parameters are those of `plane_stress_error`.
 
     Raises
     ------
@@ -76,7 +79,7 @@ def coarse_section(
     alike = first_shoes_of_equal_shape(brake)
 
     def answered(level: Level) -> CoarseSection:
-        """The section of a level with its answer by plane stress."""
+        """The section of a level, with the answer of plane stress on it."""
         points = singular_points_of(brake, response, alike, level.error)
         scene = prepare(brake, level, points, alike=alike, cache=cache)
         plane = solve_prepared_model(scene, brake, penalty=penalty, start=response)
@@ -95,13 +98,13 @@ def coarse_section(
 def plane_stress_error(
     brake: Brake, response: Response, *, penalty: float = PENALTY, cache: Cache | None = None
 ) -> ModelError:
-    """The estimated error of plane stress, by two answers on a coarse division.
+    """The estimated error of plane stress, from two answers on a coarse division of the section.
 
     Parameters
     ----------
     brake : the brake
-    response : its answer by plane stress, whose contact grades the coarse division
-    penalty : factor alpha of the contact stiffness alpha E/t
+    response : answer of plane stress, whose contact grades the coarse division
+    penalty : factor alpha of the contact stiffness alpha E/t (lining modulus E, thickness t)
     cache : substructures of earlier solves
     """
     reason = width_why_not(brake)
@@ -117,13 +120,13 @@ def plane_stress_error(
 
 
 def model_distance(brake: Brake, plane: Response, wide: Response) -> ModelError:
-    """The relative distance of an answer by plane stress from one of shoes with their widths.
+    """The relative distance of the answer of plane stress from that of shoes with their widths.
 
     Parameters
     ----------
     brake : the brake
-    plane : the answer by plane stress
-    wide : the answer with the widths, to which errors are relative
+    plane : the answer of plane stress
+    wide : the answer with the widths, to whose values the distances are relative
     """
     pairs = zip(plane.shoes, wide.shoes, strict=True)
     shoes = [shoe_distance(brake.unit, *pair) for pair in pairs]
@@ -140,7 +143,8 @@ def model_distance(brake: Brake, plane: Response, wide: Response) -> ModelError:
 def shoe_distance(unit: float, plane: ShoeResponse, wide: ShoeResponse) -> dict[str, float]:
     """The relative distances of torque, mean pressure (L2) and reaction of one shoe.
 
-    unit: of the surface's coordinate per radian, see `Frame`
+    The mean pressure is the mean over the width. `unit` is the coordinate of the surface per unit
+    of phi, see `ShoeFrame`.
     """
     zone = singular_zone(float(wide.theta[-1] - wide.theta[0]), unit)
     moved = math.dist(plane.hinge_reaction, wide.hinge_reaction)

@@ -1,8 +1,9 @@
-"""The friction surface of a lining with a width: the contact line times nodes across the width.
+"""The friction surface of a lining with a width: its contact line times nodes across the width.
 
 Pressure and displacement are products of the line's shape functions and polynomials of z between
-the breaks. So every matrix of the weak coupling is that of a line of width 1 times
-m_kl = Int zeta_k zeta_l dz  over the width, with zeta_k one at the node k across.
+the breaks of the width. So every matrix of the weak coupling is that of a line of width 1 times
+m_kl = Int zeta_k zeta_l dz  over the width. The polynomial zeta_k is 1 at the node k across the
+width and 0 at the other nodes.
 """
 
 from dataclasses import dataclass
@@ -21,22 +22,25 @@ from drumlin.fem.width.functions import WidthFunctions, nodes_to_functions, widt
 from drumlin.response.response import PressureOverWidth
 
 FACE_STEPS = 8
-"""Number of even steps of z in each piece at which the pressure of the face is written.
+"""Number of even steps of z in each piece at which the pressure on the contact face is written.
 
-Parabolas over two steps then follow polynomials of the degree 6 to 1e-3 of their size.
+Parabolas over two steps then follow polynomials of degree 6 with an error of 1e-3 of their size.
 """
 
 
 @dataclass(frozen=True)
 class WidthFace(ContactLine):
-    """The friction surface of a lining: n nodes of its line times m nodes over half the width.
+    """The friction surface of a lining with a width, its contact face.
 
-    Nodes stand by growing angle, and at each angle from the mid-plane outwards.
+    It has the n nodes of the section's contact line times m nodes over half the width. Nodes stand
+    by growing angle, and at each angle from the mid-plane outwards.
 
     Attributes
     ----------
-    nodes, xy, phi : (n m,), (2, n m) [m], (n m,) [rad], as of `ContactLine`, of all nodes
-    pieces : as of `line`
+    nodes : (n m,) numbers of the nodes
+    xy : (2, n m) places of the nodes in the section [m]
+    phi : (n m,) angles of the nodes [rad]
+    pieces : nodes of each edge of `line`, as positions in the nodes of `line`
     line : the contact line of the section
     functions : functions across the width
     half : half the width of the lining [m]
@@ -48,28 +52,37 @@ class WidthFace(ContactLine):
 
     @cached_property
     def z(self) -> Floats:
-        """Distances (m,) of the nodes from the mid-plane [m]."""
+        """Distances (m,) [m] of the nodes across the width from the mid-plane."""
         return self.functions.face_nodes(self.half)
 
     @cached_property
     def across(self) -> Floats:
-        """The matrix Int zeta_k zeta_l dz (m, m) [m] over the whole width."""
+        """The mass matrix Int zeta_k zeta_l dz (m, m) [m] over the whole width.
+
+        zeta_k is the polynomial of z that is 1 at the node k across the width.
+        """
         to_functions = nodes_to_functions(self.functions, self.half)
         even = width_integrals(self.functions, self.half).even
         return np.asarray(to_functions.T @ even @ to_functions)
 
     @property
     def shares(self) -> Floats:
-        """The widths Int zeta_k dz (m,) [m] of the nodes; their sum is the whole width."""
+        """The width Int zeta_k dz (m,) [m] that each node across the width stands for.
+
+        The sum of all is the whole width.
+        """
         return self.across.sum(axis=1)
 
     def couple_with_counterface(self, width: float, directions: Directions) -> Coupling:
-        """The coupling with a counterface; its width is that of the face, not `width`."""
+        """The coupling of the face with the drum or the plane.
+
+        The width is that of the face, and the argument `width` has no effect.
+        """
         line, m = couple_with_counterface(self.line, 1.0, directions), self.across
         n, count = len(self.line.nodes), len(self.z)
 
         def spread(vectors: Floats) -> Floats:
-            """Matrix (n m, 2 n m) of the face from that of the line (n, 2n)."""
+            """The coupling matrix (n m, 2 n m) of the face from the matrix of its line (n, 2n)."""
             by_node = vectors.reshape(n, 1, n, 1, 2) * m[:, None, :, None]
             return np.asarray(by_node.reshape(n * count, -1))
 
@@ -78,20 +91,26 @@ class WidthFace(ContactLine):
         return Coupling(M, spread(line.N), spread(line.T), lever)
 
     def along(self, p: Floats) -> tuple[Floats, Floats]:
-        """Angles (n,) [rad] and mean pressure over the width (n,) [Pa]."""
+        """Angles (n,) [rad] of the line's nodes, and their pressure (n,) [Pa], averaged over z."""
         return self.line.phi, p.reshape(-1, len(self.z)) @ self.shares / self.shares.sum()
 
     def surface(self, p: Floats) -> PressureOverWidth:
-        """The pressure over arc and whole width, at even steps of z in each piece."""
+        """The pressure over arc and whole width of the lining, at even steps of z in each piece.
+
+        z is the distance from the mid-plane, and a piece is a part of the half width between
+        breaks.
+        """
         ends = np.array(self.functions.breaks)
         ends = ends[: self.functions.pieces_of(self.half) + 1]
         if len(ends) == 1:
             ends = np.array([0.0, self.half])
         steps = np.arange(FACE_STEPS) / FACE_STEPS
         z = np.append((ends[:-1, None] + np.diff(ends)[:, None] * steps).ravel(), ends[-1])
+        # The nodal pressures become factors of the even functions, which are evaluated at all z.
         own = self.functions.even[: self.functions.counts(self.half)[0]]
         values, _ = self.functions.values_and_slopes(own, z)
         to_functions = nodes_to_functions(self.functions, self.half)
         half = p.reshape(-1, len(self.z)) @ to_functions.T @ values
+        # The pressure is symmetric about the mid-plane.
         both = np.concatenate([-z[:0:-1], z])
         return PressureOverWidth(both, np.hstack([half[:, :0:-1], half]))

@@ -1,20 +1,20 @@
-"""The functions across the width of a shoe, and integrals of their products.
+"""The functions of z across the width of a shoe, and the integrals of their products.
 
-Half the width is divided into pieces between breaks 0 = z_0 < z_1 < ... < z_m; there is a break at
-the side of each part. The functions are hierarchic: those of degree q are among those of degree
-q + 1. They are
+z is the distance from the mid-plane. Half the width is divided into pieces at breaks 0 = z_0 < z_1
+< ... < z_m. There is a break at the side of each part of the shoe. The functions are hierarchic:
+the functions of degree q are among those of degree q + 1. They are
 
     even:  1,  and in the first piece  N_n(z/z_1),  n = 2, 4, ... <= q
     odd:   z/z_m,                  and N_n(z/z_1),  n = 3, 5, ... <= q
     both:  in each further piece, from z_k-1 to z_k, a hat with its top at z_k and
            N_n, n = 2, 3, ... <= q, of the coordinate that goes from -1 to 1
 
-with N_n the integral of the Legendre polynomial P_n-1 over its norm, zero at both ends of its piece
-(Szabo & Babuska, Finite Element Analysis, eq. 3.15). The slopes of all N_n in one piece are
+N_n is the integral of the Legendre polynomial P_n-1 over its norm, and zero at both ends of its
+piece (Szabo & Babuska, Finite Element Analysis, eq. 3.15). The slopes of all N_n in one piece are
 orthonormal on [-1, 1]. A hat falls again to zero in the next piece. A function belongs to the first
-piece in which it is not zero. So a part that reaches to z_k has the functions of the pieces 1 to k:
-all the others vanish there, and at the bond of two parts the displacements agree over the width of
-the narrower part.
+piece in which it is not zero. So a part that reaches to z_k has the functions of the pieces 1 to k,
+since all other functions vanish there. Where two parts are bonded, their displacements agree over
+the width of the narrower part.
 """
 
 from dataclasses import dataclass
@@ -31,18 +31,19 @@ from drumlin.fem.preparation.meshes import materials_of_parts
 from drumlin.response.resultants import GAUSS, WEIGHTS, lobatto
 
 SAME_SIDE = 1e-9
-"""Difference of two half widths, relative to the larger, up to which they are one side."""
+"""Relative difference of the half widths of two parts up to which their sides count as one side."""
 BESIDE_WEB = 1.0
-"""Distance of the further break of an overhanging lining from the web's side, in thicknesses of the
-lining. Pressure and displacements change fast over that length beside the web.
+"""Distance from a web's side to the further break of an overhanging lining, in lining thicknesses.
+
+Pressure and displacements change fast over this length beside the web.
 """
 
 
 class WidthFunction(NamedTuple):
-    """A function across the width: the number of its first `piece`, and its `degree` there.
+    """A function of z across the width: the number of its first `piece`, and its `degree` there.
 
-    Degrees 0 and 1 in the first piece are 1 and z over half the width, on the whole width. Degree 1
-    in a further piece is a hat.
+    Degrees 0 and 1 in the first piece are 1 and z over half the width, and extend over the whole
+    width. Degree 1 in a further piece is a hat.
     """
 
     piece: int
@@ -50,7 +51,9 @@ class WidthFunction(NamedTuple):
 
 
 class WidthIntegrals(NamedTuple):
-    """Integrals over the width of a part of products of n even and m odd functions and slopes.
+    """Integrals over the width of a part of products of its functions across the width.
+
+    The part has n even functions e_k and m odd functions o_k of z, with the slopes e_k' and o_k'.
 
     Attributes
     ----------
@@ -70,9 +73,10 @@ class WidthIntegrals(NamedTuple):
 
 @dataclass(frozen=True)
 class WidthFunctions:
-    """The functions of degree `degree` between the `breaks` (m + 1,) [m], from 0 outwards.
+    """All functions across the width of a shoe up to a degree, on given pieces of its half width.
 
-    Functions of one parity stand by growing piece, so that those of a narrower part come first.
+    `breaks` (m + 1,) [m] are the ends of the pieces, from the mid-plane 0 outwards. Even functions
+    are sorted by piece, and so are odd ones, so that the functions of a narrower part come first.
     """
 
     breaks: tuple[float, ...]
@@ -80,29 +84,32 @@ class WidthFunctions:
 
     @cached_property
     def even(self) -> tuple[WidthFunction, ...]:
-        """The even functions."""
+        """The even functions, for the displacements u_x and u_y in the section."""
         return self._of_parity(0)
 
     @cached_property
     def odd(self) -> tuple[WidthFunction, ...]:
-        """The odd functions; plane stress (degree 0) has none."""
+        """The odd functions, for the displacement u_z; none in plane stress (degree 0)."""
         return self._of_parity(1) if self.degree > 0 else ()
 
     def _of_parity(self, first: int) -> tuple[WidthFunction, ...]:
-        """The functions whose degree in the first piece is `first`, `first` + 2 and so on."""
+        """The functions of one parity: even functions for `first` 0, odd functions for `first` 1.
+
+        In the first piece their degrees are `first`, `first` + 2 and so on.
+        """
         found = [WidthFunction(0, degree) for degree in range(first, self.degree + 1, 2)]
         for piece in range(1, len(self.breaks) - 1):
             found += [WidthFunction(piece, degree) for degree in range(1, self.degree + 1)]
         return tuple(found)
 
     def pieces_of(self, half: float) -> int:
-        """Number of pieces within a part of `half` the width [m]."""
+        """Number of pieces of the half width that lie within a part of half width `half` [m]."""
         within = np.array(self.breaks[1:]) <= half * (1 + SAME_SIDE)
         return int(np.count_nonzero(within))
 
     def counts(self, half: float) -> tuple[int, int]:
-        """Numbers of even and of odd functions of a part of `half` the width [m]."""
-        # In plane stress the one function serves all parts.
+        """Numbers of even and of odd functions on a part of the shoe of half width `half` [m]."""
+        # In plane stress all parts have the one function 1, however narrow they are.
         pieces = max(self.pieces_of(half), 1)
         even = sum(function.piece < pieces for function in self.even)
         return even, sum(function.piece < pieces for function in self.odd)
@@ -110,9 +117,9 @@ class WidthFunctions:
     def values_and_slopes(
         self, functions: tuple[WidthFunction, ...], z: Floats
     ) -> tuple[Floats, Floats]:
-        """Values [1] and slopes [1/m] (n, points) of some functions at distances z >= 0 (points,).
+        """Values [1] and slopes [1/m] (n, points) of functions at distances z >= 0 (points,) [m].
 
-        At a break the slopes are those of the outer piece.
+        At a break the slopes are those in the outer piece.
         """
         breaks = np.array(self.breaks)
         piece = np.clip(np.searchsorted(breaks, z, side="right") - 1, 0, len(breaks) - 2)
@@ -126,6 +133,7 @@ class WidthFunctions:
             start, end = (-breaks[1] if own == 0 else breaks[own]), breaks[own + 1]
             here, to_unit = piece == own, 2 / (end - start)
             x = (z[here] - start) * to_unit - 1
+            # Degrees from 2 on are integrated Legendre polynomials, degree 1 is a hat.
             if degree >= 2:
                 values[k, here], slope = _bubble(degree, x)
                 slopes[k, here] = slope * to_unit
@@ -138,9 +146,11 @@ class WidthFunctions:
         return values, slopes
 
     def face_nodes(self, half: float) -> Floats:
-        """Distances (n,) [m] at which values tell the n even functions of a part of `half` width.
+        """Distances z (n,) [m] of the contact nodes across half the width of a part.
 
-        They are the Gauss-Lobatto points of the pieces, of the first piece those with z >= 0.
+        The n values of a field at these nodes determine its n even functions. The nodes are the
+        Gauss-Lobatto points of the pieces, of the first piece those with z >= 0. `half` is the half
+        width of the part [m].
         """
         if self.degree == 0:
             return np.zeros(1)
@@ -154,9 +164,10 @@ class WidthFunctions:
 
 @cache
 def width_integrals(functions: WidthFunctions, half: float) -> WidthIntegrals:
-    """The integrals over the whole width of a part of `half` the width [m].
+    """The integrals of products of functions over the whole width of a part of the shoe.
 
-    Their Gauss rule is exact up to degree 11 of the functions.
+    `half` is the half width of the part [m]. The Gauss rule is exact up to degree 11 of the
+    functions.
     """
     n, m = functions.counts(half)
     if functions.degree == 0:
@@ -165,7 +176,8 @@ def width_integrals(functions: WidthFunctions, half: float) -> WidthIntegrals:
     starts = np.array(functions.breaks[: functions.pieces_of(half)])
     lengths = np.diff(functions.breaks)[: len(starts)]
     z = (starts[:, None] + lengths[:, None] * (GAUSS + 1) / 2).ravel()
-    # Half of the Gauss weights for the length of a piece, and twice for both sides.
+    # The factor 1/2 of the Gauss weights for the length of a piece and the factor 2 for both sides
+    # of the mid-plane cancel.
     weights = (lengths[:, None] * WEIGHTS).ravel()
     e, e_slopes = functions.values_and_slopes(functions.even[:n], z)
     o, o_slopes = functions.values_and_slopes(functions.odd[:m], z)
@@ -181,9 +193,9 @@ def width_integrals(functions: WidthFunctions, half: float) -> WidthIntegrals:
 
 @cache
 def nodes_to_functions(functions: WidthFunctions, half: float) -> Floats:
-    """The matrix (functions, nodes) from values at `face_nodes` to the even functions of a part.
+    """The matrix (functions, nodes) from values at `face_nodes` to factors of even functions.
 
-    half: half the width of the part [m]
+    The even functions are those of a part of half width `half` [m].
     """
     own = functions.even[: functions.counts(half)[0]]
     values, _ = functions.values_and_slopes(own, functions.face_nodes(half))
@@ -191,7 +203,10 @@ def nodes_to_functions(functions: WidthFunctions, half: float) -> Floats:
 
 
 def _bubble(degree: int, x: Floats) -> tuple[Floats, Floats]:
-    """The function N_n of a degree n >= 2 and its slope, at x (points,) on [-1, 1]."""
+    """The values and slopes of the integrated Legendre polynomial N_n at points x of [-1, 1].
+
+    `degree` is n >= 2.
+    """
     P = legendre.legvander(x, degree).T
     norm = np.sqrt((2 * degree - 1) / 2)
     value = norm * (P[degree] - P[degree - 2]) / (2 * degree - 1)
@@ -199,18 +214,21 @@ def _bubble(degree: int, x: Floats) -> tuple[Floats, Floats]:
 
 
 def half_widths_of(shoe: Shoe) -> dict[str, float]:
-    """Half the width [m] of each part of a shoe, by the part's name."""
+    """The half width [m] of each part of a shoe, by the part's name."""
     return {name: width / 2 for name, (_, width) in materials_of_parts(shoe).items()}
 
 
 def breaks_of(shoe: Shoe, *, beside: bool = True) -> tuple[float, ...]:
-    """The breaks (m + 1,) [m] of a shoe: the sides of its parts, and one beside its web.
+    """The breaks (m + 1,) [m] of a shoe: the sides of its parts, and one break beside its web.
+
+    Breaks divide the half width, from the mid-plane 0 outwards.
 
     Parameters
     ----------
     shoe : a parametric shoe
-    beside : whether a lining that overhangs the next narrower part by more than BESIDE_WEB of its
-        thickness has a further break there
+    beside : whether a lining that overhangs the next narrower part has a further break, at
+        BESIDE_WEB of the lining's thickness from the side of this part; a small overhang has no
+        such break
     """
     halves = half_widths_of(shoe)
     places = sorted(halves.values())
@@ -218,7 +236,8 @@ def breaks_of(shoe: Shoe, *, beside: bool = True) -> tuple[float, ...]:
     inner = [half for half in places if half < lining * (1 - SAME_SIDE)]
     if beside and inner:
         extra = max(inner) + BESIDE_WEB * shoe.lining.thickness
-        # A piece that is much shorter than the break is far out would not pay.
+        # A piece of less than half the lining's thickness outside this break would add unknowns
+        # without much use.
         if lining - extra > 0.5 * shoe.lining.thickness:
             places.append(extra)
     breaks = [0.0]
@@ -229,6 +248,6 @@ def breaks_of(shoe: Shoe, *, beside: bool = True) -> tuple[float, ...]:
 
 
 def functions_of(shoe: Shoe, degree: int) -> WidthFunctions:
-    """The functions of a `degree` across the width of a shoe."""
+    """The functions across the width of a shoe up to a degree."""
     breaks = breaks_of(shoe)
     return WidthFunctions((0.0, breaks[-1]) if degree == 0 else breaks, degree)

@@ -1,7 +1,8 @@
-"""Integrals over the section of products of shape functions and gradients, and their stiffness.
+"""Integrals over the section of products of shape functions and of their gradients.
 
-With the displacements of the room, the energy of an isotropic element is a sum of products of
-integrals over the section and over the width:
+With a width, the displacements are shape functions psi_a of the section times functions of z: even
+functions e_k for u_x and u_y, odd functions o_k for u_z. So the energy of an isotropic element is a
+sum of products of integrals over the section and over the width:
 
     u_x, u_y twice:  Int lambda tr eps_a tr eps_b + 2 mu eps_a : eps_b dA  times  Int e_k e_l dz
                    + Int mu psi_a . psi_b dA                               times  Int e_k' e_l' dz
@@ -10,11 +11,11 @@ integrals over the section and over the width:
     u_z twice:       Int (lambda + 2 mu) psi_a psi_b dA                    times  Int o_k' o_l' dz
                    + Int mu grad psi_a . grad psi_b dA                     times  Int o_k o_l dz
 
-Unknowns of the section are counted by their number along the column (of x and y together, or of z)
-and by their row of nodes, from the contact inwards. Between circles about one centre each integral
-is a product of a factor of the angles and a factor of the radii, as in fem/hp/arc.py; a column is
-then split into symmetric and antisymmetric displacements, of which u_z is even like the radial
-component.
+Unknowns of the section have a number along their row of nodes (of x and y together, or of z) and
+the number of the row, from the contact inwards. Between circles about one centre each integral is a
+product of a factor of the angles and a factor of the radii, as in fem/hp/arc.py. A column of
+elements is then split into displacements that are symmetric and antisymmetric about its middle. In
+symmetric displacements u_z is even about the middle, like the radial component.
 """
 
 from functools import cache
@@ -27,11 +28,14 @@ from drumlin.fem.hp.arc import circle_at_gauss_points, nodal_functions
 from drumlin.fem.hp.element import reference_element, shape_function_gradients
 
 SYMMETRIES = (0, 1)
-"""Numbers of the symmetric and of the antisymmetric displacements of a column."""
+"""Numbers of the two symmetries of a column's displacements: 0 symmetric, 1 antisymmetric."""
 
 
 class LameConstants(NamedTuple):
-    """The Lame constants of a layer [Pa]; lambda of plane stress where nothing varies over z."""
+    """The Lame constants lambda and mu of a layer [Pa].
+
+    If nothing varies over z, `lam` is the lambda of plane stress.
+    """
 
     lam: float
     mu: float
@@ -40,11 +44,12 @@ class LameConstants(NamedTuple):
 class SectionIntegrals(NamedTuple):
     """The integrals over c elements of one layer, with n rows of nodes, times Lame's constants.
 
-    A unknowns along a column are of x and y, and B unknowns of z.
+    Along a row A unknowns are displacements x and y in the section, and B unknowns are
+    displacements along z.
 
     Attributes
     ----------
-    plane : (c, A, A, n, n) energy of the strains in the plane [Pa]
+    plane : (c, A, A, n, n) energy of the strains in the section [Pa]
     shear : (c, A, A, n, n) Int mu psi_a . psi_b dA [N]
     coupled : (c, A, B, n, n) Int lambda tr eps_a psi_b dA [N/m]
     sheared : (c, A, B, n, n) Int mu psi_a . grad psi_b dA [N/m]
@@ -61,19 +66,21 @@ class SectionIntegrals(NamedTuple):
 
 
 class AngularFactors(NamedTuple):
-    """The factors of the angles of c columns, for displacements of one symmetry.
+    """The angular factors of the section's integrals over c columns, for one symmetry.
 
-    The letters k and l count the two terms of the gradients in fem/hp/arc.py: the tangential and
-    the radial one.
+    Each integral is a sum of products of an angular and a radial factor. A and B are the numbers of
+    unknowns along a row in the section and along z. The letters k and l count the two terms of the
+    gradients in fem/hp/arc.py: the tangential and the radial one.
 
     Attributes
     ----------
-    strains : (c, A A, 8) traces and whole strains, by k and l each
-    values : (c, A A, 1) displacements
-    traces_values : (c, A B, 2) traces times u_z, by k
-    values_slopes : (c, A B, 2) displacements times gradients of u_z, by l
-    values_z : (c, B B, 1) u_z
-    slopes_z : (c, B B, 4) gradients of u_z, by k and l
+    strains : (c, A A, 8) products of the traces of two strains, and of two whole strains, by k and
+        l each
+    values : (c, A A, 1) products of two displacements
+    traces_values : (c, A B, 2) products of a trace and u_z, by k
+    values_slopes : (c, A B, 2) products of a displacement and a gradient of u_z, by l
+    values_z : (c, B B, 1) products of two u_z
+    slopes_z : (c, B B, 4) products of two gradients of u_z, by k and l
     """
 
     strains: Floats
@@ -86,9 +93,10 @@ class AngularFactors(NamedTuple):
 
 @cache
 def fold_z(p: int, symmetry: int) -> Floats:
-    """The matrix (B, p + 1) from forces along z on the nodes of a row to those on its unknowns.
+    """The matrix (B, p + 1) from forces along z on a row's nodes to forces on its B unknowns.
 
-    The first unknown is that of both sides; then follow pairs further in, and the middle node.
+    The unknowns belong to displacements of one symmetry. The first unknown is that of the nodes on
+    both sides; then follow the pairs of nodes further in, and the middle node.
     """
     count = (p + 1) // 2 + (p % 2 == 0 and symmetry == 0)
     fold = np.zeros((count, p + 1))
@@ -101,14 +109,16 @@ def fold_z(p: int, symmetry: int) -> Floats:
 
 
 def angular_factors(angles: Floats, p: int, symmetry: int, *, flat: bool = False) -> AngularFactors:
-    """The factors of the angles of columns on an arc or a plane.
+    """The angular factors of the section's integrals over columns on an arc or a plane.
 
-    Displacements on a side are measured along its radius and across it.
+    Displacements of a node on a side of its column are measured along the radius there and across
+    it.
 
     Parameters
     ----------
-    angles : (c, p + 1) nodes of the columns about their middle [rad]; lengths on a plane
-    p : degree
+    angles : (c, p + 1) angles of the nodes about the middle of their column [rad]; lengths on a
+        plane
+    p : degree of the section
     symmetry : 0 for symmetric displacements, 1 for antisymmetric ones
     flat : whether the columns are on a plane
     """
@@ -124,7 +134,8 @@ def angular_factors(angles: Floats, p: int, symmetry: int, *, flat: bool = False
     gradient[:, :, 1] = normal[:, :, None] * functions.values
     value = functions.values * np.sqrt(functions.weights * size)[:, None]  # (c, n, q)
 
-    # Unit displacements along the radius (x) and across it (y), turned on the sides.
+    # Strains and displacements of unit displacements along the radius (x) and across it (y). The
+    # nodes on the sides have the radius of the side, all others that of the column's middle.
     turn = np.zeros((count, n))
     turn[:, ::p] = 0.0 if flat else angles[:, ::p]
     c, s = np.cos(turn)[:, :, None], np.sin(turn)[:, :, None]
@@ -139,6 +150,7 @@ def angular_factors(angles: Floats, p: int, symmetry: int, *, flat: bool = False
     moved[:, :, 0, 0], moved[:, :, 0, 1] = c * value, s * value
     moved[:, :, 1, 0], moved[:, :, 1, 1] = -s * value, c * value
 
+    # The values of all nodes are combined to those of the unknowns of this symmetry.
     fold, across = functions.fold[symmetry], fold_z(p, symmetry)
     A, B = len(fold), len(across)
     strain = (fold @ strain.reshape(count, 2, 2 * n, -1)).reshape(count, 2 * A, 3, -1)
@@ -146,6 +158,7 @@ def angular_factors(angles: Floats, p: int, symmetry: int, *, flat: bool = False
     value = across @ value
     gradient = across @ gradient.transpose(1, 2, 3, 0, 4).reshape(count, 2, n, -1)
 
+    # Products of every two unknowns are summed over the Gauss points of the angle.
     trace = strain[:, :, 0] + strain[:, :, 1]
     whole = np.sqrt(2) * strain.reshape(count, 2 * A, -1)
     by_strains = np.stack([_products(trace, trace), _products(whole, whole)], axis=-1)
@@ -166,7 +179,7 @@ def angular_factors(angles: Floats, p: int, symmetry: int, *, flat: bool = False
 
 
 def _products(left: Floats, right: Floats) -> Floats:
-    """The products (c, a, b) of rows (c, a, q) and (c, b, q)."""
+    """The scalar products (c, a, b) of the rows of (c, a, q) with the rows of (c, b, q)."""
     return np.asarray(left @ right.swapaxes(-1, -2))
 
 
@@ -178,14 +191,14 @@ def arc_integrals(
     p: int,
     plane: float | None = None,
 ) -> SectionIntegrals:
-    """The integrals over the elements of all columns in one layer between two circles.
+    """The section's integrals over the elements of all columns in a layer between two circles.
 
     Parameters
     ----------
     inner, outer : radii at which the layer begins, at the contact's side, and ends [m]
-    lame : constants of the layer
-    angular : factors of the columns
-    p : degree
+    lame : Lame constants of the layer
+    angular : angular factors of the columns
+    p : degree of the section
     plane : radius that divides the lengths of elements on a plane [m]; None on a drum
     """
     functions, (lam, mu) = nodal_functions(p), lame
@@ -193,7 +206,8 @@ def arc_integrals(
     size = abs(step)
     r = inner + step * functions.x if plane is None else np.full_like(functions.x, plane)
     weights, values, slopes = functions.weights, functions.values, functions.slopes
-    # The functions of the two terms of the gradients, and of displacements, with their weights.
+    # The first two rows are the radial functions of the two terms of the gradients, the third row
+    # is that of displacements. Each function contains the root of its Gauss weights.
     radial = np.array(
         [
             values * np.sqrt(size * weights / r),
@@ -207,7 +221,10 @@ def arc_integrals(
     count = len(angular.values)
 
     def product(factors: Floats, own: Floats) -> Floats:
-        """The integrals (c, rows, columns, n, n) of the factors (c, rows columns, k) and radii."""
+        """The integrals (c, rows columns, n n) as sums of products of angular and radial factors.
+
+        `factors` (c, rows columns, k) are the angular factors, and `own` (k, n n) the radial ones.
+        """
         return np.asarray(factors @ own)
 
     found = [
@@ -226,22 +243,23 @@ def arc_integrals(
 
 
 def cell_integrals(xy: Floats, lame: LameConstants, p: int) -> SectionIntegrals:
-    """The integrals over elements of any shape, in axes of the frame.
+    """The section's integrals over elements of any shape, in the axes of the shoe's frame.
 
-    Unknowns along a column are those of its nodes, x and y of a node together.
+    Unknowns along a row are those of its nodes, x and y of a node together.
 
     Parameters
     ----------
     xy : (c, 2, a) nodes in the order of `ReferenceElement` [m]
-    lame : constants of the layer
-    p : degree
+    lame : Lame constants of the layer
+    p : degree of the section
     """
     (lam, mu), reference, n = lame, reference_element(p), p + 1
     G, areas = shape_function_gradients(xy, p)  # (c, 2, a, q), (c, q)
     count = len(xy)
     order = np.argsort(reference.order)
     root = np.sqrt(areas)[:, None]
-    # The first index of a node in its grid is that of its row, the second that along the column.
+    # The nodes are sorted into a grid: the first index is that of the row, the second that along
+    # the row.
     G = (G * root[:, None])[:, :, order]
     value = (reference.values * root)[:, order]
     flat = G.reshape(count, 2 * n * n, -1)
@@ -255,7 +273,8 @@ def cell_integrals(xy: Floats, lame: LameConstants, p: int) -> SectionIntegrals:
     for i in range(2):
         plane[:, i, :, :, i] += mu * stretch
         shear[:, i, :, :, i] = mu * mass
-    # From (x or y, row, along) twice to (along, x or y) twice and (row) twice.
+    # The indices (x or y, row, along) of two nodes become (along, x or y) of both and then the rows
+    # of both.
     to_plane, to_mixed, to_z = (0, 3, 1, 6, 4, 2, 5), (0, 3, 1, 5, 2, 4), (0, 2, 4, 1, 3)
     by_nodes = 2 * n, n, n, n
     sheared = mixed.transpose(0, 1, 4, 5, 2, 3)

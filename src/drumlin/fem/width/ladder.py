@@ -2,17 +2,18 @@
 
 The error has two parts, which are chosen and stated one by one and then added up.
 
-- The section's part is that of plane stress, whose levels are climbed until half of the tolerance
-  is met. With a width the pressure has the same singular points in the section. The coarsest level
-  is taken whose distance from the last one, and the error stated there, are within that half.
-- The width's part comes from a coarse section, on which further degrees cost little: the larger of
-  the distances from the degree q to the degrees q + 1 and q + 2 there, times WIDTH_SAFETY. The
-  smallest degree that meets the other half of the tolerance is taken. The next degree alone would
-  not tell the error, since even and odd degrees fall at different rates.
+- The section's part is that of plane stress, which is solved on finer and finer levels until half
+  of the tolerance is met. With a width the pressure has the same singular points in the section.
+  The coarsest level is taken whose answer is within that half, by its distance from the answer of
+  the last level plus the error stated for this last answer.
+- The width's part comes from a coarse section, on which further degrees cost little. It is the
+  larger of the distances from the degree q to the degrees q + 1 and q + 2 there, times
+  WIDTH_SAFETY. The smallest degree that meets the other half of the tolerance is taken. The next
+  degree alone would not tell the error, since even and odd degrees fall at different rates.
 
-The estimate holds for parts of one width. Where a part overhangs another one, a finer section asks
+The estimate holds for parts of one width. Where a part overhangs another part, a finer section asks
 for higher degrees beside the web: on three of seven such brakes the stated error was 0.3 to 0.9 of
-the true one.
+the true error.
 """
 
 from collections.abc import Iterator, Sequence
@@ -39,33 +40,36 @@ from drumlin.fem.width.prepare import LARGEST_WIDTH_DEGREE, prepare_width
 from drumlin.response.response import Response
 
 WIDTH_SAFETY = 3.0
-"""Factor on the distance of a degree from the next two degrees, on a coarse section, that is stated
-as the width's part of the error.
+"""Safety factor of the width's part of the error.
 
-The error falls as a power of the degree, about q^-1.5 where a side is free, so that degrees 3 and 5
-differ by half of the error of degree 3. With 2 the error of the torque of the main brake is stated
-a tenth too small.
+It multiplies the distance of a degree from the next two degrees on a coarse section. The error
+falls as a power of the degree, about q^-1.5 where a side is free, so that degrees 3 and 5 differ by
+half of the error of degree 3. With a factor of 2 the error of the torque of the main brake is
+stated a tenth too small.
 """
 LOOKED_AHEAD = 2
-"""Number of further degrees that tell the error of a degree: one even and one odd."""
+"""Number of further degrees across the width that give the error of a degree: one even, one odd."""
 
 
 class SolidErrors(NamedTuple):
     """Relative errors of the `torque` of a brake, and of each of its shoes.
 
-    `shoes` have the errors by the names of QUANTITIES.
+    `shoes` has the errors of each shoe by the names in QUANTITIES.
     """
 
     torque: float
     shoes: tuple[dict[str, float], ...]
 
     def meets(self, tolerance: Tolerance) -> bool:
-        """Whether the errors of all pressures and of the torque are within a tolerance."""
+        """Whether the errors of all mean pressures and of the torque are within a tolerance."""
         pressure = max(shoe["pressure"] for shoe in self.shoes)
         return pressure <= tolerance.pressure and self.torque <= tolerance.torque
 
     def plus(self, other: "SolidErrors") -> "SolidErrors":
-        """Both errors added up; a peak that is not known stays so."""
+        """The sum of these errors and of `other` errors.
+
+        The error of a peak pressure is at most 1, which means that it is unknown.
+        """
         shoes = []
         for one, two in zip(self.shoes, other.shoes, strict=True):
             both = {name: one[name] + two[name] for name in QUANTITIES}
@@ -73,13 +77,13 @@ class SolidErrors(NamedTuple):
         return SolidErrors(self.torque + other.torque, tuple(shoes))
 
     def times(self, factor: float) -> "SolidErrors":
-        """All errors times a factor."""
+        """All errors multiplied by a factor."""
         shoes = [{name: factor * own for name, own in shoe.items()} for shoe in self.shoes]
         return SolidErrors(factor * self.torque, tuple(shoes))
 
 
 class _Section(NamedTuple):
-    """A level of the section, its answer by plane stress, and the error of this answer."""
+    """A level of the section, the answer of plane stress on it, and the error of this answer."""
 
     level: Level
     response: Response
@@ -87,7 +91,7 @@ class _Section(NamedTuple):
 
 
 class DegreeError(NamedTuple):
-    """A degree across the width and the width's part of the error that it leaves."""
+    """A degree across the width, and the width's part of the error with this degree."""
 
     degree: int
     error: SolidErrors
@@ -108,8 +112,9 @@ def solve_with_widths(
     brake : the brake
     tolerance : relative errors that are allowed, of the mean pressure over the width and of the
         torque
-    must : whether a tolerance that is not reached is refused; otherwise the best answer is returned
-    penalty : factor alpha of the contact stiffness alpha E/t
+    must : whether a tolerance that is not reached is an error; otherwise the best answer is
+        returned
+    penalty : factor alpha of the contact stiffness alpha E/t (lining modulus E, thickness t)
     cache : substructures of earlier solves
 
     Raises
@@ -125,7 +130,7 @@ def solve_with_widths(
     climbed: list[SolvedLevel] = []
 
     def recorded() -> Iterator[SolvedLevel]:
-        """The levels of a solve by plane stress, each of which is kept."""
+        """Yield the levels of a solve by plane stress, and append each one to `climbed`."""
         for step in solved_levels(brake, answer, cache):
             climbed.append(step)
             yield step
@@ -167,8 +172,8 @@ def _sections(
     Parameters
     ----------
     brake : the brake
-    coarse : its coarse section
-    climbed : the levels of its solve by plane stress
+    coarse : coarse section of the brake
+    climbed : the levels of the solve by plane stress
     last : the answer of this solve, with its stated errors
     """
     stated = SolidErrors(
@@ -186,7 +191,7 @@ def _sections(
 
 
 def _reached_text(tolerance: Tolerance, error: SolidErrors, degree: int) -> str:
-    """The words on a tolerance that the finest section and a degree do not reach."""
+    """The text on a tolerance that the finest section and the largest degree do not reach."""
     pressure = max(shoe["pressure"] for shoe in error.shoes)
     return (
         f"tolerance {tolerance.pressure:g} not reached with degree {degree} across the width: "
@@ -203,21 +208,23 @@ def chosen_degree(
     penalty: float = PENALTY,
     cache: Cache | None = None,
 ) -> DegreeError:
-    """The smallest degree across the width that meets a tolerance, or the largest that is known.
+    """The smallest degree across the width that meets a tolerance, with its error.
+
+    If no degree meets the tolerance, the largest degree whose error can be estimated is returned.
 
     Parameters
     ----------
     brake : the brake
-    plane : its answer by plane stress
-    section : its coarse section
-    tolerance : relative errors that the degree may leave
-    penalty : factor alpha of the contact stiffness alpha E/t
+    plane : answer of plane stress
+    section : coarse section of the brake
+    tolerance : relative errors that are allowed for the width's part
+    penalty : factor alpha of the contact stiffness alpha E/t (lining modulus E, thickness t)
     cache : substructures of earlier solves
     """
     answers: dict[int, Response] = {}
 
     def coarse(degree: int) -> Response:
-        """The answer of a degree on the coarse section."""
+        """The answer of a degree across the width on the coarse section."""
         if degree not in answers:
             scene = prepare_width(brake, section.level, degree, section.points, cache=cache)
             answers[degree] = solve_prepared_model(scene, brake, penalty=penalty, start=plane)
@@ -245,7 +252,7 @@ def _degree_error(
 
 
 def _errors_from(brake: Brake, response: Response, true: Response) -> SolidErrors:
-    """The relative distances of a response from a better one."""
+    """The relative distances of a response from a more exact response `true`."""
     shoes = []
     for shoe, better in zip(response.shoes, true.shoes, strict=True):
         peak = better.peak_pressure or shoe.peak_pressure or 1.0

@@ -1,4 +1,4 @@
-"""The prepared model of a brake in the hierarchic model of the width."""
+"""The prepared model of a brake whose shoes have a finite width (hierarchic model of the width)."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -30,65 +30,72 @@ from drumlin.fem.width.functions import WidthFunctions, functions_of
 from drumlin.fem.width.shoe import condense_width, width_layers
 
 LARGEST_WIDTH_NU = 0.499
-"""Largest Poisson's ratio at which displacements alone describe a body with a width."""
+"""Largest Poisson's ratio that the model of the width allows.
+
+Nearly incompressible materials need pressures as further unknowns beside the displacements.
+"""
 LARGEST_WIDTH_DEGREE = 9
-"""Largest degree across the width: the Gauss rules over the width are exact up to degree 11."""
+"""Largest degree of the polynomials across the width.
+
+The Gauss rules over the width are exact up to degree 11.
+"""
 INTERIOR = "interior fields: not recovered across the width"
+"""Line on what a prepared model with a width leaves out: displacements and stresses in bodies."""
 OTHER_HALF = "the other half of each shoe: symmetric"
-"""Lines on what a prepared model with a width leaves out."""
+"""Line on what a prepared model with a width leaves out: the half shoe behind the mid-plane."""
 
 MakeFunctions = Callable[[Shoe], WidthFunctions]
-"""Makes the functions across the width of a shoe."""
+"""A function from a shoe to the functions across the shoe's width."""
 
 
 @dataclass(frozen=True)
 class NodesOverWidth:
-    """The nodes of a body of columns, each with its functions across the width.
+    """The number of nodes of a body whose nodes have several functions across the width.
 
-    `N` is half the number of the body's displacements: the number of nodes of a section with as
-    many unknowns.
+    `N` is half the number of the body's displacements: the number of nodes of a plane section with
+    as many unknowns.
     """
 
     N: int
 
 
 class NotRecovered:
-    """The unknowns of a body with a width that condensation has eliminated; none is recovered.
+    """The eliminated unknowns of a body with a width, in the place of `InnerUnknowns`.
 
-    Each method raises NotImplementedError.
+    They are not recovered after condensation, so that each method raises NotImplementedError.
     """
 
     def system(self) -> InnerSystem:
-        """The whole system of the body."""
+        """Raise NotImplementedError instead of returning the body's equations on all nodes."""
         raise NotImplementedError(INTERIOR)
 
     def eliminate_loads(self) -> CondensedSystem:
-        """The unit loads condensed to contact and frame."""
+        """Raise NotImplementedError instead of condensing the unit loads to contact and frame."""
         raise NotImplementedError(INTERIOR)
 
     def with_forces(self, forces: Floats) -> InnerUnknowns:
-        """The same unknowns with further unit loads."""
+        """Raise NotImplementedError instead of adding unit loads to the unknowns."""
         raise NotImplementedError(INTERIOR)
 
     def displacements(self, nodal: Floats, frame: Floats, loads: Floats) -> Floats:
-        """Displacements of all nodes."""
+        """Raise NotImplementedError instead of returning the displacements of all nodes."""
         raise NotImplementedError(INTERIOR)
 
 
 def width_why_not(brake: Brake) -> str | None:
-    """Why the hierarchic model of the width does not apply to a brake; None where it applies."""
+    """The reason why the model of the width does not apply to a brake; None where it applies."""
     on_ring = "its drum is an elastic ring, whose own width is not modelled"
     return reason_against_widths(brake, "the model of the width", on_ring)
 
 
 def reason_against_widths(brake: Brake, model: str, on_ring: str) -> str | None:
-    """Why no model of shoes with widths applies to a brake; None where such a model applies.
+    """The reason why no model of shoes with widths applies to a brake; None where one applies.
 
     Parameters
     ----------
     brake : the brake
-    model : name of the model, for the words on what it does not know
-    on_ring : the reason that an elastic ring is
+    model : name of the model, for the text of the reason
+    on_ring : the reason that is given for a brake with an elastic drum ring
     """
     if brake.unmeshable() is not None:
         return brake.unmeshable()
@@ -102,7 +109,7 @@ def reason_against_widths(brake: Brake, model: str, on_ring: str) -> str | None:
 
 
 def _reason_against_widths_of_shoe(shoe: Shoe) -> str | None:
-    """Why no model of shoes with widths applies to a shoe; None where such a model applies."""
+    """The reason why no model of shoes with widths applies to a shoe; None where one applies."""
     if shoe.mesh is not None:
         return "a mesh of its own is a section without widths"
     if shoe.body is not None and shoe.body.bending_stiffness is not None:
@@ -123,22 +130,25 @@ def prepare_width(
     *,
     cache: Cache | None = None,
 ) -> PreparedModel:
-    """The bodies of a brake with widths, condensed and coupled; shoes of one shape share one.
+    """The prepared model of a brake with widths: its shoes, condensed and coupled with the drum.
+
+    Shoes of one shape share one condensed body.
 
     Parameters
     ----------
     brake : the brake
-    level : degree and grading of the section
-    degree : degree across the width, or what makes the functions of each shoe; 0 is plane stress
-    points : singular points of the pressure, by shape
-    cache : keeps condensed bodies; found ones are taken from it, and new ones put there
+    level : degree and grading of the hp elements of the section
+    degree : degree across the width, or a function from a shoe to its functions across the width; 0
+        is plane stress
+    points : singular points of the pressure, by the position of the first shoe of each shape
+    cache : cache of condensed bodies; bodies found in it are used again, and new ones are added
 
     Raises
     ------
     BadInput
         where the model does not apply, and for a degree out of range
     NoAnswer
-        for a singular stiffness, and for more than MOST_CONTACT_NODES nodes of a face
+        for a singular stiffness, and for more than MOST_CONTACT_NODES nodes of a contact face
     """
     reason = width_why_not(brake)
     if reason is not None:
@@ -151,6 +161,7 @@ def prepare_width(
     alike = first_shoes_of_equal_shape(brake)
     tip = brake.actuation is not None and brake.actuation.is_cam
     made: dict[int, ShoeSubstructure] = {}
+    # One body is condensed for each different shape of shoe.
     for i in dict.fromkeys(alike):
         shoe = brake.shoes[i]
         functions = make(shoe)
@@ -172,7 +183,7 @@ def prepare_width(
 
 
 def _size_of(body: ShoeSubstructure) -> int:
-    """The memory [bytes] of a condensed body, approximately: six matrices of its contact."""
+    """The memory [bytes] of a condensed body, approximately: six matrices on its contact nodes."""
     return 8 * 6 * len(body.line.nodes) ** 2
 
 
@@ -184,16 +195,16 @@ def width_body(
     friction: bool,
     seconds: Seconds,
 ) -> ShoeSubstructure:
-    """The condensed body of a shoe with a width, coupled with its counterface.
+    """The condensed body of a shoe with a width, coupled with the drum or the plane.
 
     Parameters
     ----------
     shoe : a parametric shoe
-    radius : of the drum [m]
-    division : of its section
-    functions : across its width
+    radius : radius of the drum [m]
+    division : division of the shoe's section into hp elements
+    functions : functions across the shoe's width
     friction : whether the brake has friction
-    seconds : time of each phase [s], which this function adds to
+    seconds : time of each phase [s], to which this function adds its own times
 
     Raises
     ------
@@ -215,7 +226,7 @@ def width_body(
 def face_of(
     shoe: Shoe, radius: float, division: ShoeDivision, functions: WidthFunctions
 ) -> WidthFace:
-    """The friction surface of a divided shoe with functions across its width."""
+    """The friction surface of a divided shoe with functions across the shoe's width."""
     line, half = shoe_contact_line(shoe, radius, division), shoe.lining.width / 2
     count = len(functions.face_nodes(half))
     return WidthFace(
@@ -231,9 +242,10 @@ def face_of(
 
 
 def unknowns_of(shoe: Shoe, division: ShoeDivision, functions: WidthFunctions) -> int:
-    """Number of displacements of a divided shoe with functions across its width.
+    """Number of displacements of a divided shoe with functions across the shoe's width.
 
-    Rows of nodes between two layers have the functions of the wider one; supports are not counted.
+    A row of nodes between two layers counts with the functions of the layer nearer to the contact.
+    The displacements that supports hold are counted as well.
     """
     p, beyond = division.degree, len(division.before) + len(division.after) - 2
     count = 0

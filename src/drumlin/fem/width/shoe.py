@@ -1,4 +1,8 @@
-"""A parametric shoe with widths, condensed to its frame, its contact face and its unit loads."""
+"""A parametric shoe with a width, condensed to its frame, its contact face and its unit loads.
+
+The frame is the rigid line of the shoe that its hinge holds. The section is divided into columns,
+stacks of hp elements from the contact inwards (hp.columns).
+"""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -64,9 +68,9 @@ class WidthLayers(NamedTuple):
 
     Attributes
     ----------
-    functions : the functions
-    halves : (l,) half the width of each layer [m]
-    lame : (l,) constants of each layer
+    functions : the functions across the width
+    halves : (l,) half width of each layer [m]
+    lame : (l,) Lame constants of each layer
     """
 
     functions: WidthFunctions
@@ -74,15 +78,18 @@ class WidthLayers(NamedTuple):
     lame: tuple[LameConstants, ...]
 
     def integrals(self, first: int) -> list[WidthIntegrals]:
-        """The integrals over the width of the layers from number `first` on."""
+        """The integrals over the width, of each layer from number `first` inwards."""
         return [width_integrals(self.functions, half) for half in self.halves[first:]]
 
     def stack(self, p: int, first: int, *, contact: bool, back: BackEdge) -> Stack:
-        """The stack of the layers from number `first` on; parameters as of `stack_of`."""
+        """The unknowns of a column of the layers from number `first` inwards.
+
+        The other parameters are those of `stack_of`.
+        """
         return stack_of(self.functions, self.halves[first:], p, contact=contact, back=back)
 
     def body_line(self, div: ShoeDivision) -> "BodyLine":
-        """The line of the layers that continue beyond the lining."""
+        """The unknowns across the body's thickness, of layers that continue beyond the lining."""
         stack = self.stack(div.degree, div.first_body_layer, contact=False, back=BackEdge.FREE)
         line = stack.line(half_row(div.degree, 0).left)
         z, component, row, function = np.array(line, dtype=int).reshape(-1, 4).T
@@ -90,15 +97,15 @@ class WidthLayers(NamedTuple):
 
 
 class BodyLine(NamedTuple):
-    """The unknowns (n,) of a line across the body of a shoe.
+    """The unknowns (n,) on a line of nodes across the thickness of a shoe's body.
 
     Attributes
     ----------
-    z : 1 for displacements along z
-    component : 0 along the radius, 1 across it
-    row : row of nodes, from the body's outer face on
-    function : function across the width
-    half : half the width of the body's first layer [m]
+    z : 1 for a displacement along z, across the width; 0 for a displacement in the section
+    component : 0 for a displacement along the radius, 1 for a displacement around the drum
+    row : row of nodes, counted from the outer face of the body
+    function : number of the function across the width
+    half : half width of the body's first layer [m]
     """
 
     z: Ints
@@ -108,9 +115,10 @@ class BodyLine(NamedTuple):
     half: float
 
     def spread(self, vectors: Floats, share: Floats) -> Floats:
-        """Vectors (n, m) on the line from those of the section (2 rows, m).
+        """Vectors (n, m) on the unknowns of the line from vectors of the plane section (2 rows, m).
 
-        share : (functions,) factor of each even function
+        Displacements or forces along z are zero. `share` (functions,) is the factor of each even
+        function.
         """
         by_row = vectors.reshape(-1, 2, vectors.shape[1])
         spread = by_row[self.row, self.component] * share[self.function * (1 - self.z), None]
@@ -122,9 +130,10 @@ def width_layers(shoe: Shoe, div: ShoeDivision, functions: WidthFunctions) -> Wi
     """The layers of a divided shoe of isotropic parts, with functions across the width."""
     halves, lame = half_widths_of(shoe), {}
     for name, (material, _) in materials_of_parts(shoe).items():
-        # The assertion holds of every brake that `prepare.why_not` lets pass.
+        # `prepare.width_why_not` lets only brakes of isotropic materials pass.
         assert isinstance(material, Material)
         E, nu = material.E, material.nu
+        # Degree 0 takes the lambda of plane stress, all other degrees that of the solid.
         free = E * nu / (1 - nu**2)
         solid = E * nu / ((1 + nu) * (1 - 2 * nu)) if functions.degree > 0 else free
         lame[name] = LameConstants(solid, E / (2 * (1 + nu)))
@@ -136,7 +145,11 @@ def width_layers(shoe: Shoe, div: ShoeDivision, functions: WidthFunctions) -> Wi
 
 
 class _WidthColumns(NamedTuple):
-    """The columns of a shoe under the lining, before it and behind it; see `hp.shoe`."""
+    """The columns of elements of a shoe: under the lining, before the lining and behind the lining.
+
+    `grip` are the numbers of the first column in the grip and of the first one behind the grip,
+    both 0 without a grip.
+    """
 
     under: list[ColumnSubstructure]
     before: list[ColumnSubstructure]
@@ -145,13 +158,20 @@ class _WidthColumns(NamedTuple):
 
 
 ColumnsFrom = Callable[[Ints, int, Stack], list[ColumnSubstructure]]
-"""Makes the columns of some kinds, from a first layer on, with a stack of layers."""
+"""A function that makes the columns of elements of given kinds.
+
+A kind is a shape of column. The arguments are the kinds (c,), the number of the first layer and the
+stack of layers.
+"""
 
 
 def _column_maker(
     shoe: Shoe, radius: float, div: ShoeDivision, layers: WidthLayers
 ) -> tuple[ColumnsFrom, Ints]:
-    """What makes the columns of a shoe, and the kind of each of its columns."""
+    """The function that makes the columns of a shoe's elements, and the kind of each column.
+
+    Columns of one kind have equal shape and equal stiffness.
+    """
     p = div.degree
     kinds_of_columns = column_kinds(shoe, div, directed=False)
     along = kinds_of_columns.along
@@ -159,7 +179,10 @@ def _column_maker(
     radii = radius - shoe.sign * div.depths
 
     def on_arc(kinds: Ints, first: int, stack: Stack) -> list[ColumnSubstructure]:
-        """Columns between circles or planes."""
+        """Columns of elements between two circles, or between two planes.
+
+        They are their own mirror images, so that symmetric and antisymmetric halves are condensed.
+        """
         parts: list[list[SectionIntegrals]] = []
         for symmetry in SYMMETRIES:
             angular = angular_factors(along[kinds], p, symmetry, flat=shoe.flat)
@@ -172,7 +195,7 @@ def _column_maker(
         return mirrored_columns(parts, layers.integrals(first), stack)
 
     def of_cells(kinds: Ints, first: int, stack: Stack) -> list[ColumnSubstructure]:
-        """Columns of elements of any shape."""
+        """Columns of elements of any shape, such as those of a block under a straight beam."""
         xy = element_nodes(point_map(shoe, radius), div.depths[first:], along[kinds], p)
         lame = layers.lame[first:]
         parts = [cell_integrals(own, each, p) for own, each in zip(xy, lame, strict=True)]
@@ -185,22 +208,27 @@ def _column_maker(
 def _width_columns(
     shoe: Shoe, radius: float, div: ShoeDivision, layers: WidthLayers
 ) -> _WidthColumns:
-    """The condensed columns of a shoe; parameters as of `condense_width`."""
+    """The condensed columns of elements of a shoe; the parameters are those of `condense_width`."""
     p = div.degree
     make, which = _column_maker(shoe, radius, div, layers)
 
     def columns_of(
         row: Ints, first: int, *, contact: bool, back: BackEdge
     ) -> list[ColumnSubstructure]:
-        """The columns of a row of kinds, from the layer `first` on; see `Stack`."""
+        """The condensed columns of a row of kinds, with the layers from number `first` inwards.
+
+        `contact` and `back` are attributes of `Stack`.
+        """
         if not len(row):
             return []
+        # Each kind of column is condensed once.
         kinds = np.flatnonzero(np.bincount(row))
         columns = make(kinds, first, layers.stack(p, first, contact=contact, back=back))
         made = dict(zip(kinds.tolist(), columns, strict=True))
         return [made[kind] for kind in row.tolist()]
 
     under, before = len(div.angles) - 1, len(div.before) - 1
+    # A grip on the back of a shoe begins at column a and ends before column b.
     ends = shoe.grip(radius)
     a, b = (0, 0) if ends is None else (int(np.abs(div.angles - x).argmin()) for x in ends)
     back = BackEdge.BONDED if div.first_body_layer == div.layers else BackEdge.FREE
@@ -208,7 +236,8 @@ def _width_columns(
     gripped = columns_of(which[a:b], 0, contact=True, back=BackEdge.GRIPPED)
     rest = columns_of(which[under:], div.first_body_layer, contact=False, back=BackEdge.FREE)
     row = [*free[:a], *gripped, *free[a:]]
-    # The columns beside a grip share a line with gripped ones.
+    # A column beside the grip shares its side with a gripped column. The innermost nodes of this
+    # side are held.
     stack = layers.stack(p, 0, contact=True, back=BackEdge.FREE)
     if a < b and a > 0:
         row[a - 1] = restrict_back(row[a - 1], stack, right=True)
@@ -223,16 +252,16 @@ def condense_width(
     div: ShoeDivision,
     functions: WidthFunctions,
 ) -> CondensedShoe:
-    """The shoe condensed to its frame and to the nodes of its face.
+    """The shoe condensed to its frame and to the nodes of its contact face.
 
-    The nodes of the face stand by growing angle, and at each angle from the mid-plane outwards,
-    at `WidthFunctions.face_nodes`. x and y of a node stand together.
+    The nodes of the face stand by growing angle, and at each angle from the mid-plane outwards, at
+    the distances `WidthFunctions.face_nodes`. x and y of a node stand together.
 
     Parameters
     ----------
     shoe : a parametric shoe
     radius : radius of the drum [m]
-    div : division of the section
+    div : division of the section into hp elements
     functions : functions across the width
 
     Raises
@@ -248,6 +277,8 @@ def condense_width(
     R = rigid_body_modes(xy, shoe.own_pin)
     if div.first_body_layer < div.layers and not any(row.grip):
         return _hinged_width(shoe, radius, div, layers, row, R)
+    # Beside a grip the body's parts before and behind the lining bear no load. Each part is
+    # condensed to the side at which it joins the columns under the lining.
     ends: list[Floats | None] = [None, None]
     if any(row.grip):
         before, after = row.before, row.after
@@ -265,12 +296,16 @@ def condense_width(
 
 
 class _FaceAxes(NamedTuple):
-    """The change from functions across in axes of the columns to nodes in the shoe's frame.
+    """The change from unknowns of the columns to displacements of the contact face's nodes.
+
+    The columns have functions across the width in axes along the radius and around the drum. The
+    nodes of the face have displacements in the shoe's frame.
 
     Attributes
     ----------
-    angles : (n functions,) angles back to the frame [rad]
-    inverse : (functions, nodes) functions in terms of the values at nodes across
+    angles : (n functions,) angles by which the axes are turned back to the frame [rad]
+    inverse : matrix (functions, nodes) from values at the nodes across the width to factors of the
+        functions
     """
 
     angles: Floats
@@ -278,13 +313,16 @@ class _FaceAxes(NamedTuple):
 
     @classmethod
     def of(cls, shoe: Shoe, div: ShoeDivision, layers: WidthLayers) -> "_FaceAxes":
-        """The axes of the face of a divided shoe."""
+        """The change of unknowns for the contact face of a divided shoe."""
         inverse = nodes_to_functions(layers.functions, layers.halves[0])
         angles = np.repeat(rotations_to_shoe_frame(shoe, div), len(inverse))
         return cls(angles, inverse)
 
     def rows(self, V: Floats) -> Floats:
-        """Forces (m, 2 n functions) on nodes in the frame, from those on functions."""
+        """Forces (m, 2 n nodes) on nodes in the shoe's frame from forces V (m, 2 n functions).
+
+        The forces V belong to the functions across the width, in the axes of the columns.
+        """
         turned = rotate_vector_components(V, self.angles)
         count = len(self.inverse)
         if count == 1:
@@ -293,7 +331,10 @@ class _FaceAxes(NamedTuple):
         return np.ascontiguousarray((by_function @ self.inverse).swapaxes(2, 3)).reshape(len(V), -1)
 
     def stiffness(self, S: Floats) -> Floats:
-        """The stiffness (2 n nodes, 2 n nodes) in the frame, from that on functions."""
+        """The stiffness (2 n nodes, 2 n nodes) of the face's nodes in the shoe's frame.
+
+        `S` (2 n functions, 2 n functions) is the stiffness on the unknowns of the columns.
+        """
         S = np.ascontiguousarray(S)
         if len(self.inverse) == 1:
             return rotate_matrix_components(S, self.angles)
@@ -310,9 +351,12 @@ def _hinged_width(
 ) -> CondensedShoe:
     """A condensed elastic shoe that is held at its hinge and loaded at its other end.
 
-    The hinge holds the plane's displacements over the whole width and lets u_z free. The unit loads
-    on the loaded end are even over the width. Parameters as of `condense_width`, and
+    The hinge holds the displacements in the section over the whole width and leaves u_z free. The
+    unit loads on the loaded end are even over the width.
 
+    Parameters
+    ----------
+    shoe, radius, div : as of `condense_width`
     layers : layers with functions across the width
     row : columns of the shoe
     R : (2n, 3) rigid-body modes of the face's nodes
@@ -322,6 +366,8 @@ def _hinged_width(
     near, far = div.before[-1], div.after[-1]
     line = layers.body_line(div)
     even = width_integrals(layers.functions, line.half).even
+    # A rigid-body motion is the function 1 alone. A load even over the width acts on each even
+    # function in proportion to the function's integral over the width.
     only_first, evenly = np.zeros(len(even)), even[0] / even[0, 0]
     only_first[0] = 1.0
     modes = rotate_all_nodes(
@@ -349,13 +395,14 @@ def _hinged_width(
 
 
 def _on_frame(piece: ColumnSubstructure, tied: Ints, modes: Floats) -> ColumnSubstructure:
-    """A column whose left line moves with the frame, or is free, on [frame | other unknowns].
+    """A column of elements with its left side tied to the frame; its unknowns are [frame | others].
 
     Parameters
     ----------
     piece : the column
-    tied : (n,) unknowns of the left line that move with the frame
-    modes : (n, 3) how they move; the other unknowns of the left line are eliminated
+    tied : (n,) unknowns of the left side that move with the frame; the other unknowns of this side
+        are eliminated
+    modes : (n, 3) displacement of each tied unknown per degree of freedom of the frame
     """
     n = len(piece.K)
     free = np.setdiff1d(np.arange(piece.left), tied)
