@@ -24,8 +24,8 @@ judgement: some hundred bodies of the size that a solve uses.
 def shape_key_of_shoe(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
     """A key that is equal for two shoes if they can share one condensed body.
 
-    It contains the geometry and the materials. Shoes with the same key have one shape; they may
-    differ in their position, in the side to which they turn, in load and in clearance.
+    It contains the geometry and the materials. Shoes with the same key have one shape. They may
+    differ in position, load and clearance, and one may be the mirror image of the other.
     """
     arcs = [shoe.arc]
     lining, body = shoe.lining, shoe.body
