@@ -226,9 +226,11 @@ def solve_by_block_pivoting(
         count = int(np.count_nonzero(trial.wrong))
         if not count:
             return _refine_solution_once(system, equations, active, trial, step)
-        fewest, patience = (
-            (count, MOST_STEPS_WITHOUT_PROGRESS) if count < fewest else (fewest, patience - 1)
-        )
+        # The search ends if the number of wrong nodes has not fallen for some steps.
+        if count < fewest:
+            fewest, patience = count, MOST_STEPS_WITHOUT_PROGRESS
+        else:
+            patience -= 1
         if patience < 0:
             break
         active = _next_contact_set(problem, system, equations, active, trial)

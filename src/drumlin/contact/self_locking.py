@@ -44,13 +44,13 @@ A brake whose limit is higher counts as a brake that never locks.
 """
 
 LARGEST_FRICTION_STEP = 0.05
-"""Largest step of the friction coefficient mu while the contact is followed from mu = 0.
+"""Largest step of the friction coefficient mu while mu grows from 0 up to self-locking.
 
-Above mu = 1 the step is relative to mu. The step changes the time alone. A step over which the
-contact set changes is halved until the contact force grows by less than LARGEST_FORCE_GROWTH. While
-the contact set stays, the determinant shows the limit. On 30 brakes a step of 0.025 takes 1.07
-times as many factorisations, a step of 0.1 as many, and a step of 0.4 takes 1.1 times as many. The
-solutions are the same.
+The contact is solved after each step. Above mu = 1 the step is relative to mu. The step changes the
+time alone. A step over which the contact set changes is halved until the contact force grows by
+less than LARGEST_FORCE_GROWTH. While the contact set stays, the determinant shows the limit. On 30
+brakes a step of 0.025 takes 1.07 times as many factorisations, a step of 0.1 as many, and a step of
+0.4 takes 1.1 times as many. The solutions are the same.
 """
 
 POLE_DISTANCE = 1e-8
@@ -70,7 +70,7 @@ set changes over a step and the force grows by more, the step is halved.
 """
 
 COARSE_PATH_ABOVE_NODES = 600
-"""Number of contact nodes above which growing friction is followed on every other node only.
+"""Number of contact nodes above which only every other node is used while friction grows from 0.
 
 The solution on all nodes is then found at once and compared with the solution on every other node.
 The work grows with the cube of the number of nodes, so that this number changes the time alone. The
@@ -123,7 +123,7 @@ class FrictionDependentProblem(NamedTuple):
 
 
 class FrictionLimit(NamedTuple):
-    """The friction coefficient up to which the contact can be followed from mu = 0.
+    """The friction coefficient mu up to which a contact has an equilibrium, as mu grows from 0.
 
     Attributes
     ----------
@@ -146,7 +146,7 @@ class FrictionLimit(NamedTuple):
 class FrictionBeyondLimit(NoAnswer):
     """The error that a friction coefficient is beyond the limit of self-locking.
 
-    `limit` is the end of the solution that was followed from mu = 0.
+    `limit` is the largest friction coefficient that has a solution as friction grows from 0.
     """
 
     def __init__(self, line: str, limit: FrictionLimit) -> None:
@@ -160,7 +160,10 @@ def find_friction_limit(
     known_answer: tuple[float, Contact] | None = None,
     areas: Floats | None = None,
 ) -> FrictionLimit:
-    """Find the friction coefficient up to which the contact can be followed from mu = 0.
+    """Find the friction coefficient mu up to which a contact has an equilibrium.
+
+    The contact is solved again and again while mu grows in steps from 0. The search ends where a
+    step has no stable solution that continues the one before.
 
     Parameters
     ----------
@@ -396,7 +399,8 @@ def _solve_near_coarse_solution(
 ) -> Contact | None:
     """Solve the contact on all nodes directly, and check it by the solution on every other node.
 
-    On every other node the solution is followed from mu = 0; this is the coarse solution.
+    The solution on every other node, the coarse solution, is computed in steps of friction that
+    grow from 0.
 
     Parameters
     ----------
@@ -498,7 +502,7 @@ class StartSetComparison(NamedTuple):
     Attributes
     ----------
     starts : number of first contact sets
-    same : number of first sets that lead to the solution which is followed from mu = 0
+    same : number of first sets that lead to the solution which friction growing from 0 reaches
     others : number of first sets that lead to another stable solution
     unstable : number of first sets that lead to an unstable solution
     lost : number of first sets from which the method does not converge
@@ -523,7 +527,7 @@ def compare_answers_from_start_sets(
     Parameters
     ----------
     problem : contact problem of n nodes
-    answer : the known solution of the problem, followed from mu = 0
+    answer : the known solution of the problem, which friction growing from 0 reaches
     starts : first contact sets (n,)
     tolerance : difference of pressure, relative to the largest pressure, up to which two solutions
         count as the same

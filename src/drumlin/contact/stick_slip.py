@@ -308,17 +308,18 @@ def _find_states_by_newton(system: _FrictionalSystem, start: Ints) -> _SettledSt
     """
     state, fewest, patience = start, 3 * len(start), MOST_STEPS_WITHOUT_PROGRESS
     for step in range(1, MOST_STATE_NEWTON_STEPS + 1):
-        piece = _StateEquations(system, state)
-        point = piece.solve_under_loads(system.q, system.h)
-        outside = piece.distances_to_state_changes(point) < -STATE_ROUND_OFF * _scales_of_distances(
-            system, piece, point
-        )
+        equations = _StateEquations(system, state)
+        point = equations.solve_under_loads(system.q, system.h)
+        round_off = STATE_ROUND_OFF * _scales_of_distances(system, equations, point)
+        outside = equations.distances_to_state_changes(point) < -round_off
         wrong = int(np.count_nonzero(outside))
         if not wrong:
             return _SettledStates(state, point, step)
-        fewest, patience = (
-            (wrong, MOST_STEPS_WITHOUT_PROGRESS) if wrong < fewest else (fewest, patience - 1)
-        )
+        # The search ends if the number of nodes in a wrong state has not fallen for some steps.
+        if wrong < fewest:
+            fewest, patience = wrong, MOST_STEPS_WITHOUT_PROGRESS
+        else:
+            patience -= 1
         if patience < 0:
             break
         state = _next_states(system, state, point, outside)
@@ -422,14 +423,15 @@ def _follow_path_of_loads(
     Returns the states at r = 0 with their solution. Raises NoAnswer if the path goes on for ever.
     """
     state, r, direction, node, edge = state.copy(), 1.0, -1.0, -1, 0
-    piece = _StateEquations(system, state)
-    e, f = _loads_that_admit_states(system, piece, from_wide_gaps)
+    equations = _StateEquations(system, state)
+    e, f = _loads_that_admit_states(system, equations, from_wide_gaps)
     for passed in range(1, MOST_STATE_CHANGES * len(state) + 1):
-        point, slope = piece.solve_under_loads(system.q, system.h), piece.solve_under_loads(e, f)
-        value, change = (
-            piece.distances_to_state_changes(point),
-            piece.distances_to_state_changes(slope),
-        )
+        # In the present states the solution is point + r slope, and so are the distances of the
+        # nodes from a change of state.
+        point = equations.solve_under_loads(system.q, system.h)
+        slope = equations.solve_under_loads(e, f)
+        value = equations.distances_to_state_changes(point)
+        change = equations.distances_to_state_changes(slope)
         # The node that has changed last is exactly at a limit of its new state and must move away
         # from it. This gives the sense in which r changes.
         if node >= 0:
@@ -450,7 +452,7 @@ def _follow_path_of_loads(
             state[node] = NEXT_STATE[before, edge]
             # This is the number of the condition whose violation would lead back to the old state.
             edge = int(NEXT_STATE[state[node], 1] == before)
-        piece = _StateEquations(system, state)
+        equations = _StateEquations(system, state)
     raise NoAnswer(
         "not converged: stick and slip do not settle, nor does a path lead to where they do"
     )

@@ -588,12 +588,11 @@ def _penalty_and_round_off_errors(
     by_penalty, by_round_off = _relative_errors_of_results(solution, size)
     # The elimination of the unknowns inside a body causes a round-off error, which is the least
     # error that is stated.
-    least = (
-        0.0
-        if solution.refined
-        else solution.group.bodies[solution.shoe_number].condensed.force_imbalance
-    )
-    return _ArithmeticErrors(by_penalty, ShoeChange(*(max(part, least) for part in by_round_off)))
+    least = 0.0
+    if not solution.refined:
+        least = solution.group.bodies[solution.shoe_number].condensed.force_imbalance
+    round_off = ShoeChange(*(max(part, least) for part in by_round_off))
+    return _ArithmeticErrors(by_penalty, round_off)
 
 
 def _note_on_contact(solution: _ShoeSolution, errors: _ArithmeticErrors) -> str:

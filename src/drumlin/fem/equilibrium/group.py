@@ -139,7 +139,8 @@ class ShoeGroup(GroupProblems):
     def _pull_refusal_at_limit(self, limit: self_locking.FrictionLimit) -> str:
         """The error text if a shared force falls to zero at a limit of friction; otherwise empty.
 
-        A shared force is that of a cam or a strut. The limit ends the followed solution.
+        A shared force is that of a cam or a strut. At the limit the solution ends as the friction
+        of the drum grows.
         """
         sharing = self._force_sharing_at(limit.last_friction)
         return (
@@ -209,9 +210,9 @@ class ShoeGroup(GroupProblems):
             yield self if senses == self.friction_senses else replace(self, friction_senses=senses)
 
     def is_foot_as_assumed(self, contact: active_set.Contact, k: int) -> bool:
-        """Whether the foot of shoe `k` stands or slides in a solution as the solution assumes.
+        """Whether the foot of shoe `k` stands or slides as its sense of friction assumes.
 
-        See `Held.stands`.
+        The sense was chosen before the contact was solved. See `Held.stands`.
         """
         shoe = self.shoes[k]
         if shoe.abutment is None:
@@ -255,10 +256,10 @@ class ShoeGroup(GroupProblems):
     def follow_to_friction_limit(self, largest_friction: float) -> FollowedFrictionLimit:
         """Find the friction coefficient of the drum up to which the group has an equilibrium.
 
-        The solution is followed from the least friction of the drum that has a solution, up to its
-        end or to `largest_friction`. On the way a foot on a rough abutment may begin to slide,
-        stop, or slide the other way. The solution is then followed with the new sense of friction.
-        Raises NoAnswer if there is no solution at any friction.
+        The friction grows in steps from the least one that has a solution, until the solution ends
+        or `largest_friction` is reached. On the way a foot may begin to slide on its abutment,
+        stop, or slide the other way. The next steps then have the new sense of friction at the
+        abutment. Raises NoAnswer if there is no solution at any friction.
         """
         # Without struts, cam and abutments there is nothing to check on the way.
         if (
@@ -403,18 +404,15 @@ def divide_shoes_into_groups(
     penalty : factor alpha of the contact stiffness alpha E/t
     """
     alone = (scene.ring is None or scene.apart) and brake.shares is None
-    members: list[tuple[int, ...]] = (
-        [(i,) for i in pressed_shoes] if alone else [tuple(pressed_shoes)]
-    )
+    members: list[tuple[int, ...]]
+    members = [(i,) for i in pressed_shoes] if alone else [tuple(pressed_shoes)]
     groups = []
     for each in filter(None, members):
         group = ShoeGroup(scene, brake, each, penalty)
         # Without friction at abutments the senses of this friction need not be found.
-        groups.append(
-            group
-            if group.has_rough_abutment
-            else replace(group, friction_senses=group.known_friction_senses)
-        )
+        if not group.has_rough_abutment:
+            group = replace(group, friction_senses=group.known_friction_senses)
+        groups.append(group)
     return groups
 
 

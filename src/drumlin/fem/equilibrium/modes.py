@@ -56,7 +56,7 @@ def make_rigid_body_modes(
     body : the substructure of the shoe
     shoe : the shoe
     moment : moment of the actuation about the pin [m], per newton of its force
-    sense : sense of the friction at an abutment, see `Held.freedoms`
+    sense : sense of the friction at an abutment, +1, -1 or 0, see `Held.freedoms`
     """
     if shoe.held_by == "hinge":
         return _mode_of_turn_about_pin(body, moment)

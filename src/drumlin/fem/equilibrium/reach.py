@@ -64,7 +64,7 @@ def check_turns_in_answer(shoe: Shoe, sense: int, gap: Floats, coordinates: Floa
     Parameters
     ----------
     shoe : the shoe
-    sense : sense of the friction at its abutment, see `Held.freedoms`
+    sense : sense of the friction at its abutment, +1, -1 or 0, see `Held.freedoms`
     gap : gaps (n,) [m] of the unloaded lining; a lining that touches anywhere passes
     coordinates : generalised coordinates (k,) [rad, m] of the shoe in the solution
     """

@@ -203,7 +203,7 @@ def _of(
     Parameters
     ----------
     zone : length of the zone at each end of the lining in which no peak is looked for
-    unit : growth of the coordinate theta per radian of phi, see `Frame`
+    unit : change of the coordinate theta per radian of the shoe's angle phi, see `Frame`
     a, b : responses of the shoe on a level and on the next
     """
     held = reaction_size(b.hinge_reaction, b.normal_force)

@@ -46,7 +46,7 @@ class LevelRule(NamedTuple):
 
     Elements that grow by 1/q from a singular point leave the error ((1 - sqrt q)/(1 + sqrt q))^p of
     the best polynomials of degree p (Gui & Babuska, Numer. Math. 49, 1986), and this error is e.
-    Three gradings may be coarser than e asks, because they change p(theta) less. The layers change
+    Two gradings may be coarser than e asks, because they change p(theta) less. The layers change
     it by their compliance alone; a compliance is an energy, whose error is the square of the error
     of the stresses. A short contact changes it in few columns of elements only.
 
@@ -147,7 +147,10 @@ class ResponseFunction(Protocol):
     def __call__(
         self, scene: PreparedModel, brake: Brake, *, start: Response | None = None
     ) -> Response:
-        """The response of the brake; the contact of an earlier response `start` is the guess."""
+        """Return the response of a brake on its prepared model `scene`.
+
+        The contact of an earlier response `start` is the first guess of the contact.
+        """
 
 
 class SolvedLevel(NamedTuple):
@@ -165,8 +168,8 @@ def solved_levels(
 ) -> Iterator[SolvedLevel]:
     """Solve a brake on one level after the other, finer and finer, and yield each solved level.
 
-    The contact is found by following it as the friction grows. On the way the contact may lie where
-    the division is coarse, and a short contact on nodes far apart may have no solution. A level
+    The contact is found in steps of growing friction. On the way the contact may lie where the
+    elements are large, and a short contact on nodes far apart may have no solution. A level
     without a solution is therefore solved once more with narrower columns of elements, at least as
     many along the lining as a mesh has elements. All later levels keep this limit of the width. A
     level whose solution has lost too many digits to round-off is not solved again: no division of

@@ -108,7 +108,8 @@ class FullSystem:
     pressures : slice of each shoe's pressures among the unknowns
     coordinates : slice of each shoe's generalised coordinates among the unknowns
     lever : (unknowns,) torque per unknown, so that torque = lever . x
-    scale : (unknowns,) factors that equilibrate rows and columns, see `_equilibrating_factors`
+    scale : (unknowns,) factors that give rows and columns similar sizes, see
+        `_equilibrating_factors`
     """
 
     matrix: Any
@@ -167,7 +168,9 @@ class _RingBlock(NamedTuple):
 
 @dataclass(frozen=True)
 class _Layout:
-    """The order of the unknowns in a full system: those of each shoe, of the ring, all pressures.
+    """The order of the unknowns in a full system.
+
+    The unknowns of each shoe come first, then those of the ring, then all pressures.
 
     Attributes
     ----------
@@ -277,7 +280,10 @@ def _torque_lever(group: ShoeGroup, layout: _Layout) -> Floats:
 
 
 def _shoe_block(group: ShoeGroup, k: int, relative_to_rigid_motion: bool) -> _ShoeBlock:
-    """The part of shoe `k` in the full system; parameters as of `full_system`."""
+    """The part of shoe `k` of a group in the full system, in long double.
+
+    For `relative_to_rigid_motion` see `full_system`.
+    """
     body, shoe, modes = group.bodies[k], group.shoes[k], group.rigid_body_modes[k]
     constraints = body.condensed.constraints.matrix.astype(LONG_DOUBLE)
     # The stiffness is assembled again in long double; the condensed body has it in double only.

@@ -75,7 +75,7 @@ def singular_points_of(
     response : an earlier response, or None. Without a response the kinks of a table of clearances
         are not singular yet, because their strength depends on the pressure.
     alike : for each shoe the index of the first shoe of the same shape, see
-        `cache.first_shoes_of_equal_shape`; found here if it is empty
+        `cache.first_shoes_of_equal_shape`; if it is empty, this function finds the indices
     error : error of p that the next level leaves, see `Level.error`; with 0 every kink of a table
         is singular where the lining presses
     """
@@ -163,7 +163,7 @@ def _points_at_kinks(
 
     Parameters
     ----------
-    shoe, answer, scale_factor, level_error : as of `_singular_points_of_lining`
+    shoe, answer, scale_factor, level_error : parameters of `_singular_points_of_lining`
     arcs : contacts of the lining [rad]
     """
     (start, end), frame = shoe.arc, shoe.frame

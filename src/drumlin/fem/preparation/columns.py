@@ -94,7 +94,8 @@ def make_hp_bodies(
     brake : the brake
     level : degree and grading of the elements
     places : singular points of the pressure, for each shape of shoe
-    alike : for each shoe the first one of its shape, see `cache.first_shoes_of_equal_shape`
+    alike : for each shoe the index of the first shoe of the same shape, see
+        `cache.first_shoes_of_equal_shape`
     cache : keeps condensed bodies; found ones are taken from it, and new ones put there
     seconds : time of each phase [s], which this function adds to
 

@@ -45,12 +45,12 @@ brakes of the study plane_stress. A note of the response states it.
 
 
 def material_between_plane_states(material: Material, share: float) -> Material:
-    """A material whose plane stress is as stiff as the given material between two plane states.
+    """The material that is as stiff in plane stress as a lining between plane stress and strain.
 
-    `share` is 0 for plane stress and 1 for plane strain. Poisson's ratio nu stays. A lining that is
-    held along the arc has the stiffness lambda + 2 mu through its thickness. The Lame constant
-    lambda is interpolated between those of plane stress and plane strain. The modulus that has this
-    stiffness in plane stress is E' = (lambda + 2 mu) (1 - nu^2).
+    The share of plane strain, `share`, is 0 for plane stress and 1 for plane strain. Poisson's
+    ratio nu stays. A lining that is held along the arc has the stiffness lambda + 2 mu through its
+    thickness. The Lame constant lambda is interpolated between those of plane stress and plane
+    strain. The modulus that has this stiffness in plane stress is E' = (lambda + 2 mu) (1 - nu^2).
     """
     E, nu = material.E, material.nu
     matrix = elasticity_matrix(material)
@@ -68,8 +68,9 @@ def plane_strain_share_of_lining(width: float, thickness: float) -> float:
 def mean_pressure_under_flange(reach: float, stiffness: float, foundation: float) -> float:
     """Mean pressure under a flange of a shoe's table, relative to the pressure under its web.
 
-    The flange is a strip that is clamped to the web and free at its side. Its deflection y, with
-    which the pressure falls, is that of a cantilever on an elastic foundation:
+    The flange is a strip that is clamped to the web and free at its side. The lining is its elastic
+    foundation. The pressure y of the lining, relative to that at the web, falls with the deflection
+    of the strip, which is that of a cantilever on an elastic foundation:
 
         D y'''' + K y = 0,  y(0) = 1, y'(0) = 0, y''(c) = y'''(c) = 0.
 

@@ -40,7 +40,7 @@ def prepare(
     level : degree and grading of hp elements; with None every shoe is meshed
     places : singular points of the pressure for each shape of shoe, for hp elements
     alike : for each shoe the index of the first shoe of the same shape, see
-        `cache.first_shoes_of_equal_shape`; found by this function if empty
+        `cache.first_shoes_of_equal_shape`; if it is empty, this function finds the indices
     elements : number of elements along each parametric lining of a mesh
     kind : kind of a mesh, "quad2", "quad1", "tri2" or "tri1"
     mesher : function that makes the mesh of a shoe without a file, in place of `shoe_mesh`;
