@@ -112,11 +112,11 @@ class Contact:
     p : nodal pressures (n,)
     w : weighted gaps (n,)
     y : rigid-body motions (k,)
-    active : whether a node (n,) is in the contact set
+    active : whether a node (n,) touches, which means that it is in the contact set
     steps : number of contact sets that were solved
     stable : whether the contact resists every rigid-body mode, as it does without friction. Where
         growing friction makes the brake lock itself, the solution is unstable.
-    system : the equilibrated contact problem
+    system : the scaled contact problem
     pressure_change : function that returns the change of p (n,) under a given change of the
         weighted gaps (n,) while the contact set stays
     """
@@ -351,7 +351,7 @@ def _find_node_that_closes_first(
 
     Parameters
     ----------
-    K : matrix (n + k, n + k) of the equilibrated system
+    K : matrix (n + k, n + k) of the scaled contact problem
     equations : the factorised equations of the contact set
     w : scaled weighted gaps (n,) before the node opens
     opening_node : number of the node that opens

@@ -1,12 +1,13 @@
 """Scale and factorise the linear equations of a contact set.
 
-The contact problem has n nodes and k rigid-body modes. At a node of the contact set the weighted
-gap vanishes, w = q + A p + B y = 0. At all other nodes the pressure vanishes, p = 0. The pressures
-balance the actuation, C p = h. The gaps and the balance together are one linear system with the
-matrix [[A, B], [C, 0]], restricted to the rows and columns of the contact set.
+The contact set is the set of nodes that touch. The contact problem has n nodes and k rigid-body
+modes. At a node of the contact set the weighted gap vanishes, w = q + A p + B y = 0. At all other
+nodes the pressure vanishes, p = 0. The pressures balance the actuation, C p = h. The gaps and the
+balance together are one linear system with the matrix [[A, B], [C, 0]], restricted to the rows and
+columns of the contact set.
 
-The system is equilibrated and factorised once. A contact set that differs by a few nodes reuses the
-factors through a bordered system.
+The system is scaled to entries of similar size and factorised once. A contact set that differs by a
+few nodes reuses the factors through a bordered system.
 """
 
 from typing import NamedTuple
@@ -178,7 +179,10 @@ class ContactSetEquations:
         return _determinant_sign(self._factors)
 
     def _solve_free_unknowns(self, right: Floats) -> Floats:
-        """Return the free unknowns (f,) under a right-hand side (f,); or (f, m) for m of them."""
+        """Return the f free unknowns (f,) for a right-hand side (f,).
+
+        For m right-hand sides both are (f, m).
+        """
         return _solve_with_factors(self._factors, right)
 
 

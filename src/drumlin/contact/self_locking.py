@@ -146,7 +146,7 @@ class FrictionLimit(NamedTuple):
 class FrictionBeyondLimit(NoAnswer):
     """The error that a friction coefficient is beyond the limit of self-locking.
 
-    `limit` is the largest friction coefficient that has a solution as friction grows from 0.
+    `limit` tells at which friction coefficient the solution ends as friction grows from 0.
     """
 
     def __init__(self, line: str, limit: FrictionLimit) -> None:
@@ -212,9 +212,9 @@ def find_friction_limit(
 
 
 def _continues_solution(after: Contact, before: Contact, areas: Floats) -> bool:
-    """Whether a solution continues the solution at the friction coefficient before.
+    """Whether a solution continues the solution at the last, smaller friction coefficient.
 
-    It does if the contact set is the same, or if the contact force has grown by little.
+    It does if the same nodes touch, or if the contact force has grown by little.
     """
     return np.array_equal(after.active, before.active) or _contact_force_grows_little(
         after, before, areas

@@ -23,8 +23,9 @@ changes to another state:
 
 An increment is therefore one piecewise linear equation (Klarbring 1986; Alart & Curnier 1991).
 Newton's method solves this equation, and all nodes change at once. If Newton's method cycles, a
-path of solutions is followed. The load of the path goes from a load that the present states balance
-to the true load, and one node changes at a time (Lemke 1965; Eaves 1976).
+path of solutions is followed (a continuation method). The load of the path goes from a load that
+the present states balance to the true load, and one node changes at a time (Lemke 1965; Eaves
+1976).
 
 The history (t_0, s_0) is an input. The functions of this module do not change the history. The
 caller passes the converged increment on as the history of the next one.
